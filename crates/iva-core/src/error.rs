@@ -1,0 +1,20 @@
+//! What a constructor says when a value cannot be used.
+
+/// A value outside what the model allows: one sentence with field, value and what is allowed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{field} = {value}: {allowed}")]
+pub struct Invalid {
+    /// Name of the field as the user wrote it, for example `absorber.restitution`.
+    pub field: String,
+    /// The offending value, printed.
+    pub value: String,
+    /// What is allowed instead.
+    pub allowed: String,
+}
+
+impl Invalid {
+    /// Builds the error from a field name, a printable value and the rule that it breaks.
+    pub fn new(field: impl Into<String>, value: impl ToString, allowed: impl Into<String>) -> Self {
+        Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
+    }
+}

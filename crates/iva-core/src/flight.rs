@@ -1,0 +1,65 @@
+//! What smooth motion between two events must say of itself.
+//!
+//! A flight (the absorber free in its gap) and a ride (the absorber stuck on a wall) are both a
+//! [`Motion`]: exact states at any h up to `reach`. What can end them is a [`Curve`]: a scalar
+//! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
+
+use crate::system::Wall;
+
+/// A scalar function of time and its first three derivatives at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jet {
+    /// f
+    pub value: f64,
+    /// f′
+    pub rate: f64,
+    /// f″
+    pub curvature: f64,
+    /// f‴
+    pub jerk: f64,
+}
+
+/// A scalar function on [0, reach] with a bound on its fourth derivative.
+pub trait Curve {
+    /// What one evaluation yields; the jet is read from it.
+    type Sample: Copy;
+    /// Evaluates the motion at h.
+    fn sample(&self, h: f64) -> Self::Sample;
+    /// The function and its derivatives at a sample.
+    fn jet(&self, sample: &Self::Sample) -> Jet;
+    /// A number that |f⁗| does not exceed on [0, reach].
+    fn fourth(&self) -> f64;
+    /// The size of the terms that f is summed from: its rounding is some 2⁻⁵³ of this.
+    fn magnitude(&self) -> f64;
+}
+
+/// Displacement and velocity of the absorber in its gap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GapPoint {
+    /// Gap displacement y.
+    pub y: f64,
+    /// Gap velocity w = ẏ.
+    pub w: f64,
+}
+
+/// Smooth motion from one state, exact for 0 ≤ h ≤ `reach`.
+pub trait Motion {
+    /// The state it starts from and leads to.
+    type State: Copy + std::fmt::Debug;
+    /// True while the absorber is stuck on a wall.
+    const RIDING: bool;
+    /// The state at h = 0.
+    fn origin(&self) -> &Self::State;
+    /// The longest h this motion is exact for.
+    fn reach(&self) -> f64;
+    /// The state at h.
+    fn state(&self, h: f64) -> Self::State;
+    /// Primary displacement and its derivatives at h.
+    fn primary(&self, h: f64) -> Jet;
+    /// Gap displacement and velocity at h.
+    fn gap(&self, h: f64) -> GapPoint;
+    /// The wall ridden on; `None` in flight.
+    fn wall(&self) -> Option<Wall>;
+    /// Energy lost in the damper up to h, an integral.
+    fn viscous_loss(&self, h: f64) -> f64;
+}

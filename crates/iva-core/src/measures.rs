@@ -1,0 +1,265 @@
+//! Damping measures of a decay, side by side, each by name.
+//!
+//! None is *the* damping ratio. All are taken from the exact motion as it passes: no samples, no
+//! envelope fits to sampled data. Reference amplitude A₀ = |x(0)|, or the first peak when
+//! x(0) = 0.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::compensated::Sum;
+use crate::flight::Motion;
+use crate::observe::{Observer, Span};
+use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
+use crate::settling::LastCrossing;
+use crate::simulate::{Outcome, Tally};
+use crate::system::System;
+
+/// Peaks below this share of A₀ end the least-squares fit.
+const FIT_FLOOR: f64 = 0.05;
+/// The numbers of cycles of the logarithmic decrements.
+const CYCLES: [u64; 3] = [1, 3, 10];
+
+/// Which groups of measures to compute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wanted {
+    /// Logarithmic decrements and the least-squares fit.
+    pub peaks: bool,
+    /// Settling times.
+    pub settling: bool,
+    /// Residual amplitude.
+    pub residual: bool,
+    /// Viscous loss, an integral along every flight.
+    pub ledger: bool,
+}
+
+impl Wanted {
+    /// Everything.
+    pub const ALL: Wanted = Wanted { peaks: true, settling: true, residual: true, ledger: true };
+}
+
+/// The measures of a run; `None` where the run does not define one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct MeasureValues {
+    /// δ/√(4π² + δ²), δ = ln(a₀/a₂).
+    pub damping_ratio_1: Option<f64>,
+    /// The same with δ = ln(a₀/a₆)/3.
+    pub damping_ratio_3: Option<f64>,
+    /// The same with δ = ln(a₀/a₂₀)/10.
+    pub damping_ratio_10: Option<f64>,
+    /// −slope of the least-squares line of ln a_k over ωn t_k, down to 5 % of A₀; at least 3 peaks.
+    pub damping_ratio_fit: Option<f64>,
+    /// (E(0) − E(2π))/(4π E(0)).
+    pub damping_ratio_energy: Option<f64>,
+    /// Last instant at which |x| = 0.10 A₀; null while |x| exceeds it in the last half period.
+    pub settling_time_10: Option<f64>,
+    /// Last instant at which |x| = 0.05 A₀.
+    pub settling_time_5: Option<f64>,
+    /// Last instant at which |x| = 0.02 A₀.
+    pub settling_time_2: Option<f64>,
+    /// Largest |x| over the last period over A₀.
+    pub residual_amplitude: Option<f64>,
+    /// E(0).
+    pub energy_initial: f64,
+    /// Σ ∫ 2ζ ẋ² dt.
+    pub energy_viscous: f64,
+    /// E at the end.
+    pub energy_final: f64,
+    /// Initial − impacts − viscous − final.
+    pub energy_residual: f64,
+}
+
+/// Takes the measures while a run passes.
+#[derive(Debug, Clone)]
+pub struct Measures<S: System> {
+    wanted: Wanted,
+    values: MeasureValues,
+    duration: f64,
+    reference: Reference,
+    half_cycles: HalfCycles,
+    first_peak: f64,
+    decrements: [Option<f64>; 3],
+    fit: Fit,
+    settling: [LastCrossing<S>; 3],
+    last_period: f64,
+    last_half_period: f64,
+    viscous: Sum,
+}
+
+/// A₀, which grows with the first half cycle where x(0) = 0.
+#[derive(Debug, Clone, Copy)]
+struct Reference {
+    amplitude: f64,
+    settled: bool,
+}
+
+impl<S: System> Measures<S> {
+    /// Computes the wanted groups of measures.
+    pub fn new(wanted: Wanted) -> Self {
+        Self {
+            wanted,
+            values: MeasureValues::default(),
+            duration: 0.0,
+            reference: Reference { amplitude: 0.0, settled: false },
+            half_cycles: HalfCycles::default(),
+            first_peak: 0.0,
+            decrements: [None; 3],
+            fit: Fit::default(),
+            settling: [0.10, 0.05, 0.02].map(LastCrossing::new),
+            last_period: 0.0,
+            last_half_period: 0.0,
+            viscous: Sum::ZERO,
+        }
+    }
+
+    /// What was measured; complete once the run has ended.
+    pub fn values(&self) -> &MeasureValues {
+        &self.values
+    }
+
+    fn peak(&mut self, peak: &Peak, index: u64) {
+        let amplitude = peak.displacement.abs();
+        if index == 0 {
+            self.first_peak = amplitude;
+            self.reference.settled = true;
+        }
+        for (decrement, cycles) in self.decrements.iter_mut().zip(CYCLES) {
+            if index == 2 * cycles {
+                let delta = (self.first_peak / amplitude).ln() / cycles as f64;
+                *decrement = Some(delta / (TAU * TAU + delta * delta).sqrt());
+            }
+        }
+        self.fit.take(peak.time, amplitude / self.reference.amplitude);
+    }
+
+    fn stretch<M: Motion<State = S::State>>(&mut self, span: &Span<'_, M>, stretch: &Monotone) {
+        let [_, x] = stretch.x;
+        let time = span.start.plus(stretch.h[1]).value;
+        // First, because the end of half cycle 0 settles A₀.
+        if let Some(peak) = self.half_cycles.reach(time, x) {
+            self.peak(&peak, self.half_cycles.ended - 1);
+        }
+        if !self.reference.settled && x.abs() > self.reference.amplitude {
+            self.reference.amplitude = x.abs();
+            self.settling.iter_mut().for_each(LastCrossing::forget);
+        } else if self.wanted.settling {
+            for crossing in &mut self.settling {
+                crossing.watch(span, stretch, self.reference.amplitude);
+            }
+        }
+        if self.wanted.residual || self.wanted.settling {
+            self.late(span, stretch, time);
+        }
+    }
+
+    /// Largest |x| in the last period and half period of the run.
+    fn late<M: Motion<State = S::State>>(
+        &mut self,
+        span: &Span<'_, M>,
+        stretch: &Monotone,
+        end: f64,
+    ) {
+        for (before_end, largest) in
+            [(TAU, &mut self.last_period), (PI, &mut self.last_half_period)]
+        {
+            let from = (self.duration - before_end).max(0.0);
+            if end < from {
+                continue;
+            }
+            let h = -span.start.minus(from);
+            let first = if h > stretch.h[0] { span.motion.primary(h).value } else { stretch.x[0] };
+            *largest = largest.max(first.abs()).max(stretch.x[1].abs());
+        }
+    }
+}
+
+impl<S: System> Observer<S> for Measures<S> {
+    fn start(&mut self, system: &S, state: &S::State, duration: f64) {
+        *self = Self::new(self.wanted);
+        let x = system.primary(state).x;
+        self.duration = duration;
+        self.reference = Reference { amplitude: x.abs(), settled: x != 0.0 };
+        self.half_cycles = HalfCycles::start(x);
+        self.values.energy_initial = system.energy(state);
+    }
+
+    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        if self.wanted.peaks || self.wanted.settling || self.wanted.residual {
+            let (first, second) = monotone::<S, M>(span);
+            self.stretch(span, &first);
+            if let Some(second) = second {
+                self.stretch(span, &second);
+            }
+        }
+        if self.wanted.ledger {
+            self.viscous = self.viscous.plus(span.motion.viscous_loss(span.length));
+        }
+        let to_period = -span.start.minus(TAU);
+        if to_period > 0.0 && to_period <= span.length {
+            let initial = self.values.energy_initial;
+            let energy = system.energy(&span.motion.state(to_period));
+            if initial > 0.0 {
+                self.values.damping_ratio_energy = Some((initial - energy) / (2.0 * TAU * initial));
+            }
+        }
+    }
+
+    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+        if self.half_cycles.ended == 0 {
+            let only = self.half_cycles.current;
+            self.peak(&only, 0);
+        }
+        let amplitude = self.reference.amplitude;
+        let whole = tally.outcome == Outcome::Finished && amplitude > 0.0;
+        let values = &mut self.values;
+        [values.damping_ratio_1, values.damping_ratio_3, values.damping_ratio_10] = self.decrements;
+        values.damping_ratio_fit = self.fit.slope().map(|slope| -slope);
+        if whole && self.wanted.settling {
+            let late = self.last_half_period;
+            [values.settling_time_10, values.settling_time_5, values.settling_time_2] =
+                std::array::from_fn(|i| self.settling[i].time(system, late, amplitude));
+        }
+        if whole && self.wanted.residual && self.duration >= TAU {
+            values.residual_amplitude = Some(self.last_period / amplitude);
+        }
+        values.energy_viscous = self.viscous.value;
+        values.energy_final = system.energy(&tally.state);
+        values.energy_residual = Sum::new(values.energy_initial)
+            .plus(-tally.energy_impacts)
+            .plus(-values.energy_viscous)
+            .plus(-values.energy_final)
+            .value;
+    }
+}
+
+/// Running least-squares line of ln a over t (updated means, after Welford 1962).
+#[derive(Debug, Clone, Copy, Default)]
+struct Fit {
+    closed: bool,
+    count: f64,
+    mean_t: f64,
+    mean_l: f64,
+    square_t: f64,
+    product: f64,
+}
+
+impl Fit {
+    /// Takes a peak of this size over A₀.
+    fn take(&mut self, time: f64, amplitude: f64) {
+        // Where nothing moves, the amplitude is 0/0.
+        if self.closed || amplitude.is_nan() || amplitude < FIT_FLOOR {
+            self.closed = true;
+            return;
+        }
+        let log = amplitude.ln();
+        self.count += 1.0;
+        let dt = time - self.mean_t;
+        self.mean_t += dt / self.count;
+        self.mean_l += (log - self.mean_l) / self.count;
+        self.square_t += dt * (time - self.mean_t);
+        self.product += dt * (log - self.mean_l);
+    }
+
+    fn slope(&self) -> Option<f64> {
+        (self.count >= 3.0).then(|| self.product / self.square_t)
+    }
+}

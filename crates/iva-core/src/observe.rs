@@ -1,0 +1,142 @@
+//! Who watches a run: measures, records and samplers see it through [`Observer`].
+
+use crate::flight::Motion;
+use crate::impact::Impact;
+use crate::simulate::Tally;
+use crate::system::{Clock, Point, System, Wall};
+
+/// Smooth motion between two neighbouring instants of the run.
+#[derive(Debug)]
+pub struct Span<'a, M> {
+    /// The motion, exact for 0 ≤ h ≤ `length`.
+    pub motion: &'a M,
+    /// Instant at h = 0.
+    pub start: Clock,
+    /// Length of the span.
+    pub length: f64,
+    /// Primary at its begin.
+    pub from: Point,
+    /// Primary at its end.
+    pub to: Point,
+}
+
+/// A chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Episode {
+    /// The wall.
+    pub wall: Wall,
+    /// Its first impact: the first after which only this wall is met until the stick.
+    pub start_time: f64,
+    /// End of the chatter, begin of the ride.
+    pub stick_time: f64,
+    /// End of the ride; `None` if still stuck at the end of the run.
+    pub release_time: Option<f64>,
+    /// Listed impacts.
+    pub impacts: u64,
+    /// Energy lost in all its impacts, listed or summed.
+    pub energy_loss: f64,
+}
+
+/// Told of everything that happens in a run, in the order of time.
+pub trait Observer<S: System> {
+    /// The run begins and is to last until `duration`.
+    fn start(&mut self, _system: &S, _state: &S::State, _duration: f64) {}
+    /// Smooth motion.
+    fn span<M: Motion<State = S::State>>(&mut self, _system: &S, _span: &Span<'_, M>) {}
+    /// An impact.
+    fn impact(&mut self, _impact: &Impact) {}
+    /// Of the impacts from index `first` on, those not faster than `floor` are not to be listed:
+    /// they turned out to belong to a chatter that ended in stick.
+    fn unlist(&mut self, _first: u64, _floor: f64) {}
+    /// An episode, told when it ends.
+    fn episode(&mut self, _episode: &Episode) {}
+    /// The run has ended.
+    fn end(&mut self, _system: &S, _tally: &Tally<S::State>) {}
+}
+
+impl<S: System> Observer<S> for () {}
+
+impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
+    fn start(&mut self, system: &S, state: &S::State, duration: f64) {
+        if let Some(observer) = self {
+            observer.start(system, state, duration);
+        }
+    }
+    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        if let Some(observer) = self {
+            observer.span(system, span);
+        }
+    }
+    fn impact(&mut self, impact: &Impact) {
+        if let Some(observer) = self {
+            observer.impact(impact);
+        }
+    }
+    fn unlist(&mut self, first: u64, floor: f64) {
+        if let Some(observer) = self {
+            observer.unlist(first, floor);
+        }
+    }
+    fn episode(&mut self, episode: &Episode) {
+        if let Some(observer) = self {
+            observer.episode(episode);
+        }
+    }
+    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+        if let Some(observer) = self {
+            observer.end(system, tally);
+        }
+    }
+}
+
+impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
+    fn start(&mut self, system: &S, state: &S::State, duration: f64) {
+        self.0.start(system, state, duration);
+        self.1.start(system, state, duration);
+    }
+    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        self.0.span(system, span);
+        self.1.span(system, span);
+    }
+    fn impact(&mut self, impact: &Impact) {
+        self.0.impact(impact);
+        self.1.impact(impact);
+    }
+    fn unlist(&mut self, first: u64, floor: f64) {
+        self.0.unlist(first, floor);
+        self.1.unlist(first, floor);
+    }
+    fn episode(&mut self, episode: &Episode) {
+        self.0.episode(episode);
+        self.1.episode(episode);
+    }
+    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+        self.0.end(system, tally);
+        self.1.end(system, tally);
+    }
+}
+
+/// Keeps the impacts and episodes of a run.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Events {
+    /// Listed impacts in the order of time.
+    pub impacts: Vec<Impact>,
+    /// Episodes in the order of time.
+    pub episodes: Vec<Episode>,
+}
+
+impl<S: System> Observer<S> for Events {
+    fn impact(&mut self, impact: &Impact) {
+        self.impacts.push(*impact);
+    }
+    fn unlist(&mut self, first: u64, floor: f64) {
+        let mut index = 0;
+        self.impacts.retain(|impact| {
+            index += 1;
+            index <= first || impact.approach_speed() > floor
+        });
+    }
+    fn episode(&mut self, episode: &Episode) {
+        self.episodes.push(*episode);
+    }
+}

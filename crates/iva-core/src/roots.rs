@@ -1,0 +1,297 @@
+//! The first zero of a smooth function, with a certificate.
+//!
+//! [`first_zero`] walks through exclude → isolate → refine → classify. Every decision rests on the
+//! function's exact values and derivatives at the ends of an interval of length L and on a bound
+//! m₄ ≥ |f⁗| in between:
+//!
+//! * **leaving**: f, f′, f″ ≥ 0 at the left end and f‴ ≥ m₄ L: f grows on the whole interval;
+//! * **curved one way**: f″ keeps clear of 0 by m₄L²/8 (error of linear interpolation), so a convex
+//!   f has one minimum and a concave f lies above its chord;
+//! * **excluded**: the Bernstein coefficients of the cubic Hermite interpolant exceed its error
+//!   m₄L⁴/384, so f > 0;
+//! * **monotone**: the coefficients of the interpolant's derivative exceed its error √3 m₄L³/216;
+//! * otherwise the interval is halved, the left half first.
+//!
+//! (Error constants of Hermite interpolation: Birkhoff and Priver, J. Math. Phys. 46, 1967.)
+//!
+//! **What cannot be decided.** A minimum of f whose distance from zero is below the band given by
+//! the caller is beyond double precision: it counts as no zero and is reported in
+//! [`Search::undecided`]. Only minima are ever undecided; a transversal zero never is.
+
+use crate::flight::{Curve, Jet};
+
+/// A point of a curve: where, what was evaluated, and the jet of the function searched.
+#[derive(Debug, Clone, Copy)]
+pub struct Node<T> {
+    /// Time since the start of the motion.
+    pub h: f64,
+    /// The evaluated sample.
+    pub sample: T,
+    /// The function and its derivatives.
+    pub jet: Jet,
+}
+
+/// What a search found.
+#[derive(Debug, Clone, Copy)]
+pub struct Search<T> {
+    /// The first zero crossed downwards; `None` means that there is none.
+    pub zero: Option<Node<T>>,
+    /// Minima met before it that lie within the band.
+    pub undecided: u64,
+}
+
+/// A function to search: a curve's own, or one derived from it through `view`.
+pub struct Searched<'a, C: Curve, V: Fn(Jet) -> Jet> {
+    /// The motion that is evaluated.
+    pub curve: &'a C,
+    /// From the curve's jet to the jet of the function searched.
+    pub view: V,
+    /// Bound on the function's fourth derivative.
+    pub fourth: f64,
+    /// Half width of the band in which a minimum cannot be decided.
+    pub band: f64,
+}
+
+/// Intervals are not halved more often than this; see `resolve`.
+const MAX_DEPTH: u32 = 48;
+
+impl<C: Curve, V: Fn(Jet) -> Jet> Searched<'_, C, V> {
+    /// The node at h.
+    pub fn node(&self, h: f64) -> Node<C::Sample> {
+        let sample = self.curve.sample(h);
+        Node { h, sample, jet: (self.view)(self.curve.jet(&sample)) }
+    }
+
+    /// True if f > 0 on the whole interval, by the Hermite–Bernstein bound alone.
+    #[inline]
+    pub fn excluded(&self, a: &Jet, b: &Jet, length: f64) -> bool {
+        let square = length * length;
+        let error = self.fourth * (square * square) * (1.0 / 384.0);
+        let b1 = a.value + length * a.rate * (1.0 / 3.0);
+        let b2 = b.value - length * b.rate * (1.0 / 3.0);
+        a.value.min(b1).min(b2).min(b.value) > error + self.band
+    }
+
+    /// The first zero crossed downwards on [a, b], where f(a) ≥ 0 but for rounding.
+    pub fn first_zero(&self, a: &Node<C::Sample>, b: &Node<C::Sample>) -> Search<C::Sample> {
+        let mut undecided = 0;
+        let zero = self.search(a, b, 0, &mut undecided);
+        Search { zero, undecided }
+    }
+
+    fn search(
+        &self,
+        a: &Node<C::Sample>,
+        b: &Node<C::Sample>,
+        depth: u32,
+        undecided: &mut u64,
+    ) -> Option<Node<C::Sample>> {
+        let length = b.h - a.h;
+        let (fa, fb) = (&a.jet, &b.jet);
+        let leaving = fa.value >= 0.0 && fa.rate >= 0.0 && fa.curvature >= 0.0;
+        if leaving && fa.jerk >= self.fourth * length {
+            return None;
+        }
+        let square = length * length;
+        let curvature_slack = self.fourth * square * (1.0 / 8.0);
+        if fa.curvature.max(fb.curvature) < -curvature_slack {
+            // Concave: above the chord, so only the right end decides.
+            return self.end_decides(a, b);
+        }
+        if fa.curvature.min(fb.curvature) > curvature_slack {
+            return self.convex(a, b, undecided);
+        }
+        if self.excluded(fa, fb, length) {
+            return None;
+        }
+        let rate_slack = self.fourth * (square * length) * (3f64.sqrt() / 216.0);
+        let middle = 3.0 * (fb.value - fa.value) / length - (fa.rate + fb.rate);
+        if fa.rate.min(fb.rate).min(middle) > rate_slack {
+            return None;
+        }
+        if fa.rate.max(fb.rate).max(middle) < -rate_slack {
+            return self.end_decides(a, b);
+        }
+        if depth >= MAX_DEPTH || length <= f64::EPSILON * b.h {
+            return self.resolve(a, b, undecided);
+        }
+        let centre = self.node(0.5 * (a.h + b.h));
+        self.search(a, &centre, depth + 1, undecided)
+            .or_else(|| self.search(&centre, b, depth + 1, undecided))
+    }
+
+    /// f crosses zero at most once, downwards, on (a, b].
+    fn end_decides(&self, a: &Node<C::Sample>, b: &Node<C::Sample>) -> Option<Node<C::Sample>> {
+        if b.jet.value > 0.0 || self.dips_within_band(&b.jet) {
+            None
+        } else {
+            Some(self.refine(a, b, None))
+        }
+    }
+
+    /// f is convex on [a, b].
+    fn convex(
+        &self,
+        a: &Node<C::Sample>,
+        b: &Node<C::Sample>,
+        undecided: &mut u64,
+    ) -> Option<Node<C::Sample>> {
+        let (fa, fb) = (&a.jet, &b.jet);
+        if fa.rate >= 0.0 {
+            return None;
+        }
+        if fb.rate <= 0.0 {
+            return self.end_decides(a, b);
+        }
+        // The tangents at both ends lie below f; where they meet is the lowest f can be.
+        let lowest = (fb.rate * fa.value - fa.rate * (fb.value - fb.rate * (b.h - a.h)))
+            / (fb.rate - fa.rate);
+        if lowest > self.band {
+            return None;
+        }
+        let minimum = self.minimum(a, b);
+        if minimum.jet.value > self.band {
+            None
+        } else if minimum.jet.value >= -self.band {
+            *undecided += 1;
+            None
+        } else {
+            let back = (-2.0 * minimum.jet.value / minimum.jet.curvature).sqrt();
+            Some(self.refine(a, &minimum, Some(minimum.h - back)))
+        }
+    }
+
+    /// f is slightly negative here and falls on, but its minimum close by is within the band: the
+    /// search of the next interval meets that minimum and counts it.
+    fn dips_within_band(&self, jet: &Jet) -> bool {
+        jet.curvature > 0.0
+            && jet.rate < 0.0
+            && jet.value - 0.5 * jet.rate * jet.rate / jet.curvature >= -self.band
+    }
+
+    /// The interval is so short that f is constant to rounding: its end decides.
+    fn resolve(
+        &self,
+        a: &Node<C::Sample>,
+        b: &Node<C::Sample>,
+        undecided: &mut u64,
+    ) -> Option<Node<C::Sample>> {
+        if b.jet.value > self.band {
+            None
+        } else if b.jet.value >= -self.band {
+            *undecided += 1;
+            None
+        } else {
+            Some(self.refine(a, b, None))
+        }
+    }
+
+    /// The only zero on (a, b], where f(b) ≤ 0, to the last bits of h.
+    fn refine(
+        &self,
+        a: &Node<C::Sample>,
+        b: &Node<C::Sample>,
+        guess: Option<f64>,
+    ) -> Node<C::Sample> {
+        if a.jet.value < 0.0 && a.jet.rate < 0.0 {
+            return *a;
+        }
+        let guess = guess.unwrap_or_else(|| a.h + hermite_zero(&a.jet, &b.jet, b.h - a.h));
+        let (_, node) = polish(
+            |h| {
+                let node = self.node(h);
+                (node, [-node.jet.value, -node.jet.rate, -node.jet.curvature])
+            },
+            a.h,
+            b.h,
+            guess,
+        );
+        node
+    }
+
+    /// The minimum of f on [a, b], where f is convex, f′(a) < 0 < f′(b).
+    fn minimum(&self, a: &Node<C::Sample>, b: &Node<C::Sample>) -> Node<C::Sample> {
+        let (ra, rb) = (a.jet.rate, b.jet.rate);
+        let guess = a.h + (b.h - a.h) * (ra / (ra - rb));
+        let (_, node) = polish(
+            |h| {
+                let node = self.node(h);
+                (node, [node.jet.rate, node.jet.curvature, node.jet.jerk])
+            },
+            a.h,
+            b.h,
+            guess,
+        );
+        node
+    }
+}
+
+/// Zero of the cubic Hermite interpolant with f(0) ≥ 0 ≥ f(length); a zero at 0 is divided out.
+fn hermite_zero(a: &Jet, b: &Jet, length: f64) -> f64 {
+    let b0 = a.value;
+    let b1 = a.value + length * a.rate / 3.0;
+    let b2 = b.value - length * b.rate / 3.0;
+    let b3 = b.value;
+    if b0 <= 0.0 {
+        // H(t)/t = 3 b1 (1−t)² + 3 b2 t (1−t) + b3 t²; its zero by the stable quadratic formula.
+        let (p, q, r) = (3.0 * b1, 3.0 * (b2 - 2.0 * b1), 3.0 * (b1 - b2) + b3);
+        let root = (q * q - 4.0 * p * r).max(0.0).sqrt();
+        let t = 2.0 * p / (root - q);
+        return if t > 0.0 && t <= 1.0 { t * length } else { 0.5 * length };
+    }
+    let (c1, c2, c3) = (3.0 * (b1 - b0), 3.0 * (b0 - 2.0 * b1 + b2), b3 - b0 + 3.0 * (b1 - b2));
+    let mut t = b0 / (b0 - b3);
+    for _ in 0..3 {
+        let value = b0 + t * (c1 + t * (c2 + t * c3));
+        let slope = c1 + t * (2.0 * c2 + 3.0 * t * c3);
+        let next = t - value / slope;
+        if !(0.0..=1.0).contains(&next) {
+            break;
+        }
+        t = next;
+    }
+    t * length
+}
+
+/// The zero of an increasing function on [low, high] by Halley's method, kept inside its bracket.
+///
+/// `f` returns a sample with value, first and second derivative; the sample at the zero is handed
+/// back. Stops when the step is below rounding or no longer shrinks (the function's own rounding
+/// is reached).
+pub(crate) fn polish<T: Copy>(
+    f: impl Fn(f64) -> (T, [f64; 3]),
+    mut low: f64,
+    mut high: f64,
+    guess: f64,
+) -> (f64, T) {
+    let mut h = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
+    let mut last_step = f64::INFINITY;
+    let mut best: Option<(f64, T, f64)> = None;
+    loop {
+        let (sample, [value, slope, bend]) = f(h);
+        if value < 0.0 {
+            low = h;
+        } else {
+            high = h;
+        }
+        let closest = match best {
+            Some((best_h, best_sample, size)) if size < value.abs() => (best_h, best_sample, size),
+            _ => (h, sample, value.abs()),
+        };
+        let step = -2.0 * value * slope / (2.0 * slope * slope - value * bend);
+        let next = h + step;
+        let at_noise = last_step < 1e-7 * (high + low).abs() && step.abs() >= 0.5 * last_step;
+        let middle = 0.5 * (low + high);
+        if value == 0.0
+            || step.abs() <= 0.25 * f64::EPSILON * h.abs()
+            || at_noise
+            || middle <= low
+            || middle >= high
+        {
+            return (closest.0, closest.1);
+        }
+        best = Some(closest);
+        (last_step, h) =
+            if next > low && next < high { (step.abs(), next) } else { (high - low, middle) };
+    }
+}

@@ -1,0 +1,72 @@
+//! One run with everything recorded: the convenient way in.
+
+use crate::error::Invalid;
+use crate::impact::Impact;
+use crate::measures::{MeasureValues, Measures, Wanted};
+use crate::observe::{Episode, Events};
+use crate::peaks::{Envelope, Peak};
+use crate::sample::{Sampler, State};
+use crate::simulate::{Limits, Tally, simulate};
+use crate::system::{Start, System};
+
+/// Everything a run tells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run<S> {
+    /// Outcome, counts and sums.
+    pub tally: Tally<S>,
+    /// Listed impacts.
+    pub impacts: Vec<Impact>,
+    /// Episodes of sticking.
+    pub episodes: Vec<Episode>,
+    /// Peaks of the primary displacement.
+    pub peaks: Vec<Peak>,
+    /// Damping measures and the energy ledger.
+    pub measures: MeasureValues,
+}
+
+/// Runs a system and records impacts, episodes, peaks and measures.
+///
+/// # Errors
+/// [`Invalid`] if the start or a limit is not usable.
+pub fn run<S: System>(
+    system: &S,
+    start: &Start,
+    limits: &Limits,
+) -> Result<Run<S::State>, Invalid> {
+    let mut observers = (Events::default(), (Envelope::default(), Measures::<S>::new(Wanted::ALL)));
+    let tally = simulate(system, start, limits, None, &mut observers)?;
+    let (events, (envelope, measures)) = observers;
+    Ok(Run {
+        tally,
+        impacts: events.impacts,
+        episodes: events.episodes,
+        peaks: envelope.peaks,
+        measures: *measures.values(),
+    })
+}
+
+/// The states of a run at increasing instants within its duration; those after an early end are
+/// missing.
+///
+/// # Errors
+/// [`Invalid`] if the start, a limit or an instant is not usable.
+pub fn states<S: System>(
+    system: &S,
+    start: &Start,
+    limits: &Limits,
+    times: &[f64],
+) -> Result<Vec<State>, Invalid> {
+    for (index, time) in times.iter().enumerate() {
+        let earlier = index > 0 && times[index - 1] > *time;
+        if !(0.0..=limits.duration).contains(time) || earlier {
+            return Err(Invalid::new(
+                format!("times[{index}]"),
+                time,
+                format!("give increasing instants from 0 to {}", limits.duration),
+            ));
+        }
+    }
+    let mut sampler = Sampler::at(times.to_vec());
+    simulate(system, start, limits, None, &mut sampler)?;
+    Ok(sampler.states)
+}

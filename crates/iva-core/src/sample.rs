@@ -1,0 +1,101 @@
+//! The motion at given instants, exact: read off the closed form, never interpolated.
+
+use crate::flight::Motion;
+use crate::impact::Impact;
+use crate::observe::{Observer, Span};
+use crate::system::{Clock, System};
+
+/// Primary and absorber at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// Instant, in 1/ωn.
+    pub time: f64,
+    /// Displacement of the primary.
+    pub displacement: f64,
+    /// Velocity of the primary.
+    pub velocity: f64,
+    /// Absorber minus primary displacement.
+    pub gap_displacement: f64,
+    /// Absorber minus primary velocity.
+    pub gap_velocity: f64,
+    /// 0 in flight, ±1 while stuck on a wall (from the switch to the summed tail of a chatter on,
+    /// within which the absorber is closer to the wall than rounding can tell).
+    pub wall: i8,
+}
+
+/// Samples a run at increasing instants; at an impact the state after it counts.
+#[derive(Debug, Clone)]
+pub struct Sampler {
+    times: Vec<f64>,
+    next: usize,
+    events: bool,
+    duration: f64,
+    clearance: f64,
+    /// The samples taken so far, in the order of time.
+    pub states: Vec<State>,
+}
+
+impl Sampler {
+    /// Samples at `times`, which must not decrease.
+    pub fn at(times: Vec<f64>) -> Self {
+        let states = Vec::with_capacity(times.len());
+        Self { times, next: 0, events: false, duration: 0.0, clearance: 0.0, states }
+    }
+
+    /// Samples at `times` and both states of every impact.
+    pub fn with_events(times: Vec<f64>) -> Self {
+        Self { events: true, ..Self::at(times) }
+    }
+}
+
+impl<S: System> Observer<S> for Sampler {
+    fn start(&mut self, system: &S, _state: &S::State, duration: f64) {
+        self.duration = duration;
+        self.clearance = system.clearance();
+    }
+
+    fn span<M: Motion<State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
+        while let Some(time) = self.times.get(self.next).copied() {
+            let h = -span.start.minus(time);
+            let last = time >= self.duration && span_ends(&span.start, span.length, self.duration);
+            if h >= span.length && !last {
+                break;
+            }
+            let h = h.clamp(0.0, span.length);
+            let (primary, gap) = (span.motion.primary(h), span.motion.gap(h));
+            self.states.push(State {
+                time,
+                displacement: primary.value,
+                velocity: primary.rate,
+                gap_displacement: gap.y,
+                gap_velocity: gap.w,
+                wall: span.motion.wall().map_or(0, |wall| wall.number()),
+            });
+            self.next += 1;
+        }
+    }
+
+    fn impact(&mut self, impact: &Impact) {
+        if !self.events {
+            return;
+        }
+        let before = State {
+            time: impact.time,
+            displacement: impact.displacement,
+            velocity: impact.velocity_before,
+            gap_displacement: impact.wall.sign() * self.clearance,
+            gap_velocity: impact.gap_velocity_before,
+            wall: 0,
+        };
+        let after = State {
+            velocity: impact.velocity_after,
+            gap_velocity: impact.gap_velocity_after,
+            ..before
+        };
+        self.states.extend([before, after]);
+    }
+}
+
+fn span_ends(start: &Clock, length: f64, duration: f64) -> bool {
+    start.plus(length).minus(duration) >= -f64::EPSILON * duration
+}

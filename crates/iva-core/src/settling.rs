@@ -1,0 +1,104 @@
+//! The last instant at which |x| passes a level: a settling time.
+//!
+//! While the run passes, only the stretch of the last crossing is kept; its root is solved once,
+//! at the end.
+
+use crate::flight::{Jet, Motion};
+use crate::observe::Span;
+use crate::peaks::Monotone;
+use crate::roots::polish;
+use crate::system::{Clock, System};
+
+/// Follows one level.
+#[derive(Debug, Clone)]
+pub(crate) struct LastCrossing<S: System> {
+    share: f64,
+    crossing: Option<Crossing<S::State>>,
+}
+
+/// A stretch on which x passes the level once.
+#[derive(Debug, Clone, Copy)]
+struct Crossing<State> {
+    origin: State,
+    riding: bool,
+    start: Clock,
+    stretch: Monotone,
+    level: f64,
+}
+
+impl<S: System> LastCrossing<S> {
+    /// Watches |x| = share · A₀.
+    pub fn new(share: f64) -> Self {
+        Self { share, crossing: None }
+    }
+
+    pub fn forget(&mut self) {
+        self.crossing = None;
+    }
+
+    /// Keeps the stretch if |x| passes the level on it; of two passages the later.
+    pub fn watch<M: Motion<State = S::State>>(
+        &mut self,
+        span: &Span<'_, M>,
+        stretch: &Monotone,
+        amplitude: f64,
+    ) {
+        let level = self.share * amplitude;
+        let [from, to] = stretch.x;
+        if from.abs() <= level && to.abs() <= level {
+            return;
+        }
+        let passes = |level: f64| (from > level) != (to > level) && from != to;
+        // Where x passes both levels, it passes the one of the sign it ends with last.
+        let last = if to >= 0.0 { level } else { -level };
+        let level = if passes(last) {
+            last
+        } else if passes(-last) {
+            -last
+        } else {
+            return;
+        };
+        self.crossing = Some(Crossing {
+            origin: *span.motion.origin(),
+            riding: M::RIDING,
+            start: span.start,
+            stretch: *stretch,
+            level,
+        });
+    }
+
+    /// The settling time; `None` if `late`, the largest |x| of the last half period, still exceeds
+    /// the level or if |x| never passed it.
+    pub fn time(&self, system: &S, late: f64, amplitude: f64) -> Option<f64> {
+        if late > self.share * amplitude {
+            return None;
+        }
+        self.crossing.as_ref().map(|crossing| {
+            let h = if crossing.riding {
+                crossing.solve(&system.ride(&crossing.origin))
+            } else {
+                crossing.solve(&system.flight(&crossing.origin))
+            };
+            crossing.start.plus(h).value
+        })
+    }
+}
+
+impl<State> Crossing<State> {
+    fn solve<M: Motion>(&self, motion: &M) -> f64 {
+        let [low, high] = self.stretch.h;
+        let [from, to] = self.stretch.x;
+        let rise = if to > from { 1.0 } else { -1.0 };
+        let guess = low + (high - low) * ((self.level - from) / (to - from));
+        let (h, ()) = polish(
+            |h| {
+                let Jet { value, rate, curvature, .. } = motion.primary(h);
+                ((), [rise * (value - self.level), rise * rate, rise * curvature])
+            },
+            low,
+            high,
+            guess,
+        );
+        h
+    }
+}

@@ -1,0 +1,434 @@
+//! The event loop: flight → contact → impact → chatter or stick → release.
+//!
+//! It knows the absorber only as a [`System`] and whoever watches only as an [`Observer`].
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::chatter::Rebound;
+use crate::contact::{Side, first_contact, first_release};
+use crate::error::Invalid;
+use crate::flight::{Curve, Jet, Motion};
+use crate::impact::Impact;
+use crate::observe::{Episode, Observer, Span};
+use crate::system::{Clock, Start, System, Wall};
+
+/// How long to run and where to stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Length of the run, in 1/ωn.
+    pub duration: f64,
+    /// Stop after so many listed impacts.
+    pub max_impacts: u64,
+    /// Stop after so many segments of flight or ride.
+    pub max_work: u64,
+    /// Rebounds of an episode at or below this approach speed are not listed.
+    pub chatter_floor: f64,
+}
+
+impl Limits {
+    /// Default of `max_impacts`.
+    pub const MAX_IMPACTS: u64 = 10_000_000;
+    /// Default of `max_work`.
+    pub const MAX_WORK: u64 = 100_000_000;
+    /// Default of `chatter_floor`, over the clearance.
+    pub const CHATTER_FLOOR: f64 = 1e-6;
+
+    /// Default limits for a run of this duration with this clearance.
+    pub fn new(duration: f64, clearance: f64) -> Self {
+        Self {
+            duration,
+            max_impacts: Self::MAX_IMPACTS,
+            max_work: Self::MAX_WORK,
+            chatter_floor: Self::CHATTER_FLOOR * clearance,
+        }
+    }
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Outcome {
+    /// The whole duration was run.
+    Finished,
+    /// `max_impacts` was reached.
+    ImpactLimit,
+    /// `max_work` was reached.
+    WorkLimit,
+    /// A state overflowed.
+    NotFinite,
+    /// The caller asked to stop.
+    Cancelled,
+}
+
+impl Outcome {
+    /// The word in the tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Finished => "finished",
+            Outcome::ImpactLimit => "impact_limit",
+            Outcome::WorkLimit => "work_limit",
+            Outcome::NotFinite => "not_finite",
+            Outcome::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// Counts and sums of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tally<State> {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Listed impacts.
+    pub impacts: u64,
+    /// Listed impacts at which the masses moved towards each other.
+    pub effective_impacts: u64,
+    /// Chatters that ended in stick, plastic sticks, starts at rest on a pressed wall.
+    pub episodes: u64,
+    /// Grazing extrema within rounding of a wall, counted as no contact.
+    pub undecided: u64,
+    /// Total time on a wall.
+    pub time_stuck: f64,
+    /// Energy lost in all impacts, listed or summed.
+    pub energy_impacts: f64,
+    /// Instant at which the run ended, in 1/ωn.
+    pub end_time: f64,
+    /// Segments of flight and ride computed.
+    pub work: u64,
+    /// The last state.
+    pub state: State,
+}
+
+/// Runs a system from a start and tells the observer what happens.
+///
+/// Numerics never fail: a run that cannot go on ends with its outcome and what it has.
+///
+/// # Errors
+/// [`Invalid`] if the start does not lie in the gap or a limit is not usable.
+pub fn simulate<S: System, O: Observer<S>>(
+    system: &S,
+    start: &Start,
+    limits: &Limits,
+    cancel: Option<&AtomicBool>,
+    observer: &mut O,
+) -> Result<Tally<S::State>, Invalid> {
+    system.check_start(start)?;
+    limits.check()?;
+    let (state, touching) = system.begin(start);
+    let mut run = Run {
+        system,
+        limits,
+        observer,
+        clock: Clock::ZERO,
+        phase: Phase::Flight { first: f64::INFINITY },
+        streak: None,
+        riding: None,
+        tally: Tally {
+            outcome: Outcome::Finished,
+            impacts: 0,
+            effective_impacts: 0,
+            episodes: 0,
+            undecided: 0,
+            time_stuck: 0.0,
+            energy_impacts: 0.0,
+            end_time: 0.0,
+            work: 0,
+            state,
+        },
+        losses: Clock::ZERO,
+    };
+    run.observer.start(system, &state, limits.duration);
+    if touching {
+        if system.distance(&state).rate < 0.0 {
+            run.strike();
+        } else {
+            run.depart();
+        }
+    }
+    run.until_end(cancel);
+    Ok(run.finish())
+}
+
+impl Limits {
+    fn check(&self) -> Result<(), Invalid> {
+        let positive = [("run.duration", self.duration), ("run.chatter_floor", self.chatter_floor)];
+        for (field, value) in positive {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Invalid::new(field, value, "give a finite number greater than 0"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What the absorber is doing; in flight, how far to look first.
+#[derive(Debug, Clone, Copy)]
+enum Phase {
+    Flight { first: f64 },
+    Ride,
+}
+
+/// Impacts on one wall in a row: what becomes an episode if it ends in stick.
+#[derive(Debug, Clone, Copy)]
+struct Streak {
+    wall: Wall,
+    start_time: f64,
+    listed_before: u64,
+    low: u64,
+    low_effective: u64,
+    energy_loss: f64,
+}
+
+struct Run<'a, S: System, O> {
+    system: &'a S,
+    limits: &'a Limits,
+    observer: &'a mut O,
+    clock: Clock,
+    phase: Phase,
+    streak: Option<Streak>,
+    riding: Option<Episode>,
+    tally: Tally<S::State>,
+    losses: Clock,
+}
+
+/// How often the loop looks whether it is to stop.
+const CANCEL_EVERY: u64 = 1024;
+
+impl<S: System, O: Observer<S>> Run<'_, S, O> {
+    fn until_end(&mut self, cancel: Option<&AtomicBool>) {
+        loop {
+            let remaining = -self.clock.minus(self.limits.duration);
+            if remaining <= 0.0 {
+                self.tally.outcome = Outcome::Finished;
+                return;
+            }
+            if self.tally.impacts >= self.limits.max_impacts {
+                self.tally.outcome = Outcome::ImpactLimit;
+                return;
+            }
+            if self.tally.work >= self.limits.max_work {
+                self.tally.outcome = Outcome::WorkLimit;
+                return;
+            }
+            if self.tally.work.is_multiple_of(CANCEL_EVERY)
+                && cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
+            {
+                self.tally.outcome = Outcome::Cancelled;
+                return;
+            }
+            self.tally.work += 1;
+            let finite = match self.phase {
+                Phase::Flight { first } => self.fly(remaining, first),
+                Phase::Ride => self.ride(remaining),
+            };
+            if !finite {
+                self.tally.outcome = Outcome::NotFinite;
+                return;
+            }
+        }
+    }
+
+    /// One segment of free flight, ended by its length, a contact or the end of the run.
+    fn fly(&mut self, remaining: f64, first: f64) -> bool {
+        let system = self.system;
+        let state = self.tally.state;
+        let flight = system.flight(&state);
+        if !is_finite(&flight.jet(&state), flight.fourth()) {
+            return false;
+        }
+        let length = flight.reach().min(remaining).min(first);
+        let stretch = first_contact(&flight, &state, system.clearance(), length);
+        self.phase = Phase::Flight { first: f64::INFINITY };
+        self.tally.undecided += stretch.undecided;
+        self.advance(&flight, stretch.end.h, stretch.end.sample, length == remaining);
+        if let Some(side) = stretch.contact {
+            let left = system.wall(&state);
+            let wall = if side == Side::Near { left } else { left.opposite() };
+            self.tally.state = system.touch(&stretch.end.sample, wall);
+            self.strike();
+        }
+        true
+    }
+
+    /// One segment of riding on a wall, ended by its length, the release or the end of the run.
+    fn ride(&mut self, remaining: f64) -> bool {
+        let system = self.system;
+        let state = self.tally.state;
+        let ride = system.ride(&state);
+        if !is_finite(&ride.jet(&state), ride.fourth()) {
+            return false;
+        }
+        let length = ride.reach().min(remaining);
+        let stretch = first_release(&ride, &state, length);
+        self.tally.undecided += stretch.undecided;
+        self.advance(&ride, stretch.end.h, stretch.end.sample, length == remaining);
+        if stretch.contact.is_some() {
+            self.tally.state = system.release(&stretch.end.sample);
+            self.end_episode(true);
+            self.phase = Phase::Flight { first: f64::INFINITY };
+        }
+        true
+    }
+
+    fn advance<M>(&mut self, motion: &M, h: f64, end: S::State, to_the_end: bool)
+    where
+        M: Motion<State = S::State>,
+    {
+        let span = Span {
+            motion,
+            start: self.clock,
+            length: h,
+            from: self.system.primary(&self.tally.state),
+            to: self.system.primary(&end),
+        };
+        self.observer.span(self.system, &span);
+        let whole = to_the_end && h >= -self.clock.minus(self.limits.duration);
+        self.clock = if whole { Clock::new(self.limits.duration) } else { self.clock.plus(h) };
+        self.tally.state = end;
+    }
+
+    /// The impact law at the state in contact, then whatever follows.
+    fn strike(&mut self) {
+        let wall = self.system.wall(&self.tally.state);
+        let (after, jump) = self.system.impact(&self.tally.state);
+        let impact = Impact::new(self.clock.value, wall, &jump);
+        self.losses = self.losses.plus(impact.energy_loss);
+        let streak = match &mut self.streak {
+            Some(streak) if streak.wall == wall => streak,
+            other => other.insert(Streak {
+                wall,
+                start_time: impact.time,
+                listed_before: self.tally.impacts,
+                low: 0,
+                low_effective: 0,
+                energy_loss: 0.0,
+            }),
+        };
+        streak.energy_loss += impact.energy_loss;
+        if impact.approach_speed() <= self.limits.chatter_floor {
+            streak.low += 1;
+            streak.low_effective += u64::from(impact.effective());
+        }
+        self.tally.state = after;
+        self.list(&impact);
+        self.depart();
+    }
+
+    fn list(&mut self, impact: &Impact) {
+        self.tally.impacts += 1;
+        self.tally.effective_impacts += u64::from(impact.effective());
+        self.observer.impact(impact);
+    }
+
+    /// Leaves the wall, chatters on it or sticks to it: the sign of the velocity decides, then the
+    /// acceleration, then the jerk.
+    fn depart(&mut self) {
+        let state = self.tally.state;
+        let leave = self.system.distance(&state);
+        if leave.rate > 0.0 {
+            self.phase = Phase::Flight { first: f64::INFINITY };
+            if leave.curvature < 0.0 {
+                self.rebound(&state, &leave);
+            }
+        } else if leave.curvature < 0.0 || (leave.curvature == 0.0 && leave.jerk < 0.0) {
+            self.stick(self.clock);
+        } else {
+            self.phase = Phase::Flight { first: f64::INFINITY };
+        }
+    }
+
+    /// A rebound from a pressing wall: the rest of the chatter is summed where that is exact.
+    fn rebound(&mut self, state: &S::State, leave: &Jet) {
+        let rebound = Rebound {
+            speed: leave.rate,
+            pressure: -leave.curvature,
+            jerk: leave.jerk,
+            gain: self.system.pressure_gain(),
+            fourth: self.system.flight(state).fourth(),
+            ratio: self.system.rebound_ratio(),
+        };
+        let stick_clock = self.clock.plus(rebound.tail());
+        if rebound.summable() && stick_clock.minus(self.limits.duration) < 0.0 {
+            self.list_tail(*state);
+            self.stick(stick_clock);
+        } else {
+            // The return is expected after 2u/A: look a little further.
+            self.phase = Phase::Flight { first: 2.5 * leave.rate / rebound.pressure };
+        }
+    }
+
+    /// Lists the rebounds of a summed tail that are above the floor, flown one by one beside the
+    /// run: the motion does not depend on the floor.
+    fn list_tail(&mut self, mut state: S::State) {
+        let mut clock = self.clock;
+        while self.system.rebound_ratio() * self.system.distance(&state).rate > 0.0
+            && self.tally.impacts < self.limits.max_impacts
+        {
+            let leave = self.system.distance(&state);
+            let flight = self.system.flight(&state);
+            let length = flight.reach().min(-2.5 * leave.rate / leave.curvature);
+            let stretch = first_contact(&flight, &state, self.system.clearance(), length);
+            if stretch.contact != Some(Side::Near) {
+                return;
+            }
+            clock = clock.plus(stretch.end.h);
+            let wall = self.system.wall(&state);
+            let (after, jump) = self.system.impact(&self.system.touch(&stretch.end.sample, wall));
+            let impact = Impact::new(clock.value, wall, &jump);
+            if impact.approach_speed() <= self.limits.chatter_floor {
+                return;
+            }
+            self.list(&impact);
+            state = after;
+        }
+    }
+
+    /// Begins an episode: the absorber rides on the wall it touches.
+    fn stick(&mut self, stick_clock: Clock) {
+        let wall = self.system.wall(&self.tally.state);
+        let (state, loss) = self.system.stick(&self.tally.state);
+        self.losses = self.losses.plus(loss);
+        self.tally.state = state;
+        let mut episode = Episode {
+            wall,
+            start_time: stick_clock.value,
+            stick_time: stick_clock.value,
+            release_time: None,
+            impacts: 0,
+            energy_loss: loss,
+        };
+        if let Some(streak) = self.streak.take() {
+            self.tally.impacts -= streak.low;
+            self.tally.effective_impacts -= streak.low_effective;
+            if streak.low > 0 {
+                self.observer.unlist(streak.listed_before, self.limits.chatter_floor);
+            }
+            episode.start_time = streak.start_time;
+            episode.impacts = self.tally.impacts - streak.listed_before;
+            episode.energy_loss += streak.energy_loss;
+        }
+        self.tally.episodes += 1;
+        self.riding = Some(episode);
+        self.phase = Phase::Ride;
+    }
+
+    /// Ends the episode under way, by release or by the end of the run.
+    fn end_episode(&mut self, released: bool) {
+        if let Some(mut episode) = self.riding.take() {
+            let now = self.clock.value;
+            self.tally.time_stuck += (now - episode.stick_time).max(0.0);
+            episode.release_time = released.then_some(now);
+            self.observer.episode(&episode);
+        }
+    }
+
+    fn finish(mut self) -> Tally<S::State> {
+        self.end_episode(false);
+        self.tally.end_time = self.clock.value;
+        self.tally.energy_impacts = self.losses.value;
+        self.observer.end(self.system, &self.tally);
+        self.tally
+    }
+}
+
+fn is_finite(jet: &Jet, fourth: f64) -> bool {
+    jet.value.is_finite() && jet.rate.is_finite() && fourth.is_finite()
+}

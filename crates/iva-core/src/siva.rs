@@ -1,0 +1,421 @@
+//! The single-mass impact absorber: a free mass between two walls (paper, Eqs. 1, 2, 7, 9–14).
+//!
+//! In flight ẍ + 2ζẋ + x = 0 and ẍ₁ = 0, so the gap y = x₁ − x obeys ÿ = −ẍ. With s the sign of
+//! the wall last touched and D = d − s y the distance to it, D̈ = s ẍ: starting from D = 0 neither
+//! y nor d enters a rebound.
+
+use crate::compensated::Sum;
+use crate::error::Invalid;
+use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::impact;
+use crate::oscillator::{Oscillator, Primary};
+use crate::system::{Jump, Point, Start, System, Wall};
+
+/// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
+const ON_WALL_ULPS: f64 = 4.0;
+
+/// Parameters of a SIVA on its primary system, in natural units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Siva {
+    mass_ratio: f64,
+    restitution: f64,
+    clearance: f64,
+    damping_ratio: f64,
+    /// Share of the gap velocity that the primary gains at an impact.
+    impact_share: Sum,
+    /// The same where the absorber sticks.
+    stick_share: Sum,
+    free: Oscillator,
+    loaded: Oscillator,
+}
+
+impl Siva {
+    /// A SIVA of mass ratio μ > 0, restitution e in [0, 1] and one-sided clearance d > 0 on a
+    /// primary of damping ratio ζ ≥ 0.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming field, value and allowed range.
+    pub fn new(
+        mass_ratio: f64,
+        restitution: f64,
+        clearance: f64,
+        damping_ratio: f64,
+    ) -> Result<Self, Invalid> {
+        let positive = |field: &str, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(())
+            } else {
+                Err(Invalid::new(field, value, "give a finite number greater than 0"))
+            }
+        };
+        positive("absorber.mass_ratio", mass_ratio)?;
+        positive("absorber.clearance", clearance)?;
+        if !(0.0..=1.0).contains(&restitution) {
+            return Err(Invalid::new(
+                "absorber.restitution",
+                restitution,
+                "give a number from 0 to 1",
+            ));
+        }
+        if !(damping_ratio.is_finite() && damping_ratio >= 0.0) {
+            return Err(Invalid::new(
+                "primary.damping_ratio",
+                damping_ratio,
+                "give a finite number, 0 or greater",
+            ));
+        }
+        Ok(Self {
+            mass_ratio,
+            restitution,
+            clearance,
+            damping_ratio,
+            impact_share: impact::primary_share(mass_ratio, restitution),
+            stick_share: impact::primary_share(mass_ratio, 0.0),
+            free: Oscillator::new(1.0, damping_ratio),
+            loaded: Oscillator::new(1.0 + mass_ratio, damping_ratio),
+        })
+    }
+
+    /// μ = m/M.
+    pub fn mass_ratio(&self) -> f64 {
+        self.mass_ratio
+    }
+
+    /// Newton's coefficient e on the gap velocity.
+    pub fn restitution(&self) -> f64 {
+        self.restitution
+    }
+
+    /// ζ of the bare primary.
+    pub fn damping_ratio(&self) -> f64 {
+        self.damping_ratio
+    }
+}
+
+/// Primary and gap of a SIVA between events.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SivaState {
+    primary: Primary,
+    wall: Wall,
+    distance: Sum,
+    rate: Sum,
+}
+
+impl SivaState {
+    /// Gap velocity w = −s Ḋ.
+    fn gap_velocity(&self) -> f64 {
+        -self.wall.sign() * self.rate.value
+    }
+}
+
+impl System for Siva {
+    type State = SivaState;
+    type Flight<'a> = SivaFlight<'a>;
+    type Ride<'a> = SivaRide<'a>;
+
+    fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
+    fn rebound_ratio(&self) -> f64 {
+        self.restitution
+    }
+
+    fn pressure_gain(&self) -> f64 {
+        self.free.damping * self.impact_share.value
+    }
+
+    fn check_start(&self, start: &Start) -> Result<(), Invalid> {
+        let fields = [
+            ("start.displacement", start.displacement),
+            ("start.velocity", start.velocity),
+            ("start.gap_displacement", start.gap_displacement),
+            ("start.gap_velocity", start.gap_velocity),
+        ];
+        for (field, value) in fields {
+            if !value.is_finite() {
+                return Err(Invalid::new(field, value, "give a finite number"));
+            }
+        }
+        let beyond = start.gap_displacement.abs() - self.clearance;
+        if beyond > ON_WALL_ULPS * f64::EPSILON * self.clearance {
+            return Err(Invalid::new(
+                "start.gap_displacement",
+                start.gap_displacement,
+                format!("it must lie in the gap, from -{0} to {0}", self.clearance),
+            ));
+        }
+        Ok(())
+    }
+
+    fn begin(&self, start: &Start) -> (SivaState, bool) {
+        let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
+        // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
+        // start runs through mirrored numbers.
+        let acceleration = self.free.acceleration(start.displacement, start.velocity);
+        let side = [start.gap_displacement, start.gap_velocity, -acceleration]
+            .into_iter()
+            .find(|value| *value != 0.0)
+            .unwrap_or(1.0);
+        let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
+        let s = wall.sign();
+        let distance = Sum::new(self.clearance).plus(-s * start.gap_displacement);
+        let touching = distance.value <= ON_WALL_ULPS * f64::EPSILON * self.clearance;
+        let state = SivaState {
+            primary,
+            wall,
+            distance: if touching { Sum::ZERO } else { distance },
+            rate: Sum::new(-s * start.gap_velocity),
+        };
+        (state, touching)
+    }
+
+    fn flight(&self, state: &SivaState) -> SivaFlight<'_> {
+        SivaFlight { siva: self, from: *state }
+    }
+
+    fn ride(&self, state: &SivaState) -> SivaRide<'_> {
+        SivaRide { siva: self, from: *state }
+    }
+
+    fn wall(&self, state: &SivaState) -> Wall {
+        state.wall
+    }
+
+    #[inline]
+    fn distance(&self, state: &SivaState) -> Jet {
+        let s = state.wall.sign();
+        let (x, v) = (state.primary.x.value, state.primary.v.value);
+        let acceleration = self.free.acceleration(x, v);
+        Jet {
+            value: state.distance.value,
+            rate: state.rate.value,
+            curvature: s * acceleration,
+            jerk: s * self.free.next_derivative(v, acceleration),
+        }
+    }
+
+    fn touch(&self, state: &SivaState, wall: Wall) -> SivaState {
+        let rate = if wall == state.wall { state.rate } else { state.rate.negated() };
+        SivaState { wall, distance: Sum::ZERO, rate, ..*state }
+    }
+
+    fn impact(&self, state: &SivaState) -> (SivaState, Jump) {
+        let s = state.wall.sign();
+        let (rate, e) = (state.rate, self.restitution);
+        let approach = -rate.value;
+        let after = SivaState {
+            primary: state.primary.kicked(-s, rate, self.impact_share),
+            rate: Sum::new(-e * rate.value).plus_parts(0.0, -e * rate.rest),
+            ..*state
+        };
+        let jump = Jump {
+            displacement: state.primary.x.value,
+            velocity_before: state.primary.v.value,
+            velocity_after: after.primary.v.value,
+            gap_velocity_before: s * approach,
+            gap_velocity_after: after.gap_velocity(),
+            energy_loss: impact::energy_loss(self.mass_ratio, self.restitution, approach),
+        };
+        (after, jump)
+    }
+
+    fn stick(&self, state: &SivaState) -> (SivaState, f64) {
+        let loss = impact::energy_loss(self.mass_ratio, 0.0, state.rate.value);
+        let stuck = SivaState {
+            primary: state.primary.kicked(-state.wall.sign(), state.rate, self.stick_share),
+            distance: Sum::ZERO,
+            rate: Sum::ZERO,
+            ..*state
+        };
+        (stuck, loss)
+    }
+
+    fn release(&self, state: &SivaState) -> SivaState {
+        // Release is where x + 2ζẋ = 0: written into x, the pressure is 0 to the last bit.
+        let v = state.primary.v.value;
+        let x = -(self.free.damping * v);
+        SivaState {
+            primary: Primary { x: Sum::new(x), v: Sum::new(v) },
+            distance: Sum::ZERO,
+            rate: Sum::ZERO,
+            ..*state
+        }
+    }
+
+    fn primary(&self, state: &SivaState) -> Point {
+        Point { x: state.primary.x.value, v: state.primary.v.value }
+    }
+
+    fn energy(&self, state: &SivaState) -> f64 {
+        let Point { x, v } = self.primary(state);
+        let absorber = v + state.gap_velocity();
+        0.5 * (x * x + v * v) + 0.5 * self.mass_ratio * (absorber * absorber)
+    }
+}
+
+/// The absorber free in its gap.
+#[derive(Debug, Clone, Copy)]
+pub struct SivaFlight<'a> {
+    siva: &'a Siva,
+    from: SivaState,
+}
+
+impl Motion for SivaFlight<'_> {
+    type State = SivaState;
+    const RIDING: bool = false;
+
+    fn origin(&self) -> &SivaState {
+        &self.from
+    }
+
+    #[inline]
+    fn reach(&self) -> f64 {
+        self.siva.free.reach
+    }
+
+    #[inline]
+    fn state(&self, h: f64) -> SivaState {
+        let from = &self.from;
+        let s = from.wall.sign();
+        let (primary, increment) = from.primary.after(&self.siva.free, h);
+        SivaState {
+            primary,
+            wall: from.wall,
+            distance: from.distance.plus_parts(
+                from.rate.value * h + s * increment.curved,
+                from.rate.rest * h + s * increment.curved_rest,
+            ),
+            rate: from.rate.plus_parts(s * increment.velocity, s * increment.velocity_rest),
+        }
+    }
+
+    fn primary(&self, h: f64) -> Jet {
+        let (primary, _) = self.from.primary.after(&self.siva.free, h);
+        primary.jet(&self.siva.free)
+    }
+
+    fn gap(&self, h: f64) -> GapPoint {
+        let state = self.state(h);
+        let d = self.siva.clearance;
+        // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
+        let y = state.wall.sign() * (d - state.distance.value);
+        GapPoint { y: y.clamp(-d, d), w: state.gap_velocity() }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        None
+    }
+
+    fn viscous_loss(&self, h: f64) -> f64 {
+        let Primary { x, v } = self.from.primary;
+        self.siva.free.viscous_loss(x.value, v.value, h)
+    }
+}
+
+impl Curve for SivaFlight<'_> {
+    type Sample = SivaState;
+
+    #[inline]
+    fn sample(&self, h: f64) -> SivaState {
+        self.state(h)
+    }
+
+    #[inline]
+    fn jet(&self, sample: &SivaState) -> Jet {
+        self.siva.distance(sample)
+    }
+
+    /// D⁗ = s x⁗, bounded by Λ³ρ.
+    #[inline]
+    fn fourth(&self) -> f64 {
+        let free = &self.siva.free;
+        let Primary { x, v } = self.from.primary;
+        free.growth * free.growth * free.growth * free.radius(x.value, v.value)
+    }
+
+    #[inline]
+    fn magnitude(&self) -> f64 {
+        self.siva.clearance
+    }
+}
+
+/// The absorber stuck on a wall: one mass 1 + μ on the primary's spring and damper.
+#[derive(Debug, Clone, Copy)]
+pub struct SivaRide<'a> {
+    siva: &'a Siva,
+    from: SivaState,
+}
+
+impl Motion for SivaRide<'_> {
+    type State = SivaState;
+    const RIDING: bool = true;
+
+    fn origin(&self) -> &SivaState {
+        &self.from
+    }
+
+    fn reach(&self) -> f64 {
+        self.siva.loaded.reach
+    }
+
+    fn state(&self, h: f64) -> SivaState {
+        let (primary, _) = self.from.primary.after(&self.siva.loaded, h);
+        SivaState { primary, ..self.from }
+    }
+
+    fn primary(&self, h: f64) -> Jet {
+        let (primary, _) = self.from.primary.after(&self.siva.loaded, h);
+        primary.jet(&self.siva.loaded)
+    }
+
+    fn gap(&self, _h: f64) -> GapPoint {
+        GapPoint { y: self.from.wall.sign() * self.siva.clearance, w: 0.0 }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        Some(self.from.wall)
+    }
+
+    fn viscous_loss(&self, h: f64) -> f64 {
+        let Primary { x, v } = self.from.primary;
+        self.siva.loaded.viscous_loss(x.value, v.value, h)
+    }
+}
+
+impl Curve for SivaRide<'_> {
+    type Sample = SivaState;
+
+    fn sample(&self, h: f64) -> SivaState {
+        self.state(h)
+    }
+
+    /// The pressure −s ẍ on the wall; the ride ends where it changes sign.
+    fn jet(&self, sample: &SivaState) -> Jet {
+        let loaded = &self.siva.loaded;
+        let s = sample.wall.sign();
+        let (x, v) = (sample.primary.x.value, sample.primary.v.value);
+        let second = loaded.acceleration(x, v);
+        let third = loaded.next_derivative(v, second);
+        let fourth = loaded.next_derivative(second, third);
+        let fifth = loaded.next_derivative(third, fourth);
+        Jet { value: -s * second, rate: -s * third, curvature: -s * fourth, jerk: -s * fifth }
+    }
+
+    /// The fourth derivative of the pressure is −s x⁽⁶⁾, bounded by Λ⁵ρ.
+    fn fourth(&self) -> f64 {
+        let loaded = &self.siva.loaded;
+        let Primary { x, v } = self.from.primary;
+        loaded.growth.powi(5) * loaded.radius(x.value, v.value)
+    }
+
+    /// The pressure itself is bounded by Λρ.
+    fn magnitude(&self) -> f64 {
+        let loaded = &self.siva.loaded;
+        let Primary { x, v } = self.from.primary;
+        loaded.growth * loaded.radius(x.value, v.value)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,140 @@
+//! What an absorber must say of itself for the event loop to run it.
+//!
+//! The loop ([`crate::simulate`]) knows flights, contacts, impacts and rides only through these
+//! traits; a new absorber is one file that implements them.
+
+use crate::compensated::Sum;
+use crate::error::Invalid;
+use crate::flight::{Curve, Jet, Motion};
+
+/// A wall of the gap: `Plus` at y = +d, `Minus` at y = −d.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Wall {
+    /// y = +d.
+    Plus,
+    /// y = −d.
+    Minus,
+}
+
+impl Wall {
+    /// +1 or −1.
+    #[inline]
+    pub fn sign(self) -> f64 {
+        match self {
+            Wall::Plus => 1.0,
+            Wall::Minus => -1.0,
+        }
+    }
+
+    /// The wall across the gap.
+    #[inline]
+    pub fn opposite(self) -> Self {
+        match self {
+            Wall::Plus => Wall::Minus,
+            Wall::Minus => Wall::Plus,
+        }
+    }
+
+    /// +1 or −1 as a small integer.
+    pub fn number(self) -> i8 {
+        match self {
+            Wall::Plus => 1,
+            Wall::Minus => -1,
+        }
+    }
+}
+
+/// State at time zero, in natural units (time in 1/ωn, lengths in the user's unit).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Start {
+    /// Displacement x of the primary system.
+    pub displacement: f64,
+    /// Its velocity ẋ.
+    pub velocity: f64,
+    /// Gap displacement y.
+    pub gap_displacement: f64,
+    /// Gap velocity w.
+    pub gap_velocity: f64,
+}
+
+/// Displacement and velocity of the primary system.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Displacement x.
+    pub x: f64,
+    /// Velocity ẋ.
+    pub v: f64,
+}
+
+/// The jump of velocities at an impact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jump {
+    /// Displacement of the primary.
+    pub displacement: f64,
+    /// Primary velocity just before.
+    pub velocity_before: f64,
+    /// Primary velocity just after.
+    pub velocity_after: f64,
+    /// Gap velocity just before: the signed approach velocity.
+    pub gap_velocity_before: f64,
+    /// Gap velocity just after.
+    pub gap_velocity_after: f64,
+    /// Energy lost.
+    pub energy_loss: f64,
+}
+
+/// An absorber on its primary system.
+///
+/// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
+/// exactly 0 at a contact, so that a rebound keeps its relative accuracy however low it is.
+pub trait System {
+    /// The state between events.
+    type State: Copy + std::fmt::Debug;
+    /// The absorber free in its gap; its curve is the distance to the wall last touched.
+    type Flight<'a>: Motion<State = Self::State> + Curve<Sample = Self::State>
+    where
+        Self: 'a;
+    /// The absorber stuck on a wall; its curve is the pressure on that wall per unit mass.
+    type Ride<'a>: Motion<State = Self::State> + Curve<Sample = Self::State>
+    where
+        Self: 'a;
+
+    /// Half of the total play, d.
+    fn clearance(&self) -> f64;
+    /// The ratio by which each rebound of a chatter shrinks.
+    fn rebound_ratio(&self) -> f64;
+    /// How much an impact of unit approach speed raises the pressure on the wall (through the
+    /// damper, which feels the jump of the primary's velocity).
+    fn pressure_gain(&self) -> f64;
+
+    /// Checks that a start lies in the gap.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming the field.
+    fn check_start(&self, start: &Start) -> Result<(), Invalid>;
+    /// The state of a start, and whether it touches the wall it is measured from.
+    fn begin(&self, start: &Start) -> (Self::State, bool);
+    /// Free motion from a state.
+    fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
+    /// Motion stuck to the wall that the state touches.
+    fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
+    /// The wall that distances are measured from.
+    fn wall(&self, state: &Self::State) -> Wall;
+    /// Distance to that wall with its derivatives in free motion.
+    fn distance(&self, state: &Self::State) -> Jet;
+    /// The same state in contact with `wall`: its distance to it is set to 0.
+    fn touch(&self, state: &Self::State, wall: Wall) -> Self::State;
+    /// The impact law at a state in contact.
+    fn impact(&self, state: &Self::State) -> (Self::State, Jump);
+    /// The state after an infinite tail of rebounds: common velocity, and the energy they lose.
+    fn stick(&self, state: &Self::State) -> (Self::State, f64);
+    /// The state at the end of a ride, with distance, rate and pressure exactly 0.
+    fn release(&self, state: &Self::State) -> Self::State;
+    /// Primary displacement and velocity.
+    fn primary(&self, state: &Self::State) -> Point;
+    /// Total energy per primary mass.
+    fn energy(&self, state: &Self::State) -> f64;
+}
+
+/// An instant of the run, compensated.
+pub type Clock = Sum;
