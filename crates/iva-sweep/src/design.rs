@@ -1,0 +1,254 @@
+//! One design point: from the fields a user gave to the scene the core runs.
+//!
+//! [`Spec`] holds fields as given; [`Spec::design`] settles the alternatives (mass or mass ratio;
+//! clearance, gap or relative clearance; …) without guessing and converts to natural units.
+
+use std::f64::consts::TAU;
+
+use iva_core::error::Invalid;
+use iva_core::simulate::Limits;
+use iva_core::siva::Siva;
+use iva_core::system::{Start, System};
+
+use crate::fields::{FIELD_COUNT, FieldId};
+use crate::units::{Scale, UnitSystem};
+
+/// The fields of one run as given; everything else is default or derived.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spec {
+    values: [Option<f64>; FIELD_COUNT],
+}
+
+impl Default for Spec {
+    fn default() -> Self {
+        Self { values: [None; FIELD_COUNT] }
+    }
+}
+
+/// A design point ready to run, in natural units, with the way back to the user's.
+#[derive(Debug, Clone, Copy)]
+pub struct Design {
+    /// The absorber on its primary system.
+    pub system: Siva,
+    /// State at time zero.
+    pub start: Start,
+    /// Duration, limits and chatter floor.
+    pub limits: Limits,
+    /// From natural units to the user's.
+    pub scale: Scale,
+    /// What the user's units are.
+    pub units: UnitSystem,
+}
+
+impl Spec {
+    /// Sets a field after checking its range.
+    ///
+    /// # Errors
+    /// [`Invalid`] with field, value and range.
+    pub fn set(&mut self, field: FieldId, value: f64) -> Result<(), Invalid> {
+        self.values[field as usize] = Some(field.check(value)?);
+        Ok(())
+    }
+
+    /// Sets a field for a sweep axis: it replaces the alternatives of its group.
+    ///
+    /// # Errors
+    /// [`Invalid`] with field, value and range.
+    pub fn replace(&mut self, field: FieldId, value: f64) -> Result<(), Invalid> {
+        let info = field.info();
+        for other in FieldId::all() {
+            if other.info().part == info.part && other.info().group == info.group {
+                self.values[other as usize] = None;
+            }
+        }
+        self.set(field, value)
+    }
+
+    /// The value given for a field.
+    pub fn get(&self, field: FieldId) -> Option<f64> {
+        self.values[field as usize]
+    }
+
+    /// The fields given, in table order.
+    pub fn given(&self) -> impl Iterator<Item = (FieldId, f64)> + '_ {
+        FieldId::all().filter_map(|id| self.get(id).map(|value| (id, value)))
+    }
+
+    /// Settles alternatives, checks what only shows together, and converts to natural units.
+    ///
+    /// # Errors
+    /// [`Invalid`] if something is missing, given twice, or inconsistent (a start outside the gap).
+    pub fn design(&self) -> Result<Design, Invalid> {
+        let (scale, units) = self.scale()?;
+        let omega = scale.natural_frequency;
+        let damping_ratio = self.damping_ratio(&scale, units)?;
+        let displacement =
+            self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(0.0);
+        let start = Start {
+            displacement,
+            velocity: self.get(FieldId::Velocity).unwrap_or(0.0) / omega,
+            gap_displacement: self.get(FieldId::GapDisplacement).unwrap_or(0.0),
+            gap_velocity: self.get(FieldId::GapVelocity).unwrap_or(0.0) / omega,
+        };
+        let clearance = self.clearance(displacement, units)?;
+        let restitution = self
+            .get(FieldId::Restitution)
+            .ok_or_else(|| missing("absorber.restitution", "give a number from 0 to 1"))?;
+        let system =
+            Siva::new(self.mass_ratio(&scale, units)?, restitution, clearance, damping_ratio)?;
+        system.check_start(&start)?;
+        let limits = Limits {
+            duration: self.duration(omega)?,
+            max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
+            max_work: self.get(FieldId::MaxWork).map_or(Limits::MAX_WORK, |n| n as u64),
+            chatter_floor: self
+                .get(FieldId::ChatterFloor)
+                .map_or(Limits::CHATTER_FLOOR * clearance, |floor| floor / omega),
+        };
+        Ok(Design { system, start, limits, scale, units })
+    }
+
+    fn scale(&self) -> Result<(Scale, UnitSystem), Invalid> {
+        self.at_most_one(&[FieldId::NaturalFrequency, FieldId::FrequencyHz, FieldId::Stiffness])?;
+        let mass = self.get(FieldId::PrimaryMass);
+        let omega = self
+            .get(FieldId::NaturalFrequency)
+            .or_else(|| self.get(FieldId::FrequencyHz).map(|f| TAU * f));
+        let (natural_frequency, units) = match (mass, self.get(FieldId::Stiffness), omega) {
+            (Some(m), Some(k), _) => ((k / m).sqrt(), UnitSystem::Si),
+            (Some(_), None, Some(w)) => (w, UnitSystem::Si),
+            (Some(_), None, None) => {
+                return Err(missing(
+                    "primary.stiffness",
+                    "primary.mass is given, so give stiffness (N/m) or natural_frequency (rad/s) too",
+                ));
+            }
+            (None, Some(_), _) => {
+                return Err(missing(
+                    "primary.mass",
+                    "primary.stiffness is given, so give mass (kg) too",
+                ));
+            }
+            (None, None, Some(w)) => (w, UnitSystem::Seconds),
+            (None, None, None) => (1.0, UnitSystem::Natural),
+        };
+        if !(natural_frequency.is_finite() && natural_frequency > 0.0) {
+            return Err(Invalid::new(
+                "primary.natural_frequency",
+                natural_frequency,
+                "mass and stiffness must give a finite frequency greater than 0",
+            ));
+        }
+        Ok((Scale { natural_frequency, mass: mass.unwrap_or(1.0) }, units))
+    }
+
+    fn damping_ratio(&self, scale: &Scale, units: UnitSystem) -> Result<f64, Invalid> {
+        self.at_most_one(&[FieldId::DampingRatio, FieldId::Damping])?;
+        match self.get(FieldId::Damping) {
+            Some(c) if units == UnitSystem::Si => {
+                Ok(c / (2.0 * scale.mass * scale.natural_frequency))
+            }
+            Some(c) => Err(needs_mass(FieldId::Damping, c, "or give damping_ratio")),
+            None => Ok(self.get(FieldId::DampingRatio).unwrap_or(0.0)),
+        }
+    }
+
+    fn mass_ratio(&self, scale: &Scale, units: UnitSystem) -> Result<f64, Invalid> {
+        self.at_most_one(&[FieldId::MassRatio, FieldId::AbsorberMass])?;
+        match (self.get(FieldId::MassRatio), self.get(FieldId::AbsorberMass)) {
+            (Some(ratio), _) => Ok(ratio),
+            (None, Some(m)) if units == UnitSystem::Si => Ok(m / scale.mass),
+            (None, Some(m)) => Err(needs_mass(FieldId::AbsorberMass, m, "or give mass_ratio")),
+            (None, None) => {
+                Err(missing("absorber.mass_ratio", "give mass_ratio, or mass with a primary mass"))
+            }
+        }
+    }
+
+    fn clearance(&self, displacement: f64, units: UnitSystem) -> Result<f64, Invalid> {
+        let alternatives = [
+            FieldId::RelativeClearance,
+            FieldId::Clearance,
+            FieldId::ClearanceMm,
+            FieldId::Gap,
+            FieldId::GapMm,
+        ];
+        self.at_most_one(&alternatives)?;
+        if let Some(relative) = self.get(FieldId::RelativeClearance) {
+            if displacement == 0.0 {
+                return Err(Invalid::new(
+                    FieldId::RelativeClearance.path(),
+                    relative,
+                    "it is a multiple of |start.displacement|, which is 0; use clearance instead",
+                ));
+            }
+            return Ok(relative * displacement.abs());
+        }
+        let clearance = self.length(FieldId::Clearance, FieldId::ClearanceMm, units)?;
+        let gap = self.length(FieldId::Gap, FieldId::GapMm, units)?;
+        clearance.or(gap.map(|total| 0.5 * total)).ok_or_else(|| {
+            missing(
+                "absorber.clearance",
+                "give clearance (half of the play), gap (all of it) or relative_clearance",
+            )
+        })
+    }
+
+    fn duration(&self, omega: f64) -> Result<f64, Invalid> {
+        self.at_most_one(&[FieldId::Periods, FieldId::Duration])?;
+        let periods = self.get(FieldId::Periods).map(|n| n * TAU);
+        let duration = periods
+            .or_else(|| self.get(FieldId::Duration).map(|t| t * omega))
+            .ok_or_else(|| missing("run.periods", "give periods or duration"))?;
+        if duration.is_finite() {
+            Ok(duration)
+        } else {
+            Err(Invalid::new("run.duration", duration, "give a run of finite length"))
+        }
+    }
+
+    fn length(
+        &self,
+        plain: FieldId,
+        millimetres: FieldId,
+        units: UnitSystem,
+    ) -> Result<Option<f64>, Invalid> {
+        self.at_most_one(&[plain, millimetres])?;
+        match self.get(millimetres) {
+            Some(mm) if units != UnitSystem::Si => Err(Invalid::new(
+                millimetres.path(),
+                mm,
+                format!(
+                    "millimetres need SI units (a primary mass with stiffness or frequency); else write {}",
+                    plain.info().name
+                ),
+            )),
+            Some(mm) => Ok(Some(mm / 1000.0)),
+            None => Ok(self.get(plain)),
+        }
+    }
+
+    fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
+        let mut given = fields.iter().filter(|id| self.get(**id).is_some());
+        match (given.next(), given.next()) {
+            (Some(first), Some(second)) => Err(Invalid::new(
+                second.path(),
+                self.get(*second).unwrap_or(f64::NAN),
+                format!("{} is given as well; give one of them", first.path()),
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn missing(field: &str, allowed: &str) -> Invalid {
+    Invalid::new(field, "missing", allowed)
+}
+
+fn needs_mass(field: FieldId, value: f64, alternative: &str) -> Invalid {
+    Invalid::new(
+        field.path(),
+        value,
+        format!("give primary.mass with stiffness or natural_frequency as well, {alternative}"),
+    )
+}

@@ -1,0 +1,251 @@
+//! Every number a user can give, in one table: name, place, quantity and allowed range.
+//!
+//! The study file, the Python classes and the sweep axes all read this table, so that a name, a
+//! range or a unit is written once.
+
+use iva_core::error::Invalid;
+
+/// The section of a study (and the Python class) that a field belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// The damped linear oscillator that is to be quietened.
+    Primary,
+    /// The impact mass in its gap.
+    Absorber,
+    /// The state at time zero.
+    Start,
+    /// How long to run and where to stop.
+    Run,
+}
+
+impl Part {
+    /// All parts, in the order of a study file.
+    pub const ALL: [Part; 4] = [Part::Primary, Part::Absorber, Part::Start, Part::Run];
+
+    /// The section name of a study file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Primary => "primary",
+            Part::Absorber => "absorber",
+            Part::Start => "start",
+            Part::Run => "run",
+        }
+    }
+}
+
+/// The physical quantity of a field or column; `units` turns it into a unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// A number without unit.
+    Ratio,
+    /// A whole number.
+    Count,
+    /// +1, −1 or 0: a wall, or none.
+    Side,
+    /// A text.
+    Text,
+    /// A truth value.
+    Flag,
+    /// Displacement, clearance.
+    Length,
+    /// A length given in millimetres.
+    Millimetre,
+    /// Velocity.
+    Velocity,
+    /// Time.
+    Time,
+    /// Angular frequency.
+    AngularFrequency,
+    /// Frequency in hertz.
+    Hertz,
+    /// Mass.
+    Mass,
+    /// Spring stiffness.
+    Stiffness,
+    /// Viscous damping constant.
+    Damping,
+    /// Energy.
+    Energy,
+}
+
+/// The set of numbers a field accepts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Allowed {
+    /// Any finite number.
+    Finite,
+    /// Finite and greater than zero.
+    Positive,
+    /// Finite and at least zero.
+    NonNegative,
+    /// From zero to one, both included.
+    UnitInterval,
+    /// A whole number, at least one and at most 2⁵³.
+    PositiveInteger,
+}
+
+impl Allowed {
+    /// True if the value may be used.
+    pub fn contains(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Allowed::Finite => true,
+                Allowed::Positive => value > 0.0,
+                Allowed::NonNegative => value >= 0.0,
+                Allowed::UnitInterval => (0.0..=1.0).contains(&value),
+                Allowed::PositiveInteger => {
+                    (1.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0
+                }
+            }
+    }
+
+    /// The range in words, to end the sentence "give …".
+    pub fn words(self) -> &'static str {
+        match self {
+            Allowed::Finite => "a finite number",
+            Allowed::Positive => "a finite number greater than 0",
+            Allowed::NonNegative => "a finite number, 0 or greater",
+            Allowed::UnitInterval => "a number from 0 to 1",
+            Allowed::PositiveInteger => "a whole number, 1 or greater",
+        }
+    }
+}
+
+/// One row of the table of fields.
+#[derive(Debug)]
+pub struct Field {
+    /// Where it stands.
+    pub part: Part,
+    /// Its name there.
+    pub name: &'static str,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// What it accepts.
+    pub allowed: Allowed,
+    /// Fields of one part with the same group are alternatives: an axis over one replaces the others.
+    pub group: &'static str,
+    /// One line of help.
+    pub help: &'static str,
+}
+
+macro_rules! fields {
+    ($($id:ident: $part:ident $name:literal $quantity:ident $allowed:ident $group:literal $help:literal;)*) => {
+        /// Index of a field in [`FIELDS`].
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[allow(missing_docs)] // each is described by its `help`
+        pub enum FieldId { $($id),* }
+
+        /// The table of fields.
+        pub static FIELDS: &[Field] = &[$(Field {
+            part: Part::$part,
+            name: $name,
+            quantity: Quantity::$quantity,
+            allowed: Allowed::$allowed,
+            group: $group,
+            help: $help,
+        }),*];
+
+        /// How many fields there are.
+        pub const FIELD_COUNT: usize = [$(FieldId::$id),*].len();
+
+        const IDS: [FieldId; FIELD_COUNT] = [$(FieldId::$id),*];
+    };
+}
+
+fields! {
+    DampingRatio: Primary "damping_ratio" Ratio NonNegative "damping" "damping ratio of the bare primary system";
+    Damping: Primary "damping" Damping NonNegative "damping" "viscous damping constant c; needs a mass";
+    NaturalFrequency: Primary "natural_frequency" AngularFrequency Positive "frequency" "natural frequency of the bare primary system in rad/s";
+    FrequencyHz: Primary "frequency_hz" Hertz Positive "frequency" "natural frequency of the bare primary system in Hz";
+    Stiffness: Primary "stiffness" Stiffness Positive "frequency" "spring stiffness k; needs a mass";
+    PrimaryMass: Primary "mass" Mass Positive "mass" "mass M of the primary system";
+    MassRatio: Absorber "mass_ratio" Ratio Positive "mass" "absorber mass over primary mass";
+    AbsorberMass: Absorber "mass" Mass Positive "mass" "absorber mass m; needs a primary mass";
+    Restitution: Absorber "restitution" Ratio UnitInterval "restitution" "Newton's coefficient on the gap velocity";
+    RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|";
+    Clearance: Absorber "clearance" Length Positive "clearance" "one-sided clearance, half of the total play";
+    ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm";
+    Gap: Absorber "gap" Length Positive "clearance" "total play, twice the clearance";
+    GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm";
+    Displacement: Start "displacement" Length Finite "displacement" "displacement of the primary system";
+    DisplacementMm: Start "displacement_mm" Millimetre Finite "displacement" "displacement of the primary system in mm";
+    Velocity: Start "velocity" Velocity Finite "velocity" "velocity of the primary system";
+    GapDisplacement: Start "gap_displacement" Length Finite "gap_displacement" "absorber displacement minus primary displacement";
+    GapVelocity: Start "gap_velocity" Velocity Finite "gap_velocity" "absorber velocity minus primary velocity";
+    Periods: Run "periods" Ratio Positive "duration" "length of the run in periods 2π/ωn of the bare primary system";
+    Duration: Run "duration" Time Positive "duration" "length of the run as a time";
+    MaxImpacts: Run "max_impacts" Count PositiveInteger "max_impacts" "stop after so many impacts (default 10 million)";
+    MaxWork: Run "max_work" Count PositiveInteger "max_work" "stop after so many flight segments (default 100 million)";
+    ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)";
+}
+
+impl FieldId {
+    /// The row of the table.
+    pub fn info(self) -> &'static Field {
+        &FIELDS[self as usize]
+    }
+
+    /// Every field.
+    pub fn all() -> impl Iterator<Item = FieldId> {
+        IDS.iter().copied()
+    }
+
+    /// `part.name`, as error messages and study files write it.
+    pub fn path(self) -> String {
+        let field = self.info();
+        format!("{}.{}", field.part.name(), field.name)
+    }
+
+    /// Finds a field by its part and name.
+    pub fn find(part: Part, name: &str) -> Option<FieldId> {
+        Self::all().find(|id| id.info().part == part && id.info().name == name)
+    }
+
+    /// Checks a value against the field's range.
+    ///
+    /// # Errors
+    /// [`Invalid`] with field, value and range.
+    pub fn check(self, value: f64) -> Result<f64, Invalid> {
+        if self.info().allowed.contains(value) {
+            Ok(value)
+        } else {
+            Err(Invalid::new(self.path(), value, format!("give {}", self.info().allowed.words())))
+        }
+    }
+
+    /// Reads a sweep key: a bare name where it is unique, else `part.name`.
+    ///
+    /// # Errors
+    /// [`Invalid`] that lists the candidates of an ambiguous name or the nearest known key.
+    pub fn from_key(key: &str) -> Result<FieldId, Invalid> {
+        let matches: Vec<FieldId> =
+            Self::all().filter(|id| id.info().name == key || id.path() == key).collect();
+        match matches.as_slice() {
+            [one] => Ok(*one),
+            [] => {
+                let known: Vec<String> =
+                    Self::all().flat_map(|id| [id.info().name.to_owned(), id.path()]).collect();
+                let hint = nearest(key, known.iter().map(String::as_str))
+                    .map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+                Err(Invalid::new("sweep key", format!("`{key}`"), format!("no such field{hint}")))
+            }
+            several => {
+                let paths: Vec<String> =
+                    several.iter().map(|id| format!("`{}`", id.path())).collect();
+                Err(Invalid::new(
+                    "sweep key",
+                    format!("`{key}`"),
+                    format!("the name is not unique, write {}", paths.join(" or ")),
+                ))
+            }
+        }
+    }
+}
+
+/// The known name closest to a misspelt one, if any is close enough to be meant.
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    known
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .filter(|(score, _)| *score > 0.75)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}

@@ -1,0 +1,18 @@
+//! Many runs of an impact vibration absorber.
+//!
+//! From what a user gives to Arrow tables:
+//! [`fields`] (every number a user can give) → [`design`] (one point, alternatives settled, in
+//! natural units) → [`study`] (grid and outputs) → [`sweep`] (rayon over the points) → [`tables`]
+//! (Arrow). No files, no Python.
+
+pub mod columns;
+pub mod design;
+pub mod fields;
+pub mod motion;
+mod rows;
+pub mod study;
+pub mod sweep;
+pub mod tables;
+pub mod units;
+
+pub use iva_core::error::Invalid;

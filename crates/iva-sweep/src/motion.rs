@@ -1,0 +1,96 @@
+//! The motion of a single design as a table: sampled evenly, or at any instants.
+
+use arrow_array::RecordBatch;
+use iva_core::error::Invalid;
+use iva_core::sample::{Sampler, State};
+use iva_core::simulate::simulate;
+
+use crate::design::{Design, Spec};
+use crate::rows;
+use crate::study::{Study, Table};
+use crate::sweep::SweepError;
+use crate::tables::{TableBuilder, schema_in};
+
+/// More samples than this are refused: 56 bytes each.
+pub const MAX_SAMPLES: f64 = 100_000_000.0;
+
+/// The motion of one design: `samples_per_period` equidistant samples a period 2π/ωn, the end of
+/// the run, and both states of every impact.
+///
+/// # Errors
+/// [`SweepError`] for an invalid design or sampling.
+pub fn trajectory(spec: &Spec, samples_per_period: u32) -> Result<RecordBatch, SweepError> {
+    let design = spec.design()?;
+    if samples_per_period == 0 {
+        return Err(
+            Invalid::new("samples_per_period", 0, "give a whole number, 1 or greater").into()
+        );
+    }
+    let step = std::f64::consts::TAU / f64::from(samples_per_period);
+    let duration = design.limits.duration;
+    let count = (duration / step).floor();
+    if count > MAX_SAMPLES {
+        return Err(Invalid::new(
+            "samples_per_period",
+            samples_per_period,
+            format!("the run would have {count:.0} samples, at most {MAX_SAMPLES:.0} are kept"),
+        )
+        .into());
+    }
+    let mut times: Vec<f64> = (0..=count as u64).map(|k| (k as f64 * step).min(duration)).collect();
+    if times.last().is_some_and(|last| *last < duration) {
+        times.push(duration);
+    }
+    let mut sampler = Sampler::with_events(times);
+    simulate(&design.system, &design.start, &design.limits, None, &mut sampler)?;
+    let mut states = sampler.states;
+    // The listed rebounds of a summed tail lie within the ride that follows it.
+    states.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let rows = states.iter().map(|state| (design.scale.time(state.time), Some(state)));
+    table(spec, &design, rows)
+}
+
+/// The state of one design at given times (user units, any order), exact at any instant; at an
+/// impact the state after it. Times after an early end of the run give nulls.
+///
+/// # Errors
+/// [`SweepError`] for an invalid design or a time outside the run.
+pub fn states(spec: &Spec, times: &[f64]) -> Result<RecordBatch, SweepError> {
+    let design = spec.design()?;
+    let duration = design.limits.duration;
+    let mut order: Vec<usize> = (0..times.len()).collect();
+    order.sort_by(|&a, &b| times[a].total_cmp(&times[b]));
+    let mut instants = Vec::with_capacity(times.len());
+    for &index in &order {
+        let tau = times[index] * design.scale.natural_frequency;
+        if !(0.0..=duration * (1.0 + 4.0 * f64::EPSILON)).contains(&tau) {
+            return Err(Invalid::new(
+                format!("times[{index}]"),
+                times[index],
+                format!("give times from 0 to {}", design.scale.time(duration)),
+            )
+            .into());
+        }
+        instants.push(tau.min(duration));
+    }
+    let mut sampler = Sampler::at(instants);
+    simulate(&design.system, &design.start, &design.limits, None, &mut sampler)?;
+    let mut found: Vec<Option<&State>> = vec![None; times.len()];
+    for (&index, state) in order.iter().zip(&sampler.states) {
+        found[index] = Some(state);
+    }
+    table(spec, &design, times.iter().copied().zip(found))
+}
+
+fn table<'a>(
+    spec: &Spec,
+    design: &Design,
+    states: impl Iterator<Item = (f64, Option<&'a State>)>,
+) -> Result<RecordBatch, SweepError> {
+    let schema = schema_in(&Study::single(*spec), Table::Trajectory, design.units);
+    let mut builder = TableBuilder::new(schema);
+    for (time, state) in states {
+        builder.row(rows::state(time, state, &design.scale));
+    }
+    Ok(builder.finish()?)
+}

@@ -1,0 +1,115 @@
+//! Rows of the result tables, in the user's units.
+
+use iva_core::impact::Impact;
+use iva_core::measures::MeasureValues;
+use iva_core::observe::Episode;
+use iva_core::peaks::Peak;
+use iva_core::sample::State;
+use iva_core::simulate::Tally;
+
+use crate::columns::{Measures, SUMMARY};
+use crate::tables::Cell;
+use crate::units::Scale;
+
+/// A summary row after `point` and the swept parameters; columns not asked for are null.
+pub(crate) fn summary<S>(
+    tally: &Tally<S>,
+    values: &MeasureValues,
+    measures: Measures,
+    scale: &Scale,
+) -> impl Iterator<Item = Cell> {
+    let time = |tau: Option<f64>| Cell::from(tau.map(|tau| scale.time(tau)));
+    let energy = |energy: f64| Cell::Number(scale.energy(energy));
+    let cells = [
+        Cell::Text(tally.outcome.name()),
+        Cell::Count(tally.impacts),
+        Cell::Count(tally.effective_impacts),
+        Cell::Count(tally.episodes),
+        Cell::Count(tally.undecided),
+        time(Some(tally.time_stuck)),
+        values.damping_ratio_1.into(),
+        values.damping_ratio_3.into(),
+        values.damping_ratio_10.into(),
+        values.damping_ratio_fit.into(),
+        values.damping_ratio_energy.into(),
+        time(values.settling_time_10),
+        time(values.settling_time_5),
+        time(values.settling_time_2),
+        values.residual_amplitude.into(),
+        energy(values.energy_initial),
+        energy(tally.energy_impacts),
+        energy(values.energy_viscous),
+        energy(values.energy_final),
+        energy(values.energy_residual),
+    ];
+    cells
+        .into_iter()
+        .zip(SUMMARY)
+        .map(move |(cell, column)| if measures.contains(column.name) { cell } else { Cell::Null })
+}
+
+/// A row of `impacts`.
+pub(crate) fn impact(point: u32, index: usize, impact: &Impact, scale: &Scale) -> [Cell; 12] {
+    let velocity = |v: f64| Cell::Number(scale.velocity(v));
+    [
+        Cell::Point(point),
+        Cell::Count(index as u64),
+        Cell::Number(scale.time(impact.time)),
+        Cell::Side(impact.wall.number()),
+        Cell::Number(impact.displacement),
+        velocity(impact.velocity_before),
+        velocity(impact.velocity_after),
+        velocity(impact.absorber_velocity_before()),
+        velocity(impact.absorber_velocity_after()),
+        velocity(impact.gap_velocity_before),
+        Cell::Number(scale.energy(impact.energy_loss)),
+        Cell::Flag(impact.effective()),
+    ]
+}
+
+/// A row of `episodes`.
+pub(crate) fn episode(point: u32, index: usize, episode: &Episode, scale: &Scale) -> [Cell; 8] {
+    [
+        Cell::Point(point),
+        Cell::Count(index as u64),
+        Cell::Side(episode.wall.number()),
+        Cell::Number(scale.time(episode.start_time)),
+        Cell::Number(scale.time(episode.stick_time)),
+        episode.release_time.map(|tau| scale.time(tau)).into(),
+        Cell::Count(episode.impacts),
+        Cell::Number(scale.energy(episode.energy_loss)),
+    ]
+}
+
+/// A row of `envelope`; `peaks[index]` is its peak.
+pub(crate) fn peak(point: u32, index: usize, peaks: &[Peak], scale: &Scale) -> [Cell; 6] {
+    let Peak { time, displacement } = peaks[index];
+    let decrement = index
+        .checked_sub(2)
+        .map(|earlier| (peaks[earlier].displacement / displacement).abs().ln())
+        .filter(|decrement| decrement.is_finite());
+    [
+        Cell::Point(point),
+        Cell::Count(index as u64),
+        Cell::Number(scale.time(time)),
+        Cell::Number(displacement),
+        Cell::Number(displacement.abs()),
+        decrement.into(),
+    ]
+}
+
+/// A row of the trajectory; `time` is the instant in user units.
+pub(crate) fn state(time: f64, state: Option<&State>, scale: &Scale) -> [Cell; 7] {
+    let number = |read: fn(&State) -> f64| Cell::from(state.map(read));
+    let velocity =
+        |read: fn(&State) -> f64| Cell::from(state.map(|state| scale.velocity(read(state))));
+    [
+        Cell::Point(0),
+        Cell::Number(time),
+        number(|state| state.displacement),
+        velocity(|state| state.velocity),
+        number(|state| state.gap_displacement),
+        velocity(|state| state.gap_velocity),
+        state.map_or(Cell::Null, |state| Cell::Side(state.wall)),
+    ]
+}

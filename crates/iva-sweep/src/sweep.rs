@@ -1,0 +1,224 @@
+//! Runs the points of a study in parallel; rows stand in the order of `point`.
+//!
+//! Each worker takes a chunk of neighbouring points and builds its rows; the chunks are joined in
+//! order. So the tables do not depend on the number of threads or the size of the chunks.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+
+use arrow_array::RecordBatch;
+use arrow_schema::ArrowError;
+use arrow_select::concat::concat_batches;
+use iva_core::error::Invalid;
+use iva_core::measures::{Measures, Wanted};
+use iva_core::observe::Events;
+use iva_core::peaks::Envelope;
+use iva_core::simulate::simulate;
+use iva_core::siva::Siva;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+
+use crate::rows;
+use crate::study::{Study, Table};
+use crate::tables::{Cell, TableBuilder, schema_in};
+use crate::units::UnitSystem;
+
+/// The tables of a range of points.
+pub type Tables = BTreeMap<Table, RecordBatch>;
+
+/// Why a sweep could not run.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// A value that the user can mend.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
+    /// The workers could not be started.
+    #[error("the worker threads could not be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    /// A table could not be built.
+    #[error("a result table could not be built: {0}")]
+    Table(#[from] ArrowError),
+}
+
+/// How a sweep runs; nothing here changes a result.
+pub struct Control<'a> {
+    /// Worker threads; `None`: one a core.
+    pub threads: Option<usize>,
+    /// Points a worker takes at once; `None`: chosen from the range.
+    pub chunk: Option<usize>,
+    /// Set to stop early: points not yet finished come back with outcome `cancelled`.
+    pub cancel: &'a AtomicBool,
+    /// Called with the number of points finished since the last call, from any worker.
+    pub progress: &'a (dyn Fn(u64) + Sync),
+}
+
+/// Points a worker takes at once unless told otherwise.
+const CHUNK: usize = 256;
+
+/// Checks every point of a study without running it.
+///
+/// # Errors
+/// The first invalid point, or too many points.
+pub fn validate(study: &Study) -> Result<(), Invalid> {
+    study.check_axes()?;
+    let points = study.points()?;
+    (0..points)
+        .into_par_iter()
+        .find_map_first(|point| study.design(point).err())
+        .map_or(Ok(()), Err)
+}
+
+/// Runs a range of points and builds the tables of the study over them.
+///
+/// # Errors
+/// [`SweepError`] for an invalid point, a thread count of zero or threads that do not start.
+pub fn sweep(
+    study: &Study,
+    points: Range<u64>,
+    control: &Control<'_>,
+) -> Result<Tables, SweepError> {
+    if control.threads == Some(0) {
+        return Err(Invalid::new("threads", 0, "give a whole number, 1 or greater").into());
+    }
+    let units = study.units()?;
+    let length = points.end.saturating_sub(points.start);
+    let chunk = control.chunk.unwrap_or(CHUNK).max(1) as u64;
+    let chunks = length.div_ceil(chunk);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(control.threads.unwrap_or(0)).build()?;
+    let parts: Vec<Result<Tables, SweepError>> = pool.install(|| {
+        (0..chunks)
+            .into_par_iter()
+            .map(|index| {
+                let first = points.start + index * chunk;
+                let range = first..points.end.min(first + chunk);
+                let done = range.end - range.start;
+                let tables = run_chunk(study, range, units, control.cancel)?;
+                (control.progress)(done);
+                Ok(tables)
+            })
+            .collect()
+    });
+    join(study, units, parts)
+}
+
+fn join(
+    study: &Study,
+    units: UnitSystem,
+    parts: Vec<Result<Tables, SweepError>>,
+) -> Result<Tables, SweepError> {
+    let parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut tables = Tables::new();
+    for &table in study.tables.iter().filter(|table| Table::SWEEP.contains(table)) {
+        let batches = parts.iter().filter_map(|part| part.get(&table));
+        tables.insert(table, concat_batches(&schema_in(study, table, units), batches)?);
+    }
+    Ok(tables)
+}
+
+/// What a study wants from each run.
+struct Request {
+    summary: bool,
+    impacts: bool,
+    episodes: bool,
+    envelope: bool,
+    wanted: Wanted,
+}
+
+impl Request {
+    fn new(study: &Study) -> Self {
+        let asked = |table| study.tables.contains(&table);
+        let any = |names: &[&str]| names.iter().any(|name| study.measures.contains(name));
+        Self {
+            summary: asked(Table::Summary),
+            impacts: asked(Table::Impacts),
+            episodes: asked(Table::Episodes),
+            envelope: asked(Table::Envelope),
+            wanted: Wanted {
+                peaks: any(&[
+                    "damping_ratio_1",
+                    "damping_ratio_3",
+                    "damping_ratio_10",
+                    "damping_ratio_fit",
+                ]),
+                settling: any(&["settling_time_10", "settling_time_5", "settling_time_2"]),
+                residual: any(&["residual_amplitude"]),
+                ledger: any(&["energy_viscous", "energy_residual"]),
+            },
+        }
+    }
+}
+
+fn run_chunk(
+    study: &Study,
+    points: Range<u64>,
+    units: UnitSystem,
+    cancel: &AtomicBool,
+) -> Result<Tables, SweepError> {
+    let request = Request::new(study);
+    let mut builders: BTreeMap<Table, TableBuilder> = study
+        .tables
+        .iter()
+        .filter(|table| Table::SWEEP.contains(table))
+        .map(|&table| (table, TableBuilder::new(schema_in(study, table, units))))
+        .collect();
+    for point in points {
+        run_point(study, point, &request, cancel, &mut builders)?;
+    }
+    builders.into_iter().map(|(table, builder)| Ok((table, builder.finish()?))).collect()
+}
+
+fn run_point(
+    study: &Study,
+    point: u64,
+    request: &Request,
+    cancel: &AtomicBool,
+    builders: &mut BTreeMap<Table, TableBuilder>,
+) -> Result<(), SweepError> {
+    let design = study.design(point)?;
+    let mut observers = (
+        (request.impacts || request.episodes).then(Events::default),
+        (
+            request.envelope.then(Envelope::default),
+            request.summary.then(|| Measures::<Siva>::new(request.wanted)),
+        ),
+    );
+    let tally =
+        simulate(&design.system, &design.start, &design.limits, Some(cancel), &mut observers)?;
+    let (events, (envelope, measures)) = observers;
+    let scale = &design.scale;
+    // Points are counted below 2^32 by `Study::points`.
+    let number = point as u32;
+    for (table, builder) in builders {
+        match table {
+            Table::Summary => {
+                if let Some(measures) = &measures {
+                    let swept = study.swept(point).map(Cell::Number);
+                    let row = rows::summary(&tally, measures.values(), study.measures, scale);
+                    builder.row(std::iter::once(Cell::Point(number)).chain(swept).chain(row));
+                }
+            }
+            Table::Impacts => {
+                for (index, impact) in events.iter().flat_map(|events| &events.impacts).enumerate()
+                {
+                    builder.row(rows::impact(number, index, impact, scale));
+                }
+            }
+            Table::Episodes => {
+                for (index, episode) in
+                    events.iter().flat_map(|events| &events.episodes).enumerate()
+                {
+                    builder.row(rows::episode(number, index, episode, scale));
+                }
+            }
+            Table::Envelope => {
+                if let Some(envelope) = &envelope {
+                    for index in 0..envelope.peaks.len() {
+                        builder.row(rows::peak(number, index, &envelope.peaks, scale));
+                    }
+                }
+            }
+            Table::Trajectory => {}
+        }
+    }
+    Ok(())
+}

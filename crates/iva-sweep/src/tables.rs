@@ -1,0 +1,199 @@
+//! Arrow schemas and builders of the result tables.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use arrow_array::builder::{
+    ArrayBuilder, BooleanBuilder, Float64Builder, Int8Builder, Int64Builder, StringBuilder,
+    UInt32Builder,
+};
+use arrow_array::{ArrayRef, RecordBatch};
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
+use iva_core::error::Invalid;
+
+use crate::columns::{SCHEMA_VERSION, columns};
+use crate::fields::Quantity;
+use crate::study::{Study, Table};
+use crate::units::UnitSystem;
+
+/// Signs and frames of every table, kept in its metadata.
+pub const SIGN_CONVENTIONS: &str = "displacement: primary system, positive in the direction of \
+     the + wall; gap displacement y = absorber - primary, walls at y = +d and y = -d with d the \
+     one-sided clearance; gap velocity w = dy/dt; approach velocity: w just before an impact; \
+     absorber velocities: absolute, primary velocity + w";
+
+/// The Arrow schema of a table of a study.
+///
+/// Columns: `point`, in the summary the swept parameters by the names of the study, then
+/// [`columns`]. Field metadata: `unit`, `description`. Schema metadata: `iva.schema_version`,
+/// `iva.version`, `iva.table`, `iva.units` (si, seconds or natural), `iva.units_sentence`,
+/// `iva.sign_conventions`, `iva.swept` (comma-separated keys).
+///
+/// # Errors
+/// As [`Study::units`].
+pub fn schema(study: &Study, table: Table) -> Result<SchemaRef, Invalid> {
+    Ok(schema_in(study, table, study.units()?))
+}
+
+pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> SchemaRef {
+    let mut fields = vec![
+        Field::new("point", DataType::UInt32, false)
+            .with_metadata(field_metadata("1", "row-major index over the axes, last fastest")),
+    ];
+    if table == Table::Summary {
+        for axis in &study.axes {
+            let info = axis.field.info();
+            fields.push(
+                Field::new(&axis.key, DataType::Float64, false)
+                    .with_metadata(field_metadata(units.unit(info.quantity), info.help)),
+            );
+        }
+    }
+    for column in columns(table) {
+        fields.push(
+            Field::new(column.name, data_type(column.quantity), true)
+                .with_metadata(field_metadata(units.unit(column.quantity), column.help)),
+        );
+    }
+    let swept: Vec<&str> = study.axes.iter().map(|axis| axis.key.as_str()).collect();
+    let metadata = [
+        ("iva.schema_version", SCHEMA_VERSION.to_string()),
+        ("iva.version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("iva.table", table.name().to_owned()),
+        ("iva.units", units.name().to_owned()),
+        ("iva.units_sentence", units.sentence().to_owned()),
+        ("iva.sign_conventions", SIGN_CONVENTIONS.to_owned()),
+        ("iva.swept", swept.join(",")),
+    ];
+    let metadata: HashMap<String, String> =
+        metadata.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+    Arc::new(Schema::new_with_metadata(fields, metadata))
+}
+
+fn field_metadata(unit: &str, description: &str) -> HashMap<String, String> {
+    HashMap::from([
+        ("unit".to_owned(), unit.to_owned()),
+        ("description".to_owned(), description.to_owned()),
+    ])
+}
+
+fn data_type(quantity: Quantity) -> DataType {
+    match quantity {
+        Quantity::Count => DataType::Int64,
+        Quantity::Side => DataType::Int8,
+        Quantity::Text => DataType::Utf8,
+        Quantity::Flag => DataType::Boolean,
+        _ => DataType::Float64,
+    }
+}
+
+/// One value of a row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Cell {
+    Point(u32),
+    Number(f64),
+    Count(u64),
+    Side(i8),
+    Text(&'static str),
+    Flag(bool),
+    Null,
+}
+
+impl From<Option<f64>> for Cell {
+    fn from(value: Option<f64>) -> Self {
+        value.map_or(Cell::Null, Cell::Number)
+    }
+}
+
+enum Builder {
+    Point(UInt32Builder),
+    Number(Float64Builder),
+    Count(Int64Builder),
+    Side(Int8Builder),
+    Text(StringBuilder),
+    Flag(BooleanBuilder),
+}
+
+impl Builder {
+    fn new(data_type: &DataType) -> Self {
+        match data_type {
+            DataType::UInt32 => Self::Point(UInt32Builder::new()),
+            DataType::Int64 => Self::Count(Int64Builder::new()),
+            DataType::Int8 => Self::Side(Int8Builder::new()),
+            DataType::Utf8 => Self::Text(StringBuilder::new()),
+            DataType::Boolean => Self::Flag(BooleanBuilder::new()),
+            _ => Self::Number(Float64Builder::new()),
+        }
+    }
+
+    /// A cell of another type than the column's becomes null; `tests::rows_fit` shows that no row
+    /// has one.
+    fn push(&mut self, cell: Cell) {
+        match (self, cell) {
+            (Self::Point(column), Cell::Point(value)) => column.append_value(value),
+            (Self::Number(column), Cell::Number(value)) => column.append_value(value),
+            (Self::Count(column), Cell::Count(value)) => {
+                column.append_option(i64::try_from(value).ok());
+            }
+            (Self::Side(column), Cell::Side(value)) => column.append_value(value),
+            (Self::Text(column), Cell::Text(value)) => column.append_value(value),
+            (Self::Flag(column), Cell::Flag(value)) => column.append_value(value),
+            (Self::Point(column), _) => column.append_null(),
+            (Self::Number(column), _) => column.append_null(),
+            (Self::Count(column), _) => column.append_null(),
+            (Self::Side(column), _) => column.append_null(),
+            (Self::Text(column), _) => column.append_null(),
+            (Self::Flag(column), _) => column.append_null(),
+        }
+    }
+
+    fn finish(&mut self) -> ArrayRef {
+        match self {
+            Self::Point(column) => Arc::new(column.finish()),
+            Self::Number(column) => Arc::new(column.finish()),
+            Self::Count(column) => Arc::new(column.finish()),
+            Self::Side(column) => Arc::new(column.finish()),
+            Self::Text(column) => Arc::new(column.finish()),
+            Self::Flag(column) => Arc::new(column.finish()),
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Point(column) => column.len(),
+            Self::Number(column) => column.len(),
+            Self::Count(column) => column.len(),
+            Self::Side(column) => column.len(),
+            Self::Text(column) => column.len(),
+            Self::Flag(column) => column.len(),
+        }
+    }
+}
+
+/// Builds one table row by row.
+pub(crate) struct TableBuilder {
+    schema: SchemaRef,
+    builders: Vec<Builder>,
+}
+
+impl TableBuilder {
+    pub fn new(schema: SchemaRef) -> Self {
+        let builders =
+            schema.fields().iter().map(|field| Builder::new(field.data_type())).collect();
+        Self { schema, builders }
+    }
+
+    pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) {
+        let mut cells = cells.into_iter();
+        for builder in &mut self.builders {
+            builder.push(cells.next().unwrap_or(Cell::Null));
+        }
+        debug_assert!(cells.next().is_none(), "a row has as many cells as its table columns");
+    }
+
+    pub fn finish(mut self) -> Result<RecordBatch, ArrowError> {
+        debug_assert!(self.builders.windows(2).all(|pair| pair[0].len() == pair[1].len()));
+        let arrays = self.builders.iter_mut().map(Builder::finish).collect();
+        RecordBatch::try_new(self.schema, arrays)
+    }
+}

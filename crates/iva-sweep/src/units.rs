@@ -1,0 +1,95 @@
+//! Units of inputs and results, in three cases that never mix.
+//!
+//! The core computes with time in 1/ωn and energy per primary mass; [`Scale`] turns its numbers
+//! into the user's. Lengths are never rescaled.
+
+use crate::fields::Quantity;
+
+/// Which units the numbers of a study carry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UnitSystem {
+    /// Mass and stiffness (or frequency) are given: kg, N/m, N s/m, m, s, J.
+    Si,
+    /// Only a natural frequency is given: seconds; lengths in the unit of the displacement;
+    /// energies per unit primary mass.
+    Seconds,
+    /// Neither is given: ωn = 1, time in 1/ωn; lengths in the unit of the displacement; energies
+    /// per unit primary mass.
+    Natural,
+}
+
+impl UnitSystem {
+    /// The unit of a quantity, as written into Arrow field metadata and `repr`.
+    pub fn unit(self, quantity: Quantity) -> &'static str {
+        use Quantity as Q;
+        match (quantity, self) {
+            (Q::Ratio | Q::Count | Q::Side, _) => "1",
+            (Q::Text | Q::Flag, _) => "",
+            (Q::Hertz, _) => "Hz",
+            (Q::Millimetre, _) => "mm",
+            (Q::Mass, _) => "kg",
+            (Q::Stiffness, _) => "N/m",
+            (Q::Damping, _) => "N s/m",
+            (Q::AngularFrequency, Self::Natural) => "ωn",
+            (Q::AngularFrequency, _) => "rad/s",
+            (Q::Length, Self::Si) => "m",
+            (Q::Length, _) => "length of displacement",
+            (Q::Velocity, Self::Si) => "m/s",
+            (Q::Velocity, Self::Seconds) => "length of displacement / s",
+            (Q::Velocity, Self::Natural) => "length of displacement · ωn",
+            (Q::Time, Self::Natural) => "1/ωn",
+            (Q::Time, _) => "s",
+            (Q::Energy, Self::Si) => "J",
+            (Q::Energy, Self::Seconds) => "(length of displacement / s)² per unit primary mass",
+            (Q::Energy, Self::Natural) => "(length of displacement · ωn)² per unit primary mass",
+        }
+    }
+
+    /// One sentence for `repr`, reports and file metadata.
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Si => "SI units: kg, N/m, N s/m, m, s, J",
+            Self::Seconds => {
+                "time in s, lengths in the unit of the displacement, energies per unit primary mass"
+            }
+            Self::Natural => {
+                "ωn = 1: time in 1/ωn, lengths in the unit of the displacement, energies per unit primary mass"
+            }
+        }
+    }
+
+    /// Short name for metadata: `si`, `seconds` or `natural`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Si => "si",
+            Self::Seconds => "seconds",
+            Self::Natural => "natural",
+        }
+    }
+}
+
+/// Factors from the core's natural units to the user's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// ωn in rad per user time unit.
+    pub natural_frequency: f64,
+    /// Primary mass, 1 where energies are per unit mass.
+    pub mass: f64,
+}
+
+impl Scale {
+    /// Natural time → user time.
+    pub fn time(&self, tau: f64) -> f64 {
+        tau / self.natural_frequency
+    }
+
+    /// Natural velocity → user velocity.
+    pub fn velocity(&self, velocity: f64) -> f64 {
+        velocity * self.natural_frequency
+    }
+
+    /// Natural energy → user energy.
+    pub fn energy(&self, energy: f64) -> f64 {
+        energy * (self.mass * self.natural_frequency * self.natural_frequency)
+    }
+}
