@@ -1,0 +1,125 @@
+//! The command line of `iva`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use iva_sweep::fields::nearest;
+use iva_sweep::study::Table;
+
+/// Largest `--threads`.
+const MAX_THREADS: i64 = 1024;
+
+/// What was asked for.
+#[derive(Debug, Parser)]
+#[command(
+    name = "iva",
+    version,
+    max_term_width = 80,
+    about = "Reference simulator for impact vibration absorbers",
+    after_help = "Example: the settling time of a structure over the clearance of its absorber\n\n  \
+                  iva check studies/siva_clearance.toml\n  \
+                  iva sweep studies/siva_clearance.toml\n\n\
+                  The tables are then in results/siva_clearance, as Parquet files.\n\n\
+                  Exit codes: 0 done, 1 reading, writing or internal fault, 2 bad input, \
+                  130 interrupted."
+)]
+pub struct Cli {
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run every point of the study's grid and write the tables
+    #[command(after_help = "Example: damping over clearance and mass ratio. In my.toml\n\n  \
+                            version = 1\n  \
+                            [primary]\n  \
+                            damping_ratio = 0.01\n  \
+                            [absorber]\n  \
+                            kind = \"siva\"\n  \
+                            restitution = 0.5\n  \
+                            [start]\n  \
+                            displacement = 1.0\n  \
+                            [run]\n  \
+                            periods = 60\n  \
+                            [sweep]\n  \
+                            relative_clearance = { start = 0.1, stop = 1.2, count = 111 }\n  \
+                            mass_ratio = [0.05, 0.1, 0.15, 0.2]\n\n\
+                            then\n\n  \
+                            iva sweep my.toml\n\n\
+                            prints the best points and writes\n\n  \
+                            results/my/summary      a row a point\n  \
+                            results/my/impacts      a row an impact\n  \
+                            results/my/study.toml   the study, every default filled in")]
+    Sweep(RunArgs),
+    /// Run a study without a grid once and write every table
+    #[command(
+        max_term_width = 80,
+        after_help = "Example: one decay, its motion sampled 500 times a period. In one.toml\n\n  \
+                            version = 1\n  \
+                            [primary]\n  \
+                            damping_ratio = 0.01\n  \
+                            [absorber]\n  \
+                            kind = \"siva\"\n  \
+                            mass_ratio = 0.1\n  \
+                            restitution = 0.5\n  \
+                            relative_clearance = 0.6\n  \
+                            [start]\n  \
+                            displacement = 1.0\n  \
+                            [run]\n  \
+                            periods = 30\n  \
+                            samples_per_period = 500   # of the trajectory; default 200\n\n\
+                            then\n\n  \
+                            iva run one.toml\n\n\
+                            prints the measures and writes summary, impacts, episodes, envelope and\n\
+                            trajectory into results/one."
+    )]
+    Run(RunArgs),
+    /// Check a study, count its points, and estimate time and size
+    #[command(after_help = "Example:\n\n  iva check studies/siva_clearance.toml\n\n\
+                            Nothing is written. A few points spread over the grid are run for the \
+                            estimate.")]
+    Check(CheckArgs),
+}
+
+/// Arguments of `iva sweep` and `iva run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// The study file (TOML)
+    #[arg(value_name = "STUDY.toml")]
+    pub study: PathBuf,
+    /// Folder for the tables [default: results/<name of the study file>]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Tables to write, instead of run.tables of the study: summary, impacts, episodes, envelope;
+    /// `iva run` also trajectory
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = table)]
+    pub tables: Option<Vec<Table>>,
+    /// Worker threads [default: one a core]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Replace the tables that the folder holds, once the new ones are complete
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
+/// Arguments of `iva check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The study file (TOML)
+    #[arg(value_name = "STUDY.toml")]
+    pub study: PathBuf,
+}
+
+fn table(name: &str) -> Result<Table, String> {
+    let known = Table::ALL.map(Table::name);
+    Table::from_name(name).ok_or_else(|| match nearest(name, known.into_iter()) {
+        Some(near) => format!("no such table; did you mean `{near}`?"),
+        None => format!("no such table; give names out of {}", known.join(", ")),
+    })
+}

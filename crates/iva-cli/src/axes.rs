@@ -1,0 +1,185 @@
+//! The `[sweep]` section: its axes, in the order of the file, slowest first.
+
+use std::ops::Range;
+
+use iva_sweep::fields::{Allowed, FieldId, Part};
+use iva_sweep::study::{Axis, MAX_POINTS};
+use toml::de::{DeTable, DeValue};
+
+use crate::error::Error;
+use crate::source::Source;
+use crate::value::{Key, Value, at, entries, number, table, unknown_key, whole_number};
+
+/// One axis as written, before its values are made.
+struct Entry<'a, 't> {
+    /// The key as the user wrote it; `part.name` for the nested form.
+    key: String,
+    span: Range<usize>,
+    value: &'a Value<'t>,
+}
+
+/// Reads the section.
+///
+/// # Errors
+/// At the place of the first unknown or ambiguous key, wrong type, value out of range, or axis
+/// that sets the same quantity as an earlier one; also for an empty section and too many points.
+pub(crate) fn read(
+    source: &mut Source,
+    key: &Key<'_>,
+    value: &Value<'_>,
+) -> Result<Vec<Axis>, Error> {
+    let section = table(source, "sweep", key, value)?;
+    source.note("sweep".to_owned(), key.span());
+    let entries = flatten(section);
+    if entries.is_empty() {
+        return Err(source.error(
+            key.span(),
+            "sweep is empty: give at least one axis, for example mass_ratio = [0.05, 0.1], or \
+             remove the section",
+        ));
+    }
+    check_fields(source, &entries)?;
+    check_size(source, key.span(), &entries)?;
+    let mut axes = Vec::with_capacity(entries.len());
+    for entry in &entries {
+        let axis = read_axis(source, entry)?;
+        source.note(format!("sweep.{}", axis.key), entry.span.clone());
+        source.note_axis(axis.field, entry.span.clone());
+        axes.push(axis);
+    }
+    Ok(axes)
+}
+
+/// `absorber.mass = …` is TOML for a table inside a table: gives it back as `absorber.mass`.
+fn flatten<'a, 't>(section: &'a DeTable<'t>) -> Vec<Entry<'a, 't>> {
+    let mut flat = Vec::new();
+    for (key, value) in entries(section) {
+        let outer = key.get_ref().as_ref();
+        match value.get_ref() {
+            DeValue::Table(inner) if Part::ALL.iter().any(|part| part.name() == outer) => {
+                for (key, value) in entries(inner) {
+                    flat.push(Entry {
+                        key: format!("{outer}.{}", key.get_ref()),
+                        span: key.span(),
+                        value,
+                    });
+                }
+            }
+            _ => flat.push(Entry { key: outer.to_owned(), span: key.span(), value }),
+        }
+    }
+    flat.sort_by_key(|entry| entry.span.start);
+    flat
+}
+
+/// Every key must name a field, and no two axes may set the same quantity: the later would
+/// silently replace the earlier.
+fn check_fields(source: &Source, entries: &[Entry<'_, '_>]) -> Result<(), Error> {
+    let mut seen: Vec<(FieldId, &str)> = Vec::new();
+    for entry in entries {
+        let field = FieldId::from_key(&entry.key)
+            .map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
+        let clash = seen.iter().find(|(other, _)| {
+            other.info().part == field.info().part && other.info().group == field.info().group
+        });
+        if let Some((_, other)) = clash {
+            return Err(source.error(
+                entry.span.clone(),
+                format!(
+                    "sweep.{}: sweep.{other} sets the same quantity; give one of them",
+                    entry.key
+                ),
+            ));
+        }
+        seen.push((field, &entry.key));
+    }
+    Ok(())
+}
+
+/// Refuses a grid that is too large before any of its values are made.
+fn check_size(source: &Source, span: Range<usize>, entries: &[Entry<'_, '_>]) -> Result<(), Error> {
+    let lengths: Vec<f64> = entries.iter().filter_map(length).collect();
+    let points: f64 = lengths.iter().product();
+    if points <= MAX_POINTS as f64 {
+        return Ok(());
+    }
+    let lengths: Vec<String> = lengths.iter().map(f64::to_string).collect();
+    Err(source
+        .error(span, format!("sweep = {}: a grid has at most 2^32 points", lengths.join(" × "))))
+}
+
+fn length(entry: &Entry<'_, '_>) -> Option<f64> {
+    match entry.value.get_ref() {
+        DeValue::Array(items) => Some(items.len() as f64),
+        DeValue::Table(range) => range
+            .get("count")?
+            .get_ref()
+            .as_integer()?
+            .as_str()
+            .parse::<f64>()
+            .ok()
+            .filter(|count| *count <= MAX_POINTS as f64),
+        _ => None,
+    }
+}
+
+fn read_axis(source: &Source, entry: &Entry<'_, '_>) -> Result<Axis, Error> {
+    let name = format!("sweep.{}", entry.key);
+    let field = FieldId::from_key(&entry.key)
+        .map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
+    let allowed = field.info().allowed;
+    let place = entry.value.span();
+    let axis = match entry.value.get_ref() {
+        DeValue::Array(items) => {
+            if items.is_empty() {
+                return Err(source.bad_value(&name, place, "give at least one value"));
+            }
+            let mut values = Vec::with_capacity(items.len());
+            for (index, item) in items.iter().enumerate() {
+                values.push(number(source, &format!("{name}[{index}]"), item, allowed)?);
+            }
+            Axis::new(&entry.key, values)
+        }
+        DeValue::Table(range) => {
+            let (start, stop, count) = read_range(source, entry, &name, range, allowed)?;
+            Axis::linspace(&entry.key, start, stop, count)
+        }
+        _ => {
+            return Err(source.bad_value(
+                &name,
+                place,
+                "give a list of numbers or { start = …, stop = …, count = … }",
+            ));
+        }
+    };
+    axis.map_err(|invalid| at(source, place, &invalid))
+}
+
+fn read_range(
+    source: &Source,
+    entry: &Entry<'_, '_>,
+    name: &str,
+    range: &DeTable<'_>,
+    allowed: Allowed,
+) -> Result<(f64, f64, u64), Error> {
+    const KEYS: [&str; 3] = ["start", "stop", "count"];
+    for (key, _) in entries(range) {
+        if !KEYS.contains(&key.get_ref().as_ref()) {
+            return Err(unknown_key(source, name, key, &KEYS));
+        }
+    }
+    let part = |key: &str| {
+        range.get(key).ok_or_else(|| {
+            source.error(
+                entry.span.clone(),
+                format!("{name}.{key} is missing: give start, stop and count"),
+            )
+        })
+    };
+    let (start, stop, count) = (part("start")?, part("stop")?, part("count")?);
+    Ok((
+        number(source, &format!("{name}.start"), start, allowed)?,
+        number(source, &format!("{name}.stop"), stop, allowed)?,
+        whole_number(source, &format!("{name}.count"), count, (1, MAX_POINTS))?,
+    ))
+}

@@ -1,0 +1,94 @@
+//! The `iva` command as a library: study files in, Parquet tables out.
+//!
+//! [`main_with_args`] is the one command line that the native binary and the Python console script
+//! share. Below it, in the order of a run:
+//! [`args`] (what was asked) → [`study_file`] (TOML, with the place of every error) →
+//! [`iva_sweep`] (the runs) → [`parquet_file`] and [`output`] (staged, then moved into place) →
+//! [`report`] (the best points). [`resolved`] writes the study with every default filled in.
+
+pub mod args;
+mod axes;
+mod cell;
+mod check;
+pub mod error;
+mod layout;
+pub mod output;
+pub mod parquet_file;
+mod progress;
+pub mod report;
+pub mod resolved;
+mod run_study;
+pub mod source;
+pub mod study_file;
+#[cfg(test)]
+mod tests;
+mod value;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use clap::Parser;
+
+pub use error::Error;
+pub use iva_sweep::columns::SCHEMA_VERSION;
+pub use study_file::{STUDY_VERSION, StudyFile, parse_study, read_study};
+
+use args::{Cli, Command};
+
+/// Done.
+pub const EXIT_OK: i32 = 0;
+/// Reading or writing failed, or an internal fault.
+pub const EXIT_FAULT: i32 = 1;
+/// A bad study, argument or output folder.
+pub const EXIT_BAD_INPUT: i32 = 2;
+
+/// Runs the command line; `args` begins with the program's name. Prints results on standard
+/// output, errors and progress on standard error, and returns the exit code: 0 done, 1 I/O or
+/// internal fault, 2 bad input. (An interrupt ends the process with 130 as the shell reports it.)
+/// Never exits the process itself.
+pub fn main_with_args(args: Vec<OsString>) -> i32 {
+    // A panic is a fault of this program: it must neither look like bad input nor unwind into a
+    // caller of another language.
+    catch_unwind(AssertUnwindSafe(|| parse_and_run(args))).unwrap_or(EXIT_FAULT)
+}
+
+fn parse_and_run(args: Vec<OsString>) -> i32 {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(usage) => {
+            // Help and version come this way too, with exit code 0.
+            return match usage.print() {
+                Ok(()) => usage.exit_code(),
+                Err(_) => EXIT_FAULT,
+            };
+        }
+    };
+    let (result, quiet) = match &cli.command {
+        Command::Sweep(args) => (run_study::sweep_command(args), args.quiet),
+        Command::Run(args) => (run_study::run_command(args), args.quiet),
+        Command::Check(args) => (check::check_command(args), false),
+    };
+    match result {
+        Ok(_) if quiet => EXIT_OK,
+        Ok(text) => print(&text),
+        Err(error) => {
+            // If standard error is closed there is nobody left to tell.
+            let _ = writeln!(std::io::stderr(), "error: {error}");
+            error.exit_code()
+        }
+    }
+}
+
+/// Prints a report. A reader that went away (`iva sweep … | head`) is no fault.
+fn print(text: &str) -> i32 {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Ok(()) => EXIT_OK,
+        Err(reason) if reason.kind() == std::io::ErrorKind::BrokenPipe => EXIT_OK,
+        Err(reason) => {
+            let _ = writeln!(std::io::stderr(), "error: cannot print the report: {reason}");
+            EXIT_FAULT
+        }
+    }
+}

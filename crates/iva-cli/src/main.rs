@@ -1,0 +1,8 @@
+//! The native `iva` binary.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let code = iva_cli::main_with_args(std::env::args_os().collect());
+    ExitCode::from(u8::try_from(code).unwrap_or(1))
+}

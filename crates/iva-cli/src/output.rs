@@ -1,0 +1,268 @@
+//! The folder a run writes: its layout, staging, and the move into place.
+//!
+//! ```text
+//! DIR/study.toml                       the resolved study
+//! DIR/summary/part-00000.parquet       points 0 … 65535
+//! DIR/summary/part-00001.parquet       points 65536 … 131071
+//! DIR/impacts/part-00000.parquet       and so on, a folder for every table
+//! ```
+//!
+//! Everything is written into a hidden folder inside DIR first and moved into place when all of it
+//! is complete. Tables of an earlier run are moved aside, not deleted, until then, and moved back
+//! if anything fails. Files that `iva` did not write are never touched.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use iva_sweep::study::Table;
+use tempfile::TempDir;
+
+use crate::error::Error;
+use crate::resolved::HEADER;
+
+/// Points a part file covers: a constant, so that the files do not depend on the machine.
+pub const PART_POINTS: u64 = 65_536;
+
+const STUDY_FILE: &str = "study.toml";
+const STAGING_PREFIX: &str = ".iva-";
+
+/// File name of a part.
+pub fn part_name(part: u64) -> String {
+    format!("part-{part:05}.parquet")
+}
+
+/// An output folder that was found usable, with a staging area inside.
+#[derive(Debug)]
+pub struct Output {
+    dir: PathBuf,
+    overwrite: bool,
+    staging: TempDir,
+    /// Files staged so far, relative to the folder.
+    staged: Vec<PathBuf>,
+    /// Removes the folders it made if they are still empty; after `staging` in drop order.
+    _created: CreatedFolders,
+}
+
+impl Output {
+    /// Checks that the folder can take the results, before anything is computed.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if the folder holds tables (unless `overwrite`), holds a `study.toml`
+    /// that is not `iva`'s own, or cannot be written.
+    pub fn prepare(dir: &Path, overwrite: bool) -> Result<Self, Error> {
+        refuse_conflicts(dir, overwrite)?;
+        let unwritable = |reason: io::Error| {
+            Error::Refused(format!(
+                "cannot write into the folder {}: {reason}; choose another one with --out",
+                dir.display()
+            ))
+        };
+        let created = CreatedFolders::create(dir).map_err(unwritable)?;
+        let staging =
+            tempfile::Builder::new().prefix(STAGING_PREFIX).tempdir_in(dir).map_err(unwritable)?;
+        Ok(Self { dir: dir.to_owned(), overwrite, staging, staged: Vec::new(), _created: created })
+    }
+
+    /// The folder.
+    pub fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Where to write a part of a table for now; the caller creates the file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if its folder cannot be made.
+    pub fn stage_part(&mut self, table: Table, part: u64) -> Result<PathBuf, Error> {
+        self.stage(Path::new(table.name()).join(part_name(part)))
+    }
+
+    /// Writes the resolved study, for now aside.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written.
+    pub fn stage_study(&mut self, text: &str) -> Result<(), Error> {
+        let path = self.stage(PathBuf::from(STUDY_FILE))?;
+        fs::write(&path, text)
+            .and_then(|()| fs::File::open(&path)?.sync_all())
+            .map_err(|reason| Error::io("write", &path, reason))
+    }
+
+    fn stage(&mut self, name: PathBuf) -> Result<PathBuf, Error> {
+        let path = self.staging.path().join("new").join(&name);
+        if let Some(folder) = path.parent() {
+            fs::create_dir_all(folder).map_err(|reason| Error::io("create", folder, reason))?;
+        }
+        self.staged.push(name);
+        Ok(path)
+    }
+
+    /// Moves everything into place: the earlier tables go aside, the new files come in, and on any
+    /// failure each move is undone.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if tables have appeared in the folder meanwhile, [`Error::Io`] if a file
+    /// cannot be moved.
+    pub fn commit(self) -> Result<(), Error> {
+        refuse_conflicts(&self.dir, self.overwrite)?;
+        let mut moves = Moves::default();
+        match self.move_all(&mut moves) {
+            Ok(()) => {
+                remove_empty_table_folders(&self.dir);
+                Ok(())
+            }
+            Err(error) => {
+                if moves.undo().is_err() {
+                    // Better a leftover folder than lost tables.
+                    let kept = self.staging.keep();
+                    return Err(Error::Io {
+                        action: "restore the earlier tables; they are kept in",
+                        path: kept,
+                        source: io::Error::other(error.to_string()),
+                    });
+                }
+                remove_empty_table_folders(&self.dir);
+                Err(error)
+            }
+        }
+    }
+
+    fn move_all(&self, moves: &mut Moves) -> Result<(), Error> {
+        let aside = self.staging.path().join("old");
+        for name in written_by_iva(&self.dir) {
+            moves.rename(&self.dir.join(&name), &aside.join(&name))?;
+        }
+        let new = self.staging.path().join("new");
+        for name in &self.staged {
+            moves.rename(&new.join(name), &self.dir.join(name))?;
+        }
+        Ok(())
+    }
+}
+
+/// Renames done so far, so that they can be undone.
+#[derive(Default)]
+struct Moves(Vec<(PathBuf, PathBuf)>);
+
+impl Moves {
+    fn rename(&mut self, from: &Path, to: &Path) -> Result<(), Error> {
+        if let Some(folder) = to.parent() {
+            fs::create_dir_all(folder).map_err(|reason| Error::io("create", folder, reason))?;
+        }
+        if to.exists() {
+            // A rename would silently replace it on some systems.
+            let reason = io::Error::from(io::ErrorKind::AlreadyExists);
+            return Err(Error::io("write", to, reason));
+        }
+        fs::rename(from, to).map_err(|reason| Error::io("write", to, reason))?;
+        self.0.push((from.to_owned(), to.to_owned()));
+        Ok(())
+    }
+
+    fn undo(self) -> io::Result<()> {
+        self.0.into_iter().rev().try_for_each(|(from, to)| fs::rename(to, from))
+    }
+}
+
+fn refuse_conflicts(dir: &Path, overwrite: bool) -> Result<(), Error> {
+    let shown = dir.display();
+    if dir.exists() && !dir.is_dir() {
+        return Err(Error::Refused(format!(
+            "the output folder {shown} is a file; choose another one with --out"
+        )));
+    }
+    for table in Table::ALL {
+        let folder = dir.join(table.name());
+        if folder.exists() && !folder.is_dir() {
+            return Err(Error::Refused(format!(
+                "{} is a file where a folder of tables must go; move it or choose another folder \
+                 with --out",
+                folder.display()
+            )));
+        }
+    }
+    let study = dir.join(STUDY_FILE);
+    if study.exists() && !is_resolved(&study) {
+        return Err(Error::Refused(format!(
+            "{} was not written by iva and would be replaced; move it or choose another folder \
+             with --out",
+            study.display()
+        )));
+    }
+    let tables = written_by_iva(dir).iter().any(|name| name != Path::new(STUDY_FILE));
+    if tables && !overwrite {
+        return Err(Error::Refused(format!(
+            "the output folder {shown} already holds tables; choose another one with --out, or \
+             give --overwrite to replace them"
+        )));
+    }
+    Ok(())
+}
+
+fn is_resolved(study: &Path) -> bool {
+    fs::read(study).is_ok_and(|bytes| bytes.starts_with(HEADER.as_bytes()))
+}
+
+/// The files of an earlier run, relative to the folder, in a fixed order.
+fn written_by_iva(dir: &Path) -> Vec<PathBuf> {
+    let mut names = Vec::new();
+    for table in Table::ALL {
+        let Ok(entries) = fs::read_dir(dir.join(table.name())) else {
+            continue;
+        };
+        let mut parts: Vec<PathBuf> = entries
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .filter(|name| is_part(name))
+            .map(|name| Path::new(table.name()).join(name))
+            .collect();
+        parts.sort();
+        names.append(&mut parts);
+    }
+    if is_resolved(&dir.join(STUDY_FILE)) {
+        names.push(PathBuf::from(STUDY_FILE));
+    }
+    names
+}
+
+fn is_part(name: &str) -> bool {
+    name.strip_prefix("part-")
+        .and_then(|rest| rest.strip_suffix(".parquet"))
+        .is_some_and(|digits| digits.len() == 5 && digits.bytes().all(|b| b.is_ascii_digit()))
+}
+
+fn remove_empty_table_folders(dir: &Path) {
+    for table in Table::ALL {
+        // Fails, as it should, where files are left.
+        let _ = fs::remove_dir(dir.join(table.name()));
+    }
+}
+
+/// Folders made for the output, removed again if nothing was put into them.
+#[derive(Debug)]
+struct CreatedFolders(Vec<PathBuf>);
+
+impl CreatedFolders {
+    fn create(dir: &Path) -> io::Result<Self> {
+        let mut missing: Vec<PathBuf> = dir
+            .ancestors()
+            .take_while(|path| !path.as_os_str().is_empty() && !path.exists())
+            .map(Path::to_owned)
+            .collect();
+        missing.reverse();
+        let created = Self(missing);
+        fs::create_dir_all(dir)?;
+        Ok(created)
+    }
+}
+
+impl Drop for CreatedFolders {
+    fn drop(&mut self) {
+        for folder in self.0.iter().rev() {
+            // Fails, as it should, for a folder that holds something.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,259 @@
+//! What is printed at the end: the best points of a sweep, or the measures of a single run.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use arrow_array::RecordBatch;
+use iva_sweep::columns::{Column, SUMMARY};
+use iva_sweep::fields::Quantity;
+use iva_sweep::study::Study;
+use iva_sweep::units::UnitSystem;
+
+use crate::cell::{aligned, number, short, significant, text};
+use crate::layout::{TextTable, first_upper, wrap};
+
+/// Default of `report.best_by`.
+pub const DEFAULT_BEST_BY: &str = "settling_time_5";
+/// Default of `report.count`.
+pub const DEFAULT_COUNT: usize = 10;
+
+/// Which end of a measure is the better one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Better {
+    /// Settling times, residual amplitude.
+    Smaller,
+    /// Damping ratios.
+    Larger,
+}
+
+/// The measures that points can be ranked by.
+pub const RANKED: [(&str, Better); 9] = [
+    ("settling_time_10", Better::Smaller),
+    ("settling_time_5", Better::Smaller),
+    ("settling_time_2", Better::Smaller),
+    ("residual_amplitude", Better::Smaller),
+    ("damping_ratio_1", Better::Larger),
+    ("damping_ratio_3", Better::Larger),
+    ("damping_ratio_10", Better::Larger),
+    ("damping_ratio_fit", Better::Larger),
+    ("damping_ratio_energy", Better::Larger),
+];
+
+/// Columns shown beside the ranked one, where there is room.
+const BESIDE: [&str; 4] = ["settling_time_5", "damping_ratio_3", "residual_amplitude", "impacts"];
+
+/// The `[report]` section: what the table of best points shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Report {
+    /// The measure to rank by; `None` if it is the default one and the study leaves it out.
+    pub best_by: Option<&'static str>,
+    /// Rows shown.
+    pub count: usize,
+}
+
+/// One row of the table of best points.
+#[derive(Debug, Clone)]
+struct Row {
+    point: u64,
+    value: Option<f64>,
+    beside: Vec<Option<f64>>,
+}
+
+/// Collects the best points of a sweep, batch by batch.
+#[derive(Debug)]
+pub struct BestPoints {
+    best_by: &'static str,
+    better: Better,
+    count: usize,
+    beside: Vec<&'static Column>,
+    rows: Vec<Row>,
+    points: u64,
+    without_value: u64,
+    unfinished: BTreeMap<String, u64>,
+}
+
+impl BestPoints {
+    /// An empty collection; `None` if the report names no measure.
+    pub fn new(report: &Report, study: &Study) -> Option<Self> {
+        let best_by = report.best_by?;
+        let (_, better) = RANKED.into_iter().find(|(name, _)| *name == best_by)?;
+        let beside = SUMMARY
+            .iter()
+            .filter(|column| {
+                BESIDE.contains(&column.name)
+                    && column.name != best_by
+                    && study.measures.contains(column.name)
+            })
+            .collect();
+        Some(Self {
+            best_by,
+            better,
+            count: report.count,
+            beside,
+            rows: Vec::new(),
+            points: 0,
+            without_value: 0,
+            unfinished: BTreeMap::new(),
+        })
+    }
+
+    /// Takes rows of the summary table, whose first point is `first`.
+    pub fn add(&mut self, summary: &RecordBatch, first: u64) {
+        for index in 0..summary.num_rows() {
+            self.points += 1;
+            let outcome = text(summary, "outcome", index).unwrap_or("finished");
+            if outcome != "finished" {
+                // A run that was cut short may look quiet only because it is short.
+                *self.unfinished.entry(outcome.to_owned()).or_default() += 1;
+                continue;
+            }
+            let value = number(summary, self.best_by, index).filter(|value| !value.is_nan());
+            self.without_value += u64::from(value.is_none());
+            let beside =
+                self.beside.iter().map(|column| number(summary, column.name, index)).collect();
+            self.rows.push(Row { point: first + index as u64, value, beside });
+        }
+        let better = self.better;
+        // Nulls last, ties in the order of the points.
+        self.rows.sort_by(|a, b| {
+            let order = match (a.value, b.value, better) {
+                (Some(a), Some(b), Better::Smaller) => a.total_cmp(&b),
+                (Some(a), Some(b), Better::Larger) => b.total_cmp(&a),
+                (a, b, _) => a.is_none().cmp(&b.is_none()),
+            };
+            order.then(a.point.cmp(&b.point))
+        });
+        self.rows.truncate(self.count);
+    }
+
+    /// The points kept, best first.
+    pub fn points(&self) -> impl Iterator<Item = u64> + '_ {
+        self.rows.iter().map(|row| row.point)
+    }
+
+    /// The table and what it leaves out, in lines of at most 80 characters.
+    pub fn print(&self, study: &Study, units: UnitSystem) -> String {
+        let mut out = String::new();
+        let ranked: u64 = self.points - self.unfinished.values().sum::<u64>();
+        let order = match self.better {
+            Better::Smaller => "smallest first",
+            Better::Larger => "largest first",
+        };
+        if !self.rows.is_empty() {
+            let heading = format!(
+                "Best {} of {} by {} ({order}):",
+                self.rows.len(),
+                counted(self.points, "point"),
+                self.best_by
+            );
+            let _ = writeln!(out, "{}\n", wrap(&heading));
+            out.push_str(&self.table(study, units).print());
+            out.push('\n');
+        }
+        if self.without_value > 0 {
+            let sentence = format!(
+                "{} of {} that finished {} no {}{}.",
+                self.without_value,
+                counted(ranked, "point"),
+                if self.without_value == 1 { "has" } else { "have" },
+                self.best_by,
+                if self.best_by.starts_with("settling_time") {
+                    " (not settled by the end of the run)"
+                } else {
+                    " (the run is too short for it)"
+                }
+            );
+            let _ = writeln!(out, "{}", wrap(&sentence));
+        }
+        if self.unfinished.is_empty() {
+            let _ = writeln!(out, "Every point finished.");
+        } else {
+            let outcomes: Vec<String> = self
+                .unfinished
+                .iter()
+                .map(|(outcome, count)| format!("{count} {outcome}"))
+                .collect();
+            let sentence = format!(
+                "{} did not finish and {} not ranked: {}.",
+                counted(self.points - ranked, "point"),
+                if self.points - ranked == 1 { "is" } else { "are" },
+                outcomes.join(", ")
+            );
+            let _ = writeln!(out, "{}", wrap(&sentence));
+        }
+        let _ = writeln!(out, "{}", wrap(&format!("{}.", first_upper(units.sentence()))));
+        out
+    }
+
+    fn table(&self, study: &Study, units: UnitSystem) -> TextTable {
+        let mut table = TextTable::default();
+        let indices: Vec<Vec<usize>> = self.rows.iter().map(|r| study.indices(r.point)).collect();
+        for (position, axis) in study.axes.iter().enumerate() {
+            let values: Vec<f64> =
+                indices.iter().map(|indices| axis.values[indices[position]]).collect();
+            let unit = short_unit(units, axis.field.info().quantity);
+            table.push(&axis.key, unit, aligned(&values, 6));
+        }
+        let value = |value: Option<f64>, quantity| match value {
+            None => "-".to_owned(),
+            Some(value) if quantity == Quantity::Count => short(value, 15),
+            Some(value) => significant(value, 4),
+        };
+        let quantity = |name: &str| {
+            SUMMARY
+                .iter()
+                .find(|column| column.name == name)
+                .map_or(Quantity::Ratio, |column| column.quantity)
+        };
+        let ranked = quantity(self.best_by);
+        let values = self.rows.iter().map(|row| value(row.value, ranked));
+        table.push(self.best_by, short_unit(units, ranked), values.collect());
+        for (position, column) in self.beside.iter().enumerate() {
+            let values = self.rows.iter().map(|row| value(row.beside[position], column.quantity));
+            let unit = short_unit(units, column.quantity);
+            table.push_optional(column.name, unit, values.collect());
+        }
+        table
+    }
+}
+
+/// The measures of a single run, one a line.
+pub fn print_run(summary: &RecordBatch, study: &Study, units: UnitSystem) -> String {
+    let mut out = String::new();
+    for column in SUMMARY {
+        if !study.measures.contains(column.name) {
+            continue;
+        }
+        let value = match (number(summary, column.name, 0), text(summary, column.name, 0)) {
+            (Some(value), _) if column.quantity == Quantity::Count => short(value, 15),
+            (Some(value), _) => significant(value, 6),
+            (None, Some(text)) => text.to_owned(),
+            (None, None) => "-".to_owned(),
+        };
+        let unit = short_unit(units, column.quantity);
+        let line = format!("{:22}{value:>14}  {unit}", column.name);
+        let _ = writeln!(out, "{}", line.trim_end());
+    }
+    let _ = writeln!(out, "\n{}", wrap(&format!("{}.", first_upper(units.sentence()))));
+    out
+}
+
+/// The unit where it is a short one; the sentence below the table says the others.
+fn short_unit(units: UnitSystem, quantity: Quantity) -> &'static str {
+    match units.unit(quantity) {
+        "1" => "",
+        unit if unit.chars().count() <= 8 => unit,
+        _ => "",
+    }
+}
+
+/// `1 point`, `2 points`.
+pub(crate) fn counted(count: u64, noun: &str) -> String {
+    match count {
+        1 => format!("1 {noun}"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

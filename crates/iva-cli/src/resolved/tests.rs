@@ -1,0 +1,148 @@
+use std::path::Path;
+
+use iva_sweep::columns::{Measures, SUMMARY};
+use iva_sweep::design::Spec;
+use iva_sweep::study::Study;
+use proptest::prelude::*;
+
+use super::*;
+use crate::report::{RANKED, Report};
+use crate::source::Source;
+use crate::study_file::parse_study;
+
+/// A number that a field accepts.
+fn accepted(field: FieldId) -> BoxedStrategy<f64> {
+    match field.info().allowed {
+        Allowed::Finite => (-1e3..1e3).boxed(),
+        Allowed::Positive => prop_oneof![1e-9..1e3, Just(5e-324), Just(f64::MAX)].boxed(),
+        Allowed::NonNegative => prop_oneof![0.0..1e3, Just(0.0)].boxed(),
+        Allowed::UnitInterval => (0.0..=1.0).boxed(),
+        Allowed::PositiveInteger => (1..=9_007_199_254_740_992_u64).prop_map(|n| n as f64).boxed(),
+    }
+}
+
+fn axis(field: FieldId) -> BoxedStrategy<Axis> {
+    let key = field.path();
+    let list = {
+        let key = key.clone();
+        prop::collection::vec(accepted(field), 1..6)
+            .prop_map(move |values| Axis::new(&key, values).unwrap())
+    };
+    let range = (accepted(field), accepted(field), 3..40_u64)
+        .prop_filter_map("a whole number between", move |(start, stop, count)| {
+            Axis::linspace(&key, start, stop, count).ok()
+        });
+    prop_oneof![list, range].boxed()
+}
+
+fn axes() -> impl Strategy<Value = Vec<Axis>> {
+    let fields: Vec<FieldId> = FieldId::all().collect();
+    prop::sample::subsequence(fields, 0..4).prop_shuffle().prop_flat_map(|fields| {
+        let mut kept: Vec<FieldId> = Vec::new();
+        for field in fields {
+            if !kept.iter().any(|other| same_group(*other, field)) {
+                kept.push(field);
+            }
+        }
+        kept.into_iter().map(axis).collect::<Vec<_>>()
+    })
+}
+
+fn spec() -> impl Strategy<Value = Spec> {
+    let fields: Vec<FieldId> = FieldId::all().collect();
+    prop::sample::subsequence(fields, 0..12)
+        .prop_flat_map(|fields| {
+            fields
+                .into_iter()
+                .map(|field| accepted(field).prop_map(move |value| (field, value)))
+                .collect::<Vec<_>>()
+        })
+        .prop_map(|fields| {
+            let mut spec = Spec::default();
+            for (field, value) in fields {
+                spec.set(field, value).unwrap();
+            }
+            spec
+        })
+}
+
+fn study_file() -> impl Strategy<Value = StudyFile> {
+    let names: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();
+    let tables = prop::sample::subsequence(Table::SWEEP.to_vec(), 1..=4);
+    let measures = prop::sample::subsequence(names, 0..=SUMMARY.len())
+        .prop_map(|names| Measures::from_names(names).unwrap());
+    let report = (prop::sample::select(RANKED.to_vec()), 1..1000_usize);
+    (spec(), axes(), tables, measures, report, 1..=1_000_000_u32).prop_map(
+        |(spec, axes, tables, measures, ((best_by, _), count), samples_per_period)| StudyFile {
+            report: Report {
+                best_by: Some(best_by)
+                    .filter(|name| measures.contains(name))
+                    .or(Report::new(measures).best_by),
+                count,
+            },
+            study: Study { spec, axes, tables, measures },
+            samples_per_period,
+            source: Source::new(Path::new("made.toml"), ""),
+        },
+    )
+}
+
+fn assert_same(one: &StudyFile, other: &StudyFile, text: &str) {
+    assert_eq!(one.study, other.study, "{text}");
+    assert_eq!(one.report, other.report, "{text}");
+    assert_eq!(one.samples_per_period, other.samples_per_period, "{text}");
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_reads_back_the_same(file in study_file()) {
+        let limits = [(FieldId::MaxImpacts, 7.0), (FieldId::MaxWork, 9.0)];
+        let resolved = fill_in(&file, limits).unwrap();
+        let text = text_of(&resolved, "any units");
+        let read = parse_study(Path::new("study.toml"), &text)
+            .unwrap_or_else(|error| panic!("{error}\n{text}"));
+        assert_same(&read, &resolved, &text);
+        // Nothing is left to resolve, and the bytes are the same again.
+        let again = fill_in(&read, limits).unwrap();
+        assert_same(&again, &resolved, &text);
+        prop_assert_eq!(text_of(&again, "any units"), text);
+    }
+}
+
+const STUDY: &str = "version = 1\n[absorber]\nkind = \"siva\"\nmass_ratio = 0.1\nrestitution = 0.5\n\
+    clearance = 0.6\n[start]\nvelocity = 1\n[run]\nperiods = 60\n[sweep]\n\
+    \"absorber.gap\" = { start = 0.1, stop = 1.2, count = 12 }\ndamping_ratio = [0, 0.01]\n";
+
+#[test]
+fn defaults_are_filled_in_and_replaced_values_left_out() {
+    let file = parse_study(Path::new("my.toml"), STUDY).unwrap();
+    let text = text_of(&resolve(&file).unwrap(), "any units");
+    for line in [
+        "displacement = 0.0",
+        "velocity = 1.0",
+        "max_impacts = 10000000",
+        "max_work = 100000000",
+        "tables = [\"summary\", \"impacts\"]",
+        "samples_per_period = 200",
+        "\"absorber.gap\" = { start = 0.1, stop = 1.2, count = 12 }",
+        "damping_ratio = [0.0, 0.01]",
+        "best_by = \"settling_time_5\"",
+        "count = 10",
+    ] {
+        assert!(text.lines().any(|other| other == line), "{line}\n{text}");
+    }
+    assert!(text.starts_with(HEADER));
+    assert!(!text.contains("\nclearance"), "{text}");
+    assert!(text.find("absorber.gap") < text.find("damping_ratio = ["), "{text}");
+}
+
+#[test]
+fn the_designs_are_the_same_before_and_after() {
+    let file = parse_study(Path::new("my.toml"), STUDY).unwrap();
+    let text = write(&resolve(&file).unwrap()).unwrap();
+    let read = parse_study(Path::new("study.toml"), &text).unwrap();
+    for point in 0..file.study.points().unwrap() {
+        let (one, other) = (file.study.design(point), read.study.design(point));
+        assert_eq!(format!("{one:?}"), format!("{other:?}"));
+    }
+}

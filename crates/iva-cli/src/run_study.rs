@@ -1,0 +1,238 @@
+//! `iva sweep` and `iva run`: from a study file to tables in a folder and a few lines of report.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use arrow_array::RecordBatch;
+use iva_sweep::motion::trajectory;
+use iva_sweep::study::{Study, Table};
+use iva_sweep::sweep::{Control, sweep};
+use iva_sweep::tables::schema;
+
+use crate::args::RunArgs;
+use crate::error::Error;
+use crate::output::{Output, PART_POINTS};
+use crate::parquet_file::ParquetFile;
+use crate::progress::Progress;
+use crate::report::{BestPoints, counted, print_run};
+use crate::resolved::{resolve, write};
+use crate::study_file::{NO_TRAJECTORY, StudyFile, read_study};
+
+/// Points computed and held in memory at once. A constant that divides [`PART_POINTS`], so that
+/// the rows reach the files in the same portions on every machine.
+const BATCH_POINTS: u64 = 4096;
+
+/// What was written of one table.
+struct Written {
+    table: Table,
+    parts: u64,
+    rows: u64,
+    bytes: u64,
+}
+
+/// Runs the grid of a study; returns what is to be printed.
+///
+/// # Errors
+/// Anything [`read_study`], [`StudyFile::validate`] and [`Output`] refuse; a study without
+/// `[sweep]`; a fault while writing.
+pub(crate) fn sweep_command(args: &RunArgs) -> Result<String, Error> {
+    let file = load(args)?;
+    if file.study.axes.is_empty() {
+        return Err(Error::Refused(format!(
+            "{} has no [sweep] section; add one, or use `iva run` for a single run",
+            args.study.display()
+        )));
+    }
+    let points = file.study.points().map_err(|invalid| file.source.locate(&invalid))?;
+    let mut best = BestPoints::new(&file.report, &file.study);
+    let progress = Progress::new(points, args.quiet);
+    let (dir, written) = compute(&file, args, &progress, &mut |summary, first| {
+        if let Some(best) = &mut best {
+            best.add(summary, first);
+        }
+    })?;
+    let mut out = String::new();
+    match &best {
+        Some(best) if file.study.tables.contains(&Table::Summary) => {
+            let units = file.study.units()?;
+            out.push_str(&best.print(&file.study, units));
+        }
+        Some(_) => out.push_str("No summary table was asked for, so no best points are listed.\n"),
+        None => out.push_str(
+            "run.measures leaves out settling_time_5, so no best points are listed;\nset \
+             report.best_by to another measure.\n",
+        ),
+    }
+    out.push_str(&print_written(&dir, &written));
+    Ok(out)
+}
+
+/// Runs a study without axes; returns what is to be printed.
+///
+/// # Errors
+/// As [`sweep_command`]; a study with `[sweep]`.
+pub(crate) fn run_command(args: &RunArgs) -> Result<String, Error> {
+    let file = load(args)?;
+    if !file.study.axes.is_empty() {
+        return Err(Error::Refused(format!(
+            "{} has a [sweep] section; use `iva sweep`, or remove the section for a single run",
+            args.study.display()
+        )));
+    }
+    let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
+    let progress = Progress::new(1, args.quiet);
+    let mut out = String::new();
+    let (dir, written) = compute(&file, args, &progress, &mut |summary, _| {
+        out = print_run(summary, &file.study, units);
+    })?;
+    out.push_str(&print_written(&dir, &written));
+    Ok(out)
+}
+
+fn load(args: &RunArgs) -> Result<StudyFile, Error> {
+    let mut file = read_study(&args.study)?;
+    if let Some(tables) = &args.tables {
+        let mut tables = tables.clone();
+        tables.sort_unstable();
+        tables.dedup();
+        if !file.study.axes.is_empty() && tables.contains(&Table::Trajectory) {
+            return Err(Error::Refused(format!("--tables trajectory: {NO_TRAJECTORY}")));
+        }
+        file.study.tables = tables;
+    }
+    Ok(file)
+}
+
+/// Validates, prepares the folder, computes, writes and moves into place.
+fn compute(
+    file: &StudyFile,
+    args: &RunArgs,
+    progress: &Progress,
+    on_summary: &mut dyn FnMut(&RecordBatch, u64),
+) -> Result<(PathBuf, Vec<Written>), Error> {
+    file.validate()?;
+    let text = write(&resolve(file)?)?;
+    let dir = match &args.out {
+        Some(dir) => dir.clone(),
+        None => default_folder(&args.study),
+    };
+    let mut output = Output::prepare(&dir, args.overwrite)?;
+    output.stage_study(&text)?;
+    let threads = args.threads.map(usize::from);
+    let written = write_points(file, &mut output, threads, progress, on_summary);
+    progress.clear();
+    let mut written = written?;
+    if file.study.tables.contains(&Table::Trajectory) {
+        written.push(write_trajectory(file, &mut output)?);
+    }
+    output.commit()?;
+    Ok((dir, written))
+}
+
+/// `results/<name of the study file>`.
+fn default_folder(study: &Path) -> PathBuf {
+    Path::new("results").join(study.file_stem().unwrap_or(study.as_os_str()))
+}
+
+/// The study with the tables that a sweep builds.
+pub(crate) fn without_trajectory(study: &Study) -> Study {
+    let mut study = study.clone();
+    study.tables.retain(|table| *table != Table::Trajectory);
+    study
+}
+
+fn write_points(
+    file: &StudyFile,
+    output: &mut Output,
+    threads: Option<usize>,
+    progress: &Progress,
+    on_summary: &mut dyn FnMut(&RecordBatch, u64),
+) -> Result<Vec<Written>, Error> {
+    let study = without_trajectory(&file.study);
+    if study.tables.is_empty() {
+        return Ok(Vec::new());
+    }
+    let located = |invalid| file.source.locate(&invalid);
+    let points = study.points().map_err(located)?;
+    let cancel = AtomicBool::new(false);
+    let finished = |count| progress.add(count);
+    let control = Control { threads, chunk: None, cancel: &cancel, progress: &finished };
+    let mut written: Vec<Written> = Vec::new();
+    for table in &study.tables {
+        written.push(Written { table: *table, parts: 0, rows: 0, bytes: 0 });
+    }
+    for part in 0..points.div_ceil(PART_POINTS) {
+        let mut files = Vec::with_capacity(study.tables.len());
+        for table in &study.tables {
+            let schema = schema(&study, *table).map_err(located)?;
+            files.push(ParquetFile::create(&output.stage_part(*table, part)?, schema)?);
+        }
+        let end = points.min((part + 1) * PART_POINTS);
+        let mut first = part * PART_POINTS;
+        while first < end {
+            let last = end.min(first + BATCH_POINTS);
+            let tables = sweep(&study, first..last, &control)
+                .map_err(|error| file.source.locate_sweep(error))?;
+            for (part, written) in files.iter_mut().zip(&mut written) {
+                if let Some(rows) = tables.get(&written.table) {
+                    part.append(rows)?;
+                    written.rows += rows.num_rows() as u64;
+                }
+            }
+            if let Some(summary) = tables.get(&Table::Summary) {
+                on_summary(summary, first);
+            }
+            first = last;
+        }
+        for (part, written) in files.into_iter().zip(&mut written) {
+            written.bytes += part.finish()?;
+            written.parts += 1;
+        }
+    }
+    Ok(written)
+}
+
+fn write_trajectory(file: &StudyFile, output: &mut Output) -> Result<Written, Error> {
+    let located = |invalid| file.source.locate(&invalid);
+    let rows = trajectory(&file.study.spec, file.samples_per_period)
+        .map_err(|error| file.source.locate_sweep(error))?;
+    let schema = schema(&file.study, Table::Trajectory).map_err(located)?;
+    let mut parquet = ParquetFile::create(&output.stage_part(Table::Trajectory, 0)?, schema)?;
+    parquet.append(&rows)?;
+    Ok(Written {
+        table: Table::Trajectory,
+        parts: 1,
+        rows: rows.num_rows() as u64,
+        bytes: parquet.finish()?,
+    })
+}
+
+fn print_written(dir: &Path, written: &[Written]) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "\nWritten to {}:", dir.display());
+    let _ = writeln!(out, "  study.toml   the study with every default filled in");
+    for Written { table, parts, rows, bytes } in written {
+        let _ = writeln!(
+            out,
+            "  {:12} {}, {}, {}",
+            format!("{table}/"),
+            counted(*rows, "row"),
+            size(*bytes as f64),
+            counted(*parts, "file")
+        );
+    }
+    out
+}
+
+/// A size in bytes for reading, to two or three figures.
+pub(crate) fn size(bytes: f64) -> String {
+    let (value, unit) = match bytes {
+        b if b < 1e3 => return format!("{b:.0} bytes"),
+        b if b < 1e6 => (b / 1e3, "kB"),
+        b if b < 1e9 => (b / 1e6, "MB"),
+        b => (b / 1e9, "GB"),
+    };
+    if value < 10.0 { format!("{value:.1} {unit}") } else { format!("{value:.0} {unit}") }
+}

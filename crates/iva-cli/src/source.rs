@@ -1,0 +1,142 @@
+//! The text of a study file and the places of its fields, to point at what an error is about.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use iva_sweep::Invalid;
+use iva_sweep::fields::FieldId;
+use iva_sweep::sweep::SweepError;
+
+use crate::error::{Error, Place, StudyError, sentence};
+
+/// Characters shown of an offending line, so that messages fit a terminal.
+const SHOWN: usize = 72;
+
+/// A study file as read, with the place of every key that was understood.
+#[derive(Debug, Clone)]
+pub struct Source {
+    path: PathBuf,
+    text: String,
+    places: Vec<(String, Range<usize>)>,
+}
+
+impl Source {
+    /// A file's text under the name that messages show.
+    pub fn new(path: &Path, text: &str) -> Self {
+        Self { path: path.to_owned(), text: text.to_owned(), places: Vec::new() }
+    }
+
+    /// The file, as named by the user.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Notes where a name (`absorber.clearance`, `sweep.gap`, a section) stands.
+    pub(crate) fn note(&mut self, name: String, span: Range<usize>) {
+        self.places.push((name, span));
+    }
+
+    fn find(&self, name: &str) -> Option<Range<usize>> {
+        self.places.iter().find(|(known, _)| known == name).map(|(_, span)| span.clone())
+    }
+
+    /// What stands at a place, as written, shortened to one line of 40 characters.
+    pub(crate) fn literal(&self, span: &Range<usize>) -> String {
+        let whole = self.text.get(span.clone()).unwrap_or_default();
+        let line = whole.lines().next().unwrap_or_default();
+        let short: String = line.chars().take(40).collect();
+        if short.len() < whole.len() { format!("{short}…") } else { short }
+    }
+
+    /// An error at a place of the file.
+    pub(crate) fn error(&self, span: Range<usize>, message: impl Into<String>) -> Error {
+        StudyError {
+            path: self.path.clone(),
+            place: Some(place(&self.text, span)),
+            message: message.into(),
+        }
+        .into()
+    }
+
+    /// An error about a field and the value written for it.
+    pub(crate) fn bad_value(&self, field: &str, span: Range<usize>, allowed: &str) -> Error {
+        let value = self.literal(&span);
+        self.error(span, format!("{field} = {value}: {allowed}"))
+    }
+
+    /// An error about something that does not stand in the file.
+    pub(crate) fn missing(&self, message: impl Into<String>) -> Error {
+        StudyError { path: self.path.clone(), place: None, message: message.into() }.into()
+    }
+
+    /// Points an error found elsewhere (when all fields come together) at the line it is about:
+    /// the field itself, the axis that sweeps it, an alternative of it, or its section.
+    pub fn locate(&self, invalid: &Invalid) -> Error {
+        let message = sentence(invalid);
+        match self.blame(&invalid.field) {
+            Some(span) => self.error(span, message),
+            None => self.missing(message),
+        }
+    }
+
+    /// [`Source::locate`] for what a sweep can fail with.
+    pub(crate) fn locate_sweep(&self, error: SweepError) -> Error {
+        match error {
+            SweepError::Invalid(invalid) => self.locate(&invalid),
+            other => Error::Internal(other.to_string()),
+        }
+    }
+
+    fn blame(&self, field: &str) -> Option<Range<usize>> {
+        let name = field.split('[').next().unwrap_or(field);
+        let exact = self.swept(name).or_else(|| self.find(name));
+        let alternative = || {
+            let (part, bare) = name.split_once('.')?;
+            let info = FieldId::all()
+                .map(FieldId::info)
+                .find(|info| info.part.name() == part && info.name == bare)?;
+            FieldId::all()
+                .filter(|id| id.info().part == info.part && id.info().group == info.group)
+                .find_map(|id| self.swept(&id.path()).or_else(|| self.find(&id.path())))
+        };
+        let enclosing = || {
+            let (outer, _) = name.rsplit_once('.')?;
+            self.find(outer)
+        };
+        exact.or_else(alternative).or_else(enclosing)
+    }
+
+    // An axis replaces the base value of its field, so it is the one to blame.
+    fn swept(&self, path: &str) -> Option<Range<usize>> {
+        self.find(&format!("axis {path}"))
+    }
+
+    /// Notes where the axis over a field stands.
+    pub(crate) fn note_axis(&mut self, field: FieldId, span: Range<usize>) {
+        self.note(format!("axis {}", field.path()), span);
+    }
+}
+
+/// Line, column and extent of a byte range.
+fn place(text: &str, span: Range<usize>) -> Place {
+    let mut start = span.start.min(text.len());
+    while !text.is_char_boundary(start) {
+        start -= 1;
+    }
+    let before = &text[..start];
+    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let line = text[line_start..].lines().next().unwrap_or_default();
+    let line_end = line_start + line.len();
+    let end = span.end.clamp(start, line_end.max(start));
+    let column = text[line_start..start].chars().count();
+    let width = text.get(start..end).map_or(1, |stretch| stretch.chars().count().max(1));
+    let first = if column + width > SHOWN { column.saturating_sub(SHOWN / 2) } else { 0 };
+    let shown: String = line.chars().skip(first).take(SHOWN).collect();
+    Place {
+        line: before.matches('\n').count() + 1,
+        column: column + 1,
+        indent: column - first,
+        width: width.min(SHOWN - (column - first)),
+        text: shown,
+    }
+}

@@ -1,0 +1,318 @@
+//! Study files: TOML text → what to run, what to write, what to print.
+//!
+//! ```toml
+//! version = 1
+//! [primary]
+//! damping_ratio = 0.01
+//! [absorber]
+//! kind = "siva"
+//! mass_ratio = 0.1
+//! restitution = 0.5
+//! relative_clearance = 0.6
+//! [start]
+//! displacement = 1.0
+//! [run]
+//! periods = 60
+//! [sweep]
+//! relative_clearance = { start = 0.1, stop = 1.2, count = 111 }
+//! mass_ratio = [0.05, 0.1, 0.15, 0.2]
+//! ```
+//!
+//! The fields of `[primary]`, `[absorber]`, `[start]` and `[run]` and their ranges are those of
+//! [`iva_sweep::fields::FIELDS`]; every error names file, line and column.
+
+use std::path::Path;
+
+use iva_sweep::columns::{Measures, SUMMARY};
+use iva_sweep::design::Spec;
+use iva_sweep::fields::{FieldId, Part};
+use iva_sweep::study::{Study, Table};
+use toml::de::DeTable;
+
+use crate::axes;
+use crate::error::Error;
+use crate::report::{DEFAULT_BEST_BY, RANKED, Report};
+use crate::source::Source;
+use crate::value::{
+    Key, Value, entries, name, names, number, one_of, table, unknown_key, whole_number,
+};
+
+/// Version of the study file's schema.
+pub const STUDY_VERSION: u64 = 1;
+
+/// Default of `run.samples_per_period`: rows of the trajectory a period 2π/ωn.
+pub const SAMPLES_PER_PERIOD: u32 = 200;
+
+/// The tables of a sweep if the study names none.
+pub const SWEEP_TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
+
+const SECTIONS: [&str; 7] = ["version", "primary", "absorber", "start", "run", "sweep", "report"];
+const KINDS: [&str; 1] = ["siva"];
+const SAMPLES_RANGE: (u64, u64) = (1, 1_000_000);
+const COUNT_RANGE: (u64, u64) = (1, 1_000_000);
+
+/// What a study file says.
+#[derive(Debug, Clone)]
+pub struct StudyFile {
+    /// What to run and which tables to build. Of a single run `tables` may name the trajectory.
+    pub study: Study,
+    /// Rows of the trajectory a period 2π/ωn; only `iva run` uses it.
+    pub samples_per_period: u32,
+    /// What to print at the end of a sweep.
+    pub report: Report,
+    /// The text it was read from, to point at errors found later.
+    pub source: Source,
+}
+
+/// Reads a study file. Points of a grid are not checked here, see [`StudyFile::validate`].
+///
+/// # Errors
+/// [`Error::Refused`] if the file cannot be read, [`Error::Study`] with line and column for
+/// anything in it that cannot be used.
+pub fn read_study(path: &Path) -> Result<StudyFile, Error> {
+    let bytes = std::fs::read(path).map_err(|reason| {
+        Error::Refused(format!("cannot read the study file {}: {reason}", path.display()))
+    })?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
+        Error::Refused(format!(
+            "{}: line {line} is not UTF-8 text; a study file is TOML in UTF-8",
+            path.display()
+        ))
+    })?;
+    parse_study(path, &text)
+}
+
+/// Reads the text of a study file; `path` is only the name shown in messages.
+///
+/// # Errors
+/// [`Error::Study`] with line and column for anything that cannot be used.
+pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
+    let mut source = Source::new(path, text);
+    let document = DeTable::parse(text).map_err(|error| match error.span() {
+        Some(span) if error.message() == "duplicate key" => {
+            let key = source.literal(&span);
+            source.error(span, format!("{key} is given twice; give it once"))
+        }
+        Some(span) => source.error(span, format!("not valid TOML: {}", error.message())),
+        None => source.missing(format!("not valid TOML: {}", error.message())),
+    })?;
+    let root = document.get_ref();
+    check_version(&source, root)?;
+    for (key, _) in entries(root) {
+        if !SECTIONS.contains(&key.get_ref().as_ref()) {
+            return Err(unknown_key(&source, "", key, &SECTIONS));
+        }
+    }
+    let mut spec = Spec::default();
+    let mut settings = Settings::default();
+    for part in Part::ALL {
+        match root.get_key_value(part.name()) {
+            Some((key, value)) => {
+                read_part(&mut source, part, key, value, &mut spec, &mut settings)?;
+            }
+            None if part == Part::Absorber => {
+                return Err(source.missing(
+                    "the section [absorber] is missing: give kind = \"siva\", mass_ratio, \
+                     restitution and relative_clearance",
+                ));
+            }
+            None => {}
+        }
+    }
+    let axes = match root.get_key_value("sweep") {
+        Some((key, value)) => axes::read(&mut source, key, value)?,
+        None => Vec::new(),
+    };
+    let tables = tables_or_default(&source, &settings, !axes.is_empty())?;
+    let measures = settings.measures.unwrap_or_else(Measures::all);
+    let report = match root.get_key_value("report") {
+        Some((key, value)) => read_report(&source, key, value, measures)?,
+        None => Report::new(measures),
+    };
+    let study = Study { spec, axes, tables, measures };
+    Ok(StudyFile {
+        study,
+        samples_per_period: settings.samples_per_period.unwrap_or(SAMPLES_PER_PERIOD),
+        report,
+        source,
+    })
+}
+
+impl StudyFile {
+    /// Checks every point, without running any.
+    ///
+    /// # Errors
+    /// The first invalid point, pointed at the line of the field to blame; too many points.
+    pub fn validate(&self) -> Result<(), Error> {
+        self.study
+            .points()
+            .and_then(|_| iva_sweep::sweep::validate(&self.study))
+            .map_err(|invalid| self.source.locate(&invalid))
+    }
+}
+
+/// What `[run]` holds beside its numbers.
+#[derive(Default)]
+struct Settings {
+    tables: Option<(Vec<Table>, std::ops::Range<usize>)>,
+    measures: Option<Measures>,
+    samples_per_period: Option<u32>,
+}
+
+fn check_version(source: &Source, root: &DeTable<'_>) -> Result<(), Error> {
+    let Some(value) = root.get("version") else {
+        return Err(source.missing(format!(
+            "version is missing: give version = {STUDY_VERSION} on the first line"
+        )));
+    };
+    let version = whole_number(source, "version", value, (1, u64::from(u32::MAX)))?;
+    if version == STUDY_VERSION {
+        Ok(())
+    } else {
+        let allowed = format!("this program reads version {STUDY_VERSION}");
+        Err(source.bad_value("version", value.span(), &allowed))
+    }
+}
+
+fn read_part(
+    source: &mut Source,
+    part: Part,
+    key: &Key<'_>,
+    value: &Value<'_>,
+    spec: &mut Spec,
+    settings: &mut Settings,
+) -> Result<(), Error> {
+    let section = table(source, part.name(), key, value)?;
+    source.note(part.name().to_owned(), key.span());
+    for (key, value) in entries(section) {
+        let bare = key.get_ref().as_ref();
+        let path = format!("{}.{bare}", part.name());
+        match (part, bare) {
+            (Part::Absorber, "kind") => {
+                name(source, &path, value, &KINDS, |kind| KINDS.contains(&kind).then_some(()))?;
+            }
+            (Part::Run, "tables") => {
+                settings.tables = Some((read_tables(source, &path, value)?, value.span()));
+            }
+            (Part::Run, "measures") => {
+                settings.measures = Some(read_measures(source, &path, value)?);
+            }
+            (Part::Run, "samples_per_period") => {
+                let samples = whole_number(source, &path, value, SAMPLES_RANGE)?;
+                settings.samples_per_period = u32::try_from(samples).ok();
+            }
+            _ => {
+                let Some(field) = FieldId::find(part, bare) else {
+                    return Err(unknown_key(source, part.name(), key, &known_keys(part)));
+                };
+                let number = number(source, &path, value, field.info().allowed)?;
+                spec.set(field, number)
+                    .map_err(|invalid| crate::value::at(source, value.span(), &invalid))?;
+                source.note(path, key.span().start..value.span().end);
+            }
+        }
+    }
+    if part == Part::Absorber && section.get("kind").is_none() {
+        return Err(source.error(
+            key.span(),
+            format!("absorber.kind is missing: give kind = {}", one_of(&KINDS)),
+        ));
+    }
+    Ok(())
+}
+
+/// The keys of a section, numbers first.
+fn known_keys(part: Part) -> Vec<&'static str> {
+    let numbers =
+        FieldId::all().map(FieldId::info).filter(|info| info.part == part).map(|info| info.name);
+    let others: &[&str] = match part {
+        Part::Absorber => &["kind"],
+        Part::Run => &["tables", "measures", "samples_per_period"],
+        Part::Primary | Part::Start => &[],
+    };
+    numbers.chain(others.iter().copied()).collect()
+}
+
+fn read_tables(source: &Source, field: &str, value: &Value<'_>) -> Result<Vec<Table>, Error> {
+    let known = Table::ALL.map(Table::name);
+    let mut tables = names(source, field, value, &known, Table::from_name)?;
+    if tables.is_empty() {
+        let allowed = format!("give at least one of {}", known.join(", "));
+        return Err(source.bad_value(field, value.span(), &allowed));
+    }
+    tables.sort_unstable();
+    Ok(tables)
+}
+
+fn tables_or_default(
+    source: &Source,
+    settings: &Settings,
+    swept: bool,
+) -> Result<Vec<Table>, Error> {
+    match &settings.tables {
+        Some((tables, span)) if swept && tables.contains(&Table::Trajectory) => {
+            Err(source.bad_value("run.tables", span.clone(), NO_TRAJECTORY))
+        }
+        Some((tables, _)) => Ok(tables.clone()),
+        None if swept => Ok(SWEEP_TABLES.to_vec()),
+        None => Ok(Table::ALL.to_vec()),
+    }
+}
+
+/// Why `trajectory` is refused beside axes.
+pub(crate) const NO_TRAJECTORY: &str = "a sweep has no trajectory table, only a single run \
+     (`iva run`) has; give summary, impacts, episodes or envelope";
+
+fn read_measures(source: &Source, field: &str, value: &Value<'_>) -> Result<Measures, Error> {
+    let known: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();
+    let find = |name: &str| known.iter().position(|other| *other == name);
+    let chosen = names(source, field, value, &known, find)?;
+    Measures::from_names(chosen.into_iter().map(|index| known[index]))
+        .map_err(|name| source.bad_value(field, value.span(), &format!("{name}: no such measure")))
+}
+
+fn read_report(
+    source: &Source,
+    key: &Key<'_>,
+    value: &Value<'_>,
+    measures: Measures,
+) -> Result<Report, Error> {
+    let mut report = Report::new(measures);
+    for (key, value) in entries(table(source, "report", key, value)?) {
+        match key.get_ref().as_ref() {
+            "best_by" => {
+                let known = RANKED.map(|(name, _)| name);
+                let find = |name: &str| known.iter().find(|other| **other == name).copied();
+                let best_by = name(source, "report.best_by", value, &known, find)?;
+                if !measures.contains(best_by) {
+                    return Err(source.bad_value(
+                        "report.best_by",
+                        value.span(),
+                        "run.measures leaves this column out; add it there",
+                    ));
+                }
+                report.best_by = Some(best_by);
+            }
+            "count" => {
+                report.count = whole_number(source, "report.count", value, COUNT_RANGE)? as usize;
+            }
+            _ => return Err(unknown_key(source, "report", key, &["best_by", "count"])),
+        }
+    }
+    Ok(report)
+}
+
+impl Report {
+    /// The default report of a study that computes these measures.
+    pub fn new(measures: Measures) -> Self {
+        Self {
+            best_by: Some(DEFAULT_BEST_BY).filter(|name| measures.contains(name)),
+            count: crate::report::DEFAULT_COUNT,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
