@@ -1,0 +1,44 @@
+//! Helpers of the tests that cross rooms: double-double numbers, an independent simulator, the
+//! reference event lists, and the unit in which rounding errors are judged.
+//!
+//! The crate holds nothing but tests, so it may panic.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+pub mod case;
+pub mod dd;
+pub mod flight;
+pub mod oracle;
+pub mod reference;
+pub mod rng;
+pub mod timeline;
+
+use proptest::test_runner::{Config, RngSeed};
+
+/// A recorded run of the SIVA.
+pub type Run = iva_core::run::Run<iva_core::siva::SivaState>;
+
+/// Unit roundoff of double precision, 2⁻⁵³.
+pub const U: f64 = f64::EPSILON / 2.0;
+
+/// An error in rounding units: |error| / (2⁻⁵³ (max(condition, 1) + τ)).
+pub fn units(error: f64, condition: f64, time: f64) -> f64 {
+    error.abs() / (U * (condition.max(1.0) + time))
+}
+
+/// The most rounding units that an event time may be off.
+pub const UNITS_ALLOWED: f64 = 6.0;
+
+/// Settings of the property tests: a fixed seed, so that a failure is the same for everybody
+/// (`PROPTEST_RNG_SEED` chooses another one).
+pub fn cases(cases: u32) -> Config {
+    let mut config = Config { cases, failure_persistence: None, ..Config::default() };
+    if config.rng_seed == RngSeed::Random {
+        config.rng_seed = RngSeed::Fixed(20_240_611);
+    }
+    config
+}
+
+/// As [`cases`], for properties that throw most of the random inputs away.
+pub fn rejecting(count: u32) -> Config {
+    Config { max_global_rejects: 100 * count, ..cases(count) }
+}

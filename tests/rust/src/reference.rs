@@ -1,0 +1,83 @@
+//! The reference event lists of `tests/reference/siva_free_decay.json` (its README tells where they
+//! come from and what the fields mean).
+
+use crate::{
+    dd::Dd,
+    oracle::{Kind, Scene},
+};
+use serde_json::Value;
+
+/// One reference event.
+#[derive(Debug, Clone)]
+pub struct Expected {
+    /// Kind of the event.
+    pub kind: Kind,
+    /// When.
+    pub time: Dd,
+    /// Wall, ±1.
+    pub wall: f64,
+    /// Velocity of the primary system just before.
+    pub velocity: Dd,
+    /// Velocity of the absorber just before.
+    pub absorber_velocity: Dd,
+    /// Gap velocity just before.
+    pub approach: Dd,
+    /// Largest change of the time per unit change of an input.
+    pub condition: f64,
+}
+
+/// A reference scene.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// Its name.
+    pub name: String,
+    /// Parameters as the decimals of the file.
+    pub scene: Scene,
+    /// Its events in order, without the impacts of |approach| ≤ 1e-9.
+    pub events: Vec<Expected>,
+}
+
+fn number(value: &Value) -> Dd {
+    match value {
+        Value::String(text) => Dd::parse(text),
+        other => panic!("not a decimal in quotes: {other}"),
+    }
+}
+
+/// All nine scenes.
+pub fn scenes() -> Vec<Reference> {
+    let text = include_str!("../../reference/siva_free_decay.json");
+    let file: Value = serde_json::from_str(text).expect("a JSON file");
+    file.as_object().expect("an object").iter().map(|(name, value)| read(name, value)).collect()
+}
+
+fn read(name: &str, value: &Value) -> Reference {
+    let scene = &value["scene"];
+    let key = |key: &str, otherwise: f64| scene.get(key).map_or(otherwise.into(), number);
+    let events = value["events"].as_array().expect("a list").iter().map(|event| Expected {
+        kind: match event["kind"].as_str() {
+            Some("impact") => Kind::Impact,
+            Some("stick") => Kind::Stick,
+            Some("release") => Kind::Release,
+            other => panic!("unknown kind {other:?}"),
+        },
+        time: number(&event["tau"]),
+        wall: event["side"].as_f64().expect("a wall"),
+        velocity: number(&event["v_main"]),
+        absorber_velocity: number(&event["v_absorber"]),
+        approach: number(&event["approach"]),
+        condition: event["condition"].as_f64().expect("a condition"),
+    });
+    Reference {
+        name: name.to_owned(),
+        scene: Scene {
+            mass_ratio: number(&scene["mu"]),
+            restitution: number(&scene["e"]),
+            clearance: number(&scene["gamma"]),
+            damping_ratio: number(&scene["zeta"]),
+            start: [key("x", 1.0), key("v", 0.0), key("y", 0.0), key("dy", 0.0)],
+            duration: number(&value["tau_end"]).value(),
+        },
+        events: events.collect(),
+    }
+}

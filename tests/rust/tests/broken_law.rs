@@ -1,0 +1,126 @@
+//! The ledger is a real check: with the impact law broken on purpose it does not close.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use iva_core::{
+    error::Invalid,
+    flight::Jet,
+    run::run,
+    simulate::Limits,
+    siva::{Siva, SivaState},
+    system::{Jump, Point, Start, System, Wall},
+};
+
+/// Which velocity a wrong restitution enters.
+#[derive(Debug, Clone, Copy)]
+enum Fault {
+    None,
+    Gap,
+    Primary,
+}
+
+/// A SIVA whose jump uses another restitution in one of the two velocities.
+struct Broken {
+    siva: Siva,
+    fault: Fault,
+    wrong: f64,
+}
+
+impl System for Broken {
+    type State = SivaState;
+    type Flight<'a> = <Siva as System>::Flight<'a>;
+    type Ride<'a> = <Siva as System>::Ride<'a>;
+
+    fn impact(&self, state: &SivaState) -> (SivaState, Jump) {
+        let (_, mut jump) = self.siva.impact(state);
+        let (mu, w) = (self.siva.mass_ratio(), jump.gap_velocity_before);
+        match self.fault {
+            Fault::None => {}
+            Fault::Gap => jump.gap_velocity_after = -self.wrong * w,
+            Fault::Primary => {
+                jump.velocity_after =
+                    jump.velocity_before + mu * (1.0 + self.wrong) / (1.0 + mu) * w;
+            }
+        }
+        let wall = self.siva.wall(state);
+        let after = Start {
+            displacement: jump.displacement,
+            velocity: jump.velocity_after,
+            gap_displacement: wall.sign() * self.siva.clearance(),
+            gap_velocity: jump.gap_velocity_after,
+        };
+        (self.siva.begin(&after).0, jump)
+    }
+
+    fn clearance(&self) -> f64 {
+        self.siva.clearance()
+    }
+    fn rebound_ratio(&self) -> f64 {
+        self.siva.rebound_ratio()
+    }
+    fn pressure_gain(&self) -> f64 {
+        self.siva.pressure_gain()
+    }
+    fn check_start(&self, start: &Start) -> Result<(), Invalid> {
+        self.siva.check_start(start)
+    }
+    fn begin(&self, start: &Start) -> (SivaState, bool) {
+        self.siva.begin(start)
+    }
+    fn flight(&self, state: &SivaState) -> Self::Flight<'_> {
+        self.siva.flight(state)
+    }
+    fn ride(&self, state: &SivaState) -> Self::Ride<'_> {
+        self.siva.ride(state)
+    }
+    fn wall(&self, state: &SivaState) -> Wall {
+        self.siva.wall(state)
+    }
+    fn distance(&self, state: &SivaState) -> Jet {
+        self.siva.distance(state)
+    }
+    fn touch(&self, state: &SivaState, wall: Wall) -> SivaState {
+        self.siva.touch(state, wall)
+    }
+    fn stick(&self, state: &SivaState) -> (SivaState, f64) {
+        self.siva.stick(state)
+    }
+    fn release(&self, state: &SivaState) -> SivaState {
+        self.siva.release(state)
+    }
+    fn primary(&self, state: &SivaState) -> Point {
+        self.siva.primary(state)
+    }
+    fn energy(&self, state: &SivaState) -> f64 {
+        self.siva.energy(state)
+    }
+}
+
+/// |residual| / max(initial, losses): the ledger figure of a decay with few impacts.
+fn ledger(fault: Fault, wrong: f64) -> f64 {
+    let siva = Siva::new(0.15, 0.5, 0.6, 0.01).unwrap();
+    let start = Start { displacement: 1.0, ..Start::default() };
+    let limits = Limits { max_impacts: 8, ..Limits::new(100.0, 0.6) };
+    let run = run(&Broken { siva, fault, wrong }, &start, &limits).unwrap();
+    assert_eq!(run.tally.impacts, 8);
+    let m = &run.measures;
+    m.energy_residual.abs() / m.energy_initial.max(run.tally.energy_impacts).max(m.energy_viscous)
+}
+
+#[test]
+fn the_wrapper_alone_changes_nothing() {
+    assert!(ledger(Fault::None, 0.5) <= 1e-12);
+}
+
+#[test]
+fn a_wrong_restitution_in_one_velocity_breaks_the_ledger() {
+    // The first impact alone (w² = 0.82) misses ½ μ/(1+μ) |e² − e'²| w² or more; even one part in
+    // 10⁹ in e shows, a thousand times the 1e-12 that a right law keeps.
+    for fault in [Fault::Gap, Fault::Primary] {
+        for wrong in [0.6, 0.4, 0.5 + 1e-3, 0.5 + 1e-9] {
+            let figure = ledger(fault, wrong);
+            let expected = 0.01 * (wrong - 0.5f64).abs();
+            assert!(figure > expected, "{fault:?}, e = {wrong}: {figure:e}");
+            assert!(expected > 1e-12);
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Tables of a sweep: the same whatever the threads and chunks, complete, in the order of `point`.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, UInt32Type};
+use arrow_array::{Array, RecordBatch};
+use iva_sweep::columns::{Measures, SUMMARY, columns};
+use iva_sweep::design::Spec;
+use iva_sweep::fields::FieldId;
+use iva_sweep::study::{Axis, Study, Table};
+use iva_sweep::sweep::{Control, Tables, sweep, validate};
+
+fn spec() -> Spec {
+    let mut spec = Spec::default();
+    for (field, value) in [
+        (FieldId::DampingRatio, 0.01),
+        (FieldId::MassRatio, 0.1),
+        (FieldId::Restitution, 0.5),
+        (FieldId::RelativeClearance, 0.5),
+        (FieldId::Displacement, 1.0),
+        (FieldId::Periods, 60.0),
+    ] {
+        spec.set(field, value).unwrap();
+    }
+    spec
+}
+
+/// The grid of `studies/siva_clearance.toml`, with every table.
+fn clearance_study() -> Study {
+    Study {
+        axes: vec![
+            Axis::linspace("relative_clearance", 0.1, 1.2, 111).unwrap(),
+            Axis::new("mass_ratio", vec![0.05, 0.1, 0.15, 0.2]).unwrap(),
+        ],
+        ..Study::single(spec())
+    }
+}
+
+fn run(study: &Study, threads: usize, chunk: Option<usize>, cancel: bool) -> (Tables, u64) {
+    let done = AtomicU64::new(0);
+    let points = study.points().unwrap();
+    let tables = sweep(
+        study,
+        0..points,
+        &Control {
+            threads: Some(threads),
+            chunk,
+            cancel: &AtomicBool::new(cancel),
+            progress: &|count| {
+                done.fetch_add(count, Ordering::Relaxed);
+            },
+        },
+    );
+    (tables.unwrap(), done.into_inner())
+}
+
+fn numbers(table: &RecordBatch, name: &str) -> Vec<Option<f64>> {
+    table.column_by_name(name).unwrap().as_primitive::<Float64Type>().iter().collect()
+}
+
+#[test]
+fn threads_and_chunks_change_nothing() {
+    let study = clearance_study();
+    let (reference, done) = run(&study, 1, None, false);
+    assert_eq!(done, 444);
+    for (threads, chunk) in [(1, Some(1)), (2, None), (2, Some(7)), (7, Some(100)), (7, None)] {
+        let (tables, done) = run(&study, threads, chunk, false);
+        assert_eq!(done, 444);
+        assert_eq!(tables, reference, "{threads} threads, chunks of {chunk:?}");
+    }
+}
+
+#[test]
+fn rows_stand_in_the_order_of_point_last_axis_fastest() {
+    let (tables, _) = run(&clearance_study(), 2, Some(5), false);
+    let summary = &tables[&Table::Summary];
+    let points: Vec<u32> = summary["point"].as_primitive::<UInt32Type>().values().to_vec();
+    assert_eq!(points, (0..444).collect::<Vec<u32>>());
+    let mass_ratios = numbers(summary, "mass_ratio");
+    assert_eq!(mass_ratios[..5], [0.05, 0.1, 0.15, 0.2, 0.05].map(Some));
+    let clearances = numbers(summary, "relative_clearance");
+    assert_eq!((clearances[3], clearances[443]), (Some(0.1), Some(1.2)));
+    let impacts = tables[&Table::Impacts]["point"].as_primitive::<UInt32Type>().values().to_vec();
+    assert!(impacts.is_sorted());
+}
+
+/// A cell of the wrong type would become null: in a scene with chatter every column of every table
+/// is filled, but for what is null by definition.
+#[test]
+fn rows_fit_their_columns() {
+    let mut study = Study::single(spec());
+    study.spec.replace(FieldId::RelativeClearance, 0.1).unwrap();
+    study.spec.replace(FieldId::DampingRatio, 0.02).unwrap();
+    let (tables, _) = run(&study, 1, None, false);
+    for (table, batch) in &tables {
+        assert!(batch.num_rows() > 0, "{table}");
+        assert_eq!(batch.num_columns(), columns(*table).len() + 1);
+        for (field, column) in batch.schema().fields().iter().zip(batch.columns()) {
+            let by_definition = match field.name().as_str() {
+                "log_decrement" => 2,
+                "release_time" => 1,
+                _ => 0,
+            };
+            assert!(column.null_count() <= by_definition, "{table}.{}", field.name());
+        }
+    }
+}
+
+/// Columns that are not asked for are null, the others keep their bits.
+#[test]
+fn measures_not_asked_for_are_null() {
+    let mut study = Study::single(spec());
+    let (all, _) = run(&study, 1, None, false);
+    for asked in SUMMARY.iter().map(|column| column.name) {
+        study.measures = Measures::from_names([asked]).unwrap();
+        let (some, _) = run(&study, 1, None, false);
+        let (all, some) = (&all[&Table::Summary], &some[&Table::Summary]);
+        for column in SUMMARY {
+            let there = column.name == asked || column.name == "outcome";
+            assert_eq!(some[column.name].is_null(0), !there, "{} of {asked}", column.name);
+            if there {
+                assert_eq!(&some[column.name], &all[column.name], "{asked}");
+            }
+        }
+    }
+}
+
+#[test]
+fn cancelled_points_say_so() {
+    let (tables, _) = run(&clearance_study(), 2, None, true);
+    let summary = &tables[&Table::Summary];
+    assert_eq!(summary.num_rows(), 444);
+    assert!(summary["outcome"].as_string::<i32>().iter().all(|word| word == Some("cancelled")));
+    for measure in ["settling_time_5", "residual_amplitude", "damping_ratio_3"] {
+        assert_eq!(summary[measure].null_count(), 444, "{measure}");
+    }
+}
+
+#[test]
+fn a_bad_point_is_named_before_anything_runs() {
+    let mut study = clearance_study();
+    study.spec.set(FieldId::GapDisplacement, 0.3).unwrap();
+    let message = validate(&study).unwrap_err().to_string();
+    assert!(message.contains("start.gap_displacement = 0.3"), "{message}");
+    assert!(message.contains("point 0"), "{message}");
+}
+
+#[test]
+fn two_axes_over_one_quantity_are_refused() {
+    let mut study = clearance_study();
+    study.axes.push(Axis::new("gap", vec![1.0]).unwrap());
+    let message = validate(&study).unwrap_err().to_string();
+    assert!(message.contains("sweep.gap") && message.contains("sweep.relative_clearance"));
+}
+
+#[test]
+fn too_many_points_are_refused_without_allocating() {
+    let many = vec![0.5; 70_000];
+    let study = Study {
+        axes: vec![
+            Axis::new("relative_clearance", many.clone()).unwrap(),
+            Axis::new("mass_ratio", many).unwrap(),
+        ],
+        ..Study::single(spec())
+    };
+    let message = validate(&study).unwrap_err().to_string();
+    assert!(message.contains("70000 × 70000") && message.contains("2^32"), "{message}");
+}
