@@ -1,0 +1,64 @@
+"""Check that imports run one way: python/iva → iva-py → iva-cli → iva-sweep → iva-core."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+# What must not be among the dependencies of a crate, at any depth.
+FORBIDDEN_CRATES = {
+    "iva-core": "iva-sweep iva-cli iva-py rayon arrow-array arrow-schema parquet pyo3 clap toml",
+    "iva-sweep": "iva-cli iva-py parquet pyo3 clap toml tempfile",
+    "iva-cli": "iva-py pyo3",
+}
+
+# What must not stand in the code of a folder or file: physics knows no files, threads or clock;
+# the driver knows no absorber; libraries do not end the process; one crate names pyo3.
+FORBIDDEN_WORDS = [
+    ("crates/iva-core/src", r"\bstd::(fs|io|thread|time|env|process|net)\b|\bprintln!"),
+    ("crates/iva-core/src/simulate.rs", r"\b(siva|Siva)\b"),
+    ("crates/iva-core/src/contact.rs", r"\b(siva|Siva)\b"),
+    ("crates/iva-core/src/siva.rs", r"crate::(simulate|contact|run)\b"),
+    ("crates/iva-sweep/src", r"\bstd::(fs|io|env|process|net)\b|\bprintln!"),
+    ("crates/iva-core/src", r"\bpyo3\b"),
+    ("crates/iva-sweep/src", r"\bpyo3\b"),
+    ("crates/iva-cli/src", r"\bpyo3\b"),
+    ("crates/iva-py/src", r"\bstd::(fs|io)\b|\bparquet::"),
+    ("crates", r"\bprocess::exit\b|\bunimplemented!|\btodo!"),
+    ("python/iva", r"\bimport (pyarrow|pandas)\b"),
+]
+
+
+def code(path: Path) -> list[tuple[int, str]]:
+    """Return the numbered lines of a file up to its tests, without comments."""
+    lines = path.read_text(encoding="utf-8").partition("#[cfg(test)]")[0].splitlines()
+    return [(number, line.partition("//")[0]) for number, line in enumerate(lines, 1)]
+
+
+def faults() -> list[str]:
+    """Return one line for each thing in the wrong place."""
+    found = []
+    for crate, names in FORBIDDEN_CRATES.items():
+        command = ["cargo", "tree", "--locked", "-p", crate, "-e", "normal", "--prefix", "none"]
+        tree = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        below = {line.split()[0] for line in tree.splitlines() if line}
+        found += [f"{crate} must not depend on {name}" for name in names.split() if name in below]
+    for place, pattern in FORBIDDEN_WORDS:
+        root = Path(place)
+        files = (
+            [root] if root.is_file() else sorted(root.rglob("*.rs")) + sorted(root.rglob("*.py"))
+        )
+        found += [
+            f"{path}:{number}: {line.strip()}"
+            for path in files
+            if path.as_posix() != "crates/iva-cli/src/main.rs"
+            for number, line in code(path)
+            if re.search(pattern, line)
+        ]
+    return found
+
+
+if __name__ == "__main__":
+    complaints = faults()
+    print(*complaints, sep="\n", end="\n" if complaints else "")
+    sys.exit(1 if complaints else 0)

@@ -1,0 +1,64 @@
+# Everything a developer types. Needs Rust 1.95, Python 3.11 or newer with pip, and make.
+
+PYTHON ?= python3
+
+VENV := .venv
+BIN := $(VENV)/bin
+# The pip outside serves the environment inside: no ensurepip needed.
+PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
+CARGO := cargo
+SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o -name '*.pyi' \
+	-o -name 'py.typed' -o -name Cargo.toml \)) Cargo.toml Cargo.lock pyproject.toml README.md
+
+# One interpreter for every cargo call, so that switching between targets rebuilds nothing.
+export PYO3_PYTHON := $(abspath $(BIN)/python)
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench wheel clean
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+demo: wheel ## build, then sweep clearance and mass ratio of the paper's absorber
+	$(BIN)/iva sweep studies/siva_clearance.toml --overwrite
+
+test: test-rust test-python ## prove that the code is right
+
+test-rust: $(VENV)/.tools ## the Rust half of `make test`
+	$(CARGO) test --locked --release --workspace --exclude iva-py --exclude iva-benches
+
+test-python: wheel ## the Python half of `make test`
+	$(BIN)/python -m pytest
+
+lint: lint-rust lint-python ## formats, clippy, ruff, types, stubs, layers
+
+lint-rust: $(VENV)/.tools
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
+	$(PYTHON) .ci/layers.py
+
+lint-python: wheel
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest iva._iva
+
+bench: $(VENV)/.tools ## measure nanoseconds per impact
+	$(CARGO) bench --locked -p iva-benches
+
+wheel: $(VENV)/.installed ## build the release wheel and install it into .venv
+
+clean: ## remove the environment, builds and caches
+	rm -rf $(VENV) target .hypothesis .mypy_cache .pytest_cache .ruff_cache
+
+$(VENV)/.tools: pyproject.toml .ci/requirements.py
+	test -x $(BIN)/python || $(PYTHON) -m venv --without-pip $(VENV)
+	$(PYTHON) .ci/requirements.py > $(VENV)/requirements.txt
+	$(PIP) install --quiet --requirement $(VENV)/requirements.txt
+	touch $@
+
+$(VENV)/.installed: $(VENV)/.tools $(SOURCES)
+	rm -f target/wheels/iva_dynamics-*.whl
+	$(BIN)/maturin build --locked --out target/wheels
+	$(PIP) install --quiet --no-deps --force-reinstall target/wheels/iva_dynamics-*.whl
+	touch $@

@@ -1,0 +1,66 @@
+//! A result table on its way to Python, by the Arrow C stream interface.
+
+use std::collections::BTreeMap;
+
+use arrow_array::ffi_stream::FFI_ArrowArrayStream;
+use arrow_array::{RecordBatch, RecordBatchIterator};
+use pyo3::prelude::*;
+use pyo3::types::PyCapsule;
+
+/// A table that any reader of the Arrow C stream interface takes without copying.
+///
+/// `polars.DataFrame(table)` is such a reader.
+#[pyclass(frozen, module = "iva._iva")]
+pub struct ArrowTable(pub RecordBatch);
+
+#[pymethods]
+impl ArrowTable {
+    /// Number of rows.
+    #[getter]
+    fn num_rows(&self) -> usize {
+        self.0.num_rows()
+    }
+
+    /// Schema metadata: layout and package version, units, sign conventions.
+    #[getter]
+    fn metadata(&self) -> BTreeMap<String, String> {
+        let schema = self.0.schema();
+        let entries = schema.metadata().iter();
+        entries.map(|(k, v)| (k.clone(), v.clone())).collect()
+    }
+
+    /// Unit of every column, as its field metadata states it.
+    #[getter]
+    fn units(&self) -> BTreeMap<String, String> {
+        let schema = self.0.schema();
+        let fields = schema.fields().iter();
+        fields
+            .filter_map(|field| {
+                let unit = field.metadata().get("unit")?;
+                Some((field.name().clone(), unit.clone()))
+            })
+            .collect()
+    }
+
+    /// A new Arrow C stream over the table; a requested schema is not followed.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        let _ = requested_schema;
+        let batches = RecordBatchIterator::new([Ok(self.0.clone())], self.0.schema());
+        // The capsule frees the stream when nobody took it; who takes it marks it as released.
+        let stream = FFI_ArrowArrayStream::new(Box::new(batches));
+        PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<iva._iva.ArrowTable: {} rows, {} columns>",
+            self.0.num_rows(),
+            self.0.num_columns()
+        )
+    }
+}

@@ -1,0 +1,192 @@
+//! The functions of the module, one for each thing that Python asks for.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::sync::atomic::Ordering;
+
+use arrow_array::RecordBatch;
+use iva_sweep::Invalid;
+use iva_sweep::columns::columns;
+use iva_sweep::design::Spec;
+use iva_sweep::fields::{FieldId, Quantity};
+use iva_sweep::motion as paths;
+use iva_sweep::study::{Study, Table};
+use iva_sweep::sweep::{self as engine, SweepError};
+use iva_sweep::units::UnitSystem;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arguments;
+use crate::arrow_table::ArrowTable;
+use crate::errors::invalid;
+use crate::worker::{self, Progress};
+
+type Tables = BTreeMap<&'static str, ArrowTable>;
+type Units = BTreeMap<String, String>;
+
+/// The fields of a part: (name, allowed values in words, help) in the order of the table.
+#[pyfunction]
+pub fn fields(part: &str) -> PyResult<Vec<(&'static str, &'static str, &'static str)>> {
+    let part = arguments::part(part)?;
+    Ok(FieldId::all()
+        .map(FieldId::info)
+        .filter(|field| field.part == part)
+        .map(|field| (field.name, field.allowed.words(), field.help))
+        .collect())
+}
+
+/// Checks the given fields of one part; raises ValueError for the first that cannot be used.
+#[pyfunction]
+pub fn check(part: &str, values: Vec<(String, f64)>) -> PyResult<()> {
+    let part = arguments::part(part)?;
+    for (name, value) in values {
+        let field = FieldId::find(part, &name).ok_or_else(|| {
+            let path = format!("{}.{name}", part.name());
+            invalid(Invalid::new(path, value, "no such field"))
+        })?;
+        field.check(value).map_err(invalid)?;
+    }
+    Ok(())
+}
+
+/// Name ("si", "seconds", "natural") and sentence of the units of a complete spec.
+#[pyfunction]
+pub fn units(spec: &Bound<'_, PyDict>) -> PyResult<(&'static str, &'static str)> {
+    let units = Study::single(arguments::spec(spec)?).units().map_err(invalid)?;
+    Ok((units.name(), units.sentence()))
+}
+
+/// The sentence of the units that the fields of a primary system set.
+#[pyfunction]
+pub fn primary_units(spec: &Bound<'_, PyDict>) -> PyResult<&'static str> {
+    let mut spec = arguments::spec(spec)?;
+    // Units follow from the primary system alone: any valid absorber completes the scene.
+    for field in [FieldId::MassRatio, FieldId::Restitution, FieldId::Clearance, FieldId::Periods] {
+        spec.set(field, 1.0).map_err(invalid)?;
+    }
+    let units = Study::single(spec).units().map_err(invalid)?;
+    Ok(units.sentence())
+}
+
+/// Sentence and table → column → unit in one of the unit systems, with the swept keys.
+#[pyfunction]
+pub fn column_units(
+    system: &str,
+    swept: Vec<String>,
+) -> PyResult<(&'static str, BTreeMap<&'static str, Units>)> {
+    let system = [UnitSystem::Si, UnitSystem::Seconds, UnitSystem::Natural]
+        .into_iter()
+        .find(|units| units.name() == system)
+        .ok_or_else(|| {
+            let rule = "give si, seconds or natural";
+            invalid(Invalid::new("units", system, rule))
+        })?;
+    let mut tables = BTreeMap::new();
+    for table in Table::ALL {
+        let mut units = Units::new();
+        let mut add = |name: &str, quantity| {
+            units.insert(name.to_owned(), system.unit(quantity).to_owned());
+        };
+        add("point", Quantity::Count);
+        for column in columns(table) {
+            add(column.name, column.quantity);
+        }
+        if table == Table::Summary {
+            for key in &swept {
+                let field = FieldId::from_key(key).map_err(invalid)?;
+                add(key, field.info().quantity);
+            }
+        }
+        tables.insert(table.name(), units);
+    }
+    Ok((system.sentence(), tables))
+}
+
+/// Runs one scene; returns its tables by name.
+#[pyfunction]
+#[pyo3(signature = (spec, measures = None))]
+pub fn simulate(
+    py: Python<'_>,
+    spec: &Bound<'_, PyDict>,
+    measures: Option<Vec<String>>,
+) -> PyResult<Tables> {
+    let names = Table::SWEEP.map(|table| table.name().to_owned());
+    let spec = arguments::spec(spec)?;
+    let study = arguments::study(spec, Vec::new(), &names, measures.as_deref())?;
+    run(py, study, Some(1), None)
+}
+
+/// Runs a grid; returns the asked tables by name.
+#[pyfunction]
+#[pyo3(signature = (spec, axes, tables, measures = None, threads = None, progress = None))]
+pub fn sweep(
+    py: Python<'_>,
+    spec: &Bound<'_, PyDict>,
+    axes: Vec<(String, Vec<f64>)>,
+    tables: Vec<String>,
+    measures: Option<Vec<String>>,
+    threads: Option<&Bound<'_, PyAny>>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Tables> {
+    let spec = arguments::spec(spec)?;
+    let study = arguments::study(spec, axes, &tables, measures.as_deref())?;
+    let threads = threads.map(|n| arguments::whole("threads", n, 65_536)).transpose()?;
+    run(py, study, threads.map(|n| n as usize), progress)
+}
+
+fn run(
+    py: Python<'_>,
+    study: Study,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Tables> {
+    let total = study.points().map_err(invalid)?;
+    let progress = progress.map(|callback| Progress { callback, total });
+    let tables = worker::run(py, progress.as_ref(), move |shared| {
+        // A bad point is said at once, not after the good ones before it.
+        engine::validate(&study)?;
+        let control = engine::Control {
+            threads,
+            chunk: None,
+            cancel: &shared.cancel,
+            progress: &|points| {
+                shared.done.fetch_add(points, Ordering::Relaxed);
+            },
+        };
+        engine::sweep(&study, 0..total, &control)
+    })?;
+    let named = tables.into_iter();
+    Ok(named.map(|(table, batch)| (table.name(), ArrowTable(batch))).collect())
+}
+
+/// The motion of one scene, equidistant samples and both states of every impact.
+#[pyfunction]
+pub fn trajectory(
+    py: Python<'_>,
+    spec: &Bound<'_, PyDict>,
+    samples_per_period: &Bound<'_, PyAny>,
+) -> PyResult<ArrowTable> {
+    let spec = arguments::spec(spec)?;
+    let samples = arguments::whole("samples_per_period", samples_per_period, 1_000_000_000)?;
+    motion(py, move || paths::trajectory(&spec, samples as u32))
+}
+
+/// The state of one scene at given times, in the order given.
+#[pyfunction]
+pub fn states(py: Python<'_>, spec: &Bound<'_, PyDict>, times: Vec<f64>) -> PyResult<ArrowTable> {
+    let spec: Spec = arguments::spec(spec)?;
+    motion(py, move || paths::states(&spec, &times))
+}
+
+fn motion(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<RecordBatch, SweepError> + Send + 'static,
+) -> PyResult<ArrowTable> {
+    worker::run(py, None, move |_| work()).map(ArrowTable)
+}
+
+/// The command `iva`: takes the whole argument list, returns the exit code.
+#[pyfunction]
+pub fn main(py: Python<'_>, argv: Vec<OsString>) -> i32 {
+    py.detach(move || iva_cli::main_with_args(argv))
+}

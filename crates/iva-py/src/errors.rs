@@ -1,0 +1,32 @@
+//! Which Python exception a failure becomes.
+
+use iva_sweep::Invalid;
+use iva_sweep::sweep::SweepError;
+use pyo3::PyErr;
+use pyo3::create_exception;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+
+create_exception!(
+    iva,
+    IvaError,
+    PyRuntimeError,
+    "A fault that no argument explains: files that cannot be read, or a defect of the program."
+);
+
+/// A value that cannot be used: `ValueError` with field, value and what is allowed.
+pub fn invalid(error: Invalid) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// A run that could not be made: `ValueError` where the user can mend it, else `IvaError`.
+pub fn failed(error: SweepError) -> PyErr {
+    match error {
+        SweepError::Invalid(error) => invalid(error),
+        fault => IvaError::new_err(fault.to_string()),
+    }
+}
+
+/// A defect of the program, with what is known of it.
+pub fn internal(what: &str) -> PyErr {
+    IvaError::new_err(format!("internal error, please report it: {what}"))
+}

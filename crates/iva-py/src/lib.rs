@@ -1,0 +1,35 @@
+//! The extension module `iva._iva`: Python values in, Arrow tables out.
+//!
+//! [`arguments`] reads what Python hands over → [`calls`] are the functions of the module →
+//! [`worker`] runs them away from the interpreter → [`arrow_table`] hands the result back.
+//! [`errors`] says which exception a failure becomes. No physics, no files.
+
+mod arguments;
+mod arrow_table;
+mod calls;
+mod errors;
+mod worker;
+
+use pyo3::prelude::*;
+
+/// The compiled half of `iva`; use the names that `iva` itself exports.
+#[pymodule]
+mod _iva {
+    #[pymodule_export]
+    use super::arrow_table::ArrowTable;
+    #[pymodule_export]
+    use super::calls::{
+        check, column_units, fields, main, primary_units, simulate, states, sweep, trajectory,
+        units,
+    };
+    #[pymodule_export]
+    use super::errors::IvaError;
+
+    /// The newest table layout that this version writes and reads.
+    #[pymodule_export]
+    const SCHEMA_VERSION: u32 = iva_sweep::columns::SCHEMA_VERSION;
+
+    /// Version of the package.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,110 @@
+//! Long calls: the work runs on a thread of its own, the calling thread looks after Python.
+//!
+//! The caller detaches from the interpreter and wakes every 50 ms to let signal handlers run and
+//! to call the progress callback. Whatever these raise cancels the work and surfaces unchanged.
+//! The work never touches Python, and its panics end at the thread's border.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+use iva_sweep::sweep::SweepError;
+use pyo3::prelude::*;
+
+use crate::errors::{failed, internal};
+
+const WAKE: Duration = Duration::from_millis(50);
+/// Work that ignores its cancellation for longer is left to end by itself.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// What the work and the calling thread share.
+#[derive(Default)]
+pub struct Shared {
+    /// Set to ask the work to stop.
+    pub cancel: AtomicBool,
+    /// Points finished so far.
+    pub done: AtomicU64,
+}
+
+/// Reports (done, total) to a Python callable, once for every change.
+pub struct Progress<'a, 'py> {
+    /// The callable.
+    pub callback: &'a Bound<'py, PyAny>,
+    /// Number of points of the whole call.
+    pub total: u64,
+}
+
+/// Runs `work` on its own thread until it ends, or until a signal handler or `progress` raises.
+///
+/// # Errors
+/// What [`failed`] makes of the error, `IvaError` for a panic, and what handler or callback raised.
+pub fn run<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Progress<'_, '_>>,
+    work: impl FnOnce(&Shared) -> Result<T, SweepError> + Send + 'static,
+) -> PyResult<T> {
+    let shared = Arc::new(Shared::default());
+    let (sender, mut receiver) = channel();
+    let theirs = Arc::clone(&shared);
+    thread::Builder::new()
+        .name("iva".to_owned())
+        .spawn(move || {
+            let result = catch_unwind(AssertUnwindSafe(|| work(&theirs)));
+            // Nobody listens any more after an interruption that ran out of patience.
+            let _ = sender.send(result);
+        })
+        .map_err(|error| internal(&format!("cannot start a thread: {error}")))?;
+
+    let mut reported = 0;
+    loop {
+        let (back, message) = py.detach(move || wait(receiver, WAKE));
+        receiver = back;
+        let ended = !matches!(message, Err(RecvTimeoutError::Timeout));
+        let done = shared.done.load(Ordering::Relaxed);
+        let attended = py.check_signals().and_then(|()| match progress {
+            Some(progress) if done != reported => {
+                reported = done;
+                progress.callback.call1((done, progress.total)).map(drop)
+            }
+            _ => Ok(()),
+        });
+        if let Err(raised) = attended {
+            shared.cancel.store(true, Ordering::Relaxed);
+            if !ended {
+                py.detach(move || give_up(receiver));
+            }
+            return Err(raised);
+        }
+        match message {
+            Ok(Ok(result)) => return result.map_err(failed),
+            Ok(Err(panic)) => return Err(internal(words(&*panic))),
+            Err(RecvTimeoutError::Disconnected) => return Err(internal("a thread vanished")),
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    }
+}
+
+type Message<T> = Result<thread::Result<Result<T, SweepError>>, RecvTimeoutError>;
+type Mailbox<T> = Receiver<thread::Result<Result<T, SweepError>>>;
+
+fn wait<T>(receiver: Mailbox<T>, time: Duration) -> (Mailbox<T>, Message<T>) {
+    let message = receiver.recv_timeout(time);
+    (receiver, message)
+}
+
+fn give_up<T>(receiver: Mailbox<T>) {
+    // A partial result is of no use to anybody.
+    drop(wait(receiver, PATIENCE));
+}
+
+fn words(panic: &(dyn Any + Send)) -> &str {
+    panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("a panic without words")
+}

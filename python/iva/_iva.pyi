@@ -1,0 +1,56 @@
+"""The compiled half of `iva`."""
+
+from collections.abc import Callable, Sequence
+from typing import Final, final
+
+__all__ = [
+    "SCHEMA_VERSION",
+    "VERSION",
+    "ArrowTable",
+    "IvaError",
+    "check",
+    "column_units",
+    "fields",
+    "main",
+    "primary_units",
+    "simulate",
+    "states",
+    "sweep",
+    "trajectory",
+    "units",
+]
+
+SCHEMA_VERSION: Final[int]
+VERSION: Final[str]
+
+class IvaError(RuntimeError): ...
+
+@final
+class ArrowTable:
+    @property
+    def num_rows(self) -> int: ...
+    @property
+    def metadata(self) -> dict[str, str]: ...
+    @property
+    def units(self) -> dict[str, str]: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+
+def fields(part: str) -> list[tuple[str, str, str]]: ...
+def check(part: str, values: Sequence[tuple[str, float]]) -> None: ...
+def units(spec: dict[str, float]) -> tuple[str, str]: ...
+def primary_units(spec: dict[str, float]) -> str: ...
+def column_units(system: str, swept: Sequence[str]) -> tuple[str, dict[str, dict[str, str]]]: ...
+def simulate(
+    spec: dict[str, float], measures: Sequence[str] | None = None
+) -> dict[str, ArrowTable]: ...
+def sweep(
+    spec: dict[str, float],
+    axes: Sequence[tuple[str, Sequence[float]]],
+    tables: Sequence[str],
+    measures: Sequence[str] | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> dict[str, ArrowTable]: ...
+def trajectory(spec: dict[str, float], samples_per_period: int) -> ArrowTable: ...
+def states(spec: dict[str, float], times: Sequence[float]) -> ArrowTable: ...
+def main(argv: Sequence[str]) -> int: ...

@@ -1,0 +1,282 @@
+"""What a run is made of: primary system, absorber, start.
+
+Names, ranges and meanings stand in one table of the compiled part; the classes here only carry
+the values. Every value is a float after construction, ``None`` where nothing was given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Set
+from dataclasses import dataclass, fields
+from numbers import Real
+from typing import ClassVar
+
+from iva import _iva
+
+
+def number(field: str, value: object) -> float:
+    """Return a number given for `field` as a float.
+
+    Parameters
+    ----------
+    field : str
+        Name for the message, for example ``"absorber.restitution"``.
+    value : real number
+        A Python or NumPy number; booleans and text are refused.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    TypeError
+        If the value is not a real number.
+    ValueError
+        If it is too large for a float.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{field} = {value!r}: give a number, not {type(value).__name__}")
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{field} = {value!r}: give a finite number") from None
+
+
+def numbers(field: str, values: object) -> list[float]:
+    """Return a one-dimensional sequence of numbers given for `field` as a list of floats.
+
+    Parameters
+    ----------
+    field : str
+        Name for the message.
+    values : iterable of real numbers
+        A list, tuple, range, NumPy array of shape (n,), polars series, …
+
+    Returns
+    -------
+    list of float
+
+    Raises
+    ------
+    TypeError
+        If `values` has no order or is not a sequence of numbers.
+    ValueError
+        If a number is too large for a float.
+    """
+    if not isinstance(values, Iterable) or isinstance(values, (str, bytes, Mapping, Set)):
+        raise TypeError(f"{field} = {values!r}: give a one-dimensional sequence of numbers")
+    if getattr(values, "ndim", 1) != 1:
+        shape = getattr(values, "shape", "unknown")
+        raise TypeError(f"{field} has shape {shape}: give a one-dimensional sequence of numbers")
+    return [number(f"{field}[{index}]", value) for index, value in enumerate(values)]
+
+
+class Part:
+    """What the three parts of a scene have in common."""
+
+    __slots__ = ()
+    _part: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        """Turn every value into a float and check its range."""
+        for field in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            if value is not None:
+                value = number(f"{self._part}.{field.name}", value)
+                object.__setattr__(self, field.name, value)
+        _iva.check(self._part, list(given(self).items()))
+
+    def __repr__(self) -> str:
+        """Show what was given, as an expression that gives it again."""
+        return constructor(self)
+
+
+def given(part: Part) -> dict[str, float]:
+    """Return the fields of a part that were given, by name."""
+    values = ((field.name, getattr(part, field.name)) for field in fields(part))  # type: ignore[arg-type]
+    return {name: value for name, value in values if value is not None}
+
+
+def constructor(part: Part) -> str:
+    """Return the expression that builds the part."""
+    arguments = ", ".join(f"{name}={value!r}" for name, value in given(part).items())
+    return f"{type(part).__name__}({arguments})"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class Primary(Part):
+    """The damped linear oscillator that is to be quietened.
+
+    What is given decides the units of everything else:
+
+    * ``mass`` with ``stiffness`` (or a frequency): SI, that is kg, N/m, N s/m, m, s, J.
+    * only ``natural_frequency`` or ``frequency_hz``: time in s, lengths in the unit of the start
+      displacement, energies per unit primary mass.
+    * neither: ωn = 1, time in 1/ωn, lengths and energies as above.
+
+    Parameters
+    ----------
+    damping_ratio : float, optional
+        Damping ratio ζ ≥ 0 of the bare primary system; 0 if no damping is given.
+    damping : float, optional
+        Viscous damping constant c ≥ 0 in N s/m, instead of `damping_ratio`; needs a mass.
+    natural_frequency : float, optional
+        ωn > 0 of the bare primary system in rad/s.
+    frequency_hz : float, optional
+        The same in Hz.
+    stiffness : float, optional
+        Spring stiffness k > 0 in N/m, instead of a frequency; needs a mass.
+    mass : float, optional
+        Mass M > 0 in kg.
+
+    Raises
+    ------
+    TypeError
+        If a value is not a number.
+    ValueError
+        If a value is out of range.
+
+    Examples
+    --------
+    >>> Primary(mass=2.0, stiffness=800.0, damping=0.8).mass
+    2.0
+    """
+
+    _part: ClassVar[str] = "primary"
+
+    damping_ratio: float | None = None
+    damping: float | None = None
+    natural_frequency: float | None = None
+    frequency_hz: float | None = None
+    stiffness: float | None = None
+    mass: float | None = None
+
+    def __repr__(self) -> str:
+        """Show what was given and the units that follow from it."""
+        try:
+            units = _iva.primary_units(spec(self))
+        except ValueError:  # a frequency is still missing, or given twice
+            return constructor(self)
+        return f"{constructor(self)}  # {units}"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class Siva(Part):
+    """Single-mass impact vibration absorber: a free mass in a gap of the primary system.
+
+    Parameters
+    ----------
+    mass_ratio : float, optional
+        Absorber mass over primary mass, μ = m/M > 0. This or `mass` is needed.
+    mass : float, optional
+        Absorber mass m > 0 in kg; needs a primary mass.
+    restitution : float
+        Newton's coefficient e on the gap velocity, from 0 (plastic) to 1 (elastic).
+    relative_clearance : float, optional
+        γ > 0, clearance over the size of the start displacement. One of the five ways to give the
+        clearance is needed.
+    clearance : float, optional
+        One-sided clearance d > 0, half of the total play, in the unit of lengths.
+    clearance_mm : float, optional
+        The same in mm; SI units only.
+    gap : float, optional
+        Total play 2d > 0, in the unit of lengths.
+    gap_mm : float, optional
+        The same in mm; SI units only.
+
+    Raises
+    ------
+    TypeError
+        If a value is not a number.
+    ValueError
+        If a value is out of range.
+
+    Examples
+    --------
+    >>> Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5)
+    Siva(mass_ratio=0.15, restitution=0.5, relative_clearance=0.6)
+    """
+
+    _part: ClassVar[str] = "absorber"
+
+    mass_ratio: float | None = None
+    mass: float | None = None
+    restitution: float | None = None
+    relative_clearance: float | None = None
+    clearance: float | None = None
+    clearance_mm: float | None = None
+    gap: float | None = None
+    gap_mm: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class Start(Part):
+    """The state at time zero; what is not given is 0.
+
+    Parameters
+    ----------
+    displacement : float, optional
+        Displacement of the primary system, in the unit of lengths.
+    displacement_mm : float, optional
+        The same in mm; SI units only.
+    velocity : float, optional
+        Velocity of the primary system.
+    gap_displacement : float, optional
+        Absorber displacement minus primary displacement, at most the clearance in size.
+    gap_velocity : float, optional
+        Absorber velocity minus primary velocity.
+
+    Raises
+    ------
+    TypeError
+        If a value is not a number.
+    ValueError
+        If a value is not finite.
+
+    Examples
+    --------
+    >>> Start(displacement=1)
+    Start(displacement=1.0)
+    """
+
+    _part: ClassVar[str] = "start"
+
+    displacement: float | None = None
+    displacement_mm: float | None = None
+    velocity: float | None = None
+    gap_displacement: float | None = None
+    gap_velocity: float | None = None
+
+
+def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> dict[str, float]:
+    """Return all given fields of some parts and of the section ``run`` as ``"part.field"``."""
+    fields_given = {
+        f"{part._part}.{name}": value for part in parts for name, value in given(part).items()
+    }
+    for name, value in (run or {}).items():
+        if value is not None:
+            fields_given[f"run.{name}"] = number(f"run.{name}", value)
+    return fields_given
+
+
+def scene(
+    absorber: object,
+    primary: object,
+    start: object,
+    run: Mapping[str, float | None],
+) -> dict[str, float]:
+    """Return the spec of a whole scene, after a look at the types of its parts.
+
+    Raises
+    ------
+    TypeError
+        If a part is of the wrong class, or a setting of the run is not a number.
+    """
+    if not isinstance(absorber, Siva):
+        raise TypeError(f"absorber = {absorber!r}: give an iva.Siva")
+    if not isinstance(primary, Primary):
+        raise TypeError(f"primary = {primary!r}: give an iva.Primary")
+    if not isinstance(start, Start):
+        raise TypeError(f"start = {start!r}: give an iva.Start")
+    return spec(absorber, primary, start, run=run)

@@ -1,0 +1,233 @@
+"""One run of an absorber on its primary system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from iva import _iva
+from iva.frames import Frames, from_arrow, to_polars
+from iva.parameters import Primary, Siva, Start, constructor, numbers, scene
+from iva.units import Units, from_metadata
+
+if TYPE_CHECKING:
+    import polars as pl
+
+
+class Run:
+    """Result of :func:`simulate`: tables of one free decay.
+
+    Attributes of tables are polars frames, made on first use. `units` names the unit of every
+    column. Runs can be copied, pickled and compared (same scene, same values).
+    """
+
+    def __init__(
+        self,
+        absorber: Siva,
+        primary: Primary,
+        start: Start,
+        spec: dict[str, float],
+        units: Units,
+        frames: Frames,
+    ) -> None:
+        self.absorber = absorber
+        self.primary = primary
+        self.start = start
+        self.units = units
+        self._spec = spec
+        self._frames = frames
+
+    @property
+    def summary(self) -> pl.DataFrame:
+        """One row: outcome, counts, damping measures, energy ledger.
+
+        ``outcome`` is ``finished``, ``impact_limit``, ``work_limit`` or ``not_finite``. A measure
+        that is not defined for the run, or was not asked for, is null.
+        """
+        return self._frames["summary"]
+
+    @property
+    def impacts(self) -> pl.DataFrame:
+        """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
+        return self._frames["impacts"]
+
+    @property
+    def episodes(self) -> pl.DataFrame:
+        """One row a chatter that ends in stick, a plastic stick, or a start at rest on a wall."""
+        return self._frames["episodes"]
+
+    @property
+    def envelope(self) -> pl.DataFrame:
+        """One row a peak of the primary displacement."""
+        return self._frames["envelope"]
+
+    def trajectory(self, samples_per_period: int = 200) -> pl.DataFrame:
+        """Compute the motion in time.
+
+        Parameters
+        ----------
+        samples_per_period : int, default 200
+            Equidistant samples a period 2π/ωn of the bare primary system.
+
+        Returns
+        -------
+        polars.DataFrame
+            ``time``, ``displacement``, ``velocity``, ``gap_displacement``, ``gap_velocity``,
+            ``wall`` (0 in flight, ±1 stuck). Besides the samples, an impact appears twice:
+            just before and just after.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `samples_per_period` is not a whole number, 1 or greater.
+
+        Examples
+        --------
+        >>> run.trajectory(50).plot.line("time", "displacement")  # doctest: +SKIP
+        """
+        return to_polars(_iva.trajectory(self._spec, samples_per_period))
+
+    def at(self, times: Iterable[float]) -> pl.DataFrame:
+        """Compute the state at given instants, exact at any of them (no interpolation).
+
+        Parameters
+        ----------
+        times : sequence of float, shape (n,)
+            Instants within the run, in any order, in the unit of time.
+
+        Returns
+        -------
+        polars.DataFrame
+            n rows in the order of `times`, columns as in :meth:`trajectory`.
+
+        Raises
+        ------
+        TypeError
+            If `times` is not a one-dimensional sequence of numbers.
+        ValueError
+            If an instant is outside the run.
+
+        Examples
+        --------
+        >>> run.at([0.0, 2.5])["displacement"]  # doctest: +SKIP
+        """
+        return to_polars(_iva.states(self._spec, numbers("times", times)))
+
+    def __eq__(self, other: object) -> bool:
+        """Compare the scene and all tables."""
+        if not isinstance(other, Run):
+            return NotImplemented
+        return self._spec == other._spec and self._frames == other._frames
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        """Show the outcome, the scene and the units."""
+        row = self.summary.row(0, named=True)
+        counts = ", ".join(
+            f"{row[name]} {label}"
+            for name, label in (
+                ("impacts", "impacts"),
+                ("effective_impacts", "effective"),
+                ("episodes", "episodes"),
+                ("undecided", "undecided contacts"),
+            )
+            if row[name] is not None and (name != "undecided" or row[name])
+        )
+        parts = "\n".join(f"  {constructor(p)}" for p in (self.absorber, self.primary, self.start))
+        return f"Run: {row['outcome']}; {counts}\n{parts}\n  {self.units}"
+
+
+def simulate(
+    absorber: Siva,
+    primary: Primary,
+    *,
+    start: Start,
+    periods: float | None = None,
+    duration: float | None = None,
+    measures: Iterable[str] | None = None,
+    max_impacts: float | None = None,
+    max_work: float | None = None,
+    chatter_floor: float | None = None,
+) -> Run:
+    """Simulate the free decay of a primary system with an impact absorber.
+
+    Parameters
+    ----------
+    absorber : Siva
+        The absorber.
+    primary : Primary
+        The primary system; what it is given decides the units.
+    start : Start
+        The state at time zero.
+    periods : float, optional
+        Length of the run in periods 2π/ωn of the bare primary system. This or `duration`.
+    duration : float, optional
+        Length of the run as a time.
+    measures : iterable of str, optional
+        Summary columns to compute, the others are null; all by default.
+    max_impacts : int, optional
+        Stop after so many impacts, 10 million by default; the outcome says so.
+    max_work : int, optional
+        Stop after so many flight segments, 100 million by default; the outcome says so.
+    chatter_floor : float, optional
+        A velocity: rebounds of a chatter episode at or below it are summed, not listed as
+        impacts. Default 1e-6 ωn d, d the clearance. The motion does not depend on it.
+
+    Returns
+    -------
+    Run
+        The tables; a run cut short by a limit comes back with what it has.
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong type.
+    ValueError
+        If a value is missing, out of range, given twice, or the start lies outside the gap.
+    KeyboardInterrupt
+        On Ctrl-C, within about a second.
+
+    Examples
+    --------
+    >>> run = simulate(
+    ...     Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5),
+    ...     Primary(damping_ratio=0.01),
+    ...     start=Start(displacement=1.0),
+    ...     periods=30,
+    ... )
+    >>> run.summary["outcome"].item()
+    'finished'
+    """
+    spec = scene(
+        absorber,
+        primary,
+        start,
+        {
+            "periods": periods,
+            "duration": duration,
+            "max_impacts": max_impacts,
+            "max_work": max_work,
+            "chatter_floor": chatter_floor,
+        },
+    )
+    tables = _iva.simulate(spec, names("measures", measures))
+    units = from_metadata(tables["summary"].metadata)
+    return Run(absorber, primary, start, spec, units, from_arrow(tables))
+
+
+def names(field: str, values: Iterable[str] | None) -> list[str] | None:
+    """Return one or several names as a list; ``None`` stays.
+
+    Raises
+    ------
+    TypeError
+        If something in it is not a text.
+    """
+    if values is None:
+        return None
+    listed = [values] if isinstance(values, str) else list(values)
+    for value in listed:
+        if not isinstance(value, str):
+            raise TypeError(f"{field} has {value!r} in it: give names")
+    return listed

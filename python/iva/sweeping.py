@@ -1,0 +1,181 @@
+"""Many runs over a grid of parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from iva import _iva
+from iva.frames import Frames, from_arrow
+from iva.parameters import Primary, Siva, Start, numbers, scene
+from iva.progress import Progress, reporting
+from iva.simulation import names
+from iva.units import Units, from_metadata
+
+if TYPE_CHECKING:
+    import polars as pl
+
+
+class Table:
+    """Result of :func:`sweep` or :func:`iva.read`: the tables of many runs.
+
+    Attributes of tables are polars frames, made on first use; all begin with ``point``, the index
+    into the grid (row-major, last axis fastest). `swept` are the keys of the axes, `units` names
+    the unit of every column. Tables can be copied, pickled and compared.
+    """
+
+    def __init__(self, swept: tuple[str, ...], units: Units, frames: Frames) -> None:
+        self.swept = swept
+        self.units = units
+        self._frames = frames
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables that are there."""
+        return self._frames.names
+
+    @property
+    def summary(self) -> pl.DataFrame:
+        """One row a point: the swept parameters, then outcome, counts, measures, energies."""
+        return self._frame("summary")
+
+    @property
+    def impacts(self) -> pl.DataFrame:
+        """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
+        return self._frame("impacts")
+
+    @property
+    def episodes(self) -> pl.DataFrame:
+        """One row a chatter that ends in stick, a plastic stick, or a start at rest on a wall."""
+        return self._frame("episodes")
+
+    @property
+    def envelope(self) -> pl.DataFrame:
+        """One row a peak of the primary displacement."""
+        return self._frame("envelope")
+
+    @property
+    def trajectory(self) -> pl.DataFrame:
+        """The motion in time: only in a folder that ``iva run`` wrote."""
+        return self._frame("trajectory")
+
+    def _frame(self, name: str) -> pl.DataFrame:
+        if name not in self.tables:
+            there = ", ".join(self.tables)
+            advice = (
+                "simulate one run and call its trajectory()"
+                if name == "trajectory"
+                else f"ask for it with tables=(…, {name!r})"
+            )
+            raise AttributeError(f"no table {name!r}, only {there}: {advice}")
+        return self._frames[name]
+
+    def __eq__(self, other: object) -> bool:
+        """Compare axes, units and all tables."""
+        if not isinstance(other, Table):
+            return NotImplemented
+        return (
+            self.swept == other.swept
+            and self.units == other.units
+            and self._frames == other._frames
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        """Show axes, tables and units."""
+        over = " × ".join(self.swept) or "no axis"
+        return f"Table over {over}: {', '.join(self.tables)}\n  {self.units}"
+
+
+def sweep(
+    absorber: Siva,
+    primary: Primary,
+    *,
+    over: Mapping[str, Iterable[float]],
+    start: Start,
+    periods: float | None = None,
+    duration: float | None = None,
+    tables: Iterable[str] = ("summary",),
+    measures: Iterable[str] | None = None,
+    max_impacts: float | None = None,
+    max_work: float | None = None,
+    chatter_floor: float | None = None,
+    threads: int | None = None,
+    progress: bool | Progress = False,
+) -> Table:
+    """Simulate every point of a grid, in parallel.
+
+    Parameters
+    ----------
+    absorber, primary, start
+        As in :func:`iva.simulate`; what is swept may be left out.
+    over : mapping of str to sequence of float
+        The axes: field name (``"mass_ratio"``; ``"absorber.mass"`` where the bare name is not
+        unique) → values, shape (n,). The product of all axes is run, in the order of the mapping,
+        the last axis fastest. A swept field replaces its alternatives, so that an axis over
+        ``gap`` replaces a given ``clearance``.
+    periods, duration, measures, max_impacts, max_work, chatter_floor
+        As in :func:`iva.simulate`.
+    tables : iterable of str, default ("summary",)
+        Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``.
+    threads : int, optional
+        Worker threads, one a core by default. The result does not depend on it.
+    progress : bool or callable, default False
+        True: a line on stderr, if that is a terminal. A callable is called with (done, total) on
+        the calling thread, at most every 50 ms; what it raises ends the sweep.
+
+    Returns
+    -------
+    Table
+        A point that fails is a row of the summary with its outcome.
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong type.
+    ValueError
+        If a key is unknown, an axis is empty, a value is out of range at any point, or the grid
+        has more than 2³² points.
+    KeyboardInterrupt
+        On Ctrl-C, within about a second.
+
+    Examples
+    --------
+    >>> table = sweep(
+    ...     Siva(mass_ratio=0.1, restitution=0.5), Primary(damping_ratio=0.01),
+    ...     over={"relative_clearance": [0.4, 0.5, 0.6]},
+    ...     start=Start(displacement=1.0), periods=20)
+    >>> table.summary.height
+    3
+    """
+    if not isinstance(over, Mapping):
+        raise TypeError(f"over = {over!r}: give a mapping from field names to values")
+    spec = scene(
+        absorber,
+        primary,
+        start,
+        {
+            "periods": periods,
+            "duration": duration,
+            "max_impacts": max_impacts,
+            "max_work": max_work,
+            "chatter_floor": chatter_floor,
+        },
+    )
+    axes = [(key, numbers(f"sweep.{key}", values)) for key, values in over.items()]
+    for key, _ in axes:
+        if not isinstance(key, str):
+            raise TypeError(f"over has the key {key!r}: give field names")
+    with reporting(progress) as report:
+        made = _iva.sweep(
+            spec,
+            axes,
+            names("tables", tables) or [],
+            names("measures", measures),
+            threads,
+            report,
+        )
+    swept = tuple(key for key, _ in axes)
+    metadata = next(iter(made.values())).metadata
+    return Table(swept, from_metadata(metadata, swept), from_arrow(made))

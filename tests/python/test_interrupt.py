@@ -1,0 +1,44 @@
+"""Ctrl-C, with real signals."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+# The point in time at which the exception arrives is printed: what follows is the interpreter's.
+SWEEP = """
+import sys, time
+import numpy as np
+import iva
+print("ready", flush=True)
+try:
+    iva.sweep(
+        iva.Siva(mass_ratio=0.1, restitution=0.9), iva.Primary(damping_ratio=0.001),
+        over={"relative_clearance": np.linspace(0.1, 1.2, 20_000), "mass_ratio": [0.1, 0.2]},
+        start=iva.Start(displacement=1.0), periods=2000, progress=True)
+except KeyboardInterrupt:
+    print("interrupted", time.time(), flush=True)
+    sys.exit(130)
+print("finished", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal to one process")
+def test_a_signal_ends_a_sweep_within_about_a_second() -> None:
+    with subprocess.Popen([sys.executable, "-c", SWEEP], stdout=subprocess.PIPE, text=True) as job:
+        assert job.stdout is not None
+        assert job.stdout.readline() == "ready\n"
+        time.sleep(0.5)
+        sent = time.time()
+        os.kill(job.pid, signal.SIGINT)
+        said = job.stdout.readline().split()
+        job.wait(timeout=30)
+    assert said[0] == "interrupted"
+    # A second is the aim; a busy machine may need more.
+    assert float(said[1]) - sent < 3.0
+    assert job.returncode == 130

@@ -1,0 +1,78 @@
+"""Primary, Siva and Start behave as values."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import pickle
+import subprocess
+import sys
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+import iva
+from iva import _iva
+
+PARTS: list[tuple[str, Any]] = [
+    ("primary", iva.Primary),
+    ("absorber", iva.Siva),
+    ("start", iva.Start),
+]
+
+
+@pytest.mark.parametrize(("name", "part"), PARTS)
+def test_fields_are_those_of_the_table(name: str, part: Any) -> None:
+    declared = [field.name for field in dataclasses.fields(part)]
+    assert declared == [field for field, _, _ in _iva.fields(name)]
+    assert all(field.default is None for field in dataclasses.fields(part))
+    for field in declared:
+        assert f"{field} : float" in part.__doc__
+
+
+def test_value_semantics() -> None:
+    siva = iva.Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5)
+    same = iva.Siva(restitution=0.5, mass_ratio=0.15, relative_clearance=0.6)
+    assert siva == same
+    assert hash(siva) == hash(same)
+    assert pickle.loads(pickle.dumps(siva)) == siva
+    assert copy.copy(siva) == copy.deepcopy(siva) == siva
+    assert dataclasses.replace(siva, restitution=0.7) != siva
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        siva.restitution = 0.6  # type: ignore[misc]
+    with pytest.raises(ValueError, match=r"absorber\.restitution = 1\.5"):
+        dataclasses.replace(siva, restitution=1.5)
+
+
+def test_repr_shows_what_was_given() -> None:
+    siva = iva.Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5)
+    assert repr(siva) == "Siva(mass_ratio=0.15, restitution=0.5, relative_clearance=0.6)"
+    assert eval(repr(siva), vars(iva)) == siva
+    primary = iva.Primary(mass=2, stiffness=800)
+    assert repr(primary).startswith("Primary(stiffness=800.0, mass=2.0)  # SI units")
+    assert eval(repr(primary), vars(iva)) == primary
+    assert "ωn = 1" in repr(iva.Primary())
+    assert repr(iva.Primary(mass=2)) == "Primary(mass=2.0)"  # no frequency yet, so no units
+
+
+@pytest.mark.parametrize(
+    "value", [1, np.float32(1), np.int64(1), np.float64(1), Fraction(1), np.linspace(0, 1, 3)[2]]
+)
+def test_any_real_number_becomes_a_float(value: Any) -> None:
+    start = iva.Start(displacement=value)
+    assert type(start.displacement) is float
+    assert start == iva.Start(displacement=1.0)
+
+
+@pytest.mark.parametrize("value", [True, "1", [1.0], np.array([1.0]), 1j, np.True_])
+def test_anything_else_is_a_type_error(value: Any) -> None:
+    with pytest.raises(TypeError, match=r"start\.displacement = .*: give a number"):
+        iva.Start(displacement=value)
+
+
+def test_import_is_light() -> None:
+    program = "import iva, sys; print({'polars', 'numpy', 'matplotlib'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.strip() == "set()", done.stderr

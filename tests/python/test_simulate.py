@@ -1,0 +1,203 @@
+"""One run: known event times, tables, results as values."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+from polars.testing import assert_frame_equal
+
+import iva
+
+# Columns and their order: the table layout, version 1.
+SUMMARY = """point outcome impacts effective_impacts episodes undecided time_stuck damping_ratio_1
+    damping_ratio_3 damping_ratio_10 damping_ratio_fit damping_ratio_energy settling_time_10
+    settling_time_5 settling_time_2 residual_amplitude energy_initial energy_impacts energy_viscous
+    energy_final energy_residual""".split()
+IMPACTS = """point impact time wall displacement velocity_before velocity_after
+    absorber_velocity_before absorber_velocity_after approach_velocity energy_loss
+    effective""".split()
+EPISODES = "point episode wall start_time stick_time release_time impacts energy_loss".split()
+ENVELOPE = "point peak time displacement amplitude log_decrement".split()
+TRAJECTORY = "point time displacement velocity gap_displacement gap_velocity wall".split()
+
+
+def test_columns(run: iva.Run) -> None:
+    assert run.summary.columns == SUMMARY
+    assert run.impacts.columns == IMPACTS
+    assert run.episodes.columns == EPISODES
+    assert run.envelope.columns == ENVELOPE
+    assert run.trajectory(10).columns == TRAJECTORY
+    assert run.at([0.0]).columns == TRAJECTORY
+
+
+# First impacts of free decays from rest in the centre of the gap, ωn = x0 = 1, computed with 40 to
+# 60 digits: (μ, e, γ, ζ), t1, t2, t3, t12, energy after 12 impacts.
+DECAYS = [
+    (
+        (0.15, 0.5, 0.6, 0.0),
+        (1.159279480727409, 3.198998157574207, 4.641564815434219, 32.43361927781994),
+        0.02822948003443826,
+    ),
+    (
+        (0.1, 0.5, 0.5, 0.01),
+        (1.051167803954852, 3.068547465595078, 4.29090201371719, 34.80792232843577),
+        0.05020389769953705,
+    ),
+    (
+        (0.1, 0.9, 0.5, 0.01),
+        (1.051167803954852, 2.478855127646062, 4.404897272081979, 19.9782984148845),
+        0.2999595689504741,
+    ),
+    (
+        (0.1, 1.0, 0.5, 0.0),
+        (1.047197551196598, 2.349439255726284, 4.495927983340139, 20.60916234563145),
+        0.5,
+    ),
+]
+
+
+@pytest.mark.parametrize(("scene", "times", "energy"), DECAYS)
+def test_known_free_decays(
+    scene: tuple[float, ...], times: tuple[float, ...], energy: float
+) -> None:
+    mu, e, gamma, zeta = scene
+    run = iva.simulate(
+        iva.Siva(mass_ratio=mu, restitution=e, relative_clearance=gamma),
+        iva.Primary(damping_ratio=zeta),
+        start=iva.Start(displacement=1.0),
+        duration=times[3] * (1 + 1e-9),
+    )
+    found = run.impacts["time"].to_list()
+    assert len(found) == 12
+    # The last digit of the reference, times what twelve impacts may amplify it by.
+    assert [found[0], found[1], found[2]] == pytest.approx(times[:3], rel=4e-15)
+    assert found[11] == pytest.approx(times[3], rel=1e-11)
+    assert run.summary["energy_final"].item() == pytest.approx(energy, rel=1e-7)
+
+
+@pytest.mark.parametrize("gamma", [0.1, 0.6, 1.0, 1.9])
+def test_first_impact_without_damping(gamma: float) -> None:
+    # x = cos τ and the absorber rests: y = 1 − cos τ reaches γ at arccos(1 − γ).
+    run = iva.simulate(
+        iva.Siva(mass_ratio=0.1, restitution=0.5, relative_clearance=gamma),
+        iva.Primary(),
+        start=iva.Start(displacement=1),
+        periods=1,
+    )
+    first = run.impacts.row(0, named=True)
+    assert first["time"] == pytest.approx(math.acos(1 - gamma), rel=1e-14)
+    assert abs(first["approach_velocity"]) == pytest.approx(
+        math.sqrt(gamma * (2 - gamma)), rel=1e-14
+    )
+
+
+def test_a_gap_too_wide_is_never_closed() -> None:
+    run = iva.simulate(
+        iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=2.001),
+        iva.Primary(),
+        start=iva.Start(displacement=1),
+        periods=5,
+    )
+    assert run.impacts.height == 0
+    assert run.summary["outcome"].item() == "finished"
+    assert run.summary["impacts"].item() == 0
+
+
+def test_chatter_sticks_where_it_should() -> None:
+    # μ .15, γ .1, e .5, ζ 0: stick and release by an independent 50-digit simulation.
+    run = iva.simulate(
+        iva.Siva(mass_ratio=0.15, restitution=0.5, relative_clearance=0.1),
+        iva.Primary(),
+        start=iva.Start(displacement=1),
+        duration=5.2,
+    )
+    episode = run.episodes.row(0, named=True)
+    assert episode["stick_time"] == pytest.approx(3.95518860904244782, rel=1e-13)
+    assert episode["release_time"] == pytest.approx(5.066274514962852, rel=1e-13)
+
+
+def test_momentum_and_restitution_at_every_impact(run: iva.Run) -> None:
+    impacts = run.impacts
+    before = impacts["velocity_before"] + 0.15 * impacts["absorber_velocity_before"]
+    after = impacts["velocity_after"] + 0.15 * impacts["absorber_velocity_after"]
+    assert np.allclose(before.to_numpy(), after.to_numpy(), rtol=0, atol=4e-16)
+    gap_after = impacts["absorber_velocity_after"] - impacts["velocity_after"]
+    expected = -0.5 * impacts["approach_velocity"]
+    assert np.allclose(gap_after.to_numpy(), expected.to_numpy(), rtol=0, atol=4e-16)
+
+
+def test_trajectory_and_at_agree(run: iva.Run) -> None:
+    trajectory = run.trajectory(samples_per_period=20)
+    assert trajectory["time"].is_sorted()
+    assert trajectory["time"][0] == 0.0
+    assert max(trajectory["gap_displacement"].abs()) <= 0.6 * (1 + 4 * 2.0**-52)
+    doubled = trajectory.filter(pl.col("time").is_duplicated())
+    assert set(run.impacts["time"]) <= set(doubled["time"])
+    smooth = trajectory.filter(~pl.col("time").is_duplicated())
+    exact = run.at(smooth["time"].to_numpy())
+    for column in ("displacement", "velocity", "gap_displacement", "gap_velocity"):
+        assert np.allclose(smooth[column], exact[column], rtol=0, atol=1e-13)
+
+
+def test_at_keeps_the_order_of_the_times(run: iva.Run) -> None:
+    times = [5.0, 0.0, 2.5, 5.0]
+    states = run.at(times)
+    assert states["time"].to_list() == times
+    assert states["displacement"][1] == 1.0
+    assert states.row(0) == states.row(3)
+    assert run.at([]).height == 0
+
+
+def test_limits_are_outcomes(siva: iva.Siva) -> None:
+    arguments: dict[str, Any] = {"start": iva.Start(displacement=1), "periods": 30}
+    run = iva.simulate(siva, iva.Primary(), max_impacts=3, **arguments)
+    assert run.summary["outcome"].item() == "impact_limit"
+    assert run.impacts.height == 3
+    run = iva.simulate(siva, iva.Primary(), max_work=2, **arguments)
+    assert run.summary["outcome"].item() == "work_limit"
+
+
+def test_measures_leave_the_others_null(siva: iva.Siva) -> None:
+    run = iva.simulate(
+        siva,
+        iva.Primary(damping_ratio=0.01),
+        start=iva.Start(displacement=1),
+        periods=30,
+        measures=["damping_ratio_1", "settling_time_5"],
+    )
+    row = run.summary.row(0, named=True)
+    assert row["damping_ratio_1"] > 0.01
+    assert row["settling_time_5"] > 0
+    assert row["outcome"] == "finished"
+    assert row["damping_ratio_3"] is None
+    assert "finished" in repr(run)
+
+
+def test_repr_states_outcome_counts_and_units(run: iva.Run) -> None:
+    shown = repr(run)
+    assert "finished" in shown
+    assert f"{run.impacts.height} impacts" in shown
+    assert "Siva(mass_ratio=0.15" in shown
+    assert "ωn = 1" in shown
+
+
+def test_results_are_values(run: iva.Run, siva: iva.Siva) -> None:
+    for twin in (pickle.loads(pickle.dumps(run)), copy.copy(run), copy.deepcopy(run)):
+        assert twin == run
+        assert_frame_equal(twin.impacts, run.impacts)
+        assert_frame_equal(twin.trajectory(7), run.trajectory(7))
+    other = iva.simulate(
+        siva, iva.Primary(damping_ratio=0.01), start=iva.Start(displacement=1.0), periods=7
+    )
+    assert other != run
+    assert run != "run"
+
+
+def test_frames_are_made_once(run: iva.Run) -> None:
+    assert run.summary is run.summary
