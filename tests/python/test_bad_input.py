@@ -126,7 +126,7 @@ CALLS: list[tuple[Callable[[], object], tuple[str, ...]]] = [
     (lambda: simulate(periods=0), ("run.periods", "0", POSITIVE)),
     (lambda: simulate(duration=INF), ("run.duration", "inf", POSITIVE)),
     (lambda: simulate(periods=1, duration=1), ("run.duration", "run.periods")),
-    (lambda: simulate(max_impacts=0), ("run.max_impacts", "0", "a whole number, 1 or greater")),
+    (lambda: simulate(max_impacts=0), ("run.max_impacts", "0", "a whole number from 1")),
     (lambda: simulate(max_impacts=2.5), ("run.max_impacts", "2.5", "a whole number")),
     (lambda: simulate(max_work=-1), ("run.max_work", "-1", "a whole number")),
     (lambda: simulate(chatter_floor=0), ("run.chatter_floor", "0", POSITIVE)),

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use iva_sweep::fields::{Allowed, FieldId, Part};
-use iva_sweep::study::{Axis, MAX_POINTS};
+use iva_sweep::study::{Axis, MAX_POINTS, distinct};
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
@@ -47,6 +47,7 @@ pub(crate) fn read(
         source.note_axis(axis.field, entry.span.clone());
         axes.push(axis);
     }
+    distinct(&axes).map_err(|invalid| source.locate(&invalid))?;
     Ok(axes)
 }
 
@@ -72,26 +73,11 @@ fn flatten<'a, 't>(section: &'a DeTable<'t>) -> Vec<Entry<'a, 't>> {
     flat
 }
 
-/// Every key must name a field, and no two axes may set the same quantity: the later would
-/// silently replace the earlier.
+/// Every key must name a field.
 fn check_fields(source: &Source, entries: &[Entry<'_, '_>]) -> Result<(), Error> {
-    let mut seen: Vec<(FieldId, &str)> = Vec::new();
     for entry in entries {
-        let field = FieldId::from_key(&entry.key)
+        FieldId::from_key(&entry.key)
             .map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
-        let clash = seen.iter().find(|(other, _)| {
-            other.info().part == field.info().part && other.info().group == field.info().group
-        });
-        if let Some((_, other)) = clash {
-            return Err(source.error(
-                entry.span.clone(),
-                format!(
-                    "sweep.{}: sweep.{other} sets the same quantity; give one of them",
-                    entry.key
-                ),
-            ));
-        }
-        seen.push((field, &entry.key));
     }
     Ok(())
 }

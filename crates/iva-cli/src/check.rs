@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use iva_sweep::motion::trajectory;
 use iva_sweep::study::Table;
-use iva_sweep::sweep::{Control, sweep};
+use iva_sweep::sweep::{Control, Workers, sweep};
 use iva_sweep::tables::schema;
 
 use crate::args::CheckArgs;
@@ -30,7 +30,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Anything [`read_study`] and [`StudyFile::validate`] refuse.
 pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let file = read_study(&args.study)?;
-    file.validate()?;
+    file.validate(&Workers::new(None)?)?;
     let located = |invalid| file.source.locate(&invalid);
     let points = file.study.points().map_err(located)?;
     let units = file.study.units().map_err(located)?;
@@ -79,7 +79,8 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     let study = without_trajectory(&file.study);
     let located = |invalid| file.source.locate(&invalid);
     let cancel = AtomicBool::new(false);
-    let control = Control { threads: Some(1), chunk: None, cancel: &cancel, progress: &|_| {} };
+    let workers = Workers::new(Some(1))?;
+    let control = Control { workers: &workers, chunk: None, cancel: &cancel, progress: &|_| {} };
     let wanted = samples_of(points);
     let start = Instant::now();
     let mut seconds = 0.0;

@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use iva_sweep::Invalid;
+use iva_sweep::sweep::SweepError;
 
 /// Everything the command can fail with. `Display` is the message a user reads.
 #[derive(Debug, thiserror::Error)]
@@ -13,8 +14,8 @@ pub enum Error {
     #[error("{0}")]
     Study(Box<StudyError>),
     /// A value from elsewhere (the command line, a study built in a program).
-    #[error("{}", sentence(.0))]
-    Invalid(Invalid),
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
     /// A request that cannot be served as asked: one sentence with what to do instead.
     #[error("{0}")]
     Refused(String),
@@ -46,22 +47,6 @@ impl Error {
     /// An I/O error of an action on a path.
     pub(crate) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
         Error::Io { action, path: path.to_owned(), source }
-    }
-}
-
-impl From<Invalid> for Error {
-    fn from(invalid: Invalid) -> Self {
-        Error::Invalid(invalid)
-    }
-}
-
-/// One sentence with field, value and what is allowed.
-pub(crate) fn sentence(invalid: &Invalid) -> String {
-    let Invalid { field, value, allowed } = invalid;
-    match value.as_str() {
-        "" => format!("{field}: {allowed}"),
-        "missing" => format!("{field} is missing: {allowed}"),
-        _ => invalid.to_string(),
     }
 }
 
@@ -109,6 +94,15 @@ impl fmt::Display for StudyError {
         writeln!(f, " {margin} |")?;
         writeln!(f, " {number} | {}", place.text)?;
         write!(f, " {margin} | {indent}{}", "^".repeat(place.width))
+    }
+}
+
+impl From<SweepError> for Error {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Invalid(invalid) => Error::Invalid(invalid),
+            fault => Error::Internal(fault.to_string()),
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::RecordBatch;
 use iva_sweep::motion::trajectory;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::sweep::{Control, sweep};
+use iva_sweep::sweep::{Control, Workers, sweep};
 use iva_sweep::tables::schema;
 
 use crate::args::RunArgs;
@@ -111,7 +111,8 @@ fn compute(
     progress: &Progress,
     on_summary: &mut dyn FnMut(&RecordBatch, u64),
 ) -> Result<(PathBuf, Vec<Written>), Error> {
-    file.validate()?;
+    let workers = Workers::new(args.threads.map(usize::from))?;
+    file.validate(&workers)?;
     let text = write(&resolve(file)?)?;
     let dir = match &args.out {
         Some(dir) => dir.clone(),
@@ -119,8 +120,7 @@ fn compute(
     };
     let mut output = Output::prepare(&dir, args.overwrite)?;
     output.stage_study(&text)?;
-    let threads = args.threads.map(usize::from);
-    let written = write_points(file, &mut output, threads, progress, on_summary);
+    let written = write_points(file, &mut output, &workers, progress, on_summary);
     progress.clear();
     let mut written = written?;
     if file.study.tables.contains(&Table::Trajectory) {
@@ -145,7 +145,7 @@ pub(crate) fn without_trajectory(study: &Study) -> Study {
 fn write_points(
     file: &StudyFile,
     output: &mut Output,
-    threads: Option<usize>,
+    workers: &Workers,
     progress: &Progress,
     on_summary: &mut dyn FnMut(&RecordBatch, u64),
 ) -> Result<Vec<Written>, Error> {
@@ -157,7 +157,7 @@ fn write_points(
     let points = study.points().map_err(located)?;
     let cancel = AtomicBool::new(false);
     let finished = |count| progress.add(count);
-    let control = Control { threads, chunk: None, cancel: &cancel, progress: &finished };
+    let control = Control { workers, chunk: None, cancel: &cancel, progress: &finished };
     let mut written: Vec<Written> = Vec::new();
     for table in &study.tables {
         written.push(Written { table: *table, parts: 0, rows: 0, bytes: 0 });

@@ -7,7 +7,7 @@ use iva_sweep::Invalid;
 use iva_sweep::fields::FieldId;
 use iva_sweep::sweep::SweepError;
 
-use crate::error::{Error, Place, StudyError, sentence};
+use crate::error::{Error, Place, StudyError};
 
 /// Characters shown of an offending line, so that messages fit a terminal.
 const SHOWN: usize = 72;
@@ -72,7 +72,7 @@ impl Source {
     /// Points an error found elsewhere (when all fields come together) at the line it is about:
     /// the field itself, the axis that sweeps it, an alternative of it, or its section.
     pub fn locate(&self, invalid: &Invalid) -> Error {
-        let message = sentence(invalid);
+        let message = invalid.to_string();
         match self.blame(&invalid.field) {
             Some(span) => self.error(span, message),
             None => self.missing(message),

@@ -22,11 +22,13 @@
 //! [`iva_sweep::fields::FIELDS`]; every error names file, line and column.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use iva_sweep::columns::{Measures, SUMMARY};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
 use iva_sweep::study::{Study, Table};
+use iva_sweep::sweep::{Workers, validate};
 use toml::de::DeTable;
 
 use crate::axes;
@@ -145,10 +147,8 @@ impl StudyFile {
     ///
     /// # Errors
     /// The first invalid point, pointed at the line of the field to blame; too many points.
-    pub fn validate(&self) -> Result<(), Error> {
-        self.study
-            .points()
-            .and_then(|_| iva_sweep::sweep::validate(&self.study))
+    pub fn validate(&self, workers: &Workers) -> Result<(), Error> {
+        validate(&self.study, workers, &AtomicBool::new(false))
             .map_err(|invalid| self.source.locate(&invalid))
     }
 }

@@ -9,6 +9,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::*;
 use crate::cell::{number, text};
+use iva_sweep::sweep::Workers;
 
 const SINGLE: &str = "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\nkind = \"siva\"\n\
     mass_ratio = 0.1\nrestitution = 0.5\nrelative_clearance = 0.6\n[start]\ndisplacement = 1.0\n\
@@ -200,7 +201,7 @@ fn the_studies_of_the_repository_are_valid() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
     for (name, points) in [("siva_clearance.toml", 444), ("siva_restitution.toml", 555)] {
         let file = read_study(&folder.join(name)).unwrap();
-        file.validate().unwrap();
+        file.validate(&Workers::new(Some(1)).unwrap()).unwrap();
         assert_eq!(file.study.points().unwrap(), points);
     }
 }

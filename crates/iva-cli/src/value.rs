@@ -176,7 +176,7 @@ pub(crate) fn unknown_key(source: &Source, section: &str, key: &Key<'_>, known: 
 
 /// Points an [`Invalid`] at a place, quoting what is written there.
 pub(crate) fn at(source: &Source, span: Range<usize>, invalid: &Invalid) -> Error {
-    source.error(span, crate::error::sentence(invalid))
+    source.error(span, invalid.to_string())
 }
 
 /// `"a"`, `"a" or "b"`, `one of "a", "b", "c"`.

@@ -2,11 +2,11 @@
 
 /// A value outside what the model allows: one sentence with field, value and what is allowed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{field} = {value}: {allowed}")]
+#[error("{}", self.sentence())]
 pub struct Invalid {
     /// Name of the field as the user wrote it, for example `absorber.restitution`.
     pub field: String,
-    /// The offending value, printed.
+    /// The offending value, printed; empty where the field is missing.
     pub value: String,
     /// What is allowed instead.
     pub allowed: String,
@@ -16,5 +16,19 @@ impl Invalid {
     /// Builds the error from a field name, a printable value and the rule that it breaks.
     pub fn new(field: impl Into<String>, value: impl ToString, allowed: impl Into<String>) -> Self {
         Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
+    }
+
+    /// The error of a field that is not there.
+    pub fn missing(field: impl Into<String>, allowed: impl Into<String>) -> Self {
+        Self::new(field, "", allowed)
+    }
+
+    fn sentence(&self) -> String {
+        let Self { field, value, allowed } = self;
+        if value.is_empty() {
+            format!("{field} is missing: {allowed}")
+        } else {
+            format!("{field} = {value}: {allowed}")
+        }
     }
 }

@@ -54,29 +54,12 @@ pub fn study(
         .map(|(key, values)| Axis::new(&key, values))
         .collect::<Result<Vec<_>, _>>()
         .map_err(invalid)?;
-    distinct(&axes).map_err(invalid)?;
     Ok(Study {
         spec,
         axes,
         tables: self::tables(tables).map_err(invalid)?,
         measures: self::measures(measures).map_err(invalid)?,
     })
-}
-
-/// Two axes over the same quantity: the later would silently replace the earlier.
-fn distinct(axes: &[Axis]) -> Result<(), Invalid> {
-    let quantity = |axis: &Axis| (axis.field.info().part, axis.field.info().group);
-    for (index, axis) in axes.iter().enumerate() {
-        let earlier = axes[..index].iter();
-        if let Some(other) = earlier.rev().find(|other| quantity(other) == quantity(axis)) {
-            return Err(Invalid::new(
-                format!("sweep.{}", axis.key),
-                format!("{} values", axis.values.len()),
-                format!("sweep.{} sets the same quantity; give one of them", other.key),
-            ));
-        }
-    }
-    Ok(())
 }
 
 fn tables(names: &[String]) -> Result<Vec<Table>, Invalid> {

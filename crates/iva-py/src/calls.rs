@@ -59,13 +59,7 @@ pub fn units(spec: &Bound<'_, PyDict>) -> PyResult<(&'static str, &'static str)>
 /// The sentence of the units that the fields of a primary system set.
 #[pyfunction]
 pub fn primary_units(spec: &Bound<'_, PyDict>) -> PyResult<&'static str> {
-    let mut spec = arguments::spec(spec)?;
-    // Units follow from the primary system alone: any valid absorber completes the scene.
-    for field in [FieldId::MassRatio, FieldId::Restitution, FieldId::Clearance, FieldId::Periods] {
-        spec.set(field, 1.0).map_err(invalid)?;
-    }
-    let units = Study::single(spec).units().map_err(invalid)?;
-    Ok(units.sentence())
+    Ok(arguments::spec(spec)?.units().map_err(invalid)?.sentence())
 }
 
 /// Sentence and table → column → unit in one of the unit systems, with the swept keys.
@@ -143,10 +137,11 @@ fn run(
     let total = study.points().map_err(invalid)?;
     let progress = progress.map(|callback| Progress { callback, total });
     let tables = worker::run(py, progress.as_ref(), move |shared| {
+        let workers = engine::Workers::new(threads)?;
         // A bad point is said at once, not after the good ones before it.
-        engine::validate(&study)?;
+        engine::validate(&study, &workers, &shared.cancel)?;
         let control = engine::Control {
-            threads,
+            workers: &workers,
             chunk: None,
             cancel: &shared.cancel,
             progress: &|points| {

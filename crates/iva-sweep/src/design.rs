@@ -74,6 +74,14 @@ impl Spec {
         FieldId::all().filter_map(|id| self.get(id).map(|value| (id, value)))
     }
 
+    /// The units that the primary system sets.
+    ///
+    /// # Errors
+    /// [`Invalid`] if a frequency is missing beside a mass, or given twice.
+    pub fn units(&self) -> Result<UnitSystem, Invalid> {
+        Ok(self.scale()?.1)
+    }
+
     /// Settles alternatives, checks what only shows together, and converts to natural units.
     ///
     /// # Errors
@@ -93,7 +101,7 @@ impl Spec {
         let clearance = self.clearance(displacement, units)?;
         let restitution = self
             .get(FieldId::Restitution)
-            .ok_or_else(|| missing("absorber.restitution", "give a number from 0 to 1"))?;
+            .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
         let system =
             Siva::new(self.mass_ratio(&scale, units)?, restitution, clearance, damping_ratio)?;
         system.check_start(&start)?;
@@ -118,13 +126,13 @@ impl Spec {
             (Some(m), Some(k), _) => ((k / m).sqrt(), UnitSystem::Si),
             (Some(_), None, Some(w)) => (w, UnitSystem::Si),
             (Some(_), None, None) => {
-                return Err(missing(
+                return Err(Invalid::missing(
                     "primary.stiffness",
                     "primary.mass is given, so give stiffness (N/m) or natural_frequency (rad/s) too",
                 ));
             }
             (None, Some(_), _) => {
-                return Err(missing(
+                return Err(Invalid::missing(
                     "primary.mass",
                     "primary.stiffness is given, so give mass (kg) too",
                 ));
@@ -159,9 +167,10 @@ impl Spec {
             (Some(ratio), _) => Ok(ratio),
             (None, Some(m)) if units == UnitSystem::Si => Ok(m / scale.mass),
             (None, Some(m)) => Err(needs_mass(FieldId::AbsorberMass, m, "or give mass_ratio")),
-            (None, None) => {
-                Err(missing("absorber.mass_ratio", "give mass_ratio, or mass with a primary mass"))
-            }
+            (None, None) => Err(Invalid::missing(
+                "absorber.mass_ratio",
+                "give mass_ratio, or mass with a primary mass",
+            )),
         }
     }
 
@@ -187,7 +196,7 @@ impl Spec {
         let clearance = self.length(FieldId::Clearance, FieldId::ClearanceMm, units)?;
         let gap = self.length(FieldId::Gap, FieldId::GapMm, units)?;
         clearance.or(gap.map(|total| 0.5 * total)).ok_or_else(|| {
-            missing(
+            Invalid::missing(
                 "absorber.clearance",
                 "give clearance (half of the play), gap (all of it) or relative_clearance",
             )
@@ -199,7 +208,7 @@ impl Spec {
         let periods = self.get(FieldId::Periods).map(|n| n * TAU);
         let duration = periods
             .or_else(|| self.get(FieldId::Duration).map(|t| t * omega))
-            .ok_or_else(|| missing("run.periods", "give periods or duration"))?;
+            .ok_or_else(|| Invalid::missing("run.periods", "give periods or duration"))?;
         if duration.is_finite() {
             Ok(duration)
         } else {
@@ -239,10 +248,6 @@ impl Spec {
             _ => Ok(()),
         }
     }
-}
-
-fn missing(field: &str, allowed: &str) -> Invalid {
-    Invalid::new(field, "missing", allowed)
 }
 
 fn needs_mass(field: FieldId, value: f64, alternative: &str) -> Invalid {

@@ -105,7 +105,7 @@ impl Allowed {
             Allowed::Positive => "a finite number greater than 0",
             Allowed::NonNegative => "a finite number, 0 or greater",
             Allowed::UnitInterval => "a number from 0 to 1",
-            Allowed::PositiveInteger => "a whole number, 1 or greater",
+            Allowed::PositiveInteger => "a whole number from 1 to 2^53",
         }
     }
 }

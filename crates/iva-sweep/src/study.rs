@@ -118,6 +118,28 @@ impl Axis {
     }
 }
 
+/// Checks that no two axes sweep the same quantity: the later would silently replace the earlier.
+///
+/// # Errors
+/// [`Invalid`] naming the later axis.
+pub fn distinct(axes: &[Axis]) -> Result<(), Invalid> {
+    for (index, axis) in axes.iter().enumerate() {
+        let info = axis.field.info();
+        let same = axes[..index].iter().find(|earlier| {
+            let other = earlier.field.info();
+            (other.part, other.group) == (info.part, info.group)
+        });
+        if let Some(earlier) = same {
+            return Err(Invalid::new(
+                format!("sweep.{}", axis.key),
+                format!("{} values", axis.values.len()),
+                format!("sweep.{} sets the same quantity; give one of them", earlier.key),
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// What to run and what to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
@@ -135,28 +157,6 @@ impl Study {
     /// A study of a single run with every table of a sweep.
     pub fn single(spec: Spec) -> Self {
         Self { spec, axes: Vec::new(), tables: Table::SWEEP.to_vec(), measures: Measures::all() }
-    }
-
-    /// Checks that no two axes sweep the same quantity.
-    ///
-    /// # Errors
-    /// [`Invalid`] naming the later axis.
-    pub fn check_axes(&self) -> Result<(), Invalid> {
-        for (index, axis) in self.axes.iter().enumerate() {
-            let info = axis.field.info();
-            let same = self.axes[..index].iter().find(|earlier| {
-                let other = earlier.field.info();
-                (other.part, other.group) == (info.part, info.group)
-            });
-            if let Some(earlier) = same {
-                return Err(Invalid::new(
-                    format!("sweep.{}", axis.key),
-                    format!("{} values", axis.values.len()),
-                    format!("sweep.{} sweeps the same quantity; keep one of them", earlier.key),
-                ));
-            }
-        }
-        Ok(())
     }
 
     /// Number of points: the product of the axes' lengths, 1 without axes.
@@ -193,17 +193,24 @@ impl Study {
         self.axes.iter().zip(self.indices(point)).map(|(axis, index)| axis.values[index])
     }
 
+    /// The fields of a point: those of the study with the swept ones in place.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a swept value out of range, which [`Axis::new`] has excluded.
+    pub fn spec(&self, point: u64) -> Result<Spec, Invalid> {
+        let mut spec = self.spec;
+        for (axis, value) in self.axes.iter().zip(self.swept(point)) {
+            spec.replace(axis.field, value)?;
+        }
+        Ok(spec)
+    }
+
     /// The design of a point.
     ///
     /// # Errors
     /// [`Invalid`] if the fields together make no valid scene; the message names the point.
     pub fn design(&self, point: u64) -> Result<Design, Invalid> {
-        let mut spec = self.spec;
-        let indices = self.indices(point);
-        for (axis, index) in self.axes.iter().zip(indices) {
-            spec.replace(axis.field, axis.values[index])?;
-        }
-        spec.design().map_err(|error| {
+        self.spec(point)?.design().map_err(|error| {
             if self.axes.is_empty() {
                 error
             } else {
@@ -215,8 +222,8 @@ impl Study {
     /// The units of inputs and results: the same at every point.
     ///
     /// # Errors
-    /// As [`Study::design`] of the first point.
+    /// As [`Spec::units`].
     pub fn units(&self) -> Result<UnitSystem, Invalid> {
-        Ok(self.design(0)?.units)
+        self.spec(0)?.units()
     }
 }

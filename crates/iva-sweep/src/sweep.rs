@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use arrow_array::RecordBatch;
 use arrow_schema::ArrowError;
@@ -19,7 +19,7 @@ use iva_core::siva::Siva;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::rows;
-use crate::study::{Study, Table};
+use crate::study::{Study, Table, distinct};
 use crate::tables::{Cell, TableBuilder, schema_in};
 use crate::units::UnitSystem;
 
@@ -40,61 +40,79 @@ pub enum SweepError {
     Table(#[from] ArrowError),
 }
 
-/// How a sweep runs; nothing here changes a result.
+/// The worker threads of one or more sweeps.
+pub struct Workers(rayon::ThreadPool);
+
+impl Workers {
+    /// Starts `threads` workers; `None`: one a core.
+    ///
+    /// # Errors
+    /// [`SweepError`] for a count of zero or threads that do not start.
+    pub fn new(threads: Option<usize>) -> Result<Self, SweepError> {
+        if threads == Some(0) {
+            return Err(Invalid::new("threads", 0, "give a whole number, 1 or greater").into());
+        }
+        Ok(Self(rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?))
+    }
+}
+
+/// How a sweep runs; nothing here changes a row.
 pub struct Control<'a> {
-    /// Worker threads; `None`: one a core.
-    pub threads: Option<usize>,
+    /// Who does the work.
+    pub workers: &'a Workers,
     /// Points a worker takes at once; `None`: chosen from the range.
     pub chunk: Option<usize>,
-    /// Set to stop early: points not yet finished come back with outcome `cancelled`.
+    /// Set to stop early: a point under way comes back with outcome `cancelled`, points not begun
+    /// are left out.
     pub cancel: &'a AtomicBool,
     /// Called with the number of points finished since the last call, from any worker.
     pub progress: &'a (dyn Fn(u64) + Sync),
 }
 
-/// Points a worker takes at once unless told otherwise.
-const CHUNK: usize = 256;
+impl Control<'_> {
+    fn cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+}
 
-/// Checks every point of a study without running it.
+/// Points a worker takes at once unless told otherwise.
+const CHUNK: u64 = 256;
+
+/// Checks every point of a study without running it; a cancelled check ends early.
 ///
 /// # Errors
-/// The first invalid point, or too many points.
-pub fn validate(study: &Study) -> Result<(), Invalid> {
-    study.check_axes()?;
+/// Axes over the same quantity, too many points, or the first invalid point.
+pub fn validate(study: &Study, workers: &Workers, cancel: &AtomicBool) -> Result<(), Invalid> {
+    distinct(&study.axes)?;
     let points = study.points()?;
-    (0..points)
-        .into_par_iter()
-        .find_map_first(|point| study.design(point).err())
+    let first_fault = |point| {
+        if cancel.load(Ordering::Relaxed) { None } else { study.design(point).err() }
+    };
+    workers
+        .0
+        .install(|| (0..points).into_par_iter().find_map_first(first_fault))
         .map_or(Ok(()), Err)
 }
 
 /// Runs a range of points and builds the tables of the study over them.
 ///
 /// # Errors
-/// [`SweepError`] for an invalid point, a thread count of zero or threads that do not start.
+/// [`SweepError`] for an invalid point.
 pub fn sweep(
     study: &Study,
     points: Range<u64>,
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
-    if control.threads == Some(0) {
-        return Err(Invalid::new("threads", 0, "give a whole number, 1 or greater").into());
-    }
     let units = study.units()?;
     let length = points.end.saturating_sub(points.start);
-    let chunk = control.chunk.unwrap_or(CHUNK).max(1) as u64;
-    let chunks = length.div_ceil(chunk);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(control.threads.unwrap_or(0)).build()?;
-    let parts: Vec<Result<Tables, SweepError>> = pool.install(|| {
-        (0..chunks)
+    let chunk = control.chunk.map_or(CHUNK, |chunk| chunk.max(1) as u64);
+    let parts: Vec<Result<Tables, SweepError>> = control.workers.0.install(|| {
+        (0..length.div_ceil(chunk))
             .into_par_iter()
             .map(|index| {
                 let first = points.start + index * chunk;
                 let range = first..points.end.min(first + chunk);
-                let done = range.end - range.start;
-                let tables = run_chunk(study, range, units, control.cancel)?;
-                (control.progress)(done);
-                Ok(tables)
+                run_chunk(study, range, units, control)
             })
             .collect()
     });
@@ -152,7 +170,7 @@ fn run_chunk(
     study: &Study,
     points: Range<u64>,
     units: UnitSystem,
-    cancel: &AtomicBool,
+    control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
     let request = Request::new(study);
     let mut builders: BTreeMap<Table, TableBuilder> = study
@@ -161,9 +179,13 @@ fn run_chunk(
         .filter(|table| Table::SWEEP.contains(table))
         .map(|&table| (table, TableBuilder::new(schema_in(study, table, units))))
         .collect();
-    for point in points {
-        run_point(study, point, &request, cancel, &mut builders)?;
+    let begun = points.start;
+    let mut end = begun;
+    while end < points.end && !control.cancelled() {
+        run_point(study, end, &request, control.cancel, &mut builders)?;
+        end += 1;
     }
+    (control.progress)(end - begun);
     builders.into_iter().map(|(table, builder)| Ok((table, builder.finish()?))).collect()
 }
 

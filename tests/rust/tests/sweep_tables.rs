@@ -11,7 +11,7 @@ use iva_sweep::columns::{Measures, SUMMARY, columns};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
 use iva_sweep::study::{Axis, Study, Table};
-use iva_sweep::sweep::{Control, Tables, sweep, validate};
+use iva_sweep::sweep::{Control, Tables, Workers, sweep, validate};
 
 fn spec() -> Spec {
     let mut spec = Spec::default();
@@ -41,12 +41,13 @@ fn clearance_study() -> Study {
 
 fn run(study: &Study, threads: usize, chunk: Option<usize>, cancel: bool) -> (Tables, u64) {
     let done = AtomicU64::new(0);
+    let workers = Workers::new(Some(threads)).unwrap();
     let points = study.points().unwrap();
     let tables = sweep(
         study,
         0..points,
         &Control {
-            threads: Some(threads),
+            workers: &workers,
             chunk,
             cancel: &AtomicBool::new(cancel),
             progress: &|count| {
@@ -55,6 +56,11 @@ fn run(study: &Study, threads: usize, chunk: Option<usize>, cancel: bool) -> (Ta
         },
     );
     (tables.unwrap(), done.into_inner())
+}
+
+fn refusal(study: &Study) -> String {
+    let workers = Workers::new(Some(2)).unwrap();
+    validate(study, &workers, &AtomicBool::new(false)).unwrap_err().to_string()
 }
 
 fn numbers(table: &RecordBatch, name: &str) -> Vec<Option<f64>> {
@@ -129,13 +135,39 @@ fn measures_not_asked_for_are_null() {
 }
 
 #[test]
-fn cancelled_points_say_so() {
-    let (tables, _) = run(&clearance_study(), 2, None, true);
+fn points_not_begun_when_cancelled_are_left_out() {
+    let (tables, done) = run(&clearance_study(), 2, None, true);
+    assert_eq!(done, 0);
+    assert!(tables.values().all(|table| table.num_rows() == 0));
+    assert_eq!(tables.len(), 4);
+}
+
+/// A point under way says so: the first report of progress cancels a sweep of one long point a
+/// chunk, and what the second thread was at has its outcome and no measures of the whole run.
+#[test]
+fn a_point_under_way_when_cancelled_says_so() {
+    let mut study = clearance_study();
+    study.axes = vec![Axis::new("periods", vec![1.0, 1e7, 1.0]).unwrap()];
+    let workers = Workers::new(Some(2)).unwrap();
+    let cancel = AtomicBool::new(false);
+    let tables = sweep(
+        &study,
+        0..3,
+        &Control {
+            workers: &workers,
+            chunk: Some(1),
+            cancel: &cancel,
+            progress: &|_| cancel.store(true, Ordering::Relaxed),
+        },
+    )
+    .unwrap();
     let summary = &tables[&Table::Summary];
-    assert_eq!(summary.num_rows(), 444);
-    assert!(summary["outcome"].as_string::<i32>().iter().all(|word| word == Some("cancelled")));
-    for measure in ["settling_time_5", "residual_amplitude", "damping_ratio_3"] {
-        assert_eq!(summary[measure].null_count(), 444, "{measure}");
+    let outcomes: Vec<&str> = summary["outcome"].as_string::<i32>().iter().flatten().collect();
+    assert!(outcomes.contains(&"finished"), "{outcomes:?}");
+    for (row, outcome) in outcomes.iter().enumerate() {
+        let whole = *outcome == "finished";
+        assert!(whole || *outcome == "cancelled");
+        assert!(whole || summary["settling_time_5"].is_null(row));
     }
 }
 
@@ -143,7 +175,7 @@ fn cancelled_points_say_so() {
 fn a_bad_point_is_named_before_anything_runs() {
     let mut study = clearance_study();
     study.spec.set(FieldId::GapDisplacement, 0.3).unwrap();
-    let message = validate(&study).unwrap_err().to_string();
+    let message = refusal(&study);
     assert!(message.contains("start.gap_displacement = 0.3"), "{message}");
     assert!(message.contains("point 0"), "{message}");
 }
@@ -152,7 +184,7 @@ fn a_bad_point_is_named_before_anything_runs() {
 fn two_axes_over_one_quantity_are_refused() {
     let mut study = clearance_study();
     study.axes.push(Axis::new("gap", vec![1.0]).unwrap());
-    let message = validate(&study).unwrap_err().to_string();
+    let message = refusal(&study);
     assert!(message.contains("sweep.gap") && message.contains("sweep.relative_clearance"));
 }
 
@@ -166,6 +198,6 @@ fn too_many_points_are_refused_without_allocating() {
         ],
         ..Study::single(spec())
     };
-    let message = validate(&study).unwrap_err().to_string();
+    let message = refusal(&study);
     assert!(message.contains("70000 × 70000") && message.contains("2^32"), "{message}");
 }
