@@ -19,6 +19,7 @@ FORBIDDEN_WORDS = [
     ("crates/iva-core/src/simulate.rs", r"\b(siva|Siva)\b"),
     ("crates/iva-core/src/contact.rs", r"\b(siva|Siva)\b"),
     ("crates/iva-core/src/siva.rs", r"crate::(simulate|contact|run)\b"),
+    ("crates/iva-core/src/siva/motion.rs", r"crate::(simulate|contact|run)\b"),
     ("crates/iva-sweep/src", r"\bstd::(fs|io|env|process|net)\b|\bprintln!"),
     ("crates/iva-core/src", r"\bpyo3\b"),
     ("crates/iva-sweep/src", r"\bpyo3\b"),

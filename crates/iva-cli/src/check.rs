@@ -30,7 +30,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Anything [`read_study`] and [`StudyFile::validate`] refuse.
 pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let file = read_study(&args.study)?;
-    file.validate(&Workers::new(None)?)?;
+    file.validate(&Workers::new(None)?, &AtomicBool::new(false))?;
     let located = |invalid| file.source.locate(&invalid);
     let points = file.study.points().map_err(located)?;
     let units = file.study.units().map_err(located)?;
@@ -111,7 +111,7 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     }
     if file.study.tables.contains(&Table::Trajectory) {
         let before = Instant::now();
-        let rows = trajectory(&file.study.spec, file.samples_per_period)
+        let rows = trajectory(&file.study.spec, file.samples_per_period, &cancel)
             .map_err(|error| file.source.locate_sweep(error))?;
         seconds += before.elapsed().as_secs_f64();
         let schema = schema(&file.study, Table::Trajectory).map_err(located)?;

@@ -29,6 +29,9 @@ pub enum Error {
         /// What the system said.
         source: io::Error,
     },
+    /// Ctrl-C, with what became of the results.
+    #[error("interrupted: {0}")]
+    Interrupted(String),
     /// A fault of this program or of the machine: a table that cannot be built, threads that do
     /// not start.
     #[error("internal fault: {0}")]
@@ -36,11 +39,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// 2 for bad input, 1 for an I/O or internal fault.
+    /// 2 for bad input, 1 for an I/O or internal fault, 130 for an interrupt.
     pub fn exit_code(&self) -> i32 {
         match self {
             Error::Study(_) | Error::Invalid(_) | Error::Refused(_) => 2,
             Error::Io { .. } | Error::Internal(_) => 1,
+            Error::Interrupted(_) => 130,
         }
     }
 

@@ -11,6 +11,7 @@ mod axes;
 mod cell;
 mod check;
 pub mod error;
+mod interrupt;
 mod layout;
 pub mod output;
 pub mod parquet_file;
@@ -42,11 +43,12 @@ pub const EXIT_OK: i32 = 0;
 pub const EXIT_FAULT: i32 = 1;
 /// A bad study, argument or output folder.
 pub const EXIT_BAD_INPUT: i32 = 2;
+/// Interrupted by Ctrl-C or a request to terminate.
+pub const EXIT_INTERRUPTED: i32 = 130;
 
 /// Runs the command line; `args` begins with the program's name. Prints results on standard
 /// output, errors and progress on standard error, and returns the exit code: 0 done, 1 I/O or
-/// internal fault, 2 bad input. (An interrupt ends the process with 130 as the shell reports it.)
-/// Never exits the process itself.
+/// internal fault, 2 bad input, 130 interrupted. Never exits the process itself.
 pub fn main_with_args(args: Vec<OsString>) -> i32 {
     // A panic is a fault of this program: it must neither look like bad input nor unwind into a
     // caller of another language.

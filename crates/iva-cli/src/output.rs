@@ -11,6 +11,7 @@
 //! is complete. Tables of an earlier run are moved aside, not deleted, until then, and moved back
 //! if anything fails. Files that `iva` did not write are never touched.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -75,6 +76,33 @@ impl Output {
     /// [`Error::Io`] if its folder cannot be made.
     pub fn stage_part(&mut self, table: Table, part: u64) -> Result<PathBuf, Error> {
         self.stage(Path::new(table.name()).join(part_name(part)))
+    }
+
+    /// Removes what was staged of a part that will not be completed.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if a file cannot be removed.
+    pub fn forget_part(&mut self, part: u64) -> Result<(), Error> {
+        let name = part_name(part);
+        let new = self.staging.path().join("new");
+        let (unfinished, staged): (Vec<_>, Vec<_>) = std::mem::take(&mut self.staged)
+            .into_iter()
+            .partition(|path| path.file_name().is_some_and(|file| file == name.as_str()));
+        self.staged = staged;
+        unfinished.iter().map(|name| new.join(name)).try_for_each(|path| {
+            fs::remove_file(&path).map_err(|reason| Error::io("remove", &path, reason))
+        })
+    }
+
+    /// Number of parts staged.
+    pub fn parts(&self) -> u64 {
+        let names: BTreeSet<_> = self.staged.iter().filter_map(|path| path.file_name()).collect();
+        names.iter().filter(|name| name.to_str().is_some_and(is_part)).count() as u64
+    }
+
+    /// True if a commit would replace tables of an earlier run.
+    pub fn replaces_tables(&self) -> bool {
+        holds_tables(&self.dir)
     }
 
     /// Writes the resolved study, for now aside.
@@ -189,14 +217,17 @@ fn refuse_conflicts(dir: &Path, overwrite: bool) -> Result<(), Error> {
             study.display()
         )));
     }
-    let tables = written_by_iva(dir).iter().any(|name| name != Path::new(STUDY_FILE));
-    if tables && !overwrite {
+    if holds_tables(dir) && !overwrite {
         return Err(Error::Refused(format!(
             "the output folder {shown} already holds tables; choose another one with --out, or \
              give --overwrite to replace them"
         )));
     }
     Ok(())
+}
+
+fn holds_tables(dir: &Path) -> bool {
+    written_by_iva(dir).iter().any(|name| name != Path::new(STUDY_FILE))
 }
 
 fn is_resolved(study: &Path) -> bool {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use arrow_array::RecordBatch;
 use iva_sweep::motion::trajectory;
@@ -12,6 +12,7 @@ use iva_sweep::tables::schema;
 
 use crate::args::RunArgs;
 use crate::error::Error;
+use crate::interrupt;
 use crate::output::{Output, PART_POINTS};
 use crate::parquet_file::ParquetFile;
 use crate::progress::Progress;
@@ -112,7 +113,8 @@ fn compute(
     on_summary: &mut dyn FnMut(&RecordBatch, u64),
 ) -> Result<(PathBuf, Vec<Written>), Error> {
     let workers = Workers::new(args.threads.map(usize::from))?;
-    file.validate(&workers)?;
+    let cancel = interrupt::listen();
+    file.validate(&workers, cancel)?;
     let text = write(&resolve(file)?)?;
     let dir = match &args.out {
         Some(dir) => dir.clone(),
@@ -120,14 +122,31 @@ fn compute(
     };
     let mut output = Output::prepare(&dir, args.overwrite)?;
     output.stage_study(&text)?;
-    let written = write_points(file, &mut output, &workers, progress, on_summary);
+    let written = write_points(file, &mut output, &workers, cancel, progress, on_summary);
     progress.clear();
     let mut written = written?;
     if file.study.tables.contains(&Table::Trajectory) {
-        written.push(write_trajectory(file, &mut output)?);
+        written.push(write_trajectory(file, &mut output, cancel)?);
+    }
+    if cancel.load(Ordering::Relaxed) {
+        return Err(Error::Interrupted(keep_finished(file, output)?));
     }
     output.commit()?;
     Ok((dir, written))
+}
+
+/// Moves the finished parts of an interrupted sweep into place; returns what is to be said.
+fn keep_finished(file: &StudyFile, output: Output) -> Result<String, Error> {
+    let parts = output.parts();
+    let dir = output.dir().display().to_string();
+    if parts == 0 || file.study.axes.is_empty() {
+        return Ok("nothing was finished, so nothing was written".to_owned());
+    }
+    if output.replaces_tables() {
+        return Ok(format!("the earlier tables in {dir} are as they were"));
+    }
+    output.commit()?;
+    Ok(format!("the first {} points are written to {dir}", parts * PART_POINTS))
 }
 
 /// `results/<name of the study file>`.
@@ -146,6 +165,7 @@ fn write_points(
     file: &StudyFile,
     output: &mut Output,
     workers: &Workers,
+    cancel: &AtomicBool,
     progress: &Progress,
     on_summary: &mut dyn FnMut(&RecordBatch, u64),
 ) -> Result<Vec<Written>, Error> {
@@ -155,9 +175,8 @@ fn write_points(
     }
     let located = |invalid| file.source.locate(&invalid);
     let points = study.points().map_err(located)?;
-    let cancel = AtomicBool::new(false);
     let finished = |count| progress.add(count);
-    let control = Control { workers, chunk: None, cancel: &cancel, progress: &finished };
+    let control = Control { workers, chunk: None, cancel, progress: &finished };
     let mut written: Vec<Written> = Vec::new();
     for table in &study.tables {
         written.push(Written { table: *table, parts: 0, rows: 0, bytes: 0 });
@@ -184,6 +203,11 @@ fn write_points(
                 on_summary(summary, first);
             }
             first = last;
+            if cancel.load(Ordering::Relaxed) {
+                drop(files);
+                output.forget_part(part)?;
+                return Ok(written);
+            }
         }
         for (part, written) in files.into_iter().zip(&mut written) {
             written.bytes += part.finish()?;
@@ -193,9 +217,13 @@ fn write_points(
     Ok(written)
 }
 
-fn write_trajectory(file: &StudyFile, output: &mut Output) -> Result<Written, Error> {
+fn write_trajectory(
+    file: &StudyFile,
+    output: &mut Output,
+    cancel: &AtomicBool,
+) -> Result<Written, Error> {
     let located = |invalid| file.source.locate(&invalid);
-    let rows = trajectory(&file.study.spec, file.samples_per_period)
+    let rows = trajectory(&file.study.spec, file.samples_per_period, cancel)
         .map_err(|error| file.source.locate_sweep(error))?;
     let schema = schema(&file.study, Table::Trajectory).map_err(located)?;
     let mut parquet = ParquetFile::create(&output.stage_part(Table::Trajectory, 0)?, schema)?;

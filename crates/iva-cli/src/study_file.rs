@@ -143,13 +143,12 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
 }
 
 impl StudyFile {
-    /// Checks every point, without running any.
+    /// Checks every point, without running any; setting `cancel` ends the check early.
     ///
     /// # Errors
     /// The first invalid point, pointed at the line of the field to blame; too many points.
-    pub fn validate(&self, workers: &Workers) -> Result<(), Error> {
-        validate(&self.study, workers, &AtomicBool::new(false))
-            .map_err(|invalid| self.source.locate(&invalid))
+    pub fn validate(&self, workers: &Workers, cancel: &AtomicBool) -> Result<(), Error> {
+        validate(&self.study, workers, cancel).map_err(|invalid| self.source.locate(&invalid))
     }
 }
 

@@ -6,32 +6,30 @@
 
 use crate::compensated::Sum;
 use crate::error::Invalid;
-use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::flight::Jet;
 use crate::impact;
 use crate::oscillator::{Oscillator, Primary};
 use crate::system::{Jump, Point, Start, System, Wall};
 
+pub use motion::{SivaFlight, SivaRide};
+
+mod motion;
+
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;
 
-/// Parameters of a SIVA on its primary system, in natural units.
+/// Checked parameters of a SIVA on its primary system, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Siva {
+pub struct Parameters {
     mass_ratio: f64,
     restitution: f64,
     clearance: f64,
     damping_ratio: f64,
-    /// Share of the gap velocity that the primary gains at an impact.
-    impact_share: Sum,
-    /// The same where the absorber sticks.
-    stick_share: Sum,
-    free: Oscillator,
-    loaded: Oscillator,
 }
 
-impl Siva {
-    /// A SIVA of mass ratio μ > 0, restitution e in [0, 1] and one-sided clearance d > 0 on a
-    /// primary of damping ratio ζ ≥ 0.
+impl Parameters {
+    /// Mass ratio μ > 0, restitution e in [0, 1], one-sided clearance d > 0, and the damping ratio
+    /// ζ ≥ 0 of the primary.
     ///
     /// # Errors
     /// [`Invalid`] naming field, value and allowed range.
@@ -64,7 +62,29 @@ impl Siva {
                 "give a finite number, 0 or greater",
             ));
         }
-        Ok(Self {
+        Ok(Self { mass_ratio, restitution, clearance, damping_ratio })
+    }
+}
+
+/// A SIVA on its primary system: parameters, and what follows from them for every flight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Siva {
+    mass_ratio: f64,
+    restitution: f64,
+    clearance: f64,
+    damping_ratio: f64,
+    /// Share of the gap velocity that the primary gains at an impact.
+    impact_share: Sum,
+    /// The same where the absorber sticks.
+    stick_share: Sum,
+    free: Oscillator,
+    loaded: Oscillator,
+}
+
+impl From<Parameters> for Siva {
+    fn from(parameters: Parameters) -> Self {
+        let Parameters { mass_ratio, restitution, clearance, damping_ratio } = parameters;
+        Self {
             mass_ratio,
             restitution,
             clearance,
@@ -73,7 +93,23 @@ impl Siva {
             stick_share: impact::primary_share(mass_ratio, 0.0),
             free: Oscillator::new(1.0, damping_ratio),
             loaded: Oscillator::new(1.0 + mass_ratio, damping_ratio),
-        })
+        }
+    }
+}
+
+impl Siva {
+    /// A SIVA from mass ratio μ, restitution e, one-sided clearance d and the damping ratio ζ of
+    /// its primary.
+    ///
+    /// # Errors
+    /// As [`Parameters::new`].
+    pub fn new(
+        mass_ratio: f64,
+        restitution: f64,
+        clearance: f64,
+        damping_ratio: f64,
+    ) -> Result<Self, Invalid> {
+        Parameters::new(mass_ratio, restitution, clearance, damping_ratio).map(Self::from)
     }
 
     /// μ = m/M.
@@ -90,6 +126,33 @@ impl Siva {
     pub fn damping_ratio(&self) -> f64 {
         self.damping_ratio
     }
+}
+
+/// Checks that a start is finite and lies in a gap of one-sided clearance d.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub fn check_start(clearance: f64, start: &Start) -> Result<(), Invalid> {
+    let fields = [
+        ("start.displacement", start.displacement),
+        ("start.velocity", start.velocity),
+        ("start.gap_displacement", start.gap_displacement),
+        ("start.gap_velocity", start.gap_velocity),
+    ];
+    for (field, value) in fields {
+        if !value.is_finite() {
+            return Err(Invalid::new(field, value, "give a finite number"));
+        }
+    }
+    let beyond = start.gap_displacement.abs() - clearance;
+    if beyond > ON_WALL_ULPS * f64::EPSILON * clearance {
+        return Err(Invalid::new(
+            "start.gap_displacement",
+            start.gap_displacement,
+            format!("it must lie in the gap, from -{0} to {0}", clearance),
+        ));
+    }
+    Ok(())
 }
 
 /// Primary and gap of a SIVA between events.
@@ -126,26 +189,7 @@ impl System for Siva {
     }
 
     fn check_start(&self, start: &Start) -> Result<(), Invalid> {
-        let fields = [
-            ("start.displacement", start.displacement),
-            ("start.velocity", start.velocity),
-            ("start.gap_displacement", start.gap_displacement),
-            ("start.gap_velocity", start.gap_velocity),
-        ];
-        for (field, value) in fields {
-            if !value.is_finite() {
-                return Err(Invalid::new(field, value, "give a finite number"));
-            }
-        }
-        let beyond = start.gap_displacement.abs() - self.clearance;
-        if beyond > ON_WALL_ULPS * f64::EPSILON * self.clearance {
-            return Err(Invalid::new(
-                "start.gap_displacement",
-                start.gap_displacement,
-                format!("it must lie in the gap, from -{0} to {0}", self.clearance),
-            ));
-        }
-        Ok(())
+        check_start(self.clearance, start)
     }
 
     fn begin(&self, start: &Start) -> (SivaState, bool) {
@@ -251,169 +295,6 @@ impl System for Siva {
         let Point { x, v } = self.primary(state);
         let absorber = v + state.gap_velocity();
         0.5 * (x * x + v * v) + 0.5 * self.mass_ratio * (absorber * absorber)
-    }
-}
-
-/// The absorber free in its gap.
-#[derive(Debug, Clone, Copy)]
-pub struct SivaFlight<'a> {
-    siva: &'a Siva,
-    from: SivaState,
-}
-
-impl Motion for SivaFlight<'_> {
-    type State = SivaState;
-    const RIDING: bool = false;
-
-    fn origin(&self) -> &SivaState {
-        &self.from
-    }
-
-    #[inline]
-    fn reach(&self) -> f64 {
-        self.siva.free.reach
-    }
-
-    #[inline]
-    fn state(&self, h: f64) -> SivaState {
-        let from = &self.from;
-        let s = from.wall.sign();
-        let (primary, increment) = from.primary.after(&self.siva.free, h);
-        SivaState {
-            primary,
-            wall: from.wall,
-            distance: from.distance.plus_parts(
-                from.rate.value * h + s * increment.curved,
-                from.rate.rest * h + s * increment.curved_rest,
-            ),
-            rate: from.rate.plus_parts(s * increment.velocity, s * increment.velocity_rest),
-        }
-    }
-
-    fn primary(&self, h: f64) -> Jet {
-        let (primary, _) = self.from.primary.after(&self.siva.free, h);
-        primary.jet(&self.siva.free)
-    }
-
-    fn gap(&self, h: f64) -> GapPoint {
-        let state = self.state(h);
-        let d = self.siva.clearance;
-        // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
-        let y = state.wall.sign() * (d - state.distance.value);
-        GapPoint { y: y.clamp(-d, d), w: state.gap_velocity() }
-    }
-
-    fn wall(&self) -> Option<Wall> {
-        None
-    }
-
-    fn viscous_loss(&self, h: f64) -> f64 {
-        let Primary { x, v } = self.from.primary;
-        self.siva.free.viscous_loss(x.value, v.value, h)
-    }
-}
-
-impl Curve for SivaFlight<'_> {
-    type Sample = SivaState;
-
-    #[inline]
-    fn sample(&self, h: f64) -> SivaState {
-        self.state(h)
-    }
-
-    #[inline]
-    fn jet(&self, sample: &SivaState) -> Jet {
-        self.siva.distance(sample)
-    }
-
-    /// D⁗ = s x⁗, bounded by Λ³ρ.
-    #[inline]
-    fn fourth(&self) -> f64 {
-        let free = &self.siva.free;
-        let Primary { x, v } = self.from.primary;
-        free.growth * free.growth * free.growth * free.radius(x.value, v.value)
-    }
-
-    #[inline]
-    fn magnitude(&self) -> f64 {
-        self.siva.clearance
-    }
-}
-
-/// The absorber stuck on a wall: one mass 1 + μ on the primary's spring and damper.
-#[derive(Debug, Clone, Copy)]
-pub struct SivaRide<'a> {
-    siva: &'a Siva,
-    from: SivaState,
-}
-
-impl Motion for SivaRide<'_> {
-    type State = SivaState;
-    const RIDING: bool = true;
-
-    fn origin(&self) -> &SivaState {
-        &self.from
-    }
-
-    fn reach(&self) -> f64 {
-        self.siva.loaded.reach
-    }
-
-    fn state(&self, h: f64) -> SivaState {
-        let (primary, _) = self.from.primary.after(&self.siva.loaded, h);
-        SivaState { primary, ..self.from }
-    }
-
-    fn primary(&self, h: f64) -> Jet {
-        let (primary, _) = self.from.primary.after(&self.siva.loaded, h);
-        primary.jet(&self.siva.loaded)
-    }
-
-    fn gap(&self, _h: f64) -> GapPoint {
-        GapPoint { y: self.from.wall.sign() * self.siva.clearance, w: 0.0 }
-    }
-
-    fn wall(&self) -> Option<Wall> {
-        Some(self.from.wall)
-    }
-
-    fn viscous_loss(&self, h: f64) -> f64 {
-        let Primary { x, v } = self.from.primary;
-        self.siva.loaded.viscous_loss(x.value, v.value, h)
-    }
-}
-
-impl Curve for SivaRide<'_> {
-    type Sample = SivaState;
-
-    fn sample(&self, h: f64) -> SivaState {
-        self.state(h)
-    }
-
-    /// The pressure −s ẍ on the wall; the ride ends where it changes sign.
-    fn jet(&self, sample: &SivaState) -> Jet {
-        let loaded = &self.siva.loaded;
-        let s = sample.wall.sign();
-        let (x, v) = (sample.primary.x.value, sample.primary.v.value);
-        let second = loaded.acceleration(x, v);
-        let third = loaded.next_derivative(v, second);
-        let fourth = loaded.next_derivative(second, third);
-        let fifth = loaded.next_derivative(third, fourth);
-        Jet { value: -s * second, rate: -s * third, curvature: -s * fourth, jerk: -s * fifth }
-    }
-
-    /// The fourth derivative of the pressure is −s x⁽⁶⁾, bounded by Λ⁵ρ.
-    fn fourth(&self) -> f64 {
-        let loaded = &self.siva.loaded;
-        let Primary { x, v } = self.from.primary;
-        loaded.growth.powi(5) * loaded.radius(x.value, v.value)
-    }
-
-    /// The pressure itself is bounded by Λρ.
-    fn magnitude(&self) -> f64 {
-        let loaded = &self.siva.loaded;
-        let Primary { x, v } = self.from.primary;
-        loaded.growth * loaded.radius(x.value, v.value)
     }
 }
 

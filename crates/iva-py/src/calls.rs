@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use arrow_array::RecordBatch;
 use iva_sweep::Invalid;
@@ -163,21 +163,21 @@ pub fn trajectory(
 ) -> PyResult<ArrowTable> {
     let spec = arguments::spec(spec)?;
     let samples = arguments::whole("samples_per_period", samples_per_period, 1_000_000_000)?;
-    motion(py, move || paths::trajectory(&spec, samples as u32))
+    motion(py, move |cancel| paths::trajectory(&spec, samples as u32, cancel))
 }
 
 /// The state of one scene at given times, in the order given.
 #[pyfunction]
 pub fn states(py: Python<'_>, spec: &Bound<'_, PyDict>, times: Vec<f64>) -> PyResult<ArrowTable> {
     let spec: Spec = arguments::spec(spec)?;
-    motion(py, move || paths::states(&spec, &times))
+    motion(py, move |cancel| paths::states(&spec, &times, cancel))
 }
 
 fn motion(
     py: Python<'_>,
-    work: impl FnOnce() -> Result<RecordBatch, SweepError> + Send + 'static,
+    work: impl FnOnce(&AtomicBool) -> Result<RecordBatch, SweepError> + Send + 'static,
 ) -> PyResult<ArrowTable> {
-    worker::run(py, None, move |_| work()).map(ArrowTable)
+    worker::run(py, None, move |shared| work(&shared.cancel)).map(ArrowTable)
 }
 
 /// The command `iva`: takes the whole argument list, returns the exit code.

@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 
 use iva_core::error::Invalid;
 use iva_core::simulate::Limits;
-use iva_core::siva::Siva;
-use iva_core::system::{Start, System};
+use iva_core::siva::{Parameters, Siva, check_start};
+use iva_core::system::Start;
 
 use crate::fields::{FIELD_COUNT, FieldId};
 use crate::units::{Scale, UnitSystem};
@@ -29,7 +29,7 @@ impl Default for Spec {
 #[derive(Debug, Clone, Copy)]
 pub struct Design {
     /// The absorber on its primary system.
-    pub system: Siva,
+    pub parameters: Parameters,
     /// State at time zero.
     pub start: Start,
     /// Duration, limits and chatter floor.
@@ -38,6 +38,13 @@ pub struct Design {
     pub scale: Scale,
     /// What the user's units are.
     pub units: UnitSystem,
+}
+
+impl Design {
+    /// The system to run.
+    pub fn system(&self) -> Siva {
+        Siva::from(self.parameters)
+    }
 }
 
 impl Spec {
@@ -102,9 +109,9 @@ impl Spec {
         let restitution = self
             .get(FieldId::Restitution)
             .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
-        let system =
-            Siva::new(self.mass_ratio(&scale, units)?, restitution, clearance, damping_ratio)?;
-        system.check_start(&start)?;
+        let mass_ratio = self.mass_ratio(&scale, units)?;
+        let parameters = Parameters::new(mass_ratio, restitution, clearance, damping_ratio)?;
+        check_start(clearance, &start)?;
         let limits = Limits {
             duration: self.duration(omega)?,
             max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
@@ -113,7 +120,7 @@ impl Spec {
                 .get(FieldId::ChatterFloor)
                 .map_or(Limits::CHATTER_FLOOR * clearance, |floor| floor / omega),
         };
-        Ok(Design { system, start, limits, scale, units })
+        Ok(Design { parameters, start, limits, scale, units })
     }
 
     fn scale(&self) -> Result<(Scale, UnitSystem), Invalid> {

@@ -1,4 +1,8 @@
 //! The motion of a single design as a table: sampled evenly, or at any instants.
+//!
+//! Setting `cancel` ends a run early; its table then ends where the run did.
+
+use std::sync::atomic::AtomicBool;
 
 use arrow_array::RecordBatch;
 use iva_core::error::Invalid;
@@ -19,7 +23,11 @@ pub const MAX_SAMPLES: f64 = 100_000_000.0;
 ///
 /// # Errors
 /// [`SweepError`] for an invalid design or sampling.
-pub fn trajectory(spec: &Spec, samples_per_period: u32) -> Result<RecordBatch, SweepError> {
+pub fn trajectory(
+    spec: &Spec,
+    samples_per_period: u32,
+    cancel: &AtomicBool,
+) -> Result<RecordBatch, SweepError> {
     let design = spec.design()?;
     if samples_per_period == 0 {
         return Err(
@@ -42,7 +50,7 @@ pub fn trajectory(spec: &Spec, samples_per_period: u32) -> Result<RecordBatch, S
         times.push(duration);
     }
     let mut sampler = Sampler::with_events(times);
-    simulate(&design.system, &design.start, &design.limits, None, &mut sampler)?;
+    simulate(&design.system(), &design.start, &design.limits, Some(cancel), &mut sampler)?;
     let mut states = sampler.states;
     // The listed rebounds of a summed tail lie within the ride that follows it.
     states.sort_by(|a, b| a.time.total_cmp(&b.time));
@@ -55,7 +63,7 @@ pub fn trajectory(spec: &Spec, samples_per_period: u32) -> Result<RecordBatch, S
 ///
 /// # Errors
 /// [`SweepError`] for an invalid design or a time outside the run.
-pub fn states(spec: &Spec, times: &[f64]) -> Result<RecordBatch, SweepError> {
+pub fn states(spec: &Spec, times: &[f64], cancel: &AtomicBool) -> Result<RecordBatch, SweepError> {
     let design = spec.design()?;
     let duration = design.limits.duration;
     let mut order: Vec<usize> = (0..times.len()).collect();
@@ -74,7 +82,7 @@ pub fn states(spec: &Spec, times: &[f64]) -> Result<RecordBatch, SweepError> {
         instants.push(tau.min(duration));
     }
     let mut sampler = Sampler::at(instants);
-    simulate(&design.system, &design.start, &design.limits, None, &mut sampler)?;
+    simulate(&design.system(), &design.start, &design.limits, Some(cancel), &mut sampler)?;
     let mut found: Vec<Option<&State>> = vec![None; times.len()];
     for (&index, state) in order.iter().zip(&sampler.states) {
         found[index] = Some(state);

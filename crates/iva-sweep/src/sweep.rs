@@ -205,7 +205,7 @@ fn run_point(
         ),
     );
     let tally =
-        simulate(&design.system, &design.start, &design.limits, Some(cancel), &mut observers)?;
+        simulate(&design.system(), &design.start, &design.limits, Some(cancel), &mut observers)?;
     let (events, (envelope, measures)) = observers;
     let scale = &design.scale;
     // Points are counted below 2^32 by `Study::points`.

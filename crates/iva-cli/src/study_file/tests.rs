@@ -261,7 +261,7 @@ fn what_only_shows_together_is_pointed_at_its_line() {
 #[test]
 fn a_start_outside_the_gap_is_pointed_at_in_the_file() {
     let text = without_sweep().replace("[run]", "gap_displacement = 2.0\n[run]");
-    match good(&text).validate(&Workers::new(Some(1)).unwrap()) {
+    match good(&text).validate(&Workers::new(Some(1)).unwrap(), &AtomicBool::new(false)) {
         Err(Error::Study(error)) => {
             assert_eq!(error.place.clone().unwrap().line, 11, "{error}");
             assert!(error.message.contains("start.gap_displacement = 2"), "{error}");
@@ -273,7 +273,8 @@ fn a_start_outside_the_gap_is_pointed_at_in_the_file() {
 #[test]
 fn a_field_missing_altogether_is_refused_with_what_to_give() {
     let text = without_sweep().replace("periods = 60\n", "");
-    let error = good(&text).validate(&Workers::new(Some(1)).unwrap()).unwrap_err();
+    let error =
+        good(&text).validate(&Workers::new(Some(1)).unwrap(), &AtomicBool::new(false)).unwrap_err();
     assert_eq!(error.exit_code(), 2);
     assert!(error.to_string().contains("run.periods is missing: give periods"), "{error}");
 }

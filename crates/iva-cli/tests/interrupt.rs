@@ -1,0 +1,131 @@
+//! Real signals to the real program: it ends within a second with exit code 130, keeps what is
+//! finished, and leaves nothing half-written.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// A million points; `periods` decides how long each takes.
+fn study(dir: &Path, periods: f64) -> PathBuf {
+    let path = dir.join("long.toml");
+    let text = format!(
+        "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\nkind = \"siva\"\n\
+         restitution = 0.5\n[start]\ndisplacement = 1.0\n[run]\nperiods = {periods}\n\
+         tables = [\"summary\"]\n[sweep]\n\
+         relative_clearance = {{ start = 0.3, stop = 1.2, count = 400 }}\n\
+         mass_ratio = {{ start = 0.05, stop = 0.2, count = 2500 }}\n"
+    );
+    fs::write(&path, text).unwrap();
+    path
+}
+
+fn start(dir: &Path, study: &Path, more: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_iva"))
+        .current_dir(dir)
+        .args(["sweep", "--out", "out"])
+        .args(more)
+        .arg(study)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Sends a signal and waits; returns what was said and how long it took.
+fn interrupt(child: Child, signal: &str) -> (Output, Duration) {
+    let sent = Instant::now();
+    let kill = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let output = child.wait_with_output().unwrap();
+    (output, sent.elapsed())
+}
+
+fn wait_for(what: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !what() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing happened for a minute");
+        sleep(Duration::from_millis(10));
+    }
+}
+
+/// Files below a folder, relative to it; hidden ones too.
+fn files(dir: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(dir).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            found.extend(files(&path).into_iter().map(|file| {
+                entry.file_name().into_string().map(|name| Path::new(&name).join(file)).unwrap()
+            }));
+        } else {
+            found.push(PathBuf::from(entry.file_name()));
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The staged parts of a sweep under way.
+fn staged(dir: &Path) -> usize {
+    files(&dir.join("out"))
+        .iter()
+        .filter(|file| file.extension().is_some_and(|end| end == "parquet"))
+        .count()
+}
+
+#[test]
+fn a_sweep_interrupted_in_its_first_part_writes_nothing() {
+    for signal in ["-INT", "-TERM"] {
+        let dir = tempfile::tempdir().unwrap();
+        let child = start(dir.path(), &study(dir.path(), 6000.0), &[]);
+        wait_for(|| staged(dir.path()) == 1);
+        let (output, time) = interrupt(child, signal);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(130), "{said}");
+        // a second is promised; a busy machine may take longer to give the threads their turn
+        assert!(time < Duration::from_secs(5), "{time:?}");
+        assert!(said.contains("interrupted: nothing was finished"), "{said}");
+        assert!(!dir.path().join("out").exists());
+    }
+}
+
+#[test]
+fn finished_parts_are_kept() {
+    let dir = tempfile::tempdir().unwrap();
+    let child = start(dir.path(), &study(dir.path(), 20.0), &[]);
+    wait_for(|| staged(dir.path()) >= 3);
+    let (output, _) = interrupt(child, "-INT");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    let written = files(&dir.path().join("out"));
+    assert!(written.contains(&PathBuf::from("study.toml")));
+    let parts = written.len() - 1;
+    assert!(parts >= 2, "{written:?}");
+    assert!(said.contains(&format!("the first {} points are written", parts * 65_536)), "{said}");
+    for part in 0..parts {
+        assert!(written.contains(&PathBuf::from(format!("summary/part-{part:05}.parquet"))));
+    }
+}
+
+#[test]
+fn earlier_tables_survive_an_interrupted_overwrite() {
+    let dir = tempfile::tempdir().unwrap();
+    let small = dir.path().join("small.toml");
+    let text = fs::read_to_string(study(dir.path(), 20.0)).unwrap();
+    fs::write(&small, text.replace("400 }", "4 }").replace("2500 }", "2 }")).unwrap();
+    assert!(start(dir.path(), &small, &[]).wait().unwrap().success());
+    let table = dir.path().join("out/summary/part-00000.parquet");
+    let before = fs::read(&table).unwrap();
+    let child = start(dir.path(), &study(dir.path(), 20.0), &["--overwrite"]);
+    wait_for(|| staged(dir.path()) >= 3);
+    let (output, _) = interrupt(child, "-INT");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(said.contains("the earlier tables in out are as they were"), "{said}");
+    assert_eq!(fs::read(&table).unwrap(), before);
+    assert_eq!(files(&dir.path().join("out")).len(), 2);
+}

@@ -1,0 +1,169 @@
+//! The smooth motions of a SIVA: free in its gap, and stuck on a wall.
+
+use super::{Siva, SivaState};
+use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::oscillator::Primary;
+use crate::system::{System, Wall};
+
+/// The absorber free in its gap.
+#[derive(Debug, Clone, Copy)]
+pub struct SivaFlight<'a> {
+    pub(super) siva: &'a Siva,
+    pub(super) from: SivaState,
+}
+
+impl Motion for SivaFlight<'_> {
+    type State = SivaState;
+    const RIDING: bool = false;
+
+    fn origin(&self) -> &SivaState {
+        &self.from
+    }
+
+    #[inline]
+    fn reach(&self) -> f64 {
+        self.siva.free.reach
+    }
+
+    #[inline]
+    fn state(&self, h: f64) -> SivaState {
+        let from = &self.from;
+        let s = from.wall.sign();
+        let (primary, increment) = from.primary.after(&self.siva.free, h);
+        SivaState {
+            primary,
+            wall: from.wall,
+            distance: from.distance.plus_parts(
+                from.rate.value * h + s * increment.curved,
+                from.rate.rest * h + s * increment.curved_rest,
+            ),
+            rate: from.rate.plus_parts(s * increment.velocity, s * increment.velocity_rest),
+        }
+    }
+
+    fn primary(&self, h: f64) -> Jet {
+        let (primary, _) = self.from.primary.after(&self.siva.free, h);
+        primary.jet(&self.siva.free)
+    }
+
+    fn gap(&self, h: f64) -> GapPoint {
+        let state = self.state(h);
+        let d = self.siva.clearance;
+        // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
+        let y = state.wall.sign() * (d - state.distance.value);
+        GapPoint { y: y.clamp(-d, d), w: state.gap_velocity() }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        None
+    }
+
+    fn viscous_loss(&self, h: f64) -> f64 {
+        let Primary { x, v } = self.from.primary;
+        self.siva.free.viscous_loss(x.value, v.value, h)
+    }
+}
+
+impl Curve for SivaFlight<'_> {
+    type Sample = SivaState;
+
+    #[inline]
+    fn sample(&self, h: f64) -> SivaState {
+        self.state(h)
+    }
+
+    #[inline]
+    fn jet(&self, sample: &SivaState) -> Jet {
+        self.siva.distance(sample)
+    }
+
+    /// D⁗ = s x⁗, bounded by Λ³ρ.
+    #[inline]
+    fn fourth(&self) -> f64 {
+        let free = &self.siva.free;
+        let Primary { x, v } = self.from.primary;
+        free.growth * free.growth * free.growth * free.radius(x.value, v.value)
+    }
+
+    #[inline]
+    fn magnitude(&self) -> f64 {
+        self.siva.clearance
+    }
+}
+
+/// The absorber stuck on a wall: one mass 1 + μ on the primary's spring and damper.
+#[derive(Debug, Clone, Copy)]
+pub struct SivaRide<'a> {
+    pub(super) siva: &'a Siva,
+    pub(super) from: SivaState,
+}
+
+impl Motion for SivaRide<'_> {
+    type State = SivaState;
+    const RIDING: bool = true;
+
+    fn origin(&self) -> &SivaState {
+        &self.from
+    }
+
+    fn reach(&self) -> f64 {
+        self.siva.loaded.reach
+    }
+
+    fn state(&self, h: f64) -> SivaState {
+        let (primary, _) = self.from.primary.after(&self.siva.loaded, h);
+        SivaState { primary, ..self.from }
+    }
+
+    fn primary(&self, h: f64) -> Jet {
+        let (primary, _) = self.from.primary.after(&self.siva.loaded, h);
+        primary.jet(&self.siva.loaded)
+    }
+
+    fn gap(&self, _h: f64) -> GapPoint {
+        GapPoint { y: self.from.wall.sign() * self.siva.clearance, w: 0.0 }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        Some(self.from.wall)
+    }
+
+    fn viscous_loss(&self, h: f64) -> f64 {
+        let Primary { x, v } = self.from.primary;
+        self.siva.loaded.viscous_loss(x.value, v.value, h)
+    }
+}
+
+impl Curve for SivaRide<'_> {
+    type Sample = SivaState;
+
+    fn sample(&self, h: f64) -> SivaState {
+        self.state(h)
+    }
+
+    /// The pressure −s ẍ on the wall; the ride ends where it changes sign.
+    fn jet(&self, sample: &SivaState) -> Jet {
+        let loaded = &self.siva.loaded;
+        let s = sample.wall.sign();
+        let (x, v) = (sample.primary.x.value, sample.primary.v.value);
+        let second = loaded.acceleration(x, v);
+        let third = loaded.next_derivative(v, second);
+        let fourth = loaded.next_derivative(second, third);
+        let fifth = loaded.next_derivative(third, fourth);
+        Jet { value: -s * second, rate: -s * third, curvature: -s * fourth, jerk: -s * fifth }
+    }
+
+    /// The fourth derivative of the pressure is −s x⁽⁶⁾, bounded by Λ⁵ρ.
+    fn fourth(&self) -> f64 {
+        let loaded = &self.siva.loaded;
+        let Primary { x, v } = self.from.primary;
+        loaded.growth.powi(5) * loaded.radius(x.value, v.value)
+    }
+
+    /// The pressure itself is bounded by Λρ.
+    fn magnitude(&self) -> f64 {
+        let loaded = &self.siva.loaded;
+        let Primary { x, v } = self.from.primary;
+        loaded.growth * loaded.radius(x.value, v.value)
+    }
+}
