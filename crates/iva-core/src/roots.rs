@@ -256,42 +256,99 @@ fn hermite_zero(a: &Jet, b: &Jet, length: f64) -> f64 {
 /// The zero of an increasing function on [low, high] by Halley's method, kept inside its bracket.
 ///
 /// `f` returns a sample with value, first and second derivative; the sample at the zero is handed
-/// back. Stops when the step is below rounding or no longer shrinks (the function's own rounding
-/// is reached).
+/// back. Steps that no longer shrink mean either that the function's rounding is reached, which a
+/// change of sign next door proves, or that the start was bad: then the bracket is halved.
 pub(crate) fn polish<T: Copy>(
     f: impl Fn(f64) -> (T, [f64; 3]),
-    mut low: f64,
-    mut high: f64,
+    low: f64,
+    high: f64,
     guess: f64,
 ) -> (f64, T) {
-    let mut h = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
+    let middle = 0.5 * (low + high);
+    let mut h = if guess > low && guess < high { guess } else { middle };
+    let (sample, [mut value, mut slope, mut bend]) = f(h);
+    let mut bracket = Bracket { low, high, h, sample, size: value.abs() };
+    bracket.narrow(h, sample, value);
     let mut last_step = f64::INFINITY;
-    let mut best: Option<(f64, T, f64)> = None;
     loop {
-        let (sample, [value, slope, bend]) = f(h);
-        if value < 0.0 {
-            low = h;
-        } else {
-            high = h;
-        }
-        let closest = match best {
-            Some((best_h, best_sample, size)) if size < value.abs() => (best_h, best_sample, size),
-            _ => (h, sample, value.abs()),
-        };
         let step = -2.0 * value * slope / (2.0 * slope * slope - value * bend);
-        let next = h + step;
-        let at_noise = last_step < 1e-7 * (high + low).abs() && step.abs() >= 0.5 * last_step;
-        let middle = 0.5 * (low + high);
-        if value == 0.0
-            || step.abs() <= 0.25 * f64::EPSILON * h.abs()
-            || at_noise
-            || middle <= low
-            || middle >= high
-        {
-            return (closest.0, closest.1);
+        if value == 0.0 || step.abs() <= 0.25 * f64::EPSILON * h.abs() {
+            return bracket.best();
         }
-        best = Some(closest);
-        (last_step, h) =
-            if next > low && next < high { (step.abs(), next) } else { (high - low, middle) };
+        let middle = 0.5 * (bracket.low + bracket.high);
+        if middle <= bracket.low || middle >= bracket.high {
+            return bracket.best();
+        }
+        let mut next = h + step;
+        if step.abs() < 0.5 * last_step && bracket.contains(next) {
+            last_step = step.abs();
+        } else {
+            let width = 4.0 * step.abs().min(last_step);
+            let probe = if value < 0.0 { h + width } else { h - width };
+            if bracket.contains(probe) {
+                let (sample, [beyond, ..]) = f(probe);
+                bracket.narrow(probe, sample, beyond);
+                if (beyond < 0.0) != (value < 0.0) {
+                    return bracket.best();
+                }
+            }
+            next = 0.5 * (bracket.low + bracket.high);
+            last_step = bracket.high - bracket.low;
+        }
+        h = next;
+        let (sample, jet) = f(h);
+        [value, slope, bend] = jet;
+        bracket.narrow(h, sample, value);
+    }
+}
+
+/// Where the zero lies, and the sample closest to it so far.
+struct Bracket<T> {
+    low: f64,
+    high: f64,
+    h: f64,
+    sample: T,
+    size: f64,
+}
+
+impl<T: Copy> Bracket<T> {
+    fn contains(&self, h: f64) -> bool {
+        h > self.low && h < self.high
+    }
+
+    fn narrow(&mut self, h: f64, sample: T, value: f64) {
+        if value < 0.0 {
+            self.low = h;
+        } else {
+            self.high = h;
+        }
+        if value.abs() <= self.size {
+            (self.h, self.sample, self.size) = (h, sample, value.abs());
+        }
+    }
+
+    fn best(&self) -> (f64, T) {
+        (self.h, self.sample)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::polish;
+
+    /// t³ − 10⁻⁹⁹ from a guess so flat that Halley's steps are tiny against the bracket; root 10⁻³³.
+    #[test]
+    fn a_flat_start_is_not_mistaken_for_convergence() {
+        let cubic = |t: f64| ((), [t * t * t - 1e-99, 3.0 * t * t, 6.0 * t]);
+        for guess in [1e-70, 1e-40, 0.5e-33, 1e-20, 0.3] {
+            let (root, ()) = polish(cubic, 0.0, 1.0, guess);
+            assert!((root / 1e-33 - 1.0).abs() < 1e-15, "{guess:e}: {root:e}");
+        }
+        let shifted =
+            |t: f64| ((), [(t - 0.5).powi(3) - 1e-15, 3.0 * (t - 0.5).powi(2), 6.0 * (t - 0.5)]);
+        for guess in [0.5 + 1e-14, 0.5 + 1e-9, 0.9] {
+            let (root, ()) = polish(shifted, 0.5, 1.0, guess);
+            assert!((root - 0.50001).abs() < 1e-14, "{guess}: {root}");
+        }
     }
 }

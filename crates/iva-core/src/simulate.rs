@@ -136,19 +136,27 @@ pub fn simulate<S: System, O: Observer<S>>(
         losses: Clock::ZERO,
     };
     run.observer.start(system, &state, limits.duration);
-    if touching {
-        if system.distance(&state).rate < 0.0 {
-            run.strike();
-        } else {
-            run.depart();
+    if system.energy(&state).is_finite() {
+        if touching {
+            if system.distance(&state).rate < 0.0 {
+                run.strike();
+            } else {
+                run.depart();
+            }
         }
+        run.until_end(cancel);
+    } else {
+        run.tally.outcome = Outcome::NotFinite;
     }
-    run.until_end(cancel);
     Ok(run.finish())
 }
 
 impl Limits {
-    fn check(&self) -> Result<(), Invalid> {
+    /// Checks that duration and chatter floor are finite and greater than 0.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming field and value.
+    pub fn check(&self) -> Result<(), Invalid> {
         let positive = [("run.duration", self.duration), ("run.chatter_floor", self.chatter_floor)];
         for (field, value) in positive {
             if !(value.is_finite() && value > 0.0) {

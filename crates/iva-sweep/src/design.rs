@@ -112,6 +112,7 @@ impl Spec {
         let mass_ratio = self.mass_ratio(&scale, units)?;
         let parameters = Parameters::new(mass_ratio, restitution, clearance, damping_ratio)?;
         check_start(clearance, &start)?;
+        check_energy(&start, mass_ratio, &scale)?;
         let limits = Limits {
             duration: self.duration(omega)?,
             max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
@@ -120,6 +121,7 @@ impl Spec {
                 .get(FieldId::ChatterFloor)
                 .map_or(Limits::CHATTER_FLOOR * clearance, |floor| floor / omega),
         };
+        limits.check()?;
         Ok(Design { parameters, start, limits, scale, units })
     }
 
@@ -254,6 +256,21 @@ impl Spec {
             )),
             _ => Ok(()),
         }
+    }
+}
+
+/// Results that overflow would be of no use: the largest energy of a decay is that of its start.
+fn check_energy(start: &Start, mass_ratio: f64, scale: &Scale) -> Result<(), Invalid> {
+    let primary = start.displacement.abs() + start.velocity.abs();
+    let absorber = mass_ratio.sqrt() * (start.velocity.abs() + start.gap_velocity.abs());
+    if scale.energy((primary + absorber).powi(2)).is_finite() {
+        Ok(())
+    } else {
+        Err(Invalid::new(
+            FieldId::Displacement.path(),
+            start.displacement,
+            "the energy of this start is beyond 1e308 in these units; use larger units",
+        ))
     }
 }
 
