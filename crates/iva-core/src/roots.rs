@@ -256,8 +256,9 @@ fn hermite_zero(a: &Jet, b: &Jet, length: f64) -> f64 {
 /// The zero of an increasing function on [low, high] by Halley's method, kept inside its bracket.
 ///
 /// `f` returns a sample with value, first and second derivative; the sample at the zero is handed
-/// back. Steps that no longer shrink mean either that the function's rounding is reached, which a
-/// change of sign next door proves, or that the start was bad: then the bracket is halved.
+/// back. Steps that no longer shrink mean either that the function's rounding is reached or that the
+/// start was bad. A look a few steps further tells: at the zero it closes the bracket to rounding,
+/// else the bracket is halved and the search goes on.
 pub(crate) fn polish<T: Copy>(
     f: impl Fn(f64) -> (T, [f64; 3]),
     low: f64,
@@ -288,9 +289,6 @@ pub(crate) fn polish<T: Copy>(
             if bracket.contains(probe) {
                 let (sample, [beyond, ..]) = f(probe);
                 bracket.narrow(probe, sample, beyond);
-                if (beyond < 0.0) != (value < 0.0) {
-                    return bracket.best();
-                }
             }
             next = 0.5 * (bracket.low + bracket.high);
             last_step = bracket.high - bracket.low;
