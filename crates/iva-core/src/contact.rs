@@ -9,7 +9,8 @@ use crate::flight::{Curve, Jet};
 use crate::roots::{Node, Searched};
 
 /// Half width of the band around a wall, in units of 2⁻⁵³ of the curve's magnitude (d for the gap),
-/// in which an extremum is undecided. Evaluation errs by less, so that nothing beyond twice this band is ever undecided,
+/// in which an extremum is undecided. Evaluation errs by less (but for the exception in
+/// docs/guarantee.md), so that nothing beyond twice this band is ever undecided,
 /// and nothing decided is wrong.
 pub const UNDECIDED_BAND: f64 = 16.0;
 

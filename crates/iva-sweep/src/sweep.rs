@@ -75,7 +75,7 @@ impl Control<'_> {
     }
 }
 
-/// Points a worker takes at once unless told otherwise.
+/// Most points a worker takes at once unless told otherwise.
 const CHUNK: u64 = 256;
 
 /// Checks every point of a study without running it; a cancelled check ends early.
@@ -105,7 +105,9 @@ pub fn sweep(
 ) -> Result<Tables, SweepError> {
     let units = study.units()?;
     let length = points.end.saturating_sub(points.start);
-    let chunk = control.chunk.map_or(CHUNK, |chunk| chunk.max(1) as u64);
+    // Some chunks a worker, so that a small grid keeps all of them busy.
+    let share = length.div_ceil(8 * control.workers.0.current_num_threads() as u64);
+    let chunk = control.chunk.map_or(CHUNK.min(share), |chunk| chunk as u64).max(1);
     let parts: Vec<Result<Tables, SweepError>> = control.workers.0.install(|| {
         (0..length.div_ceil(chunk))
             .into_par_iter()
