@@ -47,8 +47,8 @@ class Frames:
             If there is no such table.
         """
         if name not in self._frames:
-            self._frames[name] = self._sources[name]()
-            del self._sources[name]
+            # Two threads may both load it; the first to finish is kept.
+            self._frames.setdefault(name, self._sources[name]())
         return self._frames[name]
 
     def __eq__(self, other: object) -> bool:

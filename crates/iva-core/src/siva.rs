@@ -246,11 +246,11 @@ impl System for Siva {
 
     fn impact(&self, state: &SivaState) -> (SivaState, Jump) {
         let s = state.wall.sign();
-        let (rate, e) = (state.rate, self.restitution);
+        let rate = state.rate;
         let approach = -rate.value;
         let after = SivaState {
             primary: state.primary.kicked(-s, rate, self.impact_share),
-            rate: Sum::new(-e * rate.value).plus_parts(0.0, -e * rate.rest),
+            rate: rate.times(-self.restitution),
             ..*state
         };
         let jump = Jump {

@@ -124,7 +124,7 @@ pub fn sweep(
 ) -> PyResult<Tables> {
     let spec = arguments::spec(spec)?;
     let study = arguments::study(spec, axes, &tables, measures.as_deref())?;
-    let threads = threads.map(|n| arguments::whole("threads", n, 65_536)).transpose()?;
+    let threads = threads.map(|n| arguments::whole("threads", n, 1024)).transpose()?;
     run(py, study, threads.map(|n| n as usize), progress)
 }
 
