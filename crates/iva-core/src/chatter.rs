@@ -14,7 +14,7 @@
 //! equation of the ride through the whole tail up to terms of third order (rebounds are internal
 //! forces), so the motion after it is as exact.
 
-/// Largest error of the summed duration, in 1/ωn, at which the tail is summed. Rounding of a time
+/// Largest estimated error of the summed duration, in 1/ωn, at which the tail is summed. Rounding of a time
 /// of order 1 is ten times larger.
 pub const NEGLIGIBLE: f64 = 1e-17;
 

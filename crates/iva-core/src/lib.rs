@@ -36,7 +36,8 @@
 //! 32 · 2⁻⁵³ · max(d, |y|) of a wall: it counts as no contact and raises the run's `undecided`
 //! counter; beyond that band nothing is ever undecided. The guarantee is about the motion as
 //! carried in double precision: a grazing decided by the rounding of earlier impacts is decided as
-//! exactly as the conditioning of the run allows, no better.
+//! exactly as the conditioning of the run allows, no better. One exception is known, a damped flight
+//! that starts with almost no acceleration in a small gap: see `docs/guarantee.md`.
 //!
 //! Only + − × ÷ √ take part in the motion, each rounded as IEEE 754 demands, so that a run has the
 //! same bits on every machine of one architecture. Logarithms and π appear in measures only.
