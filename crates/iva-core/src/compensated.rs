@@ -43,6 +43,11 @@ impl Sum {
         Self { value: product, rest: 0.0 }.plus_parts(0.0, lost + self.rest * factor)
     }
 
+    /// The product with another sum.
+    pub fn times_sum(self, factor: Sum) -> Self {
+        self.times(factor.value).plus_parts(0.0, self.value * factor.rest)
+    }
+
     /// The quotient by a plain number.
     pub fn over(self, divisor: f64) -> Self {
         self.over_sum(Sum::new(divisor))

@@ -8,11 +8,14 @@
 use crate::flight::{Curve, Jet};
 use crate::roots::{Node, Searched};
 
-/// Half width of the band around a wall, in units of 2⁻⁵³ of the curve's magnitude (d for the gap),
-/// in which an extremum is undecided. Evaluation errs by less (but for the exception in
-/// docs/guarantee.md), so that nothing beyond twice this band is ever undecided,
-/// and nothing decided is wrong.
+/// Half width of the band around a wall in which an extremum is undecided, in units of 2⁻⁵³ of the
+/// curve's magnitude (d for the gap).
 pub const UNDECIDED_BAND: f64 = 16.0;
+
+/// Where rounding could decide the sign of a plain evaluation, in the same units. The terms of a
+/// cubic that stays within ±1 sum to at most 99 (Chebyshev's T₃ on a one-sided interval), each
+/// with two or three roundings.
+const DOUBT: f64 = 256.0;
 
 /// Which wall a contact is made with, seen from the wall last touched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,20 +44,16 @@ pub fn first_contact<C: Curve>(
     clearance: f64,
     length: f64,
 ) -> Stretch<C::Sample> {
-    let play = 2.0 * clearance;
-    let across = |jet: Jet| Jet {
-        value: play - jet.value,
-        rate: -jet.rate,
-        curvature: -jet.curvature,
-        jerk: -jet.jerk,
-    };
+    let jet = flight.jet(start);
     let fourth = flight.fourth();
-    let band = UNDECIDED_BAND * 0.5 * f64::EPSILON * flight.magnitude();
-    let near = Searched { curve: flight, view: |jet| jet, fourth, band };
-    let far = Searched { curve: flight, view: across, fourth, band };
-    let a = Node { h: 0.0, sample: *start, jet: flight.jet(start) };
+    let size = flight.magnitude();
+    // A flight that starts from a wall is exact to rounding of its own height over it.
+    let height = if jet.value == 0.0 { size.min(highest(&jet, fourth, length)) } else { size };
+    let near = searched(flight, (0.0, 1.0), fourth, height);
+    let far = searched(flight, (2.0 * clearance, -1.0), fourth, size);
+    let a = Node { h: 0.0, sample: *start, jet };
     let b = near.node(length);
-    let (a_far, b_far) = (across(a.jet), across(b.jet));
+    let (a_far, b_far) = (far.seen(&a.jet), far.seen(&b.jet));
     let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
     if !near.excluded(&a.jet, &b.jet, length) {
         let search = near.first_zero(&a, &b);
@@ -65,10 +64,10 @@ pub fn first_contact<C: Curve>(
         }
     }
     if !far.excluded(&a_far, &b_far, length) {
-        let end = Node { jet: across(stretch.end.jet), ..stretch.end };
+        let end = Node { jet: far.seen(&stretch.end.jet), ..stretch.end };
         let search = far.first_zero(&Node { jet: a_far, ..a }, &end);
         if let Some(zero) = search.zero {
-            stretch.end = Node { jet: across(zero.jet), ..zero };
+            stretch.end = Node { jet: flight.jet(&zero.sample), ..zero };
             stretch.contact = Some(Side::Far);
             if stretch.undecided > 0 {
                 // Only what grazes the near wall before the contact counts.
@@ -82,9 +81,7 @@ pub fn first_contact<C: Curve>(
 
 /// The first instant within `length` at which the pressure of a ride vanishes.
 pub fn first_release<C: Curve>(ride: &C, start: &C::Sample, length: f64) -> Stretch<C::Sample> {
-    let fourth = ride.fourth();
-    let band = UNDECIDED_BAND * 0.5 * f64::EPSILON * ride.magnitude();
-    let pressure = Searched { curve: ride, view: |jet| jet, fourth, band };
+    let pressure = searched(ride, (0.0, 1.0), ride.fourth(), ride.magnitude());
     let a = Node { h: 0.0, sample: *start, jet: ride.jet(start) };
     let b = pressure.node(length);
     let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
@@ -97,4 +94,21 @@ pub fn first_release<C: Curve>(ride: &C, start: &C::Sample, length: f64) -> Stre
         }
     }
     stretch
+}
+
+fn searched<C: Curve>(
+    curve: &C,
+    (level, sign): (f64, f64),
+    fourth: f64,
+    magnitude: f64,
+) -> Searched<'_, C> {
+    let unit = 0.5 * f64::EPSILON * magnitude;
+    Searched { curve, level, sign, fourth, band: UNDECIDED_BAND * unit, doubt: DOUBT * unit }
+}
+
+/// What a function does not exceed within `length`.
+fn highest(jet: &Jet, fourth: f64, length: f64) -> f64 {
+    let Jet { value, rate, curvature, jerk } = *jet;
+    let inner = jerk.abs() * (1.0 / 6.0) + length * fourth * (1.0 / 24.0);
+    value.abs() + length * (rate.abs() + length * (0.5 * curvature.abs() + length * inner))
 }

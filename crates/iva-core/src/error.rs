@@ -32,3 +32,9 @@ impl Invalid {
         }
     }
 }
+
+/// A number as messages print it: shortest digits, with an exponent where it is very large or small.
+pub fn number(value: f64) -> String {
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}

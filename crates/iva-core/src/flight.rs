@@ -4,6 +4,7 @@
 //! [`Motion`]: exact states at any h up to `reach`. What can end them is a [`Curve`]: a scalar
 //! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
 
+use crate::compensated::Sum;
 use crate::system::Wall;
 
 /// A scalar function of time and its first three derivatives at one instant.
@@ -27,9 +28,12 @@ pub trait Curve {
     fn sample(&self, h: f64) -> Self::Sample;
     /// The function and its derivatives at a sample.
     fn jet(&self, sample: &Self::Sample) -> Jet;
+    /// f at h with an error far below 2⁻⁵³ of [`Curve::magnitude`]. Dear; asked only where the sign
+    /// of f is in doubt.
+    fn precise(&self, h: f64) -> Sum;
     /// A number that |f⁗| does not exceed on [0, reach].
     fn fourth(&self) -> f64;
-    /// The size of the terms that f is summed from: its rounding is some 2⁻⁵³ of this.
+    /// The size of f, of which rounding takes some 2⁻⁵³.
     fn magnitude(&self) -> f64;
 }
 

@@ -27,17 +27,17 @@
 //! * [`oscillator`] and [`flight`] are the smooth motion, [`roots`] and [`contact`] the certified
 //!   search for what ends it, [`impact`] and [`chatter`] what happens then.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
+//! * [`range`] holds the numbers that a run accepts.
 //! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] watch a run.
 //! * [`run`] does all of it in one call.
 //!
 //! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight
 //! ends with a contact and proof that none came earlier, or with proof that there is none (see
-//! [`roots`]). What double precision cannot decide is an *extremum* of y within
-//! 32 · 2⁻⁵³ · max(d, |y|) of a wall: it counts as no contact and raises the run's `undecided`
-//! counter; beyond that band nothing is ever undecided. The guarantee is about the motion as
-//! carried in double precision: a grazing decided by the rounding of earlier impacts is decided as
-//! exactly as the conditioning of the run allows, no better. One exception is known, a damped flight
-//! that starts with almost no acceleration in a small gap: see `docs/guarantee.md`.
+//! [`roots`]). What double precision cannot decide is an *extremum* of y within 16 · 2⁻⁵³ d of a
+//! wall: it counts as no contact and raises the run's `undecided` counter; every other one is
+//! decided, to twice the precision where that is needed. The guarantee is about the motion as
+//! carried: a grazing decided by the rounding of earlier impacts is decided as exactly as the
+//! conditioning of the run allows, no better.
 //!
 //! Only + − × ÷ √ take part in the motion, each rounded as IEEE 754 demands, so that a run has the
 //! same bits on every machine of one architecture. Logarithms and π appear in measures only.
@@ -60,10 +60,12 @@ pub mod contact;
 pub mod error;
 pub mod flight;
 pub mod impact;
+mod limits;
 pub mod measures;
 pub mod observe;
 pub mod oscillator;
 pub mod peaks;
+pub mod range;
 pub mod roots;
 pub mod run;
 pub mod sample;

@@ -1,16 +1,19 @@
 //! The primary system between events: m ẍ + 2ζ ẋ + x = 0 in closed form (paper, Eq. 1 with f = 0).
 //!
 //! Natural units: time in 1/ωn, M = 1. The free primary has m = 1; with the absorber riding on a
-//! wall m = 1 + μ. The motion is a combination of two unit solutions,
+//! wall m = 1 + μ. With a = −(k x + c v) the acceleration at the start, k = 1/m, c = 2ζ/m,
 //!
 //! ```text
-//! x(h) = x C(h) + v S(h),    C(0) = 1, Ċ(0) = 0,    S(0) = 0, Ṡ(0) = 1,
-//! Ċ = −k S,    Ṡ = C − c S,    k = 1/m, c = 2ζ/m.
+//! x(h) = x + v h + a P(h) + v Q(h),
+//! v(h) = v + a S(h) − k v P(h),        S = Ṗ = h − c P + Q,
+//! a(h) = a − k a P(h) + j S(h),        j = −(k v + c a),
 //! ```
 //!
-//! C − 1 and S − h are summed from their power series, so that they keep *relative* accuracy down
-//! to the smallest h: a rebound of 10⁻⁹ is as accurate as a flight of half a period. The series
-//! needs no case for under-, critical and overdamping, and no library function.
+//! where P is the step response from rest (P̈ + c Ṗ + k P = 1, P ≈ h²/2), S the impulse response and
+//! Q = −k ∫P ≈ −k h³/6. P and Q are summed from their power series: they keep *relative* accuracy
+//! down to the smallest h, so that a rebound of 10⁻⁹ is as accurate as a flight of half a period.
+//! Written with a instead of x, nothing large cancels in a flight that starts with k x + c v ≈ 0.
+//! The series needs no case for under-, critical and overdamping, and no library function.
 //!
 //! **Bounds.** ρ = √k |x| + |v| bounds √(k x² + v²), which never grows (ζ ≥ 0). The pair
 //! (√k x, v) obeys a linear system of norm Λ = c/2 + √(c²/4 + k), and so do its derivatives. Hence
@@ -19,7 +22,7 @@
 use crate::compensated::Sum;
 use crate::flight::Jet;
 
-/// Terms of the series of C − 1 and S − h, beginning with h².
+/// Terms of the series of P and Q, beginning with h².
 const TERMS: usize = 20;
 /// Terms whose coefficients are computed to twice the precision.
 const EXACT_TERMS: usize = 8;
@@ -40,12 +43,15 @@ pub struct Oscillator {
     /// Longest h for which the series are exact to rounding: 1/Λ, where the first dropped term is
     /// below 2/22! ≈ 2e-21 of the sum.
     pub reach: f64,
-    unit_solutions: [[f64; 2]; TERMS],
+    /// Coefficients of P and Q.
+    responses: [[f64; 2]; TERMS],
     /// Rounding rests of the leading coefficients. They are the same in every flight: without them
     /// the energy of an undamped run would drift.
     coefficient_rests: [[f64; 2]; RESTS],
-    /// What rounding takes from C − 1 and S − h at h = `reach`, a step taken again and again.
+    /// What rounding takes from P and Q at h = `reach`, a step taken again and again.
     full_step_rest: [f64; 2],
+    /// The coefficients to twice the precision, for [`Oscillator::precise`].
+    exact: [[Sum; 2]; TERMS],
     loss: [[f64; 3]; LOSS_TERMS],
 }
 
@@ -56,30 +62,36 @@ impl Oscillator {
         let damping = 2.0 * damping_ratio / mass;
         let growth = 0.5 * damping + (0.25 * damping * damping + stiffness).sqrt();
         let reach = 1.0 / growth;
-        let exact = unit_solutions(stiffness, damping);
-        let unit_solutions = exact.map(|pair| pair.map(|coefficient| coefficient.value));
+        let exact = responses(stiffness, damping);
+        let responses = exact.map(|pair| pair.map(|coefficient| coefficient.value));
         let coefficient_rests =
-            std::array::from_fn(|n| exact[n].map(|coefficient| finite(coefficient.rest)));
-        let rounded = kernels(&unit_solutions, reach);
-        let full_step_rest =
-            std::array::from_fn(|k| finite(full_step(&exact, k, reach).minus(rounded[k])));
+            std::array::from_fn(|n| exact[n].map(|coefficient| coefficient.rest));
+        let rounded = kernels(&responses, reach);
+        let full_step_rest = std::array::from_fn(|i| horner(&exact, i, reach).minus(rounded[i]));
         let loss = loss_series(stiffness, damping, 2.0 * damping_ratio);
         Self {
             stiffness,
             damping,
             growth,
             reach,
-            unit_solutions,
+            responses,
             coefficient_rests,
             full_step_rest,
+            exact,
             loss,
         }
     }
 
-    /// ẍ of a state.
+    /// ẍ of a state, to twice the precision: it may be a small difference of spring and damper.
     #[inline]
-    pub fn acceleration(&self, x: f64, v: f64) -> f64 {
-        -(self.stiffness * x + self.damping * v)
+    pub fn acceleration(&self, primary: &Primary) -> Sum {
+        let spring =
+            if self.stiffness == 1.0 { primary.x } else { primary.x.times(self.stiffness) };
+        if self.damping == 0.0 {
+            return spring.negated();
+        }
+        let damper = primary.v.times(self.damping);
+        spring.plus_parts(damper.value, damper.rest).negated()
     }
 
     /// The derivative that follows two successive derivatives of x.
@@ -94,27 +106,37 @@ impl Oscillator {
         self.stiffness.sqrt() * x.abs() + v.abs()
     }
 
-    /// What a flight of length h ≤ `reach` adds to a state.
+    /// What a flight of length h ≤ `reach` adds to a state of acceleration a.
     #[inline]
-    pub fn advance(&self, primary: &Primary, h: f64) -> Increment {
-        let Primary { x: Sum { value: x, rest: dx }, v: Sum { value: v, rest: dv } } = *primary;
-        let [c_minus_1, s_minus_h] = kernels(&self.unit_solutions, h);
-        let [c_rest, s_rest] = if h == self.reach {
+    pub fn advance(&self, primary: &Primary, acceleration: Sum, h: f64) -> Increment {
+        let (Sum { value: v, rest: dv }, Sum { value: a, rest: da }) = (primary.v, acceleration);
+        let [p, q] = kernels(&self.responses, h);
+        let [p_rest, q_rest] = if h == self.reach {
             self.full_step_rest
         } else {
             let z = h * h;
             interleaved(&self.coefficient_rests, h).map(|sum| z * sum)
         };
-        // h + (S − h), with what its rounding loses.
-        let s = h + s_minus_h;
-        let s_lost = (h - s) + s_minus_h + s_rest;
+        // S = h + (Q − c P), with what its rounding loses.
+        let bent = q - self.damping * p;
+        let s = h + bent;
+        let s_rest = (h - s) + bent + (q_rest - self.damping * p_rest);
+        let k = self.stiffness;
         Increment {
-            curved: x * c_minus_1 + v * s_minus_h,
-            curved_rest: x * c_rest + v * s_rest + (dx * c_minus_1 + dv * s_minus_h),
-            velocity: v * (c_minus_1 - self.damping * s) - self.stiffness * (x * s),
-            velocity_rest: v * (c_rest - self.damping * s_lost) - self.stiffness * (x * s_lost)
-                + (dv * (c_minus_1 - self.damping * s) - self.stiffness * (dx * s)),
+            curved: a * p + v * q,
+            curved_rest: a * p_rest + v * q_rest + (da * p + dv * q),
+            velocity: a * s - k * (v * p),
+            velocity_rest: a * s_rest - k * (v * p_rest) + (da * s - k * (dv * p)),
+            acceleration: self.next_derivative(v, a) * s - k * (a * p),
         }
+    }
+
+    /// x(h) − x − v h to twice the precision, for h ≤ `reach`: dear, and asked only where a
+    /// grazing is to be decided.
+    pub fn precise(&self, velocity: Sum, acceleration: Sum, h: f64) -> Sum {
+        let forced = acceleration.times_sum(horner(&self.exact, 0, h));
+        let carried = velocity.times_sum(horner(&self.exact, 1, h));
+        forced.plus_parts(carried.value, carried.rest)
     }
 
     /// Energy lost in the damper over a flight of length h ≤ `reach`: ∫ 2ζ v² dt, summed from the
@@ -139,6 +161,8 @@ pub struct Increment {
     pub velocity: f64,
     /// What rounding takes from `velocity`, where it is known.
     pub velocity_rest: f64,
+    /// a(h) − a.
+    pub acceleration: f64,
 }
 
 /// A state of the primary, carried with its rounding rests.
@@ -153,8 +177,8 @@ pub struct Primary {
 impl Primary {
     /// The state a flight later, and what the flight added.
     #[inline]
-    pub fn after(&self, oscillator: &Oscillator, h: f64) -> (Primary, Increment) {
-        let increment = oscillator.advance(self, h);
+    pub fn after(&self, oscillator: &Oscillator, a: Sum, h: f64) -> (Primary, Increment) {
+        let increment = oscillator.advance(self, a, h);
         let later = Primary {
             x: self.x.plus_parts(
                 self.v.value * h + increment.curved,
@@ -173,33 +197,27 @@ impl Primary {
         Primary { x: self.x, v: self.v.plus_parts(kick, rest) }
     }
 
-    /// Displacement and its derivatives.
-    pub fn jet(&self, oscillator: &Oscillator) -> Jet {
+    /// Displacement and its derivatives where the acceleration is `curvature`.
+    pub fn jet(&self, oscillator: &Oscillator, curvature: f64) -> Jet {
         let (value, rate) = (self.x.value, self.v.value);
-        let curvature = oscillator.acceleration(value, rate);
         Jet { value, rate, curvature, jerk: oscillator.next_derivative(rate, curvature) }
     }
 }
 
-/// C − 1 and S − h at h.
+/// P and Q at h.
 #[inline]
-fn kernels(unit_solutions: &[[f64; 2]; TERMS], h: f64) -> [f64; 2] {
+fn kernels(responses: &[[f64; 2]; TERMS], h: f64) -> [f64; 2] {
     let z = h * h;
-    interleaved(unit_solutions, h).map(|sum| z * sum)
+    interleaved(responses, h).map(|sum| z * sum)
 }
 
-/// C − 1 (k = 0) or S − h (k = 1) at h to twice the precision.
-fn full_step(unit_solutions: &[[Sum; 2]; TERMS], k: usize, h: f64) -> Sum {
+/// P (i = 0) or Q (i = 1) at h to twice the precision.
+fn horner(responses: &[[Sum; 2]; TERMS], i: usize, h: f64) -> Sum {
     let mut sum = Sum::ZERO;
-    for coefficients in unit_solutions.iter().rev() {
-        sum = sum.times(h).plus_parts(coefficients[k].value, coefficients[k].rest);
+    for coefficients in responses.iter().rev() {
+        sum = sum.times(h).plus_parts(coefficients[i].value, coefficients[i].rest);
     }
     sum.times(h).times(h)
-}
-
-/// A rounding rest, or nothing at damping ratios beyond 1e150, where it overflows.
-fn finite(rest: f64) -> f64 {
-    if rest.is_finite() { rest } else { 0.0 }
 }
 
 /// K polynomials with common argument, N a multiple of 4. The powers are summed in four classes
@@ -222,24 +240,24 @@ fn interleaved<const K: usize, const N: usize>(series: &[[f64; K]; N], h: f64) -
     std::array::from_fn(|k| (c0[k] + h * c1[k]) + z * (c2[k] + h * c3[k]))
 }
 
-/// Coefficients of h², h³, … of C − 1 and S − h, from y⁽ⁿ⁺²⁾ = −k y⁽ⁿ⁾ − c y⁽ⁿ⁺¹⁾; the leading ones
-/// with their rests, the others too small for that to matter.
-fn unit_solutions(stiffness: f64, damping: f64) -> [[Sum; 2]; TERMS] {
+/// Coefficients of h², h³, … of P and Q, from P⁽ⁿ⁺²⁾ = −k P⁽ⁿ⁾ − c P⁽ⁿ⁺¹⁾ (n ≥ 1) and Q̇ = −k P; the
+/// leading ones with their rests, the others too small for that to matter.
+fn responses(stiffness: f64, damping: f64) -> [[Sum; 2]; TERMS] {
     let mut series = [[Sum::ZERO; 2]; TERMS];
-    for (solution, start) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
-        let [mut lower, mut upper] = start.map(Sum::new);
-        for (n, coefficients) in series.iter_mut().enumerate() {
-            let (p, q) = ((n + 1) as f64, (n + 2) as f64);
-            let next = if n < EXACT_TERMS {
-                let spring = lower.times(-stiffness).over(p * q);
-                let damper = upper.times(-damping).over(q);
-                spring.plus_parts(damper.value, damper.rest)
-            } else {
-                Sum::new(-(stiffness * lower.value / p + damping * upper.value) / q)
-            };
-            coefficients[solution] = next;
-            (lower, upper) = (upper, next);
-        }
+    let [mut lower, mut upper] = [Sum::ZERO, Sum::new(0.5)];
+    series[0] = [upper, Sum::ZERO];
+    for (n, coefficients) in series.iter_mut().enumerate().skip(1) {
+        let (p, q) = ((n + 1) as f64, (n + 2) as f64);
+        let (step, carried) = if n < EXACT_TERMS {
+            let spring = lower.times(-stiffness).over(p * q);
+            let damper = upper.times(-damping).over(q);
+            (spring.plus_parts(damper.value, damper.rest), upper.times(-stiffness).over(q))
+        } else {
+            let step = -(stiffness * lower.value / p + damping * upper.value) / q;
+            (Sum::new(step), Sum::new(-stiffness * upper.value / q))
+        };
+        *coefficients = [step, carried];
+        (lower, upper) = (upper, step);
     }
     series
 }

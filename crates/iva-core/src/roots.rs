@@ -14,8 +14,11 @@
 //!
 //! (Error constants of Hermite interpolation: Birkhoff and Priver, J. Math. Phys. 46, 1967.)
 //!
+//! **Near zero.** Where f is so small that its rounding could decide its sign, it is evaluated
+//! again to twice the precision ([`Curve::precise`]).
+//!
 //! **What cannot be decided.** A minimum of f whose distance from zero is below the band given by
-//! the caller is beyond double precision: it counts as no zero and is reported in
+//! the caller is beyond the numbers that carry the motion: it counts as no zero and is reported in
 //! [`Search::undecided`]. Only minima are ever undecided; a transversal zero never is.
 
 use crate::flight::{Curve, Jet};
@@ -40,26 +43,53 @@ pub struct Search<T> {
     pub undecided: u64,
 }
 
-/// A function to search: a curve's own, or one derived from it through `view`.
-pub struct Searched<'a, C: Curve, V: Fn(Jet) -> Jet> {
+/// The function to search: the curve's distance from a level, f = sign · (curve − level).
+#[derive(Debug)]
+pub struct Searched<'a, C> {
     /// The motion that is evaluated.
     pub curve: &'a C,
-    /// From the curve's jet to the jet of the function searched.
-    pub view: V,
+    /// Where f is 0.
+    pub level: f64,
+    /// +1 if f is positive above the level, −1 if below.
+    pub sign: f64,
     /// Bound on the function's fourth derivative.
     pub fourth: f64,
     /// Half width of the band in which a minimum cannot be decided.
     pub band: f64,
+    /// Below this, band included, rounding could decide the sign of a plain evaluation.
+    pub doubt: f64,
 }
 
-/// Intervals are not halved more often than this; see `resolve`.
+/// Halvings of an interval before f counts as constant: 2⁻⁴⁸ of a stretch on which f was smooth
+/// enough for a series of some 20 terms changes f by less than its rounding.
 const MAX_DEPTH: u32 = 48;
 
-impl<C: Curve, V: Fn(Jet) -> Jet> Searched<'_, C, V> {
+impl<C: Curve> Searched<'_, C> {
+    /// f at a jet of the curve.
+    #[inline]
+    pub fn seen(&self, jet: &Jet) -> Jet {
+        Jet {
+            value: self.sign * (jet.value - self.level),
+            rate: self.sign * jet.rate,
+            curvature: self.sign * jet.curvature,
+            jerk: self.sign * jet.jerk,
+        }
+    }
+
     /// The node at h.
+    #[inline]
     pub fn node(&self, h: f64) -> Node<C::Sample> {
         let sample = self.curve.sample(h);
-        Node { h, sample, jet: (self.view)(self.curve.jet(&sample)) }
+        Node { h, sample, jet: self.seen(&self.curve.jet(&sample)) }
+    }
+
+    /// f at a node, to twice the precision where its sign could be a matter of rounding.
+    fn value(&self, node: &Node<C::Sample>) -> f64 {
+        if node.jet.value.abs() > self.doubt {
+            node.jet.value
+        } else {
+            self.sign * self.curve.precise(node.h).minus(self.level)
+        }
     }
 
     /// True if f > 0 on the whole interval, by the Hermite–Bernstein bound alone.
@@ -69,7 +99,7 @@ impl<C: Curve, V: Fn(Jet) -> Jet> Searched<'_, C, V> {
         let error = self.fourth * (square * square) * (1.0 / 384.0);
         let b1 = a.value + length * a.rate * (1.0 / 3.0);
         let b2 = b.value - length * b.rate * (1.0 / 3.0);
-        a.value.min(b1).min(b2).min(b.value) > error + self.band
+        a.value.min(b1).min(b2).min(b.value) > error + self.doubt
     }
 
     /// The first zero crossed downwards on [a, b], where f(a) ≥ 0 but for rounding.
@@ -120,13 +150,13 @@ impl<C: Curve, V: Fn(Jet) -> Jet> Searched<'_, C, V> {
             .or_else(|| self.search(&centre, b, depth + 1, undecided))
     }
 
-    /// f crosses zero at most once, downwards, on (a, b].
+    /// f falls at b, and crosses zero at most once, downwards, on (a, b].
     fn end_decides(&self, a: &Node<C::Sample>, b: &Node<C::Sample>) -> Option<Node<C::Sample>> {
-        if b.jet.value > 0.0 || self.dips_within_band(&b.jet) {
-            None
-        } else {
-            Some(self.refine(a, b, None))
-        }
+        let drop = drop_ahead(&b.jet);
+        let value = if b.jet.value - drop >= -self.doubt { self.value(b) } else { b.jet.value };
+        // A minimum close by and within the band: the search of the next interval meets and
+        // counts it.
+        if value > 0.0 || value - drop >= -self.band { None } else { Some(self.refine(a, b, None)) }
     }
 
     /// f is convex on [a, b].
@@ -146,27 +176,20 @@ impl<C: Curve, V: Fn(Jet) -> Jet> Searched<'_, C, V> {
         // The tangents at both ends lie below f; where they meet is the lowest f can be.
         let lowest = (fb.rate * fa.value - fa.rate * (fb.value - fb.rate * (b.h - a.h)))
             / (fb.rate - fa.rate);
-        if lowest > self.band {
+        if lowest > self.doubt {
             return None;
         }
         let minimum = self.minimum(a, b);
-        if minimum.jet.value > self.band {
+        let value = self.value(&minimum);
+        if value > self.band {
             None
-        } else if minimum.jet.value >= -self.band {
+        } else if value >= -self.band {
             *undecided += 1;
             None
         } else {
-            let back = (-2.0 * minimum.jet.value / minimum.jet.curvature).sqrt();
+            let back = (-2.0 * value / minimum.jet.curvature).sqrt();
             Some(self.refine(a, &minimum, Some(minimum.h - back)))
         }
-    }
-
-    /// f is slightly negative here and falls on, but its minimum close by is within the band: the
-    /// search of the next interval meets that minimum and counts it.
-    fn dips_within_band(&self, jet: &Jet) -> bool {
-        jet.curvature > 0.0
-            && jet.rate < 0.0
-            && jet.value - 0.5 * jet.rate * jet.rate / jet.curvature >= -self.band
     }
 
     /// The interval is so short that f is constant to rounding: its end decides.
@@ -176,14 +199,15 @@ impl<C: Curve, V: Fn(Jet) -> Jet> Searched<'_, C, V> {
         b: &Node<C::Sample>,
         undecided: &mut u64,
     ) -> Option<Node<C::Sample>> {
-        if b.jet.value > self.band {
-            None
-        } else if b.jet.value >= -self.band {
-            *undecided += 1;
-            None
-        } else {
-            Some(self.refine(a, b, None))
+        let value = self.value(b);
+        if value < -self.band {
+            return Some(self.refine(a, b, None));
         }
+        // While f still falls, a later interval meets its zero or its minimum.
+        if value <= self.band && b.jet.rate >= 0.0 {
+            *undecided += 1;
+        }
+        None
     }
 
     /// The only zero on (a, b], where f(b) ≤ 0, to the last bits of h.
@@ -197,10 +221,13 @@ impl<C: Curve, V: Fn(Jet) -> Jet> Searched<'_, C, V> {
             return *a;
         }
         let guess = guess.unwrap_or_else(|| a.h + hermite_zero(&a.jet, &b.jet, b.h - a.h));
+        // Where f hardly gets below zero, plain evaluations would not show where it does.
+        let flat = b.jet.value >= -self.doubt;
         let (_, node) = polish(
             |h| {
                 let node = self.node(h);
-                (node, [-node.jet.value, -node.jet.rate, -node.jet.curvature])
+                let value = if flat { self.value(&node) } else { node.jet.value };
+                (node, [-value, -node.jet.rate, -node.jet.curvature])
             },
             a.h,
             b.h,
@@ -226,6 +253,23 @@ impl<C: Curve, V: Fn(Jet) -> Jet> Searched<'_, C, V> {
     }
 }
 
+/// How far a falling f drops at least below its value here before it can turn, estimated from its
+/// derivatives: 0 where it already rises, infinite where nothing turns it.
+fn drop_ahead(jet: &Jet) -> f64 {
+    if jet.rate >= 0.0 {
+        0.0
+    } else if jet.curvature > 0.0 {
+        0.5 * jet.rate * jet.rate / jet.curvature
+    } else if jet.jerk > 0.0 {
+        // The lowest point of ½ f″ t² + ⅙ f‴ t³, and of f′ t + ⅙ f‴ t³.
+        let bent = -jet.curvature / jet.jerk;
+        let steep = -2.0 * jet.rate / jet.jerk;
+        (2.0 / 3.0 * jet.jerk) * (bent * bent * bent).max(0.5 * steep * steep.sqrt())
+    } else {
+        f64::INFINITY
+    }
+}
+
 /// Zero of the cubic Hermite interpolant with f(0) ≥ 0 ≥ f(length); a zero at 0 is divided out.
 fn hermite_zero(a: &Jet, b: &Jet, length: f64) -> f64 {
     let b0 = a.value;
@@ -233,10 +277,11 @@ fn hermite_zero(a: &Jet, b: &Jet, length: f64) -> f64 {
     let b2 = b.value - length * b.rate / 3.0;
     let b3 = b.value;
     if b0 <= 0.0 {
-        // H(t)/t = 3 b1 (1−t)² + 3 b2 t (1−t) + b3 t²; its zero by the stable quadratic formula.
-        let (p, q, r) = (3.0 * b1, 3.0 * (b2 - 2.0 * b1), 3.0 * (b1 - b2) + b3);
-        let root = (q * q - 4.0 * p * r).max(0.0).sqrt();
-        let t = 2.0 * p / (root - q);
+        // H(t)/t = 3 b1 (1−t)² + 3 b2 t (1−t) + b3 t²; its zero by the stable quadratic formula,
+        // over its first coefficient: a rebound may be so low that a square would underflow.
+        let p = 3.0 * b1;
+        let (q, r) = (3.0 * (b2 - 2.0 * b1) / p, (3.0 * (b1 - b2) + b3) / p);
+        let t = 2.0 / ((q * q - 4.0 * r).max(0.0).sqrt() - q);
         return if t > 0.0 && t <= 1.0 { t * length } else { 0.5 * length };
     }
     let (c1, c2, c3) = (3.0 * (b1 - b0), 3.0 * (b0 - 2.0 * b1 + b2), b3 - b0 + 3.0 * (b1 - b2));

@@ -12,65 +12,7 @@ use crate::impact::Impact;
 use crate::observe::{Episode, Observer, Span};
 use crate::system::{Clock, Start, System, Wall};
 
-/// How long to run and where to stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
-    /// Length of the run, in 1/ωn.
-    pub duration: f64,
-    /// Stop after so many listed impacts.
-    pub max_impacts: u64,
-    /// Stop after so many segments of flight or ride.
-    pub max_work: u64,
-    /// Rebounds of an episode at or below this approach speed are not listed.
-    pub chatter_floor: f64,
-}
-
-impl Limits {
-    /// Default of `max_impacts`.
-    pub const MAX_IMPACTS: u64 = 10_000_000;
-    /// Default of `max_work`.
-    pub const MAX_WORK: u64 = 100_000_000;
-    /// Default of `chatter_floor`, over the clearance.
-    pub const CHATTER_FLOOR: f64 = 1e-6;
-
-    /// Default limits for a run of this duration with this clearance.
-    pub fn new(duration: f64, clearance: f64) -> Self {
-        Self {
-            duration,
-            max_impacts: Self::MAX_IMPACTS,
-            max_work: Self::MAX_WORK,
-            chatter_floor: Self::CHATTER_FLOOR * clearance,
-        }
-    }
-}
-
-/// How a run ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Outcome {
-    /// The whole duration was run.
-    Finished,
-    /// `max_impacts` was reached.
-    ImpactLimit,
-    /// `max_work` was reached.
-    WorkLimit,
-    /// A state overflowed.
-    NotFinite,
-    /// The caller asked to stop.
-    Cancelled,
-}
-
-impl Outcome {
-    /// The word in the tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Outcome::Finished => "finished",
-            Outcome::ImpactLimit => "impact_limit",
-            Outcome::WorkLimit => "work_limit",
-            Outcome::NotFinite => "not_finite",
-            Outcome::Cancelled => "cancelled",
-        }
-    }
-}
+pub use crate::limits::{Limits, Outcome};
 
 /// Counts and sums of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,6 +58,7 @@ pub fn simulate<S: System, O: Observer<S>>(
     let mut run = Run {
         system,
         limits,
+        cancel,
         observer,
         clock: Clock::ZERO,
         phase: Phase::Flight { first: f64::INFINITY },
@@ -144,27 +87,11 @@ pub fn simulate<S: System, O: Observer<S>>(
                 run.depart();
             }
         }
-        run.until_end(cancel);
+        run.until_end();
     } else {
         run.tally.outcome = Outcome::NotFinite;
     }
     Ok(run.finish())
-}
-
-impl Limits {
-    /// Checks that duration and chatter floor are finite and greater than 0.
-    ///
-    /// # Errors
-    /// [`Invalid`] naming field and value.
-    pub fn check(&self) -> Result<(), Invalid> {
-        let positive = [("run.duration", self.duration), ("run.chatter_floor", self.chatter_floor)];
-        for (field, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Invalid::new(field, value, "give a finite number greater than 0"));
-            }
-        }
-        Ok(())
-    }
 }
 
 /// What the absorber is doing; in flight, how far to look first.
@@ -188,6 +115,7 @@ struct Streak {
 struct Run<'a, S: System, O> {
     system: &'a S,
     limits: &'a Limits,
+    cancel: Option<&'a AtomicBool>,
     observer: &'a mut O,
     clock: Clock,
     phase: Phase,
@@ -199,16 +127,19 @@ struct Run<'a, S: System, O> {
 
 /// How often the loop looks whether it is to stop.
 const CANCEL_EVERY: u64 = 1024;
+/// How far a rebound is searched for its return, in u/A: that comes after 2u/A in the limit of low
+/// rebounds, and what a higher one needs beyond this is one more segment.
+const REBOUND_LOOK: f64 = 2.5;
 
 impl<S: System, O: Observer<S>> Run<'_, S, O> {
-    fn until_end(&mut self, cancel: Option<&AtomicBool>) {
+    fn until_end(&mut self) {
         loop {
             let remaining = -self.clock.minus(self.limits.duration);
             if remaining <= 0.0 {
                 self.tally.outcome = Outcome::Finished;
                 return;
             }
-            if self.tally.impacts >= self.limits.max_impacts {
+            if self.listed() >= self.limits.max_impacts {
                 self.tally.outcome = Outcome::ImpactLimit;
                 return;
             }
@@ -216,9 +147,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
                 self.tally.outcome = Outcome::WorkLimit;
                 return;
             }
-            if self.tally.work.is_multiple_of(CANCEL_EVERY)
-                && cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
-            {
+            if self.tally.work.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
                 self.tally.outcome = Outcome::Cancelled;
                 return;
             }
@@ -232,6 +161,16 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
                 return;
             }
         }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// Impacts that are rows whatever follows: not the low rebounds of a chatter under way, which
+    /// are taken back if it ends in stick.
+    fn listed(&self) -> u64 {
+        self.tally.impacts - self.streak.as_ref().map_or(0, |streak| streak.low)
     }
 
     /// One segment of free flight, ended by its length, a contact or the end of the run.
@@ -311,7 +250,9 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             }),
         };
         streak.energy_loss += impact.energy_loss;
-        if impact.approach_speed() <= self.limits.chatter_floor {
+        // With e = 1 nothing shrinks towards a stick: a low impact is a row at once.
+        let dies_out = self.system.rebound_ratio() < 1.0 || impact.approach_speed() == 0.0;
+        if dies_out && impact.approach_speed() <= self.limits.chatter_floor {
             streak.low += 1;
             streak.low_effective += u64::from(impact.effective());
         }
@@ -355,24 +296,27 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         };
         let stick_clock = self.clock.plus(rebound.tail());
         if rebound.summable() && stick_clock.minus(self.limits.duration) < 0.0 {
-            self.list_tail(*state);
+            self.list_tail(*state, stick_clock.value);
             self.stick(stick_clock);
         } else {
             // The return is expected after 2u/A: look a little further.
-            self.phase = Phase::Flight { first: 2.5 * leave.rate / rebound.pressure };
+            self.phase = Phase::Flight { first: REBOUND_LOOK * leave.rate / rebound.pressure };
         }
     }
 
     /// Lists the rebounds of a summed tail that are above the floor, flown one by one beside the
     /// run: the motion does not depend on the floor.
-    fn list_tail(&mut self, mut state: S::State) {
+    fn list_tail(&mut self, mut state: S::State, stick_time: f64) {
         let mut clock = self.clock;
         while self.system.rebound_ratio() * self.system.distance(&state).rate > 0.0
-            && self.tally.impacts < self.limits.max_impacts
+            && self.listed() < self.limits.max_impacts
         {
+            if self.tally.impacts.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
+                return;
+            }
             let leave = self.system.distance(&state);
             let flight = self.system.flight(&state);
-            let length = flight.reach().min(-2.5 * leave.rate / leave.curvature);
+            let length = flight.reach().min(-REBOUND_LOOK * leave.rate / leave.curvature);
             let stretch = first_contact(&flight, &state, self.system.clearance(), length);
             if stretch.contact != Some(Side::Near) {
                 return;
@@ -380,7 +324,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             clock = clock.plus(stretch.end.h);
             let wall = self.system.wall(&state);
             let (after, jump) = self.system.impact(&self.system.touch(&stretch.end.sample, wall));
-            let impact = Impact::new(clock.value, wall, &jump);
+            let impact = Impact::new(clock.value.min(stick_time), wall, &jump);
             if impact.approach_speed() <= self.limits.chatter_floor {
                 return;
             }

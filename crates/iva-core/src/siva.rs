@@ -5,10 +5,11 @@
 //! y nor d enters a rebound.
 
 use crate::compensated::Sum;
-use crate::error::Invalid;
+use crate::error::{Invalid, number};
 use crate::flight::Jet;
 use crate::impact;
 use crate::oscillator::{Oscillator, Primary};
+use crate::range;
 use crate::system::{Jump, Point, Start, System, Wall};
 
 pub use motion::{SivaFlight, SivaRide};
@@ -29,7 +30,7 @@ pub struct Parameters {
 
 impl Parameters {
     /// Mass ratio μ > 0, restitution e in [0, 1], one-sided clearance d > 0, and the damping ratio
-    /// ζ ≥ 0 of the primary.
+    /// ζ ≥ 0 of the primary, within the bounds of [`crate::range`].
     ///
     /// # Errors
     /// [`Invalid`] naming field, value and allowed range.
@@ -39,29 +40,10 @@ impl Parameters {
         clearance: f64,
         damping_ratio: f64,
     ) -> Result<Self, Invalid> {
-        let positive = |field: &str, value: f64| {
-            if value.is_finite() && value > 0.0 {
-                Ok(())
-            } else {
-                Err(Invalid::new(field, value, "give a finite number greater than 0"))
-            }
-        };
-        positive("absorber.mass_ratio", mass_ratio)?;
-        positive("absorber.clearance", clearance)?;
-        if !(0.0..=1.0).contains(&restitution) {
-            return Err(Invalid::new(
-                "absorber.restitution",
-                restitution,
-                "give a number from 0 to 1",
-            ));
-        }
-        if !(damping_ratio.is_finite() && damping_ratio >= 0.0) {
-            return Err(Invalid::new(
-                "primary.damping_ratio",
-                damping_ratio,
-                "give a finite number, 0 or greater",
-            ));
-        }
+        range::mass_ratio("absorber.mass_ratio", mass_ratio)?;
+        range::positive("absorber.clearance", clearance)?;
+        range::restitution("absorber.restitution", restitution)?;
+        range::damping_ratio("primary.damping_ratio", damping_ratio)?;
         Ok(Self { mass_ratio, restitution, clearance, damping_ratio })
     }
 }
@@ -128,7 +110,7 @@ impl Siva {
     }
 }
 
-/// Checks that a start is finite and lies in a gap of one-sided clearance d.
+/// Checks that a start is in [`crate::range`] and lies in a gap of one-sided clearance d.
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
@@ -140,16 +122,14 @@ pub fn check_start(clearance: f64, start: &Start) -> Result<(), Invalid> {
         ("start.gap_velocity", start.gap_velocity),
     ];
     for (field, value) in fields {
-        if !value.is_finite() {
-            return Err(Invalid::new(field, value, "give a finite number"));
-        }
+        range::size(field, value)?;
     }
     let beyond = start.gap_displacement.abs() - clearance;
     if beyond > ON_WALL_ULPS * f64::EPSILON * clearance {
         return Err(Invalid::new(
             "start.gap_displacement",
-            start.gap_displacement,
-            format!("it must lie in the gap, from -{0} to {0}", clearance),
+            number(start.gap_displacement),
+            format!("it must lie in the gap, from -{0} to {0}", number(clearance)),
         ));
     }
     Ok(())
@@ -159,6 +139,8 @@ pub fn check_start(clearance: f64, start: &Start) -> Result<(), Invalid> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SivaState {
     primary: Primary,
+    /// ẍ in free motion, small against x and ẋ where the two balance.
+    acceleration: f64,
     wall: Wall,
     distance: Sum,
     rate: Sum,
@@ -196,7 +178,7 @@ impl System for Siva {
         let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
-        let acceleration = self.free.acceleration(start.displacement, start.velocity);
+        let acceleration = self.free.acceleration(&primary).value;
         let side = [start.gap_displacement, start.gap_velocity, -acceleration]
             .into_iter()
             .find(|value| *value != 0.0)
@@ -207,6 +189,7 @@ impl System for Siva {
         let touching = distance.value <= ON_WALL_ULPS * f64::EPSILON * self.clearance;
         let state = SivaState {
             primary,
+            acceleration,
             wall,
             distance: if touching { Sum::ZERO } else { distance },
             rate: Sum::new(-s * start.gap_velocity),
@@ -215,11 +198,11 @@ impl System for Siva {
     }
 
     fn flight(&self, state: &SivaState) -> SivaFlight<'_> {
-        SivaFlight { siva: self, from: *state }
+        SivaFlight::new(self, *state)
     }
 
     fn ride(&self, state: &SivaState) -> SivaRide<'_> {
-        SivaRide { siva: self, from: *state }
+        SivaRide::new(self, *state)
     }
 
     fn wall(&self, state: &SivaState) -> Wall {
@@ -229,13 +212,11 @@ impl System for Siva {
     #[inline]
     fn distance(&self, state: &SivaState) -> Jet {
         let s = state.wall.sign();
-        let (x, v) = (state.primary.x.value, state.primary.v.value);
-        let acceleration = self.free.acceleration(x, v);
         Jet {
             value: state.distance.value,
             rate: state.rate.value,
-            curvature: s * acceleration,
-            jerk: s * self.free.next_derivative(v, acceleration),
+            curvature: s * state.acceleration,
+            jerk: s * self.free.next_derivative(state.primary.v.value, state.acceleration),
         }
     }
 
@@ -248,8 +229,10 @@ impl System for Siva {
         let s = state.wall.sign();
         let rate = state.rate;
         let approach = -rate.value;
+        let primary = state.primary.kicked(-s, rate, self.impact_share);
         let after = SivaState {
-            primary: state.primary.kicked(-s, rate, self.impact_share),
+            primary,
+            acceleration: self.free.acceleration(&primary).value,
             rate: rate.times(-self.restitution),
             ..*state
         };
@@ -266,8 +249,10 @@ impl System for Siva {
 
     fn stick(&self, state: &SivaState) -> (SivaState, f64) {
         let loss = impact::energy_loss(self.mass_ratio, 0.0, state.rate.value);
+        let primary = state.primary.kicked(-state.wall.sign(), state.rate, self.stick_share);
         let stuck = SivaState {
-            primary: state.primary.kicked(-state.wall.sign(), state.rate, self.stick_share),
+            primary,
+            acceleration: self.free.acceleration(&primary).value,
             distance: Sum::ZERO,
             rate: Sum::ZERO,
             ..*state
@@ -276,11 +261,11 @@ impl System for Siva {
     }
 
     fn release(&self, state: &SivaState) -> SivaState {
-        // Release is where x + 2ζẋ = 0: written into x, the pressure is 0 to the last bit.
-        let v = state.primary.v.value;
-        let x = -(self.free.damping * v);
+        // Release is where x + 2ζẋ = 0: written into x, the pressure is exactly 0.
+        let v = Sum::new(state.primary.v.value);
         SivaState {
-            primary: Primary { x: Sum::new(x), v: Sum::new(v) },
+            primary: Primary { x: v.times(-self.free.damping), v },
+            acceleration: 0.0,
             distance: Sum::ZERO,
             rate: Sum::ZERO,
             ..*state

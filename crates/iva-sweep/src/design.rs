@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use iva_core::error::Invalid;
+use iva_core::error::{Invalid, number};
 use iva_core::simulate::Limits;
 use iva_core::siva::{Parameters, Siva, check_start};
 use iva_core::system::Start;
@@ -112,7 +112,6 @@ impl Spec {
         let mass_ratio = self.mass_ratio(&scale, units)?;
         let parameters = Parameters::new(mass_ratio, restitution, clearance, damping_ratio)?;
         check_start(clearance, &start)?;
-        check_energy(&start, mass_ratio, &scale)?;
         let limits = Limits {
             duration: self.duration(omega)?,
             max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
@@ -149,13 +148,6 @@ impl Spec {
             (None, None, Some(w)) => (w, UnitSystem::Seconds),
             (None, None, None) => (1.0, UnitSystem::Natural),
         };
-        if !(natural_frequency.is_finite() && natural_frequency > 0.0) {
-            return Err(Invalid::new(
-                "primary.natural_frequency",
-                natural_frequency,
-                "mass and stiffness must give a finite frequency greater than 0",
-            ));
-        }
         Ok((Scale { natural_frequency, mass: mass.unwrap_or(1.0) }, units))
     }
 
@@ -163,7 +155,8 @@ impl Spec {
         self.at_most_one(&[FieldId::DampingRatio, FieldId::Damping])?;
         match self.get(FieldId::Damping) {
             Some(c) if units == UnitSystem::Si => {
-                Ok(c / (2.0 * scale.mass * scale.natural_frequency))
+                let ratio = c / (2.0 * scale.mass * scale.natural_frequency);
+                derived(FieldId::Damping, c, FieldId::DampingRatio, ratio)
             }
             Some(c) => Err(needs_mass(FieldId::Damping, c, "or give damping_ratio")),
             None => Ok(self.get(FieldId::DampingRatio).unwrap_or(0.0)),
@@ -174,7 +167,9 @@ impl Spec {
         self.at_most_one(&[FieldId::MassRatio, FieldId::AbsorberMass])?;
         match (self.get(FieldId::MassRatio), self.get(FieldId::AbsorberMass)) {
             (Some(ratio), _) => Ok(ratio),
-            (None, Some(m)) if units == UnitSystem::Si => Ok(m / scale.mass),
+            (None, Some(m)) if units == UnitSystem::Si => {
+                derived(FieldId::AbsorberMass, m, FieldId::MassRatio, m / scale.mass)
+            }
             (None, Some(m)) => Err(needs_mass(FieldId::AbsorberMass, m, "or give mass_ratio")),
             (None, None) => Err(Invalid::missing(
                 "absorber.mass_ratio",
@@ -196,7 +191,7 @@ impl Spec {
             if displacement == 0.0 {
                 return Err(Invalid::new(
                     FieldId::RelativeClearance.path(),
-                    relative,
+                    number(relative),
                     "it is a multiple of |start.displacement|, which is 0; use clearance instead",
                 ));
             }
@@ -215,14 +210,9 @@ impl Spec {
     fn duration(&self, omega: f64) -> Result<f64, Invalid> {
         self.at_most_one(&[FieldId::Periods, FieldId::Duration])?;
         let periods = self.get(FieldId::Periods).map(|n| n * TAU);
-        let duration = periods
+        periods
             .or_else(|| self.get(FieldId::Duration).map(|t| t * omega))
-            .ok_or_else(|| Invalid::missing("run.periods", "give periods or duration"))?;
-        if duration.is_finite() {
-            Ok(duration)
-        } else {
-            Err(Invalid::new("run.duration", duration, "give a run of finite length"))
-        }
+            .ok_or_else(|| Invalid::missing("run.periods", "give periods or duration"))
     }
 
     fn length(
@@ -235,7 +225,7 @@ impl Spec {
         match self.get(millimetres) {
             Some(mm) if units != UnitSystem::Si => Err(Invalid::new(
                 millimetres.path(),
-                mm,
+                number(mm),
                 format!(
                     "millimetres need SI units (a primary mass with stiffness or frequency); else write {}",
                     plain.info().name
@@ -251,7 +241,7 @@ impl Spec {
         match (given.next(), given.next()) {
             (Some(first), Some(second)) => Err(Invalid::new(
                 second.path(),
-                self.get(*second).unwrap_or(f64::NAN),
+                self.get(*second).map_or(String::new(), number),
                 format!("{} is given as well; give one of them", first.path()),
             )),
             _ => Ok(()),
@@ -259,25 +249,20 @@ impl Spec {
     }
 }
 
-/// Results that overflow would be of no use: the largest energy of a decay is that of its start.
-fn check_energy(start: &Start, mass_ratio: f64, scale: &Scale) -> Result<(), Invalid> {
-    let primary = start.displacement.abs() + start.velocity.abs();
-    let absorber = mass_ratio.sqrt() * (start.velocity.abs() + start.gap_velocity.abs());
-    if scale.energy((primary + absorber).powi(2)).is_finite() {
-        Ok(())
-    } else {
-        Err(Invalid::new(
-            FieldId::Displacement.path(),
-            start.displacement,
-            "the energy of this start is beyond 1e308 in these units; use larger units",
-        ))
+/// A ratio that follows from a given field, if it is in its own range.
+fn derived(given: FieldId, value: f64, ratio: FieldId, derived: f64) -> Result<f64, Invalid> {
+    if ratio.info().allowed.contains(derived) {
+        return Ok(derived);
     }
+    let (name, words) = (ratio.info().name, ratio.info().allowed.words());
+    let rule = format!("it makes {name} {}; that must be {words}", number(derived));
+    Err(Invalid::new(given.path(), number(value), rule))
 }
 
 fn needs_mass(field: FieldId, value: f64, alternative: &str) -> Invalid {
     Invalid::new(
         field.path(),
-        value,
+        number(value),
         format!("give primary.mass with stiffness or natural_frequency as well, {alternative}"),
     )
 }

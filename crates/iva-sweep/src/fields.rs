@@ -3,7 +3,8 @@
 //! The study file, the Python classes and the sweep axes all read this table, so that a name, a
 //! range or a unit is written once.
 
-use iva_core::error::Invalid;
+use iva_core::error::{Invalid, number};
+use iva_core::range::LARGEST_RATIO;
 
 /// The section of a study (and the Python class) that a field belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -68,15 +69,25 @@ pub enum Quantity {
     Energy,
 }
 
+/// Smallest size of a number with a unit, other than 0.
+const SMALLEST: f64 = 1e-30;
+/// Largest size of a number with a unit. Quotients of two such numbers stay within
+/// [`iva_core::range`].
+const LARGEST: f64 = 1e30;
+
 /// The set of numbers a field accepts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Allowed {
-    /// Any finite number.
-    Finite,
-    /// Finite and greater than zero.
+    /// 0, or of a size from [`SMALLEST`] to [`LARGEST`], of either sign.
+    Size,
+    /// The same, and greater than 0.
     Positive,
-    /// Finite and at least zero.
+    /// The same, and at least 0.
     NonNegative,
+    /// A mass ratio, greater than 0.
+    MassRatio,
+    /// A damping ratio, at least 0.
+    DampingRatio,
     /// From zero to one, both included.
     UnitInterval,
     /// A whole number, at least one and at most 2⁵³.
@@ -86,24 +97,28 @@ pub enum Allowed {
 impl Allowed {
     /// True if the value may be used.
     pub fn contains(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Allowed::Finite => true,
-                Allowed::Positive => value > 0.0,
-                Allowed::NonNegative => value >= 0.0,
-                Allowed::UnitInterval => (0.0..=1.0).contains(&value),
-                Allowed::PositiveInteger => {
-                    (1.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0
-                }
+        let sized = (SMALLEST..=LARGEST).contains(&value.abs());
+        match self {
+            Allowed::Size => value == 0.0 || sized,
+            Allowed::Positive => value > 0.0 && sized,
+            Allowed::NonNegative => value == 0.0 || (value > 0.0 && sized),
+            Allowed::MassRatio => value > 0.0 && value <= LARGEST_RATIO,
+            Allowed::DampingRatio => (0.0..=LARGEST_RATIO).contains(&value),
+            Allowed::UnitInterval => (0.0..=1.0).contains(&value),
+            Allowed::PositiveInteger => {
+                (1.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0
             }
+        }
     }
 
     /// The range in words, to end the sentence "give …".
     pub fn words(self) -> &'static str {
         match self {
-            Allowed::Finite => "a finite number",
-            Allowed::Positive => "a finite number greater than 0",
-            Allowed::NonNegative => "a finite number, 0 or greater",
+            Allowed::Size => "0 or a number of size 1e-30 to 1e30",
+            Allowed::Positive => "a number greater than 0, from 1e-30 to 1e30",
+            Allowed::NonNegative => "0 or a number from 1e-30 to 1e30",
+            Allowed::MassRatio => "a number greater than 0, at most 1e9",
+            Allowed::DampingRatio => "a number from 0 to 1e9",
             Allowed::UnitInterval => "a number from 0 to 1",
             Allowed::PositiveInteger => "a whole number from 1 to 2^53",
         }
@@ -152,13 +167,13 @@ macro_rules! fields {
 }
 
 fields! {
-    DampingRatio: Primary "damping_ratio" Ratio NonNegative "damping" "damping ratio of the bare primary system";
+    DampingRatio: Primary "damping_ratio" Ratio DampingRatio "damping" "damping ratio of the bare primary system";
     Damping: Primary "damping" Damping NonNegative "damping" "viscous damping constant c; needs a mass";
     NaturalFrequency: Primary "natural_frequency" AngularFrequency Positive "frequency" "natural frequency of the bare primary system in rad/s";
     FrequencyHz: Primary "frequency_hz" Hertz Positive "frequency" "natural frequency of the bare primary system in Hz";
     Stiffness: Primary "stiffness" Stiffness Positive "frequency" "spring stiffness k; needs a mass";
     PrimaryMass: Primary "mass" Mass Positive "mass" "mass M of the primary system";
-    MassRatio: Absorber "mass_ratio" Ratio Positive "mass" "absorber mass over primary mass";
+    MassRatio: Absorber "mass_ratio" Ratio MassRatio "mass" "absorber mass over primary mass";
     AbsorberMass: Absorber "mass" Mass Positive "mass" "absorber mass m; needs a primary mass";
     Restitution: Absorber "restitution" Ratio UnitInterval "restitution" "Newton's coefficient on the gap velocity";
     RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|";
@@ -166,11 +181,11 @@ fields! {
     ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm";
     Gap: Absorber "gap" Length Positive "clearance" "total play, twice the clearance";
     GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm";
-    Displacement: Start "displacement" Length Finite "displacement" "displacement of the primary system";
-    DisplacementMm: Start "displacement_mm" Millimetre Finite "displacement" "displacement of the primary system in mm";
-    Velocity: Start "velocity" Velocity Finite "velocity" "velocity of the primary system";
-    GapDisplacement: Start "gap_displacement" Length Finite "gap_displacement" "absorber displacement minus primary displacement";
-    GapVelocity: Start "gap_velocity" Velocity Finite "gap_velocity" "absorber velocity minus primary velocity";
+    Displacement: Start "displacement" Length Size "displacement" "displacement of the primary system";
+    DisplacementMm: Start "displacement_mm" Millimetre Size "displacement" "displacement of the primary system in mm";
+    Velocity: Start "velocity" Velocity Size "velocity" "velocity of the primary system";
+    GapDisplacement: Start "gap_displacement" Length Size "gap_displacement" "absorber displacement minus primary displacement";
+    GapVelocity: Start "gap_velocity" Velocity Size "gap_velocity" "absorber velocity minus primary velocity";
     Periods: Run "periods" Ratio Positive "duration" "length of the run in periods 2π/ωn of the bare primary system";
     Duration: Run "duration" Time Positive "duration" "length of the run as a time";
     MaxImpacts: Run "max_impacts" Count PositiveInteger "max_impacts" "stop after so many impacts (default 10 million)";
@@ -208,7 +223,11 @@ impl FieldId {
         if self.info().allowed.contains(value) {
             Ok(value)
         } else {
-            Err(Invalid::new(self.path(), value, format!("give {}", self.info().allowed.words())))
+            Err(Invalid::new(
+                self.path(),
+                number(value),
+                format!("give {}", self.info().allowed.words()),
+            ))
         }
     }
 

@@ -96,6 +96,88 @@ fn a_chattering_run_is_cut_short_as_well() {
 }
 
 #[test]
+fn rebounds_that_become_no_rows_do_not_count() {
+    // Nine rows above the floor 0.01; the low rebounds before the stick must not reach a limit of
+    // ten.
+    let absorber = Siva::new(0.15, 0.5, 0.1, 0.0).unwrap();
+    let start = start(1.0, 0.0, 0.0, 0.0);
+    let limits = Limits { chatter_floor: 1e-2, ..Limits::new(6.0, 0.1) };
+    let whole = run(&absorber, &start, &limits).unwrap();
+    assert_eq!((whole.tally.outcome, whole.impacts.len()), (Outcome::Finished, 9));
+    let ten = run(&absorber, &start, &Limits { max_impacts: 10, ..limits }).unwrap();
+    assert_eq!(ten, whole);
+    for most in 1..=9 {
+        let part = run(&absorber, &start, &Limits { max_impacts: most, ..limits }).unwrap();
+        assert_eq!(part.tally.outcome, Outcome::ImpactLimit);
+        assert_eq!(part.impacts, whole.impacts[..most as usize]);
+    }
+}
+
+#[test]
+fn the_lowest_floor_lists_rebounds_like_any_other() {
+    // A chatter in an overdamped decay, listed through seventy orders of magnitude.
+    let absorber = Siva::new(0.1, 0.5, 0.01, 1.2).unwrap();
+    let start = start(1.0, 0.0, 0.0, 0.0);
+    let at = |floor: f64| {
+        let limits = Limits { chatter_floor: floor, ..Limits::new(4.0, 0.01) };
+        run(&absorber, &start, &limits).unwrap()
+    };
+    let (coarse, fine) = (at(1e-6), at(1e-75));
+    assert!(!fine.episodes.is_empty());
+    assert_eq!(coarse.tally.outcome, fine.tally.outcome);
+    assert_eq!(coarse.episodes.len(), fine.episodes.len());
+    for episode in &fine.episodes {
+        let rows: Vec<_> = fine
+            .impacts
+            .iter()
+            .filter(|i| (episode.start_time..=episode.stick_time).contains(&i.time))
+            .collect();
+        assert!(rows.len() > 200, "{}", rows.len());
+        for pair in rows.windows(2) {
+            assert!(pair[0].time <= pair[1].time);
+            // low rebounds shrink by e
+            if pair[0].approach_speed() < 1e-9 {
+                let ratio = pair[1].approach_speed() / pair[0].approach_speed();
+                assert!((ratio - 0.5).abs() < 1e-8, "{ratio}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_ends_of_the_range_are_exact_as_well() {
+    // Lengths times a power of two change no bit; heavy, light and stiffly damped scenes close
+    // their ledger.
+    let scene = |power: i32| {
+        let scale = 2f64.powi(power);
+        let absorber = Siva::new(0.15, 0.5, 0.1 * scale, 0.02).unwrap();
+        run(&absorber, &start(scale, 0.0, 0.0, 0.0), &Limits::new(60.0, 0.1 * scale)).unwrap()
+    };
+    let plain = scene(0);
+    for power in [-225, -100, 100, 249] {
+        let scaled = scene(power);
+        assert_eq!(scaled.tally.outcome, Outcome::Finished);
+        assert_eq!(scaled.measures.settling_time_5, plain.measures.settling_time_5);
+        assert_eq!(scaled.measures.damping_ratio_fit, plain.measures.damping_ratio_fit);
+        let times = |run: &Run| run.impacts.iter().map(|i| i.time).collect::<Vec<_>>();
+        assert_eq!(times(&scaled), times(&plain), "2^{power}");
+    }
+    for (mu, e, clearance, zeta, duration) in [
+        (1e9, 0.5, 0.5, 0.01, 600.0),
+        (1e9, 1.0, 0.05, 0.0, 600.0),
+        (5e-324, 0.9, 0.5, 0.0, 600.0),
+        (0.1, 0.95, 1e-60, 0.01, 300.0),
+        (0.1, 0.5, 0.5, 1e9, 1e-6),
+    ] {
+        let absorber = Siva::new(mu, e, clearance, zeta).unwrap();
+        let limits = Limits::new(duration, clearance);
+        let run = run(&absorber, &start(1.0, 0.0, 0.0, 0.0), &limits).unwrap();
+        assert_eq!(run.tally.outcome, Outcome::Finished, "μ {mu:e}, d {clearance:e}, ζ {zeta:e}");
+        assert!(ledger(&run) <= 1e-12, "μ {mu:e}, d {clearance:e}: {:e}", ledger(&run));
+    }
+}
+
+#[test]
 fn within_four_ulps_a_start_is_on_the_wall_and_beyond_it_is_an_error() {
     for side in [1.0, -1.0] {
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
@@ -244,6 +326,10 @@ fn bad_parameters_name_their_field() {
         check(Siva::new(value, 0.5, 0.5, 0.01), "mass_ratio", value);
         check(Siva::new(0.1, 0.5, value, 0.01), "clearance", value);
     }
+    // beyond the range of `iva_core::range`
+    check(Siva::new(1.1e9, 0.5, 0.5, 0.01), "mass_ratio", 1.1e9);
+    check(Siva::new(0.1, 0.5, 1e-76, 0.01), "clearance", 1e-76);
+    check(Siva::new(0.1, 0.5, 0.5, 1.1e9), "damping_ratio", 1.1e9);
     for value in bad.into_iter().chain([-f64::MIN_POSITIVE, 1.0 + f64::EPSILON, 2.0]) {
         check(Siva::new(0.1, value, 0.5, 0.01), "restitution", value);
     }
@@ -257,7 +343,7 @@ fn bad_parameters_name_their_field() {
 
 #[test]
 fn bad_starts_and_limits_name_their_field() {
-    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e76, -1e-76] {
         let starts = [
             (start(bad, 0.0, 0.0, 0.0), "displacement"),
             (start(0.0, bad, 0.0, 0.0), "velocity"),

@@ -103,6 +103,28 @@ prop_compose! {
     }
 }
 
+prop_compose! {
+    /// Spring and damper balance at the start, and the first extremum comes so soon that the gap
+    /// is small against the displacement: y is what is left of large terms.
+    fn balanced()(
+        zeta in 0.05..3.0,
+        v in prop_oneof![-1.0..-0.01, 0.01..1.0],
+        unbalance in prop_oneof![1 => Just(0.0), 2 => -1e-9..1e-9, 1 => -1e-3..1e-3],
+        exponent in -3.0..-0.5,
+    ) -> Approach {
+        let x = -2.0 * zeta * v + unbalance;
+        // ẏ = w − j h²/2 with j = −v, and w such that it vanishes at h
+        let h = 10f64.powf(exponent);
+        let start = Start {
+            displacement: x,
+            velocity: v,
+            gap_displacement: 0.0,
+            gap_velocity: -0.5 * v * h * h,
+        };
+        Approach { zeta, start }
+    }
+}
+
 /// How far the wall stands beyond (+) or before (−) the extremum, relative.
 fn shift() -> impl Strategy<Value = f64> {
     (prop_oneof![Just(1.0), Just(-1.0)], -14.0..-2.0)
@@ -129,12 +151,11 @@ fn plant(approach: &Approach, shift: f64, mu: f64, e: f64) -> Option<Planted> {
     let size = extremum.y.abs();
     let start = &approach.start;
     let reach = start.displacement.hypot(start.velocity) + start.gap_displacement.abs();
-    // well inside at first, moving towards the wall of the extremum (not away from the other
-    // one), and not a wall so near that rounding of x itself exceeds the band
-    if start.gap_displacement.abs() > 0.9 * size.hi || size.hi < 0.5 * reach {
+    // well inside at first, moving towards the wall of the extremum (not away from the other one)
+    if start.gap_displacement.abs() > 0.9 * size.hi {
         return None;
     }
-    if (extremum.y - start.gap_displacement).hi * side <= 0.0 || extremum.curvature < 0.05 {
+    if (extremum.y - start.gap_displacement).hi * side <= 0.0 || extremum.curvature < 1e-5 {
         return None;
     }
     let clearance = (size * (Dd::ONE + shift)).value();
@@ -169,7 +190,7 @@ proptest! {
 
     #[test]
     fn beyond_the_band_every_contact_is_found_and_none_invented(
-        approach in approach(),
+        approach in prop_oneof![approach(), balanced()],
         shift in shift(),
         mu in 0.01..3.0,
         e in 0.0..1.0,
@@ -191,8 +212,8 @@ proptest! {
 
     #[test]
     fn inside_the_band_the_answer_is_undecided_or_right(
-        approach in approach(),
-        steps in -40i32..40,
+        approach in prop_oneof![approach(), balanced()],
+        steps in -120i32..120,
         mu in 0.01..3.0,
     ) {
         // walls a few roundings from the extremum: 2⁻⁵³ relative apart

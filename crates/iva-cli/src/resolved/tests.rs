@@ -13,9 +13,14 @@ use crate::study_file::parse_study;
 /// A number that a field accepts.
 fn accepted(field: FieldId) -> BoxedStrategy<f64> {
     match field.info().allowed {
-        Allowed::Finite => (-1e3..1e3).boxed(),
-        Allowed::Positive => prop_oneof![1e-9..1e3, Just(5e-324), Just(f64::MAX)].boxed(),
-        Allowed::NonNegative => prop_oneof![0.0..1e3, Just(0.0)].boxed(),
+        Allowed::Size => prop_oneof![-1e3..1e3, Just(0.0), Just(-1e30)]
+            .prop_filter("subnormal", |x: &f64| *x == 0.0 || x.abs() >= 1e-30)
+            .boxed(),
+        Allowed::Positive => prop_oneof![1e-9..1e3, Just(1e-30), Just(1e30)].boxed(),
+        Allowed::NonNegative => prop_oneof![1e-9..1e3, Just(0.0)].boxed(),
+        Allowed::MassRatio | Allowed::DampingRatio => {
+            prop_oneof![1e-9..1e3, Just(5e-324), Just(1e9)].boxed()
+        }
         Allowed::UnitInterval => (0.0..=1.0).boxed(),
         Allowed::PositiveInteger => (1..=9_007_199_254_740_992_u64).prop_map(|n| n as f64).boxed(),
     }

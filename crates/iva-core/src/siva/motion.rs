@@ -1,15 +1,28 @@
 //! The smooth motions of a SIVA: free in its gap, and stuck on a wall.
 
 use super::{Siva, SivaState};
+use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
-use crate::oscillator::Primary;
+use crate::oscillator::{Increment, Primary};
 use crate::system::{System, Wall};
 
 /// The absorber free in its gap.
 #[derive(Debug, Clone, Copy)]
 pub struct SivaFlight<'a> {
-    pub(super) siva: &'a Siva,
-    pub(super) from: SivaState,
+    siva: &'a Siva,
+    from: SivaState,
+    acceleration: Sum,
+}
+
+impl<'a> SivaFlight<'a> {
+    pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
+        Self { siva, from, acceleration: siva.free.acceleration(&from.primary) }
+    }
+
+    #[inline]
+    fn after(&self, h: f64) -> (Primary, Increment) {
+        self.from.primary.after(&self.siva.free, self.acceleration, h)
+    }
 }
 
 impl Motion for SivaFlight<'_> {
@@ -29,9 +42,10 @@ impl Motion for SivaFlight<'_> {
     fn state(&self, h: f64) -> SivaState {
         let from = &self.from;
         let s = from.wall.sign();
-        let (primary, increment) = from.primary.after(&self.siva.free, h);
+        let (primary, increment) = self.after(h);
         SivaState {
             primary,
+            acceleration: self.acceleration.value + increment.acceleration,
             wall: from.wall,
             distance: from.distance.plus_parts(
                 from.rate.value * h + s * increment.curved,
@@ -42,8 +56,8 @@ impl Motion for SivaFlight<'_> {
     }
 
     fn primary(&self, h: f64) -> Jet {
-        let (primary, _) = self.from.primary.after(&self.siva.free, h);
-        primary.jet(&self.siva.free)
+        let (primary, increment) = self.after(h);
+        primary.jet(&self.siva.free, self.acceleration.value + increment.acceleration)
     }
 
     fn gap(&self, h: f64) -> GapPoint {
@@ -77,6 +91,16 @@ impl Curve for SivaFlight<'_> {
         self.siva.distance(sample)
     }
 
+    fn precise(&self, h: f64) -> Sum {
+        let SivaState { primary, wall, distance, rate, .. } = self.from;
+        let s = wall.sign();
+        let travelled = rate.times(h);
+        let curved = self.siva.free.precise(primary.v, self.acceleration, h);
+        distance
+            .plus_parts(travelled.value, travelled.rest)
+            .plus_parts(s * curved.value, s * curved.rest)
+    }
+
     /// D⁗ = s x⁗, bounded by Λ³ρ.
     #[inline]
     fn fourth(&self) -> f64 {
@@ -94,8 +118,19 @@ impl Curve for SivaFlight<'_> {
 /// The absorber stuck on a wall: one mass 1 + μ on the primary's spring and damper.
 #[derive(Debug, Clone, Copy)]
 pub struct SivaRide<'a> {
-    pub(super) siva: &'a Siva,
-    pub(super) from: SivaState,
+    siva: &'a Siva,
+    from: SivaState,
+    acceleration: Sum,
+}
+
+impl<'a> SivaRide<'a> {
+    pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
+        Self { siva, from, acceleration: siva.loaded.acceleration(&from.primary) }
+    }
+
+    fn after(&self, h: f64) -> (Primary, Increment) {
+        self.from.primary.after(&self.siva.loaded, self.acceleration, h)
+    }
 }
 
 impl Motion for SivaRide<'_> {
@@ -111,13 +146,13 @@ impl Motion for SivaRide<'_> {
     }
 
     fn state(&self, h: f64) -> SivaState {
-        let (primary, _) = self.from.primary.after(&self.siva.loaded, h);
+        let (primary, _) = self.after(h);
         SivaState { primary, ..self.from }
     }
 
     fn primary(&self, h: f64) -> Jet {
-        let (primary, _) = self.from.primary.after(&self.siva.loaded, h);
-        primary.jet(&self.siva.loaded)
+        let (primary, increment) = self.after(h);
+        primary.jet(&self.siva.loaded, self.acceleration.value + increment.acceleration)
     }
 
     fn gap(&self, _h: f64) -> GapPoint {
@@ -146,11 +181,16 @@ impl Curve for SivaRide<'_> {
         let loaded = &self.siva.loaded;
         let s = sample.wall.sign();
         let (x, v) = (sample.primary.x.value, sample.primary.v.value);
-        let second = loaded.acceleration(x, v);
+        let second = loaded.next_derivative(x, v);
         let third = loaded.next_derivative(v, second);
         let fourth = loaded.next_derivative(second, third);
         let fifth = loaded.next_derivative(third, fourth);
         Jet { value: -s * second, rate: -s * third, curvature: -s * fourth, jerk: -s * fifth }
+    }
+
+    /// The magnitude is that of the terms: plain evaluation is precise enough.
+    fn precise(&self, h: f64) -> Sum {
+        Sum::new(self.jet(&self.state(h)).value)
     }
 
     /// The fourth derivative of the pressure is −s x⁽⁶⁾, bounded by Λ⁵ρ.

@@ -1,0 +1,74 @@
+//! How long to run, where to stop, and how a run ended.
+
+use crate::error::Invalid;
+use crate::range;
+
+/// How long to run and where to stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Length of the run, in 1/ωn.
+    pub duration: f64,
+    /// Stop after so many listed impacts. Rebounds at or below the floor count once it is known
+    /// that their chatter does not end in stick.
+    pub max_impacts: u64,
+    /// Stop after so many segments of flight or ride.
+    pub max_work: u64,
+    /// Rebounds of an episode at or below this approach speed are not listed.
+    pub chatter_floor: f64,
+}
+
+impl Limits {
+    /// Default of `max_impacts`.
+    pub const MAX_IMPACTS: u64 = 10_000_000;
+    /// Default of `max_work`.
+    pub const MAX_WORK: u64 = 100_000_000;
+    /// Default of `chatter_floor`, over the clearance.
+    pub const CHATTER_FLOOR: f64 = 1e-6;
+
+    /// Default limits for a run of this duration with this clearance.
+    pub fn new(duration: f64, clearance: f64) -> Self {
+        Self {
+            duration,
+            max_impacts: Self::MAX_IMPACTS,
+            max_work: Self::MAX_WORK,
+            chatter_floor: Self::CHATTER_FLOOR * clearance,
+        }
+    }
+
+    /// Checks that duration and chatter floor are in [`crate::range`].
+    ///
+    /// # Errors
+    /// [`Invalid`] naming field and value.
+    pub fn check(&self) -> Result<(), Invalid> {
+        range::positive("run.duration", self.duration)?;
+        range::positive("run.chatter_floor", self.chatter_floor)
+    }
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Outcome {
+    /// The whole duration was run.
+    Finished,
+    /// `max_impacts` was reached.
+    ImpactLimit,
+    /// `max_work` was reached.
+    WorkLimit,
+    /// A state overflowed.
+    NotFinite,
+    /// The caller asked to stop.
+    Cancelled,
+}
+
+impl Outcome {
+    /// The word in the tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Finished => "finished",
+            Outcome::ImpactLimit => "impact_limit",
+            Outcome::WorkLimit => "work_limit",
+            Outcome::NotFinite => "not_finite",
+            Outcome::Cancelled => "cancelled",
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! The numbers that a run accepts.
+//!
+//! Within these bounds no square, product or quotient of the motion leaves the range of a double,
+//! down to the lowest rebound: nothing overflows, and nothing that matters underflows.
+
+use crate::error::{Invalid, number};
+
+/// Smallest size of a length, velocity or time other than 0, in natural units.
+pub const SMALLEST: f64 = 1e-75;
+/// Largest size of a length, velocity or time in natural units.
+pub const LARGEST: f64 = 1e75;
+/// Largest mass ratio and damping ratio.
+pub const LARGEST_RATIO: f64 = 1e9;
+
+/// Checks a length or velocity of either sign.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub fn size(field: &str, value: f64) -> Result<(), Invalid> {
+    let allowed = value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs());
+    check(allowed, field, value, || format!("0 or a number of size {SMALLEST:e} to {LARGEST:e}"))
+}
+
+/// Checks a length, velocity or time that must be greater than 0.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub fn positive(field: &str, value: f64) -> Result<(), Invalid> {
+    let allowed = (SMALLEST..=LARGEST).contains(&value);
+    check(allowed, field, value, || format!("a number from {SMALLEST:e} to {LARGEST:e}"))
+}
+
+/// Checks a mass ratio.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub fn mass_ratio(field: &str, value: f64) -> Result<(), Invalid> {
+    let allowed = value > 0.0 && value <= LARGEST_RATIO;
+    check(allowed, field, value, || format!("a number greater than 0, at most {LARGEST_RATIO:e}"))
+}
+
+/// Checks a damping ratio.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub fn damping_ratio(field: &str, value: f64) -> Result<(), Invalid> {
+    let allowed = (0.0..=LARGEST_RATIO).contains(&value);
+    check(allowed, field, value, || format!("a number from 0 to {LARGEST_RATIO:e}"))
+}
+
+/// Checks a coefficient of restitution.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub fn restitution(field: &str, value: f64) -> Result<(), Invalid> {
+    check((0.0..=1.0).contains(&value), field, value, || "a number from 0 to 1".to_owned())
+}
+
+fn check(
+    allowed: bool,
+    field: &str,
+    value: f64,
+    range: impl FnOnce() -> String,
+) -> Result<(), Invalid> {
+    if allowed {
+        Ok(())
+    } else {
+        Err(Invalid::new(field, number(value), format!("give {}", range())))
+    }
+}
