@@ -20,8 +20,8 @@ const MAX_THREADS: i64 = 1024;
                   iva check studies/siva_clearance.toml\n  \
                   iva sweep studies/siva_clearance.toml\n\n\
                   The tables are then in results/siva_clearance, as Parquet files.\n\n\
-                  Exit codes: 0 done, 1 reading, writing or internal fault, 2 bad input, \
-                  130 interrupted."
+                  Exit codes: 0 done, 1 writing failed or internal fault, 2 bad input (also a study that \
+                  cannot be read), 130 interrupted."
 )]
 pub struct Cli {
     /// The command.
@@ -74,7 +74,7 @@ pub enum Command {
                             then\n\n  \
                             iva run one.toml\n\n\
                             prints the measures and writes summary, impacts, episodes, envelope and\n\
-                            trajectory into results/one."
+                            trajectory into results/one (fewer if run.tables or --tables says so)."
     )]
     Run(RunArgs),
     /// Check a study, count its points, and estimate time and size

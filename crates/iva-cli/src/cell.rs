@@ -80,6 +80,25 @@ fn trim_zeros(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
+/// A time in words, to two figures.
+pub(crate) fn duration(seconds: f64) -> String {
+    if seconds < 1e-3 {
+        "less than 1 ms".to_owned()
+    } else if seconds < 1.0 {
+        format!("about {:.0} ms", seconds * 1e3)
+    } else if seconds < 10.0 {
+        format!("about {seconds:.1} s")
+    } else if seconds < 120.0 {
+        format!("about {seconds:.0} s")
+    } else if seconds < 7200.0 {
+        format!("about {:.0} min", seconds / 60.0)
+    } else if seconds < 172_800.0 {
+        format!("about {:.1} h", seconds / 3600.0)
+    } else {
+        format!("about {:.1} days", seconds / 86_400.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

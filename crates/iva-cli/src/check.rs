@@ -10,11 +10,12 @@ use iva_sweep::sweep::{Control, Workers, sweep};
 use iva_sweep::tables::schema;
 
 use crate::args::CheckArgs;
+use crate::cell::duration;
 use crate::error::Error;
 use crate::layout::{first_upper, wrap};
 use crate::output::PART_POINTS;
 use crate::parquet_file::encoded_size;
-use crate::progress::duration;
+use crate::progress::Progress;
 use crate::report::counted;
 use crate::run_study::{size, without_trajectory};
 use crate::study_file::{StudyFile, read_study};
@@ -30,9 +31,11 @@ const PATIENCE: Duration = Duration::from_secs(3);
 /// Anything [`read_study`] and [`StudyFile::validate`] refuse.
 pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let file = read_study(&args.study)?;
-    file.validate(&Workers::new(None)?, &AtomicBool::new(false))?;
     let located = |invalid| file.source.locate(&invalid);
     let points = file.study.points().map_err(located)?;
+    let progress = Progress::new("checking", points, false);
+    file.validate(&Workers::new(None)?, &AtomicBool::new(false), &|count| progress.add(count))?;
+    progress.clear();
     let units = file.study.units().map_err(located)?;
     let estimate = estimate(&file, points)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -49,7 +52,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let _ = writeln!(out, "{}", wrap(&grid));
     let _ = writeln!(out, "{}", wrap(&format!("{}.", first_upper(units.sentence()))));
     let seconds = estimate.seconds / threads as f64;
-    let _ = writeln!(out, "Time: about {} on {}", duration(seconds), counted(threads, "thread"));
+    let _ = writeln!(out, "Time: {} on {}", duration(seconds), counted(threads, "thread"));
     let total: f64 = estimate.sizes.iter().map(|(_, bytes)| bytes).sum();
     let _ = writeln!(out, "Size: about {}", size(total));
     for (table, bytes) in &estimate.sizes {

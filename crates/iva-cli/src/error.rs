@@ -2,10 +2,14 @@
 
 use std::fmt;
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use iva_sweep::Invalid;
 use iva_sweep::sweep::SweepError;
+
+use crate::layout::WIDTH;
 
 /// Everything the command can fail with. `Display` is the message a user reads.
 #[derive(Debug, thiserror::Error)]
@@ -29,6 +33,24 @@ pub enum Error {
         /// What the system said.
         source: io::Error,
     },
+    /// Finished tables could not be moved into place.
+    #[error("{reason}; {what} are kept in {}", .kept.display())]
+    NotMoved {
+        /// Why not.
+        reason: Box<Error>,
+        /// Which tables.
+        what: &'static str,
+        /// Where they are.
+        kept: PathBuf,
+    },
+    /// A fault midway, with what became of the finished parts.
+    #[error("{reason}; {kept}")]
+    Incomplete {
+        /// What went wrong.
+        reason: Box<Error>,
+        /// What is kept of the results.
+        kept: String,
+    },
     /// Ctrl-C, with what became of the results.
     #[error("interrupted: {0}")]
     Interrupted(String),
@@ -43,8 +65,17 @@ impl Error {
     pub fn exit_code(&self) -> i32 {
         match self {
             Error::Study(_) | Error::Invalid(_) | Error::Refused(_) => 2,
+            Error::NotMoved { reason, .. } | Error::Incomplete { reason, .. } => reason.exit_code(),
             Error::Io { .. } | Error::Internal(_) => 1,
             Error::Interrupted(_) => 130,
+        }
+    }
+
+    /// What a terminal shows, with colours; of an error in a study file also the line.
+    pub fn report(&self) -> String {
+        match self {
+            Error::Study(error) => error.picture(),
+            other => format!("error: {other}"),
         }
     }
 
@@ -72,32 +103,39 @@ pub struct Place {
     pub line: usize,
     /// Column from 1, in characters.
     pub column: usize,
-    /// The line, without its end; of a long line the part around the column.
+    /// The line, without its end.
     pub text: String,
-    /// Characters of `text` before the stretch.
-    pub indent: usize,
-    /// Number of characters the stretch covers, at least 1.
-    pub width: usize,
+    /// The bytes of `text` that are meant.
+    pub span: Range<usize>,
+}
+
+impl StudyError {
+    /// The message with the line it is about, the place underlined; with terminal colours.
+    fn picture(&self) -> String {
+        let path = self.path.display().to_string();
+        let Some(place) = &self.place else {
+            let title = format!("{path}: {}", self.message);
+            return picture(&[Group::with_title(Level::ERROR.primary_title(title))]);
+        };
+        let snippet = Snippet::source(&place.text)
+            .line_start(place.line)
+            .path(path)
+            .annotation(AnnotationKind::Primary.span(place.span.clone()));
+        picture(&[Level::ERROR.primary_title(self.message.as_str()).element(snippet)])
+    }
+}
+
+fn picture(report: &[Group<'_>]) -> String {
+    Renderer::styled().term_width(WIDTH).render(report).to_string()
 }
 
 impl fmt::Display for StudyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(place) = &self.place else {
-            return write!(f, "{}: {}", self.path.display(), self.message);
-        };
-        let number = place.line.to_string();
-        let margin = " ".repeat(number.len());
-        // Tabs are kept so that the marks stand under the text they mark.
-        let indent: String = place
-            .text
-            .chars()
-            .take(place.indent)
-            .map(|c| if c == '\t' { '\t' } else { ' ' })
-            .collect();
-        writeln!(f, "{}:{}:{}: {}", self.path.display(), place.line, place.column, self.message)?;
-        writeln!(f, " {margin} |")?;
-        writeln!(f, " {number} | {}", place.text)?;
-        write!(f, " {margin} | {indent}{}", "^".repeat(place.width))
+        write!(f, "{}:", self.path.display())?;
+        if let Some(place) = &self.place {
+            write!(f, "{}:{}:", place.line, place.column)?;
+        }
+        write!(f, " {}", self.message)
     }
 }
 

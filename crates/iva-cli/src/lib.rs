@@ -26,7 +26,7 @@ mod tests;
 mod value;
 
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use clap::Parser;
@@ -62,6 +62,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
             // Help and version come this way too, with exit code 0.
             return match usage.print() {
                 Ok(()) => usage.exit_code(),
+                Err(reason) if reason.kind() == ErrorKind::BrokenPipe => usage.exit_code(),
                 Err(_) => EXIT_FAULT,
             };
         }
@@ -76,7 +77,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
         Ok(text) => print(&text),
         Err(error) => {
             // If standard error is closed there is nobody left to tell.
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            let _ = writeln!(anstream::stderr(), "{}", error.report());
             error.exit_code()
         }
     }
@@ -87,7 +88,7 @@ fn print(text: &str) -> i32 {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Ok(()) => EXIT_OK,
-        Err(reason) if reason.kind() == std::io::ErrorKind::BrokenPipe => EXIT_OK,
+        Err(reason) if reason.kind() == ErrorKind::BrokenPipe => EXIT_OK,
         Err(reason) => {
             let _ = writeln!(std::io::stderr(), "error: cannot print the report: {reason}");
             EXIT_FAULT

@@ -90,7 +90,12 @@ impl Output {
             .partition(|path| path.file_name().is_some_and(|file| file == name.as_str()));
         self.staged = staged;
         unfinished.iter().map(|name| new.join(name)).try_for_each(|path| {
-            fs::remove_file(&path).map_err(|reason| Error::io("remove", &path, reason))
+            match fs::remove_file(&path) {
+                Err(reason) if reason.kind() != io::ErrorKind::NotFound => {
+                    Err(Error::io("remove", &path, reason))
+                }
+                _ => Ok(()),
+            }
         })
     }
 
@@ -126,33 +131,29 @@ impl Output {
     }
 
     /// Moves everything into place: the earlier tables go aside, the new files come in, and on any
-    /// failure each move is undone.
+    /// failure each move is undone and the new files are kept where they were staged.
     ///
     /// # Errors
-    /// [`Error::Refused`] if tables have appeared in the folder meanwhile, [`Error::Io`] if a file
-    /// cannot be moved.
+    /// [`Error::NotMoved`] if tables have appeared in the folder meanwhile or a file cannot be
+    /// moved.
     pub fn commit(self) -> Result<(), Error> {
-        refuse_conflicts(&self.dir, self.overwrite)?;
         let mut moves = Moves::default();
-        match self.move_all(&mut moves) {
-            Ok(()) => {
-                remove_empty_table_folders(&self.dir);
-                Ok(())
-            }
-            Err(error) => {
-                if moves.undo().is_err() {
-                    // Better a leftover folder than lost tables.
-                    let kept = self.staging.keep();
-                    return Err(Error::Io {
-                        action: "restore the earlier tables; they are kept in",
-                        path: kept,
-                        source: io::Error::other(error.to_string()),
-                    });
-                }
-                remove_empty_table_folders(&self.dir);
-                Err(error)
-            }
-        }
+        let moved = refuse_conflicts(&self.dir, self.overwrite)
+            .and_then(|()| self.move_all(&mut moves))
+            .map_err(|reason| {
+                let what = match moves.undo() {
+                    Ok(()) => "the new tables",
+                    Err(_) => "the new and the earlier tables",
+                };
+                (reason, what)
+            });
+        remove_empty_table_folders(&self.dir);
+        // Better a leftover folder than lost tables.
+        moved.map_err(|(reason, what)| Error::NotMoved {
+            reason: Box::new(reason),
+            what,
+            kept: self.staging.keep(),
+        })
     }
 
     fn move_all(&self, moves: &mut Moves) -> Result<(), Error> {

@@ -13,6 +13,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
 use crate::error::Error;
+use crate::output::PART_POINTS;
 
 /// Rows of a row group: a constant, so that the bytes do not depend on the machine.
 const ROW_GROUP_ROWS: usize = 1 << 20;
@@ -24,16 +25,20 @@ pub struct ParquetFile {
 }
 
 impl ParquetFile {
-    /// Creates the file; without any rows it holds its schema only.
+    /// Creates the file of a part; without any rows it holds its schema only.
+    ///
+    /// Parquet keys besides those of the schema: `iva.first_point` and `iva.part_points`, the
+    /// points that the part covers.
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be created or written.
     pub fn create(path: &Path, schema: SchemaRef) -> Result<Self, Error> {
         let file = File::create_new(path).map_err(|reason| Error::io("create", path, reason))?;
-        Ok(Self {
-            path: path.to_owned(),
-            writer: writer(file, schema).map_err(|error| fault(path, error))?,
-        })
+        let mut writer = writer(file, schema.clone()).map_err(|error| fault(path, error))?;
+        for pair in covered(path, &schema).into_iter().flatten() {
+            writer.append_key_value_metadata(pair);
+        }
+        Ok(Self { path: path.to_owned(), writer })
     }
 
     /// Appends rows.
@@ -88,6 +93,18 @@ fn key_values(schema: &Schema) -> Vec<KeyValue> {
         schema.metadata().iter().map(|(key, value)| (key.clone(), value.clone())).collect();
     pairs.sort();
     pairs.into_iter().map(|(key, value)| KeyValue::new(key, value)).collect()
+}
+
+/// Which points a part covers, from the number in its name: a renamed part is found out.
+fn covered(path: &Path, schema: &Schema) -> Option<[KeyValue; 2]> {
+    let part: u64 = path.file_stem()?.to_str()?.strip_prefix("part-")?.parse().ok()?;
+    let points: u64 = schema.metadata().get("iva.points")?.parse().ok()?;
+    let first = part * PART_POINTS;
+    let count = points.saturating_sub(first).min(PART_POINTS);
+    Some([
+        KeyValue::new("iva.first_point".to_owned(), first.to_string()),
+        KeyValue::new("iva.part_points".to_owned(), count.to_string()),
+    ])
 }
 
 fn fault(path: &Path, error: ParquetError) -> Error {

@@ -56,6 +56,7 @@ pub struct Report {
 struct Row {
     point: u64,
     value: Option<f64>,
+    impacts: Option<f64>,
     beside: Vec<Option<f64>>,
 }
 
@@ -111,7 +112,8 @@ impl BestPoints {
             self.without_value += u64::from(value.is_none());
             let beside =
                 self.beside.iter().map(|column| number(summary, column.name, index)).collect();
-            self.rows.push(Row { point: first + index as u64, value, beside });
+            let impacts = number(summary, "impacts", index);
+            self.rows.push(Row { point: first + index as u64, value, impacts, beside });
         }
         let better = self.better;
         // Nulls last, ties in the order of the points.
@@ -149,6 +151,14 @@ impl BestPoints {
             let _ = writeln!(out, "{}\n", wrap(&heading));
             out.push_str(&self.table(study, units).print());
             out.push('\n');
+            let idle = self.rows.iter().filter(|row| row.impacts == Some(0.0)).count() as u64;
+            if idle > 0 {
+                let sentence = format!(
+                    "At {} of these the absorber never touches a wall: it does nothing there.",
+                    counted(idle, "point")
+                );
+                let _ = writeln!(out, "{}", wrap(&sentence));
+            }
         }
         if self.without_value > 0 {
             let sentence = format!(
@@ -157,11 +167,7 @@ impl BestPoints {
                 counted(ranked, "point"),
                 if self.without_value == 1 { "has" } else { "have" },
                 self.best_by,
-                if self.best_by.starts_with("settling_time") {
-                    " (not settled by the end of the run)"
-                } else {
-                    " (the run is too short for it)"
-                }
+                why_none(self.best_by)
             );
             let _ = writeln!(out, "{}", wrap(&sentence));
         }
@@ -214,6 +220,15 @@ impl BestPoints {
             table.push_optional(column.name, unit, values.collect());
         }
         table
+    }
+}
+
+/// Why a finished run may have no value of a ranked measure.
+fn why_none(measure: &str) -> &'static str {
+    match measure {
+        "residual_amplitude" | "damping_ratio_energy" => " (the run is shorter than a period)",
+        name if name.starts_with("settling_time") => " (not settled by the end of the run)",
+        _ => " (fewer peaks than it needs)",
     }
 }
 

@@ -1,6 +1,7 @@
 //! `iva sweep` and `iva run`: from a study file to tables in a folder and a few lines of report.
 
 use std::fmt::Write;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -47,7 +48,7 @@ pub(crate) fn sweep_command(args: &RunArgs) -> Result<String, Error> {
     }
     let points = file.study.points().map_err(|invalid| file.source.locate(&invalid))?;
     let mut best = BestPoints::new(&file.report, &file.study);
-    let progress = Progress::new(points, args.quiet);
+    let progress = Progress::new("running", points, args.quiet);
     let (dir, written) = compute(&file, args, &progress, &mut |summary, first| {
         if let Some(best) = &mut best {
             best.add(summary, first);
@@ -82,7 +83,7 @@ pub(crate) fn run_command(args: &RunArgs) -> Result<String, Error> {
         )));
     }
     let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
-    let progress = Progress::new(1, args.quiet);
+    let progress = Progress::new("running", 1, args.quiet);
     let mut out = String::new();
     let (dir, written) = compute(&file, args, &progress, &mut |summary, _| {
         out = print_run(summary, &file.study, units);
@@ -114,7 +115,9 @@ fn compute(
 ) -> Result<(PathBuf, Vec<Written>), Error> {
     let workers = Workers::new(args.threads.map(usize::from))?;
     let cancel = interrupt::listen();
-    file.validate(&workers, cancel)?;
+    let checking = Progress::new("checking", file.points()?, args.quiet);
+    file.validate(&workers, cancel, &|count| checking.add(count))?;
+    checking.clear();
     let text = write(&resolve(file)?)?;
     let dir = match &args.out {
         Some(dir) => dir.clone(),
@@ -124,7 +127,13 @@ fn compute(
     output.stage_study(&text)?;
     let written = write_points(file, &mut output, &workers, cancel, progress, on_summary);
     progress.clear();
-    let mut written = written?;
+    let mut written = match written {
+        Ok(written) => written,
+        Err(reason) => {
+            let kept = keep_finished(file, output)?;
+            return Err(Error::Incomplete { reason: Box::new(reason), kept });
+        }
+    };
     if file.study.tables.contains(&Table::Trajectory) {
         written.push(write_trajectory(file, &mut output, cancel)?);
     }
@@ -135,7 +144,7 @@ fn compute(
     Ok((dir, written))
 }
 
-/// Moves the finished parts of an interrupted sweep into place; returns what is to be said.
+/// Moves the finished parts of a sweep that stopped midway into place; returns what is to be said.
 fn keep_finished(file: &StudyFile, output: Output) -> Result<String, Error> {
     let parts = output.parts();
     let dir = output.dir().display().to_string();
@@ -149,9 +158,10 @@ fn keep_finished(file: &StudyFile, output: Output) -> Result<String, Error> {
     Ok(format!("the first {} points are written to {dir}", parts * PART_POINTS))
 }
 
-/// `results/<name of the study file>`.
+/// `results/<name of the study file>`; of a name like `...toml` all of it, for its stem is `..`.
 fn default_folder(study: &Path) -> PathBuf {
-    Path::new("results").join(study.file_stem().unwrap_or(study.as_os_str()))
+    let stem = study.file_stem().filter(|stem| *stem != ".." && *stem != ".");
+    Path::new("results").join(stem.or(study.file_name()).unwrap_or(study.as_os_str()))
 }
 
 /// The study with the tables that a sweep builds.
@@ -182,39 +192,57 @@ fn write_points(
         written.push(Written { table: *table, parts: 0, rows: 0, bytes: 0 });
     }
     for part in 0..points.div_ceil(PART_POINTS) {
-        let mut files = Vec::with_capacity(study.tables.len());
-        for table in &study.tables {
-            let schema = schema(&study, *table).map_err(located)?;
-            files.push(ParquetFile::create(&output.stage_part(*table, part)?, schema)?);
-        }
-        let end = points.min((part + 1) * PART_POINTS);
-        let mut first = part * PART_POINTS;
-        while first < end {
-            let last = end.min(first + BATCH_POINTS);
-            let tables = sweep(&study, first..last, &control)
-                .map_err(|error| file.source.locate_sweep(error))?;
-            for (part, written) in files.iter_mut().zip(&mut written) {
-                if let Some(rows) = tables.get(&written.table) {
-                    part.append(rows)?;
-                    written.rows += rows.num_rows() as u64;
-                }
-            }
-            if let Some(summary) = tables.get(&Table::Summary) {
-                on_summary(summary, first);
-            }
-            first = last;
-            if cancel.load(Ordering::Relaxed) {
-                drop(files);
-                output.forget_part(part)?;
-                return Ok(written);
-            }
-        }
-        for (part, written) in files.into_iter().zip(&mut written) {
-            written.bytes += part.finish()?;
-            written.parts += 1;
+        let range = part * PART_POINTS..points.min((part + 1) * PART_POINTS);
+        let whole = write_part(file, &study, output, &control, range, &mut written, on_summary);
+        if !matches!(whole, Ok(true)) {
+            output.forget_part(part)?;
+            return whole.map(|_| written);
         }
     }
     Ok(written)
+}
+
+/// Runs the points of one part and writes its files; false if it was cancelled midway.
+fn write_part(
+    file: &StudyFile,
+    study: &Study,
+    output: &mut Output,
+    control: &Control<'_>,
+    points: Range<u64>,
+    written: &mut [Written],
+    on_summary: &mut dyn FnMut(&RecordBatch, u64),
+) -> Result<bool, Error> {
+    let located = |invalid| file.source.locate(&invalid);
+    let mut files = Vec::with_capacity(study.tables.len());
+    for table in &study.tables {
+        let schema = schema(study, *table).map_err(located)?;
+        let path = output.stage_part(*table, points.start / PART_POINTS)?;
+        files.push(ParquetFile::create(&path, schema)?);
+    }
+    let mut first = points.start;
+    while first < points.end {
+        let last = points.end.min(first + BATCH_POINTS);
+        let tables =
+            sweep(study, first..last, control).map_err(|error| file.source.locate_sweep(error))?;
+        for (file, written) in files.iter_mut().zip(&mut *written) {
+            if let Some(rows) = tables.get(&written.table) {
+                file.append(rows)?;
+                written.rows += rows.num_rows() as u64;
+            }
+        }
+        if let Some(summary) = tables.get(&Table::Summary) {
+            on_summary(summary, first);
+        }
+        first = last;
+        if control.cancel.load(Ordering::Relaxed) {
+            return Ok(false);
+        }
+    }
+    for (file, written) in files.into_iter().zip(written) {
+        written.bytes += file.finish()?;
+        written.parts += 1;
+    }
+    Ok(true)
 }
 
 fn write_trajectory(
@@ -263,4 +291,22 @@ pub(crate) fn size(bytes: f64) -> String {
         b => (b / 1e9, "GB"),
     };
     if value < 10.0 { format!("{value:.1} {unit}") } else { format!("{value:.0} {unit}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_go_below_results_whatever_the_name() {
+        for (study, folder) in [
+            ("my.toml", "results/my"),
+            ("deep/my.study.toml", "results/my.study"),
+            ("...toml", "results/...toml"),
+            ("..toml", "results/..toml"),
+            ("study", "results/study"),
+        ] {
+            assert_eq!(default_folder(Path::new(study)), Path::new(folder), "{study}");
+        }
+    }
 }

@@ -9,9 +9,6 @@ use iva_sweep::sweep::SweepError;
 
 use crate::error::{Error, Place, StudyError};
 
-/// Characters shown of an offending line, so that messages fit a terminal.
-const SHOWN: usize = 72;
-
 /// A study file as read, with the place of every key that was understood.
 #[derive(Debug, Clone)]
 pub struct Source {
@@ -43,9 +40,7 @@ impl Source {
     /// What stands at a place, as written, shortened to one line of 40 characters.
     pub(crate) fn literal(&self, span: &Range<usize>) -> String {
         let whole = self.text.get(span.clone()).unwrap_or_default();
-        let line = whole.lines().next().unwrap_or_default();
-        let short: String = line.chars().take(40).collect();
-        if short.len() < whole.len() { format!("{short}…") } else { short }
+        shortened(whole)
     }
 
     /// An error at a place of the file.
@@ -117,6 +112,18 @@ impl Source {
     }
 }
 
+/// Text of a study on one line of at most 40 characters, fit for a terminal.
+pub(crate) fn shortened(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    let visible = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
+    let short: String = line.chars().take(40).map(visible).collect();
+    if line.chars().nth(40).is_some() || line.len() < text.len() {
+        format!("{short}…")
+    } else {
+        short
+    }
+}
+
 /// Line, column and extent of a byte range.
 fn place(text: &str, span: Range<usize>) -> Place {
     let mut start = span.start.min(text.len());
@@ -128,15 +135,10 @@ fn place(text: &str, span: Range<usize>) -> Place {
     let line = text[line_start..].lines().next().unwrap_or_default();
     let line_end = line_start + line.len();
     let end = span.end.clamp(start, line_end.max(start));
-    let column = text[line_start..start].chars().count();
-    let width = text.get(start..end).map_or(1, |stretch| stretch.chars().count().max(1));
-    let first = if column + width > SHOWN { column.saturating_sub(SHOWN / 2) } else { 0 };
-    let shown: String = line.chars().skip(first).take(SHOWN).collect();
     Place {
         line: before.matches('\n').count() + 1,
-        column: column + 1,
-        indent: column - first,
-        width: width.min(SHOWN - (column - first)),
-        text: shown,
+        column: text[line_start..start].chars().count() + 1,
+        text: line.to_owned(),
+        span: start - line_start..end - line_start,
     }
 }

@@ -21,12 +21,15 @@
 //! The fields of `[primary]`, `[absorber]`, `[start]` and `[run]` and their ranges are those of
 //! [`iva_sweep::fields::FIELDS`]; every error names file, line and column.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use iva_sweep::columns::{Measures, SUMMARY};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
+use iva_sweep::motion::samples;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Workers, validate};
 use toml::de::DeTable;
@@ -47,6 +50,9 @@ pub const SAMPLES_PER_PERIOD: u32 = 200;
 
 /// The tables of a sweep if the study names none.
 pub const SWEEP_TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
+
+/// A study of more bytes is not one: a million values of an axis take some 20 MB.
+const MOST_BYTES: u64 = 64_000_000;
 
 const SECTIONS: [&str; 7] = ["version", "primary", "absorber", "start", "run", "sweep", "report"];
 const KINDS: [&str; 1] = ["siva"];
@@ -72,9 +78,16 @@ pub struct StudyFile {
 /// [`Error::Refused`] if the file cannot be read, [`Error::Study`] with line and column for
 /// anything in it that cannot be used.
 pub fn read_study(path: &Path) -> Result<StudyFile, Error> {
-    let bytes = std::fs::read(path).map_err(|reason| {
-        Error::Refused(format!("cannot read the study file {}: {reason}", path.display()))
-    })?;
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes)).map_err(
+        |reason| Error::Refused(format!("cannot read the study file {}: {reason}", path.display())),
+    )?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(Error::Refused(format!(
+            "{} is larger than 64 MB; give a study file",
+            path.display()
+        )));
+    }
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -143,12 +156,33 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
 }
 
 impl StudyFile {
-    /// Checks every point, without running any; setting `cancel` ends the check early.
+    /// Number of points of the grid, 1 without one.
     ///
     /// # Errors
-    /// The first invalid point, pointed at the line of the field to blame; too many points.
-    pub fn validate(&self, workers: &Workers, cancel: &AtomicBool) -> Result<(), Error> {
-        validate(&self.study, workers, cancel).map_err(|invalid| self.source.locate(&invalid))
+    /// Too many points.
+    pub fn points(&self) -> Result<u64, Error> {
+        self.study.points().map_err(|invalid| self.source.locate(&invalid))
+    }
+
+    /// Checks every point, without running any; setting `cancel` ends the check early. `progress`
+    /// is called with the number of points checked since the last call.
+    ///
+    /// # Errors
+    /// The first invalid point, pointed at the line of the field to blame; too many points; a
+    /// trajectory with too many samples.
+    pub fn validate(
+        &self,
+        workers: &Workers,
+        cancel: &AtomicBool,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<(), Error> {
+        let located = |invalid| self.source.locate(&invalid);
+        validate(&self.study, workers, cancel, progress).map_err(located)?;
+        if self.study.tables.contains(&Table::Trajectory) {
+            let design = self.study.design(0).map_err(located)?;
+            samples(design.limits.duration, self.samples_per_period).map_err(located)?;
+        }
+        Ok(())
     }
 }
 

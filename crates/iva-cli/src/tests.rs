@@ -203,7 +203,7 @@ fn the_studies_of_the_repository_are_valid() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../studies");
     for (name, points) in [("siva_clearance.toml", 444), ("siva_restitution.toml", 555)] {
         let file = read_study(&folder.join(name)).unwrap();
-        file.validate(&Workers::new(Some(1)).unwrap(), &AtomicBool::new(false)).unwrap();
+        file.validate(&Workers::new(Some(1)).unwrap(), &AtomicBool::new(false), &|_| {}).unwrap();
         assert_eq!(file.study.points().unwrap(), points);
     }
 }

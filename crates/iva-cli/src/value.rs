@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
 use crate::error::Error;
-use crate::source::Source;
+use crate::source::{Source, shortened};
 
 /// A value with the place it stands at.
 pub(crate) type Value<'t> = Spanned<DeValue<'t>>;
@@ -171,7 +171,7 @@ pub(crate) fn unknown_key(source: &Source, section: &str, key: &Key<'_>, known: 
         (None, Some(near)) => format!("did you mean `{near}`?"),
         (None, None) => format!("known keys: {}", known.join(", ")),
     };
-    source.error(key.span(), format!("{path}: no such key; {hint}"))
+    source.error(key.span(), format!("{}: no such key; {hint}", shortened(&path)))
 }
 
 /// Points an [`Invalid`] at a place, quoting what is written there.

@@ -129,3 +129,19 @@ fn earlier_tables_survive_an_interrupted_overwrite() {
     assert_eq!(fs::read(&table).unwrap(), before);
     assert_eq!(files(&dir.path().join("out")).len(), 2);
 }
+
+#[test]
+fn an_interrupt_while_points_are_checked_is_heard() {
+    // A thousand million points take half a minute to check.
+    let dir = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(study(dir.path(), 20.0)).unwrap();
+    let huge = dir.path().join("huge.toml");
+    fs::write(&huge, text.replace("400 }", "400000 }")).unwrap();
+    let child = start(dir.path(), &huge, &[]);
+    sleep(Duration::from_secs(1));
+    assert!(!dir.path().join("out").exists(), "the check was over too soon");
+    let (output, time) = interrupt(child, "-INT");
+    assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(time < Duration::from_secs(5), "{time:?}");
+    assert!(!dir.path().join("out").exists());
+}

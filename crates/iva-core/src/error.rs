@@ -33,8 +33,31 @@ impl Invalid {
     }
 }
 
-/// A number as messages print it: shortest digits, with an exponent where it is very large or small.
+/// A number as messages print it: the shortest digits that mean it, with an exponent where that is
+/// shorter and the number very large or small.
 pub fn number(value: f64) -> String {
-    let text = format!("{value:?}");
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+    let (plain, scientific) = (value.to_string(), format!("{value:e}"));
+    let usual = value == 0.0 || (1e-4..1e6).contains(&value.abs());
+    if usual || !value.is_finite() || plain.len() <= scientific.len() { plain } else { scientific }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_are_printed_as_one_would_write_them() {
+        for (value, text) in [
+            (0.1, "0.1"),
+            (-0.0, "-0"),
+            (1000.0, "1000"),
+            (1e12, "1e12"),
+            (123456789.0, "123456789"),
+            (5e-324, "5e-324"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
 }

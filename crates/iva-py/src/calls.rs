@@ -35,25 +35,11 @@ pub fn fields(part: &str) -> PyResult<Vec<(&'static str, &'static str, &'static 
         .collect())
 }
 
-/// Checks the given fields of one part; raises ValueError for the first that cannot be used.
+/// Checks the given fields of one part; raises ValueError for the first that cannot be used, or
+/// that sets the same quantity as another.
 #[pyfunction]
 pub fn check(part: &str, values: Vec<(String, f64)>) -> PyResult<()> {
-    let part = arguments::part(part)?;
-    for (name, value) in values {
-        let field = FieldId::find(part, &name).ok_or_else(|| {
-            let path = format!("{}.{name}", part.name());
-            invalid(Invalid::new(path, value, "no such field"))
-        })?;
-        field.check(value).map_err(invalid)?;
-    }
-    Ok(())
-}
-
-/// Name ("si", "seconds", "natural") and sentence of the units of a complete spec.
-#[pyfunction]
-pub fn units(spec: &Bound<'_, PyDict>) -> PyResult<(&'static str, &'static str)> {
-    let units = Study::single(arguments::spec(spec)?).units().map_err(invalid)?;
-    Ok((units.name(), units.sentence()))
+    arguments::check(arguments::part(part)?, &values).map_err(invalid)
 }
 
 /// The sentence of the units that the fields of a primary system set.
@@ -139,7 +125,7 @@ fn run(
     let tables = worker::run(py, progress.as_ref(), move |shared| {
         let workers = engine::Workers::new(threads)?;
         // A bad point is said at once, not after the good ones before it.
-        engine::validate(&study, &workers, &shared.cancel)?;
+        engine::validate(&study, &workers, &shared.cancel, &|_| {})?;
         let control = engine::Control {
             workers: &workers,
             chunk: None,

@@ -5,7 +5,7 @@
 use std::sync::atomic::AtomicBool;
 
 use arrow_array::RecordBatch;
-use iva_core::error::Invalid;
+use iva_core::error::{Invalid, number};
 use iva_core::sample::{Sampler, State};
 use iva_core::simulate::simulate;
 
@@ -16,7 +16,27 @@ use crate::sweep::SweepError;
 use crate::tables::{TableBuilder, schema_in};
 
 /// More samples than this are refused: 56 bytes each.
-pub const MAX_SAMPLES: f64 = 100_000_000.0;
+pub const MAX_SAMPLES: f64 = 1e8;
+
+/// Whole sampling steps in a run of this duration (in 1/ωn).
+///
+/// # Errors
+/// [`Invalid`] for a sampling of 0, or one with more than [`MAX_SAMPLES`].
+pub fn samples(duration: f64, samples_per_period: u32) -> Result<u64, Invalid> {
+    let invalid = |allowed| Invalid::new("run.samples_per_period", samples_per_period, allowed);
+    if samples_per_period == 0 {
+        return Err(invalid("give a whole number, 1 or greater".to_owned()));
+    }
+    let count = (duration * f64::from(samples_per_period) / std::f64::consts::TAU).floor();
+    if count > MAX_SAMPLES {
+        let most = number(MAX_SAMPLES);
+        return Err(invalid(format!(
+            "the run would have {} samples, at most {most} are kept",
+            number(count)
+        )));
+    }
+    Ok(count as u64)
+}
 
 /// The motion of one design: `samples_per_period` equidistant samples a period 2π/ωn, the end of
 /// the run, and both states of every impact.
@@ -29,23 +49,10 @@ pub fn trajectory(
     cancel: &AtomicBool,
 ) -> Result<RecordBatch, SweepError> {
     let design = spec.design()?;
-    if samples_per_period == 0 {
-        return Err(
-            Invalid::new("samples_per_period", 0, "give a whole number, 1 or greater").into()
-        );
-    }
-    let step = std::f64::consts::TAU / f64::from(samples_per_period);
     let duration = design.limits.duration;
-    let count = (duration / step).floor();
-    if count > MAX_SAMPLES {
-        return Err(Invalid::new(
-            "samples_per_period",
-            samples_per_period,
-            format!("the run would have {count:.0} samples, at most {MAX_SAMPLES:.0} are kept"),
-        )
-        .into());
-    }
-    let mut times: Vec<f64> = (0..=count as u64).map(|k| (k as f64 * step).min(duration)).collect();
+    let count = samples(duration, samples_per_period)?;
+    let step = std::f64::consts::TAU / f64::from(samples_per_period);
+    let mut times: Vec<f64> = (0..=count).map(|k| (k as f64 * step).min(duration)).collect();
     if times.last().is_some_and(|last| *last < duration) {
         times.push(duration);
     }
@@ -74,8 +81,8 @@ pub fn states(spec: &Spec, times: &[f64], cancel: &AtomicBool) -> Result<RecordB
         if !(0.0..=duration * (1.0 + 4.0 * f64::EPSILON)).contains(&tau) {
             return Err(Invalid::new(
                 format!("times[{index}]"),
-                times[index],
-                format!("give times from 0 to {}", design.scale.time(duration)),
+                number(times[index]),
+                format!("give times from 0 to {}", number(design.scale.time(duration))),
             )
             .into());
         }

@@ -106,14 +106,12 @@ impl Axis {
                 "one value cannot span start to stop; give 2 or more",
             ));
         }
-        // Both ends are hit exactly and the values are symmetric under exchange of the ends.
-        let last = (count.max(2) - 1) as f64;
-        let values = (0..count)
-            .map(|i| {
-                let i = i as f64;
-                (start * (last - i) + stop * i) / last
-            })
-            .collect();
+        // Rounded as numpy.linspace rounds, so that a study and a Python sweep have equal values.
+        let step = (stop - start) / (count.max(2) - 1) as f64;
+        let mut values: Vec<f64> = (0..count).map(|i| i as f64 * step + start).collect();
+        if let [_, .., last] = values.as_mut_slice() {
+            *last = stop;
+        }
         Self::new(key, values)
     }
 }

@@ -77,21 +77,36 @@ impl Control<'_> {
 
 /// Most points a worker takes at once unless told otherwise.
 const CHUNK: u64 = 256;
+/// Points a worker checks at once, some hundred microseconds' work.
+const CHECKED: u64 = 4096;
 
-/// Checks every point of a study without running it; a cancelled check ends early.
+/// Checks every point of a study without running it; a cancelled check ends early. `progress` is
+/// called as in [`Control`].
 ///
 /// # Errors
 /// Axes over the same quantity, too many points, or the first invalid point.
-pub fn validate(study: &Study, workers: &Workers, cancel: &AtomicBool) -> Result<(), Invalid> {
+pub fn validate(
+    study: &Study,
+    workers: &Workers,
+    cancel: &AtomicBool,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<(), Invalid> {
     distinct(&study.axes)?;
     let points = study.points()?;
-    let first_fault = |point| {
-        if cancel.load(Ordering::Relaxed) { None } else { study.design(point).err() }
+    // A cancelled check must find something, or the search would visit every point left.
+    let first_fault = |chunk: u64| {
+        if cancel.load(Ordering::Relaxed) {
+            return Some(None);
+        }
+        let range = chunk * CHECKED..points.min((chunk + 1) * CHECKED);
+        let count = range.end - range.start;
+        let fault = range.into_iter().find_map(|point| study.design(point).err()).map(Some);
+        progress(count);
+        fault
     };
-    workers
-        .0
-        .install(|| (0..points).into_par_iter().find_map_first(first_fault))
-        .map_or(Ok(()), Err)
+    let chunks = points.div_ceil(CHECKED);
+    let fault = workers.0.install(|| (0..chunks).into_par_iter().find_map_first(first_fault));
+    fault.flatten().map_or(Ok(()), Err)
 }
 
 /// Runs a range of points and builds the tables of the study over them.

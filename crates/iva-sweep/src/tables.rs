@@ -10,9 +10,10 @@ use arrow_array::builder::{
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use iva_core::error::Invalid;
+use iva_core::simulate::Limits;
 
 use crate::columns::{SCHEMA_VERSION, columns};
-use crate::fields::Quantity;
+use crate::fields::{FieldId, Quantity};
 use crate::study::{Study, Table};
 use crate::units::UnitSystem;
 
@@ -22,17 +23,53 @@ pub const SIGN_CONVENTIONS: &str = "displacement: primary system, positive in th
      one-sided clearance; gap velocity w = dy/dt; approach velocity: w just before an impact; \
      absorber velocities: absolute, primary velocity + w";
 
-/// The Arrow schema of a table of a study.
+/// The Arrow schema of a table of a study, as its files carry it.
 ///
 /// Columns: `point`, in the summary the swept parameters by the names of the study, then
 /// [`columns`]. Field metadata: `unit`, `description`. Schema metadata: `iva.schema_version`,
 /// `iva.version`, `iva.table`, `iva.units` (si, seconds or natural), `iva.units_sentence`,
-/// `iva.sign_conventions`, `iva.swept` (comma-separated keys).
+/// `iva.sign_conventions`, `iva.swept` (comma-separated keys), `iva.study` (a digest: files with
+/// different ones are of different studies), `iva.points` (points of the whole study).
 ///
 /// # Errors
-/// As [`Study::units`].
+/// As [`Study::units`] and [`Study::points`].
 pub fn schema(study: &Study, table: Table) -> Result<SchemaRef, Invalid> {
-    Ok(schema_in(study, table, study.units()?))
+    let schema = schema_in(study, table, study.units()?);
+    let mut metadata = schema.metadata().clone();
+    metadata.insert("iva.study".to_owned(), format!("{:016x}", digest(study)?));
+    metadata.insert("iva.points".to_owned(), study.points()?.to_string());
+    Ok(Arc::new(Schema::new_with_metadata(schema.fields().clone(), metadata)))
+}
+
+/// The 64-bit FNV-1a hash of all that decides the values of a study: given fields, axes, measures.
+///
+/// A default counts the same whether it was written or left out.
+fn digest(study: &Study) -> Result<u64, Invalid> {
+    let limits = [
+        (FieldId::MaxImpacts, Limits::MAX_IMPACTS as f64),
+        (FieldId::MaxWork, Limits::MAX_WORK as f64),
+    ];
+    let mut hash = 0xcbf2_9ce4_8422_2325;
+    let mut add = |bytes: &[u8]| {
+        for byte in bytes {
+            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    for (field, value) in study.spec(0)?.given() {
+        let swept = study.axes.iter().any(|axis| axis.field == field);
+        // Whatever may be left out is 0 then, or a limit.
+        if !swept && value != 0.0 && !limits.contains(&(field, value)) {
+            add(field.path().as_bytes());
+            add(&value.to_le_bytes());
+        }
+    }
+    for axis in &study.axes {
+        add(axis.key.as_bytes());
+        add(&(axis.values.len() as u64).to_le_bytes());
+        axis.values.iter().for_each(|value| add(&value.to_le_bytes()));
+    }
+    study.measures.names().for_each(|name| add(name.as_bytes()));
+    Ok(hash)
 }
 
 pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> SchemaRef {
@@ -131,7 +168,8 @@ impl Builder {
     fn push(&mut self, cell: Cell) {
         match (self, cell) {
             (Self::Point(column), Cell::Point(value)) => column.append_value(value),
-            (Self::Number(column), Cell::Number(value)) => column.append_value(value),
+            // A sum with +0 is the value itself, but of -0 it is 0: nobody wants to read "-0".
+            (Self::Number(column), Cell::Number(value)) => column.append_value(value + 0.0),
             (Self::Count(column), Cell::Count(value)) => {
                 column.append_option(i64::try_from(value).ok());
             }

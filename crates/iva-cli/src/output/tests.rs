@@ -41,6 +41,13 @@ fn refusal(result: Result<Output, Error>) -> String {
     error.to_string()
 }
 
+/// Where a failed commit says that the new tables are.
+fn kept(error: Error) -> PathBuf {
+    let Error::NotMoved { ref kept, .. } = error else { panic!("{error}") };
+    assert!(error.to_string().contains(&kept.display().to_string()), "{error}");
+    kept.clone()
+}
+
 const TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 
 #[test]
@@ -123,8 +130,14 @@ fn a_commit_that_fails_midway_is_undone() {
     assert!(!vanished.exists());
     let error = output.commit().unwrap_err();
     assert_eq!(error.exit_code(), 1, "{error}");
-    assert_eq!(contents(dir), before);
     assert!(!dir.join("episodes").exists());
+    let kept = kept(error);
+    assert_eq!(
+        fs::read_to_string(kept.join("new/summary/part-00000.parquet")).unwrap(),
+        "summary new"
+    );
+    fs::remove_dir_all(kept).unwrap();
+    assert_eq!(contents(dir), before);
 }
 
 #[test]
@@ -134,7 +147,11 @@ fn tables_that_appear_meanwhile_are_not_replaced() {
     stage_all(&mut slow, &TABLES, "slow");
     write_run(root.path(), &TABLES, "fast");
     let error = slow.commit().unwrap_err();
+    assert_eq!(error.exit_code(), 2, "{error}");
     assert!(error.to_string().contains("--overwrite"), "{error}");
+    let kept = kept(error);
+    assert_eq!(contents(&kept.join("new")).len(), 3);
+    fs::remove_dir_all(kept).unwrap();
     let found = contents(root.path());
     assert!(found.values().all(|text| text.ends_with("fast")), "{found:?}");
 }

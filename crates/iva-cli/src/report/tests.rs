@@ -82,6 +82,36 @@ fn what_is_not_ranked_is_said() {
 }
 
 #[test]
+fn points_without_any_impact_are_pointed_out() {
+    let name = "settling_time_5";
+    let columns: [(&str, ArrayRef); 3] = [
+        ("outcome", Arc::new(StringArray::from(vec![FINISHED; 3]))),
+        (name, Arc::new(Float64Array::from(vec![3.0, 1.0, 2.0]))),
+        ("impacts", Arc::new(UInt64Array::from(vec![0, 7, 0]))),
+    ];
+    let mut best = best(name, 2);
+    best.add(&RecordBatch::try_from_iter(columns).unwrap(), 0);
+    let text = best.print(&study(), UnitSystem::Natural);
+    assert!(text.contains("At 1 point of these the absorber never touches a wall"), "{text}");
+}
+
+#[test]
+fn a_missing_value_is_explained_by_its_measure() {
+    for (name, why) in [
+        ("damping_ratio_10", "fewer peaks than it needs"),
+        ("damping_ratio_fit", "fewer peaks than it needs"),
+        ("damping_ratio_energy", "shorter than a period"),
+        ("residual_amplitude", "shorter than a period"),
+        ("settling_time_2", "not settled by the end"),
+    ] {
+        let mut best = best(name, 2);
+        best.add(&rows(name, &[None, Some(1.0)], &[FINISHED; 2]), 0);
+        let text = best.print(&study(), UnitSystem::Natural).replace('\n', " ");
+        assert!(text.contains(why), "{name}: {text}");
+    }
+}
+
+#[test]
 fn a_sweep_without_any_value_says_so() {
     let mut best = best("settling_time_5", 3);
     best.add(&rows("settling_time_5", &[None, None], &["not_finite"; 2]), 0);

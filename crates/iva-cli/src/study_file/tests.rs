@@ -40,6 +40,11 @@ fn bad(text: &str) -> StudyError {
     }
 }
 
+/// What the terminal shows of an error, without its colours.
+fn picture(error: StudyError) -> String {
+    anstream::adapter::strip_str(&Error::from(error).report()).to_string()
+}
+
 /// The good study without its last section, to append another.
 fn without_sweep() -> &'static str {
     &GOOD[..GOOD.find("[sweep]").unwrap()]
@@ -151,7 +156,7 @@ const BAD: &[Case] = &[
     ("0.6", "inf", 8, 22, &["absorber.relative_clearance = inf", "a number greater than 0, from 1e-30 to 1e30"]),
     ("0.6", "1e999", 8, 22, &["absorber.relative_clearance = 1e999", "a number greater than 0, from 1e-30 to 1e30"]),
     ("0.6", "-0.6", 8, 22, &["absorber.relative_clearance = -0.6", "greater than 0"]),
-    ("0.01", "-0.01", 3, 17, &["primary.damping_ratio = -0.01", "0 or greater"]),
+    ("0.01", "-0.01", 3, 17, &["primary.damping_ratio = -0.01", "a number from 0 to 1e9"]),
     ("0.05, ", "0, ", 16, 15, &["sweep.mass_ratio[0] = 0", "greater than 0"]),
     ("start = 0.1", "start = -1", 15, 32, &["sweep.relative_clearance.start = -1", "greater than 0"]),
     ("count = 111", "count = 0", 15, 57, &["sweep.relative_clearance.count = 0", "whole number from 1"]),
@@ -187,10 +192,13 @@ fn every_bad_study_says_where_what_and_what_is_allowed() {
         for part in *parts {
             assert!(message.contains(part), "{part:?} is not in:\n{message}");
         }
-        let place = error.place.unwrap_or_else(|| panic!("no place: {message}"));
-        assert_eq!((place.line, place.column), (*line, *column), "{message}");
         assert!(message.starts_with(&format!("my.toml:{line}:{column}: ")), "{message}");
-        assert!(message.contains(text.lines().nth(line - 1).unwrap()), "{message}");
+        let place = error.place.clone().unwrap_or_else(|| panic!("no place: {message}"));
+        assert_eq!((place.line, place.column), (*line, *column), "{message}");
+        assert_eq!(place.text, text.lines().nth(line - 1).unwrap());
+        let shown = picture(error);
+        assert!(shown.contains(&format!("--> my.toml:{line}:{column}")), "{shown}");
+        assert!(shown.contains(&place.text), "{shown}");
     }
 }
 
@@ -211,18 +219,44 @@ fn what_is_missing_altogether_is_named() {
 
 #[test]
 fn the_marks_stand_under_the_text_they_are_about() {
-    let text = GOOD.replace("restitution = 0.5", "\trestitution = 7");
-    let message = bad(&text).to_string();
-    let lines: Vec<&str> = message.lines().collect();
-    assert_eq!(lines[2], " 7 | \trestitution = 7");
-    assert_eq!(lines[3], "   | \t              ^");
+    let text = GOOD.replace("restitution = 0.5", "\trestitution = 7 # é");
+    let shown = picture(bad(&text));
+    let lines: Vec<&str> = shown.lines().collect();
+    assert!(lines[0].starts_with("error: absorber.restitution = 7: give"), "{shown}");
+    let marks = lines[4].find('^').unwrap();
+    assert_eq!(&lines[3][marks..=marks], "7", "{shown}");
     let values = vec!["0.25"; 100].join(", ");
     let text = GOOD.replace("[0.05, 0.1, 0.15, 0.2]", &format!("[{values}, -3]"));
-    let message = bad(&text).to_string();
-    let lines: Vec<&str> = message.lines().collect();
-    assert!(lines.iter().skip(1).all(|line| line.chars().count() <= 80), "{message}");
-    let marks = lines[3].find('^').unwrap();
-    assert_eq!(&lines[2][marks..marks + 2], "-3");
+    let shown = picture(bad(&text));
+    assert!(shown.lines().skip(1).all(|line| line.chars().count() <= 80), "{shown}");
+    assert!(shown.contains("-3]"), "{shown}");
+}
+
+#[test]
+fn control_characters_of_a_study_do_not_reach_the_terminal() {
+    let text = GOOD.replace("[run]", "[\"run\\u001b[31m\"]");
+    let shown = picture(bad(&text));
+    assert!(!shown.chars().any(|c| c.is_control() && c != '\n'), "{shown:?}");
+    let long = "x".repeat(5000);
+    let shown = picture(bad(&GOOD.replace("damping_ratio", &long)));
+    assert!(shown.lines().skip(1).all(|line| line.chars().count() <= 80), "{shown}");
+}
+
+#[test]
+fn a_trajectory_with_too_many_samples_is_refused_before_the_run() {
+    let text = without_sweep()
+        .replace("periods = 60", "periods = 1e6\nsamples_per_period = 1000000")
+        .replace("[\"impacts\", \"summary\"]", "[\"trajectory\"]");
+    let error = match good(&text).validate(
+        &Workers::new(Some(1)).unwrap(),
+        &AtomicBool::new(false),
+        &|_| {},
+    ) {
+        Err(Error::Study(error)) => error,
+        other => panic!("{other:?}"),
+    };
+    assert!(error.message.contains("1e12 samples, at most 1e8"), "{error}");
+    assert!(error.message.starts_with("run.samples_per_period = 1000000"), "{error}");
 }
 
 #[test]
@@ -261,7 +295,7 @@ fn what_only_shows_together_is_pointed_at_its_line() {
 #[test]
 fn a_start_outside_the_gap_is_pointed_at_in_the_file() {
     let text = without_sweep().replace("[run]", "gap_displacement = 2.0\n[run]");
-    match good(&text).validate(&Workers::new(Some(1)).unwrap(), &AtomicBool::new(false)) {
+    match good(&text).validate(&Workers::new(Some(1)).unwrap(), &AtomicBool::new(false), &|_| {}) {
         Err(Error::Study(error)) => {
             assert_eq!(error.place.clone().unwrap().line, 11, "{error}");
             assert!(error.message.contains("start.gap_displacement = 2"), "{error}");
@@ -273,8 +307,9 @@ fn a_start_outside_the_gap_is_pointed_at_in_the_file() {
 #[test]
 fn a_field_missing_altogether_is_refused_with_what_to_give() {
     let text = without_sweep().replace("periods = 60\n", "");
-    let error =
-        good(&text).validate(&Workers::new(Some(1)).unwrap(), &AtomicBool::new(false)).unwrap_err();
+    let error = good(&text)
+        .validate(&Workers::new(Some(1)).unwrap(), &AtomicBool::new(false), &|_| {})
+        .unwrap_err();
     assert_eq!(error.exit_code(), 2);
     assert!(error.to_string().contains("run.periods is missing: give periods"), "{error}");
 }
