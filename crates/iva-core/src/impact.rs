@@ -6,7 +6,7 @@
 //! demands it.
 
 use crate::compensated::Sum;
-use crate::system::{Jump, Wall};
+use crate::system::Wall;
 
 /// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13).
 ///
@@ -25,10 +25,11 @@ pub fn energy_loss(mass_ratio: f64, restitution: f64, approach: f64) -> f64 {
         * (approach * approach)
 }
 
-/// One impact of a run.
+/// One impact of a run, in natural units: time in 1/ωn, velocities in ωn × length, energies per
+/// primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact {
-    /// Instant, in 1/ωn.
+    /// Instant.
     pub time: f64,
     /// The wall that was hit.
     pub wall: Wall,
@@ -47,20 +48,6 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// The record of a jump.
-    pub fn new(time: f64, wall: Wall, jump: &Jump) -> Self {
-        Self {
-            time,
-            wall,
-            displacement: jump.displacement,
-            velocity_before: jump.velocity_before,
-            velocity_after: jump.velocity_after,
-            gap_velocity_before: jump.gap_velocity_before,
-            gap_velocity_after: jump.gap_velocity_after,
-            energy_loss: jump.energy_loss,
-        }
-    }
-
     /// Absolute horizontal velocity of the absorber just before.
     pub fn absorber_velocity_before(&self) -> f64 {
         self.velocity_before + self.gap_velocity_before

@@ -37,7 +37,8 @@ impl Wanted {
     pub const ALL: Wanted = Wanted { peaks: true, settling: true, residual: true, ledger: true };
 }
 
-/// The measures of a run; `None` where the run does not define one.
+/// The measures of a run, times in 1/ωn and energies per primary mass in ωn² × length²; `None` where
+/// the run does not define one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MeasureValues {
     /// δ/√(4π² + δ²), δ = ln(a₀/a₂).

@@ -20,7 +20,8 @@ pub struct Span<'a, M> {
     pub to: Point,
 }
 
-/// A chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall.
+/// A chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall. Times in
+/// 1/ωn, energy per primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Episode {
     /// The wall.

@@ -14,7 +14,7 @@ use crate::system::{Clock, Start, System, Wall};
 
 pub use crate::limits::{Limits, Outcome};
 
-/// Counts and sums of a run.
+/// Counts and sums of a run, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tally<State> {
     /// How it ended.
@@ -235,8 +235,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
     /// The impact law at the state in contact, then whatever follows.
     fn strike(&mut self) {
         let wall = self.system.wall(&self.tally.state);
-        let (after, jump) = self.system.impact(&self.tally.state);
-        let impact = Impact::new(self.clock.value, wall, &jump);
+        let (after, impact) = self.system.impact(&self.tally.state, self.clock.value);
         self.losses = self.losses.plus(impact.energy_loss);
         let streak = match &mut self.streak {
             Some(streak) if streak.wall == wall => streak,
@@ -323,8 +322,8 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             }
             clock = clock.plus(stretch.end.h);
             let wall = self.system.wall(&state);
-            let (after, jump) = self.system.impact(&self.system.touch(&stretch.end.sample, wall));
-            let impact = Impact::new(clock.value.min(stick_time), wall, &jump);
+            let touching = self.system.touch(&stretch.end.sample, wall);
+            let (after, impact) = self.system.impact(&touching, clock.value.min(stick_time));
             if impact.approach_speed() <= self.limits.chatter_floor {
                 return;
             }

@@ -7,10 +7,10 @@
 use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::flight::Jet;
-use crate::impact;
+use crate::impact::{self, Impact};
 use crate::oscillator::{Oscillator, Primary};
 use crate::range;
-use crate::system::{Jump, Point, Start, System, Wall};
+use crate::system::{Point, Start, System, Wall};
 
 pub use motion::{SivaFlight, SivaRide};
 
@@ -225,7 +225,7 @@ impl System for Siva {
         SivaState { wall, distance: Sum::ZERO, rate, ..*state }
     }
 
-    fn impact(&self, state: &SivaState) -> (SivaState, Jump) {
+    fn impact(&self, state: &SivaState, time: f64) -> (SivaState, Impact) {
         let s = state.wall.sign();
         let rate = state.rate;
         let approach = -rate.value;
@@ -236,7 +236,9 @@ impl System for Siva {
             rate: rate.times(-self.restitution),
             ..*state
         };
-        let jump = Jump {
+        let impact = Impact {
+            time,
+            wall: state.wall,
             displacement: state.primary.x.value,
             velocity_before: state.primary.v.value,
             velocity_after: after.primary.v.value,
@@ -244,7 +246,7 @@ impl System for Siva {
             gap_velocity_after: after.gap_velocity(),
             energy_loss: impact::energy_loss(self.mass_ratio, self.restitution, approach),
         };
-        (after, jump)
+        (after, impact)
     }
 
     fn stick(&self, state: &SivaState) -> (SivaState, f64) {

@@ -6,6 +6,7 @@
 use crate::compensated::Sum;
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
+use crate::impact::Impact;
 
 /// A wall of the gap: `Plus` at y = +d, `Minus` at y = −d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -57,30 +58,13 @@ pub struct Start {
     pub gap_velocity: f64,
 }
 
-/// Displacement and velocity of the primary system.
+/// Displacement and velocity of the primary system, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Displacement x.
     pub x: f64,
     /// Velocity ẋ.
     pub v: f64,
-}
-
-/// The jump of velocities at an impact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Jump {
-    /// Displacement of the primary.
-    pub displacement: f64,
-    /// Primary velocity just before.
-    pub velocity_before: f64,
-    /// Primary velocity just after.
-    pub velocity_after: f64,
-    /// Gap velocity just before: the signed approach velocity.
-    pub gap_velocity_before: f64,
-    /// Gap velocity just after.
-    pub gap_velocity_after: f64,
-    /// Energy lost.
-    pub energy_loss: f64,
 }
 
 /// An absorber on its primary system.
@@ -124,8 +108,8 @@ pub trait System {
     fn distance(&self, state: &Self::State) -> Jet;
     /// The same state in contact with `wall`: its distance to it is set to 0.
     fn touch(&self, state: &Self::State, wall: Wall) -> Self::State;
-    /// The impact law at a state in contact.
-    fn impact(&self, state: &Self::State) -> (Self::State, Jump);
+    /// The impact law at a state in contact: the state after it, and the record of it.
+    fn impact(&self, state: &Self::State, time: f64) -> (Self::State, Impact);
     /// The state after an infinite tail of rebounds: common velocity, and the energy they lose.
     fn stick(&self, state: &Self::State) -> (Self::State, f64);
     /// The state at the end of a ride, with distance, rate and pressure exactly 0.

@@ -4,10 +4,11 @@
 use iva_core::{
     error::Invalid,
     flight::Jet,
+    impact::Impact,
     run::run,
     simulate::Limits,
     siva::{Siva, SivaState},
-    system::{Jump, Point, Start, System, Wall},
+    system::{Point, Start, System, Wall},
 };
 
 /// Which velocity a wrong restitution enters.
@@ -30,25 +31,24 @@ impl System for Broken {
     type Flight<'a> = <Siva as System>::Flight<'a>;
     type Ride<'a> = <Siva as System>::Ride<'a>;
 
-    fn impact(&self, state: &SivaState) -> (SivaState, Jump) {
-        let (_, mut jump) = self.siva.impact(state);
-        let (mu, w) = (self.siva.mass_ratio(), jump.gap_velocity_before);
+    fn impact(&self, state: &SivaState, time: f64) -> (SivaState, Impact) {
+        let (_, mut impact) = self.siva.impact(state, time);
+        let (mu, w) = (self.siva.mass_ratio(), impact.gap_velocity_before);
         match self.fault {
             Fault::None => {}
-            Fault::Gap => jump.gap_velocity_after = -self.wrong * w,
+            Fault::Gap => impact.gap_velocity_after = -self.wrong * w,
             Fault::Primary => {
-                jump.velocity_after =
-                    jump.velocity_before + mu * (1.0 + self.wrong) / (1.0 + mu) * w;
+                impact.velocity_after =
+                    impact.velocity_before + mu * (1.0 + self.wrong) / (1.0 + mu) * w;
             }
         }
-        let wall = self.siva.wall(state);
         let after = Start {
-            displacement: jump.displacement,
-            velocity: jump.velocity_after,
-            gap_displacement: wall.sign() * self.siva.clearance(),
-            gap_velocity: jump.gap_velocity_after,
+            displacement: impact.displacement,
+            velocity: impact.velocity_after,
+            gap_displacement: impact.wall.sign() * self.siva.clearance(),
+            gap_velocity: impact.gap_velocity_after,
         };
-        (self.siva.begin(&after).0, jump)
+        (self.siva.begin(&after).0, impact)
     }
 
     fn clearance(&self) -> f64 {
