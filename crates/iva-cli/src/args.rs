@@ -6,6 +6,9 @@ use clap::{Args, Parser, Subcommand};
 use iva_sweep::fields::nearest;
 use iva_sweep::study::Table;
 
+use crate::error::Error;
+use crate::table_file::{Format, Style};
+
 /// Largest `--threads`.
 const MAX_THREADS: i64 = 1024;
 
@@ -97,15 +100,47 @@ pub struct RunArgs {
     /// `iva run` also trajectory
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = table)]
     pub tables: Option<Vec<Table>>,
+    /// What the tables are written as
+    #[arg(
+        long,
+        value_enum,
+        default_value_t,
+        hide_possible_values = true,
+        value_name = "FORMAT",
+        help = "What the tables are written as: parquet, arrow or csv"
+    )]
+    pub format: Format,
+    /// With --format csv: a second line with the unit of each column
+    #[arg(long)]
+    pub units_row: bool,
     /// Worker threads [default: one a core]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
     pub threads: Option<u16>,
+    /// Add lines of JSON to this file: what was run, each part written, how it ended
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
     /// Replace the tables that the folder holds, once the new ones are complete
     #[arg(long)]
     pub overwrite: bool,
+}
+
+impl RunArgs {
+    /// How the tables are to be written.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] for a row of units in a format that carries them in its metadata.
+    pub(crate) fn style(&self) -> Result<Style, Error> {
+        let &Self { format, units_row, .. } = self;
+        if units_row && format != Format::Csv {
+            return Err(Error::Refused(format!(
+                "--units-row: {format} files carry the units in their metadata; give --format csv"
+            )));
+        }
+        Ok(Style { format, units_row })
+    }
 }
 
 /// Arguments of `iva check`.

@@ -14,11 +14,11 @@ use crate::cell::duration;
 use crate::error::Error;
 use crate::layout::{first_upper, wrap};
 use crate::output::PART_POINTS;
-use crate::parquet_file::encoded_size;
 use crate::progress::Progress;
 use crate::report::counted;
 use crate::run_study::{size, without_trajectory};
 use crate::study_file::{StudyFile, read_study};
+use crate::table_file::encoded_size;
 
 /// Points run for the estimate. A grid of up to twice as many is run whole.
 const SAMPLES: u64 = 48;
@@ -54,7 +54,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let seconds = estimate.seconds / threads as f64;
     let _ = writeln!(out, "Time: {} on {}", duration(seconds), counted(threads, "thread"));
     let total: f64 = estimate.sizes.iter().map(|(_, bytes)| bytes).sum();
-    let _ = writeln!(out, "Size: about {}", size(total));
+    let _ = writeln!(out, "Size: about {} as Parquet", size(total));
     for (table, bytes) in &estimate.sizes {
         let _ = writeln!(out, "  {:12} {}", format!("{table}/"), size(*bytes));
     }

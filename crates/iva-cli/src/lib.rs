@@ -3,7 +3,7 @@
 //! [`main_with_args`] is the one command line that the native binary and the Python console script
 //! share. Below it, in the order of a run:
 //! [`args`] (what was asked) → [`study_file`] (TOML, with the place of every error) →
-//! [`iva_sweep`] (the runs) → [`parquet_file`] and [`output`] (staged, then moved into place) →
+//! [`iva_sweep`] (the runs) → [`table_file`] and [`output`] (staged, then moved into place) →
 //! [`report`] (the best points). [`resolved`] writes the study with every default filled in.
 
 pub mod args;
@@ -13,14 +13,15 @@ mod check;
 pub mod error;
 mod interrupt;
 mod layout;
+mod log;
 pub mod output;
-pub mod parquet_file;
 mod progress;
 pub mod report;
 pub mod resolved;
 mod run_study;
 pub mod source;
 pub mod study_file;
+pub mod table_file;
 #[cfg(test)]
 mod tests;
 mod value;

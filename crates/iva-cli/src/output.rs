@@ -7,6 +7,8 @@
 //! DIR/impacts/part-00000.parquet       and so on, a folder for every table
 //! ```
 //!
+//! With another format the files end in `.arrow` or `.csv`.
+//!
 //! Everything is written into a hidden folder inside DIR first and moved into place when all of it
 //! is complete. Tables of an earlier run are moved aside, not deleted, until then, and moved back
 //! if anything fails. Files that `iva` did not write are never touched.
@@ -21,6 +23,7 @@ use tempfile::TempDir;
 
 use crate::error::Error;
 use crate::resolved::HEADER;
+use crate::table_file::{Format, Style};
 
 /// Points a part file covers: a constant, so that the files do not depend on the machine.
 pub const PART_POINTS: u64 = 65_536;
@@ -29,8 +32,8 @@ const STUDY_FILE: &str = "study.toml";
 const STAGING_PREFIX: &str = ".iva-";
 
 /// File name of a part.
-pub fn part_name(part: u64) -> String {
-    format!("part-{part:05}.parquet")
+pub fn part_name(part: u64, format: Format) -> String {
+    format!("part-{part:05}.{format}")
 }
 
 /// An output folder that was found usable, with a staging area inside.
@@ -38,6 +41,7 @@ pub fn part_name(part: u64) -> String {
 pub struct Output {
     dir: PathBuf,
     overwrite: bool,
+    style: Style,
     staging: TempDir,
     /// Files staged so far, relative to the folder.
     staged: Vec<PathBuf>,
@@ -51,7 +55,7 @@ impl Output {
     /// # Errors
     /// [`Error::Refused`] if the folder holds tables (unless `overwrite`), holds a `study.toml`
     /// that is not `iva`'s own, or cannot be written.
-    pub fn prepare(dir: &Path, overwrite: bool) -> Result<Self, Error> {
+    pub fn prepare(dir: &Path, overwrite: bool, style: Style) -> Result<Self, Error> {
         refuse_conflicts(dir, overwrite)?;
         let unwritable = |reason: io::Error| {
             Error::Refused(format!(
@@ -62,7 +66,14 @@ impl Output {
         let created = CreatedFolders::create(dir).map_err(unwritable)?;
         let staging =
             tempfile::Builder::new().prefix(STAGING_PREFIX).tempdir_in(dir).map_err(unwritable)?;
-        Ok(Self { dir: dir.to_owned(), overwrite, staging, staged: Vec::new(), _created: created })
+        Ok(Self {
+            dir: dir.to_owned(),
+            overwrite,
+            style,
+            staging,
+            staged: Vec::new(),
+            _created: created,
+        })
     }
 
     /// The folder.
@@ -70,12 +81,17 @@ impl Output {
         &self.dir
     }
 
+    /// How its tables are written.
+    pub fn style(&self) -> Style {
+        self.style
+    }
+
     /// Where to write a part of a table for now; the caller creates the file.
     ///
     /// # Errors
     /// [`Error::Io`] if its folder cannot be made.
     pub fn stage_part(&mut self, table: Table, part: u64) -> Result<PathBuf, Error> {
-        self.stage(Path::new(table.name()).join(part_name(part)))
+        self.stage(Path::new(table.name()).join(part_name(part, self.style.format)))
     }
 
     /// Removes what was staged of a part that will not be completed.
@@ -83,7 +99,7 @@ impl Output {
     /// # Errors
     /// [`Error::Io`] if a file cannot be removed.
     pub fn forget_part(&mut self, part: u64) -> Result<(), Error> {
-        let name = part_name(part);
+        let name = part_name(part, self.style.format);
         let new = self.staging.path().join("new");
         let (unfinished, staged): (Vec<_>, Vec<_>) = std::mem::take(&mut self.staged)
             .into_iter()
@@ -257,9 +273,13 @@ fn written_by_iva(dir: &Path) -> Vec<PathBuf> {
 }
 
 fn is_part(name: &str) -> bool {
-    name.strip_prefix("part-")
-        .and_then(|rest| rest.strip_suffix(".parquet"))
-        .is_some_and(|digits| digits.len() == 5 && digits.bytes().all(|b| b.is_ascii_digit()))
+    name.strip_prefix("part-").and_then(|rest| rest.split_once('.')).is_some_and(
+        |(digits, ending)| {
+            digits.len() == 5
+                && digits.bytes().all(|b| b.is_ascii_digit())
+                && Format::ALL.iter().any(|format| format.name() == ending)
+        },
+    )
 }
 
 fn remove_empty_table_folders(dir: &Path) {

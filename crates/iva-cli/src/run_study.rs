@@ -10,16 +10,18 @@ use iva_sweep::motion::trajectory;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, Workers, sweep};
 use iva_sweep::tables::schema;
+use serde_json::{Map, Value, json};
 
 use crate::args::RunArgs;
 use crate::error::Error;
 use crate::interrupt;
+use crate::log::Log;
 use crate::output::{Output, PART_POINTS};
-use crate::parquet_file::ParquetFile;
 use crate::progress::Progress;
 use crate::report::{BestPoints, counted, print_run};
 use crate::resolved::{resolve, write};
 use crate::study_file::{NO_TRAJECTORY, StudyFile, read_study};
+use crate::table_file::{TableFile, part_schema};
 
 /// Points computed and held in memory at once. A constant that divides [`PART_POINTS`], so that
 /// the rows reach the files in the same portions on every machine.
@@ -39,6 +41,13 @@ struct Written {
 /// Anything [`read_study`], [`StudyFile::validate`] and [`Output`] refuse; a study without
 /// `[sweep]`; a fault while writing.
 pub(crate) fn sweep_command(args: &RunArgs) -> Result<String, Error> {
+    let log = Log::open(args.log.as_deref())?;
+    let result = run_grid(args, &log);
+    log.end(&result);
+    result
+}
+
+fn run_grid(args: &RunArgs, log: &Log) -> Result<String, Error> {
     let file = load(args)?;
     if file.study.axes.is_empty() {
         return Err(Error::Refused(format!(
@@ -49,7 +58,7 @@ pub(crate) fn sweep_command(args: &RunArgs) -> Result<String, Error> {
     let points = file.study.points().map_err(|invalid| file.source.locate(&invalid))?;
     let mut best = BestPoints::new(&file.report, &file.study);
     let progress = Progress::new("running", points, args.quiet);
-    let (dir, written) = compute(&file, args, &progress, &mut |summary, first| {
+    let (dir, written) = compute(&file, args, log, &progress, &mut |summary, first| {
         if let Some(best) = &mut best {
             best.add(summary, first);
         }
@@ -75,6 +84,13 @@ pub(crate) fn sweep_command(args: &RunArgs) -> Result<String, Error> {
 /// # Errors
 /// As [`sweep_command`]; a study with `[sweep]`.
 pub(crate) fn run_command(args: &RunArgs) -> Result<String, Error> {
+    let log = Log::open(args.log.as_deref())?;
+    let result = run_single(args, &log);
+    log.end(&result);
+    result
+}
+
+fn run_single(args: &RunArgs, log: &Log) -> Result<String, Error> {
     let file = load(args)?;
     if !file.study.axes.is_empty() {
         return Err(Error::Refused(format!(
@@ -85,7 +101,7 @@ pub(crate) fn run_command(args: &RunArgs) -> Result<String, Error> {
     let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
     let progress = Progress::new("running", 1, args.quiet);
     let mut out = String::new();
-    let (dir, written) = compute(&file, args, &progress, &mut |summary, _| {
+    let (dir, written) = compute(&file, args, log, &progress, &mut |summary, _| {
         out = print_run(summary, &file.study, units);
     })?;
     out.push_str(&print_written(&dir, &written));
@@ -110,22 +126,35 @@ fn load(args: &RunArgs) -> Result<StudyFile, Error> {
 fn compute(
     file: &StudyFile,
     args: &RunArgs,
+    log: &Log,
     progress: &Progress,
     on_summary: &mut dyn FnMut(&RecordBatch, u64),
 ) -> Result<(PathBuf, Vec<Written>), Error> {
+    let style = args.style()?;
+    log.event(
+        "start",
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "study": args.study,
+            "points": file.points()?,
+            "threads": args.threads,
+            "format": style.format.name(),
+        }),
+    );
     let workers = Workers::new(args.threads.map(usize::from))?;
     let cancel = interrupt::listen();
     let checking = Progress::new("checking", file.points()?, args.quiet);
     file.validate(&workers, cancel, &|count| checking.add(count))?;
     checking.clear();
+    log.event("checked", json!({}));
     let text = write(&resolve(file)?)?;
     let dir = match &args.out {
         Some(dir) => dir.clone(),
         None => default_folder(&args.study),
     };
-    let mut output = Output::prepare(&dir, args.overwrite)?;
+    let mut output = Output::prepare(&dir, args.overwrite, style)?;
     output.stage_study(&text)?;
-    let written = write_points(file, &mut output, &workers, cancel, progress, on_summary);
+    let written = write_points(file, &mut output, log, &workers, cancel, progress, on_summary);
     progress.clear();
     let mut written = match written {
         Ok(written) => written,
@@ -174,6 +203,7 @@ pub(crate) fn without_trajectory(study: &Study) -> Study {
 fn write_points(
     file: &StudyFile,
     output: &mut Output,
+    log: &Log,
     workers: &Workers,
     cancel: &AtomicBool,
     progress: &Progress,
@@ -198,6 +228,9 @@ fn write_points(
             output.forget_part(part)?;
             return whole.map(|_| written);
         }
+        let rows: Map<String, Value> =
+            written.iter().map(|w| (w.table.to_string(), w.rows.into())).collect();
+        log.event("part", json!({ "part": part, "rows_so_far": rows }));
     }
     Ok(written)
 }
@@ -215,9 +248,10 @@ fn write_part(
     let located = |invalid| file.source.locate(&invalid);
     let mut files = Vec::with_capacity(study.tables.len());
     for table in &study.tables {
-        let schema = schema(study, *table).map_err(located)?;
-        let path = output.stage_part(*table, points.start / PART_POINTS)?;
-        files.push(ParquetFile::create(&path, schema)?);
+        let part = points.start / PART_POINTS;
+        let schema = part_schema(&*schema(study, *table).map_err(located)?, part);
+        let path = output.stage_part(*table, part)?;
+        files.push(TableFile::create(&path, schema, output.style())?);
     }
     let mut first = points.start;
     while first < points.end {
@@ -253,14 +287,15 @@ fn write_trajectory(
     let located = |invalid| file.source.locate(&invalid);
     let rows = trajectory(&file.study.spec, file.samples_per_period, cancel)
         .map_err(|error| file.source.locate_sweep(error))?;
-    let schema = schema(&file.study, Table::Trajectory).map_err(located)?;
-    let mut parquet = ParquetFile::create(&output.stage_part(Table::Trajectory, 0)?, schema)?;
-    parquet.append(&rows)?;
+    let schema = part_schema(&*schema(&file.study, Table::Trajectory).map_err(located)?, 0);
+    let path = output.stage_part(Table::Trajectory, 0)?;
+    let mut part = TableFile::create(&path, schema, output.style())?;
+    part.append(&rows)?;
     Ok(Written {
         table: Table::Trajectory,
         parts: 1,
         rows: rows.num_rows() as u64,
-        bytes: parquet.finish()?,
+        bytes: part.finish()?,
     })
 }
 

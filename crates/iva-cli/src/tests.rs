@@ -1,6 +1,7 @@
 //! The command line from end to end: exit codes, files, bytes.
 
 use std::fs::{self, File};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use arrow_array::RecordBatch;
@@ -57,6 +58,90 @@ fn read(path: &Path) -> Vec<RecordBatch> {
 
 fn rows(path: &Path) -> usize {
     read(path).iter().map(RecordBatch::num_rows).sum()
+}
+
+/// The impacts of the small grid as every format gives them, with the bytes of the file.
+fn impacts_as(format: &str, more: &[&str]) -> Vec<u8> {
+    let place = Place::new();
+    place.study(&format!("{SINGLE}{GRID}"));
+    assert_eq!(place.iva("sweep", &[&["--format", format], more].concat()), EXIT_OK);
+    fs::read(place.path(&format!("out/impacts/part-00000.{format}"))).unwrap()
+}
+
+#[test]
+fn every_format_holds_the_same_rows() {
+    let place = Place::new();
+    place.study(&format!("{SINGLE}{GRID}"));
+    assert_eq!(place.iva("sweep", &[]), EXIT_OK);
+    let path = place.path("out/impacts/part-00000.parquet");
+    let (parquet, total) = (&read(&path)[0], rows(&path));
+
+    let arrow = impacts_as("arrow", &[]);
+    let reader = arrow_ipc::reader::FileReader::try_new(Cursor::new(&arrow), None).unwrap();
+    assert_eq!(reader.schema().fields(), parquet.schema().fields());
+    assert_eq!(reader.schema().metadata()["iva.part_points"], "62");
+    let batches: Vec<RecordBatch> = reader.map(Result::unwrap).collect();
+    assert_eq!(batches.iter().map(RecordBatch::num_rows).sum::<usize>(), total);
+    assert_eq!(batches[0].slice(0, 5).columns(), parquet.slice(0, 5).columns());
+
+    let csv = String::from_utf8(impacts_as("csv", &[])).unwrap();
+    let lines: Vec<&str> = csv.lines().collect();
+    assert!(lines[0].starts_with("point,impact,time,wall,displacement,"), "{}", lines[0]);
+    assert_eq!(lines.len() - 1, total);
+    for (row, line) in lines[1..=parquet.num_rows()].iter().enumerate() {
+        let time: f64 = line.split(',').nth(2).unwrap().parse().unwrap();
+        // Shortest digits that read back as the same double.
+        assert_eq!(Some(time), number(parquet, "time", row));
+    }
+    let with_units = String::from_utf8(impacts_as("csv", &["--units-row"])).unwrap();
+    assert_eq!(with_units.lines().nth(1).unwrap().split(',').nth(2), Some("1/ωn"));
+    assert_eq!(with_units.lines().count(), lines.len() + 1);
+
+    for format in ["arrow", "csv"] {
+        assert_eq!(
+            impacts_as(format, &["--threads", "1"]),
+            impacts_as(format, &["--threads", "3"])
+        );
+    }
+}
+
+#[test]
+fn a_log_has_a_line_of_json_for_every_step() {
+    let place = Place::new();
+    place.study(&format!("{SINGLE}{GRID}"));
+    let log = place.path("log.jsonl");
+    let more = ["--log", log.to_str().unwrap()];
+    assert_eq!(place.iva("sweep", &more), EXIT_OK);
+    assert_eq!(place.iva("sweep", &more), EXIT_BAD_INPUT);
+    let lines: Vec<serde_json::Value> = fs::read_to_string(&log)
+        .unwrap()
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let events: Vec<&str> = lines.iter().map(|line| line["event"].as_str().unwrap()).collect();
+    assert_eq!(events, ["start", "checked", "part", "finished", "start", "checked", "failed"]);
+    assert!(lines.iter().all(|line| line["time"].as_f64().unwrap() > 1.7e9));
+    assert_eq!(lines[0]["points"], 62);
+    assert_eq!(lines[2]["rows_so_far"]["summary"], 62);
+    assert_eq!(lines[6]["exit_code"], 2);
+    assert!(lines[6]["message"].as_str().unwrap().contains("--overwrite"));
+    assert_eq!(place.iva("sweep", &["--log", "/no/such/folder/log"]), EXIT_BAD_INPUT);
+}
+
+#[test]
+fn another_format_replaces_the_tables_of_the_first() {
+    let place = Place::new();
+    place.study(&format!("{SINGLE}{GRID}"));
+    assert_eq!(place.iva("sweep", &[]), EXIT_OK);
+    assert_eq!(place.iva("sweep", &["--format", "csv"]), EXIT_BAD_INPUT);
+    assert_eq!(place.iva("sweep", &["--format", "csv", "--overwrite"]), EXIT_OK);
+    let names: Vec<_> = fs::read_dir(place.path("out/summary"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert_eq!(names, ["part-00000.csv"]);
+    assert_eq!(place.iva("sweep", &["--units-row"]), EXIT_BAD_INPUT);
+    assert_eq!(place.iva("sweep", &["--format", "xlsx"]), EXIT_BAD_INPUT);
 }
 
 #[test]

@@ -30,7 +30,7 @@ fn stage_all(output: &mut Output, tables: &[Table], text: &str) {
 }
 
 fn write_run(dir: &Path, tables: &[Table], text: &str) {
-    let mut output = Output::prepare(dir, true).unwrap();
+    let mut output = Output::prepare(dir, true, Style::default()).unwrap();
     stage_all(&mut output, tables, text);
     output.commit().unwrap();
 }
@@ -54,7 +54,7 @@ const TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 fn a_new_folder_gets_the_layout_and_nothing_else() {
     let root = tempfile::tempdir().unwrap();
     let dir = root.path().join("results/deep/one");
-    let mut output = Output::prepare(&dir, false).unwrap();
+    let mut output = Output::prepare(&dir, false, Style::default()).unwrap();
     stage_all(&mut output, &TABLES, "new");
     let before = contents(&dir);
     assert!(before.keys().all(|name| name.starts_with(STAGING_PREFIX)), "{before:?}");
@@ -85,7 +85,7 @@ fn a_folder_with_tables_needs_overwrite() {
     let root = tempfile::tempdir().unwrap();
     write_run(root.path(), &TABLES, "old");
     let before = contents(root.path());
-    let message = refusal(Output::prepare(root.path(), false));
+    let message = refusal(Output::prepare(root.path(), false, Style::default()));
     assert!(message.contains("--overwrite"), "{message}");
     assert!(message.contains(&root.path().display().to_string()), "{message}");
     assert_eq!(contents(root.path()), before);
@@ -109,7 +109,7 @@ fn until_the_commit_the_old_tables_stay() {
     let root = tempfile::tempdir().unwrap();
     write_run(root.path(), &TABLES, "old");
     let before = contents(root.path());
-    let mut output = Output::prepare(root.path(), true).unwrap();
+    let mut output = Output::prepare(root.path(), true, Style::default()).unwrap();
     stage_all(&mut output, &Table::ALL, "new");
     // As when writing fails midway.
     drop(output);
@@ -123,7 +123,7 @@ fn a_commit_that_fails_midway_is_undone() {
     write_run(dir, &TABLES, "old");
     fs::write(dir.join("notes.txt"), "mine").unwrap();
     let before = contents(dir);
-    let mut output = Output::prepare(dir, true).unwrap();
+    let mut output = Output::prepare(dir, true, Style::default()).unwrap();
     stage_all(&mut output, &TABLES, "new");
     // The last staged file has vanished: the moves before it have succeeded by then.
     let vanished = output.stage_part(Table::Episodes, 0).unwrap();
@@ -143,7 +143,7 @@ fn a_commit_that_fails_midway_is_undone() {
 #[test]
 fn tables_that_appear_meanwhile_are_not_replaced() {
     let root = tempfile::tempdir().unwrap();
-    let mut slow = Output::prepare(root.path(), false).unwrap();
+    let mut slow = Output::prepare(root.path(), false, Style::default()).unwrap();
     stage_all(&mut slow, &TABLES, "slow");
     write_run(root.path(), &TABLES, "fast");
     let error = slow.commit().unwrap_err();
@@ -161,7 +161,7 @@ fn a_study_of_the_user_is_never_replaced() {
     let root = tempfile::tempdir().unwrap();
     fs::write(root.path().join("study.toml"), "version = 1 # mine").unwrap();
     for overwrite in [false, true] {
-        let message = refusal(Output::prepare(root.path(), overwrite));
+        let message = refusal(Output::prepare(root.path(), overwrite, Style::default()));
         assert!(message.contains("study.toml was not written by iva"), "{message}");
     }
 }
@@ -171,13 +171,13 @@ fn an_unwritable_folder_is_refused_at_once() {
     let root = tempfile::tempdir().unwrap();
     let file = root.path().join("file");
     fs::write(&file, "mine").unwrap();
-    let message = refusal(Output::prepare(&file.join("below"), false));
+    let message = refusal(Output::prepare(&file.join("below"), false, Style::default()));
     assert!(message.contains("cannot write into the folder"), "{message}");
-    let message = refusal(Output::prepare(&file, true));
+    let message = refusal(Output::prepare(&file, true, Style::default()));
     assert!(message.contains("is a file"), "{message}");
     fs::create_dir(root.path().join("dir")).unwrap();
     fs::write(root.path().join("dir/impacts"), "mine").unwrap();
-    let message = refusal(Output::prepare(&root.path().join("dir"), true));
+    let message = refusal(Output::prepare(&root.path().join("dir"), true, Style::default()));
     assert!(message.contains("impacts is a file"), "{message}");
 }
 
@@ -185,15 +185,15 @@ fn an_unwritable_folder_is_refused_at_once() {
 fn folders_made_for_nothing_are_removed() {
     let root = tempfile::tempdir().unwrap();
     let dir = root.path().join("a/b/c");
-    drop(Output::prepare(&dir, false).unwrap());
+    drop(Output::prepare(&dir, false, Style::default()).unwrap());
     assert!(!root.path().join("a").exists());
 }
 
 #[test]
 fn part_names_are_recognised() {
-    assert_eq!(part_name(7), "part-00007.parquet");
-    assert!(is_part(&part_name(65_535)));
-    for other in ["part-7.parquet", "part-00007.csv", "part-0000x.parquet", "notes.txt"] {
+    assert_eq!(part_name(7, Format::Parquet), "part-00007.parquet");
+    assert!(is_part(&part_name(65_535, Format::Csv)));
+    for other in ["part-7.parquet", "part-00007.xlsx", "part-0000x.parquet", "notes.txt"] {
         assert!(!is_part(other), "{other}");
     }
 }
