@@ -14,7 +14,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench wheel clean
+.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench bench-start wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -45,6 +45,10 @@ lint-python: wheel
 
 bench: $(VENV)/.tools ## measure nanoseconds per impact
 	$(CARGO) bench --locked -p iva-benches
+
+bench-start: wheel ## measure how long the command takes to start
+	$(CARGO) build --locked --release -p iva-cli
+	$(BIN)/python benches/start_up.py target/release/iva $(BIN)/iva $(BIN)/python
 
 wheel: $(VENV)/.installed ## build the release wheel and install it into .venv
 

@@ -1,7 +1,8 @@
 """Reference simulator for impact vibration absorbers.
 
 Single runs with :func:`simulate`, grids with :func:`sweep`, folders that the command ``iva`` wrote
-with :func:`read`. Results are polars frames; polars and NumPy are loaded on first use.
+with :func:`read`. Results are polars frames; polars is loaded with the first of them. NumPy arrays
+are welcome wherever a sequence of numbers is, but nothing here loads NumPy.
 
 Examples
 --------
@@ -24,6 +25,7 @@ from iva.reading import read
 from iva.simulation import Run, simulate
 from iva.sweeping import Table, sweep
 from iva.units import Units
+from iva.versions import show_versions
 
 __version__ = VERSION
 
@@ -38,6 +40,7 @@ __all__ = [
     "Units",
     "__version__",
     "read",
+    "show_versions",
     "simulate",
     "sweep",
 ]

@@ -6,12 +6,30 @@ the values. Every value is a float after construction, ``None`` where nothing wa
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, fields
 from numbers import Real
 from typing import ClassVar
 
 from iva import _iva
+
+
+def shown(value: object) -> str:
+    """Return a value for a message: its expression on one line, at most 60 characters of it.
+
+    Examples
+    --------
+    >>> shown("0.1"), shown(10**5000)
+    ("'0.1'", 'a whole number of about 5000 digits')
+    """
+    if isinstance(value, int) and value.bit_length() > 200:
+        return f"a whole number of about {int(value.bit_length() * math.log10(2))} digits"
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # of somebody else's class: anything may be raised
+        text = f"an object of class {type(value).__name__}"
+    return text if len(text) <= 60 else f"{text[:60]}…"
 
 
 def number(field: str, value: object) -> float:
@@ -22,7 +40,7 @@ def number(field: str, value: object) -> float:
     field : str
         Name for the message, for example ``"absorber.restitution"``.
     value : real number
-        A Python or NumPy number; booleans and text are refused.
+        A Python or NumPy number; booleans, text and spans of time are refused.
 
     Returns
     -------
@@ -35,12 +53,14 @@ def number(field: str, value: object) -> float:
     ValueError
         If it is too large for a float.
     """
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise TypeError(f"{field} = {value!r}: give a number, not {type(value).__name__}")
+    # NumPy counts a timedelta64 among its integers.
+    kind = getattr(getattr(value, "dtype", None), "kind", "f")
+    if isinstance(value, bool) or not isinstance(value, Real) or kind not in "iuf":
+        raise TypeError(f"{field} = {shown(value)}: give a number, not {type(value).__name__}")
     try:
         return float(value)
     except OverflowError:
-        raise ValueError(f"{field} = {value!r}: give a finite number") from None
+        raise ValueError(f"{field} = {shown(value)}: give a finite number") from None
 
 
 def numbers(field: str, values: object) -> list[float]:
@@ -65,7 +85,7 @@ def numbers(field: str, values: object) -> list[float]:
         If a number is too large for a float.
     """
     if not isinstance(values, Iterable) or isinstance(values, (str, bytes, Mapping, Set)):
-        raise TypeError(f"{field} = {values!r}: give a one-dimensional sequence of numbers")
+        raise TypeError(f"{field} = {shown(values)}: give a one-dimensional sequence of numbers")
     if getattr(values, "ndim", 1) != 1:
         shape = getattr(values, "shape", "unknown")
         raise TypeError(f"{field} has shape {shape}: give a one-dimensional sequence of numbers")
@@ -79,7 +99,7 @@ class Part:
     _part: ClassVar[str]
 
     def __post_init__(self) -> None:
-        """Turn every value into a float and check its range."""
+        """Turn every value into a float; check ranges, and that no two set the same quantity."""
         for field in fields(self):  # type: ignore[arg-type]
             value = getattr(self, field.name)
             if value is not None:
@@ -135,7 +155,7 @@ class Primary(Part):
     TypeError
         If a value is not a number.
     ValueError
-        If a value is out of range.
+        If a value is out of range, or two set the same quantity.
 
     Examples
     --------
@@ -156,7 +176,7 @@ class Primary(Part):
         """Show what was given and the units that follow from it."""
         try:
             units = _iva.primary_units(spec(self))
-        except ValueError:  # a frequency is still missing, or given twice
+        except ValueError:  # a frequency is still missing
             return constructor(self)
         return f"{constructor(self)}  # {units}"
 
@@ -190,7 +210,7 @@ class Siva(Part):
     TypeError
         If a value is not a number.
     ValueError
-        If a value is out of range.
+        If a value is out of range, or two set the same quantity.
 
     Examples
     --------
@@ -232,7 +252,7 @@ class Start(Part):
     TypeError
         If a value is not a number.
     ValueError
-        If a value is not finite.
+        If a value is out of range, or two set the same quantity.
 
     Examples
     --------
@@ -274,9 +294,9 @@ def scene(
         If a part is of the wrong class, or a setting of the run is not a number.
     """
     if not isinstance(absorber, Siva):
-        raise TypeError(f"absorber = {absorber!r}: give an iva.Siva")
+        raise TypeError(f"absorber = {shown(absorber)}: give an iva.Siva")
     if not isinstance(primary, Primary):
-        raise TypeError(f"primary = {primary!r}: give an iva.Primary")
+        raise TypeError(f"primary = {shown(primary)}: give an iva.Primary")
     if not isinstance(start, Start):
-        raise TypeError(f"start = {start!r}: give an iva.Start")
+        raise TypeError(f"start = {shown(start)}: give an iva.Start")
     return spec(absorber, primary, start, run=run)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from iva import _iva
 from iva.frames import Frames, from_arrow, to_polars
-from iva.parameters import Primary, Siva, Start, constructor, numbers, scene
+from iva.parameters import Primary, Siva, Start, constructor, numbers, scene, shown
 from iva.units import Units, from_metadata
 
 if TYPE_CHECKING:
@@ -98,7 +98,9 @@ class Run:
         Returns
         -------
         polars.DataFrame
-            n rows in the order of `times`, columns as in :meth:`trajectory`.
+            n rows in the order of `times`, columns as in :meth:`trajectory`. At an impact it is
+            the state just after it. For instants after an early end of the run (an outcome other
+            than ``finished``) all columns but ``point`` and ``time`` are null.
 
         Raises
         ------
@@ -109,7 +111,14 @@ class Run:
 
         Examples
         --------
-        >>> run.at([0.0, 2.5])["displacement"]  # doctest: +SKIP
+        >>> run = iva.simulate(
+        ...     iva.Siva(mass_ratio=0.1, clearance=3, restitution=0.5),
+        ...     iva.Primary(),
+        ...     start=iva.Start(displacement=1),
+        ...     periods=1,
+        ... )
+        >>> run.at([3.0, 0.0])["displacement"].round(6).to_list()
+        [-0.989992, 1.0]
         """
         return to_polars(_iva.states(self._spec, numbers("times", times)))
 
@@ -136,6 +145,12 @@ class Run:
         )
         parts = "\n".join(f"  {constructor(p)}" for p in (self.absorber, self.primary, self.start))
         return f"Run: {row['outcome']}; {counts}\n{parts}\n  {self.units}"
+
+    def _repr_html_(self) -> str:
+        """Show parameters, outcome, measures and units in a notebook."""
+        from iva import markup
+
+        return markup.of_run(self)
 
 
 def simulate(
@@ -186,7 +201,8 @@ def simulate(
     ValueError
         If a value is missing, out of range, given twice, or the start lies outside the gap.
     KeyboardInterrupt
-        On Ctrl-C, within about a second.
+        On Ctrl-C, within about a second; nothing of the run comes back. Python hands the signal to
+        its main thread only: a run in another thread goes on to its end.
 
     Examples
     --------
@@ -198,6 +214,25 @@ def simulate(
     ... )
     >>> run.summary["outcome"].item()
     'finished'
+
+    Many scenes that are no grid, in processes of their own. Parameters and results travel between
+    processes; start them afresh ("spawn"), for a fork of a process with threads can hang. In a
+    script this belongs below ``if __name__ == "__main__":``.
+
+    >>> from concurrent.futures import ProcessPoolExecutor
+    >>> from functools import partial
+    >>> from multiprocessing import get_context
+    >>> absorbers = [
+    ...     iva.Siva(mass_ratio=0.1, relative_clearance=gamma, restitution=0.5)
+    ...     for gamma in (0.4, 0.8)
+    ... ]
+    >>> job = partial(
+    ...     iva.simulate, primary=iva.Primary(), start=iva.Start(displacement=1.0), periods=5
+    ... )
+    >>> with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+    ...     runs = list(pool.map(job, absorbers))
+    >>> [run.absorber.relative_clearance for run in runs]
+    [0.4, 0.8]
     """
     spec = scene(
         absorber,
@@ -222,12 +257,14 @@ def names(field: str, values: Iterable[str] | None) -> list[str] | None:
     Raises
     ------
     TypeError
-        If something in it is not a text.
+        If it, or something in it, is not a text.
     """
     if values is None:
         return None
+    if not isinstance(values, Iterable):
+        raise TypeError(f"{field} = {shown(values)}: give names")
     listed = [values] if isinstance(values, str) else list(values)
     for value in listed:
         if not isinstance(value, str):
-            raise TypeError(f"{field} has {value!r} in it: give names")
+            raise TypeError(f"{field} has {shown(value)} in it: give names")
     return listed

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from iva import _iva
 from iva.frames import Frames, from_arrow
-from iva.parameters import Primary, Siva, Start, numbers, scene
+from iva.parameters import Primary, Siva, Start, numbers, scene, shown
 from iva.progress import Progress, reporting
 from iva.simulation import names
 from iva.units import Units, from_metadata
@@ -87,6 +87,12 @@ class Table:
         over = " × ".join(self.swept) or "no axis"
         return f"Table over {over}: {', '.join(self.tables)}\n  {self.units}"
 
+    def _repr_html_(self) -> str:
+        """Show axes, outcomes, tables and units in a notebook; this reads the summary."""
+        from iva import markup
+
+        return markup.of_table(self)
+
 
 def sweep(
     absorber: Siva,
@@ -122,8 +128,10 @@ def sweep(
     threads : int, optional
         Worker threads, one a core by default. The result does not depend on it.
     progress : bool or callable, default False
-        True: a line on stderr, if that is a terminal. A callable is called with (done, total) on
-        the calling thread, at most every 50 ms; what it raises ends the sweep.
+        True: a bar of tqdm where that is installed, else a line on stderr; neither where stderr
+        is no terminal and Python runs in no notebook. A callable is called with (done, total) on
+        the calling thread, at most every 50 ms; what it raises ends the sweep and comes out as
+        it is.
 
     Returns
     -------
@@ -135,10 +143,11 @@ def sweep(
     TypeError
         If an argument is of the wrong type.
     ValueError
-        If a key is unknown, an axis is empty, a value is out of range at any point, or the grid
-        has more than 2³² points.
+        If there is no axis, a key is unknown, an axis is empty, a value is out of range at any
+        point, or the grid has more than 2³² points.
     KeyboardInterrupt
-        On Ctrl-C, within about a second.
+        On Ctrl-C, within about a second; nothing of the sweep comes back. Python hands the signal
+        to its main thread only: a sweep in another thread goes on to its end.
 
     Examples
     --------
@@ -150,7 +159,18 @@ def sweep(
     3
     """
     if not isinstance(over, Mapping):
-        raise TypeError(f"over = {over!r}: give a mapping from field names to values")
+        raise TypeError(f"over = {shown(over)}: give a mapping from field names to values")
+    for key in over:
+        if not isinstance(key, str):
+            raise TypeError(f"over has the key {shown(key)}: give field names")
+    if not over:
+        raise ValueError(
+            "over = {}: give at least one axis, for example {'mass_ratio': [0.05, 0.1]}, or call "
+            "iva.simulate for a single run"
+        )
+    chosen = names("tables", tables)
+    if chosen is None:
+        raise TypeError("tables = None: give names")
     spec = scene(
         absorber,
         primary,
@@ -164,14 +184,11 @@ def sweep(
         },
     )
     axes = [(key, numbers(f"sweep.{key}", values)) for key, values in over.items()]
-    for key, _ in axes:
-        if not isinstance(key, str):
-            raise TypeError(f"over has the key {key!r}: give field names")
     with reporting(progress) as report:
         made = _iva.sweep(
             spec,
             axes,
-            names("tables", tables) or [],
+            chosen,
             names("measures", measures),
             threads,
             report,

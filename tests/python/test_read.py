@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import copy
 import pickle
+import shutil
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 import pytest
@@ -12,6 +14,7 @@ from polars.testing import assert_frame_equal
 
 import iva
 from iva import _iva
+from iva.reading import part_files
 
 STUDY = """
 version = 1
@@ -60,17 +63,24 @@ def test_read_gives_what_simulate_gives(tmp_path: Path, run: iva.Run) -> None:
 
 
 def write(folder: Path, part: int, points: list[int], version: str | None) -> None:
+    """Write a part as versions before the keys of parts wrote it."""
     (folder / "summary").mkdir(exist_ok=True)
     metadata = {"iva.units": "si"} | ({} if version is None else {"iva.schema_version": version})
     file = folder / "summary" / f"part-{part:05}.parquet"
     pl.DataFrame({"point": points}).write_parquet(file, metadata=metadata)
 
 
+def test_parts_without_the_newer_keys_can_be_read(tmp_path: Path) -> None:
+    for part in range(3):
+        write(tmp_path, part, [2 * part, 2 * part + 1], "1")
+    assert iva.read(tmp_path).summary["point"].to_list() == [0, 1, 2, 3, 4, 5]
+
+
 def test_parts_follow_their_numbers(tmp_path: Path) -> None:
-    write(tmp_path, 100_000, [3], "1")
-    write(tmp_path, 1, [2], "1")
-    write(tmp_path, 0, [0, 1], "1")
-    assert iva.read(tmp_path).summary["point"].to_list() == [0, 1, 2, 3]
+    for part in (100_000, 99_999, 0):
+        (tmp_path / f"part-{part:05}.parquet").touch()
+    names = [file.name for file in part_files(tmp_path)]
+    assert names == ["part-00000.parquet", "part-99999.parquet", "part-100000.parquet"]
 
 
 def test_a_newer_layout_is_refused(tmp_path: Path) -> None:
@@ -92,6 +102,146 @@ def test_broken_files_are_a_fault(tmp_path: Path) -> None:
     (tmp_path / "summary" / "part-00001.parquet").write_bytes(b"PAR1 and no more")
     with pytest.raises(iva.IvaError, match="cannot be read"):
         iva.read(tmp_path)
+
+
+LARGE = (
+    STUDY.replace("periods = 6", 'periods = 0.1\ntables = ["summary", "impacts"]')
+    + """
+[sweep]
+restitution = {{ start = {start}, stop = 1.0, count = 140000 }}
+"""
+)
+PART_POINTS = 65_536  # points a part file covers
+
+
+@pytest.fixture(scope="module")
+def large(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Return the folders of two sweeps of three parts each."""
+    folders = [tmp_path_factory.mktemp(name) for name in ("one", "other")]
+    first, second = (
+        command(folder, "sweep", LARGE.format(start=start))
+        for folder, start in zip(folders, (0.5, 0.6), strict=True)
+    )
+    return first, second
+
+
+@pytest.fixture
+def folder(large: tuple[Path, Path], tmp_path: Path) -> Path:
+    """Return a copy of the first folder."""
+    return Path(shutil.copytree(large[0], tmp_path / "copy"))
+
+
+def part(number: int) -> str:
+    return f"part-{number:05}.parquet"
+
+
+def refuse(folder: Path, *pieces: str) -> None:
+    with pytest.raises(iva.IvaError) as caught:
+        iva.read(folder)
+    assert "\n" not in str(caught.value)
+    for piece in pieces:
+        assert piece in str(caught.value)
+
+
+def test_parts_of_one_run_make_one_table(folder: Path) -> None:
+    assert iva.read(folder).summary["point"].to_list() == list(range(140_000))
+
+
+def test_an_interrupted_sweep_can_be_read(folder: Path) -> None:
+    for name in ("summary", "impacts"):
+        (folder / name / part(2)).unlink()
+    assert iva.read(folder).summary.height == 2 * PART_POINTS
+
+
+def test_parts_state_what_they_cover(folder: Path) -> None:
+    found = [pl.read_parquet_metadata(folder / "impacts" / part(number)) for number in range(3)]
+    assert [keys["iva.first_point"] for keys in found] == ["0", "65536", "131072"]
+    assert [keys["iva.part_points"] for keys in found] == ["65536", "65536", "8928"]
+    assert {keys["iva.points"] for keys in found} == {"140000"}
+
+
+def test_a_missing_part_is_named(folder: Path) -> None:
+    (folder / "summary" / part(1)).unlink()
+    refuse(folder, str(Path("summary", part(1))), "missing")
+
+
+def test_a_missing_first_part_is_named(folder: Path) -> None:
+    for name in ("summary", "impacts"):
+        (folder / name / part(0)).unlink()
+    refuse(folder, part(0), "missing")
+
+
+def test_a_part_missing_at_the_end_of_one_table_is_named(folder: Path) -> None:
+    (folder / "impacts" / part(2)).unlink()
+    refuse(folder, str(Path("impacts", part(2))), "missing")
+
+
+def test_a_part_of_another_run_is_named(folder: Path, large: tuple[Path, Path]) -> None:
+    shutil.copy(large[1] / "summary" / part(1), folder / "summary" / part(1))
+    refuse(folder, str(Path("summary", part(1))), "not of the same run")
+
+
+def test_a_table_of_another_run_is_named(folder: Path, large: tuple[Path, Path]) -> None:
+    shutil.rmtree(folder / "impacts")
+    shutil.copytree(large[1] / "impacts", folder / "impacts")
+    refuse(folder, str(Path("impacts", part(0))), "not of the same run")
+
+
+def test_a_part_of_another_table_is_named(folder: Path) -> None:
+    shutil.copy(folder / "impacts" / part(1), folder / "summary" / part(1))
+    refuse(folder, str(Path("summary", part(1))), "table impacts")
+
+
+def test_a_renamed_part_is_named(folder: Path) -> None:
+    shutil.copy(folder / "summary" / part(0), folder / "summary" / part(1))
+    refuse(folder, str(Path("summary", part(1))), "point 0", "point 65536")
+
+
+def test_a_strange_name_is_named(folder: Path) -> None:
+    shutil.copy(folder / "summary" / part(1), folder / "summary" / "part-00001 (1).parquet")
+    refuse(folder, "part-00001 (1).parquet")
+
+
+def test_defaults_count_the_same_written_or_left_out(tmp_path: Path) -> None:
+    def digest(folder: str, study: str) -> str:
+        (tmp_path / folder).mkdir()
+        out = command(tmp_path / folder, "run", study)
+        return pl.read_parquet_metadata(out / "summary" / part(0))["iva.study"]
+
+    plain = digest("plain", STUDY)
+    assert digest("tables", STUDY + 'tables = ["summary"]\n') == plain
+    assert digest("limit", STUDY + "max_impacts = 10_000_000\n") == plain
+    assert digest("zero", STUDY.replace("[run]", "velocity = 0.0\n[run]")) == plain
+    assert digest("other", STUDY.replace("[run]", "velocity = 0.1\n[run]")) != plain
+    assert digest("measures", STUDY + 'measures = ["impacts"]\n') != plain
+
+
+def test_results_further_down_are_named(tmp_path: Path) -> None:
+    for name in ("b", "a"):
+        (tmp_path / name).mkdir()
+        command(tmp_path / name, "run", STUDY)
+        (tmp_path / name / "out").rename(tmp_path / f"result_{name}")
+    with pytest.raises(ValueError, match="results in result_a, result_b; give one of these"):
+        iva.read(tmp_path)
+    with pytest.raises(ValueError, match=r"one table of a result, give .*result_a"):
+        iva.read(tmp_path / "result_a" / "summary")
+
+
+@pytest.mark.parametrize("style", ["arrow", "csv"])
+def test_files_of_another_format_are_named(tmp_path: Path, style: str) -> None:
+    study = tmp_path / "study.toml"
+    study.write_text(STUDY, encoding="utf-8")
+    out = str(tmp_path / "out")
+    arguments = ["iva", "run", str(study), "--out", out, "--format", style, "--quiet"]
+    assert _iva.main(arguments) == 0
+    with pytest.raises(ValueError, match=rf"only Parquet .*part-00000\.{style}"):
+        iva.read(out)
+
+
+@pytest.mark.parametrize("folder", [None, 5, ["results"]])
+def test_what_is_no_path(folder: Any) -> None:
+    with pytest.raises(TypeError, match=r"folder = .*: give a path"):
+        iva.read(folder)
 
 
 def test_folders_without_tables(tmp_path: Path) -> None:

@@ -43,16 +43,23 @@ def test_a_power_of_two_in_the_start_changes_no_bit(scene: dict[str, float], exp
 @given(scene=scenes, x0=st.floats(1e-6, 1e6), omega=st.floats(1e-3, 1e3))
 def test_start_and_frequency_scale_out(scene: dict[str, float], x0: float, omega: float) -> None:
     base, scaled = decay(scene), decay(scene, x0=x0, natural_frequency=omega)
-    # Three impacts: beyond them shallow ones may amplify rounding without bound.
+    # Three impacts that are not shallow: others amplify rounding without bound.
     ours, theirs = base.impacts.head(3), scaled.impacts.head(3)
     speeds = ours["approach_velocity"].abs()
     if ours.is_empty() or speeds.min() < 1e-2:  # type: ignore[operator]
         return
-    assert np.allclose(ours["time"], theirs["time"] * omega, rtol=1e-9, atol=0)
-    assert np.allclose(ours["displacement"], theirs["displacement"] / x0, rtol=0, atol=1e-9)
-    assert np.allclose(
-        ours["approach_velocity"], theirs["approach_velocity"] / (x0 * omega), rtol=0, atol=1e-9
-    )
+    # Both runs may be off by 2.5 rounding units (docs/guarantee.md) of a condition that is 1 at
+    # the start: a change of the state grows by at most 1 + t in a flight over t, and by 1 + 2/w in
+    # an impact, whose instant it moves by Δy/w and whose jump by (1 + e) < 2 times as much.
+    flights = ours["time"].diff().fill_null(ours["time"][0])
+    condition = ((1 + flights) * (1 + 2 / speeds)).product()
+    error = 5 * 2.0**-53 * (condition + ours["time"].max())  # type: ignore[operator]
+    for name, unit in (
+        ("time", 1 / omega),
+        ("displacement", x0),
+        ("approach_velocity", x0 * omega),
+    ):
+        assert np.allclose(ours[name], theirs[name] / unit, rtol=0, atol=error), name
 
 
 @settings(max_examples=50, deadline=None)

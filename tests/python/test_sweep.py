@@ -102,11 +102,6 @@ def test_progress_is_told_until_the_end() -> None:
     assert calls == sorted(calls)
 
 
-def test_progress_is_silent_without_a_terminal(capfd: pytest.CaptureFixture[str]) -> None:
-    sweep_of(20, progress=True)
-    assert capfd.readouterr() == ("", "")
-
-
 def test_what_a_callback_raises_comes_out_unchanged() -> None:
     class EnoughError(Exception):
         pass

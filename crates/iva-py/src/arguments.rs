@@ -21,8 +21,7 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
         let path: String = path.extract()?;
         let field = FieldId::all()
             .find(|id| id.path() == path)
-            .ok_or_else(|| unknown(&path, FieldId::all().map(FieldId::path)))
-            .map_err(invalid)?;
+            .ok_or_else(|| invalid(Invalid::new("field", format!("`{path}`"), "no such field")))?;
         spec.set(field, value.extract()?).map_err(invalid)?;
     }
     Ok(spec)
@@ -36,7 +35,32 @@ pub fn part(name: &str) -> PyResult<Part> {
     Part::ALL
         .into_iter()
         .find(|part| part.name() == name)
-        .ok_or_else(|| invalid(one_of("part", name, Part::ALL.map(Part::name).iter())))
+        .ok_or_else(|| invalid(one_of("part", name, &Part::ALL.map(Part::name))))
+}
+
+/// Checks the fields given for one part: their ranges, and that no two set the same quantity.
+///
+/// # Errors
+/// The first unknown field or value out of range, then the first of two alternatives.
+pub fn check(part: Part, values: &[(String, f64)]) -> Result<(), Invalid> {
+    let mut given = Vec::with_capacity(values.len());
+    for (name, value) in values {
+        let field = FieldId::find(part, name).ok_or_else(|| {
+            Invalid::new(format!("{}.{name}", part.name()), value, "no such field")
+        })?;
+        given.push((field, field.check(*value)?));
+    }
+    for (index, (field, value)) in given.iter().enumerate() {
+        let same = |other: &&(FieldId, f64)| other.0.info().group == field.info().group;
+        if let Some((other, _)) = given[..index].iter().find(same) {
+            return Err(Invalid::new(
+                field.path(),
+                format!("{value:?}").trim_end_matches(".0"),
+                format!("{} is given as well; give one of them", other.path()),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// A study from a spec, named axes, table names and measure names (`None`: all).
@@ -65,7 +89,7 @@ pub fn study(
 fn tables(names: &[String]) -> Result<Vec<Table>, Invalid> {
     let allowed = Table::SWEEP.map(Table::name);
     if names.is_empty() {
-        return Err(one_of("tables", "()", allowed.iter()));
+        return Err(one_of("tables", "()", &allowed));
     }
     let mut tables: Vec<Table> = names
         .iter()
@@ -73,7 +97,7 @@ fn tables(names: &[String]) -> Result<Vec<Table>, Invalid> {
             Table::SWEEP
                 .into_iter()
                 .find(|table| table.name() == name)
-                .ok_or_else(|| one_of("tables", &format!("`{name}`"), allowed.iter()))
+                .ok_or_else(|| unknown("tables", name, &allowed))
         })
         .collect::<Result<_, _>>()?;
     tables.sort_unstable();
@@ -86,8 +110,8 @@ fn measures(names: Option<&[String]>) -> Result<Measures, Invalid> {
         return Ok(Measures::all());
     };
     Measures::from_names(names.iter().map(String::as_str)).map_err(|name| {
-        let allowed = SUMMARY.iter().map(|column| &column.name);
-        one_of("measures", &format!("`{name}`"), allowed)
+        let allowed: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();
+        unknown("measures", &name, &allowed)
     })
 }
 
@@ -97,29 +121,38 @@ fn measures(names: Option<&[String]>) -> Result<Measures, Invalid> {
 /// `TypeError` for anything but an integer, `ValueError` out of range.
 pub fn whole(field: &str, value: &Bound<'_, PyAny>, most: u64) -> PyResult<u64> {
     let rule = "give a whole number, 1 or greater";
-    let not_whole = || PyTypeError::new_err(format!("{field} = {value}: {rule}"));
+    let not_whole = || PyTypeError::new_err(format!("{field} = {}: {rule}", shown(value)));
     if value.is_instance_of::<PyBool>() {
         return Err(not_whole());
     }
     match value.extract::<i64>() {
         Ok(n) if n >= 1 && n.unsigned_abs() <= most => Ok(n.unsigned_abs()),
         Err(error) if !error.is_instance_of::<PyOverflowError>(value.py()) => Err(not_whole()),
-        _ => Err(invalid(Invalid::new(field, value, format!("{rule}, at most {most}")))),
+        _ => Err(invalid(Invalid::new(field, shown(value), format!("{rule}, at most {most}")))),
     }
 }
 
-fn unknown(name: &str, known: impl Iterator<Item = String>) -> Invalid {
-    let known: Vec<String> = known.collect();
-    let hint = nearest(name, known.iter().map(String::as_str))
-        .map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-    Invalid::new("field", format!("`{name}`"), format!("no such field{hint}"))
+/// A Python value for a message: at most some 60 characters, whatever it is.
+fn shown(value: &Bound<'_, PyAny>) -> String {
+    // `str` of a huge int is an error of its own.
+    let text = value.str().map_or_else(|_| "a huge number".to_owned(), |text| text.to_string());
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
 }
 
-fn one_of<'a>(
-    field: &str,
-    value: &str,
-    allowed: impl Iterator<Item = &'a &'static str>,
-) -> Invalid {
-    let allowed: Vec<&str> = allowed.copied().collect();
+/// The error of a name out of a known set: with the one that may be meant, else with all of them.
+fn unknown(field: &str, name: &str, known: &[&str]) -> Invalid {
+    match nearest(name, known.iter().copied()) {
+        Some(near) => {
+            let rule = format!("no such name; did you mean `{near}`?");
+            Invalid::new(field, format!("`{name}`"), rule)
+        }
+        None => one_of(field, &format!("`{name}`"), known),
+    }
+}
+
+fn one_of(field: &str, value: &str, allowed: &[&str]) -> Invalid {
     Invalid::new(field, value, format!("give some of {}", allowed.join(", ")))
 }

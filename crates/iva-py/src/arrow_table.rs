@@ -15,12 +15,6 @@ pub struct ArrowTable(pub RecordBatch);
 
 #[pymethods]
 impl ArrowTable {
-    /// Number of rows.
-    #[getter]
-    fn num_rows(&self) -> usize {
-        self.0.num_rows()
-    }
-
     /// Schema metadata: layout and package version, units, sign conventions.
     #[getter]
     fn metadata(&self) -> BTreeMap<String, String> {

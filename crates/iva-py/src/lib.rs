@@ -20,7 +20,6 @@ mod _iva {
     #[pymodule_export]
     use super::calls::{
         check, column_units, fields, main, primary_units, simulate, states, sweep, trajectory,
-        units,
     };
     #[pymodule_export]
     use super::errors::IvaError;

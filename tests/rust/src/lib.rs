@@ -29,9 +29,12 @@ pub fn units(error: f64, condition: f64, time: f64) -> f64 {
 pub const UNITS_ALLOWED: f64 = 6.0;
 
 /// Settings of the property tests: a fixed seed, so that a failure is the same for everybody
-/// (`PROPTEST_RNG_SEED` chooses another one).
+/// (`PROPTEST_RNG_SEED` and `PROPTEST_CASES` choose others).
 pub fn cases(cases: u32) -> Config {
-    let mut config = Config { cases, failure_persistence: None, ..Config::default() };
+    let mut config = Config { failure_persistence: None, ..Config::default() };
+    if std::env::var_os("PROPTEST_CASES").is_none() {
+        config.cases = cases;
+    }
     if config.rng_seed == RngSeed::Random {
         config.rng_seed = RngSeed::Fixed(20_240_611);
     }
@@ -40,5 +43,6 @@ pub fn cases(cases: u32) -> Config {
 
 /// As [`cases`], for properties that throw most of the random inputs away.
 pub fn rejecting(count: u32) -> Config {
-    Config { max_global_rejects: 100 * count, ..cases(count) }
+    let config = cases(count);
+    Config { max_global_rejects: config.cases.saturating_mul(100), ..config }
 }

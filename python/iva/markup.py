@@ -1,0 +1,60 @@
+"""What notebooks show of results: small tables in HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+
+from iva.parameters import constructor
+from iva.simulation import Run
+from iva.sweeping import Table
+
+
+def of_run(run: Run) -> str:
+    """Return parameters, outcome and all measures of a run, with their units."""
+    row = run.summary.row(0, named=True)
+    units = run.units["summary"]
+    parts = (("absorber", run.absorber), ("primary", run.primary), ("start", run.start))
+    parameters = [(name, constructor(part), "") for name, part in parts]
+    values = [
+        (name, text(value), units[name])
+        for name, value in row.items()
+        if name not in ("point", "outcome") and value is not None
+    ]
+    return page(f"Run: {row['outcome']}", [*parameters, *values], run.units.sentence)
+
+
+def of_table(table: Table) -> str:
+    """Return axes, number of points, outcomes and tables of a sweep, with the units."""
+    rows: list[tuple[str, str, str]] = []
+    if "summary" in table.tables:
+        summary = table.summary
+        units = table.units["summary"]
+        for key in table.swept:
+            values = summary[key]
+            ends = " … ".join(text(value) for value in (values.min(), values.max()))
+            rows.append((key, f"{ends}, {values.n_unique()} values", units[key]))
+        rows.append(("points", str(summary.height), "1"))
+        counts = summary["outcome"].value_counts(sort=True)
+        rows += [(f"outcome {name}", str(count), "1") for name, count in counts.iter_rows()]
+    rows.append(("tables", ", ".join(table.tables), ""))
+    over = " × ".join(table.swept) or "no axis"
+    return page(f"Table over {over}", rows, table.units.sentence)
+
+
+def text(value: object) -> str:
+    """Return a value to six figures."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def page(title: str, rows: Iterable[tuple[str, str, str]], note: str) -> str:
+    """Return a heading, a table of (name, value, unit) and a note; nothing in it is markup."""
+    lines = "".join(
+        f"<tr><th>{escape(name)}</th><td>{escape(value)}</td>"
+        f"<td>{escape('' if unit == '1' else unit)}</td></tr>"
+        for name, value, unit in rows
+    )
+    return (
+        f"<div><strong>{escape(title)}</strong><table>{lines}</table>"
+        f"<small>{escape(note)}</small></div>"
+    )
