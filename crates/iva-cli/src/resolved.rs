@@ -41,24 +41,19 @@ fn fill_in(file: &StudyFile, limits: [(FieldId, f64); 2]) -> Result<StudyFile, E
     let mut spec = Spec::default();
     let axes = &file.study.axes;
     for (field, value) in file.study.spec.given() {
-        if !axes.iter().any(|axis| same_group(axis.field, field)) {
+        if !axes.iter().any(|axis| axis.field.same_quantity(field)) {
             spec.set(field, value)?;
         }
     }
     for (field, value) in ZERO.map(|field| (field, 0.0)).into_iter().chain(limits) {
-        let given = spec.given().any(|(other, _)| same_group(other, field))
-            || axes.iter().any(|axis| same_group(axis.field, field));
+        let given = spec.given().any(|(other, _)| other.same_quantity(field))
+            || axes.iter().any(|axis| axis.field.same_quantity(field));
         if !given {
             spec.set(field, value)?;
         }
     }
     resolved.study.spec = spec;
     Ok(resolved)
-}
-
-fn same_group(one: FieldId, other: FieldId) -> bool {
-    let (one, other) = (one.info(), other.info());
-    one.part == other.part && one.group == other.group
 }
 
 /// The text of a study, after [`resolve`]: the same study reads the same bytes, always.

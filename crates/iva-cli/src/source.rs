@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use iva_sweep::Invalid;
-use iva_sweep::fields::FieldId;
+use iva_sweep::fields::{FieldId, Part};
 use iva_sweep::sweep::SweepError;
 
 use crate::error::{Error, Place, StudyError};
@@ -87,11 +87,10 @@ impl Source {
         let exact = self.swept(name).or_else(|| self.find(name));
         let alternative = || {
             let (part, bare) = name.split_once('.')?;
-            let info = FieldId::all()
-                .map(FieldId::info)
-                .find(|info| info.part.name() == part && info.name == bare)?;
+            let part = Part::ALL.into_iter().find(|known| known.name() == part)?;
+            let blamed = FieldId::find(part, bare)?;
             FieldId::all()
-                .filter(|id| id.info().part == info.part && id.info().group == info.group)
+                .filter(|id| id.same_quantity(blamed))
                 .find_map(|id| self.swept(&id.path()).or_else(|| self.find(&id.path())))
         };
         let enclosing = || {

@@ -26,7 +26,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use iva_sweep::columns::{Measures, SUMMARY};
+use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
 use iva_sweep::motion::samples;
@@ -141,7 +141,7 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
         None => Vec::new(),
     };
     let tables = tables_or_default(&source, &settings, !axes.is_empty())?;
-    let measures = settings.measures.unwrap_or_else(Measures::all);
+    let measures = settings.measures.unwrap_or_else(Selection::all);
     let report = match root.get_key_value("report") {
         Some((key, value)) => read_report(&source, key, value, measures)?,
         None => Report::new(measures),
@@ -190,7 +190,7 @@ impl StudyFile {
 #[derive(Default)]
 struct Settings {
     tables: Option<(Vec<Table>, std::ops::Range<usize>)>,
-    measures: Option<Measures>,
+    measures: Option<Selection>,
     samples_per_period: Option<u32>,
 }
 
@@ -298,11 +298,11 @@ fn tables_or_default(
 pub(crate) const NO_TRAJECTORY: &str = "a sweep has no trajectory table, only a single run \
      (`iva run`) has; give summary, impacts, episodes or envelope";
 
-fn read_measures(source: &Source, field: &str, value: &Value<'_>) -> Result<Measures, Error> {
+fn read_measures(source: &Source, field: &str, value: &Value<'_>) -> Result<Selection, Error> {
     let known: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();
     let find = |name: &str| known.iter().position(|other| *other == name);
     let chosen = names(source, field, value, &known, find)?;
-    Measures::from_names(chosen.into_iter().map(|index| known[index]))
+    Selection::from_names(chosen.into_iter().map(|index| known[index]))
         .map_err(|name| source.bad_value(field, value.span(), &format!("{name}: no such measure")))
 }
 
@@ -310,7 +310,7 @@ fn read_report(
     source: &Source,
     key: &Key<'_>,
     value: &Value<'_>,
-    measures: Measures,
+    measures: Selection,
 ) -> Result<Report, Error> {
     let mut report = Report::new(measures);
     for (key, value) in entries(table(source, "report", key, value)?) {
@@ -339,7 +339,7 @@ fn read_report(
 
 impl Report {
     /// The default report of a study that computes these measures.
-    pub fn new(measures: Measures) -> Self {
+    pub fn new(measures: Selection) -> Self {
         Self {
             best_by: Some(DEFAULT_BEST_BY).filter(|name| measures.contains(name)),
             count: crate::report::DEFAULT_COUNT,

@@ -1,10 +1,10 @@
 //! From Python arguments to a study.
 
-use iva_sweep::Invalid;
-use iva_sweep::columns::{Measures, SUMMARY};
+use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part, nearest};
 use iva_sweep::study::{Axis, Study, Table};
+use iva_sweep::{Invalid, number};
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
@@ -51,11 +51,11 @@ pub fn check(part: Part, values: &[(String, f64)]) -> Result<(), Invalid> {
         given.push((field, field.check(*value)?));
     }
     for (index, (field, value)) in given.iter().enumerate() {
-        let same = |other: &&(FieldId, f64)| other.0.info().group == field.info().group;
+        let same = |other: &&(FieldId, f64)| other.0.same_quantity(*field);
         if let Some((other, _)) = given[..index].iter().find(same) {
             return Err(Invalid::new(
                 field.path(),
-                format!("{value:?}").trim_end_matches(".0"),
+                number(*value),
                 format!("{} is given as well; give one of them", other.path()),
             ));
         }
@@ -105,11 +105,11 @@ fn tables(names: &[String]) -> Result<Vec<Table>, Invalid> {
     Ok(tables)
 }
 
-fn measures(names: Option<&[String]>) -> Result<Measures, Invalid> {
+fn measures(names: Option<&[String]>) -> Result<Selection, Invalid> {
     let Some(names) = names else {
-        return Ok(Measures::all());
+        return Ok(Selection::all());
     };
-    Measures::from_names(names.iter().map(String::as_str)).map_err(|name| {
+    Selection::from_names(names.iter().map(String::as_str)).map_err(|name| {
         let allowed: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();
         unknown("measures", &name, &allowed)
     })

@@ -155,9 +155,9 @@ pub fn columns(table: Table) -> &'static [Column] {
 
 /// The set of summary columns to compute; the others are null. `outcome` is always there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Measures(u32);
+pub struct Selection(u32);
 
-impl Measures {
+impl Selection {
     /// Every summary column.
     pub fn all() -> Self {
         Self((1 << SUMMARY.len()) - 1)

@@ -62,11 +62,8 @@ impl Spec {
     /// # Errors
     /// [`Invalid`] with field, value and range.
     pub fn replace(&mut self, field: FieldId, value: f64) -> Result<(), Invalid> {
-        let info = field.info();
-        for other in FieldId::all() {
-            if other.info().part == info.part && other.info().group == info.group {
-                self.values[other as usize] = None;
-            }
+        for other in FieldId::all().filter(|other| other.same_quantity(field)) {
+            self.values[other as usize] = None;
         }
         self.set(field, value)
     }

@@ -210,6 +210,12 @@ impl FieldId {
         format!("{}.{}", field.part.name(), field.name)
     }
 
+    /// True if two fields set the same quantity, so that only one of them may be given.
+    pub fn same_quantity(self, other: FieldId) -> bool {
+        let (one, other) = (self.info(), other.info());
+        (one.part, one.group) == (other.part, other.group)
+    }
+
     /// Finds a field by its part and name.
     pub fn find(part: Part, name: &str) -> Option<FieldId> {
         Self::all().find(|id| id.info().part == part && id.info().name == name)
@@ -260,11 +266,14 @@ impl FieldId {
     }
 }
 
+/// How alike (Jaro and Winkler's measure) two names must be for one to be a slip of the other.
+const ALIKE: f64 = 0.75;
+
 /// The known name closest to a misspelt one, if any is close enough to be meant.
 pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     known
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
-        .filter(|(score, _)| *score > 0.75)
+        .filter(|(score, _)| *score > ALIKE)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
 }

@@ -15,4 +15,4 @@ pub mod sweep;
 pub mod tables;
 pub mod units;
 
-pub use iva_core::error::Invalid;
+pub use iva_core::error::{Invalid, number};

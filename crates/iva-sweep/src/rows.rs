@@ -7,7 +7,7 @@ use iva_core::peaks::Peak;
 use iva_core::sample::State;
 use iva_core::simulate::Tally;
 
-use crate::columns::{Measures, SUMMARY};
+use crate::columns::{SUMMARY, Selection};
 use crate::tables::Cell;
 use crate::units::Scale;
 
@@ -15,7 +15,7 @@ use crate::units::Scale;
 pub(crate) fn summary<S>(
     tally: &Tally<S>,
     values: &MeasureValues,
-    measures: Measures,
+    measures: Selection,
     scale: &Scale,
 ) -> impl Iterator<Item = Cell> {
     let time = |tau: Option<f64>| Cell::from(tau.map(|tau| scale.time(tau)));

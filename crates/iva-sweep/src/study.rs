@@ -4,7 +4,7 @@ use std::fmt;
 
 use iva_core::error::Invalid;
 
-use crate::columns::Measures;
+use crate::columns::Selection;
 use crate::design::{Design, Spec};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
@@ -122,11 +122,7 @@ impl Axis {
 /// [`Invalid`] naming the later axis.
 pub fn distinct(axes: &[Axis]) -> Result<(), Invalid> {
     for (index, axis) in axes.iter().enumerate() {
-        let info = axis.field.info();
-        let same = axes[..index].iter().find(|earlier| {
-            let other = earlier.field.info();
-            (other.part, other.group) == (info.part, info.group)
-        });
+        let same = axes[..index].iter().find(|earlier| earlier.field.same_quantity(axis.field));
         if let Some(earlier) = same {
             return Err(Invalid::new(
                 format!("sweep.{}", axis.key),
@@ -148,13 +144,13 @@ pub struct Study {
     /// Tables to build.
     pub tables: Vec<Table>,
     /// Summary columns to compute.
-    pub measures: Measures,
+    pub measures: Selection,
 }
 
 impl Study {
     /// A study of a single run with every table of a sweep.
     pub fn single(spec: Spec) -> Self {
-        Self { spec, axes: Vec::new(), tables: Table::SWEEP.to_vec(), measures: Measures::all() }
+        Self { spec, axes: Vec::new(), tables: Table::SWEEP.to_vec(), measures: Selection::all() }
     }
 
     /// Number of points: the product of the axes' lengths, 1 without axes.

@@ -163,8 +163,8 @@ impl Builder {
         }
     }
 
-    /// A cell of another type than the column's becomes null; `tests::rows_fit` shows that no row
-    /// has one.
+    /// A cell of another type than the column's becomes null; a test of the sweep shows that no
+    /// row has one.
     fn push(&mut self, cell: Cell) {
         match (self, cell) {
             (Self::Point(column), Cell::Point(value)) => column.append_value(value),

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type};
 use arrow_array::{Array, RecordBatch};
-use iva_sweep::columns::{Measures, SUMMARY, columns};
+use iva_sweep::columns::{SUMMARY, Selection, columns};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
 use iva_sweep::study::{Axis, Study, Table};
@@ -121,7 +121,7 @@ fn measures_not_asked_for_are_null() {
     let mut study = Study::single(spec());
     let (all, _) = run(&study, 1, None, false);
     for asked in SUMMARY.iter().map(|column| column.name) {
-        study.measures = Measures::from_names([asked]).unwrap();
+        study.measures = Selection::from_names([asked]).unwrap();
         let (some, _) = run(&study, 1, None, false);
         let (all, some) = (&all[&Table::Summary], &some[&Table::Summary]);
         for column in SUMMARY {

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, Float64Array, StringArray, UInt64Array};
-use iva_sweep::columns::Measures;
+use iva_sweep::columns::Selection;
 use iva_sweep::design::Spec;
 use iva_sweep::study::Axis;
 
@@ -122,7 +122,7 @@ fn a_sweep_without_any_value_says_so() {
 
 #[test]
 fn a_report_by_a_measure_that_is_not_computed_is_no_report() {
-    let measures = Measures::from_names(["impacts"]).unwrap();
+    let measures = Selection::from_names(["impacts"]).unwrap();
     assert_eq!(Report::new(measures).best_by, None);
     assert!(BestPoints::new(&Report::new(measures), &study()).is_none());
 }

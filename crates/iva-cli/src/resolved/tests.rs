@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use iva_sweep::columns::{Measures, SUMMARY};
+use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::design::Spec;
 use iva_sweep::study::Study;
 use proptest::prelude::*;
@@ -75,7 +75,7 @@ fn study_file() -> impl Strategy<Value = StudyFile> {
     let names: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();
     let tables = prop::sample::subsequence(Table::SWEEP.to_vec(), 1..=4);
     let measures = prop::sample::subsequence(names, 0..=SUMMARY.len())
-        .prop_map(|names| Measures::from_names(names).unwrap());
+        .prop_map(|names| Selection::from_names(names).unwrap());
     let report = (prop::sample::select(RANKED.to_vec()), 1..1000_usize);
     (spec(), axes(), tables, measures, report, 1..=1_000_000_u32).prop_map(
         |(spec, axes, tables, measures, ((best_by, _), count), samples_per_period)| StudyFile {
