@@ -16,10 +16,12 @@ FORBIDDEN_CRATES = {
 # the driver knows no absorber; libraries do not end the process; one crate names pyo3.
 FORBIDDEN_WORDS = [
     ("crates/iva-core/src", r"\bstd::(fs|io|thread|time|env|process|net)\b|\bprintln!"),
-    ("crates/iva-core/src/simulate.rs", r"\b(siva|Siva)\b"),
-    ("crates/iva-core/src/contact.rs", r"\b(siva|Siva)\b"),
+    ("crates/iva-core/src/simulate.rs", r"\b([sp]iva|[SP]iva)\b"),
+    ("crates/iva-core/src/contact.rs", r"\b([sp]iva|[SP]iva)\b"),
     ("crates/iva-core/src/siva.rs", r"crate::(simulate|contact|run)\b"),
     ("crates/iva-core/src/siva/motion.rs", r"crate::(simulate|contact|run)\b"),
+    ("crates/iva-core/src/piva.rs", r"crate::(simulate|contact|run)\b"),
+    ("crates/iva-core/src/piva/motion.rs", r"crate::(simulate|contact|run)\b"),
     ("crates/iva-sweep/src", r"\bstd::(fs|io|env|process|net)\b|\bprintln!"),
     ("crates/iva-core/src", r"\bpyo3\b"),
     ("crates/iva-sweep/src", r"\bpyo3\b"),

@@ -74,6 +74,46 @@ impl Sum {
     }
 }
 
+impl std::ops::Neg for Sum {
+    type Output = Sum;
+
+    fn neg(self) -> Sum {
+        self.negated()
+    }
+}
+
+impl std::ops::Add for Sum {
+    type Output = Sum;
+
+    fn add(self, other: Sum) -> Sum {
+        self.plus_parts(other.value, other.rest)
+    }
+}
+
+impl std::ops::Sub for Sum {
+    type Output = Sum;
+
+    fn sub(self, other: Sum) -> Sum {
+        self.plus_parts(-other.value, -other.rest)
+    }
+}
+
+impl std::ops::Mul for Sum {
+    type Output = Sum;
+
+    fn mul(self, other: Sum) -> Sum {
+        self.times_sum(other)
+    }
+}
+
+impl std::ops::Div for Sum {
+    type Output = Sum;
+
+    fn div(self, other: Sum) -> Sum {
+        self.over_sum(other)
+    }
+}
+
 /// `a + b` as the rounded sum and its exact error.
 #[inline]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {

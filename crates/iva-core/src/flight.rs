@@ -66,4 +66,8 @@ pub trait Motion {
     fn wall(&self) -> Option<Wall>;
     /// Energy lost in the damper up to h, an integral.
     fn viscous_loss(&self, h: f64) -> f64;
+    /// Energy lost in the pivot of a pendulum up to h, an integral.
+    fn pivot_loss(&self, _h: f64) -> f64 {
+        0.0
+    }
 }

@@ -23,8 +23,9 @@
 //!
 //! Natural units throughout: ωn = 1, M = 1, lengths as the user gives them. Where things are:
 //!
-//! * [`system`] says what an absorber must tell of itself; [`siva`] is one.
-//! * [`oscillator`] and [`flight`] are the smooth motion, [`roots`] and [`contact`] the certified
+//! * [`system`] says what an absorber must tell of itself; [`siva`] is a free mass, [`piva`] a
+//!   pendulum.
+//! * [`oscillator`], [`taylor`], [`flight`] and [`ride`] are the smooth motion, [`roots`] and [`contact`] the certified
 //!   search for what ends it, [`impact`] and [`chatter`] what happens then.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
 //! * [`range`] holds the numbers that a run accepts.
@@ -65,7 +66,9 @@ pub mod measures;
 pub mod observe;
 pub mod oscillator;
 pub mod peaks;
+pub mod piva;
 pub mod range;
+pub mod ride;
 pub mod roots;
 pub mod run;
 pub mod sample;
@@ -73,3 +76,4 @@ mod settling;
 pub mod simulate;
 pub mod siva;
 pub mod system;
+pub mod taylor;

@@ -63,9 +63,11 @@ pub struct MeasureValues {
     pub energy_initial: f64,
     /// Σ ∫ 2ζ ẋ² dt.
     pub energy_viscous: f64,
+    /// What the damping of a pendulum's pivot takes, an integral; 0 for a free mass.
+    pub energy_pivot: f64,
     /// E at the end.
     pub energy_final: f64,
-    /// Initial − impacts − viscous − final.
+    /// Initial − impacts − viscous − pivot − final.
     pub energy_residual: f64,
 }
 
@@ -84,6 +86,7 @@ pub struct Measures<S: System> {
     last_period: f64,
     last_half_period: f64,
     viscous: Sum,
+    pivot: Sum,
 }
 
 /// A₀, which grows with the first half cycle where x(0) = 0.
@@ -109,6 +112,7 @@ impl<S: System> Measures<S> {
             last_period: 0.0,
             last_half_period: 0.0,
             viscous: Sum::ZERO,
+            pivot: Sum::ZERO,
         }
     }
 
@@ -193,6 +197,7 @@ impl<S: System> Observer<S> for Measures<S> {
         }
         if self.wanted.ledger {
             self.viscous = self.viscous.plus(span.motion.viscous_loss(span.length));
+            self.pivot = self.pivot.plus(span.motion.pivot_loss(span.length));
         }
         let to_period = -span.start.minus(TAU);
         if to_period > 0.0 && to_period <= span.length {
@@ -223,10 +228,12 @@ impl<S: System> Observer<S> for Measures<S> {
             values.residual_amplitude = Some(self.last_period / amplitude);
         }
         values.energy_viscous = self.viscous.value;
+        values.energy_pivot = self.pivot.value;
         values.energy_final = system.energy(&tally.state);
         values.energy_residual = Sum::new(values.energy_initial)
             .plus(-tally.energy_impacts)
             .plus(-values.energy_viscous)
+            .plus(-values.energy_pivot)
             .plus(-values.energy_final)
             .value;
     }

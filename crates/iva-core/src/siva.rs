@@ -10,9 +10,10 @@ use crate::flight::Jet;
 use crate::impact::{self, Impact};
 use crate::oscillator::{Oscillator, Primary};
 use crate::range;
+use crate::ride::{Pressure, Ride, Rider};
 use crate::system::{Point, Start, System, Wall};
 
-pub use motion::{SivaFlight, SivaRide};
+pub use motion::SivaFlight;
 
 mod motion;
 
@@ -153,10 +154,24 @@ impl SivaState {
     }
 }
 
+impl Rider for SivaState {
+    fn primary(&self) -> &Primary {
+        &self.primary
+    }
+
+    fn with_primary(self, primary: Primary) -> Self {
+        Self { primary, ..self }
+    }
+
+    fn wall(&self) -> Wall {
+        self.wall
+    }
+}
+
 impl System for Siva {
     type State = SivaState;
     type Flight<'a> = SivaFlight<'a>;
-    type Ride<'a> = SivaRide<'a>;
+    type Ride<'a> = Ride<'a, SivaState>;
 
     fn clearance(&self) -> f64 {
         self.clearance
@@ -201,8 +216,8 @@ impl System for Siva {
         SivaFlight::new(self, *state)
     }
 
-    fn ride(&self, state: &SivaState) -> SivaRide<'_> {
-        SivaRide::new(self, *state)
+    fn ride(&self, state: &SivaState) -> Ride<'_, SivaState> {
+        Ride::new(&self.loaded, *state, self.clearance, Pressure { leverage: 1.0, weight: 0.0 })
     }
 
     fn wall(&self, state: &SivaState) -> Wall {

@@ -8,6 +8,7 @@ pub mod case;
 pub mod dd;
 pub mod flight;
 pub mod oracle;
+pub mod pendulum;
 pub mod reference;
 pub mod rng;
 pub mod timeline;

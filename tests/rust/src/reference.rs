@@ -1,10 +1,11 @@
-//! The reference event lists of `tests/reference/siva_free_decay.json` (its README tells where they
-//! come from and what the fields mean).
+//! The reference event lists of `tests/reference` (its README tells where they come from and what
+//! the fields mean).
 
 use crate::{
     dd::Dd,
     oracle::{Kind, Scene},
 };
+use iva_core::piva;
 use serde_json::Value;
 
 /// One reference event.
@@ -51,10 +52,47 @@ pub fn scenes() -> Vec<Reference> {
     file.as_object().expect("an object").iter().map(|(name, value)| read(name, value)).collect()
 }
 
-fn read(name: &str, value: &Value) -> Reference {
-    let scene = &value["scene"];
-    let key = |key: &str, otherwise: f64| scene.get(key).map_or(otherwise.into(), number);
-    let events = value["events"].as_array().expect("a list").iter().map(|event| Expected {
+/// A reference scene of the pendulum absorber.
+#[derive(Debug, Clone)]
+pub struct PivaReference {
+    /// Its name.
+    pub name: String,
+    /// Parameters as the doubles nearest to the decimals of the file.
+    pub parameters: piva::Parameters,
+    /// Length of the run.
+    pub duration: f64,
+    /// Its events in order, without the impacts of |approach| ≤ 1e-9.
+    pub events: Vec<Expected>,
+}
+
+/// The four scenes of the pendulum absorber, all from displacement 1 at rest.
+pub fn piva_scenes() -> Vec<PivaReference> {
+    let text = include_str!("../../reference/piva_free_decay.json");
+    let file: Value = serde_json::from_str(text).expect("a JSON file");
+    let read = |(name, value): (&String, &Value)| {
+        let key = |key: &str| number(&value["scene"][key]).value();
+        let parameters = piva::Parameters {
+            frequency_ratio: key("r"),
+            ..piva::Parameters::point_bob(
+                key("mu"),
+                key("e"),
+                key("gamma"),
+                key("zeta"),
+                key("lam"),
+            )
+        };
+        PivaReference {
+            name: name.clone(),
+            parameters,
+            duration: number(&value["tau_end"]).value(),
+            events: events(value),
+        }
+    };
+    file.as_object().expect("an object").iter().map(read).collect()
+}
+
+fn events(value: &Value) -> Vec<Expected> {
+    let expected = |event: &Value| Expected {
         kind: match event["kind"].as_str() {
             Some("impact") => Kind::Impact,
             Some("stick") => Kind::Stick,
@@ -67,7 +105,13 @@ fn read(name: &str, value: &Value) -> Reference {
         absorber_velocity: number(&event["v_absorber"]),
         approach: number(&event["approach"]),
         condition: event["condition"].as_f64().expect("a condition"),
-    });
+    };
+    value["events"].as_array().expect("a list").iter().map(expected).collect()
+}
+
+fn read(name: &str, value: &Value) -> Reference {
+    let scene = &value["scene"];
+    let key = |key: &str, otherwise: f64| scene.get(key).map_or(otherwise.into(), number);
     Reference {
         name: name.to_owned(),
         scene: Scene {
@@ -78,6 +122,6 @@ fn read(name: &str, value: &Value) -> Reference {
             start: [key("x", 1.0), key("v", 0.0), key("y", 0.0), key("dy", 0.0)],
             duration: number(&value["tau_end"]).value(),
         },
-        events: events.collect(),
+        events: events(value),
     }
 }

@@ -23,7 +23,7 @@ pub struct Mark {
 
 /// Impacts with an approach speed above `threshold`, sticks and releases in order of time; at one
 /// instant an impact comes before the stick that it ends in.
-pub fn marks(run: &Run, threshold: f64) -> Vec<Mark> {
+pub fn marks<S>(run: &iva_core::run::Run<S>, threshold: f64) -> Vec<Mark> {
     let mut list: Vec<Mark> = Vec::new();
     for impact in &run.impacts {
         if impact.gap_velocity_before.abs() > threshold {

@@ -60,7 +60,7 @@ fn run(study: &Study, threads: usize, chunk: Option<usize>, cancel: bool) -> (Ta
 
 fn refusal(study: &Study) -> String {
     let workers = Workers::new(Some(2)).unwrap();
-    validate(study, &workers, &AtomicBool::new(false)).unwrap_err().to_string()
+    validate(study, &workers, &AtomicBool::new(false), &|_| {}).unwrap_err().to_string()
 }
 
 fn numbers(table: &RecordBatch, name: &str) -> Vec<Option<f64>> {

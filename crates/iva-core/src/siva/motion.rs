@@ -1,4 +1,4 @@
-//! The smooth motions of a SIVA: free in its gap, and stuck on a wall.
+//! The flight of a SIVA: free in its gap.
 
 use super::{Siva, SivaState};
 use crate::compensated::Sum;
@@ -112,98 +112,5 @@ impl Curve for SivaFlight<'_> {
     #[inline]
     fn magnitude(&self) -> f64 {
         self.siva.clearance
-    }
-}
-
-/// The absorber stuck on a wall: one mass 1 + μ on the primary's spring and damper.
-#[derive(Debug, Clone, Copy)]
-pub struct SivaRide<'a> {
-    siva: &'a Siva,
-    from: SivaState,
-    acceleration: Sum,
-}
-
-impl<'a> SivaRide<'a> {
-    pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
-        Self { siva, from, acceleration: siva.loaded.acceleration(&from.primary) }
-    }
-
-    fn after(&self, h: f64) -> (Primary, Increment) {
-        self.from.primary.after(&self.siva.loaded, self.acceleration, h)
-    }
-}
-
-impl Motion for SivaRide<'_> {
-    type State = SivaState;
-    const RIDING: bool = true;
-
-    fn origin(&self) -> &SivaState {
-        &self.from
-    }
-
-    fn reach(&self) -> f64 {
-        self.siva.loaded.reach
-    }
-
-    fn state(&self, h: f64) -> SivaState {
-        let (primary, _) = self.after(h);
-        SivaState { primary, ..self.from }
-    }
-
-    fn primary(&self, h: f64) -> Jet {
-        let (primary, increment) = self.after(h);
-        primary.jet(&self.siva.loaded, self.acceleration.value + increment.acceleration)
-    }
-
-    fn gap(&self, _h: f64) -> GapPoint {
-        GapPoint { y: self.from.wall.sign() * self.siva.clearance, w: 0.0 }
-    }
-
-    fn wall(&self) -> Option<Wall> {
-        Some(self.from.wall)
-    }
-
-    fn viscous_loss(&self, h: f64) -> f64 {
-        let Primary { x, v } = self.from.primary;
-        self.siva.loaded.viscous_loss(x.value, v.value, h)
-    }
-}
-
-impl Curve for SivaRide<'_> {
-    type Sample = SivaState;
-
-    fn sample(&self, h: f64) -> SivaState {
-        self.state(h)
-    }
-
-    /// The pressure −s ẍ on the wall; the ride ends where it changes sign.
-    fn jet(&self, sample: &SivaState) -> Jet {
-        let loaded = &self.siva.loaded;
-        let s = sample.wall.sign();
-        let (x, v) = (sample.primary.x.value, sample.primary.v.value);
-        let second = loaded.next_derivative(x, v);
-        let third = loaded.next_derivative(v, second);
-        let fourth = loaded.next_derivative(second, third);
-        let fifth = loaded.next_derivative(third, fourth);
-        Jet { value: -s * second, rate: -s * third, curvature: -s * fourth, jerk: -s * fifth }
-    }
-
-    /// The magnitude is that of the terms: plain evaluation is precise enough.
-    fn precise(&self, h: f64) -> Sum {
-        Sum::new(self.jet(&self.state(h)).value)
-    }
-
-    /// The fourth derivative of the pressure is −s x⁽⁶⁾, bounded by Λ⁵ρ.
-    fn fourth(&self) -> f64 {
-        let loaded = &self.siva.loaded;
-        let Primary { x, v } = self.from.primary;
-        loaded.growth.powi(5) * loaded.radius(x.value, v.value)
-    }
-
-    /// The pressure itself is bounded by Λρ.
-    fn magnitude(&self) -> f64 {
-        let loaded = &self.siva.loaded;
-        let Primary { x, v } = self.from.primary;
-        loaded.growth * loaded.radius(x.value, v.value)
     }
 }

@@ -1,0 +1,341 @@
+//! The pendulum impact absorber: a pendulum on the primary system between two walls (paper, Eqs.
+//! 3–6 and 15–17 with their misprints mended; large angles, point bob or compound).
+//!
+//! The gap displacement is y = b sinθ, b from the pivot to the point of contact, with walls at ±d.
+//! Flight is a Taylor series ([`crate::taylor`]); stuck on a wall the pendulum rides as one mass
+//! with the primary, in closed form, until gravity or the primary pulls it off.
+
+use crate::compensated::Sum;
+use crate::error::{Invalid, number};
+use crate::flight::Jet;
+use crate::impact::{self, Impact};
+use crate::oscillator::{Oscillator, Primary};
+use crate::ride::{Pressure, Ride, Rider};
+use crate::system::{Point, Start, System, Wall};
+use crate::taylor::{Pendulum, Series, Swing};
+
+pub use motion::PivaFlight;
+pub use parameters::Parameters;
+
+mod motion;
+mod parameters;
+
+/// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
+const ON_WALL_ULPS: f64 = 4.0;
+
+/// A pendulum absorber on its primary system.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piva {
+    parameters: Parameters,
+    pendulum: Pendulum,
+    /// cosθ at the walls.
+    wall_cosine: f64,
+    /// Share of the gap velocity that the primary gains at an impact: λ μ(1 + e)/(1 + μ).
+    impact_share: Sum,
+    /// The same where the absorber sticks.
+    stick_share: Sum,
+    /// See [`System::pressure_gain`].
+    pressure_gain: f64,
+    loaded: Oscillator,
+}
+
+impl Piva {
+    /// A pendulum absorber.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming field, value and allowed range.
+    pub fn new(parameters: Parameters) -> Result<Self, Invalid> {
+        parameters.check()?;
+        let Parameters {
+            mass_ratio,
+            restitution,
+            clearance,
+            damping_ratio,
+            frequency_ratio,
+            length,
+            inertia_ratio,
+            contact_distance,
+            pivot_damping_ratio,
+        } = parameters;
+        let lever = length / contact_distance;
+        let pendulum = Pendulum {
+            mass_ratio,
+            damping_ratio,
+            contact_distance,
+            lever,
+            coupling: 1.0 / (inertia_ratio * lever),
+            frequency_squared: frequency_ratio * frequency_ratio,
+            pivot_damping: 2.0 * pivot_damping_ratio * frequency_ratio,
+        };
+        let sine = clearance / contact_distance;
+        let cosine = ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt();
+        let share = |e| impact::primary_share(mass_ratio, e).times(lever);
+        Ok(Self {
+            parameters,
+            pendulum,
+            wall_cosine: cosine,
+            impact_share: share(restitution),
+            stick_share: share(0.0),
+            pressure_gain: pressure_gain(&pendulum, cosine, restitution),
+            loaded: Oscillator::new(1.0 + mass_ratio, damping_ratio),
+        })
+    }
+
+    /// What it was made of.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// True if the pendulum can reach the walls at all: d < b.
+    pub fn stop_reachable(&self) -> bool {
+        self.parameters.clearance < self.parameters.contact_distance
+    }
+
+    /// The swing of a state seen from its wall.
+    fn swing(&self, state: &PivaState) -> Swing<f64> {
+        Swing {
+            x: state.primary.x.value,
+            u: state.primary.v.value,
+            y: state.y().value,
+            w: state.w.value,
+            c: state.cosine,
+        }
+    }
+
+    /// Series of the flight from a state, in powers of t/h.
+    fn series(&self, state: &PivaState, h: f64, order: usize) -> Series<f64> {
+        let mut series = self.pendulum.series(&self.swing(state), h, order);
+        if state.released {
+            // What rounding leaves of Ẇ and ÿ would send the pendulum back into the wall.
+            (series.w[1], series.y[2]) = (0.0, 0.0);
+        }
+        series
+    }
+
+    /// Jet of the distance to the wall, in free motion.
+    fn jet(&self, state: &PivaState) -> Jet {
+        let series = self.series(state, 1.0, 3);
+        let s = state.wall.sign();
+        Jet {
+            value: state.distance.value,
+            rate: -s * series.y[1],
+            curvature: -2.0 * s * series.y[2],
+            jerk: -6.0 * s * series.y[3],
+        }
+    }
+
+    /// Energy lost by an impact with W⁻, per primary mass:
+    /// ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)].
+    fn loss(&self, w: f64, cosine: f64, restitution: f64) -> f64 {
+        let Parameters { mass_ratio, inertia_ratio, .. } = self.parameters;
+        let speed = self.pendulum.lever * w;
+        let bracket = inertia_ratio - mass_ratio / (1.0 + mass_ratio) * (cosine * cosine);
+        0.5 * mass_ratio * ((1.0 - restitution) * (1.0 + restitution)) * (speed * speed) * bracket
+    }
+}
+
+/// How much an impact of unit approach speed raises the pressure on the wall: through the dampers
+/// of primary and pivot, which feel the jumps of u and W.
+fn pressure_gain(pendulum: &Pendulum, c: f64, e: f64) -> f64 {
+    let Pendulum { mass_ratio, damping_ratio, lever, coupling, pivot_damping, .. } = *pendulum;
+    if c == 0.0 {
+        return 0.0;
+    }
+    let jump_u = lever * mass_ratio * (1.0 + e) / (1.0 + mass_ratio);
+    let jump_w = -(1.0 + e) / c;
+    let inertia = 1.0 + mass_ratio - mass_ratio * lever * coupling * (c * c);
+    let jump_a =
+        (-2.0 * damping_ratio * jump_u + mass_ratio * lever * c * pivot_damping * jump_w) / inertia;
+    -c * (coupling * c * jump_a + pivot_damping * jump_w)
+}
+
+/// Primary and pendulum between events.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PivaState {
+    primary: Primary,
+    wall: Wall,
+    /// d − s y ≥ 0, the distance to the wall last touched.
+    distance: Sum,
+    clearance: f64,
+    /// W = b θ̇.
+    w: Sum,
+    /// cosθ.
+    cosine: f64,
+    /// Just released: W and Ẇ are exactly 0.
+    released: bool,
+}
+
+impl PivaState {
+    /// Gap displacement y.
+    fn y(&self) -> Sum {
+        let s = self.wall.sign();
+        Sum::new(s * self.clearance).plus_parts(-s * self.distance.value, -s * self.distance.rest)
+    }
+
+    /// Gap velocity ẏ = c W.
+    fn gap_velocity(&self) -> f64 {
+        self.cosine * self.w.value
+    }
+}
+
+impl Rider for PivaState {
+    fn primary(&self) -> &Primary {
+        &self.primary
+    }
+
+    fn with_primary(self, primary: Primary) -> Self {
+        Self { primary, ..self }
+    }
+
+    fn wall(&self) -> Wall {
+        self.wall
+    }
+}
+
+impl System for Piva {
+    type State = PivaState;
+    type Flight<'a> = PivaFlight<'a>;
+    type Ride<'a> = Ride<'a, PivaState>;
+
+    fn clearance(&self) -> f64 {
+        self.parameters.clearance
+    }
+
+    fn rebound_ratio(&self) -> f64 {
+        self.parameters.restitution
+    }
+
+    fn pressure_gain(&self) -> f64 {
+        self.pressure_gain
+    }
+
+    fn check_start(&self, start: &Start) -> Result<(), Invalid> {
+        crate::siva::check_start(self.parameters.clearance, start)?;
+        let b = self.parameters.contact_distance;
+        if start.gap_displacement.abs() > b {
+            return Err(Invalid::new(
+                "start.gap_displacement",
+                number(start.gap_displacement),
+                format!("the pendulum reaches from -{0} to {0}", number(b)),
+            ));
+        }
+        Ok(())
+    }
+
+    fn begin(&self, start: &Start) -> (PivaState, bool) {
+        let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
+        let side = [start.gap_displacement, start.gap_velocity, start.displacement, start.velocity]
+            .into_iter()
+            .find(|value| *value != 0.0)
+            .unwrap_or(1.0);
+        let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
+        let clearance = self.parameters.clearance;
+        let distance = Sum::new(clearance).plus(-wall.sign() * start.gap_displacement);
+        let touching = distance.value <= ON_WALL_ULPS * f64::EPSILON * clearance;
+        let sine = start.gap_displacement / self.parameters.contact_distance;
+        let cosine =
+            if touching { self.wall_cosine } else { ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt() };
+        let state = PivaState {
+            primary,
+            wall,
+            distance: if touching { Sum::ZERO } else { distance },
+            clearance,
+            w: Sum::new(start.gap_velocity).over(cosine),
+            cosine,
+            released: false,
+        };
+        (state, touching)
+    }
+
+    fn flight(&self, state: &PivaState) -> PivaFlight<'_> {
+        PivaFlight::new(self, *state)
+    }
+
+    fn ride(&self, state: &PivaState) -> Ride<'_, PivaState> {
+        let pressure = Pressure {
+            leverage: self.pendulum.coupling * self.wall_cosine,
+            weight: self.pendulum.frequency_squared * self.parameters.clearance,
+        };
+        Ride::new(&self.loaded, *state, self.parameters.clearance, pressure)
+    }
+
+    fn wall(&self, state: &PivaState) -> Wall {
+        state.wall
+    }
+
+    fn distance(&self, state: &PivaState) -> Jet {
+        self.jet(state)
+    }
+
+    fn touch(&self, state: &PivaState, wall: Wall) -> PivaState {
+        PivaState { wall, distance: Sum::ZERO, cosine: self.wall_cosine, ..*state }
+    }
+
+    fn impact(&self, state: &PivaState, time: f64) -> (PivaState, Impact) {
+        let before = state.w.times(self.wall_cosine);
+        let primary = state.primary.kicked(1.0, before, self.impact_share);
+        let w = state.w.times(-self.parameters.restitution);
+        let after = PivaState { primary, w, released: false, ..*state };
+        let impact = Impact {
+            time,
+            wall: state.wall,
+            displacement: state.primary.x.value,
+            velocity_before: state.primary.v.value,
+            velocity_after: primary.v.value,
+            gap_velocity_before: before.value,
+            gap_velocity_after: after.gap_velocity(),
+            energy_loss: self.loss(state.w.value, self.wall_cosine, self.parameters.restitution),
+        };
+        (after, impact)
+    }
+
+    fn stick(&self, state: &PivaState) -> (PivaState, f64) {
+        let before = state.w.times(self.wall_cosine);
+        let stuck = PivaState {
+            primary: state.primary.kicked(1.0, before, self.stick_share),
+            distance: Sum::ZERO,
+            w: Sum::ZERO,
+            ..*state
+        };
+        (stuck, self.loss(state.w.value, self.wall_cosine, 0.0))
+    }
+
+    fn release(&self, state: &PivaState) -> PivaState {
+        // Written into x, the pressure is 0 but for rounding.
+        let v = Sum::new(state.primary.v.value);
+        let spring = v.times(-2.0 * self.parameters.damping_ratio);
+        let released = -(1.0 + self.parameters.mass_ratio) * self.release_acceleration(state.wall);
+        PivaState {
+            primary: Primary { x: spring.plus(released), v },
+            distance: Sum::ZERO,
+            w: Sum::ZERO,
+            released: true,
+            ..*state
+        }
+    }
+
+    fn primary(&self, state: &PivaState) -> Point {
+        Point { x: state.primary.x.value, v: state.primary.v.value }
+    }
+
+    fn energy(&self, state: &PivaState) -> f64 {
+        let Point { x, v } = self.primary(state);
+        let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
+        let Pendulum { lever, contact_distance, frequency_squared, .. } = self.pendulum;
+        let (y, w, c) = (state.y().value, state.w.value, state.cosine);
+        let sine = y / contact_distance;
+        // 1 − cosθ without cancellation; hanging up where the bob is above the pivot.
+        let rise = if c > 0.0 { sine * sine / (1.0 + c) } else { 1.0 - c };
+        let gravity = frequency_squared * inertia_ratio * length;
+        let kinetic = v * v + 2.0 * v * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
+        0.5 * (x * x + v * v) + mass_ratio * (0.5 * kinetic + gravity * length * rise)
+    }
+}
+
+impl Piva {
+    /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.
+    fn release_acceleration(&self, wall: Wall) -> f64 {
+        let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
+        -wall.sign() * frequency_squared * self.parameters.clearance / (coupling * self.wall_cosine)
+    }
+}

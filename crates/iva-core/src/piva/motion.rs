@@ -1,0 +1,251 @@
+//! The flight of a pendulum absorber: swinging in its gap.
+
+use super::{Piva, PivaState};
+use crate::compensated::Sum;
+use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::oscillator::Primary;
+use crate::system::Wall;
+use crate::taylor::{ORDER, Pendulum, Series, Swing, horner};
+
+/// Longest step, over the fastest time scale of the motion.
+const LONGEST: f64 = 0.6;
+/// What a step may leave out, relative to the size of each variable.
+const TRUNCATION: f64 = 1e-17;
+/// 2^(−1/4): steps are shortened by this factor until they keep to [`TRUNCATION`].
+const SHORTER: f64 = 0.840_896_415_253_714_6;
+/// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
+const STEEP: f64 = 0.7;
+
+/// The pendulum free in its gap.
+#[derive(Debug, Clone)]
+pub struct PivaFlight<'a> {
+    piva: &'a Piva,
+    from: PivaState,
+    /// In powers of t over `step`.
+    series: Series<f64>,
+    step: f64,
+    reach: f64,
+    fourth: f64,
+}
+
+impl<'a> PivaFlight<'a> {
+    pub(super) fn new(piva: &'a Piva, from: PivaState) -> Self {
+        let step = piva.longest_step(&from);
+        let series = piva.series(&from, step, ORDER);
+        let Some(share) = share_kept(&series, &Sizes::of(piva, &from)) else {
+            // What cannot be enclosed is not flown: the run ends there and says so.
+            return Self { piva, from, series, step, reach: step, fourth: f64::NAN };
+        };
+        let fourth = fourth_bound(&series.y, share, step);
+        Self { piva, from, series, step, reach: share * step, fourth }
+    }
+
+    /// h in steps.
+    fn share(&self, h: f64) -> f64 {
+        h / self.step
+    }
+
+    /// What a damper takes: factor · ∫ f² up to h.
+    fn loss(&self, factor: f64, f: &[f64; ORDER + 1], h: f64) -> f64 {
+        if factor == 0.0 { 0.0 } else { factor * square_integral(f, self.share(h)) * self.step }
+    }
+}
+
+/// [`SHORTER`] to the power ORDER − 1.
+const SHORTER_POWER: f64 = 0.037_162_722_343_835_05;
+/// Steps are not shortened more often than this, to 2⁻²⁰.
+const MOST_SHORTENINGS: u32 = 80;
+
+/// The share of a step on which its series leaves out no more than [`TRUNCATION`].
+///
+/// What is left out is judged by the last two coefficients (the last alone may vanish by chance): an
+/// estimate that held with a margin in every comparison with a longer series, not a proof.
+fn share_kept(series: &Series<f64>, sizes: &Sizes) -> Option<f64> {
+    let last =
+        |row: &[f64; ORDER + 1], share: f64| (row[ORDER].abs() * share).max(row[ORDER - 1].abs());
+    let (mut share, mut power) = (1.0, 1.0);
+    for _ in 0..MOST_SHORTENINGS {
+        let primary = last(&series.x, share).max(last(&series.u, share));
+        let gap = last(&series.y, share).max(last(&series.w, share));
+        if power * primary <= TRUNCATION * sizes.primary && power * gap <= TRUNCATION * sizes.gap {
+            return Some(share);
+        }
+        share *= SHORTER;
+        power *= SHORTER_POWER;
+    }
+    None
+}
+
+/// Sizes that truncation is measured against.
+struct Sizes {
+    primary: f64,
+    gap: f64,
+}
+
+impl Sizes {
+    fn of(piva: &Piva, state: &PivaState) -> Self {
+        let gap = piva.parameters.clearance.min(piva.parameters.contact_distance);
+        let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
+        Self { primary: moved.max(piva.parameters.mass_ratio * gap), gap }
+    }
+}
+
+/// Bound on |y⁗| over a step: the sum of its terms, and as much again for those left out.
+fn fourth_bound(y: &[f64; ORDER + 1], share: f64, step: f64) -> f64 {
+    let mut sum = 0.0;
+    for k in (4..=ORDER).rev() {
+        let k_ = k as f64;
+        sum = sum * share + k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0) * y[k].abs();
+    }
+    // Of the terms left out the first is below half of the last two kept, and so on.
+    let order = (ORDER + 1) as f64;
+    let tail = y[ORDER].abs().max(y[ORDER - 1].abs()) * order.powi(4) * 4.0;
+    (sum + tail) / (step * step * step * step)
+}
+
+impl Piva {
+    /// A step short against every time scale: of the primary, of the pendulum, of its swing.
+    fn longest_step(&self, state: &PivaState) -> f64 {
+        let pendulum = &self.pendulum;
+        let zeta = pendulum.damping_ratio;
+        let primary = zeta + (1.0 + zeta * zeta).sqrt();
+        let hanging = (pendulum.frequency_squared * (1.0 + pendulum.mass_ratio)).sqrt();
+        let swing = state.w.value.abs() / pendulum.contact_distance;
+        LONGEST / primary.max(hanging).max(swing).max(pendulum.pivot_damping)
+    }
+}
+
+impl Motion for PivaFlight<'_> {
+    type State = PivaState;
+    const RIDING: bool = false;
+
+    fn origin(&self) -> &PivaState {
+        &self.from
+    }
+
+    fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    fn state(&self, h: f64) -> PivaState {
+        if h == 0.0 {
+            return self.from;
+        }
+        let (t, from, series) = (self.share(h), &self.from, &self.series);
+        let s = from.wall.sign();
+        let increment = |series: &[f64; ORDER + 1]| t * horner(&series[1..], t);
+        let distance = from.distance.plus(-s * increment(&series.y));
+        let sine = (from.clearance - distance.value) / self.piva.parameters.contact_distance;
+        let own = series.c[0] + increment(&series.c);
+        let cosine = if sine.abs() < STEEP && own > 0.0 {
+            ((1.0 - sine) * (1.0 + sine)).sqrt()
+        } else {
+            own
+        };
+        PivaState {
+            primary: Primary {
+                x: from.primary.x.plus(increment(&series.x)),
+                v: from.primary.v.plus(increment(&series.u)),
+            },
+            distance,
+            w: from.w.plus(increment(&series.w)),
+            cosine,
+            released: false,
+            ..*from
+        }
+    }
+
+    fn primary(&self, h: f64) -> Jet {
+        let state = self.state(h);
+        let series = self.piva.series(&state, 1.0, 2);
+        Jet {
+            value: state.primary.x.value,
+            rate: state.primary.v.value,
+            curvature: series.a[0],
+            jerk: series.a[1],
+        }
+    }
+
+    fn gap(&self, h: f64) -> GapPoint {
+        let state = self.state(h);
+        let d = state.clearance;
+        GapPoint { y: state.y().value.clamp(-d, d), w: state.gap_velocity() }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        None
+    }
+
+    fn viscous_loss(&self, h: f64) -> f64 {
+        self.loss(2.0 * self.piva.pendulum.damping_ratio, &self.series.u, h)
+    }
+
+    fn pivot_loss(&self, h: f64) -> f64 {
+        let Pendulum { mass_ratio, lever, pivot_damping, .. } = self.piva.pendulum;
+        let inertia = mass_ratio * self.piva.parameters.inertia_ratio * (lever * lever);
+        self.loss(inertia * pivot_damping, &self.series.w, h)
+    }
+}
+
+/// ∫₀ᵗ f² of a polynomial f.
+fn square_integral(f: &[f64; ORDER + 1], t: f64) -> f64 {
+    let mut sum = 0.0;
+    for k in (0..=2 * ORDER).rev() {
+        let mut product = 0.0;
+        for i in k.saturating_sub(ORDER)..=k.min(ORDER) {
+            product += f[i] * f[k - i];
+        }
+        sum = sum * t + product / (k + 1) as f64;
+    }
+    sum * t
+}
+
+impl Curve for PivaFlight<'_> {
+    type Sample = PivaState;
+
+    fn sample(&self, h: f64) -> PivaState {
+        self.state(h)
+    }
+
+    fn jet(&self, sample: &PivaState) -> Jet {
+        self.piva.jet(sample)
+    }
+
+    fn precise(&self, h: f64) -> Sum {
+        let from = &self.from;
+        let b = self.piva.parameters.contact_distance;
+        let start = Swing {
+            x: from.primary.x,
+            u: from.primary.v,
+            y: from.y(),
+            w: from.w,
+            c: precise_cosine(from.y().over(b), from.cosine),
+        };
+        let mut series = self.piva.pendulum.series(&start, self.step, ORDER);
+        if from.released {
+            (series.w[1], series.y[2]) = (Sum::ZERO, Sum::ZERO);
+        }
+        let t = Sum::new(h).over(self.step);
+        let travelled = horner(&series.y[1..], t).times_sum(t);
+        let s = from.wall.sign();
+        from.distance.plus_parts(-s * travelled.value, -s * travelled.rest)
+    }
+
+    fn fourth(&self) -> f64 {
+        self.fourth
+    }
+
+    fn magnitude(&self) -> f64 {
+        self.from.clearance
+    }
+}
+
+/// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
+fn precise_cosine(sine: Sum, cosine: f64) -> Sum {
+    if cosine == 0.0 {
+        return Sum::ZERO;
+    }
+    let c = Sum::new(cosine);
+    let square = Sum::new(1.0) - sine * sine;
+    c + (square - c * c) / c.times(2.0)
+}

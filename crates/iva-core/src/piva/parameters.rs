@@ -1,0 +1,74 @@
+//! What a pendulum absorber is made of.
+
+use crate::error::{Invalid, number};
+use crate::range;
+
+/// What a pendulum absorber is made of, in natural units (ωn = 1, primary mass 1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// Mass ratio μ.
+    pub mass_ratio: f64,
+    /// Restitution e on the gap velocity.
+    pub restitution: f64,
+    /// One-sided clearance d.
+    pub clearance: f64,
+    /// Damping ratio ζ of the primary.
+    pub damping_ratio: f64,
+    /// r = ωp/ωn, frequency of the hanging pendulum over that of the primary.
+    pub frequency_ratio: f64,
+    /// L, from the pivot to the centre of mass.
+    pub length: f64,
+    /// κ = I/(m L²) ≥ 1, 1 for a point bob.
+    pub inertia_ratio: f64,
+    /// b, from the pivot to the point of contact; L for a point bob.
+    pub contact_distance: f64,
+    /// ζp, damping ratio of the pivot.
+    pub pivot_damping_ratio: f64,
+}
+
+impl Parameters {
+    /// A point bob on a string or a weightless rod of this length, in contact at the bob, without
+    /// friction in the pivot; set the frequency ratio yourself (1 here).
+    pub fn point_bob(
+        mass_ratio: f64,
+        restitution: f64,
+        clearance: f64,
+        damping_ratio: f64,
+        length: f64,
+    ) -> Self {
+        Self {
+            mass_ratio,
+            restitution,
+            clearance,
+            damping_ratio,
+            frequency_ratio: 1.0,
+            length,
+            inertia_ratio: 1.0,
+            contact_distance: length,
+            pivot_damping_ratio: 0.0,
+        }
+    }
+
+    /// Checks every number's range.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming field, value and allowed range.
+    pub fn check(&self) -> Result<(), Invalid> {
+        range::mass_ratio("absorber.mass_ratio", self.mass_ratio)?;
+        range::positive("absorber.clearance", self.clearance)?;
+        range::restitution("absorber.restitution", self.restitution)?;
+        range::damping_ratio("primary.damping_ratio", self.damping_ratio)?;
+        range::positive("absorber.frequency_ratio", self.frequency_ratio)?;
+        range::positive("absorber.length", self.length)?;
+        range::positive("absorber.contact_distance", self.contact_distance)?;
+        range::damping_ratio("absorber.pivot_damping_ratio", self.pivot_damping_ratio)?;
+        if (1.0..=range::LARGEST_RATIO).contains(&self.inertia_ratio) {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            "absorber.inertia_ratio",
+            number(self.inertia_ratio),
+            format!("give a number from 1 to {:e}", range::LARGEST_RATIO),
+        ))
+    }
+}
