@@ -8,15 +8,18 @@
 use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::flight::Jet;
-use crate::impact::{self, Impact};
+use crate::impact::Impact;
 use crate::oscillator::{Oscillator, Primary};
 use crate::ride::{Pressure, Ride, Rider};
 use crate::system::{Point, Start, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
 
 pub use motion::PivaFlight;
-pub use parameters::Parameters;
+pub use parameters::{Angles, ImpactLaw, Parameters};
 
+use impact_law::Law;
+
+mod impact_law;
 mod motion;
 mod parameters;
 
@@ -30,10 +33,7 @@ pub struct Piva {
     pendulum: Pendulum,
     /// cosθ at the walls.
     wall_cosine: f64,
-    /// Share of the gap velocity that the primary gains at an impact: λ μ(1 + e)/(1 + μ).
-    impact_share: Sum,
-    /// The same where the absorber sticks.
-    stick_share: Sum,
+    law: Law,
     /// See [`System::pressure_gain`].
     pressure_gain: f64,
     loaded: Oscillator,
@@ -48,7 +48,6 @@ impl Piva {
         parameters.check()?;
         let Parameters {
             mass_ratio,
-            restitution,
             clearance,
             damping_ratio,
             frequency_ratio,
@@ -56,6 +55,8 @@ impl Piva {
             inertia_ratio,
             contact_distance,
             pivot_damping_ratio,
+            angles,
+            ..
         } = parameters;
         let lever = length / contact_distance;
         let pendulum = Pendulum {
@@ -66,17 +67,16 @@ impl Piva {
             coupling: 1.0 / (inertia_ratio * lever),
             frequency_squared: frequency_ratio * frequency_ratio,
             pivot_damping: 2.0 * pivot_damping_ratio * frequency_ratio,
+            small_angles: angles == Angles::Small,
         };
-        let sine = clearance / contact_distance;
-        let cosine = ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt();
-        let share = |e| impact::primary_share(mass_ratio, e).times(lever);
+        let wall_cosine = pendulum.cosine(clearance);
+        let law = Law::new(&parameters, &pendulum, wall_cosine);
         Ok(Self {
             parameters,
             pendulum,
-            wall_cosine: cosine,
-            impact_share: share(restitution),
-            stick_share: share(0.0),
-            pressure_gain: pressure_gain(&pendulum, cosine, restitution),
+            wall_cosine,
+            law,
+            pressure_gain: law.pressure_gain(&pendulum),
             loaded: Oscillator::new(1.0 + mass_ratio, damping_ratio),
         })
     }
@@ -86,9 +86,10 @@ impl Piva {
         &self.parameters
     }
 
-    /// True if the pendulum can reach the walls at all: d < b.
+    /// True if the pendulum can reach the walls at all: d < b, or always where angles count as
+    /// small.
     pub fn stop_reachable(&self) -> bool {
-        self.parameters.clearance < self.parameters.contact_distance
+        self.pendulum.small_angles || self.parameters.clearance < self.parameters.contact_distance
     }
 
     /// The swing of a state seen from its wall.
@@ -123,30 +124,6 @@ impl Piva {
             jerk: -6.0 * s * series.y[3],
         }
     }
-
-    /// Energy lost by an impact with W⁻, per primary mass:
-    /// ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)].
-    fn loss(&self, w: f64, cosine: f64, restitution: f64) -> f64 {
-        let Parameters { mass_ratio, inertia_ratio, .. } = self.parameters;
-        let speed = self.pendulum.lever * w;
-        let bracket = inertia_ratio - mass_ratio / (1.0 + mass_ratio) * (cosine * cosine);
-        0.5 * mass_ratio * ((1.0 - restitution) * (1.0 + restitution)) * (speed * speed) * bracket
-    }
-}
-
-/// How much an impact of unit approach speed raises the pressure on the wall: through the dampers
-/// of primary and pivot, which feel the jumps of u and W.
-fn pressure_gain(pendulum: &Pendulum, c: f64, e: f64) -> f64 {
-    let Pendulum { mass_ratio, damping_ratio, lever, coupling, pivot_damping, .. } = *pendulum;
-    if c == 0.0 {
-        return 0.0;
-    }
-    let jump_u = lever * mass_ratio * (1.0 + e) / (1.0 + mass_ratio);
-    let jump_w = -(1.0 + e) / c;
-    let inertia = 1.0 + mass_ratio - mass_ratio * lever * coupling * (c * c);
-    let jump_a =
-        (-2.0 * damping_ratio * jump_u + mass_ratio * lever * c * pivot_damping * jump_w) / inertia;
-    -c * (coupling * c * jump_a + pivot_damping * jump_w)
 }
 
 /// Primary and pendulum between events.
@@ -202,7 +179,7 @@ impl System for Piva {
     }
 
     fn rebound_ratio(&self) -> f64 {
-        self.parameters.restitution
+        self.law.ratio
     }
 
     fn pressure_gain(&self) -> f64 {
@@ -212,7 +189,7 @@ impl System for Piva {
     fn check_start(&self, start: &Start) -> Result<(), Invalid> {
         crate::siva::check_start(self.parameters.clearance, start)?;
         let b = self.parameters.contact_distance;
-        if start.gap_displacement.abs() > b {
+        if !self.pendulum.small_angles && start.gap_displacement.abs() > b {
             return Err(Invalid::new(
                 "start.gap_displacement",
                 number(start.gap_displacement),
@@ -232,9 +209,8 @@ impl System for Piva {
         let clearance = self.parameters.clearance;
         let distance = Sum::new(clearance).plus(-wall.sign() * start.gap_displacement);
         let touching = distance.value <= ON_WALL_ULPS * f64::EPSILON * clearance;
-        let sine = start.gap_displacement / self.parameters.contact_distance;
         let cosine =
-            if touching { self.wall_cosine } else { ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt() };
+            if touching { self.wall_cosine } else { self.pendulum.cosine(start.gap_displacement) };
         let state = PivaState {
             primary,
             wall,
@@ -272,32 +248,35 @@ impl System for Piva {
     }
 
     fn impact(&self, state: &PivaState, time: f64) -> (PivaState, Impact) {
-        let before = state.w.times(self.wall_cosine);
-        let primary = state.primary.kicked(1.0, before, self.impact_share);
-        let w = state.w.times(-self.parameters.restitution);
+        let v = state.primary.v;
+        let gained = self.law.impact(state.w);
+        let primary = Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary };
+        let w = state.w.times(-self.law.ratio);
         let after = PivaState { primary, w, released: false, ..*state };
+        let restitution = self.parameters.restitution;
         let impact = Impact {
             time,
             wall: state.wall,
             displacement: state.primary.x.value,
-            velocity_before: state.primary.v.value,
+            velocity_before: v.value,
             velocity_after: primary.v.value,
-            gap_velocity_before: before.value,
+            gap_velocity_before: state.gap_velocity(),
             gap_velocity_after: after.gap_velocity(),
-            energy_loss: self.loss(state.w.value, self.wall_cosine, self.parameters.restitution),
+            energy_loss: self.law.impact_loss(v.value, state.w.value, restitution),
         };
         (after, impact)
     }
 
     fn stick(&self, state: &PivaState) -> (PivaState, f64) {
-        let before = state.w.times(self.wall_cosine);
+        let v = state.primary.v;
+        let gained = self.law.stick(state.w);
         let stuck = PivaState {
-            primary: state.primary.kicked(1.0, before, self.stick_share),
+            primary: Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary },
             distance: Sum::ZERO,
             w: Sum::ZERO,
             ..*state
         };
-        (stuck, self.loss(state.w.value, self.wall_cosine, 0.0))
+        (stuck, self.law.stick_loss(v.value, state.w.value))
     }
 
     fn release(&self, state: &PivaState) -> PivaState {
@@ -324,7 +303,7 @@ impl System for Piva {
         let Pendulum { lever, contact_distance, frequency_squared, .. } = self.pendulum;
         let (y, w, c) = (state.y().value, state.w.value, state.cosine);
         let sine = y / contact_distance;
-        // 1 − cosθ without cancellation; hanging up where the bob is above the pivot.
+        // 1 − cosθ without cancellation (θ²/2 where angles count as small).
         let rise = if c > 0.0 { sine * sine / (1.0 + c) } else { 1.0 - c };
         let gravity = frequency_squared * inertia_ratio * length;
         let kinetic = v * v + 2.0 * v * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);

@@ -63,6 +63,8 @@ pub struct Pendulum {
     pub frequency_squared: f64,
     /// ν = 2ζp r.
     pub pivot_damping: f64,
+    /// sinθ = θ and cosθ = 1: then c stays 1 and the equations are linear.
+    pub small_angles: bool,
 }
 
 /// A state between events: x, u, y, W and c.
@@ -98,6 +100,15 @@ pub struct Series<T> {
 }
 
 impl Pendulum {
+    /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.
+    pub fn cosine(&self, y: f64) -> f64 {
+        if self.small_angles {
+            return 1.0;
+        }
+        let sine = y / self.contact_distance;
+        ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt()
+    }
+
     /// The series from a state, for a step of length h, up to `order` of x, u, y, W and c.
     pub fn series<T: Number>(&self, start: &Swing<T>, h: f64, order: usize) -> Series<T> {
         let zero = T::from_double(0.0);
@@ -125,7 +136,7 @@ impl Pendulum {
             for i in 0..=k {
                 yw = yw + s.y[i] * s.w[k - i];
             }
-            s.c[k + 1] = -(over * yw / b2);
+            s.c[k + 1] = if self.small_angles { zero } else { -(over * yw / b2) };
             // c W and c a without the terms of c₀ and of order k + 1
             let (mut cw, mut ca) = (zero, zero);
             for i in 0..=k {

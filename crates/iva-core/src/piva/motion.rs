@@ -1,6 +1,6 @@
 //! The flight of a pendulum absorber: swinging in its gap.
 
-use super::{Piva, PivaState};
+use super::{Parameters, Piva, PivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
 use crate::oscillator::Primary;
@@ -84,7 +84,8 @@ struct Sizes {
 
 impl Sizes {
     fn of(piva: &Piva, state: &PivaState) -> Self {
-        let gap = piva.parameters.clearance.min(piva.parameters.contact_distance);
+        let Parameters { clearance, contact_distance, .. } = piva.parameters;
+        let gap = if piva.stop_reachable() { clearance } else { clearance.min(contact_distance) };
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
         Self { primary: moved.max(piva.parameters.mass_ratio * gap), gap }
     }
@@ -110,7 +111,11 @@ impl Piva {
         let zeta = pendulum.damping_ratio;
         let primary = zeta + (1.0 + zeta * zeta).sqrt();
         let hanging = (pendulum.frequency_squared * (1.0 + pendulum.mass_ratio)).sqrt();
-        let swing = state.w.value.abs() / pendulum.contact_distance;
+        let swing = if pendulum.small_angles {
+            0.0
+        } else {
+            state.w.value.abs() / pendulum.contact_distance
+        };
         LONGEST / primary.max(hanging).max(swing).max(pendulum.pivot_damping)
     }
 }
@@ -135,13 +140,11 @@ impl Motion for PivaFlight<'_> {
         let s = from.wall.sign();
         let increment = |series: &[f64; ORDER + 1]| t * horner(&series[1..], t);
         let distance = from.distance.plus(-s * increment(&series.y));
-        let sine = (from.clearance - distance.value) / self.piva.parameters.contact_distance;
+        let y = from.clearance - distance.value;
+        let sine = y / self.piva.parameters.contact_distance;
         let own = series.c[0] + increment(&series.c);
-        let cosine = if sine.abs() < STEEP && own > 0.0 {
-            ((1.0 - sine) * (1.0 + sine)).sqrt()
-        } else {
-            own
-        };
+        let gentle = own > 0.0 && sine.abs() < STEEP;
+        let cosine = if gentle { self.piva.pendulum.cosine(y) } else { own };
         PivaState {
             primary: Primary {
                 x: from.primary.x.plus(increment(&series.x)),
@@ -219,7 +222,11 @@ impl Curve for PivaFlight<'_> {
             u: from.primary.v,
             y: from.y(),
             w: from.w,
-            c: precise_cosine(from.y().over(b), from.cosine),
+            c: if self.piva.pendulum.small_angles {
+                Sum::new(1.0)
+            } else {
+                precise_cosine(from.y().over(b), from.cosine)
+            },
         };
         let mut series = self.piva.pendulum.series(&start, self.step, ORDER);
         if from.released {

@@ -24,6 +24,31 @@ pub struct Parameters {
     pub contact_distance: f64,
     /// ζp, damping ratio of the pivot.
     pub pivot_damping_ratio: f64,
+    /// Exact, or linearised.
+    pub angles: Angles,
+    /// Consistent, or as the paper prints it.
+    pub impact_law: ImpactLaw,
+}
+
+/// How the swing enters the equations of motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Angles {
+    /// sinθ and cosθ: exact.
+    #[default]
+    Large,
+    /// sinθ = θ, cosθ = 1: linear, y = b θ.
+    Small,
+}
+
+/// What happens to the velocities in an impact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ImpactLaw {
+    /// Momentum is conserved and the gap velocity turns into −e times itself.
+    #[default]
+    Consistent,
+    /// The paper's Eqs. 16 (first part) and 17 as printed, for comparison only: momentum is not
+    /// conserved, the energy "lost" may be negative, and rebounds shrink by 2μe/(1 + μ).
+    Printed,
 }
 
 impl Parameters {
@@ -46,6 +71,8 @@ impl Parameters {
             inertia_ratio: 1.0,
             contact_distance: length,
             pivot_damping_ratio: 0.0,
+            angles: Angles::Large,
+            impact_law: ImpactLaw::Consistent,
         }
     }
 

@@ -1,0 +1,113 @@
+//! What an impact does to the primary and the pendulum: momentum and restitution, or the law as the
+//! paper prints it.
+
+use super::parameters::{ImpactLaw, Parameters};
+use crate::compensated::Sum;
+use crate::impact::primary_share;
+use crate::taylor::Pendulum;
+
+/// The impact law at the walls, in terms of W = b θ̇.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Law {
+    mass_ratio: f64,
+    /// μλ
+    pull: f64,
+    /// μκλ²
+    inertia: f64,
+    /// cosθ at the walls.
+    cosine: f64,
+    /// W⁺ = −ratio · W⁻: e, or 2μe/(1 + μ) as printed in Eq. 17.
+    pub ratio: f64,
+    /// Velocity that the primary gains at an impact, per W⁻.
+    impact_gain: Sum,
+    /// The same over a whole tail of rebounds, from the last one on.
+    stick_gain: Sum,
+    /// 1 − e² and the like vanish exactly where they should only for the consistent law.
+    printed: bool,
+}
+
+impl Law {
+    pub fn new(p: &Parameters, pendulum: &Pendulum, cosine: f64) -> Self {
+        let (mu, lever, e) = (p.mass_ratio, pendulum.lever, p.restitution);
+        let share = |e| primary_share(mu, e).times(lever);
+        let common = share(0.0).times(cosine);
+        let (ratio, impact_gain, stick_gain) = match p.impact_law {
+            ImpactLaw::Consistent => (e, share(e).times(cosine), common),
+            ImpactLaw::Printed => {
+                // Each rebound leaves some momentum over; the tail begins with −W.
+                let ratio = 2.0 * mu * e / (1.0 + mu);
+                let over = ((1.0 + e) - cosine * (1.0 + ratio)) / (1.0 - ratio);
+                (ratio, share(e), common.plus(-share(0.0).value * over))
+            }
+        };
+        Self {
+            mass_ratio: mu,
+            pull: mu * lever,
+            inertia: mu * p.inertia_ratio * (lever * lever),
+            cosine,
+            ratio,
+            impact_gain,
+            stick_gain,
+            printed: p.impact_law == ImpactLaw::Printed,
+        }
+    }
+
+    /// Velocity gained by the primary in an impact with W.
+    pub fn impact(&self, w: Sum) -> Sum {
+        w.times_sum(self.impact_gain)
+    }
+
+    /// Velocity gained by the primary until the rebounds that begin with W have died out.
+    pub fn stick(&self, w: Sum) -> Sum {
+        w.times_sum(self.stick_gain)
+    }
+
+    /// Energy lost in an impact with W at primary velocity v.
+    pub fn impact_loss(&self, v: f64, w: f64, restitution: f64) -> f64 {
+        if self.printed {
+            self.difference(v, w, self.impact_gain.value, self.ratio)
+        } else {
+            self.consistent_loss(w, restitution)
+        }
+    }
+
+    /// Energy lost in all rebounds after one with W.
+    pub fn stick_loss(&self, v: f64, w: f64) -> f64 {
+        if self.printed {
+            self.difference(v, w, self.stick_gain.value, 0.0)
+        } else {
+            self.consistent_loss(w, 0.0)
+        }
+    }
+
+    /// ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)].
+    fn consistent_loss(&self, w: f64, e: f64) -> f64 {
+        let primary = self.pull * self.cosine * (self.pull * self.cosine) / (1.0 + self.mass_ratio);
+        0.5 * ((1.0 - e) * (1.0 + e)) * (w * w) * (self.inertia - primary)
+    }
+
+    /// Kinetic energy before minus after v → v + gain W, W → −ratio W.
+    fn difference(&self, v: f64, w: f64, gain: f64, ratio: f64) -> f64 {
+        let (total, pull) = (1.0 + self.mass_ratio, self.pull * self.cosine);
+        let linear = pull * (1.0 + ratio) - total * gain;
+        let square = pull * gain * ratio - 0.5 * total * (gain * gain)
+            + 0.5 * self.inertia * ((1.0 - ratio) * (1.0 + ratio));
+        w * (v * linear + w * square)
+    }
+
+    /// How much an impact of unit approach speed raises the pressure on the wall: through the
+    /// dampers of primary and pivot, which feel the jumps of u and W.
+    pub fn pressure_gain(&self, pendulum: &Pendulum) -> f64 {
+        let Pendulum { damping_ratio, coupling, pivot_damping, .. } = *pendulum;
+        let c = self.cosine;
+        if c == 0.0 {
+            return 0.0;
+        }
+        let jump_u = self.impact_gain.value / c;
+        let jump_w = -(1.0 + self.ratio) / c;
+        let inertia = 1.0 + self.mass_ratio - self.pull * coupling * (c * c);
+        let jump_a =
+            (-2.0 * damping_ratio * jump_u + self.pull * c * pivot_damping * jump_w) / inertia;
+        -c * (coupling * c * jump_a + pivot_damping * jump_w)
+    }
+}
