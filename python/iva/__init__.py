@@ -19,15 +19,18 @@ Examples
 1.164243
 """
 
-from iva._iva import SCHEMA_VERSION, VERSION, IvaError
-from iva.parameters import Primary, Siva, Start
-from iva.reading import read
-from iva.simulation import Run, simulate
-from iva.sweeping import Table, sweep
-from iva.units import Units
-from iva.versions import show_versions
+# What type checkers call typing.TYPE_CHECKING: typing itself takes 2 ms to import.
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from iva._iva import SCHEMA_VERSION, VERSION, IvaError
+    from iva.parameters import Primary, Siva, Start
+    from iva.reading import read
+    from iva.simulation import Run, simulate
+    from iva.sweeping import Table, sweep
+    from iva.units import Units
+    from iva.versions import show_versions
 
-__version__ = VERSION
+    __version__ = VERSION
 
 __all__ = [
     "SCHEMA_VERSION",
@@ -44,3 +47,40 @@ __all__ = [
     "simulate",
     "sweep",
 ]
+
+# Where each name is defined. It is imported when first asked for, so that the command ``iva``,
+# which needs none of them, starts at once.
+_HOMES = {
+    "SCHEMA_VERSION": "_iva",
+    "IvaError": "_iva",
+    "Primary": "parameters",
+    "Run": "simulation",
+    "Siva": "parameters",
+    "Start": "parameters",
+    "Table": "sweeping",
+    "Units": "units",
+    "__version__": "_iva",
+    "read": "reading",
+    "show_versions": "versions",
+    "simulate": "simulation",
+    "sweep": "sweeping",
+}
+
+if not TYPE_CHECKING:  # checkers would believe in every name
+
+    def __getattr__(name: str) -> object:
+        """Import a public name and keep it."""
+        home = _HOMES.get(name)
+        if home is None:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from importlib import import_module
+
+        module = import_module(f"{__name__}.{home}")
+        value = getattr(module, "VERSION" if name == "__version__" else name)
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    """Return the names that are there and those that can be imported."""
+    return sorted({*globals(), *__all__})

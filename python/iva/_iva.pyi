@@ -1,17 +1,21 @@
 """The compiled half of `iva`."""
 
 from collections.abc import Callable, Sequence
+from os import PathLike
 from typing import Final, final
 
 __all__ = [
+    "PART_POINTS",
     "SCHEMA_VERSION",
     "VERSION",
     "ArrowTable",
     "IvaError",
     "check",
     "column_units",
+    "empty_tables",
     "fields",
     "main",
+    "metadata",
     "primary_units",
     "simulate",
     "states",
@@ -19,6 +23,7 @@ __all__ = [
     "trajectory",
 ]
 
+PART_POINTS: Final[int]
 SCHEMA_VERSION: Final[int]
 VERSION: Final[str]
 
@@ -49,4 +54,6 @@ def sweep(
 ) -> dict[str, ArrowTable]: ...
 def trajectory(spec: dict[str, float], samples_per_period: int) -> ArrowTable: ...
 def states(spec: dict[str, float], times: Sequence[float]) -> ArrowTable: ...
+def metadata(path: str | PathLike[str]) -> dict[str, str]: ...
+def empty_tables(path: str | PathLike[str]) -> dict[str, ArrowTable]: ...
 def main(argv: Sequence[str]) -> int: ...

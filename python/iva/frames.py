@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
 
+TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
+    from typing import Any
+
     import polars as pl
 
     from iva._iva import ArrowTable

@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, fields
 from numbers import Real
-from typing import ClassVar
 
 from iva import _iva
 
@@ -96,7 +95,7 @@ class Part:
     """What the three parts of a scene have in common."""
 
     __slots__ = ()
-    _part: ClassVar[str]
+    _part = ""  # of the study file; without annotation, so that it is no field
 
     def __post_init__(self) -> None:
         """Turn every value into a float; check ranges, and that no two set the same quantity."""
@@ -163,7 +162,7 @@ class Primary(Part):
     2.0
     """
 
-    _part: ClassVar[str] = "primary"
+    _part = "primary"
 
     damping_ratio: float | None = None
     damping: float | None = None
@@ -218,7 +217,7 @@ class Siva(Part):
     Siva(mass_ratio=0.15, restitution=0.5, relative_clearance=0.6)
     """
 
-    _part: ClassVar[str] = "absorber"
+    _part = "absorber"
 
     mass_ratio: float | None = None
     mass: float | None = None
@@ -260,7 +259,7 @@ class Start(Part):
     Start(displacement=1.0)
     """
 
-    _part: ClassVar[str] = "start"
+    _part = "start"
 
     displacement: float | None = None
     displacement_mm: float | None = None

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from iva import _iva
 from iva.frames import Frames, from_arrow, to_polars
 from iva.parameters import Primary, Siva, Start, constructor, numbers, scene, shown
 from iva.units import Units, from_metadata
 
+TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     import polars as pl
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import platform
-from importlib.metadata import PackageNotFoundError, version
 
 from iva import _iva
 
@@ -23,6 +21,8 @@ def show_versions() -> None:
     platform  ...
     threads   ...
     """
+    import platform
+
     rows = {
         "iva": f"{_iva.VERSION} (table layout {_iva.SCHEMA_VERSION})",
         "python": f"{platform.python_version()} ({platform.python_implementation()})",
@@ -36,6 +36,8 @@ def show_versions() -> None:
 
 def installed(package: str) -> str:
     """Return the version of a package without importing it."""
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         return version(package)
     except PackageNotFoundError:

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
 import sysconfig
+import time
+import tomllib
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -32,19 +38,50 @@ def test_version_and_help(command: list[str]) -> None:
         assert call(command, name, "--help").returncode == 0
 
 
+TABLE = tomllib.loads(Path(__file__).with_name("exit_codes.toml").read_text(encoding="utf-8"))
+
+
+def test_the_table_has_every_exit_code() -> None:
+    assert {case["exit_code"] for case in TABLE["case"]} == {0, 1, 2, 130}
+
+
 @pytest.mark.parametrize("command", COMMANDS, ids=["script", "module"])
-def test_bad_input_is_exit_code_2(command: list[str], tmp_path: Path) -> None:
-    study = tmp_path / "bad.toml"
-    study.write_text("version = 1\n[absorber]\nrestitutoin = 0.5\n", encoding="utf-8")
-    done = call(command, "check", str(study))
-    assert done.returncode == 2
-    assert "restitutoin" in done.stderr
-    assert "restitution" in done.stderr
-    assert "Traceback" not in done.stderr
-    assert "panicked" not in done.stderr
-    assert call(command, "sweep", str(tmp_path / "none.toml")).returncode == 2
-    assert call(command, "no-such-command").returncode == 2
-    assert list(tmp_path.iterdir()) == [study]
+@pytest.mark.parametrize("case", TABLE["case"], ids=lambda case: case["name"].replace(" ", "_"))
+def test_exit_codes(command: list[str], case: dict[str, Any], tmp_path: Path) -> None:
+    if "stdout" in case and not sys.platform.startswith("linux"):
+        pytest.skip("only Linux has a device that is always full")
+    if "interrupt" in case and sys.platform == "win32":
+        pytest.skip("Windows has no SIGINT for one process")
+    for name, study in TABLE["studies"].items():
+        (tmp_path / f"{name}.toml").write_text(study, encoding="utf-8")
+    with Path(case.get("stdout", os.devnull)).open("w", encoding="utf-8") as stdout:
+        child = subprocess.Popen(
+            [*command, *case["arguments"].split()],
+            cwd=tmp_path,
+            stdout=stdout,
+            stderr=subprocess.PIPE,
+            text=True,
+            encoding="utf-8",
+        )
+    with child:
+        if "interrupt" in case:
+            wait_for(lambda: any((tmp_path / "out").rglob("part-*")), child)
+            child.send_signal(signal.SIGINT)
+        said = child.communicate(timeout=60)[1]
+    assert child.returncode == case["exit_code"], said
+    assert case["says"] in said
+    for internal in ("Traceback", "panicked", "_iva", str(Path(iva.__file__).parent)):
+        assert internal not in said
+
+
+def wait_for(condition: Callable[[], bool], child: subprocess.Popen[str]) -> None:
+    """Wait until something holds; the child ends with the test if it does not within a minute."""
+    for _ in range(6000):
+        if condition():
+            return
+        time.sleep(0.01)
+    child.kill()
+    raise AssertionError("nothing happened for a minute")
 
 
 def test_a_small_study(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import polars as pl
 import pytest
 
 import iva
-from iva import _iva, markup, versions
+from iva import _iva, markup
 
 
 def cells(html: str) -> dict[str, list[str | None]]:
@@ -86,6 +86,6 @@ def test_show_versions_without_a_package(
     def missing(name: str) -> str:
         raise PackageNotFoundError(name)
 
-    monkeypatch.setattr(versions, "version", missing)
+    monkeypatch.setattr("importlib.metadata.version", missing)
     iva.show_versions()
     assert "tqdm      not installed" in capsys.readouterr().out

@@ -14,7 +14,7 @@ from polars.testing import assert_frame_equal
 
 import iva
 from iva import _iva
-from iva.reading import part_files
+from iva.parts import part_files
 
 STUDY = """
 version = 1
@@ -225,17 +225,6 @@ def test_results_further_down_are_named(tmp_path: Path) -> None:
         iva.read(tmp_path)
     with pytest.raises(ValueError, match=r"one table of a result, give .*result_a"):
         iva.read(tmp_path / "result_a" / "summary")
-
-
-@pytest.mark.parametrize("style", ["arrow", "csv"])
-def test_files_of_another_format_are_named(tmp_path: Path, style: str) -> None:
-    study = tmp_path / "study.toml"
-    study.write_text(STUDY, encoding="utf-8")
-    out = str(tmp_path / "out")
-    arguments = ["iva", "run", str(study), "--out", out, "--format", style, "--quiet"]
-    assert _iva.main(arguments) == 0
-    with pytest.raises(ValueError, match=rf"only Parquet .*part-00000\.{style}"):
-        iva.read(out)
 
 
 @pytest.mark.parametrize("folder", [None, 5, ["results"]])

@@ -57,7 +57,7 @@ pub enum Command {
                             results/my/impacts      a row an impact\n  \
                             results/my/study.toml   the study, every default filled in")]
     Sweep(RunArgs),
-    /// Run a study without a grid once and write every table
+    /// Run a study without a grid, or one point of it, and write every table
     #[command(
         max_term_width = 80,
         after_help = "Example: one decay, its motion sampled 500 times a period. In one.toml\n\n  \
@@ -79,7 +79,7 @@ pub enum Command {
                             prints the measures and writes summary, impacts, episodes, envelope and\n\
                             trajectory into results/one (fewer if run.tables or --tables says so)."
     )]
-    Run(RunArgs),
+    Run(RunPointArgs),
     /// Check a study, count its points, and estimate time and size
     #[command(after_help = "Example:\n\n  iva check studies/siva_clearance.toml\n\n\
                             Nothing is written. A few points spread over the grid are run for the \
@@ -125,6 +125,17 @@ pub struct RunArgs {
     /// Replace the tables that the folder holds, once the new ones are complete
     #[arg(long)]
     pub overwrite: bool,
+}
+
+/// Arguments of `iva run`.
+#[derive(Debug, Args)]
+pub struct RunPointArgs {
+    /// Of a study with [sweep], run this point: its number in the tables
+    #[arg(long, value_name = "N")]
+    pub point: Option<u64>,
+    /// Everything else.
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 impl RunArgs {

@@ -17,6 +17,7 @@ use crate::output::PART_POINTS;
 use crate::progress::Progress;
 use crate::report::counted;
 use crate::run_study::{size, without_trajectory};
+use crate::scene::describe;
 use crate::study_file::{StudyFile, read_study};
 use crate::table_file::encoded_size;
 
@@ -51,6 +52,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     };
     let _ = writeln!(out, "{}", wrap(&grid));
     let _ = writeln!(out, "{}", wrap(&format!("{}.", first_upper(units.sentence()))));
+    out.push_str(&describe(&file.study, points, units));
     let seconds = estimate.seconds / threads as f64;
     let _ = writeln!(out, "Time: {} on {}", duration(seconds), counted(threads, "thread"));
     let total: f64 = estimate.sizes.iter().map(|(_, bytes)| bytes).sum();

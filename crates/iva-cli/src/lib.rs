@@ -19,6 +19,7 @@ mod progress;
 pub mod report;
 pub mod resolved;
 mod run_study;
+mod scene;
 pub mod source;
 pub mod study_file;
 pub mod table_file;
@@ -70,7 +71,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
     };
     let (result, quiet) = match &cli.command {
         Command::Sweep(args) => (run_study::sweep_command(args), args.quiet),
-        Command::Run(args) => (run_study::run_command(args), args.quiet),
+        Command::Run(args) => (run_study::run_command(args), args.run.quiet),
         Command::Check(args) => (check::check_command(args), false),
     };
     match result {

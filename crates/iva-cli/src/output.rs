@@ -138,6 +138,9 @@ impl Output {
     }
 
     fn stage(&mut self, name: PathBuf) -> Result<PathBuf, Error> {
+        if !self.staging.path().is_dir() {
+            return Err(self.vanished());
+        }
         let path = self.staging.path().join("new").join(&name);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|reason| Error::io("create", folder, reason))?;
@@ -146,13 +149,21 @@ impl Output {
         Ok(path)
     }
 
+    fn vanished(&self) -> Error {
+        let reason = io::Error::new(io::ErrorKind::NotFound, "the folder vanished during the run");
+        Error::io("write", &self.dir, reason)
+    }
+
     /// Moves everything into place: the earlier tables go aside, the new files come in, and on any
     /// failure each move is undone and the new files are kept where they were staged.
     ///
     /// # Errors
     /// [`Error::NotMoved`] if tables have appeared in the folder meanwhile or a file cannot be
-    /// moved.
+    /// moved; [`Error::Io`] if the staged files are gone.
     pub fn commit(self) -> Result<(), Error> {
+        if !self.staging.path().is_dir() {
+            return Err(self.vanished());
+        }
         let mut moves = Moves::default();
         let moved = refuse_conflicts(&self.dir, self.overwrite)
             .and_then(|()| self.move_all(&mut moves))

@@ -11,6 +11,7 @@ use iva_sweep::units::UnitSystem;
 
 use crate::cell::{aligned, number, short, significant, text};
 use crate::layout::{TextTable, first_upper, wrap};
+use crate::scene::{NOTHING_MOVES, at_rest};
 
 /// Default of `report.best_by`.
 pub const DEFAULT_BEST_BY: &str = "settling_time_5";
@@ -38,6 +39,10 @@ pub const RANKED: [(&str, Better); 9] = [
     ("damping_ratio_fit", Better::Larger),
     ("damping_ratio_energy", Better::Larger),
 ];
+
+/// Said under every table of best points.
+const LUCK: &str = "A single best row is often luck: look at its neighbours, and sweep restitution and \
+    the start as well (docs/recipes.md).";
 
 /// Columns shown beside the ranked one, where there is room.
 const BESIDE: [&str; 4] = ["settling_time_5", "damping_ratio_3", "residual_amplitude", "impacts"];
@@ -69,6 +74,7 @@ pub struct BestPoints {
     beside: Vec<&'static Column>,
     rows: Vec<Row>,
     points: u64,
+    idle: u64,
     without_value: u64,
     unfinished: BTreeMap<String, u64>,
 }
@@ -93,6 +99,7 @@ impl BestPoints {
             beside,
             rows: Vec::new(),
             points: 0,
+            idle: 0,
             without_value: 0,
             unfinished: BTreeMap::new(),
         })
@@ -113,6 +120,7 @@ impl BestPoints {
             let beside =
                 self.beside.iter().map(|column| number(summary, column.name, index)).collect();
             let impacts = number(summary, "impacts", index);
+            self.idle += u64::from(impacts == Some(0.0));
             self.rows.push(Row { point: first + index as u64, value, impacts, beside });
         }
         let better = self.better;
@@ -141,7 +149,7 @@ impl BestPoints {
             Better::Smaller => "smallest first",
             Better::Larger => "largest first",
         };
-        if !self.rows.is_empty() {
+        if self.rows.iter().any(|row| row.value.is_some()) {
             let heading = format!(
                 "Best {} of {} by {} ({order}):",
                 self.rows.len(),
@@ -151,15 +159,11 @@ impl BestPoints {
             let _ = writeln!(out, "{}\n", wrap(&heading));
             out.push_str(&self.table(study, units).print());
             out.push('\n');
-            let idle = self.rows.iter().filter(|row| row.impacts == Some(0.0)).count() as u64;
-            if idle > 0 {
-                let sentence = format!(
-                    "At {} of these the absorber never touches a wall: it does nothing there.",
-                    counted(idle, "point")
-                );
-                let _ = writeln!(out, "{}", wrap(&sentence));
+            if self.rows.len() > 1 {
+                let _ = writeln!(out, "{}", wrap(LUCK));
             }
         }
+        self.remark_idle(study, &mut out);
         if self.without_value > 0 {
             let sentence = format!(
                 "{} of {} that finished {} no {}{}.",
@@ -191,8 +195,29 @@ impl BestPoints {
         out
     }
 
+    /// Says where the absorber does nothing.
+    fn remark_idle(&self, study: &Study, out: &mut String) {
+        let shown = self.rows.iter().filter(|row| row.impacts == Some(0.0)).count() as u64;
+        let sentence = if study.design(0).is_ok_and(|design| at_rest(&design)) {
+            NOTHING_MOVES.to_owned()
+        } else if self.idle > 0 && self.idle == self.points {
+            "The absorber never touches a wall at any of the points: check the gap and the start."
+                .to_owned()
+        } else if shown > 0 {
+            format!(
+                "At {} of these the absorber never touches a wall: it does nothing there.",
+                counted(shown, "point")
+            )
+        } else {
+            return;
+        };
+        let _ = writeln!(out, "{}", wrap(&sentence));
+    }
+
     fn table(&self, study: &Study, units: UnitSystem) -> TextTable {
         let mut table = TextTable::default();
+        let numbers = self.rows.iter().map(|row| row.point.to_string()).collect();
+        table.push_optional("point", "", numbers);
         let indices: Vec<Vec<usize>> = self.rows.iter().map(|r| study.indices(r.point)).collect();
         for (position, axis) in study.axes.iter().enumerate() {
             let values: Vec<f64> =

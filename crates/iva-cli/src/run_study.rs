@@ -12,7 +12,7 @@ use iva_sweep::sweep::{Control, Workers, sweep};
 use iva_sweep::tables::schema;
 use serde_json::{Map, Value, json};
 
-use crate::args::RunArgs;
+use crate::args::{RunArgs, RunPointArgs};
 use crate::error::Error;
 use crate::interrupt;
 use crate::log::Log;
@@ -83,21 +83,24 @@ fn run_grid(args: &RunArgs, log: &Log) -> Result<String, Error> {
 ///
 /// # Errors
 /// As [`sweep_command`]; a study with `[sweep]`.
-pub(crate) fn run_command(args: &RunArgs) -> Result<String, Error> {
-    let log = Log::open(args.log.as_deref())?;
-    let result = run_single(args, &log);
+pub(crate) fn run_command(args: &RunPointArgs) -> Result<String, Error> {
+    let log = Log::open(args.run.log.as_deref())?;
+    let result = run_single(&args.run, args.point, &log);
     log.end(&result);
     result
 }
 
-fn run_single(args: &RunArgs, log: &Log) -> Result<String, Error> {
-    let file = load(args)?;
-    if !file.study.axes.is_empty() {
+fn run_single(args: &RunArgs, point: Option<u64>, log: &Log) -> Result<String, Error> {
+    let mut file = read_study(&args.study)?;
+    if let Some(point) = point {
+        single_out(&mut file, point)?;
+    } else if !file.study.axes.is_empty() {
         return Err(Error::Refused(format!(
-            "{} has a [sweep] section; use `iva sweep`, or remove the section for a single run",
+            "{} has a [sweep] section; use `iva sweep`, or give --point N for one of its points",
             args.study.display()
         )));
     }
+    choose_tables(&mut file, args)?;
     let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
     let progress = Progress::new("running", 1, args.quiet);
     let mut out = String::new();
@@ -108,8 +111,30 @@ fn run_single(args: &RunArgs, log: &Log) -> Result<String, Error> {
     Ok(out)
 }
 
+/// Makes a study of one point of a grid.
+fn single_out(file: &mut StudyFile, point: u64) -> Result<(), Error> {
+    let points = file.points()?;
+    if file.study.axes.is_empty() || point >= points {
+        let allowed = match points {
+            1 => "the study has no [sweep]; leave --point out".to_owned(),
+            _ => format!("give a number from 0 to {}", points - 1),
+        };
+        return Err(Error::Refused(format!("--point {point}: {allowed}")));
+    }
+    file.study.spec = file.study.spec(point).map_err(|invalid| file.source.locate(&invalid))?;
+    file.study.axes.clear();
+    file.study.tables = Table::ALL.to_vec();
+    Ok(())
+}
+
 fn load(args: &RunArgs) -> Result<StudyFile, Error> {
     let mut file = read_study(&args.study)?;
+    choose_tables(&mut file, args)?;
+    Ok(file)
+}
+
+/// Puts `--tables` in the place of `run.tables`.
+fn choose_tables(file: &mut StudyFile, args: &RunArgs) -> Result<(), Error> {
     if let Some(tables) = &args.tables {
         let mut tables = tables.clone();
         tables.sort_unstable();
@@ -119,7 +144,7 @@ fn load(args: &RunArgs) -> Result<StudyFile, Error> {
         }
         file.study.tables = tables;
     }
-    Ok(file)
+    Ok(())
 }
 
 /// Validates, prepares the folder, computes, writes and moves into place.

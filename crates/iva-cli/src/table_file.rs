@@ -1,13 +1,16 @@
 //! One part of a table as a file: the same rows always give the same bytes.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
 use arrow_csv::WriterBuilder;
+use arrow_ipc::reader::read_footer_length;
+use arrow_ipc::root_as_footer;
 use arrow_ipc::writer::FileWriter;
 use arrow_schema::{ArrowError, FieldRef, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
@@ -149,6 +152,43 @@ impl TableFile {
         };
         file.sync_all().and_then(|()| file.metadata()).map(|found| found.len()).map_err(failed)
     }
+}
+
+/// The metadata of an Arrow file, which few readers of its columns show.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read or is no Arrow file.
+pub fn metadata(path: &Path) -> Result<BTreeMap<String, String>, Error> {
+    let read = || {
+        let bytes = footer(path)?;
+        // The reader of the library would also build the schema, and panic over a broken one.
+        let footer = root_as_footer(&bytes).map_err(|_| io::ErrorKind::InvalidData)?;
+        let pairs = footer.schema().and_then(|schema| schema.custom_metadata());
+        let text = |value: Option<&str>| value.unwrap_or_default().to_owned();
+        let pairs = pairs.into_iter().flatten();
+        Ok(pairs.map(|pair| (text(pair.key()), text(pair.value()))).collect())
+    };
+    read().map_err(|reason: io::Error| {
+        use io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
+        let broken = matches!(reason.kind(), InvalidData | InvalidInput | UnexpectedEof);
+        let said = "it is not an Arrow file, or not all of it";
+        Error::io("read", path, if broken { io::Error::other(said) } else { reason })
+    })
+}
+
+/// The end of an Arrow file, which describes the rest.
+fn footer(path: &Path) -> io::Result<Vec<u8>> {
+    // A length of four bytes, and the six letters of the format.
+    const END: usize = 10;
+    let mut file = File::open(path)?;
+    let mut end = [0; END];
+    file.seek(SeekFrom::End(-(END as i64)))?;
+    file.read_exact(&mut end)?;
+    let length = read_footer_length(end).map_err(|_| io::ErrorKind::InvalidData)?;
+    file.seek(SeekFrom::End(-((END + length) as i64)))?;
+    let mut footer = vec![0; length];
+    file.read_exact(&mut footer)?;
+    Ok(footer)
 }
 
 /// Bytes that rows take as a Parquet file; used for estimates.

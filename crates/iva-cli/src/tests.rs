@@ -129,6 +129,32 @@ fn a_log_has_a_line_of_json_for_every_step() {
 }
 
 #[test]
+fn one_point_of_a_grid_can_be_run_by_itself() {
+    let place = Place::new();
+    place.study(&format!("{SINGLE}{GRID}"));
+    assert_eq!(place.iva("sweep", &[]), EXIT_OK);
+    let summary = &read(&place.path("out/summary/part-00000.parquet"))[0];
+    assert_eq!(place.iva("run", &["--overwrite"]), EXIT_BAD_INPUT);
+    assert_eq!(place.iva("run", &["--point", "62", "--overwrite"]), EXIT_BAD_INPUT);
+    assert_eq!(place.iva("run", &["--point", "17", "--overwrite"]), EXIT_OK);
+    let single = &read(&place.path("out/summary/part-00000.parquet"))[0];
+    for column in ["impacts", "settling_time_5", "energy_final"] {
+        assert_eq!(number(single, column, 0), number(summary, column, 17), "{column}");
+    }
+    assert!(place.path("out/trajectory/part-00000.parquet").exists());
+    place.study(SINGLE);
+    assert_eq!(place.iva("run", &["--point", "0", "--overwrite"]), EXIT_BAD_INPUT);
+}
+
+#[test]
+fn a_quantity_given_twice_is_refused_even_if_an_axis_replaces_it() {
+    let place = Place::new();
+    place.study(&format!("{SINGLE}{GRID}").replace("restitution", "gap = 0.01\nrestitution"));
+    assert_eq!(place.iva("sweep", &[]), EXIT_BAD_INPUT);
+    assert!(!place.path("out").exists());
+}
+
+#[test]
 fn another_format_replaces_the_tables_of_the_first() {
     let place = Place::new();
     place.study(&format!("{SINGLE}{GRID}"));

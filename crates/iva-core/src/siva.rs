@@ -47,6 +47,26 @@ impl Parameters {
         range::damping_ratio("primary.damping_ratio", damping_ratio)?;
         Ok(Self { mass_ratio, restitution, clearance, damping_ratio })
     }
+
+    /// μ = m/M.
+    pub fn mass_ratio(&self) -> f64 {
+        self.mass_ratio
+    }
+
+    /// Newton's coefficient e on the gap velocity.
+    pub fn restitution(&self) -> f64 {
+        self.restitution
+    }
+
+    /// One-sided clearance d.
+    pub fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
+    /// ζ of the bare primary.
+    pub fn damping_ratio(&self) -> f64 {
+        self.damping_ratio
+    }
 }
 
 /// A SIVA on its primary system: parameters, and what follows from them for every flight.

@@ -26,6 +26,11 @@ pub fn failed(error: SweepError) -> PyErr {
     }
 }
 
+/// A file of a result that cannot be read.
+pub fn unreadable(error: iva_cli::Error) -> PyErr {
+    IvaError::new_err(error.to_string())
+}
+
 /// A defect of the program, with what is known of it.
 pub fn internal(what: &str) -> PyErr {
     IvaError::new_err(format!("internal error, please report it: {what}"))

@@ -2,12 +2,14 @@
 //!
 //! [`arguments`] reads what Python hands over → [`calls`] are the functions of the module →
 //! [`worker`] runs them away from the interpreter → [`arrow_table`] hands the result back.
-//! [`errors`] says which exception a failure becomes. No physics, no files.
+//! [`files`] asks iva-cli what written files say of themselves. [`errors`] says which exception a
+//! failure becomes. No physics.
 
 mod arguments;
 mod arrow_table;
 mod calls;
 mod errors;
+mod files;
 mod worker;
 
 use pyo3::prelude::*;
@@ -23,6 +25,12 @@ mod _iva {
     };
     #[pymodule_export]
     use super::errors::IvaError;
+    #[pymodule_export]
+    use super::files::{empty_tables, metadata};
+
+    /// Points that a part file covers.
+    #[pymodule_export]
+    const PART_POINTS: u64 = iva_cli::output::PART_POINTS;
 
     /// The newest table layout that this version writes and reads.
     #[pymodule_export]

@@ -78,6 +78,20 @@ impl Spec {
         FieldId::all().filter_map(|id| self.get(id).map(|value| (id, value)))
     }
 
+    /// Checks that no quantity is given twice, whether an axis replaces it or not.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming the later of two fields.
+    pub fn distinct(&self) -> Result<(), Invalid> {
+        let given: Vec<FieldId> = self.given().map(|(field, _)| field).collect();
+        for (index, field) in given.iter().enumerate() {
+            if let Some(earlier) = given[..index].iter().find(|it| it.same_quantity(*field)) {
+                self.at_most_one(&[*earlier, *field])?;
+            }
+        }
+        Ok(())
+    }
+
     /// The units that the primary system sets.
     ///
     /// # Errors

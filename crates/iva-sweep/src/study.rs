@@ -205,7 +205,8 @@ impl Study {
     /// [`Invalid`] if the fields together make no valid scene; the message names the point.
     pub fn design(&self, point: u64) -> Result<Design, Invalid> {
         self.spec(point)?.design().map_err(|error| {
-            if self.axes.is_empty() {
+            // What is missing is missing at every point.
+            if self.axes.is_empty() || error.value.is_empty() {
                 error
             } else {
                 Invalid { allowed: format!("{} (point {point})", error.allowed), ..error }

@@ -91,6 +91,7 @@ pub fn validate(
     cancel: &AtomicBool,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<(), Invalid> {
+    study.spec.distinct()?;
     distinct(&study.axes)?;
     let points = study.points()?;
     // A cancelled check must find something, or the search would visit every point left.

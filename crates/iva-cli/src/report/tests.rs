@@ -78,7 +78,7 @@ fn what_is_not_ranked_is_said() {
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     let first = text.lines().position(|line| line.contains("2.000")).unwrap();
     let cells: Vec<&str> = text.lines().nth(first).unwrap().split_whitespace().collect();
-    assert_eq!(cells[..3], ["0.2", "0.2", "2.000"], "{text}");
+    assert_eq!(cells[..4], ["3", "0.2", "0.2", "2.000"], "{text}");
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn axes() -> impl Strategy<Value = Vec<Axis>> {
     prop::sample::subsequence(fields, 0..4).prop_shuffle().prop_flat_map(|fields| {
         let mut kept: Vec<FieldId> = Vec::new();
         for field in fields {
-            if !kept.iter().any(|other| same_group(*other, field)) {
+            if !kept.iter().any(|other| other.same_quantity(field)) {
                 kept.push(field);
             }
         }

@@ -1,0 +1,108 @@
+//! Output folders that cannot be written, or that vanish: one clear message, nothing half-written.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs::{self, Permissions};
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// A user whom no permission is waived for.
+const NOBODY: u32 = 65_534;
+
+fn study(dir: &Path, periods: f64, count: u32) {
+    let text = format!(
+        "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\nkind = \"siva\"\n\
+         mass_ratio = 0.1\nrestitution = 0.5\n[start]\ndisplacement = 1.0\n[run]\n\
+         periods = {periods}\ntables = [\"summary\"]\n[sweep]\n\
+         relative_clearance = {{ start = 0.3, stop = 1.2, count = {count} }}\n"
+    );
+    fs::write(dir.join("my.toml"), text).unwrap();
+}
+
+fn allow(path: &Path, mode: u32) {
+    fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
+}
+
+/// Names in a folder, hidden ones too.
+fn entries(dir: &Path) -> Vec<PathBuf> {
+    fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().path()).collect()
+}
+
+#[test]
+fn a_read_only_folder_is_refused_before_anything_is_run() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("out");
+    study(dir.path(), 5.0, 3);
+    fs::create_dir(&out).unwrap();
+    // The program is copied for a user who may not look into the folder of the build.
+    let program = dir.path().join("iva");
+    fs::copy(env!("CARGO_BIN_EXE_iva"), &program).unwrap();
+    allow(dir.path(), 0o755);
+    allow(&out, 0o555);
+    for folder in ["out", "out/deeper/still"] {
+        let mut command = Command::new(&program);
+        command.current_dir(dir.path()).args(["sweep", "my.toml", "--out", folder]);
+        if fs::metadata(dir.path()).unwrap().uid() == 0 {
+            command.uid(NOBODY);
+        }
+        let output = command.output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.starts_with(&format!("error: cannot write into the folder {folder}: ")));
+        assert!(said.contains("choose another one with --out"), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        assert!(output.stdout.is_empty());
+        assert!(entries(&out).is_empty());
+    }
+}
+
+fn start(dir: &Path) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_iva"))
+        .current_dir(dir)
+        .args(["sweep", "my.toml", "--out", "out", "--quiet"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Removes the output folder once so many parts were begun, and checks how the run ends.
+fn vanish(dir: &Path, parts: usize) {
+    let mut child = start(dir);
+    let begin = Instant::now();
+    let out = dir.join("out");
+    let staged = || {
+        let hidden = fs::read_dir(&out).ok()?.next()?.ok()?.path();
+        Some(fs::read_dir(hidden.join("new/summary")).ok()?.count())
+    };
+    while staged().unwrap_or(0) < parts {
+        assert!(begin.elapsed() < Duration::from_secs(60), "nothing happened for a minute");
+        assert_eq!(child.try_wait().unwrap(), None, "the run was over too soon");
+        sleep(Duration::from_millis(2));
+    }
+    fs::remove_dir_all(&out).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    let expected = "error: cannot write out: the folder vanished during the run";
+    assert!(said.starts_with(expected), "{said}");
+    assert!(!out.exists(), "{said}: {:?}", entries(&out));
+}
+
+#[test]
+fn a_folder_that_vanishes_in_the_first_part_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    study(dir.path(), 100.0, 60_000);
+    vanish(dir.path(), 1);
+}
+
+#[test]
+fn a_folder_that_vanishes_in_a_later_part_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    study(dir.path(), 60.0, 200_000);
+    vanish(dir.path(), 2);
+}
