@@ -121,12 +121,14 @@ def rows_of_csv(file: Path, table: _iva.ArrowTable) -> pl.DataFrame:
 
     columns, units, _ = head(file, table)
     types = to_polars(table).schema
-    return pl.read_csv(
+    rows = pl.read_csv(
         file,
         schema={name: types[name] for name in columns},
         skip_rows_after_header=1 if units else 0,
         glob=False,
     )
+    # polars 1.30 makes a row of nulls out of a skipped row with nothing below it.
+    return rows.filter(pl.col("point").is_not_null())
 
 
 def head(file: Path, table: _iva.ArrowTable) -> tuple[list[str], bool, str]:

@@ -272,11 +272,14 @@ TYPES: list[tuple[Callable[[], object], str]] = [
     (lambda: simulate(measures=5), "measures = 5"),
     (
         lambda: simulate(max_impacts=np.timedelta64(5, "s")),
-        "run.max_impacts = np.timedelta64(5,'s')",
+        f"run.max_impacts = {np.timedelta64(5, 's')!r}",
     ),
-    (lambda: simulate(duration=np.timedelta64(5, "ns")), "run.duration = np.timedelta64(5,'ns')"),
+    (
+        lambda: simulate(duration=np.timedelta64(5, "ns")),
+        f"run.duration = {np.timedelta64(5, 'ns')!r}",
+    ),
     (lambda: simulate(absorber=10**5000), "absorber = a whole number of about 5000 digits"),
-    (lambda: simulate().at(np.array([1], "m8[ns]")), "times[0] = np.timedelta64(1,'ns')"),
+    (lambda: simulate().at(np.array([1], "m8[ns]")), f"times[0] = {np.timedelta64(1, 'ns')!r}"),
     (lambda: simulate().trajectory(True), "samples_per_period = True"),
     (lambda: simulate().trajectory(2.5), "samples_per_period = 2.5"),  # type: ignore[arg-type]
     (lambda: simulate().at(1.0), "times = 1.0"),  # type: ignore[arg-type]

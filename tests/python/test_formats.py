@@ -51,7 +51,7 @@ def command(folder: Path, study: str, *options: str) -> Path:
 
 def bits(frame: pl.DataFrame) -> pl.DataFrame:
     """Return the frame with the bits of its floats, for 0 = -0 otherwise."""
-    return frame.with_columns(pl.col(pl.Float64).reinterpret(signed=False))
+    return frame.with_columns(pl.col(pl.Float64).map_elements(float.hex, return_dtype=pl.String))
 
 
 @pytest.mark.parametrize("style", STYLES)
