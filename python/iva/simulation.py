@@ -131,7 +131,7 @@ class Run:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        """Show the outcome, the scene and the units."""
+        """Show the outcome, some measures, the scene and the units."""
         row = self.summary.row(0, named=True)
         counts = ", ".join(
             f"{row[name]} {label}"
@@ -143,8 +143,13 @@ class Run:
             )
             if row[name] is not None and (name != "undecided" or row[name])
         )
-        parts = "\n".join(f"  {constructor(p)}" for p in (self.absorber, self.primary, self.start))
-        return f"Run: {row['outcome']}; {counts}\n{parts}\n  {self.units}"
+        lines = [f"Run: {row['outcome']}; {counts}"]
+        names = ("settling_time_5", "damping_ratio_3", "residual_amplitude")
+        if shown := [f"{name} {row[name]:.4g}" for name in names if row[name] is not None]:
+            lines.append(f"  {', '.join(shown)}")
+        lines += [f"  {constructor(part)}" for part in (self.absorber, self.primary, self.start)]
+        lines.append(f"  {self.units}")
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         """Show parameters, outcome, measures and units in a notebook."""

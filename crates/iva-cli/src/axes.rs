@@ -7,8 +7,8 @@ use iva_sweep::study::{Axis, MAX_POINTS, distinct};
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
-use crate::source::Source;
-use crate::value::{Key, Value, at, entries, number, table, unknown_key, whole_number};
+use crate::source::{Source, shortened};
+use crate::value::{Key, Value, at, entries, number, table, whole_number};
 
 /// One axis as written, before its values are made.
 struct Entry<'a, 't> {
@@ -151,7 +151,10 @@ fn read_range(
     const KEYS: [&str; 3] = ["start", "stop", "count"];
     for (key, _) in entries(range) {
         if !KEYS.contains(&key.get_ref().as_ref()) {
-            return Err(unknown_key(source, name, key, &KEYS));
+            let key_name = shortened(key.get_ref());
+            let message =
+                format!("{name}.{key_name}: no such key; an axis has {}", KEYS.join(", "));
+            return Err(source.error(key.span(), message));
         }
     }
     let part = |key: &str| {

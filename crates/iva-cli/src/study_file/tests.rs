@@ -130,7 +130,7 @@ const BAD: &[Case] = &[
     ("[start]", "[qqq]", 9, 2, &["qqq: no such key", "known keys: version, primary"]),
     ("damping_ratio", "mass_ratio", 3, 1, &["primary.mass_ratio", "it belongs in [absorber]"]),
     ("periods", "peroids", 12, 1, &["run.peroids", "did you mean `periods`?"]),
-    ("stop", "end", 15, 37, &["sweep.relative_clearance.end", "known keys: start, stop, count"]),
+    ("stop", "end", 15, 37, &["sweep.relative_clearance.end", "an axis has start, stop, count"]),
     ("[sweep]\nrelative", "[sweep]\nrelativ", 15, 1, &["`relativ_clearance`", "did you mean `relative_clearance`?"]),
     ("mass_ratio = [", "mass = [", 16, 1, &["`mass`", "not unique", "`primary.mass` or `absorber.mass`"]),
     // Given twice.
