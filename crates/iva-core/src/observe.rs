@@ -45,7 +45,7 @@ pub trait Observer<S: System> {
     /// Smooth motion.
     fn span<M: Motion<State = S::State>>(&mut self, _system: &S, _span: &Span<'_, M>) {}
     /// An impact.
-    fn impact(&mut self, _impact: &Impact) {}
+    fn impact(&mut self, _system: &S, _impact: &Impact) {}
     /// Of the impacts from index `first` on, those not faster than `floor` are not to be listed:
     /// they turned out to belong to a chatter that ended in stick.
     fn unlist(&mut self, _first: u64, _floor: f64) {}
@@ -68,9 +68,9 @@ impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
             observer.span(system, span);
         }
     }
-    fn impact(&mut self, impact: &Impact) {
+    fn impact(&mut self, system: &S, impact: &Impact) {
         if let Some(observer) = self {
-            observer.impact(impact);
+            observer.impact(system, impact);
         }
     }
     fn unlist(&mut self, first: u64, floor: f64) {
@@ -99,9 +99,9 @@ impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
         self.0.span(system, span);
         self.1.span(system, span);
     }
-    fn impact(&mut self, impact: &Impact) {
-        self.0.impact(impact);
-        self.1.impact(impact);
+    fn impact(&mut self, system: &S, impact: &Impact) {
+        self.0.impact(system, impact);
+        self.1.impact(system, impact);
     }
     fn unlist(&mut self, first: u64, floor: f64) {
         self.0.unlist(first, floor);
@@ -127,7 +127,7 @@ pub struct Events {
 }
 
 impl<S: System> Observer<S> for Events {
-    fn impact(&mut self, impact: &Impact) {
+    fn impact(&mut self, _system: &S, impact: &Impact) {
         self.impacts.push(*impact);
     }
     fn unlist(&mut self, first: u64, floor: f64) {

@@ -6,25 +6,26 @@
 //! with the primary, in closed form, until gravity or the primary pulls it off.
 
 use crate::compensated::Sum;
-use crate::error::{Invalid, number};
+use crate::error::Invalid;
 use crate::flight::Jet;
 use crate::impact::Impact;
 use crate::oscillator::{Oscillator, Primary};
 use crate::ride::{Pressure, Ride, Rider};
-use crate::system::{Point, Start, System, Wall};
+use crate::system::{Angle, Point, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
 
 pub use motion::PivaFlight;
 pub use parameters::{Angles, ImpactLaw, Parameters};
+pub use start::{Given, PivaStart};
 
+use accuracy::Accuracy;
 use impact_law::Law;
 
+mod accuracy;
 mod impact_law;
 mod motion;
 mod parameters;
-
-/// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
-const ON_WALL_ULPS: f64 = 4.0;
+mod start;
 
 /// A pendulum absorber on its primary system.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,6 +37,7 @@ pub struct Piva {
     law: Law,
     /// See [`System::pressure_gain`].
     pressure_gain: f64,
+    accuracy: Accuracy,
     loaded: Oscillator,
 }
 
@@ -77,6 +79,7 @@ impl Piva {
             wall_cosine,
             law,
             pressure_gain: law.pressure_gain(&pendulum),
+            accuracy: Accuracy::of(parameters.tolerance),
             loaded: Oscillator::new(1.0 + mass_ratio, damping_ratio),
         })
     }
@@ -92,6 +95,19 @@ impl Piva {
         self.pendulum.small_angles || self.parameters.clearance < self.parameters.contact_distance
     }
 
+    /// θ at the + wall; π/2 where the pendulum cannot reach it.
+    pub fn wall_angle(&self) -> f64 {
+        let Parameters { clearance, contact_distance, .. } = self.parameters;
+        let sine = clearance / contact_distance;
+        if self.pendulum.small_angles { sine } else { libm::asin(sine.min(1.0)) }
+    }
+
+    /// Acceleration of gravity g = κ L r², in ωn² × length.
+    pub fn gravity(&self) -> f64 {
+        let Parameters { inertia_ratio, length, .. } = self.parameters;
+        inertia_ratio * length * self.pendulum.frequency_squared
+    }
+
     /// The swing of a state seen from its wall.
     fn swing(&self, state: &PivaState) -> Swing<f64> {
         Swing {
@@ -104,7 +120,12 @@ impl Piva {
     }
 
     /// Series of the flight from a state, in powers of t/h.
-    fn series(&self, state: &PivaState, h: f64, order: usize) -> Series<f64> {
+    fn series<const LENGTH: usize>(
+        &self,
+        state: &PivaState,
+        h: f64,
+        order: usize,
+    ) -> Series<f64, LENGTH> {
         let mut series = self.pendulum.series(&self.swing(state), h, order);
         if state.released {
             // What rounding leaves of Ẇ and ÿ would send the pendulum back into the wall.
@@ -115,7 +136,7 @@ impl Piva {
 
     /// Jet of the distance to the wall, in free motion.
     fn jet(&self, state: &PivaState) -> Jet {
-        let series = self.series(state, 1.0, 3);
+        let series = self.series::<4>(state, 1.0, 3);
         let s = state.wall.sign();
         Jet {
             value: state.distance.value,
@@ -171,6 +192,7 @@ impl Rider for PivaState {
 
 impl System for Piva {
     type State = PivaState;
+    type Start = PivaStart;
     type Flight<'a> = PivaFlight<'a>;
     type Ride<'a> = Ride<'a, PivaState>;
 
@@ -186,41 +208,12 @@ impl System for Piva {
         self.pressure_gain
     }
 
-    fn check_start(&self, start: &Start) -> Result<(), Invalid> {
-        crate::siva::check_start(self.parameters.clearance, start)?;
-        let b = self.parameters.contact_distance;
-        if !self.pendulum.small_angles && start.gap_displacement.abs() > b {
-            return Err(Invalid::new(
-                "start.gap_displacement",
-                number(start.gap_displacement),
-                format!("the pendulum reaches from -{0} to {0}", number(b)),
-            ));
-        }
-        Ok(())
+    fn check_start(&self, start: &PivaStart) -> Result<(), Invalid> {
+        self.check(start)
     }
 
-    fn begin(&self, start: &Start) -> (PivaState, bool) {
-        let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
-        let side = [start.gap_displacement, start.gap_velocity, start.displacement, start.velocity]
-            .into_iter()
-            .find(|value| *value != 0.0)
-            .unwrap_or(1.0);
-        let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
-        let clearance = self.parameters.clearance;
-        let distance = Sum::new(clearance).plus(-wall.sign() * start.gap_displacement);
-        let touching = distance.value <= ON_WALL_ULPS * f64::EPSILON * clearance;
-        let cosine =
-            if touching { self.wall_cosine } else { self.pendulum.cosine(start.gap_displacement) };
-        let state = PivaState {
-            primary,
-            wall,
-            distance: if touching { Sum::ZERO } else { distance },
-            clearance,
-            w: Sum::new(start.gap_velocity).over(cosine),
-            cosine,
-            released: false,
-        };
-        (state, touching)
+    fn begin(&self, start: &PivaStart) -> (PivaState, bool) {
+        self.first_state(start)
     }
 
     fn flight(&self, state: &PivaState) -> PivaFlight<'_> {
@@ -300,14 +293,27 @@ impl System for Piva {
     fn energy(&self, state: &PivaState) -> f64 {
         let Point { x, v } = self.primary(state);
         let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
-        let Pendulum { lever, contact_distance, frequency_squared, .. } = self.pendulum;
+        let Pendulum { lever, contact_distance, .. } = self.pendulum;
         let (y, w, c) = (state.y().value, state.w.value, state.cosine);
         let sine = y / contact_distance;
         // 1 − cosθ without cancellation (θ²/2 where angles count as small).
         let rise = if c > 0.0 { sine * sine / (1.0 + c) } else { 1.0 - c };
-        let gravity = frequency_squared * inertia_ratio * length;
         let kinetic = v * v + 2.0 * v * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
-        0.5 * (x * x + v * v) + mass_ratio * (0.5 * kinetic + gravity * length * rise)
+        0.5 * (x * x + v * v) + mass_ratio * (0.5 * kinetic + self.gravity() * length * rise)
+    }
+
+    fn angle(&self, state: &PivaState) -> Option<Angle> {
+        let sine = state.y().value / self.pendulum.contact_distance;
+        let small = self.pendulum.small_angles;
+        let value = if small { sine } else { libm::atan2(sine, state.cosine) };
+        Some(Angle { value, rate: state.w.value / self.pendulum.contact_distance })
+    }
+
+    fn impact_angles(&self, impact: &Impact) -> Option<[Angle; 2]> {
+        let value = impact.wall.sign() * self.wall_angle();
+        let lever = self.wall_cosine * self.pendulum.contact_distance;
+        let angle = |w: f64| Angle { value, rate: w / lever };
+        Some([impact.gap_velocity_before, impact.gap_velocity_after].map(angle))
     }
 }
 

@@ -11,6 +11,8 @@ pub const SMALLEST: f64 = 1e-75;
 pub const LARGEST: f64 = 1e75;
 /// Largest mass ratio and damping ratio.
 pub const LARGEST_RATIO: f64 = 1e9;
+/// Coarsest tolerance of a flight: beyond, a step is no longer a good approximation of anything.
+pub const LARGEST_TOLERANCE: f64 = 1e-3;
 
 /// Checks a length or velocity of either sign.
 ///
@@ -54,6 +56,16 @@ pub fn damping_ratio(field: &str, value: f64) -> Result<(), Invalid> {
 /// [`Invalid`] naming field, value and allowed range.
 pub fn restitution(field: &str, value: f64) -> Result<(), Invalid> {
     check((0.0..=1.0).contains(&value), field, value, || "a number from 0 to 1".to_owned())
+}
+
+/// Checks a tolerance of the flight.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub fn tolerance(field: &str, value: f64) -> Result<(), Invalid> {
+    check((0.0..=LARGEST_TOLERANCE).contains(&value), field, value, || {
+        format!("a number from 0 to {LARGEST_TOLERANCE:e}")
+    })
 }
 
 fn check(

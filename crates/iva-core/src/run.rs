@@ -7,7 +7,7 @@ use crate::observe::{Episode, Events};
 use crate::peaks::{Envelope, Peak};
 use crate::sample::{Sampler, State};
 use crate::simulate::{Limits, Tally, simulate};
-use crate::system::{Start, System};
+use crate::system::System;
 
 /// Everything a run tells.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Run<S> {
 /// [`Invalid`] if the start or a limit is not usable.
 pub fn run<S: System>(
     system: &S,
-    start: &Start,
+    start: &S::Start,
     limits: &Limits,
 ) -> Result<Run<S::State>, Invalid> {
     let mut observers = (Events::default(), (Envelope::default(), Measures::<S>::new(Wanted::ALL)));
@@ -52,7 +52,7 @@ pub fn run<S: System>(
 /// [`Invalid`] if the start, a limit or an instant is not usable.
 pub fn states<S: System>(
     system: &S,
-    start: &Start,
+    start: &S::Start,
     limits: &Limits,
     times: &[f64],
 ) -> Result<Vec<State>, Invalid> {

@@ -3,7 +3,7 @@
 use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
-use crate::system::{Clock, System};
+use crate::system::{Angle, Clock, System};
 
 /// Primary and absorber at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,8 @@ pub struct State {
     /// 0 in flight, ±1 while stuck on a wall (from the switch to the summed tail of a chatter on,
     /// within which the absorber is closer to the wall than rounding can tell).
     pub wall: i8,
+    /// Angle and angular velocity of a pendulum.
+    pub angle: Option<Angle>,
 }
 
 /// Samples a run at increasing instants; at an impact the state after it counts.
@@ -54,7 +56,7 @@ impl<S: System> Observer<S> for Sampler {
         self.clearance = system.clearance();
     }
 
-    fn span<M: Motion<State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         while let Some(time) = self.times.get(self.next).copied() {
             let h = -span.start.minus(time);
             let last = time >= self.duration && span_ends(&span.start, span.length, self.duration);
@@ -70,15 +72,17 @@ impl<S: System> Observer<S> for Sampler {
                 gap_displacement: gap.y,
                 gap_velocity: gap.w,
                 wall: span.motion.wall().map_or(0, |wall| wall.number()),
+                angle: system.angle(&span.motion.state(h)),
             });
             self.next += 1;
         }
     }
 
-    fn impact(&mut self, impact: &Impact) {
+    fn impact(&mut self, system: &S, impact: &Impact) {
         if !self.events {
             return;
         }
+        let angles = system.impact_angles(impact);
         let before = State {
             time: impact.time,
             displacement: impact.displacement,
@@ -86,10 +90,12 @@ impl<S: System> Observer<S> for Sampler {
             gap_displacement: impact.wall.sign() * self.clearance,
             gap_velocity: impact.gap_velocity_before,
             wall: 0,
+            angle: angles.map(|[before, _]| before),
         };
         let after = State {
             velocity: impact.velocity_after,
             gap_velocity: impact.gap_velocity_after,
+            angle: angles.map(|[_, after]| after),
             ..before
         };
         self.states.extend([before, after]);

@@ -10,7 +10,7 @@ use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
 use crate::observe::{Episode, Observer, Span};
-use crate::system::{Clock, Start, System, Wall};
+use crate::system::{Clock, System, Wall};
 
 pub use crate::limits::{Limits, Outcome};
 
@@ -47,7 +47,7 @@ pub struct Tally<State> {
 /// [`Invalid`] if the start does not lie in the gap or a limit is not usable.
 pub fn simulate<S: System, O: Observer<S>>(
     system: &S,
-    start: &Start,
+    start: &S::Start,
     limits: &Limits,
     cancel: Option<&AtomicBool>,
     observer: &mut O,
@@ -263,7 +263,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
     fn list(&mut self, impact: &Impact) {
         self.tally.impacts += 1;
         self.tally.effective_impacts += u64::from(impact.effective());
-        self.observer.impact(impact);
+        self.observer.impact(self.system, impact);
     }
 
     /// Leaves the wall, chatters on it or sticks to it: the sign of the velocity decides, then the

@@ -190,6 +190,7 @@ impl Rider for SivaState {
 
 impl System for Siva {
     type State = SivaState;
+    type Start = Start;
     type Flight<'a> = SivaFlight<'a>;
     type Ride<'a> = Ride<'a, SivaState>;
 

@@ -67,6 +67,15 @@ pub struct Point {
     pub v: f64,
 }
 
+/// Angle of a pendulum and its rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angle {
+    /// θ from the hanging position, in (−π, π].
+    pub value: f64,
+    /// θ̇ in ωn.
+    pub rate: f64,
+}
+
 /// An absorber on its primary system.
 ///
 /// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
@@ -74,6 +83,8 @@ pub struct Point {
 pub trait System {
     /// The state between events.
     type State: Copy + std::fmt::Debug;
+    /// How the state at time zero is given.
+    type Start: Copy + std::fmt::Debug;
     /// The absorber free in its gap; its curve is the distance to the wall last touched.
     type Flight<'a>: Motion<State = Self::State> + Curve<Sample = Self::State>
     where
@@ -95,9 +106,9 @@ pub trait System {
     ///
     /// # Errors
     /// [`Invalid`] naming the field.
-    fn check_start(&self, start: &Start) -> Result<(), Invalid>;
+    fn check_start(&self, start: &Self::Start) -> Result<(), Invalid>;
     /// The state of a start, and whether it touches the wall it is measured from.
-    fn begin(&self, start: &Start) -> (Self::State, bool);
+    fn begin(&self, start: &Self::Start) -> (Self::State, bool);
     /// Free motion from a state.
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
     /// Motion stuck to the wall that the state touches.
@@ -118,6 +129,14 @@ pub trait System {
     fn primary(&self, state: &Self::State) -> Point;
     /// Total energy per primary mass.
     fn energy(&self, state: &Self::State) -> f64;
+    /// Angle and angular velocity of a pendulum; `None` for an absorber without angle.
+    fn angle(&self, _state: &Self::State) -> Option<Angle> {
+        None
+    }
+    /// The same just before and just after an impact.
+    fn impact_angles(&self, _impact: &Impact) -> Option<[Angle; 2]> {
+        None
+    }
 }
 
 /// An instant of the run, compensated.

@@ -12,13 +12,20 @@
 //! ÿ = (c W)˙ it is linear in the newest coefficient of a, so that each order costs three
 //! convolutions and no division.
 //!
-//! Coefficients are those of powers of t/h: the step ends at 1, and their size tells at once what
-//! the truncation leaves out.
+//! Coefficients are those of powers of t/h: the step ends at 1. [`Remainder`] bounds what the
+//! truncation leaves out.
 
 use crate::compensated::Sum;
 
-/// Order of the series.
+pub use remainder::Remainder;
+
+mod remainder;
+
+/// Highest order of the series.
 pub const ORDER: usize = 20;
+
+/// Coefficients of one variable.
+pub type Row<T> = [T; ORDER + 1];
 
 /// Numbers that a series can be computed in: doubles, or doubles with their rounding rests where a
 /// grazing is to be decided.
@@ -32,17 +39,36 @@ pub trait Number:
 {
     /// The number without rest.
     fn from_double(value: f64) -> Self;
+    /// 1/n.
+    fn reciprocal(n: usize) -> Self;
 }
+
+/// 1/n, as far as any order in use needs it.
+const RECIPROCALS: [f64; ORDER + 2] = {
+    let mut table = [1.0; ORDER + 2];
+    let mut n = 1;
+    while n < table.len() {
+        table[n] = 1.0 / n as f64;
+        n += 1;
+    }
+    table
+};
 
 impl Number for f64 {
     fn from_double(value: f64) -> Self {
         value
+    }
+    fn reciprocal(n: usize) -> Self {
+        RECIPROCALS.get(n).copied().unwrap_or(1.0 / n as f64)
     }
 }
 
 impl Number for Sum {
     fn from_double(value: f64) -> Self {
         Sum::new(value)
+    }
+    fn reciprocal(n: usize) -> Self {
+        Sum::new(1.0).over(n as f64)
     }
 }
 
@@ -84,19 +110,37 @@ pub struct Swing<T> {
 
 /// The series of a step of length h; entry k belongs to (t/h)ᵏ.
 #[derive(Debug, Clone, Copy)]
-pub struct Series<T> {
+pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
     /// Displacement of the primary.
-    pub x: [T; ORDER + 1],
+    pub x: [T; LENGTH],
     /// Its velocity.
-    pub u: [T; ORDER + 1],
+    pub u: [T; LENGTH],
     /// Its acceleration, one order less.
-    pub a: [T; ORDER + 1],
+    pub a: [T; LENGTH],
     /// Gap displacement.
-    pub y: [T; ORDER + 1],
+    pub y: [T; LENGTH],
     /// W = b θ̇.
-    pub w: [T; ORDER + 1],
+    pub w: [T; LENGTH],
     /// cosθ.
-    pub c: [T; ORDER + 1],
+    pub c: [T; LENGTH],
+}
+
+/// Σ a_i b_{n−1−i} over two slices of n, in two sums side by side.
+#[inline(always)]
+fn convolution<T: Number>(a: &[T], b: &[T]) -> T {
+    let n = a.len();
+    let b = &b[..n];
+    let (mut even, mut odd) = (T::from_double(0.0), T::from_double(0.0));
+    let mut i = 0;
+    while i + 1 < n {
+        even = even + a[i] * b[n - 1 - i];
+        odd = odd + a[i + 1] * b[n - 2 - i];
+        i += 2;
+    }
+    if i < n {
+        even = even + a[i] * b[n - 1 - i];
+    }
+    even + odd
 }
 
 impl Pendulum {
@@ -110,54 +154,42 @@ impl Pendulum {
     }
 
     /// The series from a state, for a step of length h, up to `order` of x, u, y, W and c.
-    pub fn series<T: Number>(&self, start: &Swing<T>, h: f64, order: usize) -> Series<T> {
-        let zero = T::from_double(0.0);
+    pub fn series<T: Number, const LENGTH: usize>(
+        &self,
+        start: &Swing<T>,
+        h: f64,
+        order: usize,
+    ) -> Series<T, LENGTH> {
         let n = T::from_double;
         let Pendulum { mass_ratio: mu, damping_ratio, lever, coupling, pivot_damping, .. } = *self;
         let (step, r2, nu) = (n(h), n(self.frequency_squared), n(pivot_damping));
         let b2 = n(self.contact_distance) * n(self.contact_distance);
         let (beta, zeta2) = (n(coupling), n(2.0) * n(damping_ratio));
         let pull = n(mu) * n(lever);
-        let mut s = Series {
-            x: [zero; ORDER + 1],
-            u: [zero; ORDER + 1],
-            a: [zero; ORDER + 1],
-            y: [zero; ORDER + 1],
-            w: [zero; ORDER + 1],
-            c: [zero; ORDER + 1],
-        };
+        let row = [n(0.0); LENGTH];
+        let mut s = Series { x: row, u: row, a: row, y: row, w: row, c: row };
         (s.x[0], s.u[0], s.y[0], s.w[0], s.c[0]) = (start.x, start.u, start.y, start.w, start.c);
-        let inertia = n(1.0) + n(mu) - pull * beta * start.c * start.c;
+        let over_inertia = n(1.0) / (n(1.0) + n(mu) - pull * beta * start.c * start.c);
+        let (over_b2, over_step) = (n(1.0) / b2, n(1.0) / step);
+        // (c W)_k without its term c₀ W_k
+        let mut swept = n(0.0);
         for k in 0..order {
             let next = n((k + 1) as f64);
-            let over = step / next;
+            let over = step * T::reciprocal(k + 1);
             // ċ = −y W/b²
-            let mut yw = zero;
-            for i in 0..=k {
-                yw = yw + s.y[i] * s.w[k - i];
-            }
-            s.c[k + 1] = if self.small_angles { zero } else { -(over * yw / b2) };
-            // c W and c a without the terms of c₀ and of order k + 1
-            let (mut cw, mut ca) = (zero, zero);
-            for i in 0..=k {
-                cw = cw + s.c[i + 1] * s.w[k - i];
-            }
-            for i in 1..=k {
-                ca = ca + s.c[i] * s.a[k - i];
-            }
+            let yw = convolution(&s.y[..=k], &s.w[..=k]);
+            s.c[k + 1] = if self.small_angles { n(0.0) } else { -(over * yw * over_b2) };
+            let ca = convolution(&s.c[1..=k], &s.a[..k]);
             let rest = beta * ca + r2 * s.y[k] + nu * s.w[k];
             let force = -(s.x[k] + zeta2 * s.u[k]);
-            s.a[k] = (force - pull * (cw / over - start.c * rest)) / inertia;
+            let next_swept = convolution(&s.c[1..=k + 1], &s.w[..=k]);
+            s.a[k] =
+                (force - pull * (next_swept * next * over_step - start.c * rest)) * over_inertia;
             s.w[k + 1] = -(over * (beta * start.c * s.a[k] + rest));
             s.u[k + 1] = over * s.a[k];
             s.x[k + 1] = over * s.u[k];
-            s.y[k + 1] = over * {
-                let mut cw = zero;
-                for i in 0..=k {
-                    cw = cw + s.c[i] * s.w[k - i];
-                }
-                cw
-            };
+            s.y[k + 1] = over * (start.c * s.w[k] + swept);
+            swept = next_swept;
         }
         s
     }

@@ -27,6 +27,7 @@ struct Broken {
 }
 
 impl System for Broken {
+    type Start = Start;
     type State = SivaState;
     type Flight<'a> = <Siva as System>::Flight<'a>;
     type Ride<'a> = <Siva as System>::Ride<'a>;

@@ -101,7 +101,7 @@ fn the_precise_distance_of_a_pendulum_leaves_out_less_than_the_band() {
     let piva = Piva::new(p).unwrap();
     let start =
         Start { displacement: 1.0, velocity: -0.4, gap_displacement: 0.75, gap_velocity: 0.3 };
-    let (state, _) = piva.begin(&start);
+    let (state, _) = piva.begin(&start.into());
     let flight = piva.flight(&state);
     let s = piva.wall(&state).sign();
     // The start as the simulator carries it: sinθ = y/b, and the rate from ẏ = b cosθ θ̇.
@@ -125,14 +125,14 @@ fn the_precise_distance_of_a_pendulum_leaves_out_less_than_the_band() {
 
 #[test]
 fn the_pressure_gain_is_the_rise_of_the_pressure_at_a_slow_impact() {
-    fn rise<S: System>(system: &S, clearance: f64, approach: f64) -> f64 {
+    fn rise<S: System<Start: From<Start>>>(system: &S, clearance: f64, approach: f64) -> f64 {
         let start = Start {
             displacement: 1.0,
             velocity: 0.2,
             gap_displacement: clearance,
             gap_velocity: approach,
         };
-        let (state, touching) = system.begin(&start);
+        let (state, touching) = system.begin(&start.into());
         assert!(touching);
         let (after, _) = system.impact(&state, 0.0);
         (system.distance(&state).curvature - system.distance(&after).curvature) / approach

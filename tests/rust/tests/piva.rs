@@ -33,7 +33,7 @@ fn every_reference_event_is_found_and_none_added() {
         let piva = Piva::new(scene.parameters).unwrap();
         let clearance = scene.parameters.clearance;
         let limits = Limits { chatter_floor: FLOOR, ..Limits::new(scene.duration, clearance) };
-        let result = run(&piva, &released(1.0), &limits).unwrap();
+        let result = run(&piva, &released(1.0).into(), &limits).unwrap();
         assert_eq!((result.tally.outcome, result.tally.undecided), (Outcome::Finished, 0));
         let list = marks(&result, FLOOR);
         let found: Vec<_> = list.iter().map(|m| (m.kind, m.wall)).collect();
@@ -91,7 +91,7 @@ fn pendulum_periods_are_those_of_the_arithmetic_geometric_mean() {
         // It passes the middle after (k + 1/4) and (k + 3/4) periods.
         for quarters in [1.0, 3.0, 9.0, 11.0] {
             let time = 0.25 * quarters * truth;
-            let state = states(&piva, &start, &limits, &[time]).unwrap()[0];
+            let state = states(&piva, &start.into(), &limits, &[time]).unwrap()[0];
             let late = state.gap_displacement / state.gap_velocity;
             assert!((late / time).abs() < 1e-13, "{degrees}°, {quarters}: {:e}", late / time);
         }
@@ -107,7 +107,7 @@ fn a_slow_pendulum_on_a_long_rod_is_a_free_mass() {
     let difference = |length: f64| {
         let parameters =
             Parameters { frequency_ratio: 1e-12, ..Parameters::point_bob(mu, e, d, zeta, length) };
-        let piva = run(&Piva::new(parameters).unwrap(), &released(1.0), &limits).unwrap();
+        let piva = run(&Piva::new(parameters).unwrap(), &released(1.0).into(), &limits).unwrap();
         assert_eq!(piva.impacts.len(), siva.impacts.len());
         let pairs = piva.impacts.iter().zip(&siva.impacts);
         pairs.map(|(a, b)| (a.time - b.time).abs()).fold(0.0, f64::max)
@@ -129,7 +129,7 @@ fn without_impacts_and_damping_the_energy_stays() {
         };
         let start = Start { gap_displacement: 1.5, ..released(0.8) };
         let limits = Limits::new(1e4 * 2.0 * PI, 3.0);
-        let result = run(&Piva::new(parameters).unwrap(), &start, &limits).unwrap();
+        let result = run(&Piva::new(parameters).unwrap(), &start.into(), &limits).unwrap();
         assert_eq!(result.tally.outcome, Outcome::Finished);
         let drift = result.measures.energy_final / result.measures.energy_initial - 1.0;
         println!("κ = {kappa}: drift {drift:e}");
@@ -171,7 +171,7 @@ proptest! {
         let w = (cosine * p.contact_distance * rate).value();
         let start = Start { displacement: x, velocity: v, gap_displacement: y, gap_velocity: w };
         let limits = Limits::new(6.0, p.clearance);
-        let found = states(&Piva::new(p).unwrap(), &start, &limits, &[time]).unwrap()[0];
+        let found = states(&Piva::new(p).unwrap(), &start.into(), &limits, &[time]).unwrap()[0];
         let [true_x, true_u, true_angle, true_rate] =
             swing(&p, [x.into(), v.into(), angle.into(), rate.into()], time);
         let (sine, cosine) = sine_cosine(true_angle);
@@ -218,7 +218,7 @@ proptest! {
         let start = Start { gap_velocity: -v, ..Start { velocity: v, ..released(x) } };
         // Not on to the next extremum: |ÿ| keeps half its size for a while.
         let limits = Limits::new(time.hi + 0.02, clearance);
-        let result = run(&Piva::new(parameters).unwrap(), &start, &limits).unwrap();
+        let result = run(&Piva::new(parameters).unwrap(), &start.into(), &limits).unwrap();
         prop_assert_eq!(result.tally.undecided, 0, "over by {:e}", over);
         prop_assert_eq!(!result.impacts.is_empty(), over > 0.0, "over by {:e} of {:e}", over, band);
     }
@@ -244,7 +244,7 @@ proptest! {
             gap_displacement: place * clearance.min(0.9 * p.contact_distance),
             gap_velocity: w,
         };
-        let result = run(&Piva::new(p).unwrap(), &start, &Limits::new(60.0, clearance)).unwrap();
+        let result = run(&Piva::new(p).unwrap(), &start.into(), &Limits::new(60.0, clearance)).unwrap();
         prop_assert_eq!(result.tally.outcome, Outcome::Finished);
         let m = &result.measures;
         let ledger = m.energy_residual.abs() / m.energy_initial;
@@ -281,7 +281,7 @@ fn bad_parameters_name_their_field() {
     let short = Piva::new(Parameters { clearance: 6.0, ..good }).unwrap();
     assert!(!short.stop_reachable());
     let start = Start { gap_displacement: 5.5, ..released(1.0) };
-    let error = run(&short, &start, &Limits::new(1.0, 6.0)).unwrap_err();
+    let error = run(&short, &start.into(), &Limits::new(1.0, 6.0)).unwrap_err();
     assert_eq!(error.field, "start.gap_displacement");
 }
 
@@ -318,7 +318,7 @@ fn small_angles_swing_by_the_modes_of_the_linear_system() {
         let start = Start { gap_displacement: 0.3, gap_velocity: -0.2, ..released(1.0) };
         let times: Vec<f64> = (1..=40).map(|k| f64::from(k) * 0.5).collect();
         let piva = Piva::new(parameters).unwrap();
-        let found = states(&piva, &start, &Limits::new(20.0, 1e3), &times).unwrap();
+        let found = states(&piva, &start.into(), &Limits::new(20.0, 1e3), &times).unwrap();
         for (state, time) in found.iter().zip(times) {
             let truth = (matrix * time).exp() * Vector4::new(1.0, 0.3, 0.0, -0.2);
             for (value, truth) in [
@@ -347,7 +347,7 @@ fn small_and_large_angles_agree_as_the_square_of_the_angle() {
             angles,
             ..Parameters::point_bob(mu, e, d, zeta, length)
         };
-        let result = run(&Piva::new(parameters).unwrap(), &released(1.0), &limits).unwrap();
+        let result = run(&Piva::new(parameters).unwrap(), &released(1.0).into(), &limits).unwrap();
         result.impacts.iter().map(|i| i.time).collect()
     };
     let difference = |length: f64| {
@@ -370,7 +370,7 @@ fn small_angles_without_gravity_are_the_single_mass() {
             angles: Angles::Small,
             ..Parameters::point_bob(mu, e, d, zeta, 1.0)
         };
-        let piva = run(&Piva::new(parameters).unwrap(), &released(1.0), &limits).unwrap();
+        let piva = run(&Piva::new(parameters).unwrap(), &released(1.0).into(), &limits).unwrap();
         let siva = run(&Siva::new(mu, e, d, zeta).unwrap(), &released(1.0), &limits).unwrap();
         let (list, expected) = (marks(&piva, FLOOR), marks(&siva, FLOOR));
         assert_eq!(list.len(), expected.len());
@@ -399,7 +399,7 @@ fn the_printed_law_turns_the_order_of_clearances_round() {
             ..Parameters::point_bob(mu, 0.5, gamma, 0.02, 10.0)
         };
         let piva = Piva::new(parameters).unwrap();
-        let result = run(&piva, &released(1.0), &Limits::new(60.0, gamma)).unwrap();
+        let result = run(&piva, &released(1.0).into(), &Limits::new(60.0, gamma)).unwrap();
         let ledger = result.measures.energy_residual.abs() / result.measures.energy_initial;
         assert!(ledger < 1e-12, "{ledger:e}");
         result.measures.damping_ratio_3.unwrap()

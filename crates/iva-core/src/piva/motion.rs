@@ -5,14 +5,8 @@ use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
 use crate::oscillator::Primary;
 use crate::system::Wall;
-use crate::taylor::{ORDER, Pendulum, Series, Swing, horner};
+use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner};
 
-/// Longest step, over the fastest time scale of the motion.
-const LONGEST: f64 = 0.6;
-/// What a step may leave out, relative to the size of each variable.
-const TRUNCATION: f64 = 1e-17;
-/// 2^(−1/4): steps are shortened by this factor until they keep to [`TRUNCATION`].
-const SHORTER: f64 = 0.840_896_415_253_714_6;
 /// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
 const STEEP: f64 = 0.7;
 
@@ -30,13 +24,17 @@ pub struct PivaFlight<'a> {
 
 impl<'a> PivaFlight<'a> {
     pub(super) fn new(piva: &'a Piva, from: PivaState) -> Self {
+        let order = piva.accuracy.order;
         let step = piva.longest_step(&from);
-        let series = piva.series(&from, step, ORDER);
-        let Some(share) = share_kept(&series, &Sizes::of(piva, &from)) else {
+        let series = piva.series(&from, step, order);
+        let share = Remainder::prove(&piva.pendulum, &series, step, order)
+            .and_then(|remainder| Some((share_kept(&remainder, piva, &from)?, remainder)));
+        let Some((share, remainder)) = share else {
             // What cannot be enclosed is not flown: the run ends there and says so.
             return Self { piva, from, series, step, reach: step, fourth: f64::NAN };
         };
-        let fourth = fourth_bound(&series.y, share, step);
+        let fourth = fourth_bound(&series.y, share) + remainder.fourth(share);
+        let fourth = fourth / (step * step * step * step);
         Self { piva, from, series, step, reach: share * step, fourth }
     }
 
@@ -46,32 +44,28 @@ impl<'a> PivaFlight<'a> {
     }
 
     /// What a damper takes: factor · ∫ f² up to h.
-    fn loss(&self, factor: f64, f: &[f64; ORDER + 1], h: f64) -> f64 {
+    fn loss(&self, factor: f64, f: &Row<f64>, h: f64) -> f64 {
+        let f = &f[..=self.piva.accuracy.order];
         if factor == 0.0 { 0.0 } else { factor * square_integral(f, self.share(h)) * self.step }
     }
 }
 
-/// [`SHORTER`] to the power ORDER − 1.
-const SHORTER_POWER: f64 = 0.037_162_722_343_835_05;
-/// Steps are not shortened more often than this, to 2⁻²⁰.
+/// Steps are shortened by this factor, about 2^(−1/4), until they keep to the tolerance.
+const SHORTER: f64 = 0.84;
+/// At most this often, to 2⁻²⁰.
 const MOST_SHORTENINGS: u32 = 80;
 
-/// The share of a step on which its series leaves out no more than [`TRUNCATION`].
-///
-/// What is left out is judged by the last two coefficients (the last alone may vanish by chance): an
-/// estimate that held with a margin in every comparison with a longer series, not a proof.
-fn share_kept(series: &Series<f64>, sizes: &Sizes) -> Option<f64> {
-    let last =
-        |row: &[f64; ORDER + 1], share: f64| (row[ORDER].abs() * share).max(row[ORDER - 1].abs());
-    let (mut share, mut power) = (1.0, 1.0);
+/// The share of a step on which its series leaves out no more than the tolerance.
+fn share_kept(remainder: &Remainder, piva: &Piva, from: &PivaState) -> Option<f64> {
+    let sizes = Sizes::of(piva, from);
+    let tolerance = piva.accuracy.tolerance;
+    let mut share = remainder.reach();
     for _ in 0..MOST_SHORTENINGS {
-        let primary = last(&series.x, share).max(last(&series.u, share));
-        let gap = last(&series.y, share).max(last(&series.w, share));
-        if power * primary <= TRUNCATION * sizes.primary && power * gap <= TRUNCATION * sizes.gap {
+        let [primary, gap] = remainder.left_out(share);
+        if primary <= tolerance * sizes.primary && gap <= tolerance * sizes.gap {
             return Some(share);
         }
         share *= SHORTER;
-        power *= SHORTER_POWER;
     }
     None
 }
@@ -91,17 +85,12 @@ impl Sizes {
     }
 }
 
-/// Bound on |y⁗| over a step: the sum of its terms, and as much again for those left out.
-fn fourth_bound(y: &[f64; ORDER + 1], share: f64, step: f64) -> f64 {
-    let mut sum = 0.0;
-    for k in (4..=ORDER).rev() {
+/// Bound on |y⁗| of the series itself over a share of a step, in steps.
+fn fourth_bound(y: &Row<f64>, share: f64) -> f64 {
+    (4..=ORDER).rev().fold(0.0, |sum, k| {
         let k_ = k as f64;
-        sum = sum * share + k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0) * y[k].abs();
-    }
-    // Of the terms left out the first is below half of the last two kept, and so on.
-    let order = (ORDER + 1) as f64;
-    let tail = y[ORDER].abs().max(y[ORDER - 1].abs()) * order.powi(4) * 4.0;
-    (sum + tail) / (step * step * step * step)
+        sum * share + k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0) * y[k].abs()
+    })
 }
 
 impl Piva {
@@ -116,7 +105,7 @@ impl Piva {
         } else {
             state.w.value.abs() / pendulum.contact_distance
         };
-        LONGEST / primary.max(hanging).max(swing).max(pendulum.pivot_damping)
+        self.accuracy.longest_step / primary.max(hanging).max(swing).max(pendulum.pivot_damping)
     }
 }
 
@@ -138,13 +127,14 @@ impl Motion for PivaFlight<'_> {
         }
         let (t, from, series) = (self.share(h), &self.from, &self.series);
         let s = from.wall.sign();
-        let increment = |series: &[f64; ORDER + 1]| t * horner(&series[1..], t);
+        let order = self.piva.accuracy.order;
+        let increment = |series: &Row<f64>| t * horner(&series[1..=order], t);
         let distance = from.distance.plus(-s * increment(&series.y));
         let y = from.clearance - distance.value;
         let sine = y / self.piva.parameters.contact_distance;
         let own = series.c[0] + increment(&series.c);
-        let gentle = own > 0.0 && sine.abs() < STEEP;
-        let cosine = if gentle { self.piva.pendulum.cosine(y) } else { own };
+        let gentle = sine.abs() < STEEP;
+        let cosine = if gentle { self.piva.pendulum.cosine(y).copysign(own) } else { own };
         PivaState {
             primary: Primary {
                 x: from.primary.x.plus(increment(&series.x)),
@@ -160,7 +150,7 @@ impl Motion for PivaFlight<'_> {
 
     fn primary(&self, h: f64) -> Jet {
         let state = self.state(h);
-        let series = self.piva.series(&state, 1.0, 2);
+        let series = self.piva.series::<3>(&state, 1.0, 2);
         Jet {
             value: state.primary.x.value,
             rate: state.primary.v.value,
@@ -191,11 +181,12 @@ impl Motion for PivaFlight<'_> {
 }
 
 /// ∫₀ᵗ f² of a polynomial f.
-fn square_integral(f: &[f64; ORDER + 1], t: f64) -> f64 {
+fn square_integral(f: &[f64], t: f64) -> f64 {
+    let order = f.len() - 1;
     let mut sum = 0.0;
-    for k in (0..=2 * ORDER).rev() {
+    for k in (0..=2 * order).rev() {
         let mut product = 0.0;
-        for i in k.saturating_sub(ORDER)..=k.min(ORDER) {
+        for i in k.saturating_sub(order)..=k.min(order) {
             product += f[i] * f[k - i];
         }
         sum = sum * t + product / (k + 1) as f64;
@@ -228,12 +219,13 @@ impl Curve for PivaFlight<'_> {
                 precise_cosine(from.y().over(b), from.cosine)
             },
         };
-        let mut series = self.piva.pendulum.series(&start, self.step, ORDER);
+        let order = self.piva.accuracy.order;
+        let mut series: Series<Sum> = self.piva.pendulum.series(&start, self.step, order);
         if from.released {
             (series.w[1], series.y[2]) = (Sum::ZERO, Sum::ZERO);
         }
         let t = Sum::new(h).over(self.step);
-        let travelled = horner(&series.y[1..], t).times_sum(t);
+        let travelled = horner(&series.y[1..=order], t).times_sum(t);
         let s = from.wall.sign();
         from.distance.plus_parts(-s * travelled.value, -s * travelled.rest)
     }

@@ -28,6 +28,9 @@ pub struct Parameters {
     pub angles: Angles,
     /// Consistent, or as the paper prints it.
     pub impact_law: ImpactLaw,
+    /// What a step of the flight may leave out, relative to the size of each variable; 0 asks for all
+    /// that doubles can hold.
+    pub tolerance: f64,
 }
 
 /// How the swing enters the equations of motion.
@@ -73,6 +76,7 @@ impl Parameters {
             pivot_damping_ratio: 0.0,
             angles: Angles::Large,
             impact_law: ImpactLaw::Consistent,
+            tolerance: 0.0,
         }
     }
 
@@ -89,6 +93,7 @@ impl Parameters {
         range::positive("absorber.length", self.length)?;
         range::positive("absorber.contact_distance", self.contact_distance)?;
         range::damping_ratio("absorber.pivot_damping_ratio", self.pivot_damping_ratio)?;
+        range::tolerance("run.tolerance", self.tolerance)?;
         if (1.0..=range::LARGEST_RATIO).contains(&self.inertia_ratio) {
             return Ok(());
         }

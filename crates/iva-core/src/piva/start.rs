@@ -1,0 +1,157 @@
+//! The state at time zero of a pendulum: by its gap or by its angle.
+
+use std::f64::consts::PI;
+
+use super::{Piva, PivaState};
+use crate::compensated::Sum;
+use crate::error::{Invalid, number};
+use crate::oscillator::Primary;
+use crate::range;
+use crate::system::{Start, Wall};
+
+/// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
+const ON_WALL_ULPS: f64 = 4.0;
+
+/// Place or rate of the pendulum, as it was given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Given {
+    /// Gap displacement y, or gap velocity w; of a pendulum that hangs below its pivot.
+    Gap(f64),
+    /// Angle θ, or angular velocity θ̇ in ωn.
+    Angle(f64),
+}
+
+/// State at time zero, in natural units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PivaStart {
+    /// Displacement x of the primary system.
+    pub displacement: f64,
+    /// Its velocity ẋ.
+    pub velocity: f64,
+    /// Where the pendulum is.
+    pub place: Given,
+    /// How fast it moves.
+    pub rate: Given,
+}
+
+impl From<Start> for PivaStart {
+    fn from(start: Start) -> Self {
+        let Start { displacement, velocity, gap_displacement, gap_velocity } = start;
+        let (place, rate) = (Given::Gap(gap_displacement), Given::Gap(gap_velocity));
+        Self { displacement, velocity, place, rate }
+    }
+}
+
+/// Where the pendulum starts.
+#[derive(Debug, Clone, Copy)]
+struct Pose {
+    /// Gap displacement.
+    y: f64,
+    /// cosθ.
+    cosine: f64,
+    /// W = b θ̇.
+    w: f64,
+}
+
+impl Piva {
+    fn pose(&self, start: &PivaStart) -> Pose {
+        let b = self.parameters.contact_distance;
+        let small = self.pendulum.small_angles;
+        let (y, cosine) = match start.place {
+            Given::Gap(y) => (y, self.pendulum.cosine(y)),
+            Given::Angle(angle) if small => (b * angle, 1.0),
+            Given::Angle(angle) => {
+                let (sine, cosine) = libm::sincos(angle);
+                (b * sine, cosine)
+            }
+        };
+        let w = match start.rate {
+            Given::Gap(0.0) => 0.0,
+            Given::Gap(w) => w / cosine,
+            Given::Angle(rate) => b * rate,
+        };
+        Pose { y, cosine, w }
+    }
+
+    /// Checks that a start is in [`crate::range`] and lies in the gap.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming field, value and allowed range.
+    pub(super) fn check(&self, start: &PivaStart) -> Result<(), Invalid> {
+        range::size("start.displacement", start.displacement)?;
+        range::size("start.velocity", start.velocity)?;
+        let Pose { y, cosine, w } = self.pose(start);
+        self.check_place(start.place, y, cosine)?;
+        let (field, rate) = match start.rate {
+            Given::Gap(w) => ("start.gap_velocity", w),
+            Given::Angle(rate) => ("start.angular_velocity", rate),
+        };
+        range::size(field, rate)?;
+        if range::size(field, w).is_ok() {
+            return Ok(());
+        }
+        let rule = "the pendulum cannot move sideways so fast where it points there; give start.angular_velocity";
+        Err(Invalid::new(field, number(rate), rule))
+    }
+
+    fn check_place(&self, place: Given, y: f64, cosine: f64) -> Result<(), Invalid> {
+        let (d, b) = (self.parameters.clearance, self.parameters.contact_distance);
+        let beyond = y.abs() - d > ON_WALL_ULPS * f64::EPSILON * d;
+        match place {
+            Given::Gap(value) => {
+                let invalid =
+                    |rule| Err(Invalid::new("start.gap_displacement", number(value), rule));
+                range::size("start.gap_displacement", value)?;
+                if beyond {
+                    return invalid(format!("it must lie in the gap, from -{0} to {0}", number(d)));
+                }
+                if !self.pendulum.small_angles && value.abs() > b {
+                    return invalid(format!("the pendulum reaches from -{0} to {0}", number(b)));
+                }
+            }
+            Given::Angle(angle) => {
+                let invalid = |rule| Err(Invalid::new("start.angle", number(angle), rule));
+                if angle.is_nan() || angle.abs() > PI {
+                    return invalid("give an angle in rad, from -π to π".to_owned());
+                }
+                if beyond || (self.stop_reachable() && cosine < 0.0) {
+                    let most = number(self.wall_angle());
+                    return invalid(format!(
+                        "it must lie between the stops, from -{most} to {most} rad"
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The state of a start, and whether it touches the wall it is measured from.
+    pub(super) fn first_state(&self, start: &PivaStart) -> (PivaState, bool) {
+        let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
+        let Pose { y, cosine, w } = self.pose(start);
+        // Seen from the wall that the pendulum is nearest to or heads for, so that a mirrored
+        // start runs through mirrored numbers.
+        let side = [y, w, start.displacement, start.velocity]
+            .into_iter()
+            .find(|value| *value != 0.0)
+            .unwrap_or(1.0);
+        let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
+        let clearance = self.parameters.clearance;
+        let distance = Sum::new(clearance).plus(-wall.sign() * y);
+        let touching = distance.value <= ON_WALL_ULPS * f64::EPSILON * clearance;
+        let w = match start.rate {
+            Given::Gap(rate) if w != 0.0 => Sum::new(rate).over(cosine),
+            _ => Sum::new(w),
+        };
+        let state = PivaState {
+            primary,
+            wall,
+            distance: if touching { Sum::ZERO } else { distance },
+            clearance,
+            w,
+            cosine: if touching { self.wall_cosine } else { cosine },
+            released: false,
+        };
+        (state, touching)
+    }
+}

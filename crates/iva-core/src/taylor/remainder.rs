@@ -1,0 +1,293 @@
+//! What a truncated series leaves out: a proof by induction over the recurrences.
+//!
+//! Let N be the order, coefficients those of powers of t/h, S = y W/b² and R = β c a + r² y + ν W, so
+//! that ċ = −S, Ẇ = −R and the momentum equation reads
+//! (1 + μ) a = −x − 2ζ u + μλ (S W + c R). Claim: for every j ≥ J = ⌊N/2⌋
+//!
+//! ```text
+//! |z_j| ≤ Z qʲ/(j+1)²   for z = x, u, y, c, W          |v_j| ≤ V qʲ/(j+1)   for v = a, R, S
+//! ```
+//!
+//! The computed coefficients show it up to N. Beyond, in a product of two series, of each pair of
+//! factors i and k − i the one with the smaller index is known, or obeys the claim beyond N as the
+//! other does; with k ≥ N and K = max(N, 2i)
+//!
+//! ```text
+//! (k+1)/(k+1−i) ≤ θ_i = (K+1)/(K+1−i)     H₁(z) = Σ_{i≤N} |z_i| q⁻ⁱ θ_i     H₂(z) = Σ_{i≤N} |z_i| q⁻ⁱ θ_i²
+//! Σ 1/((i+1)²(k−i+1)²) ≤ σ₂/(k+1)     Σ 1/((i+1)²(k−i+1)) ≤ σ₁/(k+1)     over N ≤ i ≤ k − N
+//! |(z z′)_k| ≤ qᵏ/(k+1) · { [Z′ H₂(z) + Z H₂(z′)]/(N+1) + σ₂ Z Z′ }
+//! |(z v)_k|  ≤ qᵏ/(k+1) · { V H₁(z) + Z H₂(v)/(N+1) + σ₁ Z V }
+//! ```
+//!
+//! so that the recurrences carry the claim from k to k + 1 if the constants satisfy one inequality
+//! each ([`Proof::next`]). They contain h and q as h/q only: where no small q will do, a larger one is
+//! a claim about a shorter step. The sums are σ₂ = (2/N + 4 ln(n/N)/n)/n with n = 2N + 2, falling in n
+//! and by ln p ≤ p − 1, and σ₁ = (1 + 2/e)/N, both from 1/(m(n−m)) = (1/m + 1/(n−m))/n.
+
+use super::{ORDER, Pendulum, RECIPROCALS, Row, Series};
+
+/// Constants of the claim.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Tail {
+    x: f64,
+    u: f64,
+    y: f64,
+    c: f64,
+    w: f64,
+    a: f64,
+    r: f64,
+    s: f64,
+}
+
+/// Bounds on every coefficient beyond the order of a series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Remainder {
+    order: usize,
+    ratio: f64,
+    tail: Tail,
+}
+
+/// Ratios tried at most, each [`COARSER`] than the one before.
+const RATIOS: u32 = 100;
+const COARSER: f64 = 1.15;
+/// The first, over the decay of the coefficients.
+const FIRST: f64 = 1.45;
+/// Smallest ratio tried.
+const FINEST: f64 = 0.03;
+/// Margin of the constants over what the known coefficients need: room for the inequalities to
+/// hold with, and for the rounding of the coefficients.
+const MARGIN: f64 = 2.0;
+/// Enlargements of the constants that are tried for each ratio.
+const ATTEMPTS: u32 = 6;
+/// The longest share of a step that a claim with ratio q is used for, times q.
+const WITHIN: f64 = 0.5;
+
+impl Remainder {
+    /// Proves bounds for the series of a step of length h; `None` if the state is not finite or
+    /// its series converges nowhere near the step.
+    pub fn prove(
+        pendulum: &Pendulum,
+        series: &Series<f64>,
+        h: f64,
+        order: usize,
+    ) -> Option<Remainder> {
+        let mut ratio = FINEST.max(FIRST * decay(series, order));
+        for _ in 0..RATIOS {
+            let proof = Proof::new(pendulum, series, h, order, ratio);
+            let mut tail = proof.known.times(MARGIN);
+            for _ in 0..ATTEMPTS {
+                let next = proof.next(&tail);
+                if next.within(&tail) {
+                    return Some(Remainder { order, ratio, tail });
+                }
+                tail = tail.larger(&next.times(MARGIN));
+            }
+            ratio *= COARSER;
+        }
+        None
+    }
+
+    /// The longest share of the step on which the bounds mean anything.
+    pub fn reach(&self) -> f64 {
+        (WITHIN / self.ratio).min(1.0)
+    }
+
+    /// Bounds on what is left out up to a share of the step: of primary (x, u) and gap (y, W).
+    pub fn left_out(&self, share: f64) -> [f64; 2] {
+        let beyond = (self.order + 2) as f64;
+        let p = self.ratio * share;
+        let sum = power(p, self.order + 1) / (beyond * beyond * (1.0 - WITHIN));
+        let Tail { x, u, y, w, .. } = self.tail;
+        [x.max(u) * sum, y.max(w) * sum]
+    }
+
+    /// Bound on the fourth derivative of the part of y that is left out, in steps.
+    pub fn fourth(&self, share: f64) -> f64 {
+        // k(k−1)(k−2)(k−3)/(k+1)² < k², and Σ_{k>N} k² pᵏ < 3 (N+1)² p^(N+1) for p ≤ 1/2, N ≥ 10.
+        let first = (self.order + 1) as f64;
+        let p = self.ratio * share;
+        let share = share * share * share * share;
+        3.0 * first * first * power(p, self.order + 1) / share * self.tail.y
+    }
+}
+
+/// By what factor the coefficients fall from one to the next: the eighth root of eight of them.
+fn decay(series: &Series<f64>, order: usize) -> f64 {
+    let of = |row: &Row<f64>| {
+        let size = |k: usize| row[k].abs().max(row[k - 1].abs());
+        let (last, earlier) = (size(order), size(order - 8));
+        if earlier > 0.0 { last / earlier } else { 0.0 }
+    };
+    let most = of(&series.x).max(of(&series.u)).max(of(&series.y)).max(of(&series.w));
+    most.sqrt().sqrt().sqrt()
+}
+
+/// pⁿ by multiplications alone.
+fn power(p: f64, n: usize) -> f64 {
+    (0..n).fold(1.0, |product, _| product * p)
+}
+
+impl Tail {
+    fn map(&self, other: &Tail, f: impl Fn(f64, f64) -> f64) -> Tail {
+        Tail {
+            x: f(self.x, other.x),
+            u: f(self.u, other.u),
+            y: f(self.y, other.y),
+            c: f(self.c, other.c),
+            w: f(self.w, other.w),
+            a: f(self.a, other.a),
+            r: f(self.r, other.r),
+            s: f(self.s, other.s),
+        }
+    }
+
+    fn larger(&self, other: &Tail) -> Tail {
+        self.map(other, f64::max)
+    }
+
+    fn times(&self, factor: f64) -> Tail {
+        self.map(self, |value, _| value * factor)
+    }
+
+    /// False where anything is not finite.
+    fn within(&self, other: &Tail) -> bool {
+        let Tail { x, u, y, c, w, a, r, s } = *self;
+        let pairs = [x, u, y, c, w, a, r, s]
+            .into_iter()
+            .zip([other.x, other.u, other.y, other.c, other.w, other.a, other.r, other.s]);
+        pairs.into_iter().all(|(value, bound)| value <= bound && bound.is_finite())
+    }
+}
+
+/// Sums over the heads of the series.
+struct Proof<'a> {
+    pendulum: &'a Pendulum,
+    /// h/q · ((N+2)/(N+1))²
+    step: f64,
+    /// 1/(N+1)
+    beyond: f64,
+    sigma_1: f64,
+    sigma_2: f64,
+    /// |c₀|
+    cosine: f64,
+    /// H₁ of c without its first term, of W.
+    c_1: f64,
+    w_1: f64,
+    /// H₂
+    y_2: f64,
+    c_2: f64,
+    w_2: f64,
+    a_2: f64,
+    r_2: f64,
+    s_2: f64,
+    /// The smallest constants for J ≤ j ≤ N.
+    known: Tail,
+}
+
+impl<'a> Proof<'a> {
+    fn new(pendulum: &'a Pendulum, series: &Series<f64>, h: f64, order: usize, ratio: f64) -> Self {
+        let m = (order + 1) as f64;
+        let (beyond, n, order_) = (1.0 / m, 2.0 * m, order as f64);
+        let grown = (m + 1.0) * beyond;
+        let mut proof = Self {
+            pendulum,
+            step: h / ratio * (grown * grown),
+            beyond,
+            sigma_1: 1.74 / order_,
+            sigma_2: (2.0 / order_ + 4.0 * (n / order_ - 1.0) / n) / n,
+            cosine: series.c[0].abs(),
+            c_1: 0.0,
+            w_1: 0.0,
+            y_2: 0.0,
+            c_2: 0.0,
+            w_2: 0.0,
+            a_2: 0.0,
+            r_2: 0.0,
+            s_2: 0.0,
+            known: Tail::default(),
+        };
+        let mut scale = 1.0; // q⁻ʲ
+        let (over_h, over_ratio) = (1.0 / h, 1.0 / ratio);
+        let rate =
+            |row: &Row<f64>, j: usize| row[(j + 1).min(ORDER)].abs() * ((j + 1) as f64 * over_h);
+        for j in 0..=order {
+            let size = |row: &Row<f64>| row[j].abs() * scale;
+            let [r, s] = [rate(&series.w, j) * scale, rate(&series.c, j) * scale];
+            let first = order.max(2 * j) + 1;
+            let theta = first as f64 * RECIPROCALS[first - j];
+            let square = theta * theta;
+            if j > 0 {
+                proof.c_1 += size(&series.c) * theta;
+            }
+            proof.w_1 += size(&series.w) * theta;
+            proof.y_2 += size(&series.y) * square;
+            proof.c_2 += size(&series.c) * square;
+            proof.w_2 += size(&series.w) * square;
+            if j < order {
+                proof.a_2 += size(&series.a) * square;
+                proof.r_2 += r * square;
+                proof.s_2 += s * square;
+            }
+            if j >= order / 2 {
+                let k = (j + 1) as f64;
+                let known = &mut proof.known;
+                known.x = known.x.max(size(&series.x) * (k * k));
+                known.u = known.u.max(size(&series.u) * (k * k));
+                known.y = known.y.max(size(&series.y) * (k * k));
+                known.c = known.c.max(size(&series.c) * (k * k));
+                known.w = known.w.max(size(&series.w) * (k * k));
+                // These are known up to N − 1; at N they follow as all later ones do.
+                if j < order {
+                    known.a = known.a.max(size(&series.a) * k);
+                    known.r = known.r.max(r * k);
+                    known.s = known.s.max(s * k);
+                }
+            }
+            scale *= over_ratio;
+        }
+        proof
+    }
+
+    /// The constants that the recurrences give beyond N if those of the claim hold before.
+    fn next(&self, t: &Tail) -> Tail {
+        let Pendulum {
+            mass_ratio,
+            damping_ratio,
+            contact_distance,
+            lever,
+            coupling: beta,
+            frequency_squared: r2,
+            pivot_damping: nu,
+            small_angles,
+        } = *self.pendulum;
+        let Self { step, beyond, sigma_1, sigma_2, cosine, .. } = *self;
+        let pull = mass_ratio * lever;
+        let s = if small_angles {
+            0.0
+        } else {
+            let yw = (t.w * self.y_2 + t.y * self.w_2) * beyond + sigma_2 * t.y * t.w;
+            yw / (contact_distance * contact_distance)
+        };
+        let c_a = t.a * self.c_1 + t.c * self.a_2 * beyond + sigma_1 * t.c * t.a;
+        let c_r = t.r * self.c_1 + t.c * self.r_2 * beyond + sigma_1 * t.c * t.r;
+        let s_w = t.s * self.w_1 + t.w * self.s_2 * beyond + sigma_1 * t.w * t.s;
+        let linear = (r2 * t.y + nu * t.w) * beyond;
+        let force = (t.x + 2.0 * damping_ratio * t.u) * beyond;
+        let inertia = 1.0 + mass_ratio - pull * beta * (cosine * cosine);
+        let a = (force + pull * (s_w + c_r + cosine * (beta * c_a + linear))) / inertia;
+        let r = beta * (cosine * t.a + c_a) + linear;
+        let c_w = (t.w * self.c_2 + t.c * self.w_2) * beyond + sigma_2 * t.c * t.w;
+        Tail {
+            x: step * beyond * t.u,
+            u: step * t.a,
+            y: step * c_w,
+            c: step * t.s,
+            w: step * t.r,
+            a,
+            r,
+            s,
+        }
+    }
+}
+#[cfg(test)]
+mod tests;

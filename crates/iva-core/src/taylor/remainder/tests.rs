@@ -1,0 +1,56 @@
+//! The bounds against coefficients of higher order, which they have not seen.
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use crate::taylor::Swing;
+
+/// Longer than any series in use.
+const LONG: usize = 121;
+
+#[test]
+fn no_later_coefficient_exceeds_its_bound() {
+    // From calm to violent: small and large angles, slow and fast, heavy and light, up to 120°.
+    let mut seen = 0.0f64;
+    for index in 0..400u32 {
+        let part = |k: u32| f64::from((index * k + k / 2) % 101) / 100.0;
+        let kappa = 1.0 + part(13) * part(7);
+        let lever = 0.6 + part(29);
+        let angle = 2.1 * part(17) - 1.0;
+        let pendulum = Pendulum {
+            mass_ratio: 0.01 + 2.0 * part(31) * part(5),
+            damping_ratio: 0.3 * part(3),
+            contact_distance: 2.0,
+            lever,
+            coupling: 1.0 / (kappa * lever),
+            frequency_squared: 4.0 * part(11) * part(19),
+            pivot_damping: 0.4 * part(23),
+            small_angles: index % 7 == 0,
+        };
+        let cosine = if pendulum.small_angles { 1.0 } else { angle.cos() };
+        let start = Swing {
+            x: part(37) - 0.5,
+            u: part(41) - 0.5,
+            y: 2.0 * angle.sin(),
+            w: 4.0 * (part(43) - 0.5),
+            c: cosine,
+        };
+        for (order, h) in [(10, 0.5), (16, 0.6), (20, 0.4), (20, 1.0)] {
+            let short = pendulum.series::<f64, { ORDER + 1 }>(&start, h, order);
+            let long = pendulum.series::<f64, LONG>(&start, h, LONG - 1);
+            let remainder = Remainder::prove(&pendulum, &short, h, order).unwrap();
+            let Tail { x, u, y, c, w, .. } = remainder.tail;
+            for k in order + 1..LONG {
+                let bound = power(remainder.ratio, k) / ((k + 1) * (k + 1)) as f64;
+                for (row, constant) in
+                    [(&long.x, x), (&long.u, u), (&long.y, y), (&long.c, c), (&long.w, w)]
+                {
+                    let ratio = row[k].abs() / (constant * bound);
+                    assert!(ratio <= 1.0 || row[k] == 0.0, "{index}, order {order}, {k}: {ratio}");
+                    seen = seen.max(if row[k] == 0.0 { 0.0 } else { ratio });
+                }
+            }
+        }
+    }
+    // The bounds are not idle: somewhere a coefficient comes near.
+    assert!(seen > 0.05, "{seen}");
+}
