@@ -23,7 +23,7 @@ Examples
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
-    from iva.parameters import Primary, Siva, Start
+    from iva.parameters import Piva, Primary, Siva, Start
     from iva.reading import read
     from iva.simulation import Run, simulate
     from iva.sweeping import Table, sweep
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = [
     "SCHEMA_VERSION",
     "IvaError",
+    "Piva",
     "Primary",
     "Run",
     "Siva",
@@ -53,6 +54,7 @@ __all__ = [
 _HOMES = {
     "SCHEMA_VERSION": "_iva",
     "IvaError": "_iva",
+    "Piva": "parameters",
     "Primary": "parameters",
     "Run": "simulation",
     "Siva": "parameters",

@@ -13,6 +13,10 @@ from numbers import Real
 
 from iva import _iva
 
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from typing import Literal
+
 
 def shown(value: object) -> str:
     """Return a value for a message: its expression on one line, at most 60 characters of it.
@@ -95,15 +99,20 @@ class Part:
     """What the three parts of a scene have in common."""
 
     __slots__ = ()
-    _part = ""  # of the study file; without annotation, so that it is no field
+    # Of the study file; without annotations, so that they are no fields.
+    _part = ""
+    _words: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Turn every value into a float; check ranges, and that no two set the same quantity."""
         for field in fields(self):  # type: ignore[arg-type]
             value = getattr(self, field.name)
-            if value is not None:
-                value = number(f"{self._part}.{field.name}", value)
-                object.__setattr__(self, field.name, value)
+            path = f"{self._part}.{field.name}"
+            if field.name in self._words:
+                if not isinstance(value, str):
+                    raise TypeError(f"{path} = {shown(value)}: give a word")
+            elif value is not None:
+                object.__setattr__(self, field.name, number(path, value))
         _iva.check(self._part, list(given(self).items()))
 
     def __repr__(self) -> str:
@@ -113,13 +122,18 @@ class Part:
 
 def given(part: Part) -> dict[str, float]:
     """Return the fields of a part that were given, by name."""
-    values = ((field.name, getattr(part, field.name)) for field in fields(part))  # type: ignore[arg-type]
+    names = (field.name for field in fields(part) if field.name not in part._words)  # type: ignore[arg-type]
+    values = ((name, getattr(part, name)) for name in names)
     return {name: value for name, value in values if value is not None}
 
 
 def constructor(part: Part) -> str:
     """Return the expression that builds the part."""
-    arguments = ", ".join(f"{name}={value!r}" for name, value in given(part).items())
+    defaults = {field.name: field.default for field in fields(part)}  # type: ignore[arg-type]
+    words = ((name, getattr(part, name)) for name in part._words)
+    chosen = {name: word for name, word in words if word != defaults[name]}
+    shown_fields = (given(part) | chosen).items()
+    arguments = ", ".join(f"{name}={value!r}" for name, value in shown_fields)
     return f"{type(part).__name__}({arguments})"
 
 
@@ -218,6 +232,7 @@ class Siva(Part):
     """
 
     _part = "absorber"
+    _kind = "siva"
 
     mass_ratio: float | None = None
     mass: float | None = None
@@ -227,6 +242,105 @@ class Siva(Part):
     clearance_mm: float | None = None
     gap: float | None = None
     gap_mm: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class Piva(Part):
+    """Pendulum impact vibration absorber: a pendulum on the primary system, between two stops.
+
+    The gap displacement is y = b sin θ with b from the pivot to the point that meets the stops, at
+    y = ±d. Of `frequency_ratio`, `length` and `gravity` two are needed, for g = κ L ωp²; in SI
+    units `length` alone will do, with standard gravity.
+
+    Parameters
+    ----------
+    mass_ratio : float, optional
+        Absorber mass over primary mass, μ = m/M > 0. This or `mass` is needed.
+    mass : float, optional
+        Absorber mass m > 0 in kg; needs a primary mass.
+    restitution : float
+        Newton's coefficient e on the gap velocity, from 0 (plastic) to 1 (elastic).
+    relative_clearance : float, optional
+        γ > 0, clearance over the size of the start displacement. One of the five ways to give the
+        clearance is needed.
+    clearance : float, optional
+        One-sided clearance d > 0, half of the total play, in the unit of lengths. A clearance not
+        below the contact distance is out of reach: the run says so in ``stop_reachable``.
+    clearance_mm : float, optional
+        The same in mm; SI units only.
+    gap : float, optional
+        Total play 2d > 0, in the unit of lengths.
+    gap_mm : float, optional
+        The same in mm; SI units only.
+    frequency_ratio : float, optional
+        r = ωp/ωn > 0, frequency of the hanging pendulum over that of the bare primary system.
+    length : float, optional
+        L > 0 from the pivot to the centre of mass, in the unit of lengths. Needed unless angles are
+        small, where the motion of a point bob does not depend on it (no angle is reported then).
+    gravity : float, optional
+        Acceleration of gravity g > 0. Follows from `frequency_ratio` and `length`; in SI units
+        9.80665 m/s² if `frequency_ratio` is not given. All three must agree to 1e-9.
+    inertia_ratio : float, optional
+        κ = I/(m L²) ≥ 1, I the moment of inertia about the pivot; 1, a point bob, by default.
+    contact_distance : float, optional
+        b > 0 from the pivot to the point of contact; the length by default.
+    pivot_damping_ratio : float, optional
+        Damping ratio ≥ 0 of the hanging pendulum; 0 by default.
+    angles : {"large", "small"}, default "large"
+        Exact, or linearised (sin θ = θ, cos θ = 1).
+    impact_law : {"consistent", "printed"}, default "consistent"
+        Momentum and restitution, or the paper's Eqs. 16 and 17 as printed, for comparison only:
+        they do not conserve momentum, their rebounds shrink by 2μe/(1+μ), and ``energy_loss`` may
+        be negative.
+
+    Raises
+    ------
+    TypeError
+        If a value is not a number, or a choice not a word.
+    ValueError
+        If a value is out of range, or two set the same quantity.
+
+    Examples
+    --------
+    >>> Piva(mass_ratio=0.12, restitution=0.5, clearance=1.4, frequency_ratio=0.4, length=10)
+    Piva(mass_ratio=0.12, restitution=0.5, clearance=1.4, frequency_ratio=0.4, length=10.0)
+    """
+
+    _part = "absorber"
+    _kind = "piva"
+    _words = ("angles", "impact_law")
+
+    mass_ratio: float | None = None
+    mass: float | None = None
+    restitution: float | None = None
+    relative_clearance: float | None = None
+    clearance: float | None = None
+    clearance_mm: float | None = None
+    gap: float | None = None
+    gap_mm: float | None = None
+    frequency_ratio: float | None = None
+    length: float | None = None
+    gravity: float | None = None
+    inertia_ratio: float | None = None
+    contact_distance: float | None = None
+    pivot_damping_ratio: float | None = None
+    angles: Literal["large", "small"] = "large"
+    impact_law: Literal["consistent", "printed"] = "consistent"
+
+    def __post_init__(self) -> None:
+        """Check numbers and words."""
+        Part.__post_init__(self)
+        _iva.check_choices(choices(self))
+
+
+#: An absorber of any kind.
+Absorber = Siva | Piva
+
+
+def choices(absorber: Absorber) -> list[tuple[str, str]]:
+    """Return the kind of an absorber and what was chosen by words."""
+    words = [(name, getattr(absorber, name)) for name in absorber._words]
+    return [("kind", absorber._kind), *words]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
@@ -245,6 +359,10 @@ class Start(Part):
         Absorber displacement minus primary displacement, at most the clearance in size.
     gap_velocity : float, optional
         Absorber velocity minus primary velocity.
+    angle : float, optional
+        Angle of a pendulum from hanging in rad, −π to π, instead of `gap_displacement`.
+    angular_velocity : float, optional
+        Angular velocity of a pendulum, instead of `gap_velocity`.
 
     Raises
     ------
@@ -266,13 +384,17 @@ class Start(Part):
     velocity: float | None = None
     gap_displacement: float | None = None
     gap_velocity: float | None = None
+    angle: float | None = None
+    angular_velocity: float | None = None
 
 
-def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> dict[str, float]:
+def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> dict[str, float | str]:
     """Return all given fields of some parts and of the section ``run`` as ``"part.field"``."""
-    fields_given = {
-        f"{part._part}.{name}": value for part in parts for name, value in given(part).items()
-    }
+    fields_given: dict[str, float | str] = {}
+    for part in parts:
+        if isinstance(part, Absorber):
+            fields_given |= {f"{part._part}.{name}": word for name, word in choices(part)}
+        fields_given |= {f"{part._part}.{name}": value for name, value in given(part).items()}
     for name, value in (run or {}).items():
         if value is not None:
             fields_given[f"run.{name}"] = number(f"run.{name}", value)
@@ -284,7 +406,7 @@ def scene(
     primary: object,
     start: object,
     run: Mapping[str, float | None],
-) -> dict[str, float]:
+) -> dict[str, float | str]:
     """Return the spec of a whole scene, after a look at the types of its parts.
 
     Raises
@@ -292,8 +414,8 @@ def scene(
     TypeError
         If a part is of the wrong class, or a setting of the run is not a number.
     """
-    if not isinstance(absorber, Siva):
-        raise TypeError(f"absorber = {shown(absorber)}: give an iva.Siva")
+    if not isinstance(absorber, Absorber):
+        raise TypeError(f"absorber = {shown(absorber)}: give an iva.Siva or iva.Piva")
     if not isinstance(primary, Primary):
         raise TypeError(f"primary = {shown(primary)}: give an iva.Primary")
     if not isinstance(start, Start):

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from iva import _iva
 from iva.frames import Frames, from_arrow, to_polars
-from iva.parameters import Primary, Siva, Start, constructor, numbers, scene, shown
+from iva.parameters import Absorber, Primary, Start, constructor, numbers, scene, shown
 from iva.units import Units, from_metadata
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -23,10 +23,10 @@ class Run:
 
     def __init__(
         self,
-        absorber: Siva,
+        absorber: Absorber,
         primary: Primary,
         start: Start,
-        spec: dict[str, float],
+        spec: dict[str, float | str],
         units: Units,
         frames: Frames,
     ) -> None:
@@ -73,7 +73,8 @@ class Run:
         -------
         polars.DataFrame
             ``time``, ``displacement``, ``velocity``, ``gap_displacement``, ``gap_velocity``,
-            ``wall`` (0 in flight, ±1 stuck). Besides the samples, an impact appears twice:
+            ``wall`` (0 in flight, ±1 stuck), ``angle`` and ``angular_velocity`` (null for a free
+            mass). Besides the samples, an impact appears twice:
             just before and just after.
 
         Raises
@@ -159,7 +160,7 @@ class Run:
 
 
 def simulate(
-    absorber: Siva,
+    absorber: Absorber,
     primary: Primary,
     *,
     start: Start,
@@ -169,13 +170,14 @@ def simulate(
     max_impacts: float | None = None,
     max_work: float | None = None,
     chatter_floor: float | None = None,
+    tolerance: float | None = None,
 ) -> Run:
     """Simulate the free decay of a primary system with an impact absorber.
 
     Parameters
     ----------
-    absorber : Siva
-        The absorber.
+    absorber : Siva or Piva
+        The absorber: a free mass, or a pendulum.
     primary : Primary
         The primary system; what it is given decides the units.
     start : Start
@@ -193,6 +195,10 @@ def simulate(
     chatter_floor : float, optional
         A velocity: rebounds of a chatter episode at or below it are summed, not listed as
         impacts. Default 1e-6 ωn d, d the clearance. The motion does not depend on it.
+    tolerance : float, optional
+        What a step of a pendulum's flight may leave out, relative to the size of each variable:
+        0, the default, for full accuracy, up to 1e-3. Only pendulums have it; small angles do not
+        need it.
 
     Returns
     -------
@@ -211,10 +217,10 @@ def simulate(
 
     Examples
     --------
-    >>> run = simulate(
-    ...     Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5),
-    ...     Primary(damping_ratio=0.01),
-    ...     start=Start(displacement=1.0),
+    >>> run = iva.simulate(
+    ...     iva.Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5),
+    ...     iva.Primary(damping_ratio=0.01),
+    ...     start=iva.Start(displacement=1.0),
     ...     periods=30,
     ... )
     >>> run.summary["outcome"].item()
@@ -249,6 +255,7 @@ def simulate(
             "max_impacts": max_impacts,
             "max_work": max_work,
             "chatter_floor": chatter_floor,
+            "tolerance": tolerance,
         },
     )
     tables = _iva.simulate(spec, names("measures", measures))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from iva import _iva
 from iva.frames import Frames, from_arrow
-from iva.parameters import Primary, Siva, Start, numbers, scene, shown
+from iva.parameters import Absorber, Primary, Start, numbers, scene, shown
 from iva.progress import Progress, reporting
 from iva.simulation import names
 from iva.units import Units, from_metadata
@@ -95,7 +95,7 @@ class Table:
 
 
 def sweep(
-    absorber: Siva,
+    absorber: Absorber,
     primary: Primary,
     *,
     over: Mapping[str, Iterable[float]],
@@ -107,6 +107,7 @@ def sweep(
     max_impacts: float | None = None,
     max_work: float | None = None,
     chatter_floor: float | None = None,
+    tolerance: float | None = None,
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> Table:
@@ -121,7 +122,7 @@ def sweep(
         unique) → values, shape (n,). The product of all axes is run, in the order of the mapping,
         the last axis fastest. A swept field replaces its alternatives, so that an axis over
         ``gap`` replaces a given ``clearance``.
-    periods, duration, measures, max_impacts, max_work, chatter_floor
+    periods, duration, measures, max_impacts, max_work, chatter_floor, tolerance
         As in :func:`iva.simulate`.
     tables : iterable of str, default ("summary",)
         Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``.
@@ -151,10 +152,10 @@ def sweep(
 
     Examples
     --------
-    >>> table = sweep(
-    ...     Siva(mass_ratio=0.1, restitution=0.5), Primary(damping_ratio=0.01),
+    >>> table = iva.sweep(
+    ...     iva.Siva(mass_ratio=0.1, restitution=0.5), iva.Primary(damping_ratio=0.01),
     ...     over={"relative_clearance": [0.4, 0.5, 0.6]},
-    ...     start=Start(displacement=1.0), periods=20)
+    ...     start=iva.Start(displacement=1.0), periods=20)
     >>> table.summary.height
     3
     """
@@ -181,6 +182,7 @@ def sweep(
             "max_impacts": max_impacts,
             "max_work": max_work,
             "chatter_floor": chatter_floor,
+            "tolerance": tolerance,
         },
     )
     axes = [(key, numbers(f"sweep.{key}", values)) for key, values in over.items()]

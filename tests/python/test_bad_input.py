@@ -112,16 +112,23 @@ def test_alternatives_given_twice(part: Any, first: str, second: str) -> None:
 SIZES = (1e-30, 1e-12, 1.0, 1e12, 1e30)
 
 
+@pytest.mark.parametrize("kind", ["siva", "piva"])
 @pytest.mark.parametrize("system", [{"primary.mass": 1.0, "primary.stiffness": 1.0}, {}])
-def test_the_field_that_is_blamed_was_given(system: dict[str, float]) -> None:
-    base = system | {
-        "absorber.mass_ratio": 0.1,
-        "absorber.clearance": 1.0,
-        "absorber.restitution": 0.5,
-        "run.periods": 1.0,
-        "run.max_work": 10.0,
-    }
-    paths = [f"{part}.{name}" for part in PARTS for name, _, _ in _iva.fields(part)]
+def test_the_field_that_is_blamed_was_given(system: dict[str, float], kind: str) -> None:
+    pendulum = {"absorber.frequency_ratio": 0.4, "absorber.length": 3.0} if kind == "piva" else {}
+    base: dict[str, float | str] = (
+        {"absorber.kind": kind}
+        | system
+        | pendulum
+        | {
+            "absorber.mass_ratio": 0.1,
+            "absorber.clearance": 1.0,
+            "absorber.restitution": 0.5,
+            "run.periods": 1.0,
+            "run.max_work": 10.0,
+        }
+    )
+    paths = [f"{part}.{name}" for part in PARTS for name, _, _ in _iva.fields(part, kind)]
     paths.remove("run.max_work")  # it keeps the runs short
     blamed = set()
     for one, other in itertools.combinations(paths, 2):

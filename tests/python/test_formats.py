@@ -171,8 +171,9 @@ def test_csv_without_its_study(csv: Path) -> None:
 
 
 def test_csv_with_a_study_that_cannot_be_read(csv: Path) -> None:
-    (csv / "study.toml").write_text("version = 1\n[absorber]\nmas = 1\n", encoding="utf-8")
-    refuse(csv, f"{csv / 'study.toml'}:3:1", "mas")
+    text = "version = 1\n[absorber]\nkind = 'siva'\nmas = 1\n"
+    (csv / "study.toml").write_text(text, encoding="utf-8")
+    refuse(csv, f"{csv / 'study.toml'}:4:1", "mas")
 
 
 def test_csv_of_other_axes(csv: Path) -> None:

@@ -140,7 +140,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("part", ["primary", "absorber", "start", "run"])
 def test_every_number_has_a_row_in_its_section(part: str) -> None:
     rows = section("study-file.md", f"| **`[{part}]`**", "| **`[")
-    missing = [name for name, _, _ in _iva.fields(part) if f"| `{name}` |" not in rows]
+    missing = [name for name, _, _ in _iva.fields(part, "piva") if f"| `{name}` |" not in rows]
     assert missing == []
 
 

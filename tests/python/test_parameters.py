@@ -1,4 +1,4 @@
-"""Primary, Siva and Start behave as values."""
+"""Primary, Siva, Piva and Start behave as values."""
 
 from __future__ import annotations
 
@@ -16,18 +16,23 @@ import pytest
 import iva
 from iva import _iva
 
-PARTS: list[tuple[str, Any]] = [
-    ("primary", iva.Primary),
-    ("absorber", iva.Siva),
-    ("start", iva.Start),
+# part, a kind of absorber that has all its fields, class, words among the fields
+PARTS: list[tuple[str, str, Any, list[str]]] = [
+    ("primary", "siva", iva.Primary, []),
+    ("absorber", "siva", iva.Siva, []),
+    ("absorber", "piva", iva.Piva, ["angles", "impact_law"]),
+    ("start", "piva", iva.Start, []),
 ]
 
 
-@pytest.mark.parametrize(("name", "part"), PARTS)
-def test_fields_are_those_of_the_table(name: str, part: Any) -> None:
+@pytest.mark.parametrize(("name", "kind", "part", "words"), PARTS)
+def test_fields_are_those_of_the_table(name: str, kind: str, part: Any, words: list[str]) -> None:
     declared = [field.name for field in dataclasses.fields(part)]
-    assert declared == [field for field, _, _ in _iva.fields(name)]
-    assert all(field.default is None for field in dataclasses.fields(part))
+    numbers = [field for field, _, _ in _iva.fields(name, kind)]
+    assert declared == numbers + words
+    defaults = {field.name: field.default for field in dataclasses.fields(part)}
+    assert all(defaults[field] is None for field in numbers)
+    declared = numbers
     for field in declared:
         assert f"{field} : float" in part.__doc__
 

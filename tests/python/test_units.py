@@ -35,6 +35,9 @@ def compare(run: iva.Run, natural: iva.Run, omega: float, length: float, mass: f
         "s": 1 / omega,
         "m": length,
         "m/s": length * omega,
+        "rad": 1.0,
+        "rad/s": omega,
+        "m/s²": length * omega**2,
         "J": mass * (length * omega) ** 2,
         "1": 1.0,
     }

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
+use iva_sweep::choices::Kind;
 use iva_sweep::fields::{Allowed, FieldId, Part};
-use iva_sweep::study::{Axis, MAX_POINTS, distinct};
+use iva_sweep::study::{Axis, MAX_POINTS, distinct, fitting};
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
@@ -22,11 +23,12 @@ struct Entry<'a, 't> {
 ///
 /// # Errors
 /// At the place of the first unknown or ambiguous key, wrong type, value out of range, or axis
-/// that sets the same quantity as an earlier one; also for an empty section and too many points.
+/// that sets the same quantity as an earlier one or that the kind of absorber does not have; also for an empty section and too many points.
 pub(crate) fn read(
     source: &mut Source,
     key: &Key<'_>,
     value: &Value<'_>,
+    kind: Kind,
 ) -> Result<Vec<Axis>, Error> {
     let section = table(source, "sweep", key, value)?;
     source.note("sweep".to_owned(), key.span());
@@ -47,7 +49,9 @@ pub(crate) fn read(
         source.note_axis(axis.field, entry.span.clone());
         axes.push(axis);
     }
-    distinct(&axes).map_err(|invalid| source.locate(&invalid))?;
+    distinct(&axes)
+        .and_then(|()| fitting(kind, &axes))
+        .map_err(|invalid| source.locate(&invalid))?;
     Ok(axes)
 }
 

@@ -11,7 +11,7 @@ use iva_sweep::units::UnitSystem;
 
 use crate::cell::{aligned, number, short, significant, text};
 use crate::layout::{TextTable, first_upper, wrap};
-use crate::scene::{NOTHING_MOVES, at_rest};
+use crate::scene::NOTHING_MOVES;
 
 /// Default of `report.best_by`.
 pub const DEFAULT_BEST_BY: &str = "settling_time_5";
@@ -198,7 +198,7 @@ impl BestPoints {
     /// Says where the absorber does nothing.
     fn remark_idle(&self, study: &Study, out: &mut String) {
         let shown = self.rows.iter().filter(|row| row.impacts == Some(0.0)).count() as u64;
-        let sentence = if study.design(0).is_ok_and(|design| at_rest(&design)) {
+        let sentence = if study.design(0).is_ok_and(|design| design.scene.at_rest()) {
             NOTHING_MOVES.to_owned()
         } else if self.idle > 0 && self.idle == self.points {
             "The absorber never touches a wall at any of the points: check the gap and the start."

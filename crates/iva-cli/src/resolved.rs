@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use iva_sweep::design::Spec;
+use iva_sweep::design::{STANDARD_GRAVITY, Spec};
 use iva_sweep::fields::{Allowed, FieldId, Part};
 use iva_sweep::study::{Axis, Table};
+use iva_sweep::units::UnitSystem;
 
 use crate::error::Error;
 use crate::layout::first_upper;
@@ -13,13 +14,16 @@ use crate::study_file::{STUDY_VERSION, StudyFile};
 /// How the first line of every resolved study begins; a `study.toml` without it is the user's.
 pub const HEADER: &str = "# Resolved by iva-dynamics";
 
-/// Fields that are 0 unless given.
-const ZERO: [FieldId; 5] = [
-    FieldId::DampingRatio,
-    FieldId::Displacement,
-    FieldId::Velocity,
-    FieldId::GapDisplacement,
-    FieldId::GapVelocity,
+/// What fields are unless given, of the kinds of absorber that have them.
+const DEFAULTS: [(FieldId, f64); 8] = [
+    (FieldId::DampingRatio, 0.0),
+    (FieldId::InertiaRatio, 1.0),
+    (FieldId::PivotDampingRatio, 0.0),
+    (FieldId::Displacement, 0.0),
+    (FieldId::Velocity, 0.0),
+    (FieldId::GapDisplacement, 0.0),
+    (FieldId::GapVelocity, 0.0),
+    (FieldId::Tolerance, 0.0),
 ];
 
 /// The same study with its defaults written out, and without the base values that an axis replaces.
@@ -27,25 +31,38 @@ const ZERO: [FieldId; 5] = [
 /// # Errors
 /// If the first point of the study is invalid.
 pub fn resolve(file: &StudyFile) -> Result<StudyFile, Error> {
-    let limits = file.study.design(0).map_err(|invalid| file.source.locate(&invalid))?.limits;
+    let design = file.study.design(0).map_err(|invalid| file.source.locate(&invalid))?;
     // The chatter floor is no plain number: it follows the clearance of each point.
     let limits = [
-        (FieldId::MaxImpacts, limits.max_impacts as f64),
-        (FieldId::MaxWork, limits.max_work as f64),
+        (FieldId::MaxImpacts, design.limits.max_impacts as f64),
+        (FieldId::MaxWork, design.limits.max_work as f64),
     ];
-    fill_in(file, limits)
+    let given = |field| {
+        let swept = file.study.axes.iter().any(|axis| axis.field == field);
+        swept || file.study.spec.get(field).is_some()
+    };
+    let standard = design.units == UnitSystem::Si && !given(FieldId::FrequencyRatio);
+    let gravity = standard.then_some((FieldId::Gravity, STANDARD_GRAVITY));
+    fill_in(file, DEFAULTS.into_iter().chain(limits).chain(gravity))
 }
 
-fn fill_in(file: &StudyFile, limits: [(FieldId, f64); 2]) -> Result<StudyFile, Error> {
+fn fill_in(
+    file: &StudyFile,
+    defaults: impl Iterator<Item = (FieldId, f64)>,
+) -> Result<StudyFile, Error> {
     let mut resolved = file.clone();
-    let mut spec = Spec::default();
+    let choices = *file.study.spec.choices();
+    let mut spec = Spec::new(choices);
     let axes = &file.study.axes;
     for (field, value) in file.study.spec.given() {
         if !axes.iter().any(|axis| axis.field.same_quantity(field)) {
             spec.set(field, value)?;
         }
     }
-    for (field, value) in ZERO.map(|field| (field, 0.0)).into_iter().chain(limits) {
+    for (field, value) in defaults {
+        if field.info().kind.is_some_and(|kind| kind != choices.kind) {
+            continue;
+        }
         let given = spec.given().any(|(other, _)| other.same_quantity(field))
             || axes.iter().any(|axis| axis.field.same_quantity(field));
         if !given {
@@ -75,7 +92,9 @@ fn text_of(file: &StudyFile, units: &str) -> String {
     for part in Part::ALL {
         let _ = writeln!(text, "\n[{}]", part.name());
         if part == Part::Absorber {
-            text.push_str("kind = \"siva\"\n");
+            for (name, word) in file.study.spec.choices().words() {
+                let _ = writeln!(text, "{name} = \"{word}\"");
+            }
         }
         for (field, value) in file.study.spec.given() {
             if field.info().part == part {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
@@ -18,36 +19,33 @@ pub(crate) fn describe(study: &Study, points: u64, units: UnitSystem) -> String 
     let step = points.div_ceil(LOOKED_AT).max(1);
     let looked_at = (0..points).step_by(usize::try_from(step).unwrap_or(1)).chain([last]);
     let designs: Vec<Design> = looked_at.filter_map(|point| study.design(point).ok()).collect();
-    let range = |value: &dyn Fn(&Design) -> f64| {
-        let values = designs.iter().map(value);
-        let (low, high) = values
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-        if low == high {
-            short(low, 4)
-        } else {
-            format!("{} … {}", short(low, 4), short(high, 4))
-        }
-    };
-    let damping = range(&|design| design.parameters.damping_ratio());
+    let damping = range(&designs, |design| design.scene.damping_ratio());
     let mut out = String::new();
     let structure = match units {
         UnitSystem::Natural => format!("Structure: damping ratio {damping}"),
         _ => {
-            let hertz = range(&|design| design.scale.natural_frequency / std::f64::consts::TAU);
+            let hertz =
+                range(&designs, |design| design.scale.natural_frequency / std::f64::consts::TAU);
             format!("Structure: {hertz} Hz, damping ratio {damping}")
         }
     };
-    let mass = range(&|design| design.parameters.mass_ratio());
-    let restitution = range(&|design| design.parameters.restitution());
+    let mass = range(&designs, |design| design.scene.mass_ratio());
+    let restitution = range(&designs, |design| design.scene.restitution());
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{}", wrap(&structure));
-    let absorber = format!("Absorber: mass ratio {mass}, restitution {restitution}");
+    let kind = study.spec.choices().kind;
+    let name = if kind == Kind::Siva { "free mass" } else { "pendulum" };
+    let absorber = format!("Absorber: {name}, mass ratio {mass}, restitution {restitution}");
     let _ = writeln!(out, "{}", wrap(&absorber));
-    let start = range(&|design| design.start.displacement);
-    let clearance = range(&|design| design.parameters.clearance());
-    let relative = range(&|design| design.parameters.clearance() / design.start.displacement.abs());
+    if kind == Kind::Piva {
+        let _ = writeln!(out, "{}", wrap(&pendulum(&designs, units)));
+    }
+    let start = range(&designs, |design| design.scene.displacement());
+    let clearance = range(&designs, |design| design.scene.clearance());
+    let relative =
+        range(&designs, |design| design.scene.clearance() / design.scene.displacement().abs());
     let unit = if units == UnitSystem::Si { " m" } else { "" };
-    let gap = if designs.iter().all(|design| design.start.displacement != 0.0) {
+    let gap = if designs.iter().all(|design| design.scene.displacement() != 0.0) {
         format!(
             "Start: displacement {start}{unit}; clearance (half of the play) {clearance}{unit}, \
              {relative} of it"
@@ -56,7 +54,7 @@ pub(crate) fn describe(study: &Study, points: u64, units: UnitSystem) -> String 
         format!("Start: displacement {start}{unit}; clearance {clearance}{unit}")
     };
     let _ = writeln!(out, "{}", wrap(&gap));
-    if designs.iter().all(at_rest) {
+    if designs.iter().all(|design| design.scene.at_rest()) {
         let _ = writeln!(out, "{}", wrap(NOTHING_MOVES));
     }
     out
@@ -66,8 +64,41 @@ pub(crate) fn describe(study: &Study, points: u64, units: UnitSystem) -> String 
 pub(crate) const NOTHING_MOVES: &str =
     "Nothing moves: the start has neither displacement nor velocity. Give start.displacement.";
 
-/// True if a start holds no energy.
-pub(crate) fn at_rest(design: &Design) -> bool {
-    let start = &design.start;
-    start.displacement == 0.0 && start.velocity == 0.0 && start.gap_velocity == 0.0
+/// The values of some designs, from the lowest to the highest.
+fn range(designs: &[Design], value: impl Fn(&Design) -> f64) -> String {
+    let (low, high) = designs
+        .iter()
+        .map(value)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    if low == high { short(low, 4) } else { format!("{} … {}", short(low, 4), short(high, 4)) }
+}
+
+/// Length, frequency and gravity of the pendulums.
+fn pendulum(designs: &[Design], units: UnitSystem) -> String {
+    let ratio =
+        range(designs, |design| design.scene.pendulum().map_or(f64::NAN, |p| p.frequency_ratio));
+    let mut text = format!("Pendulum: frequency ratio {ratio}");
+    if designs.iter().all(|design| design.scene.has_angle()) {
+        let si = units == UnitSystem::Si;
+        let (metre, gravity_unit) = if si { (" m", " m/s²") } else { ("", "") };
+        let length =
+            range(designs, |design| design.scene.pendulum().map_or(f64::NAN, |p| p.length));
+        let gravity = range(designs, |design| {
+            design.scene.gravity().map_or(f64::NAN, |g| design.scale.acceleration(g))
+        });
+        let _ = write!(text, ", length {}{metre}, gravity {gravity}{gravity_unit}", length);
+    }
+    let out_of_reach = designs.iter().filter(|design| !design.scene.stop_reachable()).count();
+    if out_of_reach > 0 {
+        let which = if out_of_reach == designs.len() {
+            "The stops are"
+        } else {
+            "At some points the stops are"
+        };
+        let _ = write!(
+            text,
+            ". {which} out of reach: the clearance is not smaller than the contact distance"
+        );
+    }
+    text
 }

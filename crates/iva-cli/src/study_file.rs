@@ -26,6 +26,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use iva_sweep::choices::{CHOICES, Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
@@ -55,7 +56,6 @@ pub const SWEEP_TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 const MOST_BYTES: u64 = 64_000_000;
 
 const SECTIONS: [&str; 7] = ["version", "primary", "absorber", "start", "run", "sweep", "report"];
-const KINDS: [&str; 1] = ["siva"];
 const SAMPLES_RANGE: (u64, u64) = (1, 1_000_000);
 const COUNT_RANGE: (u64, u64) = (1, 1_000_000);
 
@@ -120,7 +120,7 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
             return Err(unknown_key(&source, "", key, &SECTIONS));
         }
     }
-    let mut spec = Spec::default();
+    let mut spec = Spec::new(read_choices(&mut source, root)?);
     let mut settings = Settings::default();
     for part in Part::ALL {
         match root.get_key_value(part.name()) {
@@ -137,7 +137,7 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
         }
     }
     let axes = match root.get_key_value("sweep") {
-        Some((key, value)) => axes::read(&mut source, key, value)?,
+        Some((key, value)) => axes::read(&mut source, key, value, spec.choices().kind)?,
         None => Vec::new(),
     };
     let tables = tables_or_default(&source, &settings, !axes.is_empty())?;
@@ -223,9 +223,7 @@ fn read_part(
         let bare = key.get_ref().as_ref();
         let path = format!("{}.{bare}", part.name());
         match (part, bare) {
-            (Part::Absorber, "kind") => {
-                name(source, &path, value, &KINDS, |kind| KINDS.contains(&kind).then_some(()))?;
-            }
+            (Part::Absorber, name) if CHOICES.iter().any(|choice| choice.name == name) => {}
             (Part::Run, "tables") => {
                 settings.tables = Some((read_tables(source, &path, value)?, value.span()));
             }
@@ -238,7 +236,8 @@ fn read_part(
             }
             _ => {
                 let Some(field) = FieldId::find(part, bare) else {
-                    return Err(unknown_key(source, part.name(), key, &known_keys(part)));
+                    let known = known_keys(part, spec.choices().kind);
+                    return Err(unknown_key(source, part.name(), key, &known));
                 };
                 let number = number(source, &path, value, field.info().allowed)?;
                 spec.set(field, number)
@@ -247,25 +246,51 @@ fn read_part(
             }
         }
     }
-    if part == Part::Absorber && section.get("kind").is_none() {
-        return Err(source.error(
-            key.span(),
-            format!("absorber.kind is missing: give kind = {}", one_of(&KINDS)),
-        ));
-    }
     Ok(())
 }
 
-/// The keys of a section, numbers first.
-fn known_keys(part: Part) -> Vec<&'static str> {
-    let numbers =
-        FieldId::all().map(FieldId::info).filter(|info| info.part == part).map(|info| info.name);
-    let others: &[&str] = match part {
-        Part::Absorber => &["kind"],
-        Part::Run => &["tables", "measures", "samples_per_period"],
-        Part::Primary | Part::Start => &[],
+/// Reads what is chosen by words, all of it in `[absorber]`; the kind first, for the others and the
+/// numbers depend on it.
+fn read_choices(source: &mut Source, root: &DeTable<'_>) -> Result<Choices, Error> {
+    let mut choices = Choices::default();
+    let Some((section_key, section)) = root.get_key_value(Part::Absorber.name()) else {
+        return Ok(choices);
     };
-    numbers.chain(others.iter().copied()).collect()
+    let section = table(source, Part::Absorber.name(), section_key, section)?;
+    for choice in &CHOICES {
+        let path = format!("{}.{}", Part::Absorber.name(), choice.name);
+        let Some((key, value)) = section.get_key_value(choice.name) else {
+            if choice.name == "kind" {
+                return Err(source.error(
+                    section_key.span(),
+                    format!("{path} is missing: give kind = {}", one_of(choice.words)),
+                ));
+            }
+            continue;
+        };
+        let find = |word: &str| choice.words.iter().find(|other| **other == word).copied();
+        let word = name(source, &path, value, choice.words, find)?;
+        choices
+            .choose(choice.name, word)
+            .map_err(|invalid| crate::value::at(source, value.span(), &invalid))?;
+        source.note(path, key.span().start..value.span().end);
+    }
+    Ok(choices)
+}
+
+/// The keys that a section may have, numbers first.
+fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
+    let fits = |only: Option<Kind>| only.is_none_or(|only| only == kind);
+    let numbers = FieldId::all()
+        .map(FieldId::info)
+        .filter(|info| info.part == part && fits(info.kind))
+        .map(|info| info.name);
+    let words = CHOICES.iter().filter(|choice| part == Part::Absorber && fits(choice.kind));
+    let others: &[&str] = match part {
+        Part::Run => &["tables", "measures", "samples_per_period"],
+        _ => &[],
+    };
+    numbers.chain(words.map(|choice| choice.name)).chain(others.iter().copied()).collect()
 }
 
 fn read_tables(source: &Source, field: &str, value: &Value<'_>) -> Result<Vec<Table>, Error> {

@@ -28,7 +28,7 @@ mod parameters;
 mod start;
 
 /// A pendulum absorber on its primary system.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piva {
     parameters: Parameters,
     pendulum: Pendulum,

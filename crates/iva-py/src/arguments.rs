@@ -1,5 +1,6 @@
 //! From Python arguments to a study.
 
+use iva_sweep::choices::Choices;
 use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part, nearest};
@@ -7,17 +8,29 @@ use iva_sweep::study::{Axis, Study, Table};
 use iva_sweep::{Invalid, number};
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict};
+use pyo3::types::{PyBool, PyDict, PyString};
 
 use crate::errors::invalid;
 
-/// The spec of a dict `"part.field"` → number.
+/// The spec of a dict `"part.field"` → number, or word where the field is a choice; the kind of
+/// absorber comes before the other choices.
 ///
 /// # Errors
 /// `ValueError` for an unknown field or a value out of range.
 pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
-    let mut spec = Spec::default();
+    let mut choices = Choices::default();
+    for (path, word) in fields {
+        if let Ok(word) = word.extract::<String>() {
+            let path: String = path.extract()?;
+            let name = path.rsplit('.').next().unwrap_or_default();
+            choices.choose(name, &word).map_err(invalid)?;
+        }
+    }
+    let mut spec = Spec::new(choices);
     for (path, value) in fields {
+        if value.is_instance_of::<PyString>() {
+            continue;
+        }
         let path: String = path.extract()?;
         let field = FieldId::all()
             .find(|id| id.path() == path)

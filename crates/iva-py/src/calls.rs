@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use arrow_array::RecordBatch;
 use iva_sweep::Invalid;
+use iva_sweep::choices::Choices;
 use iva_sweep::columns::columns;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Quantity};
@@ -24,13 +25,17 @@ use crate::worker::{self, Progress};
 type Tables = BTreeMap<&'static str, ArrowTable>;
 type Units = BTreeMap<String, String>;
 
-/// The fields of a part: (name, allowed values in words, help) in the order of the table.
+/// The numbers of a part that a kind of absorber has: (name, allowed values in words, help) in the
+/// order of the table.
 #[pyfunction]
-pub fn fields(part: &str) -> PyResult<Vec<(&'static str, &'static str, &'static str)>> {
+pub fn fields(part: &str, kind: &str) -> PyResult<Vec<(&'static str, &'static str, &'static str)>> {
     let part = arguments::part(part)?;
+    let mut choices = Choices::default();
+    choices.choose("kind", kind).map_err(invalid)?;
     Ok(FieldId::all()
         .map(FieldId::info)
         .filter(|field| field.part == part)
+        .filter(|field| field.kind.is_none_or(|only| only == choices.kind))
         .map(|field| (field.name, field.allowed.words(), field.help))
         .collect())
 }
@@ -40,6 +45,14 @@ pub fn fields(part: &str) -> PyResult<Vec<(&'static str, &'static str, &'static 
 #[pyfunction]
 pub fn check(part: &str, values: Vec<(String, f64)>) -> PyResult<()> {
     arguments::check(arguments::part(part)?, &values).map_err(invalid)
+}
+
+/// Checks the words chosen for an absorber, its kind first; raises ValueError for the first that
+/// cannot be used.
+#[pyfunction]
+pub fn check_choices(words: Vec<(String, String)>) -> PyResult<()> {
+    let mut choices = Choices::default();
+    words.iter().try_for_each(|(name, word)| choices.choose(name, word)).map_err(invalid)
 }
 
 /// The sentence of the units that the fields of a primary system set.

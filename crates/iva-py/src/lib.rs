@@ -21,7 +21,8 @@ mod _iva {
     use super::arrow_table::ArrowTable;
     #[pymodule_export]
     use super::calls::{
-        check, column_units, fields, main, primary_units, simulate, states, sweep, trajectory,
+        check, check_choices, column_units, fields, main, primary_units, simulate, states, sweep,
+        trajectory,
     };
     #[pymodule_export]
     use super::errors::IvaError;

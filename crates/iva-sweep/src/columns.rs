@@ -82,7 +82,22 @@ pub static SUMMARY: &[Column] = &[
         "energy lost in the damper, integrated along the flights",
     ),
     column("energy_final", Quantity::Energy, "total energy at the end"),
-    column("energy_residual", Quantity::Energy, "initial + work − impacts − viscous − final"),
+    column(
+        "energy_residual",
+        Quantity::Energy,
+        "initial + work − impacts − viscous − pivot − final",
+    ),
+    column(
+        "energy_pivot",
+        Quantity::Energy,
+        "energy lost in the pivot of a pendulum, integrated along the flights; 0 for a free mass",
+    ),
+    column("stop_reachable", Quantity::Flag, "the absorber can reach its stops at all"),
+    column(
+        "gravity",
+        Quantity::Acceleration,
+        "acceleration of gravity on a pendulum, given or following from frequency and length",
+    ),
 ];
 
 /// Columns of `impacts` after `point`.
@@ -102,6 +117,9 @@ pub static IMPACTS: &[Column] = &[
     column("approach_velocity", Quantity::Velocity, "signed gap velocity just before"),
     column("energy_loss", Quantity::Energy, "energy lost in the impact"),
     column("effective", Quantity::Flag, "the two masses moved towards each other"),
+    column("angle", Quantity::Angle, "angle of a pendulum"),
+    column("angular_velocity_before", Quantity::AngularVelocity, "of a pendulum, just before"),
+    column("angular_velocity_after", Quantity::AngularVelocity, "of a pendulum, just after"),
 ];
 
 /// Columns of `episodes` after `point`.
@@ -140,6 +158,8 @@ pub static TRAJECTORY: &[Column] = &[
     column("gap_displacement", Quantity::Length, "absorber minus primary displacement"),
     column("gap_velocity", Quantity::Velocity, "absorber minus primary velocity"),
     column("wall", Quantity::Side, "0 in flight, +1 or -1 while stuck"),
+    column("angle", Quantity::Angle, "angle of a pendulum"),
+    column("angular_velocity", Quantity::AngularVelocity, "angular velocity of a pendulum"),
 ];
 
 /// The columns of a table after `point` (and, in the summary, the swept parameters).
@@ -155,7 +175,7 @@ pub fn columns(table: Table) -> &'static [Column] {
 
 /// The set of summary columns to compute; the others are null. `outcome` is always there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Selection(u32);
+pub struct Selection(u64);
 
 impl Selection {
     /// Every summary column.

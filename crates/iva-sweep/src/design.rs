@@ -6,32 +6,36 @@
 use std::f64::consts::TAU;
 
 use iva_core::error::{Invalid, number};
+use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::simulate::Limits;
-use iva_core::siva::{Parameters, Siva, check_start};
-use iva_core::system::Start;
+use iva_core::siva::Siva;
+use iva_core::system::{Start, System};
 
+use crate::choices::{Choices, Kind, only};
 use crate::fields::{FIELD_COUNT, FieldId};
+use crate::pendulum::{self, Common};
 use crate::units::{Scale, UnitSystem};
+
+pub use crate::pendulum::STANDARD_GRAVITY;
 
 /// The fields of one run as given; everything else is default or derived.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spec {
+    choices: Choices,
     values: [Option<f64>; FIELD_COUNT],
 }
 
 impl Default for Spec {
     fn default() -> Self {
-        Self { values: [None; FIELD_COUNT] }
+        Self::new(Choices::default())
     }
 }
 
 /// A design point ready to run, in natural units, with the way back to the user's.
 #[derive(Debug, Clone, Copy)]
 pub struct Design {
-    /// The absorber on its primary system.
-    pub parameters: Parameters,
-    /// State at time zero.
-    pub start: Start,
+    /// The absorber on its primary system, and its start.
+    pub scene: Scene,
     /// Duration, limits and chatter floor.
     pub limits: Limits,
     /// From natural units to the user's.
@@ -40,19 +44,127 @@ pub struct Design {
     pub units: UnitSystem,
 }
 
-impl Design {
-    /// The system to run.
-    pub fn system(&self) -> Siva {
-        Siva::from(self.parameters)
+/// What the core runs. It lives on the stack, once a run.
+#[allow(clippy::large_enum_variant)]
+#[derive(Debug, Clone, Copy)]
+pub enum Scene {
+    /// A free mass.
+    Siva {
+        /// The absorber.
+        system: Siva,
+        /// State at time zero.
+        start: Start,
+    },
+    /// A pendulum.
+    Piva {
+        /// The absorber.
+        system: Piva,
+        /// State at time zero.
+        start: PivaStart,
+        /// False where angles count as small and no length was given: then nothing depends on it,
+        /// and there is no angle to report.
+        length_known: bool,
+    },
+}
+
+impl Scene {
+    /// μ = m/M.
+    pub fn mass_ratio(&self) -> f64 {
+        match self {
+            Scene::Siva { system, .. } => system.mass_ratio(),
+            Scene::Piva { system, .. } => system.parameters().mass_ratio,
+        }
+    }
+
+    /// Newton's coefficient e on the gap velocity.
+    pub fn restitution(&self) -> f64 {
+        match self {
+            Scene::Siva { system, .. } => system.restitution(),
+            Scene::Piva { system, .. } => system.parameters().restitution,
+        }
+    }
+
+    /// One-sided clearance d.
+    pub fn clearance(&self) -> f64 {
+        match self {
+            Scene::Siva { system, .. } => system.clearance(),
+            Scene::Piva { system, .. } => system.clearance(),
+        }
+    }
+
+    /// ζ of the bare primary.
+    pub fn damping_ratio(&self) -> f64 {
+        match self {
+            Scene::Siva { system, .. } => system.damping_ratio(),
+            Scene::Piva { system, .. } => system.parameters().damping_ratio,
+        }
+    }
+
+    /// What a pendulum is made of.
+    pub fn pendulum(&self) -> Option<&piva::Parameters> {
+        match self {
+            Scene::Siva { .. } => None,
+            Scene::Piva { system, .. } => Some(system.parameters()),
+        }
+    }
+
+    /// Displacement of the primary at time zero.
+    pub fn displacement(&self) -> f64 {
+        match self {
+            Scene::Siva { start, .. } => start.displacement,
+            Scene::Piva { start, .. } => start.displacement,
+        }
+    }
+
+    /// True if the start holds no energy: nothing will ever move.
+    pub fn at_rest(&self) -> bool {
+        match self {
+            Scene::Siva { system, start } => system.energy(&system.begin(start).0) == 0.0,
+            Scene::Piva { system, start, .. } => system.energy(&system.begin(start).0) == 0.0,
+        }
+    }
+
+    /// True if the absorber can reach its walls at all.
+    pub fn stop_reachable(&self) -> bool {
+        match self {
+            Scene::Siva { .. } => true,
+            Scene::Piva { system, .. } => system.stop_reachable(),
+        }
+    }
+
+    /// Acceleration of gravity on a pendulum, in natural units.
+    pub fn gravity(&self) -> Option<f64> {
+        match self {
+            Scene::Piva { system, length_known: true, .. } => Some(system.gravity()),
+            _ => None,
+        }
+    }
+
+    /// True if the absorber has an angle to report.
+    pub fn has_angle(&self) -> bool {
+        matches!(self, Scene::Piva { length_known: true, .. })
     }
 }
 
 impl Spec {
+    /// No fields yet.
+    pub fn new(choices: Choices) -> Self {
+        Self { choices, values: [None; FIELD_COUNT] }
+    }
+
+    /// Kind of absorber, and how it is modelled.
+    pub fn choices(&self) -> &Choices {
+        &self.choices
+    }
+
     /// Sets a field after checking its range.
     ///
     /// # Errors
-    /// [`Invalid`] with field, value and range.
+    /// [`Invalid`] with field, value and range, or for a field of another kind of absorber.
     pub fn set(&mut self, field: FieldId, value: f64) -> Result<(), Invalid> {
+        if let Some(kind) = field.info().kind.filter(|kind| *kind != self.choices.kind) {
+            return Err(Invalid::new(field.path(), number(value), only(kind)));
+        }
         self.values[field as usize] = Some(field.check(value)?);
         Ok(())
     }
@@ -121,8 +233,8 @@ impl Spec {
             .get(FieldId::Restitution)
             .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
         let mass_ratio = self.mass_ratio(&scale, units)?;
-        let parameters = Parameters::new(mass_ratio, restitution, clearance, damping_ratio)?;
-        check_start(clearance, &start)?;
+        let common = Common { mass_ratio, restitution, clearance, damping_ratio };
+        let scene = self.scene(common, start, &scale, units)?;
         let limits = Limits {
             duration: self.duration(omega)?,
             max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
@@ -132,7 +244,33 @@ impl Spec {
                 .map_or(Limits::CHATTER_FLOOR * clearance, |floor| floor / omega),
         };
         limits.check()?;
-        Ok(Design { parameters, start, limits, scale, units })
+        Ok(Design { scene, limits, scale, units })
+    }
+
+    fn scene(
+        &self,
+        common: Common,
+        start: Start,
+        scale: &Scale,
+        units: UnitSystem,
+    ) -> Result<Scene, Invalid> {
+        match self.choices.kind {
+            Kind::Siva => {
+                let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
+                let system = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
+                system.check_start(&start)?;
+                Ok(Scene::Siva { system, start })
+            }
+            Kind::Piva => {
+                self.at_most_one(&[FieldId::GapDisplacement, FieldId::Angle])?;
+                self.at_most_one(&[FieldId::GapVelocity, FieldId::AngularVelocity])?;
+                let (parameters, length_known) = pendulum::parameters(self, common, scale, units)?;
+                let system = Piva::new(parameters)?;
+                let start = pendulum::start(self, start, scale);
+                system.check_start(&start)?;
+                Ok(Scene::Piva { system, start, length_known })
+            }
+        }
     }
 
     fn scale(&self) -> Result<(Scale, UnitSystem), Invalid> {

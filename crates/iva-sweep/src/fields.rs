@@ -3,8 +3,12 @@
 //! The study file, the Python classes and the sweep axes all read this table, so that a name, a
 //! range or a unit is written once.
 
+use std::f64::consts::PI;
+
 use iva_core::error::{Invalid, number};
-use iva_core::range::LARGEST_RATIO;
+use iva_core::range::{LARGEST_RATIO, LARGEST_TOLERANCE};
+
+use crate::choices::Kind;
 
 /// The section of a study (and the Python class) that a field belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -67,6 +71,12 @@ pub enum Quantity {
     Damping,
     /// Energy.
     Energy,
+    /// Angle.
+    Angle,
+    /// Rate of an angle.
+    AngularVelocity,
+    /// Acceleration, that of gravity.
+    Acceleration,
 }
 
 /// Smallest size of a number with a unit, other than 0.
@@ -92,6 +102,12 @@ pub enum Allowed {
     UnitInterval,
     /// A whole number, at least one and at most 2⁵³.
     PositiveInteger,
+    /// κ of a pendulum, at least 1.
+    InertiaRatio,
+    /// An angle in rad, from −π to π.
+    Angle,
+    /// A tolerance, 0 for full accuracy.
+    Tolerance,
 }
 
 impl Allowed {
@@ -108,6 +124,9 @@ impl Allowed {
             Allowed::PositiveInteger => {
                 (1.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0
             }
+            Allowed::InertiaRatio => (1.0..=LARGEST_RATIO).contains(&value),
+            Allowed::Angle => value.abs() <= PI,
+            Allowed::Tolerance => (0.0..=LARGEST_TOLERANCE).contains(&value),
         }
     }
 
@@ -121,6 +140,9 @@ impl Allowed {
             Allowed::DampingRatio => "a number from 0 to 1e9",
             Allowed::UnitInterval => "a number from 0 to 1",
             Allowed::PositiveInteger => "a whole number from 1 to 2^53",
+            Allowed::InertiaRatio => "a number from 1 (point bob) to 1e9",
+            Allowed::Angle => "an angle in rad, from -π to π",
+            Allowed::Tolerance => "0 (full accuracy) or a number up to 1e-3",
         }
     }
 }
@@ -138,12 +160,22 @@ pub struct Field {
     pub allowed: Allowed,
     /// Fields of one part with the same group are alternatives: an axis over one replaces the others.
     pub group: &'static str,
+    /// The only kind of absorber that has it.
+    pub kind: Option<Kind>,
     /// One line of help.
     pub help: &'static str,
 }
 
+/// The kind a row of the table ends with, if any.
+const fn sole(kinds: &[Kind]) -> Option<Kind> {
+    match kinds {
+        [kind] => Some(*kind),
+        _ => None,
+    }
+}
+
 macro_rules! fields {
-    ($($id:ident: $part:ident $name:literal $quantity:ident $allowed:ident $group:literal $help:literal;)*) => {
+    ($($id:ident: $part:ident $name:literal $quantity:ident $allowed:ident $group:literal $help:literal $($kind:ident)?;)*) => {
         /// Index of a field in [`FIELDS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         #[allow(missing_docs)] // each is described by its `help`
@@ -156,6 +188,7 @@ macro_rules! fields {
             quantity: Quantity::$quantity,
             allowed: Allowed::$allowed,
             group: $group,
+            kind: sole(&[$(Kind::$kind)?]),
             help: $help,
         }),*];
 
@@ -181,15 +214,24 @@ fields! {
     ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm";
     Gap: Absorber "gap" Length Positive "clearance" "total play, twice the clearance";
     GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm";
+    FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
+    Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
+    Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity; follows from frequency_ratio and length, else 9.80665 in SI units" Piva;
+    InertiaRatio: Absorber "inertia_ratio" Ratio InertiaRatio "inertia" "moment of inertia about the pivot over m L²" Piva;
+    ContactDistance: Absorber "contact_distance" Length Positive "contact" "from the pivot to the point that meets the stops (default: the length)" Piva;
+    PivotDampingRatio: Absorber "pivot_damping_ratio" Ratio DampingRatio "pivot" "damping ratio of the hanging pendulum" Piva;
     Displacement: Start "displacement" Length Size "displacement" "displacement of the primary system";
     DisplacementMm: Start "displacement_mm" Millimetre Size "displacement" "displacement of the primary system in mm";
     Velocity: Start "velocity" Velocity Size "velocity" "velocity of the primary system";
     GapDisplacement: Start "gap_displacement" Length Size "gap_displacement" "absorber displacement minus primary displacement";
     GapVelocity: Start "gap_velocity" Velocity Size "gap_velocity" "absorber velocity minus primary velocity";
+    Angle: Start "angle" Angle Angle "gap_displacement" "angle of the pendulum from hanging, in rad" Piva;
+    AngularVelocity: Start "angular_velocity" AngularVelocity Size "gap_velocity" "angular velocity of the pendulum" Piva;
     Periods: Run "periods" Ratio Positive "duration" "length of the run in periods 2π/ωn of the bare primary system";
     Duration: Run "duration" Time Positive "duration" "length of the run as a time";
     MaxImpacts: Run "max_impacts" Count PositiveInteger "max_impacts" "stop after so many impacts (default 10 million)";
     MaxWork: Run "max_work" Count PositiveInteger "max_work" "stop after so many flight segments (default 100 million)";
+    Tolerance: Run "tolerance" Ratio Tolerance "tolerance" "what a step of a pendulum's flight may leave out, relative (default 0: full accuracy)" Piva;
     ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)";
 }
 

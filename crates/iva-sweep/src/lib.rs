@@ -5,10 +5,12 @@
 //! natural units) → [`study`] (grid and outputs) → [`sweep`] (rayon over the points) → [`tables`]
 //! (Arrow). No files, no Python.
 
+pub mod choices;
 pub mod columns;
 pub mod design;
 pub mod fields;
 pub mod motion;
+mod pendulum;
 mod rows;
 pub mod study;
 pub mod sweep;

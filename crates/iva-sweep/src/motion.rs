@@ -9,13 +9,13 @@ use iva_core::error::{Invalid, number};
 use iva_core::sample::{Sampler, State};
 use iva_core::simulate::simulate;
 
-use crate::design::{Design, Spec};
+use crate::design::{Design, Scene, Spec};
 use crate::rows;
 use crate::study::{Study, Table};
 use crate::sweep::SweepError;
 use crate::tables::{TableBuilder, schema_in};
 
-/// More samples than this are refused: 56 bytes each.
+/// More samples than this are refused: 72 bytes each.
 pub const MAX_SAMPLES: f64 = 1e8;
 
 /// Whole sampling steps in a run of this duration (in 1/ωn).
@@ -57,7 +57,7 @@ pub fn trajectory(
         times.push(duration);
     }
     let mut sampler = Sampler::with_events(times);
-    simulate(&design.system(), &design.start, &design.limits, Some(cancel), &mut sampler)?;
+    watch(&design, cancel, &mut sampler)?;
     let mut states = sampler.states;
     // The listed rebounds of a summed tail lie within the ride that follows it.
     states.sort_by(|a, b| a.time.total_cmp(&b.time));
@@ -89,12 +89,25 @@ pub fn states(spec: &Spec, times: &[f64], cancel: &AtomicBool) -> Result<RecordB
         instants.push(tau.min(duration));
     }
     let mut sampler = Sampler::at(instants);
-    simulate(&design.system(), &design.start, &design.limits, Some(cancel), &mut sampler)?;
+    watch(&design, cancel, &mut sampler)?;
     let mut found: Vec<Option<&State>> = vec![None; times.len()];
     for (&index, state) in order.iter().zip(&sampler.states) {
         found[index] = Some(state);
     }
     table(spec, &design, times.iter().copied().zip(found))
+}
+
+fn watch(design: &Design, cancel: &AtomicBool, sampler: &mut Sampler) -> Result<(), Invalid> {
+    let (limits, cancel) = (&design.limits, Some(cancel));
+    match &design.scene {
+        Scene::Siva { system, start } => {
+            simulate(system, start, limits, cancel, sampler)?;
+        }
+        Scene::Piva { system, start, .. } => {
+            simulate(system, start, limits, cancel, sampler)?;
+        }
+    }
+    Ok(())
 }
 
 fn table<'a>(
@@ -105,7 +118,7 @@ fn table<'a>(
     let schema = schema_in(&Study::single(*spec), Table::Trajectory, design.units);
     let mut builder = TableBuilder::new(schema);
     for (time, state) in states {
-        builder.row(rows::state(time, state, &design.scale));
+        builder.row(rows::state(time, state, design));
     }
     Ok(builder.finish()?)
 }

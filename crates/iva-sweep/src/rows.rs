@@ -6,8 +6,10 @@ use iva_core::observe::Episode;
 use iva_core::peaks::Peak;
 use iva_core::sample::State;
 use iva_core::simulate::Tally;
+use iva_core::system::Angle;
 
 use crate::columns::{SUMMARY, Selection};
+use crate::design::Design;
 use crate::tables::Cell;
 use crate::units::Scale;
 
@@ -16,8 +18,9 @@ pub(crate) fn summary<S>(
     tally: &Tally<S>,
     values: &MeasureValues,
     measures: Selection,
-    scale: &Scale,
+    design: &Design,
 ) -> impl Iterator<Item = Cell> {
+    let (scale, scene) = (&design.scale, &design.scene);
     let time = |tau: Option<f64>| Cell::from(tau.map(|tau| scale.time(tau)));
     let energy = |energy: f64| Cell::Number(scale.energy(energy));
     let cells = [
@@ -41,6 +44,9 @@ pub(crate) fn summary<S>(
         energy(values.energy_viscous),
         energy(values.energy_final),
         energy(values.energy_residual),
+        energy(values.energy_pivot),
+        Cell::Flag(scene.stop_reachable()),
+        scene.gravity().map(|g| scale.acceleration(g)).into(),
     ];
     cells
         .into_iter()
@@ -49,8 +55,17 @@ pub(crate) fn summary<S>(
 }
 
 /// A row of `impacts`.
-pub(crate) fn impact(point: u32, index: usize, impact: &Impact, scale: &Scale) -> [Cell; 12] {
+pub(crate) fn impact(
+    point: u32,
+    index: usize,
+    impact: &Impact,
+    angles: Option<[Angle; 2]>,
+    scale: &Scale,
+) -> [Cell; 15] {
     let velocity = |v: f64| Cell::Number(scale.velocity(v));
+    let rate = |side: usize| -> Cell {
+        angles.map(|angles| scale.angular_velocity(angles[side].rate)).into()
+    };
     [
         Cell::Point(point),
         Cell::Count(index as u64),
@@ -64,6 +79,9 @@ pub(crate) fn impact(point: u32, index: usize, impact: &Impact, scale: &Scale) -
         velocity(impact.gap_velocity_before),
         Cell::Number(scale.energy(impact.energy_loss)),
         Cell::Flag(impact.effective()),
+        angles.map(|[before, _]| before.value).into(),
+        rate(0),
+        rate(1),
     ]
 }
 
@@ -99,7 +117,9 @@ pub(crate) fn peak(point: u32, index: usize, peaks: &[Peak], scale: &Scale) -> [
 }
 
 /// A row of the trajectory; `time` is the instant in user units.
-pub(crate) fn state(time: f64, state: Option<&State>, scale: &Scale) -> [Cell; 7] {
+pub(crate) fn state(time: f64, state: Option<&State>, design: &Design) -> [Cell; 9] {
+    let scale = &design.scale;
+    let angle = state.and_then(|state| state.angle).filter(|_| design.scene.has_angle());
     let number = |read: fn(&State) -> f64| Cell::from(state.map(read));
     let velocity =
         |read: fn(&State) -> f64| Cell::from(state.map(|state| scale.velocity(read(state))));
@@ -111,5 +131,7 @@ pub(crate) fn state(time: f64, state: Option<&State>, scale: &Scale) -> [Cell; 7
         number(|state| state.gap_displacement),
         velocity(|state| state.gap_velocity),
         state.map_or(Cell::Null, |state| Cell::Side(state.wall)),
+        angle.map(|angle| angle.value).into(),
+        angle.map(|angle| scale.angular_velocity(angle.rate)).into(),
     ]
 }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use iva_core::error::Invalid;
 
+use crate::choices::{Kind, only};
 use crate::columns::Selection;
 use crate::design::{Design, Spec};
 use crate::fields::FieldId;
@@ -129,6 +130,20 @@ pub fn distinct(axes: &[Axis]) -> Result<(), Invalid> {
                 format!("{} values", axis.values.len()),
                 format!("sweep.{} sets the same quantity; give one of them", earlier.key),
             ));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the kind of absorber has what is swept.
+///
+/// # Errors
+/// [`Invalid`] naming the axis.
+pub fn fitting(kind: Kind, axes: &[Axis]) -> Result<(), Invalid> {
+    for axis in axes {
+        if let Some(other) = axis.field.info().kind.filter(|other| *other != kind) {
+            let values = format!("{} values", axis.values.len());
+            return Err(Invalid::new(format!("sweep.{}", axis.key), values, only(other)));
         }
     }
     Ok(())

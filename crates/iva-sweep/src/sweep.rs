@@ -15,11 +15,12 @@ use iva_core::measures::{Measures, Wanted};
 use iva_core::observe::Events;
 use iva_core::peaks::Envelope;
 use iva_core::simulate::simulate;
-use iva_core::siva::Siva;
+use iva_core::system::System;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use crate::design::{Design, Scene};
 use crate::rows;
-use crate::study::{Study, Table, distinct};
+use crate::study::{Study, Table, distinct, fitting};
 use crate::tables::{Cell, TableBuilder, schema_in};
 use crate::units::UnitSystem;
 
@@ -93,6 +94,7 @@ pub fn validate(
 ) -> Result<(), Invalid> {
     study.spec.distinct()?;
     distinct(&study.axes)?;
+    fitting(study.spec.choices().kind, &study.axes)?;
     let points = study.points()?;
     // A cancelled check must find something, or the search would visit every point left.
     let first_fault = |chunk: u64| {
@@ -178,7 +180,7 @@ impl Request {
                 ]),
                 settling: any(&["settling_time_10", "settling_time_5", "settling_time_2"]),
                 residual: any(&["residual_amplitude"]),
-                ledger: any(&["energy_viscous", "energy_residual"]),
+                ledger: any(&["energy_viscous", "energy_pivot", "energy_residual"]),
             },
         }
     }
@@ -215,50 +217,78 @@ fn run_point(
     builders: &mut BTreeMap<Table, TableBuilder>,
 ) -> Result<(), SweepError> {
     let design = study.design(point)?;
-    let mut observers = (
-        (request.impacts || request.episodes).then(Events::default),
-        (
-            request.envelope.then(Envelope::default),
-            request.summary.then(|| Measures::<Siva>::new(request.wanted)),
-        ),
-    );
-    let tally =
-        simulate(&design.system(), &design.start, &design.limits, Some(cancel), &mut observers)?;
-    let (events, (envelope, measures)) = observers;
-    let scale = &design.scale;
-    // Points are counted below 2^32 by `Study::points`.
-    let number = point as u32;
-    for (table, builder) in builders {
-        match table {
-            Table::Summary => {
-                if let Some(measures) = &measures {
-                    let swept = study.swept(point).map(Cell::Number);
-                    let row = rows::summary(&tally, measures.values(), study.measures, scale);
-                    builder.row(std::iter::once(Cell::Point(number)).chain(swept).chain(row));
-                }
-            }
-            Table::Impacts => {
-                for (index, impact) in events.iter().flat_map(|events| &events.impacts).enumerate()
-                {
-                    builder.row(rows::impact(number, index, impact, scale));
-                }
-            }
-            Table::Episodes => {
-                for (index, episode) in
-                    events.iter().flat_map(|events| &events.episodes).enumerate()
-                {
-                    builder.row(rows::episode(number, index, episode, scale));
-                }
-            }
-            Table::Envelope => {
-                if let Some(envelope) = &envelope {
-                    for index in 0..envelope.peaks.len() {
-                        builder.row(rows::peak(number, index, &envelope.peaks, scale));
-                    }
-                }
-            }
-            Table::Trajectory => {}
+    match &design.scene {
+        Scene::Siva { system, start } => {
+            let run = Point { study, point, design: &design, system, request, builders };
+            run.go(start, cancel)
+        }
+        Scene::Piva { system, start, .. } => {
+            let run = Point { study, point, design: &design, system, request, builders };
+            run.go(start, cancel)
         }
     }
-    Ok(())
+}
+
+/// One point of a study and where its rows go.
+struct Point<'a, S> {
+    study: &'a Study,
+    point: u64,
+    design: &'a Design,
+    system: &'a S,
+    request: &'a Request,
+    builders: &'a mut BTreeMap<Table, TableBuilder>,
+}
+
+impl<S: System> Point<'_, S> {
+    fn go(self, start: &S::Start, cancel: &AtomicBool) -> Result<(), SweepError> {
+        let Self { study, point, design, system, request, builders } = self;
+        let mut observers = (
+            (request.impacts || request.episodes).then(Events::default),
+            (
+                request.envelope.then(Envelope::default),
+                request.summary.then(|| Measures::<S>::new(request.wanted)),
+            ),
+        );
+        let tally = simulate(system, start, &design.limits, Some(cancel), &mut observers)?;
+        let (events, (envelope, measures)) = observers;
+        let scale = &design.scale;
+        // Points are counted below 2^32 by `Study::points`.
+        let number = point as u32;
+        for (table, builder) in builders {
+            match table {
+                Table::Summary => {
+                    if let Some(measures) = &measures {
+                        let swept = study.swept(point).map(Cell::Number);
+                        let row = rows::summary(&tally, measures.values(), study.measures, design);
+                        builder.row(std::iter::once(Cell::Point(number)).chain(swept).chain(row));
+                    }
+                }
+                Table::Impacts => {
+                    for (index, impact) in
+                        events.iter().flat_map(|events| &events.impacts).enumerate()
+                    {
+                        let angles =
+                            system.impact_angles(impact).filter(|_| design.scene.has_angle());
+                        builder.row(rows::impact(number, index, impact, angles, scale));
+                    }
+                }
+                Table::Episodes => {
+                    for (index, episode) in
+                        events.iter().flat_map(|events| &events.episodes).enumerate()
+                    {
+                        builder.row(rows::episode(number, index, episode, scale));
+                    }
+                }
+                Table::Envelope => {
+                    if let Some(envelope) = &envelope {
+                        for index in 0..envelope.peaks.len() {
+                            builder.row(rows::peak(number, index, &envelope.peaks, scale));
+                        }
+                    }
+                }
+                Table::Trajectory => {}
+            }
+        }
+        Ok(())
+    }
 }

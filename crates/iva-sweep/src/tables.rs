@@ -12,6 +12,7 @@ use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use iva_core::error::Invalid;
 use iva_core::simulate::Limits;
 
+use crate::choices::CHOICES;
 use crate::columns::{SCHEMA_VERSION, columns};
 use crate::fields::{FieldId, Quantity};
 use crate::study::{Study, Table};
@@ -21,7 +22,8 @@ use crate::units::UnitSystem;
 pub const SIGN_CONVENTIONS: &str = "displacement: primary system, positive in the direction of \
      the + wall; gap displacement y = absorber - primary, walls at y = +d and y = -d with d the \
      one-sided clearance; gap velocity w = dy/dt; approach velocity: w just before an impact; \
-     absorber velocities: absolute, primary velocity + w";
+     absorber velocities: absolute, primary velocity + w; pendulum: y = b sin(angle) with b from pivot to contact, angle from the \
+     hanging position, in (-π, π]";
 
 /// The Arrow schema of a table of a study, as its files carry it.
 ///
@@ -55,6 +57,11 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
             hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         }
     };
+    for (name, word) in study.spec.choices().words() {
+        if CHOICES.iter().all(|choice| (choice.name, choice.words[0]) != (name, word)) {
+            add(word.as_bytes());
+        }
+    }
     for (field, value) in study.spec(0)?.given() {
         let swept = study.axes.iter().any(|axis| axis.field == field);
         // Whatever may be left out is 0 then, or a limit.

@@ -25,6 +25,12 @@ impl UnitSystem {
         match (quantity, self) {
             (Q::Ratio | Q::Count | Q::Side, _) => "1",
             (Q::Text | Q::Flag, _) => "",
+            (Q::Angle, _) => "rad",
+            (Q::AngularVelocity, Self::Natural) => "rad · ωn",
+            (Q::AngularVelocity, _) => "rad/s",
+            (Q::Acceleration, Self::Si) => "m/s²",
+            (Q::Acceleration, Self::Seconds) => "length of displacement / s²",
+            (Q::Acceleration, Self::Natural) => "length of displacement · ωn²",
             (Q::Hertz, _) => "Hz",
             (Q::Millimetre, _) => "mm",
             (Q::Mass, _) => "kg",
@@ -86,6 +92,16 @@ impl Scale {
     /// Natural velocity → user velocity.
     pub fn velocity(&self, velocity: f64) -> f64 {
         velocity * self.natural_frequency
+    }
+
+    /// Natural acceleration → user acceleration.
+    pub fn acceleration(&self, acceleration: f64) -> f64 {
+        acceleration * (self.natural_frequency * self.natural_frequency)
+    }
+
+    /// Natural angular velocity → user angular velocity.
+    pub fn angular_velocity(&self, rate: f64) -> f64 {
+        rate * self.natural_frequency
     }
 
     /// Natural energy → user energy.

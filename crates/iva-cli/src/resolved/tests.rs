@@ -1,5 +1,6 @@
 use std::path::Path;
 
+use iva_sweep::choices::{CHOICES, Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::design::Spec;
 use iva_sweep::study::Study;
@@ -22,6 +23,9 @@ fn accepted(field: FieldId) -> BoxedStrategy<f64> {
             prop_oneof![1e-9..1e3, Just(5e-324), Just(1e9)].boxed()
         }
         Allowed::UnitInterval => (0.0..=1.0).boxed(),
+        Allowed::InertiaRatio => prop_oneof![1.0..2.0, Just(1.0), Just(1e9)].boxed(),
+        Allowed::Angle => (-3.1..3.1).boxed(),
+        Allowed::Tolerance => prop_oneof![0.0..1e-3, Just(0.0), Just(1e-3)].boxed(),
         Allowed::PositiveInteger => (1..=9_007_199_254_740_992_u64).prop_map(|n| n as f64).boxed(),
     }
 }
@@ -40,8 +44,27 @@ fn axis(field: FieldId) -> BoxedStrategy<Axis> {
     prop_oneof![list, range].boxed()
 }
 
-fn axes() -> impl Strategy<Value = Vec<Axis>> {
-    let fields: Vec<FieldId> = FieldId::all().collect();
+/// Kind of absorber and all that goes with it.
+fn choices() -> impl Strategy<Value = Choices> {
+    let word = |index: usize| prop::sample::select(CHOICES[index].words);
+    (word(0), word(1), word(2)).prop_map(|(kind, angles, law)| {
+        let mut choices = Choices::default();
+        choices.choose("kind", kind).unwrap();
+        if choices.kind == Kind::Piva {
+            choices.choose("angles", angles).unwrap();
+            choices.choose("impact_law", law).unwrap();
+        }
+        choices
+    })
+}
+
+/// The fields that a kind of absorber has.
+fn fields(kind: Kind) -> Vec<FieldId> {
+    FieldId::all().filter(|field| field.info().kind.is_none_or(|only| only == kind)).collect()
+}
+
+fn axes(kind: Kind) -> impl Strategy<Value = Vec<Axis>> {
+    let fields = fields(kind);
     prop::sample::subsequence(fields, 0..4).prop_shuffle().prop_flat_map(|fields| {
         let mut kept: Vec<FieldId> = Vec::new();
         for field in fields {
@@ -53,8 +76,8 @@ fn axes() -> impl Strategy<Value = Vec<Axis>> {
     })
 }
 
-fn spec() -> impl Strategy<Value = Spec> {
-    let fields: Vec<FieldId> = FieldId::all().collect();
+fn spec(choices: Choices) -> impl Strategy<Value = Spec> {
+    let fields = fields(choices.kind);
     prop::sample::subsequence(fields, 0..12)
         .prop_flat_map(|fields| {
             fields
@@ -62,8 +85,8 @@ fn spec() -> impl Strategy<Value = Spec> {
                 .map(|field| accepted(field).prop_map(move |value| (field, value)))
                 .collect::<Vec<_>>()
         })
-        .prop_map(|fields| {
-            let mut spec = Spec::default();
+        .prop_map(move |fields| {
+            let mut spec = Spec::new(choices);
             for (field, value) in fields {
                 spec.set(field, value).unwrap();
             }
@@ -77,8 +100,9 @@ fn study_file() -> impl Strategy<Value = StudyFile> {
     let measures = prop::sample::subsequence(names, 0..=SUMMARY.len())
         .prop_map(|names| Selection::from_names(names).unwrap());
     let report = (prop::sample::select(RANKED.to_vec()), 1..1000_usize);
-    (spec(), axes(), tables, measures, report, 1..=1_000_000_u32).prop_map(
-        |(spec, axes, tables, measures, ((best_by, _), count), samples_per_period)| StudyFile {
+    let model = choices().prop_flat_map(|choices| (spec(choices), axes(choices.kind)));
+    (model, tables, measures, report, 1..=1_000_000_u32).prop_map(
+        |((spec, axes), tables, measures, ((best_by, _), count), samples_per_period)| StudyFile {
             report: Report {
                 best_by: Some(best_by)
                     .filter(|name| measures.contains(name))
@@ -102,13 +126,13 @@ proptest! {
     #[test]
     fn what_is_written_reads_back_the_same(file in study_file()) {
         let limits = [(FieldId::MaxImpacts, 7.0), (FieldId::MaxWork, 9.0)];
-        let resolved = fill_in(&file, limits).unwrap();
+        let resolved = fill_in(&file, limits.into_iter()).unwrap();
         let text = text_of(&resolved, "any units");
         let read = parse_study(Path::new("study.toml"), &text)
             .unwrap_or_else(|error| panic!("{error}\n{text}"));
         assert_same(&read, &resolved, &text);
         // Nothing is left to resolve, and the bytes are the same again.
-        let again = fill_in(&read, limits).unwrap();
+        let again = fill_in(&read, limits.into_iter()).unwrap();
         assert_same(&again, &resolved, &text);
         prop_assert_eq!(text_of(&again, "any units"), text);
     }

@@ -1,0 +1,140 @@
+//! What a user chooses by a word: the kind of absorber, and how a pendulum is modelled.
+
+use iva_core::error::Invalid;
+use iva_core::piva::{Angles, ImpactLaw};
+
+use crate::fields::Part;
+
+/// The kinds of absorber.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kind {
+    /// A free mass in a gap.
+    #[default]
+    Siva,
+    /// A pendulum between two stops.
+    Piva,
+}
+
+impl Kind {
+    /// Every kind.
+    pub const ALL: [Kind; 2] = [Kind::Siva, Kind::Piva];
+
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Siva => "siva",
+            Kind::Piva => "piva",
+        }
+    }
+
+    /// What it is, for a message.
+    pub fn what(self) -> &'static str {
+        match self {
+            Kind::Siva => "a free mass (kind \"siva\")",
+            Kind::Piva => "a pendulum (kind \"piva\")",
+        }
+    }
+
+    /// The kind of that name.
+    pub fn from_name(name: &str) -> Option<Kind> {
+        Kind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+/// One thing to choose.
+#[derive(Debug)]
+pub struct Choice {
+    /// Its name in the part [`Part::Absorber`], where all choices stand.
+    pub name: &'static str,
+    /// The words to choose from, the default first.
+    pub words: &'static [&'static str],
+    /// The only kind that has it.
+    pub kind: Option<Kind>,
+    /// One line of help.
+    pub help: &'static str,
+}
+
+/// The table of choices.
+pub static CHOICES: [Choice; 3] = [
+    Choice {
+        name: "kind",
+        words: &["siva", "piva"],
+        kind: None,
+        help: "a free mass in a gap, or a pendulum between two stops",
+    },
+    Choice {
+        name: "angles",
+        words: &["large", "small"],
+        kind: Some(Kind::Piva),
+        help: "exact, or linearised: sin θ = θ, cos θ = 1",
+    },
+    Choice {
+        name: "impact_law",
+        words: &["consistent", "printed"],
+        kind: Some(Kind::Piva),
+        help: "momentum and restitution, or the paper's Eqs. 16 and 17 as printed, for comparison",
+    },
+];
+
+/// What was chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Choices {
+    /// The kind of absorber.
+    pub kind: Kind,
+    /// How the swing of a pendulum enters its equations.
+    pub angles: Angles,
+    /// The impact law of a pendulum.
+    pub impact_law: ImpactLaw,
+}
+
+impl Choices {
+    /// Chooses by name and word. A kind comes first: the others may not fit it.
+    ///
+    /// # Errors
+    /// [`Invalid`] for an unknown name or word, or a choice that the kind does not have.
+    pub fn choose(&mut self, name: &str, word: &str) -> Result<(), Invalid> {
+        let path = format!("{}.{name}", Part::Absorber.name());
+        let shown = format!("\"{word}\"");
+        let Some(choice) = CHOICES.iter().find(|choice| choice.name == name) else {
+            return Err(Invalid::new(path, shown, "no such field"));
+        };
+        if let Some(kind) = choice.kind.filter(|kind| *kind != self.kind) {
+            return Err(Invalid::new(path, shown, only(kind)));
+        }
+        if !choice.words.contains(&word) {
+            let words: Vec<String> = choice.words.iter().map(|w| format!("\"{w}\"")).collect();
+            return Err(Invalid::new(path, shown, format!("give {}", words.join(" or "))));
+        }
+        let first = word == choice.words[0];
+        match name {
+            "kind" => self.kind = Kind::from_name(word).unwrap_or_default(),
+            "angles" => self.angles = if first { Angles::Large } else { Angles::Small },
+            _ => {
+                self.impact_law = if first { ImpactLaw::Consistent } else { ImpactLaw::Printed };
+            }
+        }
+        Ok(())
+    }
+
+    /// Name and word of every choice that the kind has.
+    pub fn words(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+        let of = |index: usize, first: bool| {
+            let choice = &CHOICES[index];
+            (choice.name, choice.words[usize::from(!first)])
+        };
+        let all = [
+            of(0, self.kind == Kind::Siva),
+            of(1, self.angles == Angles::Large),
+            of(2, self.impact_law == ImpactLaw::Consistent),
+        ];
+        let kind = self.kind;
+        all.into_iter().zip(&CHOICES).filter_map(move |(word, choice)| {
+            choice.kind.is_none_or(|only| only == kind).then_some(word)
+        })
+    }
+}
+
+/// Why a field or choice of another kind is refused.
+pub(crate) fn only(kind: Kind) -> String {
+    format!("only {} has it; leave it out", kind.what())
+}
