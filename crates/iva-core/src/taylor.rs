@@ -176,13 +176,17 @@ impl Pendulum {
         for k in 0..order {
             let next = n((k + 1) as f64);
             let over = step * T::reciprocal(k + 1);
-            // ċ = −y W/b²
-            let yw = convolution(&s.y[..=k], &s.w[..=k]);
-            s.c[k + 1] = if self.small_angles { n(0.0) } else { -(over * yw * over_b2) };
-            let ca = convolution(&s.c[1..=k], &s.a[..k]);
+            let (mut ca, mut next_swept) = (n(0.0), n(0.0));
+            // Small angles: c stays 1, and the recurrences are linear.
+            if !self.small_angles {
+                // ċ = −y W/b²
+                let yw = convolution(&s.y[..=k], &s.w[..=k]);
+                s.c[k + 1] = -(over * yw * over_b2);
+                ca = convolution(&s.c[1..=k], &s.a[..k]);
+                next_swept = convolution(&s.c[1..=k + 1], &s.w[..=k]);
+            }
             let rest = beta * ca + r2 * s.y[k] + nu * s.w[k];
             let force = -(s.x[k] + zeta2 * s.u[k]);
-            let next_swept = convolution(&s.c[1..=k + 1], &s.w[..=k]);
             s.a[k] =
                 (force - pull * (next_swept * next * over_step - start.c * rest)) * over_inertia;
             s.w[k + 1] = -(over * (beta * start.c * s.a[k] + rest));

@@ -1,7 +1,7 @@
-//! Random decays for the property tests.
+//! Random decays and pendulums for the property tests.
 
 use crate::{Run, dd::Dd, oracle::Scene};
-use iva_core::{run::run, simulate::Limits, siva::Siva, system::Start};
+use iva_core::{piva::Parameters, run::run, simulate::Limits, siva::Siva, system::Start};
 use proptest::prelude::*;
 
 /// A random decay, natural units.
@@ -68,5 +68,25 @@ prop_compose! {
             gap_velocity: w,
         };
         Case { mu, e, clearance, zeta, start, duration }
+    }
+}
+
+prop_compose! {
+    /// Pendulums, point bob and compound, with a clearance of 1.
+    pub fn compound()(
+        mu in 0.01..0.4,
+        e in 0.0..0.95,
+        zeta in prop_oneof![Just(0.0), 0.0..0.2],
+        r in 0.1..1.2,
+        length in 1.5..20.0,
+        kappa in prop_oneof![Just(1.0), 1.0..1.5],
+        contact in prop_oneof![Just(1.0), 0.8..1.5],
+    ) -> Parameters {
+        Parameters {
+            frequency_ratio: r,
+            inertia_ratio: kappa,
+            contact_distance: contact * length,
+            ..Parameters::point_bob(mu, e, 1.0, zeta, length)
+        }
     }
 }

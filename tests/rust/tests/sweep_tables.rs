@@ -124,12 +124,10 @@ fn rows_fit_their_columns() {
                 let by_definition = match field.name().as_str() {
                     "log_decrement" => 2,
                     "release_time" => 1,
-                    "gravity" | "angle" | "angular_velocity_before" | "angular_velocity_after" => {
-                        if without_angle {
-                            batch.num_rows()
-                        } else {
-                            0
-                        }
+                    "gravity" | "angle" | "angular_velocity_before" | "angular_velocity_after"
+                        if without_angle =>
+                    {
+                        batch.num_rows()
                     }
                     _ => 0,
                 };
