@@ -21,6 +21,8 @@ SIZE = "0 or a number of size 1e-30 to 1e30"
 POSITIVE = "a number greater than 0, from 1e-30 to 1e30"
 NON_NEGATIVE = "0 or a number from 1e-30 to 1e30"
 MASS_RATIO = "a number greater than 0, at most 1e9"
+TOLERANCE = "0 (full accuracy) or a number up to 1e-3"
+ANGLE = "an angle in rad, from -π to π"
 
 # class, field, value, what is allowed
 FIELDS: list[tuple[Any, str, float, str]] = [
@@ -42,11 +44,25 @@ FIELDS: list[tuple[Any, str, float, str]] = [
     (iva.Siva, "absorber.clearance_mm", NAN, POSITIVE),
     (iva.Siva, "absorber.gap", 0.0, POSITIVE),
     (iva.Siva, "absorber.gap_mm", INF, POSITIVE),
+    (iva.Piva, "absorber.mass_ratio", 0.0, MASS_RATIO),
+    (iva.Piva, "absorber.restitution", 1.5, "a number from 0 to 1"),
+    (iva.Piva, "absorber.frequency_ratio", 0.0, POSITIVE),
+    (iva.Piva, "absorber.frequency_ratio", NAN, POSITIVE),
+    (iva.Piva, "absorber.length", -10.0, POSITIVE),
+    (iva.Piva, "absorber.gravity", 0.0, POSITIVE),
+    (iva.Piva, "absorber.gravity", INF, POSITIVE),
+    (iva.Piva, "absorber.inertia_ratio", 0.999, "a number from 1 (point bob) to 1e9"),
+    (iva.Piva, "absorber.inertia_ratio", NAN, "a number from 1 (point bob) to 1e9"),
+    (iva.Piva, "absorber.contact_distance", 0.0, POSITIVE),
+    (iva.Piva, "absorber.pivot_damping_ratio", -0.1, "a number from 0 to 1e9"),
     (iva.Start, "start.displacement", NAN, SIZE),
     (iva.Start, "start.displacement_mm", INF, SIZE),
     (iva.Start, "start.velocity", -INF, SIZE),
     (iva.Start, "start.gap_displacement", NAN, SIZE),
     (iva.Start, "start.gap_velocity", INF, SIZE),
+    (iva.Start, "start.angle", 3.2, ANGLE),
+    (iva.Start, "start.angle", NAN, ANGLE),
+    (iva.Start, "start.angular_velocity", -INF, SIZE),
 ]
 
 
@@ -83,6 +99,10 @@ ALTERNATIVES: list[tuple[Any, str, str]] = [
     (iva.Siva, "relative_clearance", "gap_mm"),
     (iva.Siva, "clearance", "gap"),
     (iva.Start, "displacement", "displacement_mm"),
+    (iva.Piva, "mass_ratio", "mass"),
+    (iva.Piva, "clearance", "gap"),
+    (iva.Start, "gap_displacement", "angle"),
+    (iva.Start, "gap_velocity", "angular_velocity"),
 ]
 
 
@@ -94,9 +114,10 @@ def test_alternatives_given_twice(part: Any, first: str, second: str) -> None:
     name = part._part
     assert said == f"{name}.{second} = 2: {name}.{first} is given as well; give one of them"
     # A scene that is complete but for that is refused in the same words.
-    scene = {
+    pendulum = {} if part is iva.Siva else {"kind": "piva", "length": 3.0}
+    scene: dict[str, dict[str, Any]] = {
         "primary": {"mass": 1.0, "stiffness": 1.0},
-        "absorber": {"restitution": 0.5, "clearance": 0.5, "mass": 0.1},
+        "absorber": {"restitution": 0.5, "clearance": 0.5, "mass": 0.1} | pendulum,
         "run": {"periods": 1.0},
     }
     replaced = {"natural_frequency": "stiffness", "mass_ratio": "mass"}.get(first, "clearance")
@@ -163,6 +184,11 @@ def siva(**clearance: float) -> iva.Siva:
     return iva.Siva(mass_ratio=0.1, restitution=0.5, **clearance)
 
 
+def piva(**changes: Any) -> iva.Piva:
+    whole = {"mass_ratio": 0.12, "restitution": 0.5, "clearance": 1.4}
+    return iva.Piva(**(whole | {"frequency_ratio": 0.4, "length": 10.0} | changes))
+
+
 # what is called, pieces of the message
 CALLS: list[tuple[Callable[[], object], tuple[str, ...]]] = [
     (
@@ -193,6 +219,53 @@ CALLS: list[tuple[Callable[[], object], tuple[str, ...]]] = [
     (
         lambda: simulate(iva.Siva(mass=0.1, restitution=0.5, clearance=1)),
         ("absorber.mass", "0.1", "primary.mass"),
+    ),
+    (
+        lambda: simulate(start=iva.Start(angle=0.1)),
+        ("start.angle = 0.1", 'only a pendulum (kind "piva") has it'),
+    ),
+    (
+        lambda: simulate(start=iva.Start(angular_velocity=0.1)),
+        ("start.angular_velocity = 0.1", "only a pendulum"),
+    ),
+    (lambda: simulate(tolerance=1e-6), ("run.tolerance = 1e-6", "only a pendulum")),
+    (lambda: sweep({"length": [1.0]}), ("sweep.length", "only a pendulum")),
+    (lambda: piva(angles="tiny"), ('absorber.angles = "tiny"', '"large" or "small"')),
+    (
+        lambda: piva(impact_law=""),
+        ('absorber.impact_law = ""', '"consistent" or "printed"'),
+    ),
+    (lambda: simulate(piva(), tolerance=0.01), ("run.tolerance = 0.01", TOLERANCE)),
+    (lambda: simulate(piva(), tolerance=-1e-9), ("run.tolerance = -1e-9", TOLERANCE)),
+    (lambda: simulate(piva(), tolerance=NAN), ("run.tolerance = NaN", TOLERANCE)),
+    (lambda: simulate(piva(length=None)), ("absorber.length is missing", "large angles")),
+    (lambda: simulate(piva(frequency_ratio=None)), ("absorber.frequency_ratio is missing",)),
+    (
+        lambda: simulate(piva(frequency_ratio=None, length=None)),
+        ("absorber.length is missing", "frequency_ratio", "gravity"),
+    ),
+    # κ L ωp² = 10 · 0.4²
+    (lambda: simulate(piva(gravity=1.7)), ("absorber.gravity = 1.7", "1.6", "two of the three")),
+    (
+        lambda: simulate(piva(angles="small", length=None, contact_distance=3.0)),
+        ("absorber.length is missing", "contact_distance"),
+    ),
+    (
+        lambda: simulate(piva(angles="small", length=None), start=iva.Start(angle=0.1)),
+        ("absorber.length is missing", "the start is an angle"),
+    ),
+    # asin(1.4/10) = 0.1405
+    (
+        lambda: simulate(piva(), start=iva.Start(angle=-0.15)),
+        ("start.angle = -0.15", "between the stops", "0.1404"),
+    ),
+    (
+        lambda: simulate(piva(), start=iva.Start(gap_displacement=1.5)),
+        ("start.gap_displacement = 1.5", "from -1.4 to 1.4"),
+    ),
+    (
+        lambda: simulate(piva(clearance=30.0), start=iva.Start(gap_displacement=10.5)),
+        ("start.gap_displacement = 10.5", "from -10 to 10"),
     ),
     (lambda: simulate(periods=None), ("run.periods", "missing", "duration")),
     (lambda: simulate(periods=0), ("run.periods", "0", POSITIVE)),
@@ -275,6 +348,11 @@ TYPES: list[tuple[Callable[[], object], str]] = [
     (lambda: simulate(start=1.0), "start = 1.0"),
     (lambda: simulate(periods="3"), "run.periods = '3'"),
     (lambda: simulate(max_impacts=True), "run.max_impacts = True"),
+    (lambda: simulate(piva(), tolerance="1e-6"), "run.tolerance = '1e-6'"),
+    (lambda: piva(angles=3), "absorber.angles = 3: give a word"),
+    (lambda: piva(impact_law=None), "absorber.impact_law = None: give a word"),
+    (lambda: piva(length="10"), "absorber.length = '10'"),
+    (lambda: iva.Start(angle=True), "start.angle = True"),
     (lambda: simulate(measures=[1]), "measures has 1"),
     (lambda: simulate(measures=5), "measures = 5"),
     (

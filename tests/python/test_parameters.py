@@ -62,6 +62,37 @@ def test_repr_shows_what_was_given() -> None:
     assert repr(iva.Primary(mass=2)) == "Primary(mass=2.0)"  # no frequency yet, so no units
 
 
+def test_a_pendulum_is_a_value() -> None:
+    piva = iva.Piva(mass_ratio=0.12, restitution=0.5, clearance=1.4, frequency_ratio=0.4, length=10)
+    same = iva.Piva(
+        length=np.float32(10),  # type: ignore[arg-type]
+        frequency_ratio=0.4,
+        clearance=1.4,
+        restitution=0.5,
+        mass_ratio=0.12,
+        angles="large",
+        impact_law="consistent",
+    )
+    assert piva == same
+    assert hash(piva) == hash(same)
+    assert type(same.length) is float
+    for twin in (pickle.loads(pickle.dumps(piva)), copy.copy(piva), copy.deepcopy(piva)):
+        assert twin == piva
+    assert "angles" not in repr(piva)
+    assert eval(repr(piva), vars(iva)) == piva
+    # Words are part of the value, and shown where they are not the default.
+    other = dataclasses.replace(piva, angles="small", impact_law="printed")
+    assert other != piva
+    assert repr(other) == repr(piva)[:-1] + ", angles='small', impact_law='printed')"
+    assert eval(repr(other), vars(iva)) == pickle.loads(pickle.dumps(other)) == other
+    free: Any = iva.Siva(mass_ratio=0.12, restitution=0.5, clearance=1.4)
+    assert piva != free
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        piva.length = 6.0  # type: ignore[misc]
+    with pytest.raises(ValueError, match=r'absorber\.angles = "tiny"'):
+        dataclasses.replace(piva, angles="tiny")  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     "value", [1, np.float32(1), np.int64(1), np.float64(1), Fraction(1), np.linspace(0, 1, 3)[2]]
 )

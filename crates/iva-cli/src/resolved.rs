@@ -2,10 +2,9 @@
 
 use std::fmt::Write;
 
-use iva_sweep::design::{STANDARD_GRAVITY, Spec};
+use iva_sweep::design::Spec;
 use iva_sweep::fields::{Allowed, FieldId, Part};
 use iva_sweep::study::{Axis, Table};
-use iva_sweep::units::UnitSystem;
 
 use crate::error::Error;
 use crate::layout::first_upper;
@@ -14,42 +13,19 @@ use crate::study_file::{STUDY_VERSION, StudyFile};
 /// How the first line of every resolved study begins; a `study.toml` without it is the user's.
 pub const HEADER: &str = "# Resolved by iva-dynamics";
 
-/// What fields are unless given, of the kinds of absorber that have them.
-const DEFAULTS: [(FieldId, f64); 8] = [
-    (FieldId::DampingRatio, 0.0),
-    (FieldId::InertiaRatio, 1.0),
-    (FieldId::PivotDampingRatio, 0.0),
-    (FieldId::Displacement, 0.0),
-    (FieldId::Velocity, 0.0),
-    (FieldId::GapDisplacement, 0.0),
-    (FieldId::GapVelocity, 0.0),
-    (FieldId::Tolerance, 0.0),
-];
-
 /// The same study with its defaults written out, and without the base values that an axis replaces.
 ///
 /// # Errors
 /// If the first point of the study is invalid.
 pub fn resolve(file: &StudyFile) -> Result<StudyFile, Error> {
-    let design = file.study.design(0).map_err(|invalid| file.source.locate(&invalid))?;
-    // The chatter floor is no plain number: it follows the clearance of each point.
-    let limits = [
-        (FieldId::MaxImpacts, design.limits.max_impacts as f64),
-        (FieldId::MaxWork, design.limits.max_work as f64),
-    ];
-    let given = |field| {
-        let swept = file.study.axes.iter().any(|axis| axis.field == field);
-        swept || file.study.spec.get(field).is_some()
-    };
-    let standard = design.units == UnitSystem::Si && !given(FieldId::FrequencyRatio);
-    let gravity = standard.then_some((FieldId::Gravity, STANDARD_GRAVITY));
-    fill_in(file, DEFAULTS.into_iter().chain(limits).chain(gravity))
+    let located = |invalid| file.source.locate(&invalid);
+    file.study.design(0).map_err(located)?;
+    let gravity = file.study.spec(0).and_then(|spec| spec.standard_gravity()).map_err(located)?;
+    fill_in(file, gravity)
 }
 
-fn fill_in(
-    file: &StudyFile,
-    defaults: impl Iterator<Item = (FieldId, f64)>,
-) -> Result<StudyFile, Error> {
+/// The chatter floor is no plain number: it follows the clearance of each point.
+fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
     let mut resolved = file.clone();
     let choices = *file.study.spec.choices();
     let mut spec = Spec::new(choices);
@@ -59,10 +35,10 @@ fn fill_in(
             spec.set(field, value)?;
         }
     }
-    for (field, value) in defaults {
-        if field.info().kind.is_some_and(|kind| kind != choices.kind) {
-            continue;
-        }
+    for field in FieldId::all() {
+        let default = if field == FieldId::Gravity { gravity } else { field.default() };
+        let fits = field.info().kind.is_none_or(|kind| kind == choices.kind);
+        let Some(value) = default.filter(|_| fits) else { continue };
         let given = spec.given().any(|(other, _)| other.same_quantity(field))
             || axes.iter().any(|axis| axis.field.same_quantity(field));
         if !given {

@@ -13,10 +13,8 @@ use iva_core::system::{Start, System};
 
 use crate::choices::{Choices, Kind, only};
 use crate::fields::{FIELD_COUNT, FieldId};
-use crate::pendulum::{self, Common};
+use crate::pendulum::{self, Common, STANDARD_GRAVITY};
 use crate::units::{Scale, UnitSystem};
-
-pub use crate::pendulum::STANDARD_GRAVITY;
 
 /// The fields of one run as given; everything else is default or derived.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -204,6 +202,17 @@ impl Spec {
         Ok(())
     }
 
+    /// The gravity on a pendulum of which none was given, nor follows.
+    ///
+    /// # Errors
+    /// As [`Spec::units`].
+    pub fn standard_gravity(&self) -> Result<Option<f64>, Invalid> {
+        let standard = self.choices.kind == Kind::Piva
+            && self.units()? == UnitSystem::Si
+            && self.get(FieldId::FrequencyRatio).is_none();
+        Ok(standard.then_some(STANDARD_GRAVITY))
+    }
+
     /// The units that the primary system sets.
     ///
     /// # Errors
@@ -234,7 +243,7 @@ impl Spec {
             .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
         let mass_ratio = self.mass_ratio(&scale, units)?;
         let common = Common { mass_ratio, restitution, clearance, damping_ratio };
-        let scene = self.scene(common, start, &scale, units)?;
+        let scene = self.scene(common, start, &scale)?;
         let limits = Limits {
             duration: self.duration(omega)?,
             max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
@@ -247,13 +256,7 @@ impl Spec {
         Ok(Design { scene, limits, scale, units })
     }
 
-    fn scene(
-        &self,
-        common: Common,
-        start: Start,
-        scale: &Scale,
-        units: UnitSystem,
-    ) -> Result<Scene, Invalid> {
+    fn scene(&self, common: Common, start: Start, scale: &Scale) -> Result<Scene, Invalid> {
         match self.choices.kind {
             Kind::Siva => {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
@@ -264,7 +267,7 @@ impl Spec {
             Kind::Piva => {
                 self.at_most_one(&[FieldId::GapDisplacement, FieldId::Angle])?;
                 self.at_most_one(&[FieldId::GapVelocity, FieldId::AngularVelocity])?;
-                let (parameters, length_known) = pendulum::parameters(self, common, scale, units)?;
+                let (parameters, length_known) = pendulum::parameters(self, common, scale)?;
                 let system = Piva::new(parameters)?;
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;

@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 
 use iva_core::error::{Invalid, number};
 use iva_core::range::{LARGEST_RATIO, LARGEST_TOLERANCE};
+use iva_core::simulate::Limits;
 
 use crate::choices::Kind;
 
@@ -261,6 +262,24 @@ impl FieldId {
     /// Finds a field by its part and name.
     pub fn find(part: Part, name: &str) -> Option<FieldId> {
         Self::all().find(|id| id.info().part == part && id.info().name == name)
+    }
+
+    /// What the field is unless it is given, where that is a plain number.
+    pub fn default(self) -> Option<f64> {
+        use FieldId as F;
+        match self {
+            F::DampingRatio
+            | F::PivotDampingRatio
+            | F::Displacement
+            | F::Velocity
+            | F::GapDisplacement
+            | F::GapVelocity
+            | F::Tolerance => Some(0.0),
+            F::InertiaRatio => Some(1.0),
+            F::MaxImpacts => Some(Limits::MAX_IMPACTS as f64),
+            F::MaxWork => Some(Limits::MAX_WORK as f64),
+            _ => None,
+        }
     }
 
     /// Checks a value against the field's range.

@@ -7,10 +7,10 @@ use iva_core::system::Start;
 use crate::choices::Choices;
 use crate::design::Spec;
 use crate::fields::FieldId;
-use crate::units::{Scale, UnitSystem};
+use crate::units::Scale;
 
 /// Standard acceleration of gravity in m/s² (CGPM 1901), taken in SI units where none is given.
-pub const STANDARD_GRAVITY: f64 = 9.806_65;
+pub(crate) const STANDARD_GRAVITY: f64 = 9.806_65;
 /// How well frequency, length and gravity must agree where all three are given.
 const AGREEMENT: f64 = 1e-9;
 
@@ -33,12 +33,11 @@ pub(crate) fn parameters(
     spec: &Spec,
     common: Common,
     scale: &Scale,
-    units: UnitSystem,
 ) -> Result<(Parameters, bool), Invalid> {
     let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
     let Choices { angles, impact_law, .. } = *spec.choices();
     let inertia_ratio = spec.get(FieldId::InertiaRatio).unwrap_or(1.0);
-    let Swing { frequency_ratio, length } = swing(spec, angles, inertia_ratio, scale, units)?;
+    let Swing { frequency_ratio, length } = swing(spec, angles, inertia_ratio, scale)?;
     let known = length.is_some();
     // Where it drops out, any length will do.
     let length = length.unwrap_or(clearance);
@@ -59,13 +58,7 @@ pub(crate) fn parameters(
     Ok((parameters, known))
 }
 
-fn swing(
-    spec: &Spec,
-    angles: Angles,
-    inertia_ratio: f64,
-    scale: &Scale,
-    units: UnitSystem,
-) -> Result<Swing, Invalid> {
+fn swing(spec: &Spec, angles: Angles, inertia_ratio: f64, scale: &Scale) -> Result<Swing, Invalid> {
     let omega = scale.natural_frequency;
     let gravity = spec.get(FieldId::Gravity);
     match (spec.get(FieldId::FrequencyRatio), spec.get(FieldId::Length)) {
@@ -85,8 +78,7 @@ fn swing(
             }
         }
         (None, Some(length)) => {
-            let standard = (units == UnitSystem::Si).then_some(STANDARD_GRAVITY);
-            let gravity = gravity.or(standard).ok_or_else(|| {
+            let gravity = gravity.or(spec.standard_gravity()?).ok_or_else(|| {
                 Invalid::missing(
                     "absorber.frequency_ratio",
                     "give frequency_ratio, or gravity (which has a default in SI units only)",
@@ -96,12 +88,15 @@ fn swing(
             Ok(Swing { frequency_ratio, length: Some(length) })
         }
         (Some(frequency_ratio), None) => {
+            if let Some(gravity) = gravity {
+                let frequency = frequency_ratio * omega;
+                let length = gravity / (inertia_ratio * (frequency * frequency));
+                return Ok(Swing { frequency_ratio, length: Some(length) });
+            }
             let needs = if angles == Angles::Large {
-                "large angles need it, for they depend on it"
+                "large angles depend on it; give it, or gravity (L = g / (κ ωp²))"
             } else if spec.get(FieldId::ContactDistance).is_some() {
                 "contact_distance is given, so give length too"
-            } else if gravity.is_some() {
-                "gravity is given, so give length too, or leave gravity out"
             } else if spec.get(FieldId::Angle).or(spec.get(FieldId::AngularVelocity)).is_some() {
                 "the start is an angle, so give length too"
             } else {
@@ -111,7 +106,7 @@ fn swing(
         }
         (None, None) => Err(Invalid::missing(
             "absorber.length",
-            "give length and frequency_ratio, or length and gravity (in SI units length alone)",
+            "give two of frequency_ratio, length and gravity (in SI units length alone will do)",
         )),
     }
 }

@@ -10,7 +10,6 @@ use arrow_array::builder::{
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use iva_core::error::Invalid;
-use iva_core::simulate::Limits;
 
 use crate::choices::CHOICES;
 use crate::columns::{SCHEMA_VERSION, columns};
@@ -47,10 +46,6 @@ pub fn schema(study: &Study, table: Table) -> Result<SchemaRef, Invalid> {
 ///
 /// A default counts the same whether it was written or left out.
 fn digest(study: &Study) -> Result<u64, Invalid> {
-    let limits = [
-        (FieldId::MaxImpacts, Limits::MAX_IMPACTS as f64),
-        (FieldId::MaxWork, Limits::MAX_WORK as f64),
-    ];
     let mut hash = 0xcbf2_9ce4_8422_2325;
     let mut add = |bytes: &[u8]| {
         for byte in bytes {
@@ -62,10 +57,13 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
             add(word.as_bytes());
         }
     }
-    for (field, value) in study.spec(0)?.given() {
+    let spec = study.spec(0)?;
+    let standard_gravity = spec.standard_gravity()?;
+    for (field, value) in spec.given() {
         let swept = study.axes.iter().any(|axis| axis.field == field);
-        // Whatever may be left out is 0 then, or a limit.
-        if !swept && value != 0.0 && !limits.contains(&(field, value)) {
+        let default = if field == FieldId::Gravity { standard_gravity } else { field.default() };
+        // The same quantity under another name (displacement_mm) may be 0 as well.
+        if !swept && value != 0.0 && default != Some(value) {
             add(field.path().as_bytes());
             add(&value.to_le_bytes());
         }

@@ -130,7 +130,7 @@ impl Motion for PivaFlight<'_> {
         let order = self.piva.accuracy.order;
         let increment = |series: &Row<f64>| t * horner(&series[1..=order], t);
         let distance = from.distance.plus(-s * increment(&series.y));
-        let y = from.clearance - distance.value;
+        let y = PivaState { distance, ..*from }.y().value;
         let sine = y / self.piva.parameters.contact_distance;
         let own = series.c[0] + increment(&series.c);
         let gentle = sine.abs() < STEEP;
