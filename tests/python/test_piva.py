@@ -269,10 +269,12 @@ def test_laws_of_an_impact(scene: str) -> None:
     if kappa == 1.0 and absorber.get("angles") != "small":
         of_a_point = (1 + mu * sine**2) / (1 + mu) * 0.5 * mu * (1 - e**2) * (length * rate) ** 2
         assert same(loss, of_a_point)
-    # The absorber's velocity is that of the point that meets the stops, ẋ + w.
+    # The absorber's velocity is that of its centre of mass, so that ẋ + μ ẋ₁ is conserved.
     bob = array(impacts, "absorber_velocity_before")
-    assert same(bob, before + approach)
-    assert same(array(impacts, "absorber_velocity_after"), after + reach * cosine * rebound)
+    assert same(bob, before + length * cosine * rate)
+    later = array(impacts, "absorber_velocity_after")
+    assert same(later, after + length * cosine * rebound)
+    assert same(before + mu * bob, after + mu * later)
     assert ((before * bob < 0) == impacts["effective"].to_numpy()).all()
 
 

@@ -22,7 +22,7 @@ pub(crate) fn number(rows: &RecordBatch, column: &str, row: usize) -> Option<f64
     }
 }
 
-/// The text in a column and row; `None` for null, for numbers and for an unknown column.
+/// The text in a column and row, yes or no for a flag; `None` for null, for numbers and for an unknown column.
 pub(crate) fn text<'a>(rows: &'a RecordBatch, column: &str, row: usize) -> Option<&'a str> {
     let array = rows.column_by_name(column)?;
     if row >= array.len() || array.is_null(row) {
@@ -32,6 +32,7 @@ pub(crate) fn text<'a>(rows: &'a RecordBatch, column: &str, row: usize) -> Optio
         DataType::Utf8 => Some(array.as_string::<i32>().value(row)),
         DataType::LargeUtf8 => Some(array.as_string::<i64>().value(row)),
         DataType::Utf8View => Some(array.as_string_view().value(row)),
+        DataType::Boolean => Some(if array.as_boolean().value(row) { "yes" } else { "no" }),
         _ => None,
     }
 }

@@ -83,9 +83,7 @@ fn pendulum(designs: &[Design], units: UnitSystem) -> String {
         let (metre, gravity_unit) = if si { (" m", " m/s²") } else { ("", "") };
         let length =
             range(designs, |design| design.scene.pendulum().map_or(f64::NAN, |p| p.length));
-        let gravity = range(designs, |design| {
-            design.scene.gravity().map_or(f64::NAN, |g| design.scale.acceleration(g))
-        });
+        let gravity = range(designs, |design| design.scene.gravity().unwrap_or(f64::NAN));
         let _ = write!(text, ", length {}{metre}, gravity {gravity}{gravity_unit}", length);
     }
     let out_of_reach = designs.iter().filter(|design| !design.scene.stop_reachable()).count();

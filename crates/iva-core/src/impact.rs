@@ -43,19 +43,22 @@ pub struct Impact {
     pub gap_velocity_before: f64,
     /// Gap velocity just after.
     pub gap_velocity_after: f64,
+    /// Velocity of the absorber's centre of mass per gap velocity: 1 for a free mass, L/b for a
+    /// pendulum.
+    pub lever: f64,
     /// Energy lost.
     pub energy_loss: f64,
 }
 
 impl Impact {
-    /// Absolute horizontal velocity of the absorber just before.
+    /// Absolute horizontal velocity of the absorber's centre of mass just before.
     pub fn absorber_velocity_before(&self) -> f64 {
-        self.velocity_before + self.gap_velocity_before
+        self.velocity_before + self.lever * self.gap_velocity_before
     }
 
-    /// Absolute horizontal velocity of the absorber just after.
+    /// Absolute horizontal velocity of the absorber's centre of mass just after.
     pub fn absorber_velocity_after(&self) -> f64 {
-        self.velocity_after + self.gap_velocity_after
+        self.velocity_after + self.lever * self.gap_velocity_after
     }
 
     /// Size of the gap velocity just before.

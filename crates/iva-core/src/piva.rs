@@ -256,6 +256,7 @@ impl System for Piva {
             velocity_after: primary.v.value,
             gap_velocity_before: state.gap_velocity(),
             gap_velocity_after: after.gap_velocity(),
+            lever: self.pendulum.lever,
             energy_loss: self.law.impact_loss(v.value, state.w.value, restitution),
         };
         (after, impact)

@@ -280,6 +280,7 @@ impl System for Siva {
             velocity_after: after.primary.v.value,
             gap_velocity_before: s * approach,
             gap_velocity_after: after.gap_velocity(),
+            lever: 1.0,
             energy_loss: impact::energy_loss(self.mass_ratio, self.restitution, approach),
         };
         (after, impact)

@@ -70,7 +70,7 @@ pub struct Point {
 /// Angle of a pendulum and its rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angle {
-    /// θ from the hanging position, in (−π, π].
+    /// θ from the hanging position, in [−π, π].
     pub value: f64,
     /// θ̇ in ωn.
     pub rate: f64,

@@ -111,9 +111,13 @@ pub static IMPACTS: &[Column] = &[
     column(
         "absorber_velocity_before",
         Quantity::Velocity,
-        "absolute absorber velocity just before",
+        "absolute velocity of the absorber's centre of mass just before",
     ),
-    column("absorber_velocity_after", Quantity::Velocity, "absolute absorber velocity just after"),
+    column(
+        "absorber_velocity_after",
+        Quantity::Velocity,
+        "absolute velocity of the absorber's centre of mass just after",
+    ),
     column("approach_velocity", Quantity::Velocity, "signed gap velocity just before"),
     column("energy_loss", Quantity::Energy, "energy lost in the impact"),
     column("effective", Quantity::Flag, "the two masses moved towards each other"),

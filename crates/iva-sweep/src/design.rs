@@ -59,9 +59,9 @@ pub enum Scene {
         system: Piva,
         /// State at time zero.
         start: PivaStart,
-        /// False where angles count as small and no length was given: then nothing depends on it,
-        /// and there is no angle to report.
-        length_known: bool,
+        /// Acceleration of gravity in the user's unit; `None` where angles count as small and no
+        /// length was given: then nothing depends on it, and there is no angle to report.
+        gravity: Option<f64>,
     },
 }
 
@@ -130,17 +130,17 @@ impl Scene {
         }
     }
 
-    /// Acceleration of gravity on a pendulum, in natural units.
+    /// Acceleration of gravity on a pendulum, in the user's unit.
     pub fn gravity(&self) -> Option<f64> {
         match self {
-            Scene::Piva { system, length_known: true, .. } => Some(system.gravity()),
-            _ => None,
+            Scene::Siva { .. } => None,
+            Scene::Piva { gravity, .. } => *gravity,
         }
     }
 
     /// True if the absorber has an angle to report.
     pub fn has_angle(&self) -> bool {
-        matches!(self, Scene::Piva { length_known: true, .. })
+        self.gravity().is_some()
     }
 }
 
@@ -267,11 +267,11 @@ impl Spec {
             Kind::Piva => {
                 self.at_most_one(&[FieldId::GapDisplacement, FieldId::Angle])?;
                 self.at_most_one(&[FieldId::GapVelocity, FieldId::AngularVelocity])?;
-                let (parameters, length_known) = pendulum::parameters(self, common, scale)?;
+                let (parameters, gravity) = pendulum::parameters(self, common, scale)?;
                 let system = Piva::new(parameters)?;
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
-                Ok(Scene::Piva { system, start, length_known })
+                Ok(Scene::Piva { system, start, gravity })
             }
         }
     }

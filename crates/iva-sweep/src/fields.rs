@@ -9,7 +9,7 @@ use iva_core::error::{Invalid, number};
 use iva_core::range::{LARGEST_RATIO, LARGEST_TOLERANCE};
 use iva_core::simulate::Limits;
 
-use crate::choices::Kind;
+use crate::choices::{CHOICES, Kind};
 
 /// The section of a study (and the Python class) that a field belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -308,6 +308,12 @@ impl FieldId {
         match matches.as_slice() {
             [one] => Ok(*one),
             [] => {
+                let bare = key.strip_prefix("absorber.").unwrap_or(key);
+                if CHOICES.iter().any(|choice| choice.name == bare) {
+                    let rule =
+                        "it is chosen by a word, which cannot be swept; make a study for each";
+                    return Err(Invalid::new("sweep key", format!("`{key}`"), rule));
+                }
                 let known: Vec<String> =
                     Self::all().flat_map(|id| [id.info().name.to_owned(), id.path()]).collect();
                 let hint = nearest(key, known.iter().map(String::as_str))

@@ -22,25 +22,30 @@ pub(crate) struct Common {
     pub damping_ratio: f64,
 }
 
-/// Frequency ratio and length; no length where the motion does not depend on it.
+/// Frequency ratio; length and gravity unless the motion does not depend on them.
 struct Swing {
     frequency_ratio: f64,
-    length: Option<f64>,
+    hanging: Option<Hanging>,
 }
 
-/// The parameters of a pendulum, and whether its length (so its angle) is known.
+struct Hanging {
+    length: f64,
+    /// In the user's unit.
+    gravity: f64,
+}
+
+/// The parameters of a pendulum, and the gravity on it (in the user's unit) if its length is known.
 pub(crate) fn parameters(
     spec: &Spec,
     common: Common,
     scale: &Scale,
-) -> Result<(Parameters, bool), Invalid> {
+) -> Result<(Parameters, Option<f64>), Invalid> {
     let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
     let Choices { angles, impact_law, .. } = *spec.choices();
     let inertia_ratio = spec.get(FieldId::InertiaRatio).unwrap_or(1.0);
-    let Swing { frequency_ratio, length } = swing(spec, angles, inertia_ratio, scale)?;
-    let known = length.is_some();
+    let Swing { frequency_ratio, hanging } = swing(spec, angles, inertia_ratio, scale)?;
     // Where it drops out, any length will do.
-    let length = length.unwrap_or(clearance);
+    let length = hanging.as_ref().map_or(clearance, |hanging| hanging.length);
     let parameters = Parameters {
         mass_ratio,
         restitution,
@@ -55,18 +60,22 @@ pub(crate) fn parameters(
         impact_law,
         tolerance: spec.get(FieldId::Tolerance).unwrap_or(0.0),
     };
-    Ok((parameters, known))
+    Ok((parameters, hanging.map(|hanging| hanging.gravity)))
 }
 
 fn swing(spec: &Spec, angles: Angles, inertia_ratio: f64, scale: &Scale) -> Result<Swing, Invalid> {
     let omega = scale.natural_frequency;
     let gravity = spec.get(FieldId::Gravity);
+    let hang = |frequency_ratio, length, gravity| Swing {
+        frequency_ratio,
+        hanging: Some(Hanging { length, gravity }),
+    };
     match (spec.get(FieldId::FrequencyRatio), spec.get(FieldId::Length)) {
         (Some(ratio), Some(length)) => {
             let frequency = ratio * omega;
             let follows = inertia_ratio * length * (frequency * frequency);
             match gravity.filter(|g| (g - follows).abs() > AGREEMENT * follows) {
-                None => Ok(Swing { frequency_ratio: ratio, length: Some(length) }),
+                None => Ok(hang(ratio, length, gravity.unwrap_or(follows))),
                 Some(g) => Err(Invalid::new(
                     FieldId::Gravity.path(),
                     number(g),
@@ -85,13 +94,13 @@ fn swing(spec: &Spec, angles: Angles, inertia_ratio: f64, scale: &Scale) -> Resu
                 )
             })?;
             let frequency_ratio = (gravity / (inertia_ratio * length)).sqrt() / omega;
-            Ok(Swing { frequency_ratio, length: Some(length) })
+            Ok(hang(frequency_ratio, length, gravity))
         }
         (Some(frequency_ratio), None) => {
             if let Some(gravity) = gravity {
                 let frequency = frequency_ratio * omega;
                 let length = gravity / (inertia_ratio * (frequency * frequency));
-                return Ok(Swing { frequency_ratio, length: Some(length) });
+                return Ok(hang(frequency_ratio, length, gravity));
             }
             let needs = if angles == Angles::Large {
                 "large angles depend on it; give it, or gravity (L = g / (κ ωp²))"
@@ -100,7 +109,7 @@ fn swing(spec: &Spec, angles: Angles, inertia_ratio: f64, scale: &Scale) -> Resu
             } else if spec.get(FieldId::Angle).or(spec.get(FieldId::AngularVelocity)).is_some() {
                 "the start is an angle, so give length too"
             } else {
-                return Ok(Swing { frequency_ratio, length: None });
+                return Ok(Swing { frequency_ratio, hanging: None });
             };
             Err(Invalid::missing("absorber.length", needs))
         }

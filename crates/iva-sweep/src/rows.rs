@@ -46,7 +46,7 @@ pub(crate) fn summary<S>(
         energy(values.energy_residual),
         energy(values.energy_pivot),
         Cell::Flag(scene.stop_reachable()),
-        scene.gravity().map(|g| scale.acceleration(g)).into(),
+        scene.gravity().into(),
     ];
     cells
         .into_iter()

@@ -22,7 +22,7 @@ pub const SIGN_CONVENTIONS: &str = "displacement: primary system, positive in th
      the + wall; gap displacement y = absorber - primary, walls at y = +d and y = -d with d the \
      one-sided clearance; gap velocity w = dy/dt; approach velocity: w just before an impact; \
      absorber velocities: absolute, primary velocity + w; pendulum: y = b sin(angle) with b from pivot to contact, angle from the \
-     hanging position, in (-π, π]";
+     hanging position, in [-π, π], absorber velocities those of its centre of mass";
 
 /// The Arrow schema of a table of a study, as its files carry it.
 ///

@@ -94,11 +94,6 @@ impl Scale {
         velocity * self.natural_frequency
     }
 
-    /// Natural acceleration → user acceleration.
-    pub fn acceleration(&self, acceleration: f64) -> f64 {
-        acceleration * (self.natural_frequency * self.natural_frequency)
-    }
-
     /// Natural angular velocity → user angular velocity.
     pub fn angular_velocity(&self, rate: f64) -> f64 {
         rate * self.natural_frequency

@@ -182,14 +182,21 @@ impl Motion for PivaFlight<'_> {
 
 /// ∫₀ᵗ f² of a polynomial f.
 fn square_integral(f: &[f64], t: f64) -> f64 {
+    // At t the terms are moderate, whatever the coefficients are.
+    let mut terms = [0.0; ORDER + 1];
+    let mut power = 1.0;
+    for (term, coefficient) in terms.iter_mut().zip(f) {
+        *term = power * coefficient;
+        power *= t;
+    }
     let order = f.len() - 1;
     let mut sum = 0.0;
     for k in (0..=2 * order).rev() {
         let mut product = 0.0;
         for i in k.saturating_sub(order)..=k.min(order) {
-            product += f[i] * f[k - i];
+            product += terms[i] * terms[k - i];
         }
-        sum = sum * t + product / (k + 1) as f64;
+        sum += product / (k + 1) as f64;
     }
     sum * t
 }
