@@ -23,7 +23,7 @@ Examples
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
-    from iva.parameters import Piva, Primary, Siva, Start
+    from iva.parameters import Harmonic, Piva, Primary, Siva, Start
     from iva.reading import read
     from iva.simulation import Run, simulate
     from iva.sweeping import Table, sweep
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "SCHEMA_VERSION",
+    "Harmonic",
     "IvaError",
     "Piva",
     "Primary",
@@ -53,6 +54,7 @@ __all__ = [
 # which needs none of them, starts at once.
 _HOMES = {
     "SCHEMA_VERSION": "_iva",
+    "Harmonic": "parameters",
     "IvaError": "_iva",
     "Piva": "parameters",
     "Primary": "parameters",

@@ -14,8 +14,13 @@ def of_run(run: Run) -> str:
     """Return parameters, outcome and all measures of a run, with their units."""
     row = run.summary.row(0, named=True)
     units = run.units["summary"]
-    parts = (("absorber", run.absorber), ("primary", run.primary), ("start", run.start))
-    parameters = [(name, constructor(part), "") for name, part in parts]
+    named = (
+        ("absorber", run.absorber),
+        ("primary", run.primary),
+        ("force", run.force),
+        ("start", run.start),
+    )
+    parameters = [(name, constructor(part), "") for name, part in named if part is not None]
     values = [
         (name, text(value), units[name])
         for name, value in row.items()

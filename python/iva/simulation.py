@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from iva import _iva
 from iva.frames import Frames, from_arrow, to_polars
-from iva.parameters import Absorber, Primary, Start, constructor, numbers, scene, shown
+from iva.parameters import Absorber, Harmonic, Primary, Start, constructor, numbers, scene, shown
 from iva.units import Units, from_metadata
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Run:
-    """Result of :func:`simulate`: tables of one free decay.
+    """Result of :func:`simulate`: the tables of one run.
 
     Attributes of tables are polars frames, made on first use. `units` names the unit of every
     column. Runs can be copied, pickled and compared (same scene, same values).
@@ -29,10 +29,12 @@ class Run:
         spec: dict[str, float | str],
         units: Units,
         frames: Frames,
+        force: Harmonic | None = None,
     ) -> None:
         self.absorber = absorber
         self.primary = primary
         self.start = start
+        self.force = force
         self.units = units
         self._spec = spec
         self._frames = frames
@@ -148,7 +150,8 @@ class Run:
         names = ("settling_time_5", "damping_ratio_3", "residual_amplitude")
         if shown := [f"{name} {row[name]:.4g}" for name in names if row[name] is not None]:
             lines.append(f"  {', '.join(shown)}")
-        lines += [f"  {constructor(part)}" for part in (self.absorber, self.primary, self.start)]
+        parts = (self.absorber, self.primary, self.force, self.start)
+        lines += [f"  {constructor(part)}" for part in parts if part is not None]
         lines.append(f"  {self.units}")
         return "\n".join(lines)
 
@@ -164,6 +167,7 @@ def simulate(
     primary: Primary,
     *,
     start: Start,
+    force: Harmonic | None = None,
     periods: float | None = None,
     duration: float | None = None,
     measures: Iterable[str] | None = None,
@@ -172,7 +176,7 @@ def simulate(
     chatter_floor: float | None = None,
     tolerance: float | None = None,
 ) -> Run:
-    """Simulate the free decay of a primary system with an impact absorber.
+    """Simulate a primary system with an impact absorber, in free decay or under a force.
 
     Parameters
     ----------
@@ -182,6 +186,8 @@ def simulate(
         The primary system; what it is given decides the units.
     start : Start
         The state at time zero.
+    force : Harmonic, optional
+        What drives it; free decay without. Damping ratios and settling times are null then.
     periods : float, optional
         Length of the run in periods 2π/ωn of the bare primary system. This or `duration`.
     duration : float, optional
@@ -249,6 +255,7 @@ def simulate(
         absorber,
         primary,
         start,
+        force,
         {
             "periods": periods,
             "duration": duration,
@@ -260,7 +267,7 @@ def simulate(
     )
     tables = _iva.simulate(spec, names("measures", measures))
     units = from_metadata(tables["summary"].metadata)
-    return Run(absorber, primary, start, spec, units, from_arrow(tables))
+    return Run(absorber, primary, start, spec, units, from_arrow(tables), force)
 
 
 def names(field: str, values: Iterable[str] | None) -> list[str] | None:

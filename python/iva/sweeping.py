@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from iva import _iva
 from iva.frames import Frames, from_arrow
-from iva.parameters import Absorber, Primary, Start, numbers, scene, shown
+from iva.parameters import Absorber, Harmonic, Primary, Start, numbers, scene, shown
 from iva.progress import Progress, reporting
 from iva.simulation import names
 from iva.units import Units, from_metadata
@@ -100,6 +100,7 @@ def sweep(
     *,
     over: Mapping[str, Iterable[float]],
     start: Start,
+    force: Harmonic | None = None,
     periods: float | None = None,
     duration: float | None = None,
     tables: Iterable[str] = ("summary",),
@@ -115,13 +116,13 @@ def sweep(
 
     Parameters
     ----------
-    absorber, primary, start
+    absorber, primary, start, force
         As in :func:`iva.simulate`; what is swept may be left out.
     over : mapping of str to sequence of float
         The axes: field name (``"mass_ratio"``; ``"absorber.mass"`` where the bare name is not
-        unique) → values, shape (n,). The product of all axes is run, in the order of the mapping,
-        the last axis fastest. A swept field replaces its alternatives, so that an axis over
-        ``gap`` replaces a given ``clearance``.
+        unique; ``"force.frequency"`` of a force) → values, shape (n,). The product of all axes is
+        run, in the order of the mapping, the last axis fastest. A swept field replaces its
+        alternatives, so that an axis over ``gap`` replaces a given ``clearance``.
     periods, duration, measures, max_impacts, max_work, chatter_floor, tolerance
         As in :func:`iva.simulate`.
     tables : iterable of str, default ("summary",)
@@ -176,6 +177,7 @@ def sweep(
         absorber,
         primary,
         start,
+        force,
         {
             "periods": periods,
             "duration": duration,

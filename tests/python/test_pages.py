@@ -137,7 +137,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-@pytest.mark.parametrize("part", ["primary", "absorber", "start", "run"])
+@pytest.mark.parametrize("part", ["primary", "absorber", "force", "start", "run"])
 def test_every_number_has_a_row_in_its_section(part: str) -> None:
     rows = section("study-file.md", f"| **`[{part}]`**", "| **`[")
     missing = [name for name, _, _ in _iva.fields(part, "piva") if f"| `{name}` |" not in rows]

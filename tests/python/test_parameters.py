@@ -21,6 +21,7 @@ PARTS: list[tuple[str, str, Any, list[str]]] = [
     ("primary", "siva", iva.Primary, []),
     ("absorber", "siva", iva.Siva, []),
     ("absorber", "piva", iva.Piva, ["angles", "impact_law"]),
+    ("force", "siva", iva.Harmonic, []),
     ("start", "piva", iva.Start, []),
 ]
 

@@ -35,7 +35,7 @@ def changed(absorber: iva.Piva = PIVA, **fields: Any) -> iva.Piva:
 
 # Columns that came with the pendulum, at the end of their tables.
 NEW = {
-    "summary": ["energy_pivot", "stop_reachable", "gravity"],
+    "summary": ["energy_pivot", "stop_reachable", "gravity", "energy_work"],
     "impacts": ["angle", "angular_velocity_before", "angular_velocity_after"],
     "trajectory": ["angle", "angular_velocity"],
 }
@@ -59,7 +59,7 @@ def test_columns_of_a_pendulum() -> None:
     assert {name: frame.columns for name, frame in found.items()} == NEW
     assert sum(frame.null_count().sum_horizontal().item() for frame in found.values()) == 0
     # g = κ L ωp² = 10 · 0.4², y = L sin θ
-    assert found["summary"].row(0) == (0.0, True, pytest.approx(1.6, rel=1e-15))
+    assert found["summary"].row(0) == (0.0, True, pytest.approx(1.6, rel=1e-15), 0.0)
     assert np.allclose(found["impacts"]["angle"].abs(), math.asin(0.14), rtol=1e-15, atol=0)
     assert run.units["impacts"]["angle"] == "rad"
     assert run.at([0.0, 3.0]).columns == run.trajectory().columns
@@ -68,7 +68,7 @@ def test_columns_of_a_pendulum() -> None:
 def test_columns_of_a_free_mass(run: iva.Run) -> None:
     found = new_columns(run)
     assert {name: frame.columns for name, frame in found.items()} == NEW
-    assert found["summary"].row(0) == (0.0, True, None)
+    assert found["summary"].row(0) == (0.0, True, None, 0.0)
     assert found["summary"]["gravity"].dtype == pl.Float64
     assert all_null(found["impacts"])
     assert all_null(found["trajectory"])
@@ -79,7 +79,7 @@ def test_small_angles_without_a_length() -> None:
     # y and x depend on μ, r, d, e, ζ only; with a length the angle is y/L.
     unknown = decay(changed(angles="small", length=None))
     found = new_columns(unknown)
-    assert found["summary"].row(0) == (0.0, True, None)
+    assert found["summary"].row(0) == (0.0, True, None, 0.0)
     assert all_null(found["impacts"])
     assert all_null(found["trajectory"])
     known = decay(changed(angles="small"))

@@ -18,7 +18,8 @@ import iva
 SUMMARY = """point outcome impacts effective_impacts episodes undecided time_stuck damping_ratio_1
     damping_ratio_3 damping_ratio_10 damping_ratio_fit damping_ratio_energy settling_time_10
     settling_time_5 settling_time_2 residual_amplitude energy_initial energy_impacts energy_viscous
-    energy_final energy_residual energy_pivot stop_reachable gravity""".split()
+    energy_final energy_residual energy_pivot stop_reachable gravity
+    energy_work""".split()
 IMPACTS = """point impact time wall displacement velocity_before velocity_after
     absorber_velocity_before absorber_velocity_after approach_velocity energy_loss
     effective angle angular_velocity_before angular_velocity_after""".split()

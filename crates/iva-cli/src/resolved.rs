@@ -35,9 +35,13 @@ fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
             spec.set(field, value)?;
         }
     }
+    let of_force = |field: FieldId| field.info().part == Part::Force;
+    let driven = spec.given().any(|(field, _)| of_force(field))
+        || axes.iter().any(|axis| of_force(axis.field));
     for field in FieldId::all() {
         let default = if field == FieldId::Gravity { gravity } else { field.default() };
-        let fits = field.info().kind.is_none_or(|kind| kind == choices.kind);
+        let fits = field.info().kind.is_none_or(|kind| kind == choices.kind)
+            && (!of_force(field) || driven);
         let Some(value) = default.filter(|_| fits) else { continue };
         let given = spec.given().any(|(other, _)| other.same_quantity(field))
             || axes.iter().any(|axis| axis.field.same_quantity(field));
@@ -65,7 +69,11 @@ fn text_of(file: &StudyFile, units: &str) -> String {
     let _ = writeln!(text, "{HEADER} {version}: every default is filled in.");
     let _ = writeln!(text, "# {}.\n", first_upper(units));
     let _ = writeln!(text, "version = {STUDY_VERSION}");
+    let driven = file.study.spec.given().any(|(field, _)| field.info().part == Part::Force);
     for part in Part::ALL {
+        if part == Part::Force && !driven {
+            continue;
+        }
         let _ = writeln!(text, "\n[{}]", part.name());
         if part == Part::Absorber {
             for (name, word) in file.study.spec.choices().words() {

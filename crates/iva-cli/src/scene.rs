@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use iva_sweep::choices::Kind;
-use iva_sweep::design::Design;
+use iva_sweep::design::{Design, Harmonic};
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
 
@@ -40,6 +40,9 @@ pub(crate) fn describe(study: &Study, points: u64, units: UnitSystem) -> String 
     if kind == Kind::Piva {
         let _ = writeln!(out, "{}", wrap(&pendulum(&designs, units)));
     }
+    if designs.iter().all(|design| design.scene.harmonic().is_some()) {
+        let _ = writeln!(out, "{}", wrap(&force(&designs)));
+    }
     let start = range(&designs, |design| design.scene.displacement());
     let clearance = range(&designs, |design| design.scene.clearance());
     let relative =
@@ -71,6 +74,19 @@ fn range(designs: &[Design], value: impl Fn(&Design) -> f64) -> String {
         .map(value)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     if low == high { short(low, 4) } else { format!("{} … {}", short(low, 4), short(high, 4)) }
+}
+
+/// Amplitude and frequency of the forces, over what the spring makes of a length of 1.
+fn force(designs: &[Design]) -> String {
+    let of = |read: fn(&Harmonic) -> f64| {
+        range(designs, |design| design.scene.harmonic().map_or(f64::NAN, read))
+    };
+    let amplitude = of(|harmonic| harmonic.amplitude.abs());
+    let frequency = of(|harmonic| harmonic.frequency);
+    format!(
+        "Force: {frequency} of the natural frequency; held still, its amplitude would move the \
+         structure by {amplitude}"
+    )
 }
 
 /// Length, frequency and gravity of the pendulums.

@@ -18,7 +18,7 @@
 //! mass_ratio = [0.05, 0.1, 0.15, 0.2]
 //! ```
 //!
-//! The fields of `[primary]`, `[absorber]`, `[start]` and `[run]` and their ranges are those of
+//! The fields of `[primary]`, `[absorber]`, `[force]`, `[start]` and `[run]` and their ranges are those of
 //! [`iva_sweep::fields::FIELDS`]; every error names file, line and column.
 
 use std::fs::File;
@@ -55,7 +55,8 @@ pub const SWEEP_TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 /// A study of more bytes is not one: a million values of an axis take some 20 MB.
 const MOST_BYTES: u64 = 64_000_000;
 
-const SECTIONS: [&str; 7] = ["version", "primary", "absorber", "start", "run", "sweep", "report"];
+const SECTIONS: [&str; 8] =
+    ["version", "primary", "absorber", "force", "start", "run", "sweep", "report"];
 const SAMPLES_RANGE: (u64, u64) = (1, 1_000_000);
 const COUNT_RANGE: (u64, u64) = (1, 1_000_000);
 

@@ -66,6 +66,10 @@ pub trait Motion {
     fn wall(&self) -> Option<Wall>;
     /// Energy lost in the damper up to h, an integral.
     fn viscous_loss(&self, h: f64) -> f64;
+    /// Work of force and base up to h, an integral.
+    fn work(&self, _h: f64) -> f64 {
+        0.0
+    }
     /// Energy lost in the pivot of a pendulum up to h, an integral.
     fn pivot_loss(&self, _h: f64) -> f64 {
         0.0

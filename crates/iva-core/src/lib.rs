@@ -60,6 +60,7 @@ pub mod compensated;
 pub mod contact;
 pub mod error;
 pub mod flight;
+pub mod force;
 pub mod impact;
 mod limits;
 pub mod measures;

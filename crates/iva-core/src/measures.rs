@@ -67,7 +67,9 @@ pub struct MeasureValues {
     pub energy_pivot: f64,
     /// E at the end.
     pub energy_final: f64,
-    /// Initial − impacts − viscous − pivot − final.
+    /// What force and base motion put in, an integral; 0 in free decay.
+    pub energy_work: f64,
+    /// Initial + work − impacts − viscous − pivot − final.
     pub energy_residual: f64,
 }
 
@@ -87,6 +89,7 @@ pub struct Measures<S: System> {
     last_half_period: f64,
     viscous: Sum,
     pivot: Sum,
+    work: Sum,
 }
 
 /// A₀, which grows with the first half cycle where x(0) = 0.
@@ -113,6 +116,7 @@ impl<S: System> Measures<S> {
             last_half_period: 0.0,
             viscous: Sum::ZERO,
             pivot: Sum::ZERO,
+            work: Sum::ZERO,
         }
     }
 
@@ -198,6 +202,7 @@ impl<S: System> Observer<S> for Measures<S> {
         if self.wanted.ledger {
             self.viscous = self.viscous.plus(span.motion.viscous_loss(span.length));
             self.pivot = self.pivot.plus(span.motion.pivot_loss(span.length));
+            self.work = self.work.plus(span.motion.work(span.length));
         }
         let to_period = -span.start.minus(TAU);
         if to_period > 0.0 && to_period <= span.length {
@@ -210,6 +215,7 @@ impl<S: System> Observer<S> for Measures<S> {
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+        let driven = system.is_driven();
         if self.half_cycles.ended == 0 {
             let only = self.half_cycles.current;
             self.peak(&only, 0);
@@ -217,9 +223,15 @@ impl<S: System> Observer<S> for Measures<S> {
         let amplitude = self.reference.amplitude;
         let whole = tally.outcome == Outcome::Finished && amplitude > 0.0;
         let values = &mut self.values;
-        [values.damping_ratio_1, values.damping_ratio_3, values.damping_ratio_10] = self.decrements;
-        values.damping_ratio_fit = self.fit.slope().map(|slope| -slope);
-        if whole && self.wanted.settling {
+        if driven {
+            // Nothing decays by itself: these would measure the force.
+            values.damping_ratio_energy = None;
+        } else {
+            [values.damping_ratio_1, values.damping_ratio_3, values.damping_ratio_10] =
+                self.decrements;
+            values.damping_ratio_fit = self.fit.slope().map(|slope| -slope);
+        }
+        if whole && self.wanted.settling && !driven {
             let late = self.last_half_period;
             [values.settling_time_10, values.settling_time_5, values.settling_time_2] =
                 std::array::from_fn(|i| self.settling[i].time(system, late, amplitude));
@@ -229,11 +241,13 @@ impl<S: System> Observer<S> for Measures<S> {
         }
         values.energy_viscous = self.viscous.value;
         values.energy_pivot = self.pivot.value;
+        values.energy_work = self.work.value;
         values.energy_final = system.energy(&tally.state);
         values.energy_residual = Sum::new(values.energy_initial)
             .plus(-tally.energy_impacts)
             .plus(-values.energy_viscous)
             .plus(-values.energy_pivot)
+            .plus(values.energy_work)
             .plus(-values.energy_final)
             .value;
     }

@@ -8,14 +8,15 @@
 use crate::compensated::Sum;
 use crate::error::Invalid;
 use crate::flight::Jet;
+use crate::force::Force;
 use crate::impact::Impact;
-use crate::oscillator::{Oscillator, Primary};
-use crate::ride::{Pressure, Ride, Rider};
-use crate::system::{Angle, Point, System, Wall};
+use crate::oscillator::Primary;
+use crate::system::{Angle, Clock, Point, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
 
 pub use motion::PivaFlight;
 pub use parameters::{Angles, ImpactLaw, Parameters};
+pub use ride::PivaRide;
 pub use start::{Given, PivaStart};
 
 use accuracy::Accuracy;
@@ -25,10 +26,11 @@ mod accuracy;
 mod impact_law;
 mod motion;
 mod parameters;
+mod ride;
 mod start;
 
 /// A pendulum absorber on its primary system.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Piva {
     parameters: Parameters,
     pendulum: Pendulum,
@@ -38,7 +40,8 @@ pub struct Piva {
     /// See [`System::pressure_gain`].
     pressure_gain: f64,
     accuracy: Accuracy,
-    loaded: Oscillator,
+    /// What drives it.
+    force: Force,
 }
 
 impl Piva {
@@ -81,13 +84,24 @@ impl Piva {
             pressure_gain: law.pressure_gain(&pendulum),
             // Small angles cost little, and are exact whatever was asked.
             accuracy: Accuracy::of(if pendulum.small_angles { 0.0 } else { parameters.tolerance }),
-            loaded: Oscillator::new(1.0 + mass_ratio, damping_ratio),
+            force: Force::default(),
         })
+    }
+
+    /// The same absorber under a force.
+    #[must_use]
+    pub fn under(self, force: Force) -> Self {
+        Self { force, ..self }
     }
 
     /// What it was made of.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// What drives it.
+    pub fn force(&self) -> &Force {
+        &self.force
     }
 
     /// True if the pendulum can reach the walls at all: d < b, or always where angles count as
@@ -127,7 +141,8 @@ impl Piva {
         h: f64,
         order: usize,
     ) -> Series<f64, LENGTH> {
-        let mut series = self.pendulum.series(&self.swing(state), h, order);
+        let drive = (!self.force.is_none()).then(|| self.force.drive(state.time, h));
+        let mut series = self.pendulum.series(&self.swing(state), drive.as_ref(), h, order);
         if state.released {
             // What rounding leaves of Ẇ and ÿ would send the pendulum back into the wall.
             (series.w[1], series.y[2]) = (0.0, 0.0);
@@ -151,6 +166,8 @@ impl Piva {
 /// Primary and pendulum between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PivaState {
+    /// Instant, for the force.
+    time: Clock,
     primary: Primary,
     wall: Wall,
     /// d − s y ≥ 0, the distance to the wall last touched.
@@ -177,25 +194,11 @@ impl PivaState {
     }
 }
 
-impl Rider for PivaState {
-    fn primary(&self) -> &Primary {
-        &self.primary
-    }
-
-    fn with_primary(self, primary: Primary) -> Self {
-        Self { primary, ..self }
-    }
-
-    fn wall(&self) -> Wall {
-        self.wall
-    }
-}
-
 impl System for Piva {
     type State = PivaState;
     type Start = PivaStart;
     type Flight<'a> = PivaFlight<'a>;
-    type Ride<'a> = Ride<'a, PivaState>;
+    type Ride<'a> = PivaRide<'a>;
 
     fn clearance(&self) -> f64 {
         self.parameters.clearance
@@ -221,12 +224,8 @@ impl System for Piva {
         PivaFlight::new(self, *state)
     }
 
-    fn ride(&self, state: &PivaState) -> Ride<'_, PivaState> {
-        let pressure = Pressure {
-            leverage: self.pendulum.coupling * self.wall_cosine,
-            weight: self.pendulum.frequency_squared * self.parameters.clearance,
-        };
-        Ride::new(&self.loaded, *state, self.parameters.clearance, pressure)
+    fn ride(&self, state: &PivaState) -> PivaRide<'_> {
+        PivaRide::new(self, *state)
     }
 
     fn wall(&self, state: &PivaState) -> Wall {
@@ -277,7 +276,7 @@ impl System for Piva {
     fn release(&self, state: &PivaState) -> PivaState {
         // Written into x, the pressure is 0 but for rounding.
         let v = Sum::new(state.primary.v.value);
-        let spring = v.times(-2.0 * self.parameters.damping_ratio);
+        let spring = v.times(-2.0 * self.parameters.damping_ratio).plus(self.driven(state.time));
         let released = -(1.0 + self.parameters.mass_ratio) * self.release_acceleration(state.wall);
         PivaState {
             primary: Primary { x: spring.plus(released), v },
@@ -304,6 +303,10 @@ impl System for Piva {
         0.5 * (x * x + v * v) + mass_ratio * (0.5 * kinetic + self.gravity() * length * rise)
     }
 
+    fn is_driven(&self) -> bool {
+        !self.force.is_none()
+    }
+
     fn angle(&self, state: &PivaState) -> Option<Angle> {
         let sine = state.y().value / self.pendulum.contact_distance;
         let small = self.pendulum.small_angles;
@@ -320,6 +323,11 @@ impl System for Piva {
 }
 
 impl Piva {
+    /// f/M at an instant.
+    fn driven(&self, time: Clock) -> f64 {
+        self.force.drive::<1>(time, 1.0).primary[0]
+    }
+
     /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.
     fn release_acceleration(&self, wall: Wall) -> f64 {
         let Pendulum { coupling, frequency_squared, .. } = self.pendulum;

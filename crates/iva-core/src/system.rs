@@ -129,6 +129,10 @@ pub trait System {
     fn primary(&self, state: &Self::State) -> Point;
     /// Total energy per primary mass.
     fn energy(&self, state: &Self::State) -> f64;
+    /// True if a force or the base drives it.
+    fn is_driven(&self) -> bool {
+        false
+    }
     /// Angle and angular velocity of a pendulum; `None` for an absorber without angle.
     fn angle(&self, _state: &Self::State) -> Option<Angle> {
         None

@@ -1,10 +1,11 @@
 //! The flight of a pendulum absorber as a Taylor series in time.
 //!
-//! With y = b sinθ the gap displacement, W = b θ̇, c = cosθ and a = ẍ the motion is polynomial:
+//! With y = b sinθ the gap displacement, W = b θ̇, c = cosθ and a = ẍ + a_g (a_g the acceleration of the base,
+//! see [`crate::force`]) the motion is polynomial:
 //!
 //! ```text
 //! ẏ = c W        ċ = −y W/b²        Ẇ = −(β a c + r² y + ν W)
-//! ẋ = u          u̇ = a              (1 + μ) a + μλ ÿ = −x − 2ζ u
+//! ẋ = u          u̇ = a − a_g        (1 + μ) a + μλ ÿ = f/M − x − 2ζ u
 //! ```
 //!
 //! with β = b/(κL), λ = L/b, r² = g/(κL), ν = 2ζp r (physics: Lagrange's equations of the paper's
@@ -16,6 +17,7 @@
 //! truncation leaves out.
 
 use crate::compensated::Sum;
+use crate::force::Drive;
 
 pub use remainder::Remainder;
 
@@ -115,7 +117,7 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
     pub x: [T; LENGTH],
     /// Its velocity.
     pub u: [T; LENGTH],
-    /// Its acceleration, one order less.
+    /// Its absolute acceleration A = ẍ + a_g, one order less.
     pub a: [T; LENGTH],
     /// Gap displacement.
     pub y: [T; LENGTH],
@@ -153,10 +155,11 @@ impl Pendulum {
         ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt()
     }
 
-    /// The series from a state, for a step of length h, up to `order` of x, u, y, W and c.
+    /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.
     pub fn series<T: Number, const LENGTH: usize>(
         &self,
         start: &Swing<T>,
+        drive: Option<&Drive<T, LENGTH>>,
         h: f64,
         order: usize,
     ) -> Series<T, LENGTH> {
@@ -186,11 +189,12 @@ impl Pendulum {
                 next_swept = convolution(&s.c[1..=k + 1], &s.w[..=k]);
             }
             let rest = beta * ca + r2 * s.y[k] + nu * s.w[k];
-            let force = -(s.x[k] + zeta2 * s.u[k]);
+            let [driven, base] = drive.map_or([n(0.0); 2], |it| [it.primary[k], it.base[k]]);
+            let force = driven - (s.x[k] + zeta2 * s.u[k]);
             s.a[k] =
                 (force - pull * (next_swept * next * over_step - start.c * rest)) * over_inertia;
             s.w[k + 1] = -(over * (beta * start.c * s.a[k] + rest));
-            s.u[k + 1] = over * s.a[k];
+            s.u[k + 1] = over * (s.a[k] - base);
             s.x[k + 1] = over * s.u[k];
             s.y[k + 1] = over * (start.c * s.w[k] + swept);
             swept = next_swept;

@@ -98,6 +98,11 @@ pub static SUMMARY: &[Column] = &[
         Quantity::Acceleration,
         "acceleration of gravity on a pendulum, given or following from frequency and length",
     ),
+    column(
+        "energy_work",
+        Quantity::Energy,
+        "work of force and base, integrated along the motion; 0 in free decay",
+    ),
 ];
 
 /// Columns of `impacts` after `point`.

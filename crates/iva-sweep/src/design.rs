@@ -6,6 +6,8 @@
 use std::f64::consts::TAU;
 
 use iva_core::error::{Invalid, number};
+use iva_core::force::Force;
+pub use iva_core::force::Harmonic;
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
@@ -13,6 +15,7 @@ use iva_core::system::{Start, System};
 
 use crate::choices::{Choices, Kind, only};
 use crate::fields::{FIELD_COUNT, FieldId};
+use crate::forces;
 use crate::pendulum::{self, Common, STANDARD_GRAVITY};
 use crate::units::{Scale, UnitSystem};
 
@@ -30,7 +33,7 @@ impl Default for Spec {
 }
 
 /// A design point ready to run, in natural units, with the way back to the user's.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Design {
     /// The absorber on its primary system, and its start.
     pub scene: Scene,
@@ -44,9 +47,10 @@ pub struct Design {
 
 /// What the core runs. It lives on the stack, once a run.
 #[allow(clippy::large_enum_variant)]
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub enum Scene {
-    /// A free mass.
+    /// A free mass in free decay; under a force it is a pendulum at small angles without gravity,
+    /// which is the same motion.
     Siva {
         /// The absorber.
         system: Siva,
@@ -118,7 +122,9 @@ impl Scene {
     pub fn at_rest(&self) -> bool {
         match self {
             Scene::Siva { system, start } => system.energy(&system.begin(start).0) == 0.0,
-            Scene::Piva { system, start, .. } => system.energy(&system.begin(start).0) == 0.0,
+            Scene::Piva { system, start, .. } => {
+                !system.is_driven() && system.energy(&system.begin(start).0) == 0.0
+            }
         }
     }
 
@@ -127,6 +133,14 @@ impl Scene {
         match self {
             Scene::Siva { .. } => true,
             Scene::Piva { system, .. } => system.stop_reachable(),
+        }
+    }
+
+    /// The harmonic force or base motion, in natural units.
+    pub fn harmonic(&self) -> Option<&Harmonic> {
+        match self {
+            Scene::Siva { .. } => None,
+            Scene::Piva { system, .. } => system.force().harmonics().first(),
         }
     }
 
@@ -243,7 +257,8 @@ impl Spec {
             .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
         let mass_ratio = self.mass_ratio(&scale, units)?;
         let common = Common { mass_ratio, restitution, clearance, damping_ratio };
-        let scene = self.scene(common, start, &scale)?;
+        let force = forces::force(self, &scale, units)?;
+        let scene = self.scene(common, start, force, &scale)?;
         let limits = Limits {
             duration: self.duration(omega)?,
             max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
@@ -256,8 +271,23 @@ impl Spec {
         Ok(Design { scene, limits, scale, units })
     }
 
-    fn scene(&self, common: Common, start: Start, scale: &Scale) -> Result<Scene, Invalid> {
+    fn scene(
+        &self,
+        common: Common,
+        start: Start,
+        force: Force,
+        scale: &Scale,
+    ) -> Result<Scene, Invalid> {
         match self.choices.kind {
+            Kind::Siva if !force.is_none() => {
+                let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
+                let parameters =
+                    piva::Parameters::free_mass(mass_ratio, restitution, clearance, damping_ratio);
+                let system = Piva::new(parameters)?.under(force);
+                let start = PivaStart::from(start);
+                system.check_start(&start)?;
+                Ok(Scene::Piva { system, start, gravity: None })
+            }
             Kind::Siva => {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
                 let system = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
@@ -268,7 +298,7 @@ impl Spec {
                 self.at_most_one(&[FieldId::GapDisplacement, FieldId::Angle])?;
                 self.at_most_one(&[FieldId::GapVelocity, FieldId::AngularVelocity])?;
                 let (parameters, gravity) = pendulum::parameters(self, common, scale)?;
-                let system = Piva::new(parameters)?;
+                let system = Piva::new(parameters)?.under(force);
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
                 Ok(Scene::Piva { system, start, gravity })
@@ -388,7 +418,7 @@ impl Spec {
         }
     }
 
-    fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
+    pub(crate) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
         let mut given = fields.iter().filter(|id| self.get(**id).is_some());
         match (given.next(), given.next()) {
             (Some(first), Some(second)) => Err(Invalid::new(

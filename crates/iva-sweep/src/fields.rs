@@ -18,6 +18,8 @@ pub enum Part {
     Primary,
     /// The impact mass in its gap.
     Absorber,
+    /// What drives the scene; nothing if left out.
+    Force,
     /// The state at time zero.
     Start,
     /// How long to run and where to stop.
@@ -26,13 +28,14 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of a study file.
-    pub const ALL: [Part; 4] = [Part::Primary, Part::Absorber, Part::Start, Part::Run];
+    pub const ALL: [Part; 5] = [Part::Primary, Part::Absorber, Part::Force, Part::Start, Part::Run];
 
     /// The section name of a study file.
     pub fn name(self) -> &'static str {
         match self {
             Part::Primary => "primary",
             Part::Absorber => "absorber",
+            Part::Force => "force",
             Part::Start => "start",
             Part::Run => "run",
         }
@@ -76,8 +79,10 @@ pub enum Quantity {
     Angle,
     /// Rate of an angle.
     AngularVelocity,
-    /// Acceleration, that of gravity.
+    /// Acceleration: of gravity, of the base, force over mass.
     Acceleration,
+    /// Force.
+    Force,
 }
 
 /// Smallest size of a number with a unit, other than 0.
@@ -221,6 +226,13 @@ fields! {
     InertiaRatio: Absorber "inertia_ratio" Ratio InertiaRatio "inertia" "moment of inertia about the pivot over m L²" Piva;
     ContactDistance: Absorber "contact_distance" Length Positive "contact" "from the pivot to the point that meets the stops (default: the length)" Piva;
     PivotDampingRatio: Absorber "pivot_damping_ratio" Ratio DampingRatio "pivot" "damping ratio of the hanging pendulum" Piva;
+    Amplitude: Force "amplitude" Acceleration Size "amplitude" "amplitude of the force over the primary mass, f/M";
+    ForceAmplitude: Force "force" Force Size "amplitude" "amplitude of the force on the primary; needs a mass";
+    BaseAcceleration: Force "base_acceleration" Acceleration Size "amplitude" "amplitude of the acceleration of the base, instead of a force";
+    ForceFrequency: Force "frequency" AngularFrequency Positive "frequency" "angular frequency of the force";
+    RelativeFrequency: Force "relative_frequency" Ratio Positive "frequency" "frequency of the force over that of the bare primary system";
+    ForceFrequencyHz: Force "frequency_hz" Hertz Positive "frequency" "frequency of the force in Hz";
+    Phase: Force "phase" Angle Angle "phase" "phase of the cosine at time zero, in rad";
     Displacement: Start "displacement" Length Size "displacement" "displacement of the primary system";
     DisplacementMm: Start "displacement_mm" Millimetre Size "displacement" "displacement of the primary system in mm";
     Velocity: Start "velocity" Velocity Size "velocity" "velocity of the primary system";
@@ -259,6 +271,11 @@ impl FieldId {
         (one.part, one.group) == (other.part, other.group)
     }
 
+    /// True if a bare name means this field.
+    fn is_named(self, key: &str) -> bool {
+        self.info().part != Part::Force && self.info().name == key
+    }
+
     /// Finds a field by its part and name.
     pub fn find(part: Part, name: &str) -> Option<FieldId> {
         Self::all().find(|id| id.info().part == part && id.info().name == name)
@@ -274,6 +291,7 @@ impl FieldId {
             | F::Velocity
             | F::GapDisplacement
             | F::GapVelocity
+            | F::Phase
             | F::Tolerance => Some(0.0),
             F::InertiaRatio => Some(1.0),
             F::MaxImpacts => Some(Limits::MAX_IMPACTS as f64),
@@ -298,13 +316,14 @@ impl FieldId {
         }
     }
 
-    /// Reads a sweep key: a bare name where it is unique, else `part.name`.
+    /// Reads a sweep key: a bare name where it is unique, else `part.name`; of a force always
+    /// `force.name`.
     ///
     /// # Errors
     /// [`Invalid`] that lists the candidates of an ambiguous name or the nearest known key.
     pub fn from_key(key: &str) -> Result<FieldId, Invalid> {
         let matches: Vec<FieldId> =
-            Self::all().filter(|id| id.info().name == key || id.path() == key).collect();
+            Self::all().filter(|id| id.is_named(key) || id.path() == key).collect();
         match matches.as_slice() {
             [one] => Ok(*one),
             [] => {
@@ -314,10 +333,14 @@ impl FieldId {
                         "it is chosen by a word, which cannot be swept; make a study for each";
                     return Err(Invalid::new("sweep key", format!("`{key}`"), rule));
                 }
-                let known: Vec<String> =
-                    Self::all().flat_map(|id| [id.info().name.to_owned(), id.path()]).collect();
-                let hint = nearest(key, known.iter().map(String::as_str))
-                    .map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+                let of_force = Self::find(Part::Force, key).map(FieldId::path);
+                let known: Vec<String> = Self::all()
+                    .flat_map(|id| [id.path(), id.info().name.to_owned()])
+                    .filter(|name| name.contains('.') || Self::all().any(|id| id.is_named(name)))
+                    .collect();
+                let near =
+                    of_force.as_deref().or_else(|| nearest(key, known.iter().map(String::as_str)));
+                let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
                 Err(Invalid::new("sweep key", format!("`{key}`"), format!("no such field{hint}")))
             }
             several => {

@@ -9,6 +9,7 @@ pub mod choices;
 pub mod columns;
 pub mod design;
 pub mod fields;
+mod forces;
 pub mod motion;
 mod pendulum;
 mod rows;

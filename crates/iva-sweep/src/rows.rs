@@ -47,6 +47,7 @@ pub(crate) fn summary<S>(
         energy(values.energy_pivot),
         Cell::Flag(scene.stop_reachable()),
         scene.gravity().into(),
+        energy(values.energy_work),
     ];
     cells
         .into_iter()

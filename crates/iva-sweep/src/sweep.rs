@@ -180,7 +180,7 @@ impl Request {
                 ]),
                 settling: any(&["settling_time_10", "settling_time_5", "settling_time_2"]),
                 residual: any(&["residual_amplitude"]),
-                ledger: any(&["energy_viscous", "energy_pivot", "energy_residual"]),
+                ledger: any(&["energy_viscous", "energy_pivot", "energy_work", "energy_residual"]),
             },
         }
     }

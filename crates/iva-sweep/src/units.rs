@@ -34,6 +34,7 @@ impl UnitSystem {
             (Q::Hertz, _) => "Hz",
             (Q::Millimetre, _) => "mm",
             (Q::Mass, _) => "kg",
+            (Q::Force, _) => "N",
             (Q::Stiffness, _) => "N/m",
             (Q::Damping, _) => "N s/m",
             (Q::AngularFrequency, Self::Natural) => "ωn",

@@ -5,6 +5,7 @@ use crate::{
     dd::Dd,
     oracle::{Kind, Scene},
 };
+use iva_core::force::{Acts, Force, Harmonic};
 use iva_core::piva;
 use serde_json::Value;
 
@@ -59,31 +60,50 @@ pub struct PivaReference {
     pub name: String,
     /// Parameters as the doubles nearest to the decimals of the file.
     pub parameters: piva::Parameters,
+    /// What drives it.
+    pub force: Force,
+    /// Displacement at the start, at rest.
+    pub displacement: f64,
     /// Length of the run.
     pub duration: f64,
     /// Its events in order, without the impacts of |approach| ≤ 1e-9.
     pub events: Vec<Expected>,
 }
 
-/// The four scenes of the pendulum absorber, all from displacement 1 at rest.
+/// The four free decays of the pendulum absorber.
 pub fn piva_scenes() -> Vec<PivaReference> {
-    let text = include_str!("../../reference/piva_free_decay.json");
+    read_pendulums(include_str!("../../reference/piva_free_decay.json"))
+}
+
+/// The scenes under a harmonic force; the free mass is a pendulum at small angles without gravity.
+pub fn forced_scenes() -> Vec<PivaReference> {
+    read_pendulums(include_str!("../../reference/forced.json"))
+}
+
+fn read_pendulums(text: &str) -> Vec<PivaReference> {
     let file: Value = serde_json::from_str(text).expect("a JSON file");
     let read = |(name, value): (&String, &Value)| {
-        let key = |key: &str| number(&value["scene"][key]).value();
-        let parameters = piva::Parameters {
-            frequency_ratio: key("r"),
-            ..piva::Parameters::point_bob(
-                key("mu"),
-                key("e"),
-                key("gamma"),
-                key("zeta"),
-                key("lam"),
-            )
+        let scene = &value["scene"];
+        let key = |key: &str| number(&scene[key]).value();
+        let (mu, e, gamma, zeta) = (key("mu"), key("e"), key("gamma"), key("zeta"));
+        let parameters = match scene.get("r") {
+            None => piva::Parameters::free_mass(mu, e, gamma, zeta),
+            Some(_) => piva::Parameters {
+                frequency_ratio: key("r"),
+                ..piva::Parameters::point_bob(mu, e, gamma, zeta, key("lam"))
+            },
         };
+        let harmonic = scene.get("F").map(|_| Harmonic {
+            amplitude: key("F"),
+            frequency: key("Omega"),
+            phase: 0.0,
+            acts: Acts::Primary,
+        });
         PivaReference {
             name: name.clone(),
             parameters,
+            force: Force::new(harmonic.into_iter().collect()).expect("a force"),
+            displacement: scene.get("x").map_or(1.0, |x| number(x).value()),
             duration: number(&value["tau_end"]).value(),
             events: events(value),
         }

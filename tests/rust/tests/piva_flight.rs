@@ -156,7 +156,7 @@ fn the_order_of_the_series_is_the_one_it_says() {
     let start = Swing { x, u, y: (sine * 2.0).value(), w: 2.0 * rate, c: cosine.value() };
     for order in [4, 6, 8] {
         let error = |h: f64| {
-            let series: Series<f64> = pendulum.series(&start, h, order);
+            let series: Series<f64> = pendulum.series(&start, None, h, order);
             let [_, _, later, _] = swing(&p, [x.into(), u.into(), angle.into(), rate.into()], h);
             let truth = sine_cosine(later).0 * 2.0;
             (truth - horner(&series.y[..=order], 1.0)).abs().value()

@@ -3,6 +3,7 @@
 use super::{Parameters, Piva, PivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::system::Wall;
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner};
@@ -26,8 +27,8 @@ impl<'a> PivaFlight<'a> {
     pub(super) fn new(piva: &'a Piva, from: PivaState) -> Self {
         let order = piva.accuracy.order;
         let step = piva.longest_step(&from);
-        let series = piva.series(&from, step, order);
-        let share = Remainder::prove(&piva.pendulum, &series, step, order)
+        let series: Series<f64> = piva.series(&from, step, order);
+        let share = Remainder::prove(&piva.pendulum, &series, &piva.force, step, order)
             .and_then(|remainder| Some((share_kept(&remainder, piva, &from)?, remainder)));
         let Some((share, remainder)) = share else {
             // What cannot be enclosed is not flown: the run ends there and says so.
@@ -81,7 +82,8 @@ impl Sizes {
         let Parameters { clearance, contact_distance, .. } = piva.parameters;
         let gap = if piva.stop_reachable() { clearance } else { clearance.min(contact_distance) };
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
-        Self { primary: moved.max(piva.parameters.mass_ratio * gap), gap }
+        let moved = moved.max(piva.parameters.mass_ratio * gap).max(piva.force.size());
+        Self { primary: moved, gap }
     }
 }
 
@@ -105,7 +107,8 @@ impl Piva {
         } else {
             state.w.value.abs() / pendulum.contact_distance
         };
-        self.accuracy.longest_step / primary.max(hanging).max(swing).max(pendulum.pivot_damping)
+        self.accuracy.longest_step
+            / primary.max(hanging).max(swing).max(pendulum.pivot_damping).max(self.force.fastest())
     }
 }
 
@@ -136,6 +139,7 @@ impl Motion for PivaFlight<'_> {
         let gentle = sine.abs() < STEEP;
         let cosine = if gentle { self.piva.pendulum.cosine(y).copysign(own) } else { own };
         PivaState {
+            time: from.time.plus(h),
             primary: Primary {
                 x: from.primary.x.plus(increment(&series.x)),
                 v: from.primary.v.plus(increment(&series.u)),
@@ -154,8 +158,8 @@ impl Motion for PivaFlight<'_> {
         Jet {
             value: state.primary.x.value,
             rate: state.primary.v.value,
-            curvature: series.a[0],
-            jerk: series.a[1],
+            curvature: series.u[1],
+            jerk: 2.0 * series.u[2],
         }
     }
 
@@ -169,6 +173,14 @@ impl Motion for PivaFlight<'_> {
         None
     }
 
+    fn work(&self, h: f64) -> f64 {
+        if self.piva.force.is_none() {
+            return 0.0;
+        }
+        let drive = self.piva.force.drive(self.from.time, self.step);
+        work(self.piva, &drive, &self.series.u, &self.series.y, self.share(h), self.step)
+    }
+
     fn viscous_loss(&self, h: f64) -> f64 {
         self.loss(2.0 * self.piva.pendulum.damping_ratio, &self.series.u, h)
     }
@@ -180,13 +192,40 @@ impl Motion for PivaFlight<'_> {
     }
 }
 
+/// Work of force and base over a share t of a step: ∫ (f/M) ẋ − a_g ((1 + μ) ẋ + μλ ẏ) dt, the
+/// momentum of all masses along x behind a_g.
+pub(super) fn work(
+    piva: &Piva,
+    drive: &Drive<f64>,
+    u: &Row<f64>,
+    y: &Row<f64>,
+    t: f64,
+    step: f64,
+) -> f64 {
+    let order = piva.accuracy.order;
+    let mass = 1.0 + piva.parameters.mass_ratio;
+    let pull = piva.parameters.mass_ratio * piva.pendulum.lever;
+    // ẏ in powers of t/step, one order less.
+    let rate = |k: usize| if k < order { (k + 1) as f64 * y[k + 1] / step } else { 0.0 };
+    let momentum: Row<f64> =
+        std::array::from_fn(|k| if k <= order { mass * u[k] + pull * rate(k) } else { 0.0 });
+    let on_primary = product_integral(&drive.primary[..=order], &u[..=order], t);
+    let on_base = product_integral(&drive.base[..=order], &momentum[..=order], t);
+    (on_primary - on_base) * step
+}
+
 /// ∫₀ᵗ f² of a polynomial f.
-fn square_integral(f: &[f64], t: f64) -> f64 {
+pub(super) fn square_integral(f: &[f64], t: f64) -> f64 {
+    product_integral(f, f, t)
+}
+
+/// ∫₀ᵗ f g of two polynomials of one order.
+fn product_integral(f: &[f64], g: &[f64], t: f64) -> f64 {
     // At t the terms are moderate, whatever the coefficients are.
-    let mut terms = [0.0; ORDER + 1];
+    let (mut f_terms, mut g_terms) = ([0.0; ORDER + 1], [0.0; ORDER + 1]);
     let mut power = 1.0;
-    for (term, coefficient) in terms.iter_mut().zip(f) {
-        *term = power * coefficient;
+    for (k, (f, g)) in f.iter().zip(g).enumerate() {
+        (f_terms[k], g_terms[k]) = (power * f, power * g);
         power *= t;
     }
     let order = f.len() - 1;
@@ -194,7 +233,7 @@ fn square_integral(f: &[f64], t: f64) -> f64 {
     for k in (0..=2 * order).rev() {
         let mut product = 0.0;
         for i in k.saturating_sub(order)..=k.min(order) {
-            product += terms[i] * terms[k - i];
+            product += f_terms[i] * g_terms[k - i];
         }
         sum += product / (k + 1) as f64;
     }
@@ -227,7 +266,10 @@ impl Curve for PivaFlight<'_> {
             },
         };
         let order = self.piva.accuracy.order;
-        let mut series: Series<Sum> = self.piva.pendulum.series(&start, self.step, order);
+        let drive =
+            (!self.piva.force.is_none()).then(|| self.piva.force.precise(from.time, self.step));
+        let mut series: Series<Sum> =
+            self.piva.pendulum.series(&start, drive.as_ref(), self.step, order);
         if from.released {
             (series.w[1], series.y[2]) = (Sum::ZERO, Sum::ZERO);
         }

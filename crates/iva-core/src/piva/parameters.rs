@@ -14,7 +14,7 @@ pub struct Parameters {
     pub clearance: f64,
     /// Damping ratio ζ of the primary.
     pub damping_ratio: f64,
-    /// r = ωp/ωn, frequency of the hanging pendulum over that of the primary.
+    /// r = ωp/ωn, frequency of the hanging pendulum over that of the primary; 0 without gravity.
     pub frequency_ratio: f64,
     /// L, from the pivot to the centre of mass.
     pub length: f64,
@@ -80,6 +80,20 @@ impl Parameters {
         }
     }
 
+    /// A free mass: what a point bob at small angles is without gravity. Its length drops out.
+    pub fn free_mass(
+        mass_ratio: f64,
+        restitution: f64,
+        clearance: f64,
+        damping_ratio: f64,
+    ) -> Self {
+        Self {
+            frequency_ratio: 0.0,
+            angles: Angles::Small,
+            ..Self::point_bob(mass_ratio, restitution, clearance, damping_ratio, clearance)
+        }
+    }
+
     /// Checks every number's range.
     ///
     /// # Errors
@@ -89,7 +103,9 @@ impl Parameters {
         range::positive("absorber.clearance", self.clearance)?;
         range::restitution("absorber.restitution", self.restitution)?;
         range::damping_ratio("primary.damping_ratio", self.damping_ratio)?;
-        range::positive("absorber.frequency_ratio", self.frequency_ratio)?;
+        if self.frequency_ratio != 0.0 {
+            range::positive("absorber.frequency_ratio", self.frequency_ratio)?;
+        }
         range::positive("absorber.length", self.length)?;
         range::positive("absorber.contact_distance", self.contact_distance)?;
         range::damping_ratio("absorber.pivot_damping_ratio", self.pivot_damping_ratio)?;

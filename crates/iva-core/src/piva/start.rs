@@ -7,7 +7,7 @@ use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::oscillator::Primary;
 use crate::range;
-use crate::system::{Start, Wall};
+use crate::system::{Clock, Start, Wall};
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;
@@ -144,6 +144,7 @@ impl Piva {
             _ => Sum::new(w),
         };
         let state = PivaState {
+            time: Clock::ZERO,
             primary,
             wall,
             distance: if touching { Sum::ZERO } else { distance },

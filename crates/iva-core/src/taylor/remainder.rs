@@ -20,11 +20,12 @@
 //! ```
 //!
 //! so that the recurrences carry the claim from k to k + 1 if the constants satisfy one inequality
-//! each ([`Proof::next`]). They contain h and q as h/q only: where no small q will do, a larger one is
+//! each ([`Proof::next`]). Force and base motion obey a claim like a's ([`Force::tail`]). They contain h and q as h/q only: where no small q will do, a larger one is
 //! a claim about a shorter step. The sums are σ₂ = (2/N + 4 ln(n/N)/n)/n with n = 2N + 2, falling in n
 //! and by ln p ≤ p − 1, and σ₁ = (1 + 2/e)/N, both from 1/(m(n−m)) = (1/m + 1/(n−m))/n.
 
 use super::{ORDER, Pendulum, RECIPROCALS, Row, Series};
+use crate::force::Force;
 
 /// Constants of the claim.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -68,12 +69,14 @@ impl Remainder {
     pub fn prove(
         pendulum: &Pendulum,
         series: &Series<f64>,
+        force: &Force,
         h: f64,
         order: usize,
     ) -> Option<Remainder> {
         let mut ratio = FINEST.max(FIRST * decay(series, order));
         for _ in 0..RATIOS {
-            let proof = Proof::new(pendulum, series, h, order, ratio);
+            let mut proof = Proof::new(pendulum, series, h, order, ratio);
+            proof.driven = force.tail(h, order, ratio).unwrap_or([f64::INFINITY; 2]);
             let mut tail = proof.known.times(MARGIN);
             for _ in 0..ATTEMPTS {
                 let next = proof.next(&tail);
@@ -168,6 +171,8 @@ struct Proof<'a> {
     beyond: f64,
     sigma_1: f64,
     sigma_2: f64,
+    /// Constants of f/M and a_g; infinite if q is too small for them.
+    driven: [f64; 2],
     /// |c₀|
     cosine: f64,
     /// H₁ of c without its first term, of W.
@@ -195,6 +200,7 @@ impl<'a> Proof<'a> {
             beyond,
             sigma_1: 1.74 / order_,
             sigma_2: (2.0 / order_ + 4.0 * (n / order_ - 1.0) / n) / n,
+            driven: [0.0; 2],
             cosine: series.c[0].abs(),
             c_1: 0.0,
             w_1: 0.0,
@@ -272,14 +278,15 @@ impl<'a> Proof<'a> {
         let c_r = t.r * self.c_1 + t.c * self.r_2 * beyond + sigma_1 * t.c * t.r;
         let s_w = t.s * self.w_1 + t.w * self.s_2 * beyond + sigma_1 * t.w * t.s;
         let linear = (r2 * t.y + nu * t.w) * beyond;
-        let force = (t.x + 2.0 * damping_ratio * t.u) * beyond;
+        let [driven, base] = self.driven;
+        let force = driven + (t.x + 2.0 * damping_ratio * t.u) * beyond;
         let inertia = 1.0 + mass_ratio - pull * beta * (cosine * cosine);
         let a = (force + pull * (s_w + c_r + cosine * (beta * c_a + linear))) / inertia;
         let r = beta * (cosine * t.a + c_a) + linear;
         let c_w = (t.w * self.c_2 + t.c * self.w_2) * beyond + sigma_2 * t.c * t.w;
         Tail {
             x: step * beyond * t.u,
-            u: step * t.a,
+            u: step * (t.a + base),
             y: step * c_w,
             c: step * t.s,
             w: step * t.r,

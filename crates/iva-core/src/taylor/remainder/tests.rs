@@ -35,9 +35,10 @@ fn no_later_coefficient_exceeds_its_bound() {
             c: cosine,
         };
         for (order, h) in [(10, 0.5), (16, 0.6), (20, 0.4), (20, 1.0)] {
-            let short = pendulum.series::<f64, { ORDER + 1 }>(&start, h, order);
-            let long = pendulum.series::<f64, LONG>(&start, h, LONG - 1);
-            let remainder = Remainder::prove(&pendulum, &short, h, order).unwrap();
+            let short = pendulum.series::<f64, { ORDER + 1 }>(&start, None, h, order);
+            let long = pendulum.series::<f64, LONG>(&start, None, h, LONG - 1);
+            let remainder =
+                Remainder::prove(&pendulum, &short, &Force::default(), h, order).unwrap();
             let Tail { x, u, y, c, w, .. } = remainder.tail;
             for k in order + 1..LONG {
                 let bound = power(remainder.ratio, k) / ((k + 1) * (k + 1)) as f64;

@@ -1,0 +1,180 @@
+//! The pendulum stuck on a wall: one mass 1 + μ on the primary's spring and damper,
+//! (1 + μ) A + 2ζ ẋ + x = f/M with A = ẍ + a_g, until the pressure −s β cosθ A − r² d changes sign.
+//!
+//! Linear, so the power series is the solution: with steps of [`LONGEST`] over the fastest rate what
+//! it leaves out after [`ORDER`] terms is below 10⁻²¹ of it.
+
+use super::motion::{square_integral, work};
+use super::{Piva, PivaState};
+use crate::compensated::Sum;
+use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::force::Drive;
+use crate::oscillator::Primary;
+use crate::system::Wall;
+use crate::taylor::{ORDER, Row, horner};
+
+/// Longest step, over the fastest rate of oscillator and force.
+const LONGEST: f64 = 0.75;
+
+/// The ride from one state.
+#[derive(Debug, Clone)]
+pub struct PivaRide<'a> {
+    piva: &'a Piva,
+    from: PivaState,
+    drive: Drive<f64>,
+    /// In powers of t over `step`.
+    x: Row<f64>,
+    u: Row<f64>,
+    /// Absolute acceleration A.
+    a: Row<f64>,
+    step: f64,
+}
+
+impl<'a> PivaRide<'a> {
+    pub(super) fn new(piva: &'a Piva, from: PivaState) -> Self {
+        let mass = 1.0 + piva.parameters.mass_ratio;
+        let damping = 2.0 * piva.parameters.damping_ratio;
+        let half = 0.5 * damping / mass;
+        let fastest = half + (half * half + 1.0 / mass).sqrt();
+        let step = LONGEST / fastest.max(piva.force.fastest());
+        let drive = piva.force.drive(from.time, step);
+        let row = [0.0; ORDER + 1];
+        let (mut x, mut u, mut a) = (row, row, row);
+        (x[0], u[0]) = (from.primary.x.value, from.primary.v.value);
+        for k in 0..=ORDER {
+            a[k] = (drive.primary[k] - damping * u[k] - x[k]) / mass;
+            if k < ORDER {
+                let over = step / (k + 1) as f64;
+                u[k + 1] = over * (a[k] - drive.base[k]);
+                x[k + 1] = over * u[k];
+            }
+        }
+        Self { piva, from, drive, x, u, a, step }
+    }
+
+    fn share(&self, h: f64) -> f64 {
+        h / self.step
+    }
+
+    /// How much of A presses on the wall.
+    fn leverage(&self) -> f64 {
+        self.piva.pendulum.coupling * self.piva.wall_cosine
+    }
+
+    /// Gravity, which pulls off the wall.
+    fn weight(&self) -> f64 {
+        self.piva.pendulum.frequency_squared * self.piva.parameters.clearance
+    }
+}
+
+impl Motion for PivaRide<'_> {
+    type State = PivaState;
+    const RIDING: bool = true;
+
+    fn origin(&self) -> &PivaState {
+        &self.from
+    }
+
+    fn reach(&self) -> f64 {
+        self.step
+    }
+
+    fn state(&self, h: f64) -> PivaState {
+        let (t, from) = (self.share(h), &self.from);
+        let increment = |row: &Row<f64>| t * horner(&row[1..], t);
+        PivaState {
+            time: from.time.plus(h),
+            primary: Primary {
+                x: from.primary.x.plus(increment(&self.x)),
+                v: from.primary.v.plus(increment(&self.u)),
+            },
+            ..*from
+        }
+    }
+
+    fn primary(&self, h: f64) -> Jet {
+        let state = self.state(h);
+        let [_, curvature, jerk, _] = derivatives(&self.u, self.share(h), self.step);
+        Jet { value: state.primary.x.value, rate: state.primary.v.value, curvature, jerk }
+    }
+
+    fn gap(&self, _h: f64) -> GapPoint {
+        GapPoint { y: self.from.wall.sign() * self.from.clearance, w: 0.0 }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        Some(self.from.wall)
+    }
+
+    fn work(&self, h: f64) -> f64 {
+        if self.piva.force.is_none() {
+            return 0.0;
+        }
+        let still = [0.0; ORDER + 1];
+        work(self.piva, &self.drive, &self.u, &still, self.share(h), self.step)
+    }
+
+    fn viscous_loss(&self, h: f64) -> f64 {
+        let factor = 2.0 * self.piva.parameters.damping_ratio;
+        if factor == 0.0 {
+            0.0
+        } else {
+            factor * square_integral(&self.u, self.share(h)) * self.step
+        }
+    }
+}
+
+/// Value and first three derivatives of a polynomial in t over `step`.
+fn derivatives(row: &Row<f64>, t: f64, step: f64) -> [f64; 4] {
+    let mut factors = *row;
+    let mut scale = 1.0;
+    std::array::from_fn(|order| {
+        let count = ORDER + 1 - order;
+        let value = horner(&factors[..count], t) / scale;
+        for k in 1..count {
+            factors[k - 1] = k as f64 * factors[k];
+        }
+        scale *= step;
+        value
+    })
+}
+
+/// The pressure on the wall; the ride ends where it changes sign.
+impl Curve for PivaRide<'_> {
+    type Sample = PivaState;
+
+    fn sample(&self, h: f64) -> PivaState {
+        self.state(h)
+    }
+
+    fn jet(&self, sample: &PivaState) -> Jet {
+        let t = self.share((sample.time - self.from.time).value);
+        let factor = -self.from.wall.sign() * self.leverage();
+        let [value, rate, curvature, jerk] = derivatives(&self.a, t, self.step);
+        Jet {
+            value: factor * value - self.weight(),
+            rate: factor * rate,
+            curvature: factor * curvature,
+            jerk: factor * jerk,
+        }
+    }
+
+    /// The magnitude is that of the terms: plain evaluation is precise enough.
+    fn precise(&self, h: f64) -> Sum {
+        Sum::new(self.jet(&self.state(h)).value)
+    }
+
+    /// The sum of the terms of A⁗, and as much again for those left out.
+    fn fourth(&self) -> f64 {
+        let sum = (4..=ORDER).rev().fold(0.0, |sum, k| {
+            let k_ = k as f64;
+            sum + k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0) * self.a[k].abs()
+        });
+        2.0 * self.leverage() * sum / (self.step * self.step * self.step * self.step)
+    }
+
+    fn magnitude(&self) -> f64 {
+        let sum: f64 = self.a.iter().map(|coefficient| coefficient.abs()).sum();
+        self.leverage() * sum + self.weight()
+    }
+}
