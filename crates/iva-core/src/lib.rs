@@ -25,8 +25,9 @@
 //!
 //! * [`system`] says what an absorber must tell of itself; [`siva`] is a free mass, [`piva`] a
 //!   pendulum.
-//! * [`oscillator`], [`taylor`], [`flight`] and [`ride`] are the smooth motion, [`roots`] and [`contact`] the certified
-//!   search for what ends it, [`impact`] and [`chatter`] what happens then.
+//! * [`oscillator`], [`taylor`] and [`flight`] are the smooth motion, [`force`] what drives it,
+//!   [`roots`] and [`contact`] the certified search for what ends it, [`impact`] and [`chatter`] what
+//!   happens then.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
 //! * [`range`] holds the numbers that a run accepts.
 //! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] watch a run.
@@ -40,8 +41,9 @@
 //! carried: a grazing decided by the rounding of earlier impacts is decided as exactly as the
 //! conditioning of the run allows, no better.
 //!
-//! Only + − × ÷ √ take part in the motion, each rounded as IEEE 754 demands, so that a run has the
-//! same bits on every machine of one architecture. Logarithms and π appear in measures only.
+//! Only + − × ÷ √ take part in the motion, each rounded as IEEE 754 demands, and the sines of the
+//! `libm` crate, made of the same (for the phase of a force and the angle of a start), so that a run
+//! has the same bits on every machine of one architecture. Logarithms and π appear in measures only.
 //!
 //! ```
 //! use iva_core::{run::run, simulate::{Limits, Outcome}, siva::Siva, system::Start};
@@ -69,7 +71,6 @@ pub mod oscillator;
 pub mod peaks;
 pub mod piva;
 pub mod range;
-pub mod ride;
 pub mod roots;
 pub mod run;
 pub mod sample;

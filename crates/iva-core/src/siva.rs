@@ -10,12 +10,13 @@ use crate::flight::Jet;
 use crate::impact::{self, Impact};
 use crate::oscillator::{Oscillator, Primary};
 use crate::range;
-use crate::ride::{Pressure, Ride, Rider};
 use crate::system::{Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
+pub use ride::SivaRide;
 
 mod motion;
+mod ride;
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;
@@ -174,25 +175,11 @@ impl SivaState {
     }
 }
 
-impl Rider for SivaState {
-    fn primary(&self) -> &Primary {
-        &self.primary
-    }
-
-    fn with_primary(self, primary: Primary) -> Self {
-        Self { primary, ..self }
-    }
-
-    fn wall(&self) -> Wall {
-        self.wall
-    }
-}
-
 impl System for Siva {
     type State = SivaState;
     type Start = Start;
     type Flight<'a> = SivaFlight<'a>;
-    type Ride<'a> = Ride<'a, SivaState>;
+    type Ride<'a> = SivaRide<'a>;
 
     fn clearance(&self) -> f64 {
         self.clearance
@@ -237,8 +224,8 @@ impl System for Siva {
         SivaFlight::new(self, *state)
     }
 
-    fn ride(&self, state: &SivaState) -> Ride<'_, SivaState> {
-        Ride::new(&self.loaded, *state, self.clearance, Pressure { leverage: 1.0, weight: 0.0 })
+    fn ride(&self, state: &SivaState) -> SivaRide<'_> {
+        SivaRide::new(self, *state)
     }
 
     fn wall(&self, state: &SivaState) -> Wall {

@@ -41,8 +41,10 @@ impl<'a> PivaRide<'a> {
         let row = [0.0; ORDER + 1];
         let (mut x, mut u, mut a) = (row, row, row);
         (x[0], u[0]) = (from.primary.x.value, from.primary.v.value);
+        let rest = -(damping * from.primary.v.rest + from.primary.x.rest);
         for k in 0..=ORDER {
-            a[k] = (drive.primary[k] - damping * u[k] - x[k]) / mass;
+            let rest = if k == 0 { rest } else { 0.0 };
+            a[k] = (drive.primary[k] - damping * u[k] - x[k] + rest) / mass;
             if k < ORDER {
                 let over = step / (k + 1) as f64;
                 u[k + 1] = over * (a[k] - drive.base[k]);

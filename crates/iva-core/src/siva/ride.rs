@@ -1,0 +1,107 @@
+//! The absorber stuck on a wall: one mass 1 + μ on the primary's spring and damper, in closed form,
+//! until the pressure on the wall changes sign.
+
+use super::{Siva, SivaState};
+use crate::compensated::Sum;
+use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::oscillator::{Increment, Oscillator, Primary};
+use crate::system::Wall;
+
+/// The ride from one state.
+#[derive(Debug, Clone, Copy)]
+pub struct SivaRide<'a> {
+    loaded: &'a Oscillator,
+    from: SivaState,
+    acceleration: Sum,
+    clearance: f64,
+}
+
+impl<'a> SivaRide<'a> {
+    pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
+        let acceleration = siva.loaded.acceleration(&from.primary);
+        Self { loaded: &siva.loaded, from, acceleration, clearance: siva.clearance }
+    }
+
+    fn after(&self, h: f64) -> (Primary, Increment) {
+        self.from.primary.after(self.loaded, self.acceleration, h)
+    }
+}
+
+impl Motion for SivaRide<'_> {
+    type State = SivaState;
+    const RIDING: bool = true;
+
+    fn origin(&self) -> &SivaState {
+        &self.from
+    }
+
+    fn reach(&self) -> f64 {
+        self.loaded.reach
+    }
+
+    fn state(&self, h: f64) -> SivaState {
+        let (primary, _) = self.after(h);
+        SivaState { primary, ..self.from }
+    }
+
+    fn primary(&self, h: f64) -> Jet {
+        let (primary, increment) = self.after(h);
+        primary.jet(self.loaded, self.acceleration.value + increment.acceleration)
+    }
+
+    fn gap(&self, _h: f64) -> GapPoint {
+        GapPoint { y: self.from.wall.sign() * self.clearance, w: 0.0 }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        Some(self.from.wall)
+    }
+
+    fn viscous_loss(&self, h: f64) -> f64 {
+        let Primary { x, v } = &self.from.primary;
+        self.loaded.viscous_loss(x.value, v.value, h)
+    }
+}
+
+impl Curve for SivaRide<'_> {
+    type Sample = SivaState;
+
+    fn sample(&self, h: f64) -> SivaState {
+        self.state(h)
+    }
+
+    /// The pressure on the wall; the ride ends where it changes sign.
+    fn jet(&self, sample: &SivaState) -> Jet {
+        let factor = -sample.wall.sign();
+        let Primary { x, v } = &sample.primary;
+        let second = self.loaded.next_derivative(x.value, v.value);
+        let third = self.loaded.next_derivative(v.value, second);
+        let fourth = self.loaded.next_derivative(second, third);
+        let fifth = self.loaded.next_derivative(third, fourth);
+        Jet {
+            value: factor * second,
+            rate: factor * third,
+            curvature: factor * fourth,
+            jerk: factor * fifth,
+        }
+    }
+
+    /// The magnitude is that of the terms: plain evaluation is precise enough.
+    fn precise(&self, h: f64) -> Sum {
+        Sum::new(self.jet(&self.state(h)).value)
+    }
+
+    /// The fourth derivative of ẍ is x⁽⁶⁾, bounded by Λ⁵ρ.
+    fn fourth(&self) -> f64 {
+        let Primary { x, v } = &self.from.primary;
+        let radius = self.loaded.radius(x.value, v.value);
+        self.loaded.growth.powi(5) * radius
+    }
+
+    /// ẍ is bounded by Λρ.
+    fn magnitude(&self) -> f64 {
+        let Primary { x, v } = &self.from.primary;
+        let radius = self.loaded.radius(x.value, v.value);
+        self.loaded.growth * radius
+    }
+}
