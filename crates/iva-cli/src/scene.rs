@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use iva_sweep::choices::Kind;
-use iva_sweep::design::{Design, Harmonic};
+use iva_sweep::design::Design;
+use iva_sweep::scene::Harmonic;
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
 

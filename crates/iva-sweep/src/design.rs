@@ -7,7 +7,6 @@ use std::f64::consts::TAU;
 
 use iva_core::error::{Invalid, number};
 use iva_core::force::Force;
-pub use iva_core::force::Harmonic;
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
@@ -17,6 +16,7 @@ use crate::choices::{Choices, Kind, only};
 use crate::fields::{FIELD_COUNT, FieldId};
 use crate::forces;
 use crate::pendulum::{self, Common, STANDARD_GRAVITY};
+use crate::scene::Scene;
 use crate::units::{Scale, UnitSystem};
 
 /// The fields of one run as given; everything else is default or derived.
@@ -43,119 +43,6 @@ pub struct Design {
     pub scale: Scale,
     /// What the user's units are.
     pub units: UnitSystem,
-}
-
-/// What the core runs. It lives on the stack, once a run.
-#[allow(clippy::large_enum_variant)]
-#[derive(Debug, Clone)]
-pub enum Scene {
-    /// A free mass in free decay; under a force it is a pendulum at small angles without gravity,
-    /// which is the same motion.
-    Siva {
-        /// The absorber.
-        system: Siva,
-        /// State at time zero.
-        start: Start,
-    },
-    /// A pendulum.
-    Piva {
-        /// The absorber.
-        system: Piva,
-        /// State at time zero.
-        start: PivaStart,
-        /// Acceleration of gravity in the user's unit; `None` where angles count as small and no
-        /// length was given: then nothing depends on it, and there is no angle to report.
-        gravity: Option<f64>,
-    },
-}
-
-impl Scene {
-    /// μ = m/M.
-    pub fn mass_ratio(&self) -> f64 {
-        match self {
-            Scene::Siva { system, .. } => system.mass_ratio(),
-            Scene::Piva { system, .. } => system.parameters().mass_ratio,
-        }
-    }
-
-    /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> f64 {
-        match self {
-            Scene::Siva { system, .. } => system.restitution(),
-            Scene::Piva { system, .. } => system.parameters().restitution,
-        }
-    }
-
-    /// One-sided clearance d.
-    pub fn clearance(&self) -> f64 {
-        match self {
-            Scene::Siva { system, .. } => system.clearance(),
-            Scene::Piva { system, .. } => system.clearance(),
-        }
-    }
-
-    /// ζ of the bare primary.
-    pub fn damping_ratio(&self) -> f64 {
-        match self {
-            Scene::Siva { system, .. } => system.damping_ratio(),
-            Scene::Piva { system, .. } => system.parameters().damping_ratio,
-        }
-    }
-
-    /// What a pendulum is made of.
-    pub fn pendulum(&self) -> Option<&piva::Parameters> {
-        match self {
-            Scene::Siva { .. } => None,
-            Scene::Piva { system, .. } => Some(system.parameters()),
-        }
-    }
-
-    /// Displacement of the primary at time zero.
-    pub fn displacement(&self) -> f64 {
-        match self {
-            Scene::Siva { start, .. } => start.displacement,
-            Scene::Piva { start, .. } => start.displacement,
-        }
-    }
-
-    /// True if the start holds no energy: nothing will ever move.
-    pub fn at_rest(&self) -> bool {
-        match self {
-            Scene::Siva { system, start } => system.energy(&system.begin(start).0) == 0.0,
-            Scene::Piva { system, start, .. } => {
-                !system.is_driven() && system.energy(&system.begin(start).0) == 0.0
-            }
-        }
-    }
-
-    /// True if the absorber can reach its walls at all.
-    pub fn stop_reachable(&self) -> bool {
-        match self {
-            Scene::Siva { .. } => true,
-            Scene::Piva { system, .. } => system.stop_reachable(),
-        }
-    }
-
-    /// The harmonic force or base motion, in natural units.
-    pub fn harmonic(&self) -> Option<&Harmonic> {
-        match self {
-            Scene::Siva { .. } => None,
-            Scene::Piva { system, .. } => system.force().harmonics().first(),
-        }
-    }
-
-    /// Acceleration of gravity on a pendulum, in the user's unit.
-    pub fn gravity(&self) -> Option<f64> {
-        match self {
-            Scene::Siva { .. } => None,
-            Scene::Piva { gravity, .. } => *gravity,
-        }
-    }
-
-    /// True if the absorber has an angle to report.
-    pub fn has_angle(&self) -> bool {
-        self.gravity().is_some()
-    }
 }
 
 impl Spec {

@@ -2,7 +2,7 @@
 //!
 //! From what a user gives to Arrow tables:
 //! [`fields`] (every number a user can give) → [`design`] (one point, alternatives settled, in
-//! natural units) → [`study`] (grid and outputs) → [`sweep`] (rayon over the points) → [`tables`]
+//! natural units; [`scene`] is what runs) → [`study`] (grid and outputs) → [`sweep`] (rayon over the points) → [`tables`]
 //! (Arrow). No files, no Python.
 
 pub mod choices;
@@ -13,6 +13,7 @@ mod forces;
 pub mod motion;
 mod pendulum;
 mod rows;
+pub mod scene;
 pub mod study;
 pub mod sweep;
 pub mod tables;

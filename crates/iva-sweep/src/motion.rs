@@ -9,8 +9,9 @@ use iva_core::error::{Invalid, number};
 use iva_core::sample::{Sampler, State};
 use iva_core::simulate::simulate;
 
-use crate::design::{Design, Scene, Spec};
+use crate::design::{Design, Spec};
 use crate::rows;
+use crate::scene::Scene;
 use crate::study::{Study, Table};
 use crate::sweep::SweepError;
 use crate::tables::{TableBuilder, schema_in};

@@ -18,8 +18,9 @@ use iva_core::simulate::simulate;
 use iva_core::system::System;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use crate::design::{Design, Scene};
+use crate::design::Design;
 use crate::rows;
+use crate::scene::Scene;
 use crate::study::{Study, Table, distinct, fitting};
 use crate::tables::{Cell, TableBuilder, schema_in};
 use crate::units::UnitSystem;
