@@ -135,24 +135,22 @@ impl Piva {
     }
 
     /// Series of the flight from a state, in powers of t/h.
-    fn series<const LENGTH: usize>(
-        &self,
-        state: &PivaState,
-        h: f64,
-        order: usize,
-    ) -> Series<f64, LENGTH> {
+    fn series(&self, state: &PivaState, h: f64, order: usize) -> Series<f64> {
         let drive = (!self.force.is_none()).then(|| self.force.drive(state.time, h));
-        let mut series = self.pendulum.series(&self.swing(state), drive.as_ref(), h, order);
-        if state.released {
-            // What rounding leaves of Ẇ and ÿ would send the pendulum back into the wall.
-            (series.w[1], series.y[2]) = (0.0, 0.0);
-        }
-        series
+        let series = self.pendulum.series(&self.swing(state), drive.as_ref(), h, order);
+        at_rest_on_release(state, series)
+    }
+
+    /// Its first coefficients, in powers of t.
+    fn beginning<const LENGTH: usize>(&self, state: &PivaState) -> Series<f64, LENGTH> {
+        let drive = (!self.force.is_none()).then(|| self.force.drive(state.time, 1.0));
+        let series = self.pendulum.beginning(&self.swing(state), drive.as_ref());
+        at_rest_on_release(state, series)
     }
 
     /// Jet of the distance to the wall, in free motion.
     fn jet(&self, state: &PivaState) -> Jet {
-        let series = self.series::<4>(state, 1.0, 3);
+        let series = self.beginning::<4>(state);
         let s = state.wall.sign();
         Jet {
             value: state.distance.value,
@@ -161,6 +159,17 @@ impl Piva {
             jerk: -6.0 * s * series.y[3],
         }
     }
+}
+
+/// What rounding leaves of Ẇ and ÿ right after a release would send the pendulum back into the wall.
+fn at_rest_on_release<const LENGTH: usize>(
+    state: &PivaState,
+    mut series: Series<f64, LENGTH>,
+) -> Series<f64, LENGTH> {
+    if state.released {
+        (series.w[1], series.y[2]) = (0.0, 0.0);
+    }
+    series
 }
 
 /// Primary and pendulum between events.

@@ -127,22 +127,34 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
     pub c: [T; LENGTH],
 }
 
-/// Σ a_i b_{n−1−i} over two slices of n, in two sums side by side.
+/// The sums of order k over coefficients that are known before it: Σ y_i W_{k−i}, Σ c_{i+1} W_{k−i} and
+/// Σ c_{i+1} a_{k−1−i} over 0 ≤ i < k. Together, and even and odd terms apart, so that no addition
+/// waits for the one before.
 #[inline(always)]
-fn convolution<T: Number>(a: &[T], b: &[T]) -> T {
-    let n = a.len();
-    let b = &b[..n];
-    let (mut even, mut odd) = (T::from_double(0.0), T::from_double(0.0));
+fn convolutions<T: Number>(y: &[T], w: &[T], c: &[T], a: &[T], k: usize) -> [T; 3] {
+    let (y, w, c, a) = (&y[..k], &w[1..=k], &c[1..=k], &a[..k]);
+    let term = |i: usize| {
+        let (w, a) = (w[k - 1 - i], a[k - 1 - i]);
+        [y[i] * w, c[i] * w, c[i] * a]
+    };
+    let mut even = [T::from_double(0.0); 3];
+    let mut odd = even;
     let mut i = 0;
-    while i + 1 < n {
-        even = even + a[i] * b[n - 1 - i];
-        odd = odd + a[i + 1] * b[n - 2 - i];
+    while i + 1 < k {
+        let (one, other) = (term(i), term(i + 1));
+        for n in 0..3 {
+            even[n] = even[n] + one[n];
+            odd[n] = odd[n] + other[n];
+        }
         i += 2;
     }
-    if i < n {
-        even = even + a[i] * b[n - 1 - i];
+    if i < k {
+        let last = term(i);
+        for n in 0..3 {
+            even[n] = even[n] + last[n];
+        }
     }
-    even + odd
+    [even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]]
 }
 
 impl Pendulum {
@@ -157,6 +169,27 @@ impl Pendulum {
 
     /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.
     pub fn series<T: Number, const LENGTH: usize>(
+        &self,
+        start: &Swing<T>,
+        drive: Option<&Drive<T, LENGTH>>,
+        h: f64,
+        order: usize,
+    ) -> Series<T, LENGTH> {
+        self.coefficients(start, drive, h, order)
+    }
+
+    /// The first few coefficients in powers of t: derivatives at an instant. The order is known to the
+    /// compiler, which leaves no loop.
+    pub fn beginning<const LENGTH: usize>(
+        &self,
+        start: &Swing<f64>,
+        drive: Option<&Drive<f64, LENGTH>>,
+    ) -> Series<f64, LENGTH> {
+        self.coefficients(start, drive, 1.0, LENGTH - 1)
+    }
+
+    #[inline(always)]
+    fn coefficients<T: Number, const LENGTH: usize>(
         &self,
         start: &Swing<T>,
         drive: Option<&Drive<T, LENGTH>>,
@@ -182,11 +215,11 @@ impl Pendulum {
             let (mut ca, mut next_swept) = (n(0.0), n(0.0));
             // Small angles: c stays 1, and the recurrences are linear.
             if !self.small_angles {
+                let [yw, cw, sum] = convolutions(&s.y, &s.w, &s.c, &s.a, k);
                 // ċ = −y W/b²
-                let yw = convolution(&s.y[..=k], &s.w[..=k]);
-                s.c[k + 1] = -(over * yw * over_b2);
-                ca = convolution(&s.c[1..=k], &s.a[..k]);
-                next_swept = convolution(&s.c[1..=k + 1], &s.w[..=k]);
+                s.c[k + 1] = -(over * (yw + s.y[k] * s.w[0]) * over_b2);
+                next_swept = cw + s.c[k + 1] * s.w[0];
+                ca = sum;
             }
             let rest = beta * ca + r2 * s.y[k] + nu * s.w[k];
             let [driven, base] = drive.map_or([n(0.0); 2], |it| [it.primary[k], it.base[k]]);

@@ -27,7 +27,7 @@ impl<'a> PivaFlight<'a> {
     pub(super) fn new(piva: &'a Piva, from: PivaState) -> Self {
         let order = piva.accuracy.order;
         let step = piva.longest_step(&from);
-        let series: Series<f64> = piva.series(&from, step, order);
+        let series = piva.series(&from, step, order);
         let share = Remainder::prove(&piva.pendulum, &series, &piva.force, step, order)
             .and_then(|remainder| Some((share_kept(&remainder, piva, &from)?, remainder)));
         let Some((share, remainder)) = share else {
@@ -154,7 +154,7 @@ impl Motion for PivaFlight<'_> {
 
     fn primary(&self, h: f64) -> Jet {
         let state = self.state(h);
-        let series = self.piva.series::<3>(&state, 1.0, 2);
+        let series = self.piva.beginning::<3>(&state);
         Jet {
             value: state.primary.x.value,
             rate: state.primary.v.value,
