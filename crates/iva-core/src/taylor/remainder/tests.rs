@@ -2,6 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
+use crate::compensated::Sum;
+use crate::force::{Acts, Harmonic};
 use crate::taylor::Swing;
 
 /// Longer than any series in use.
@@ -34,11 +36,21 @@ fn no_later_coefficient_exceeds_its_bound() {
             w: 4.0 * (part(43) - 0.5),
             c: cosine,
         };
+        // Every other scene is driven, now and then hard and fast, by force or base.
+        let acts = if index % 4 == 1 { Acts::Primary } else { Acts::Base };
+        let harmonic = Harmonic {
+            amplitude: 3.0 * part(47),
+            frequency: 0.2 + 3.0 * part(53),
+            phase: part(59),
+            acts,
+        };
+        let driven = index % 2 == 1;
+        let force = Force::new(Vec::from_iter(driven.then_some(harmonic))).unwrap();
         for (order, h) in [(10, 0.5), (16, 0.6), (20, 0.4), (20, 1.0)] {
-            let short = pendulum.series::<f64, { ORDER + 1 }>(&start, None, h, order);
-            let long = pendulum.series::<f64, LONG>(&start, None, h, LONG - 1);
-            let remainder =
-                Remainder::prove(&pendulum, &short, &Force::default(), h, order).unwrap();
+            let (near, far) = (force.drive(Sum::ZERO, h), force.drive(Sum::ZERO, h));
+            let short = pendulum.series::<f64, { ORDER + 1 }>(&start, Some(&near), h, order);
+            let long = pendulum.series::<f64, LONG>(&start, Some(&far), h, LONG - 1);
+            let remainder = Remainder::prove(&pendulum, &short, &force, h, order).unwrap();
             let Tail { x, u, y, c, w, .. } = remainder.tail;
             for k in order + 1..LONG {
                 let bound = power(remainder.ratio, k) / ((k + 1) * (k + 1)) as f64;
