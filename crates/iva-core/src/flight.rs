@@ -46,6 +46,19 @@ pub struct GapPoint {
     pub w: f64,
 }
 
+/// The polynomials that a motion consists of, in powers of h/`step`.
+#[derive(Debug, Clone, Copy)]
+pub struct Rows<'a> {
+    /// Length that h is measured in.
+    pub step: f64,
+    /// Displacement of the primary.
+    pub x: &'a [f64],
+    /// Its absolute acceleration ẍ + a_g.
+    pub acceleration: &'a [f64],
+    /// Acceleration a_g of the base.
+    pub base: &'a [f64],
+}
+
 /// Smooth motion from one state, exact for 0 ≤ h ≤ `reach`.
 pub trait Motion {
     /// The state it starts from and leads to.
@@ -66,6 +79,10 @@ pub trait Motion {
     fn wall(&self) -> Option<Wall>;
     /// Energy lost in the damper up to h, an integral.
     fn viscous_loss(&self, h: f64) -> f64;
+    /// The series that it is read from, where it is one.
+    fn rows(&self) -> Option<Rows<'_>> {
+        None
+    }
     /// Work of force and base up to h, an integral.
     fn work(&self, _h: f64) -> f64 {
         0.0

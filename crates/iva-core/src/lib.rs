@@ -30,7 +30,8 @@
 //!   happens then.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
 //! * [`range`] holds the numbers that a run accepts.
-//! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] watch a run.
+//! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] and, under force,
+//!   [`steady`] watch a run.
 //! * [`run`] does all of it in one call.
 //!
 //! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight
@@ -70,6 +71,7 @@ pub mod observe;
 pub mod oscillator;
 pub mod peaks;
 pub mod piva;
+mod polynomial;
 pub mod range;
 pub mod roots;
 pub mod run;
@@ -77,5 +79,6 @@ pub mod sample;
 mod settling;
 pub mod simulate;
 pub mod siva;
+pub mod steady;
 pub mod system;
 pub mod taylor;

@@ -49,7 +49,7 @@ pub struct MeasureValues {
     pub damping_ratio_10: Option<f64>,
     /// −slope of the least-squares line of ln a_k over ωn t_k, down to 5 % of A₀; at least 3 peaks.
     pub damping_ratio_fit: Option<f64>,
-    /// (E(0) − E(2π))/(4π E(0)).
+    /// (E(0) − E(2π))/(4π E(0)), E(0) after the impulses of time zero.
     pub damping_ratio_energy: Option<f64>,
     /// Last instant at which |x| = 0.10 A₀; null while |x| exceeds it in the last half period.
     pub settling_time_10: Option<f64>,
@@ -59,7 +59,7 @@ pub struct MeasureValues {
     pub settling_time_2: Option<f64>,
     /// Largest |x| over the last period over A₀.
     pub residual_amplitude: Option<f64>,
-    /// E(0).
+    /// E(0), before any impulse.
     pub energy_initial: f64,
     /// Σ ∫ 2ζ ẋ² dt.
     pub energy_viscous: f64,
@@ -80,6 +80,9 @@ pub struct Measures<S: System> {
     values: MeasureValues,
     duration: f64,
     reference: Reference,
+    /// Energy at time zero, after the impulses of that instant.
+    energy_begin: f64,
+    moving: bool,
     half_cycles: HalfCycles,
     first_peak: f64,
     decrements: [Option<f64>; 3],
@@ -107,6 +110,8 @@ impl<S: System> Measures<S> {
             values: MeasureValues::default(),
             duration: 0.0,
             reference: Reference { amplitude: 0.0, settled: false },
+            energy_begin: 0.0,
+            moving: false,
             half_cycles: HalfCycles::default(),
             first_peak: 0.0,
             decrements: [None; 3],
@@ -189,9 +194,11 @@ impl<S: System> Observer<S> for Measures<S> {
         self.reference = Reference { amplitude: x.abs(), settled: x != 0.0 };
         self.half_cycles = HalfCycles::start(x);
         self.values.energy_initial = system.energy(state);
+        self.energy_begin = self.values.energy_initial;
     }
 
     fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        self.moving = true;
         if self.wanted.peaks || self.wanted.settling || self.wanted.residual {
             let (first, second) = monotone::<S, M>(span);
             self.stretch(span, &first);
@@ -206,11 +213,18 @@ impl<S: System> Observer<S> for Measures<S> {
         }
         let to_period = -span.start.minus(TAU);
         if to_period > 0.0 && to_period <= span.length {
-            let initial = self.values.energy_initial;
+            let initial = self.energy_begin;
             let energy = system.energy(&span.motion.state(to_period));
             if initial > 0.0 {
                 self.values.damping_ratio_energy = Some((initial - energy) / (2.0 * TAU * initial));
             }
+        }
+    }
+
+    fn kick(&mut self, system: &S, state: &S::State, work: f64) {
+        self.work = self.work.plus(work);
+        if !self.moving {
+            self.energy_begin = system.energy(state);
         }
     }
 

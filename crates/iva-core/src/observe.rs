@@ -46,6 +46,9 @@ pub trait Observer<S: System> {
     fn span<M: Motion<State = S::State>>(&mut self, _system: &S, _span: &Span<'_, M>) {}
     /// An impact.
     fn impact(&mut self, _system: &S, _impact: &Impact) {}
+    /// An impulse from outside: the state after it, and the work it does (0 where the force only
+    /// jumps).
+    fn kick(&mut self, _system: &S, _state: &S::State, _work: f64) {}
     /// Of the impacts from index `first` on, those not faster than `floor` are not to be listed:
     /// they turned out to belong to a chatter that ended in stick.
     fn unlist(&mut self, _first: u64, _floor: f64) {}
@@ -71,6 +74,11 @@ impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
     fn impact(&mut self, system: &S, impact: &Impact) {
         if let Some(observer) = self {
             observer.impact(system, impact);
+        }
+    }
+    fn kick(&mut self, system: &S, state: &S::State, work: f64) {
+        if let Some(observer) = self {
+            observer.kick(system, state, work);
         }
     }
     fn unlist(&mut self, first: u64, floor: f64) {
@@ -102,6 +110,10 @@ impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
     fn impact(&mut self, system: &S, impact: &Impact) {
         self.0.impact(system, impact);
         self.1.impact(system, impact);
+    }
+    fn kick(&mut self, system: &S, state: &S::State, work: f64) {
+        self.0.kick(system, state, work);
+        self.1.kick(system, state, work);
     }
     fn unlist(&mut self, first: u64, floor: f64) {
         self.0.unlist(first, floor);

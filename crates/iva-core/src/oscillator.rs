@@ -175,6 +175,11 @@ pub struct Primary {
 }
 
 impl Primary {
+    /// The state after its velocity has jumped.
+    pub fn faster_by(&self, gained: Sum) -> Primary {
+        Primary { v: self.v + gained, ..*self }
+    }
+
     /// The state a flight later, and what the flight added.
     #[inline]
     pub fn after(&self, oscillator: &Oscillator, a: Sum, h: f64) -> (Primary, Increment) {

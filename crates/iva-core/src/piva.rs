@@ -8,7 +8,7 @@
 use crate::compensated::Sum;
 use crate::error::Invalid;
 use crate::flight::Jet;
-use crate::force::Force;
+use crate::force::{Drive, Force};
 use crate::impact::Impact;
 use crate::oscillator::Primary;
 use crate::system::{Angle, Clock, Point, System, Wall};
@@ -134,23 +134,31 @@ impl Piva {
         }
     }
 
-    /// Series of the flight from a state, in powers of t/h.
-    fn series(&self, state: &PivaState, h: f64, order: usize) -> Series<f64> {
-        let drive = (!self.force.is_none()).then(|| self.force.drive(state.time, h));
-        let series = self.pendulum.series(&self.swing(state), drive.as_ref(), h, order);
-        at_rest_on_release(state, series)
+    /// Coefficients of the force at a state, of the smooth piece that acts from `from` on.
+    fn drive<const LENGTH: usize>(
+        &self,
+        from: Clock,
+        state: &PivaState,
+        h: f64,
+    ) -> Option<Drive<f64, LENGTH>> {
+        self.force.lasts().then(|| self.force.drive(from, state.time, h))
     }
 
-    /// Its first coefficients, in powers of t.
-    fn beginning<const LENGTH: usize>(&self, state: &PivaState) -> Series<f64, LENGTH> {
-        let drive = (!self.force.is_none()).then(|| self.force.drive(state.time, 1.0));
+    /// First coefficients of the flight at a state, in powers of t, under the force that acts from
+    /// `from` on.
+    fn beginning<const LENGTH: usize>(
+        &self,
+        from: Clock,
+        state: &PivaState,
+    ) -> Series<f64, LENGTH> {
+        let drive = self.drive(from, state, 1.0);
         let series = self.pendulum.beginning(&self.swing(state), drive.as_ref());
         at_rest_on_release(state, series)
     }
 
-    /// Jet of the distance to the wall, in free motion.
-    fn jet(&self, state: &PivaState) -> Jet {
-        let series = self.beginning::<4>(state);
+    /// Jet of the distance to the wall, in free motion under the force that acts from `from` on.
+    fn jet(&self, from: Clock, state: &PivaState) -> Jet {
+        let series = self.beginning::<4>(from, state);
         let s = state.wall.sign();
         Jet {
             value: state.distance.value,
@@ -177,6 +185,8 @@ fn at_rest_on_release<const LENGTH: usize>(
 pub struct PivaState {
     /// Instant, for the force.
     time: Clock,
+    /// Impulses that are over.
+    kicks: u32,
     primary: Primary,
     wall: Wall,
     /// d − s y ≥ 0, the distance to the wall last touched.
@@ -242,7 +252,7 @@ impl System for Piva {
     }
 
     fn distance(&self, state: &PivaState) -> Jet {
-        self.jet(state)
+        self.jet(state.time, state)
     }
 
     fn touch(&self, state: &PivaState, wall: Wall) -> PivaState {
@@ -313,7 +323,38 @@ impl System for Piva {
     }
 
     fn is_driven(&self) -> bool {
-        !self.force.is_none()
+        self.force.lasts()
+    }
+
+    fn smooth_for(&self, state: &PivaState) -> f64 {
+        let end = self.force.smooth_until(state.time, state.kicks);
+        end.map_or(f64::INFINITY, |end| (end - state.time).value)
+    }
+
+    fn due(&self, state: &PivaState) -> Option<f64> {
+        self.force.due(state.time, state.kicks)
+    }
+
+    fn kick(&self, state: &PivaState, velocity: f64, stuck: bool) -> PivaState {
+        let Pendulum { mass_ratio, lever, coupling, .. } = self.pendulum;
+        let mass = Sum::new(1.0).plus(mass_ratio);
+        let kicks = state.kicks + 1;
+        if stuck {
+            let gained = Sum::new(velocity).over_sum(mass);
+            let primary = state.primary.faster_by(gained);
+            return PivaState { kicks, primary, released: false, ..*state };
+        }
+        let cosine = state.cosine;
+        let carried = Sum::new(mass_ratio).times(lever).times(coupling).times(cosine).times(cosine);
+        let gained = Sum::new(velocity).over_sum(mass - carried);
+        let swing = gained.times(-coupling).times(cosine);
+        PivaState {
+            kicks,
+            primary: state.primary.faster_by(gained),
+            w: state.w + swing,
+            released: false,
+            ..*state
+        }
     }
 
     fn angle(&self, state: &PivaState) -> Option<Angle> {
@@ -334,7 +375,7 @@ impl System for Piva {
 impl Piva {
     /// f/M at an instant.
     fn driven(&self, time: Clock) -> f64 {
-        self.force.drive::<1>(time, 1.0).primary[0]
+        self.force.drive::<1>(time, time, 1.0).primary[0]
     }
 
     /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.

@@ -102,6 +102,6 @@ impl<S: System> Observer<S> for Sampler {
     }
 }
 
-fn span_ends(start: &Clock, length: f64, duration: f64) -> bool {
+pub(crate) fn span_ends(start: &Clock, length: f64, duration: f64) -> bool {
     start.plus(length).minus(duration) >= -f64::EPSILON * duration
 }

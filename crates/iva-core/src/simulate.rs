@@ -152,6 +152,10 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
                 return;
             }
             self.tally.work += 1;
+            if let Some(velocity) = self.system.due(&self.tally.state) {
+                self.kick(velocity);
+                continue;
+            }
             let finite = match self.phase {
                 Phase::Flight { first } => self.fly(remaining, first),
                 Phase::Ride => self.ride(remaining),
@@ -232,6 +236,33 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         self.tally.state = end;
     }
 
+    /// An impulse from outside, or a jump of the force: what is stuck comes off if either pulls it
+    /// from its wall, else both masses take the impulse together.
+    fn kick(&mut self, velocity: f64) {
+        let before = self.tally.state;
+        let mut after = self.system.kick(&before, velocity, false);
+        let riding = matches!(self.phase, Phase::Ride);
+        if riding && self.system.distance(&after).rate <= 0.0 {
+            after = self.system.kick(&before, velocity, true);
+        }
+        let [v_before, v_after] = [before, after].map(|state| self.system.primary(&state).v);
+        self.observer.kick(self.system, &after, 0.5 * velocity * (v_before + v_after));
+        self.tally.state = after;
+        let leave = self.system.distance(&after);
+        if riding {
+            if !presses(&leave) {
+                self.end_episode(true);
+                self.phase = Phase::Flight { first: f64::INFINITY };
+            }
+        } else if leave.value > 0.0 {
+            self.phase = Phase::Flight { first: f64::INFINITY };
+        } else if leave.rate < 0.0 {
+            self.strike();
+        } else {
+            self.depart();
+        }
+    }
+
     /// The impact law at the state in contact, then whatever follows.
     fn strike(&mut self) {
         let wall = self.system.wall(&self.tally.state);
@@ -266,8 +297,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         self.observer.impact(self.system, impact);
     }
 
-    /// Leaves the wall, chatters on it or sticks to it: the sign of the velocity decides, then the
-    /// acceleration, then the jerk.
+    /// Leaves the wall, chatters on it or sticks to it.
     fn depart(&mut self) {
         let state = self.tally.state;
         let leave = self.system.distance(&state);
@@ -276,7 +306,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             if leave.curvature < 0.0 {
                 self.rebound(&state, &leave);
             }
-        } else if leave.curvature < 0.0 || (leave.curvature == 0.0 && leave.jerk < 0.0) {
+        } else if presses(&leave) {
             self.stick(self.clock);
         } else {
             self.phase = Phase::Flight { first: f64::INFINITY };
@@ -294,7 +324,8 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             ratio: self.system.rebound_ratio(),
         };
         let stick_clock = self.clock.plus(rebound.tail());
-        if rebound.summable() && stick_clock.minus(self.limits.duration) < 0.0 {
+        let smooth = rebound.tail() < self.system.smooth_for(state);
+        if smooth && rebound.summable() && stick_clock.minus(self.limits.duration) < 0.0 {
             self.list_tail(*state, stick_clock.value);
             self.stick(stick_clock);
         } else {
@@ -378,6 +409,13 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         self.observer.end(self.system, &self.tally);
         self.tally
     }
+}
+
+/// True if what touches a wall does not leave it: the sign of its velocity decides, then the
+/// acceleration, then the jerk.
+fn presses(leave: &Jet) -> bool {
+    let Jet { rate, curvature, jerk, .. } = *leave;
+    rate <= 0.0 && (curvature < 0.0 || (curvature == 0.0 && jerk < 0.0))
 }
 
 fn is_finite(jet: &Jet, fourth: f64) -> bool {

@@ -129,9 +129,22 @@ pub trait System {
     fn primary(&self, state: &Self::State) -> Point;
     /// Total energy per primary mass.
     fn energy(&self, state: &Self::State) -> f64;
-    /// True if a force or the base drives it.
+    /// True if a force or the base drives it, not only in impulses.
     fn is_driven(&self) -> bool {
         false
+    }
+    /// How long the force stays smooth: until it bends, jumps or kicks.
+    fn smooth_for(&self, _state: &Self::State) -> f64 {
+        f64::INFINITY
+    }
+    /// P/M of the impulse that is due at a state; 0 where the force jumps.
+    fn due(&self, _state: &Self::State) -> Option<f64> {
+        None
+    }
+    /// The state after the impulse that is due, of P/M = `velocity`: with the absorber free to
+    /// follow its own way, or stuck to its wall.
+    fn kick(&self, state: &Self::State, _velocity: f64, _stuck: bool) -> Self::State {
+        *state
     }
     /// Angle and angular velocity of a pendulum; `None` for an absorber without angle.
     fn angle(&self, _state: &Self::State) -> Option<Angle> {

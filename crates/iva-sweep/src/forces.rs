@@ -19,7 +19,7 @@ pub(crate) fn force(spec: &Spec, scale: &Scale, units: UnitSystem) -> Result<For
     }
     let (amplitude, acts) = amplitude(spec, scale, units)?;
     let phase = spec.get(FieldId::Phase).unwrap_or(0.0);
-    Force::new(vec![Harmonic { amplitude, frequency: frequency(spec, scale)?, phase, acts }])
+    Force::harmonic(vec![Harmonic { amplitude, frequency: frequency(spec, scale)?, phase, acts }])
 }
 
 fn amplitude(spec: &Spec, scale: &Scale, units: UnitSystem) -> Result<(f64, Acts), Invalid> {

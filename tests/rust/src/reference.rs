@@ -102,7 +102,7 @@ fn read_pendulums(text: &str) -> Vec<PivaReference> {
         PivaReference {
             name: name.clone(),
             parameters,
-            force: Force::new(harmonic.into_iter().collect()).expect("a force"),
+            force: Force::harmonic(harmonic.into_iter().collect()).expect("a force"),
             displacement: scene.get("x").map_or(1.0, |x| number(x).value()),
             duration: number(&value["tau_end"]).value(),
             events: events(value),

@@ -74,7 +74,8 @@ fn the_stable_orbit_is_kept_for_ten_thousand_cycles() {
         [0.05, 0.8, 2.0, 0.02, 0.1, 1.0],
         [1.452072978709073, 0.2809109011943361, -0.2420121631181788, 4.59047988735129],
     );
-    let piva = Piva::new(orbit.parameters).unwrap().under(Force::new(vec![orbit.force]).unwrap());
+    let piva =
+        Piva::new(orbit.parameters).unwrap().under(Force::harmonic(vec![orbit.force]).unwrap());
     let cycles = 10_000;
     let limits = Limits::new((f64::from(cycles) + 0.25) * TAU, 2.0);
     let result = run(&piva, &orbit.start.into(), &limits).unwrap();
@@ -94,7 +95,7 @@ fn the_stable_orbit_is_kept_for_ten_thousand_cycles() {
 fn from_rest_it_locks_to_the_stable_orbit() {
     let piva = Piva::new(Parameters::free_mass(0.05, 0.8, 2.0, 0.02))
         .unwrap()
-        .under(Force::new(vec![on_primary(0.1, 1.0, 0.0)]).unwrap());
+        .under(Force::harmonic(vec![on_primary(0.1, 1.0, 0.0)]).unwrap());
     let result = run(&piva, &Start::default().into(), &Limits::new(600.0 * TAU, 2.0)).unwrap();
     let [.., last] = result.impacts.as_slice() else { panic!("no impacts") };
     let count = result.impacts.iter().filter(|i| i.time > last.time - 10.25 * TAU).count();
@@ -111,7 +112,8 @@ fn the_unstable_orbit_is_left_at_the_rate_of_its_multiplier() {
         [0.1, 0.6, 1.0, 0.01, 0.2, 1.0],
         [1.490992427985109, 1.342045429158013, -0.5591221604944157, 4.572987560392349],
     );
-    let piva = Piva::new(orbit.parameters).unwrap().under(Force::new(vec![orbit.force]).unwrap());
+    let piva =
+        Piva::new(orbit.parameters).unwrap().under(Force::harmonic(vec![orbit.force]).unwrap());
     let result = run(&piva, &orbit.start.into(), &Limits::new(15.0 * TAU, 1.0)).unwrap();
     // Off by what the start was rounded, each half cycle times −2.56749605.
     let off: Vec<f64> = result
@@ -165,7 +167,7 @@ proptest! {
         };
         let limits = Limits::new(12.0, clearance);
         let scene = |harmonics: Vec<Harmonic>, start: Start| {
-            let piva = Piva::new(p).unwrap().under(Force::new(harmonics).unwrap());
+            let piva = Piva::new(p).unwrap().under(Force::harmonic(harmonics).unwrap());
             run(&piva, &start.into(), &limits).unwrap()
         };
         let (one, other) = (scene(vec![base], relative), scene(seen.to_vec(), outside));
@@ -195,7 +197,7 @@ proptest! {
         let p = Parameters { clearance, ..p };
         let limits = Limits::new(20.0, clearance);
         let scene = |amplitude: f64, phase: f64, x: f64| {
-            let force = Force::new(vec![on_primary(amplitude, frequency, phase)]).unwrap();
+            let force = Force::harmonic(vec![on_primary(amplitude, frequency, phase)]).unwrap();
             let start = PivaStart {
                 displacement: x,
                 velocity: 0.0,
@@ -226,7 +228,7 @@ fn many_sticks_a_cycle_keep_the_ledger_and_look_the_same_from_outside() {
         let p = Parameters::free_mass(0.1, e, clearance, 0.02);
         let p = Parameters { frequency_ratio: gravity, ..p };
         let scene = |harmonics: Vec<Harmonic>, displacement: f64, velocity: f64| {
-            let piva = Piva::new(p).unwrap().under(Force::new(harmonics).unwrap());
+            let piva = Piva::new(p).unwrap().under(Force::harmonic(harmonics).unwrap());
             let start = Start { displacement, velocity, ..Start::default() };
             run(&piva, &start.into(), &Limits::new(40.0 * TAU, clearance)).unwrap()
         };

@@ -1,11 +1,12 @@
 //! The flight of a pendulum absorber: swinging in its gap.
 
-use super::{Parameters, Piva, PivaState};
+use super::{Parameters, Piva, PivaState, at_rest_on_release};
 use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
 use crate::oscillator::Primary;
-use crate::system::Wall;
+use crate::polynomial::{product_integral, square_integral};
+use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner};
 
 /// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
@@ -18,8 +19,11 @@ pub struct PivaFlight<'a> {
     from: PivaState,
     /// In powers of t over `step`.
     series: Series<f64>,
+    drive: Option<Drive<f64>>,
     step: f64,
     reach: f64,
+    /// Where the reach ends because the force bends, jumps or kicks there.
+    bend: Option<Clock>,
     fourth: f64,
 }
 
@@ -27,16 +31,22 @@ impl<'a> PivaFlight<'a> {
     pub(super) fn new(piva: &'a Piva, from: PivaState) -> Self {
         let order = piva.accuracy.order;
         let step = piva.longest_step(&from);
-        let series = piva.series(&from, step, order);
+        let drive = piva.drive(from.time, &from, step);
+        let series = piva.pendulum.series(&piva.swing(&from), drive.as_ref(), step, order);
+        let series = at_rest_on_release(&from, series);
+        let size = drive.as_ref().map_or(0.0, Drive::size);
         let share = Remainder::prove(&piva.pendulum, &series, &piva.force, step, order)
-            .and_then(|remainder| Some((share_kept(&remainder, piva, &from)?, remainder)));
+            .and_then(|remainder| Some((share_kept(&remainder, piva, &from, size)?, remainder)));
         let Some((share, remainder)) = share else {
             // What cannot be enclosed is not flown: the run ends there and says so.
-            return Self { piva, from, series, step, reach: step, fourth: f64::NAN };
+            let fourth = f64::NAN;
+            return Self { piva, from, series, drive, step, reach: step, bend: None, fourth };
         };
+        let (reach, bend) = piva.until_bend(&from, share * step);
+        let share = share.min(reach / step);
         let fourth = fourth_bound(&series.y, share) + remainder.fourth(share);
         let fourth = fourth / (step * step * step * step);
-        Self { piva, from, series, step, reach: share * step, fourth }
+        Self { piva, from, series, drive, step, reach, bend, fourth }
     }
 
     /// h in steps.
@@ -57,8 +67,8 @@ const SHORTER: f64 = 0.84;
 const MOST_SHORTENINGS: u32 = 80;
 
 /// The share of a step on which its series leaves out no more than the tolerance.
-fn share_kept(remainder: &Remainder, piva: &Piva, from: &PivaState) -> Option<f64> {
-    let sizes = Sizes::of(piva, from);
+fn share_kept(remainder: &Remainder, piva: &Piva, from: &PivaState, driven: f64) -> Option<f64> {
+    let sizes = Sizes::of(piva, from, driven);
     let tolerance = piva.accuracy.tolerance;
     let mut share = remainder.reach();
     for _ in 0..MOST_SHORTENINGS {
@@ -78,11 +88,12 @@ struct Sizes {
 }
 
 impl Sizes {
-    fn of(piva: &Piva, state: &PivaState) -> Self {
+    /// At a state, under a force of size `driven`.
+    fn of(piva: &Piva, state: &PivaState, driven: f64) -> Self {
         let Parameters { clearance, contact_distance, .. } = piva.parameters;
         let gap = if piva.stop_reachable() { clearance } else { clearance.min(contact_distance) };
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
-        let moved = moved.max(piva.parameters.mass_ratio * gap).max(piva.force.size());
+        let moved = moved.max(piva.parameters.mass_ratio * gap).max(driven);
         Self { primary: moved, gap }
     }
 }
@@ -96,6 +107,17 @@ fn fourth_bound(y: &Row<f64>, share: f64) -> f64 {
 }
 
 impl Piva {
+    /// How far a motion goes that reaches so far: not beyond the next bend of the force, and then the
+    /// instant of that.
+    pub(super) fn until_bend(&self, from: &PivaState, reach: f64) -> (f64, Option<Clock>) {
+        let bend = self.force.smooth_until(from.time, from.kicks);
+        let until = |bend: Clock| (bend - from.time).value;
+        match bend.filter(|bend| until(*bend) <= reach) {
+            Some(bend) => (until(bend), Some(bend)),
+            None => (reach, None),
+        }
+    }
+
     /// A step short against every time scale: of the primary, of the pendulum, of its swing.
     fn longest_step(&self, state: &PivaState) -> f64 {
         let pendulum = &self.pendulum;
@@ -139,7 +161,7 @@ impl Motion for PivaFlight<'_> {
         let gentle = sine.abs() < STEEP;
         let cosine = if gentle { self.piva.pendulum.cosine(y).copysign(own) } else { own };
         PivaState {
-            time: from.time.plus(h),
+            time: self.bend.filter(|_| h == self.reach).unwrap_or(from.time.plus(h)),
             primary: Primary {
                 x: from.primary.x.plus(increment(&series.x)),
                 v: from.primary.v.plus(increment(&series.u)),
@@ -154,7 +176,7 @@ impl Motion for PivaFlight<'_> {
 
     fn primary(&self, h: f64) -> Jet {
         let state = self.state(h);
-        let series = self.piva.beginning::<3>(&state);
+        let series = self.piva.beginning::<3>(self.from.time, &state);
         Jet {
             value: state.primary.x.value,
             rate: state.primary.v.value,
@@ -173,12 +195,17 @@ impl Motion for PivaFlight<'_> {
         None
     }
 
+    fn rows(&self) -> Option<Rows<'_>> {
+        let order = self.piva.accuracy.order;
+        let base = self.drive.as_ref().map_or(&[][..], |drive| &drive.base[..=order]);
+        let (x, a) = (&self.series.x[..=order], &self.series.a[..order]);
+        Some(Rows { step: self.step, x, acceleration: a, base })
+    }
+
     fn work(&self, h: f64) -> f64 {
-        if self.piva.force.is_none() {
-            return 0.0;
-        }
-        let drive = self.piva.force.drive(self.from.time, self.step);
-        work(self.piva, &drive, &self.series.u, &self.series.y, self.share(h), self.step)
+        self.drive.as_ref().map_or(0.0, |drive| {
+            work(self.piva, drive, &self.series.u, &self.series.y, self.share(h), self.step)
+        })
     }
 
     fn viscous_loss(&self, h: f64) -> f64 {
@@ -214,32 +241,6 @@ pub(super) fn work(
     (on_primary - on_base) * step
 }
 
-/// ∫₀ᵗ f² of a polynomial f.
-pub(super) fn square_integral(f: &[f64], t: f64) -> f64 {
-    product_integral(f, f, t)
-}
-
-/// ∫₀ᵗ f g of two polynomials of one order.
-fn product_integral(f: &[f64], g: &[f64], t: f64) -> f64 {
-    // At t the terms are moderate, whatever the coefficients are.
-    let (mut f_terms, mut g_terms) = ([0.0; ORDER + 1], [0.0; ORDER + 1]);
-    let mut power = 1.0;
-    for (k, (f, g)) in f.iter().zip(g).enumerate() {
-        (f_terms[k], g_terms[k]) = (power * f, power * g);
-        power *= t;
-    }
-    let order = f.len() - 1;
-    let mut sum = 0.0;
-    for k in (0..=2 * order).rev() {
-        let mut product = 0.0;
-        for i in k.saturating_sub(order)..=k.min(order) {
-            product += f_terms[i] * g_terms[k - i];
-        }
-        sum += product / (k + 1) as f64;
-    }
-    sum * t
-}
-
 impl Curve for PivaFlight<'_> {
     type Sample = PivaState;
 
@@ -248,7 +249,7 @@ impl Curve for PivaFlight<'_> {
     }
 
     fn jet(&self, sample: &PivaState) -> Jet {
-        self.piva.jet(sample)
+        self.piva.jet(self.from.time, sample)
     }
 
     fn precise(&self, h: f64) -> Sum {
@@ -266,8 +267,8 @@ impl Curve for PivaFlight<'_> {
             },
         };
         let order = self.piva.accuracy.order;
-        let drive =
-            (!self.piva.force.is_none()).then(|| self.piva.force.precise(from.time, self.step));
+        let force = &self.piva.force;
+        let drive = force.lasts().then(|| force.precise(from.time, self.step));
         let mut series: Series<Sum> =
             self.piva.pendulum.series(&start, drive.as_ref(), self.step, order);
         if from.released {

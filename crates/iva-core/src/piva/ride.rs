@@ -4,13 +4,14 @@
 //! Linear, so the power series is the solution: with steps of [`LONGEST`] over the fastest rate what
 //! it leaves out after [`ORDER`] terms is below 10⁻²¹ of it.
 
-use super::motion::{square_integral, work};
+use super::motion::work;
 use super::{Piva, PivaState};
 use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
 use crate::oscillator::Primary;
-use crate::system::Wall;
+use crate::polynomial::square_integral;
+use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Row, horner};
 
 /// Longest step, over the fastest rate of oscillator and force.
@@ -28,6 +29,9 @@ pub struct PivaRide<'a> {
     /// Absolute acceleration A.
     a: Row<f64>,
     step: f64,
+    reach: f64,
+    /// Where the reach ends because the force bends, jumps or kicks there.
+    bend: Option<Clock>,
 }
 
 impl<'a> PivaRide<'a> {
@@ -37,7 +41,8 @@ impl<'a> PivaRide<'a> {
         let half = 0.5 * damping / mass;
         let fastest = half + (half * half + 1.0 / mass).sqrt();
         let step = LONGEST / fastest.max(piva.force.fastest());
-        let drive = piva.force.drive(from.time, step);
+        let drive = piva.force.drive(from.time, from.time, step);
+        let (reach, bend) = piva.until_bend(&from, step);
         let row = [0.0; ORDER + 1];
         let (mut x, mut u, mut a) = (row, row, row);
         (x[0], u[0]) = (from.primary.x.value, from.primary.v.value);
@@ -51,7 +56,7 @@ impl<'a> PivaRide<'a> {
                 x[k + 1] = over * u[k];
             }
         }
-        Self { piva, from, drive, x, u, a, step }
+        Self { piva, from, drive, x, u, a, step, reach, bend }
     }
 
     fn share(&self, h: f64) -> f64 {
@@ -78,14 +83,14 @@ impl Motion for PivaRide<'_> {
     }
 
     fn reach(&self) -> f64 {
-        self.step
+        self.reach
     }
 
     fn state(&self, h: f64) -> PivaState {
         let (t, from) = (self.share(h), &self.from);
         let increment = |row: &Row<f64>| t * horner(&row[1..], t);
         PivaState {
-            time: from.time.plus(h),
+            time: self.bend.filter(|_| h == self.reach).unwrap_or(from.time.plus(h)),
             primary: Primary {
                 x: from.primary.x.plus(increment(&self.x)),
                 v: from.primary.v.plus(increment(&self.u)),
@@ -108,8 +113,12 @@ impl Motion for PivaRide<'_> {
         Some(self.from.wall)
     }
 
+    fn rows(&self) -> Option<Rows<'_>> {
+        Some(Rows { step: self.step, x: &self.x, acceleration: &self.a, base: &self.drive.base })
+    }
+
     fn work(&self, h: f64) -> f64 {
-        if self.piva.force.is_none() {
+        if !self.piva.force.lasts() {
             return 0.0;
         }
         let still = [0.0; ORDER + 1];

@@ -145,6 +145,7 @@ impl Piva {
         };
         let state = PivaState {
             time: Clock::ZERO,
+            kicks: 0,
             primary,
             wall,
             distance: if touching { Sum::ZERO } else { distance },

@@ -45,9 +45,10 @@ fn no_later_coefficient_exceeds_its_bound() {
             acts,
         };
         let driven = index % 2 == 1;
-        let force = Force::new(Vec::from_iter(driven.then_some(harmonic))).unwrap();
+        let force = Force::harmonic(Vec::from_iter(driven.then_some(harmonic))).unwrap();
         for (order, h) in [(10, 0.5), (16, 0.6), (20, 0.4), (20, 1.0)] {
-            let (near, far) = (force.drive(Sum::ZERO, h), force.drive(Sum::ZERO, h));
+            let (near, far) =
+                (force.drive(Sum::ZERO, Sum::ZERO, h), force.drive(Sum::ZERO, Sum::ZERO, h));
             let short = pendulum.series::<f64, { ORDER + 1 }>(&start, Some(&near), h, order);
             let long = pendulum.series::<f64, LONG>(&start, Some(&far), h, LONG - 1);
             let remainder = Remainder::prove(&pendulum, &short, &force, h, order).unwrap();

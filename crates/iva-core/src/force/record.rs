@@ -1,0 +1,215 @@
+//! A recorded force: straight lines between given values.
+//!
+//! A record is kept in the user's time; its knots in natural time are products to twice the
+//! precision, the same whenever they are asked for, so that a step can end on one exactly.
+
+use std::sync::Arc;
+
+use super::Acts;
+use crate::compensated::Sum;
+use crate::error::{Invalid, number};
+use crate::range;
+
+/// Increasing times with a value each.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct History {
+    times: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl History {
+    /// Two points or more.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming the first time that does not increase, the first number that is not
+    /// finite, or two lengths that differ.
+    pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<Self, Invalid> {
+        if times.len() != values.len() {
+            let rule = format!("there are {} values; give as many of both", values.len());
+            return Err(Invalid::new("times", format!("{} numbers", times.len()), rule));
+        }
+        if times.len() < 2 {
+            let rule = "a record has two points or more";
+            return Err(Invalid::new("times", format!("{} numbers", times.len()), rule));
+        }
+        for (index, (time, value)) in times.iter().zip(&values).enumerate() {
+            range::size(&format!("times[{index}]"), *time)?;
+            range::size(&format!("values[{index}]"), *value)?;
+            if index > 0 && times[index - 1] >= *time {
+                return Err(Invalid::new(
+                    format!("times[{index}]"),
+                    number(*time),
+                    format!("it must be later than the time before, {}", number(times[index - 1])),
+                ));
+            }
+        }
+        Ok(Self { times, values })
+    }
+
+    /// Times, increasing.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Values, as many.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+}
+
+/// A history as a force: linear between its points, 0 before the first and after the last.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Shared by all scenes it drives.
+    pub history: Arc<History>,
+    /// On the primary or on the base.
+    pub acts: Acts,
+    /// Natural time over the time of the history: ωn.
+    pub rate: f64,
+    /// f/M or a_g in ωn² × length, over the value of the history.
+    pub scale: f64,
+}
+
+impl Record {
+    pub(super) fn check(&self) -> Result<(), Invalid> {
+        range::positive("force.rate", self.rate)?;
+        range::size("force.scale", self.scale)?;
+        let extreme = |values: &[f64], factor: f64| {
+            let size = |value: &f64| factor.abs() * value.abs();
+            values
+                .iter()
+                .map(size)
+                .filter(|size| *size > 0.0)
+                .try_for_each(|size| range::size("force.record", size))
+        };
+        extreme(&self.history.times, self.rate)?;
+        if self.scale == 0.0 { Ok(()) } else { extreme(&self.history.values, self.scale) }
+    }
+
+    /// The instant of a point.
+    fn knot(&self, index: usize) -> Sum {
+        Sum::new(self.history.times[index]).times(self.rate)
+    }
+
+    fn reached(&self, index: usize, time: Sum) -> bool {
+        (self.knot(index) - time).value <= 0.0
+    }
+
+    /// How many points lie at or before an instant.
+    fn passed(&self, time: Sum) -> usize {
+        let times = &self.history.times;
+        let (first, last) = (times[0], times[times.len() - 1]);
+        // Most records are sampled evenly: look there first.
+        let share = (time.value / self.rate - first) / (last - first);
+        let guess = (share * (times.len() - 1) as f64).clamp(0.0, (times.len() - 1) as f64);
+        for passed in (guess as usize).saturating_sub(1)..=(guess as usize + 2).min(times.len()) {
+            let before = passed == 0 || self.reached(passed - 1, time);
+            if before && (passed == times.len() || !self.reached(passed, time)) {
+                return passed;
+            }
+        }
+        let (mut low, mut high) = (0, times.len());
+        while low < high {
+            let middle = low.midpoint(high);
+            if self.reached(middle, time) {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// The first point after an instant.
+    pub(super) fn next_knot(&self, time: Sum) -> Option<Sum> {
+        let passed = self.passed(time);
+        (passed < self.history.times.len()).then(|| self.knot(passed))
+    }
+
+    /// Where it jumps: its ends, unless it is 0 there.
+    pub(super) fn jumps(&self) -> impl Iterator<Item = Sum> + '_ {
+        let last = self.history.times.len() - 1;
+        [0, last]
+            .into_iter()
+            .filter(|index| self.scale * self.history.values[*index] != 0.0)
+            .map(|index| self.knot(index))
+    }
+
+    /// The straight piece that acts from an instant on.
+    pub(super) fn piece(&self, from: Sum) -> Piece {
+        let passed = self.passed(from);
+        if passed == 0 || passed == self.history.times.len() {
+            return Piece::NOTHING;
+        }
+        let value = |index: usize| Sum::new(self.history.values[index]).times(self.scale);
+        let (begin, first) = (self.knot(passed - 1), value(passed - 1));
+        let slope = (value(passed) - first) / (self.knot(passed) - begin);
+        Piece { begin, first, slope }
+    }
+}
+
+/// A straight line in time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    begin: Sum,
+    first: Sum,
+    slope: Sum,
+}
+
+impl Piece {
+    const NOTHING: Piece = Piece { begin: Sum::ZERO, first: Sum::ZERO, slope: Sum::ZERO };
+
+    /// Value at an instant, and slope.
+    pub(super) fn at(&self, time: Sum) -> [Sum; 2] {
+        [self.first + self.slope * (time - self.begin), self.slope]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(times: Vec<f64>, values: Vec<f64>) -> Record {
+        let history = Arc::new(History::new(times, values).unwrap());
+        Record { history, acts: Acts::Primary, rate: 1.0 / 3.0, scale: 2.0 }
+    }
+
+    #[test]
+    fn the_piece_of_a_knot_is_the_one_after_it() {
+        // Evenly sampled, and so unevenly that the guess is far off.
+        let even: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.01).collect();
+        let uneven: Vec<f64> = (0..50).map(|k| f64::from(k).exp2()).collect();
+        for times in [even, uneven] {
+            let record = record(times, (0..50).map(f64::from).collect());
+            for index in 0..49 {
+                let knot = record.knot(index);
+                assert_eq!(record.passed(knot), index + 1);
+                assert_eq!(record.passed(knot.plus(1e-18)), index + 1);
+                assert_eq!(record.passed(knot.plus(-1e-18 * (knot.value + 1e-3))), index);
+                assert_eq!(record.piece(knot).at(knot)[0].value, 2.0 * index as f64);
+                assert_eq!(record.next_knot(knot), Some(record.knot(index + 1)));
+            }
+            assert_eq!(record.next_knot(record.knot(49)), None);
+            assert_eq!(record.piece(record.knot(49)), Piece::NOTHING);
+        }
+    }
+
+    #[test]
+    fn a_record_jumps_where_it_does_not_end_at_zero() {
+        assert_eq!(record(vec![1.0, 2.0], vec![0.0, 3.0]).jumps().count(), 1);
+        assert_eq!(record(vec![1.0, 2.0, 3.0], vec![0.0, 3.0, 0.0]).jumps().count(), 0);
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_named() {
+        let error = |times: &[f64], values: &[f64]| {
+            History::new(times.to_vec(), values.to_vec()).unwrap_err().to_string()
+        };
+        assert_eq!(
+            error(&[0.0, 1.0, 1.0], &[0.0; 3]),
+            "times[2] = 1: it must be later than the time before, 1"
+        );
+        assert!(error(&[0.0, 1.0], &[0.0, f64::NAN]).starts_with("values[1] = NaN: give"));
+        assert_eq!(error(&[0.0], &[0.0]), "times = 1 numbers: a record has two points or more");
+    }
+}

@@ -1,0 +1,95 @@
+//! Integrals and extrema of the polynomials that a motion consists of.
+
+use crate::taylor::{ORDER, horner};
+
+/// ∫₀ᵗ f² of a polynomial f.
+pub(crate) fn square_integral(f: &[f64], t: f64) -> f64 {
+    product_integral(f, f, t)
+}
+
+/// ∫₀ᵗ f g of two polynomials of one order, at most [`ORDER`].
+pub(crate) fn product_integral(f: &[f64], g: &[f64], t: f64) -> f64 {
+    // At t the terms are moderate, whatever the coefficients are.
+    let (mut f_terms, mut g_terms) = ([0.0; ORDER + 1], [0.0; ORDER + 1]);
+    let mut power = 1.0;
+    for (k, (f, g)) in f.iter().zip(g).enumerate() {
+        (f_terms[k], g_terms[k]) = (power * f, power * g);
+        power *= t;
+    }
+    let order = f.len() - 1;
+    let mut sum = 0.0;
+    for k in (0..=2 * order).rev() {
+        let mut product = 0.0;
+        for i in k.saturating_sub(order)..=k.min(order) {
+            product += f_terms[i] * g_terms[k - i];
+        }
+        sum += product / (k + 1) as f64;
+    }
+    sum * t
+}
+
+/// A stretch of the search for an extremum: its ends, and the function there.
+type Stretch = [(f64, f64); 2];
+
+/// The largest |f| of a polynomial on an interval of [0, ∞), or `least` if that is larger; to 2⁻⁵⁰ of
+/// it. Between two points f leaves its chord by no more than max|f″| w²/8.
+pub(crate) fn largest(f: &[f64], [from, to]: [f64; 2], least: f64) -> f64 {
+    const WITHIN: f64 = 1.0 + 4.0 * f64::EPSILON;
+    let steepest = f
+        .iter()
+        .enumerate()
+        .skip(2)
+        .rev()
+        .fold(0.0, |sum, (k, coefficient)| sum * to + (k * (k - 1)) as f64 * coefficient.abs());
+    let at = |t: f64| (t, horner(f, t));
+    let whole: Stretch = [at(from), at(to)];
+    let mut most = least.max(whole[0].1.abs()).max(whole[1].1.abs());
+    let mut left = vec![whole];
+    while let Some([(a, f_a), (b, f_b)]) = left.pop() {
+        let bound = f_a.abs().max(f_b.abs()) + 0.125 * steepest * ((b - a) * (b - a));
+        let middle = a.midpoint(b);
+        // A NaN is not larger: it ends the search.
+        if bound > most * WITHIN && middle > a && middle < b {
+            let middle = at(middle);
+            most = most.max(middle.1.abs());
+            left.extend([[(a, f_a), middle], [middle, (b, f_b)]]);
+        }
+    }
+    most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Taylor coefficients of cos(turn·t + phase).
+    fn cosine(turn: f64, phase: f64) -> Vec<f64> {
+        let (mut s, mut c) = phase.sin_cos();
+        let step = |k: usize| {
+            let now = c;
+            let by = turn / (k + 1) as f64;
+            (s, c) = (by * c, -(by * s));
+            now
+        };
+        (0..=ORDER).map(step).collect()
+    }
+
+    #[test]
+    fn the_largest_value_is_found_inside_and_at_the_ends() {
+        let near =
+            |value: f64, truth: f64| assert!((value - truth).abs() < 4e-15, "{value} {truth}");
+        near(largest(&cosine(2.0, -1.0), [0.0, 1.0], 0.0), 1.0);
+        near(largest(&cosine(2.0, 2.5), [0.0, 1.0], 0.0), 1.0);
+        near(largest(&cosine(2.0, 0.3), [0.1, 0.4], 0.0), 0.5f64.cos());
+        near(largest(&cosine(2.0, 0.3), [0.1, 0.4], 0.9), 0.9);
+        assert_eq!(largest(&[0.0; 5], [0.0, 1.0], 0.0), 0.0);
+        assert_eq!(largest(&[f64::NAN; 5], [0.0, 1.0], 0.5), 0.5);
+    }
+
+    #[test]
+    fn the_integral_of_a_square_is_exact() {
+        // ∫₀¹ cos²(t − 1/2) dt = 1/2 + (sin 1 + sin 1)/4
+        let truth = 0.5 + 0.5 * 1f64.sin();
+        assert!((square_integral(&cosine(1.0, -0.5), 1.0) - truth).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,262 @@
+//! Steady states under force: amplitudes after a transient, the state once a cycle of the force, and
+//! whether it comes back.
+//!
+//! All is read off the series of the motion as it passes: extrema by enclosure, mean squares as
+//! integrals, strobes at their instants. Nothing is sampled.
+
+use std::collections::VecDeque;
+
+use crate::compensated::Sum;
+use crate::flight::{Motion, Rows};
+use crate::force::{Harmonic, WHOLE_TURN};
+use crate::impact::Impact;
+use crate::observe::{Observer, Span};
+use crate::polynomial::{largest, square_integral};
+use crate::sample::span_ends;
+use crate::simulate::{Outcome, Tally};
+use crate::system::{System, Wall};
+
+pub use regime::Regime;
+
+use regime::{RETURNS_KEPT, regime};
+
+mod regime;
+
+/// What a steady state is measured by.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Window {
+    /// Instant from which on it counts: the end of the transient.
+    pub from: f64,
+    /// The force whose cycles count; `None` if none of the forces has any.
+    pub cycle: Option<Harmonic>,
+}
+
+impl Window {
+    /// The instants Ω t + phase = 2π k, from the first at or after time zero on.
+    fn instant(&self, index: u64) -> Option<Sum> {
+        let Harmonic { frequency, phase, .. } = self.cycle?;
+        let first = (phase / std::f64::consts::TAU).ceil();
+        let turns = WHOLE_TURN.times(first + index as f64);
+        Some(turns.plus(-phase).over(frequency))
+    }
+}
+
+/// Which groups of numbers to compute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SteadyWanted {
+    /// Largest displacement.
+    pub amplitude: bool,
+    /// Its root mean square.
+    pub rms: bool,
+    /// Largest accelerations, of primary and base.
+    pub acceleration: bool,
+    /// The kind of motion.
+    pub regime: bool,
+    /// All strobes, not only the last few.
+    pub strobes: bool,
+}
+
+impl SteadyWanted {
+    /// Everything.
+    pub const ALL: Self =
+        Self { amplitude: true, rms: true, acceleration: true, regime: true, strobes: true };
+
+    fn any(self) -> bool {
+        self != Self::default()
+    }
+}
+
+/// The state at one phase of the force, and the cycle that ends there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strobe {
+    /// Number of the instant, 0 for the first at or after time zero.
+    pub cycle: u64,
+    /// Instant, in 1/ωn.
+    pub time: f64,
+    /// Displacement of the primary.
+    pub displacement: f64,
+    /// Its velocity.
+    pub velocity: f64,
+    /// Absorber minus primary displacement.
+    pub gap_displacement: f64,
+    /// Absorber minus primary velocity.
+    pub gap_velocity: f64,
+    /// Largest |x| since the strobe before, or since the window began.
+    pub amplitude: f64,
+    /// Listed impacts from the begin of the window up to here.
+    pub impacts: u64,
+}
+
+/// The numbers of a steady state; `None` where the run does not define one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SteadyValues {
+    /// Largest |x|.
+    pub amplitude_max: Option<f64>,
+    /// √ of the mean of x².
+    pub amplitude_rms: Option<f64>,
+    /// Largest |ẍ + a_g| between impacts.
+    pub acceleration_max: Option<f64>,
+    /// Largest |a_g|.
+    pub base_max: Option<f64>,
+    /// Listed impacts over cycles of the force.
+    pub impacts_per_cycle: Option<f64>,
+    /// What comes back, and how often.
+    pub regime: Option<Regime>,
+}
+
+/// Watches a driven run.
+#[derive(Debug, Clone, Default)]
+pub struct Steady {
+    window: Window,
+    wanted: SteadyWanted,
+    duration: f64,
+    values: SteadyValues,
+    strobes: VecDeque<Strobe>,
+    next: u64,
+    /// Largest |x|: of the cycle under way, and of those before.
+    current: f64,
+    largest: f64,
+    acceleration: f64,
+    base: f64,
+    square: Sum,
+    impacts: u64,
+    streak: Streak,
+}
+
+/// Impacts on one wall in a row, some of which may turn out not to be listed: instants and approach
+/// speeds.
+#[derive(Debug, Clone, Default)]
+struct Streak {
+    wall: Option<Wall>,
+    impacts: Vec<(f64, f64)>,
+}
+
+impl Steady {
+    /// Measures what is wanted in a window.
+    pub fn new(window: Window, wanted: SteadyWanted) -> Self {
+        Self { window, wanted, ..Self::default() }
+    }
+
+    /// What was measured; complete once the run has ended.
+    pub fn values(&self) -> &SteadyValues {
+        &self.values
+    }
+
+    /// The strobes of the window: all if wanted, else the last few.
+    pub fn strobes(&self) -> impl Iterator<Item = &Strobe> {
+        self.strobes.iter()
+    }
+
+    /// A stretch of a span between two strobes.
+    fn stretch(&mut self, rows: &Rows<'_>, h: [f64; 2]) {
+        let t = h.map(|h| h / rows.step);
+        if self.wanted.amplitude || self.wanted.regime || self.wanted.strobes {
+            self.current = largest(rows.x, t, self.current);
+        }
+        if self.wanted.acceleration {
+            self.acceleration = largest(rows.acceleration, t, self.acceleration);
+            self.base = largest(rows.base, t, self.base);
+        }
+        if self.wanted.rms {
+            let before = if t[0] == 0.0 { 0.0 } else { square_integral(rows.x, t[0]) };
+            self.square = self.square.plus((square_integral(rows.x, t[1]) - before) * rows.step);
+        }
+    }
+
+    fn strobe<M: Motion>(&mut self, motion: &M, h: f64, time: f64) {
+        let (primary, gap) = (motion.primary(h), motion.gap(h));
+        self.strobes.push_back(Strobe {
+            cycle: self.next,
+            time,
+            displacement: primary.value,
+            velocity: primary.rate,
+            gap_displacement: gap.y,
+            gap_velocity: gap.w,
+            amplitude: self.current,
+            impacts: self.impacts,
+        });
+        self.largest = self.largest.max(self.current);
+        self.current = 0.0;
+        if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT {
+            self.strobes.pop_front();
+        }
+    }
+}
+
+impl<S: System> Observer<S> for Steady {
+    fn start(&mut self, _system: &S, _state: &S::State, duration: f64) {
+        *self = Self { duration, ..Self::new(self.window, self.wanted) };
+    }
+
+    fn span<M: Motion<State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
+        let Some(rows) = span.motion.rows().filter(|_| self.wanted.any()) else { return };
+        let begin = (-span.start.minus(self.window.from)).max(0.0);
+        let mut h = begin;
+        let strobed = self.wanted.regime || self.wanted.strobes;
+        while let Some(instant) = self.window.instant(self.next).filter(|_| strobed) {
+            let at = (instant - span.start).value;
+            let beyond = (instant.value - self.duration) / self.duration;
+            let last = beyond.abs() <= 4.0 * f64::EPSILON
+                && span_ends(&span.start, span.length, self.duration);
+            // At an impact the state after it counts.
+            if at >= span.length && !last {
+                break;
+            }
+            let at = at.clamp(0.0, span.length);
+            if at >= begin {
+                if at > h {
+                    self.stretch(&rows, [h, at]);
+                    h = at;
+                }
+                self.strobe(span.motion, at, instant.value.max(0.0));
+            }
+            self.next += 1;
+        }
+        if span.length > h {
+            self.stretch(&rows, [h, span.length]);
+        }
+    }
+
+    fn impact(&mut self, _system: &S, impact: &Impact) {
+        if impact.time < self.window.from {
+            return;
+        }
+        self.impacts += 1;
+        if self.streak.wall != Some(impact.wall) {
+            self.streak = Streak { wall: Some(impact.wall), impacts: Vec::new() };
+        }
+        self.streak.impacts.push((impact.time, impact.approach_speed()));
+    }
+
+    fn unlist(&mut self, _first: u64, floor: f64) {
+        for (time, speed) in std::mem::take(&mut self.streak.impacts) {
+            if speed <= floor {
+                self.impacts -= 1;
+                let later = |strobe: &&mut Strobe| strobe.time >= time;
+                self.strobes.iter_mut().rev().take_while(later).for_each(|it| it.impacts -= 1);
+            }
+        }
+    }
+
+    fn end(&mut self, _system: &S, tally: &Tally<S::State>) {
+        let length = self.duration - self.window.from;
+        if tally.outcome != Outcome::Finished || length <= 0.0 || !self.wanted.any() {
+            return;
+        }
+        let Self { wanted, window, .. } = *self;
+        self.largest = self.largest.max(self.current);
+        let cycle = window.cycle;
+        self.values = SteadyValues {
+            amplitude_max: wanted.amplitude.then_some(self.largest),
+            amplitude_rms: wanted.rms.then(|| (self.square.value / length).sqrt()),
+            acceleration_max: wanted.acceleration.then_some(self.acceleration),
+            base_max: wanted.acceleration.then_some(self.base),
+            impacts_per_cycle: cycle.map(|harmonic| {
+                self.impacts as f64 * std::f64::consts::TAU / (harmonic.frequency * length)
+            }),
+            regime: cycle.filter(|_| wanted.regime).and_then(|harmonic| {
+                regime(&self.strobes, self.impacts, self.largest, harmonic.frequency)
+            }),
+        };
+    }
+}

@@ -1,0 +1,185 @@
+//! Recorded forces: pieces that are known in closed form, convergence, and cuts that change nothing.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use iva_core::{
+    force::{Acts, Force, Harmonic, History, Record},
+    impact::Impact,
+    piva::{Parameters, Piva, PivaState},
+    run::{Run, run, states},
+    simulate::{Limits, Outcome},
+    siva::Siva,
+    system::Start,
+};
+use iva_tests::{UNITS_ALLOWED, units};
+
+fn record(acts: Acts, points: Vec<[f64; 2]>) -> Force {
+    let (times, values) = points.into_iter().map(|[time, value]| (time, value)).unzip();
+    let history = Arc::new(History::new(times, values).unwrap());
+    let record = Record { history, acts, rate: 1.0, scale: 1.0 };
+    Force::new(Vec::new(), vec![record], &[]).unwrap()
+}
+
+fn pendulum(length: f64) -> Parameters {
+    Parameters { frequency_ratio: 0.4, ..Parameters::point_bob(0.1, 0.6, 1.0, 0.01, length) }
+}
+
+fn start(displacement: f64) -> Start {
+    Start { displacement, ..Start::default() }
+}
+
+fn driven(parameters: Parameters, force: &Force, from: f64, duration: f64) -> Run<PivaState> {
+    let piva = Piva::new(parameters).unwrap().under(force.clone());
+    let limits = Limits::new(duration, parameters.clearance);
+    let run = run(&piva, &start(from).into(), &limits).unwrap();
+    assert_eq!((run.tally.outcome, run.tally.undecided), (Outcome::Finished, 0));
+    run
+}
+
+/// The condition of every impact time, by a small change of the start.
+fn conditions(run: impl Fn(f64) -> Vec<Impact>, from: f64) -> Vec<f64> {
+    let change = 1e-9 * from;
+    let pairs = run(from).into_iter().zip(run(from + change));
+    pairs.map(|(a, b)| (b.time - a.time).abs() / change).collect()
+}
+
+#[test]
+fn a_constant_force_moves_the_rest_position() {
+    // x − F decays as x does without force; the gap does not know of it.
+    let (mu, e, d, zeta, push) = (0.1, 0.6, 0.5, 0.01, 0.25);
+    let force = record(Acts::Primary, vec![[0.0, push], [100.0, push]]);
+    let forced = driven(Parameters::free_mass(mu, e, d, zeta), &force, 1.0 + push, 40.0);
+    let siva = Siva::new(mu, e, d, zeta).unwrap();
+    let free = |from: f64| run(&siva, &start(from), &Limits::new(40.0, d)).unwrap().impacts;
+    let reference = free(1.0);
+    assert!(reference.len() > 12);
+    assert_eq!(forced.impacts.len(), reference.len());
+    let conditions = conditions(free, 1.0);
+    for ((impact, truth), condition) in forced.impacts.iter().zip(&reference).zip(conditions) {
+        assert_eq!(impact.wall, truth.wall);
+        let off = units(impact.time - truth.time, condition, truth.time);
+        assert!(off < UNITS_ALLOWED, "{off} units at {}", truth.time);
+        assert!(
+            (impact.displacement - push - truth.displacement).abs() < 1e-12 * condition.max(1.0)
+        );
+    }
+}
+
+/// The same broken line with this many cuts in each piece.
+fn broken_line(cuts: u32) -> Vec<[f64; 2]> {
+    let corners = [[0.0, 0.3], [7.3, -0.4], [11.1, 0.35], [19.7, 0.0], [26.0, -0.5], [41.0, 0.45]];
+    let mut points = vec![corners[0]];
+    for pair in corners.windows(2) {
+        let [[t0, f0], [t1, f1]] = [pair[0], pair[1]];
+        for k in 1..=cuts {
+            let share = f64::from(k) / f64::from(cuts);
+            points.push([t0 + (t1 - t0) * share, f0 + (f1 - f0) * share]);
+        }
+    }
+    points
+}
+
+#[test]
+fn cutting_the_lines_moves_no_event() {
+    for acts in [Acts::Primary, Acts::Base] {
+        for parameters in [Parameters::free_mass(0.1, 0.6, 0.5, 0.01), pendulum(4.0)] {
+            let whole = record(acts, broken_line(1));
+            let events = |force: &Force, from| driven(parameters, force, from, 35.0).impacts;
+            let reference = events(&whole, 1.0);
+            assert!(reference.len() > 8, "{}", reference.len());
+            let conditions = conditions(|from| events(&whole, from), 1.0);
+            // 40 segments, and 100 000: a step ends on every one.
+            for cuts in [8, 20_000] {
+                let cut = events(&record(acts, broken_line(cuts)), 1.0);
+                assert_eq!(cut.len(), reference.len());
+                let mut worst: f64 = 0.0;
+                for ((a, b), condition) in cut.iter().zip(&reference).zip(&conditions) {
+                    worst = worst.max(units(a.time - b.time, *condition, b.time));
+                }
+                println!("{acts:?}, {cuts} cuts: {worst:.2} units");
+                assert!(worst < UNITS_ALLOWED, "{worst} units");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sampled_harmonic_converges_at_second_order() {
+    for acts in [Acts::Primary, Acts::Base] {
+        for parameters in [Parameters::free_mass(0.1, 0.6, 0.5, 0.01), pendulum(4.0)] {
+            let (amplitude, frequency, phase) = (0.3, 0.9, 0.4);
+            let harmonic = Harmonic { amplitude, frequency, phase, acts };
+            let exact = driven(parameters, &Force::harmonic(vec![harmonic]).unwrap(), 0.2, 25.0);
+            assert!(exact.impacts.len() > 6);
+            let off = |step: f64| {
+                let count = (26.0 / step) as u32;
+                let point = |k: u32| {
+                    let time = f64::from(k) * step;
+                    [time, amplitude * (frequency * time + phase).cos()]
+                };
+                let force = record(acts, (0..=count).map(point).collect());
+                let sampled = driven(parameters, &force, 0.2, 25.0);
+                assert_eq!(sampled.impacts.len(), exact.impacts.len());
+                let pairs = sampled.impacts.iter().zip(&exact.impacts);
+                pairs.map(|(a, b)| (a.time - b.time).abs()).fold(0.0, f64::max)
+            };
+            let errors = [0.02, 0.01, 0.005].map(off);
+            println!("{acts:?}: {errors:?}");
+            for pair in errors.windows(2) {
+                let order = (pair[0] / pair[1]).log2();
+                assert!((order - 2.0).abs() < 0.1, "order {order}: {errors:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_ledger_closes_over_noise() {
+    // White noise from a linear congruential generator, a knot every 0.05: 10⁴ periods.
+    let mut seed = 12_345_u64;
+    let mut noise = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let duration = 1e4 * TAU;
+    let points: Vec<[f64; 2]> =
+        (0..=(duration / 0.05) as u32 + 1).map(|k| [f64::from(k) * 0.05, noise()]).collect();
+    for parameters in [Parameters::free_mass(0.1, 0.6, 0.5, 0.01), pendulum(4.0)] {
+        let run = driven(parameters, &record(Acts::Base, points.clone()), 0.0, duration);
+        let m = &run.measures;
+        let turned_over = m.energy_viscous + run.tally.energy_impacts;
+        println!("{} impacts, residual {:e}", run.tally.impacts, m.energy_residual / turned_over);
+        assert!(run.tally.impacts > 1000);
+        assert!(m.energy_residual.abs() < 1e-10 * turned_over);
+    }
+}
+
+#[test]
+fn a_record_that_ends_off_zero_lets_go_of_what_it_pressed() {
+    // (1 + μ) ẍ = f − x < 0 presses the + wall on the absorber until the force ends at 1; then
+    // ẍ = −x/(1 + μ) > 0, for x = −0.5 (1 − cos ωτ) is negative.
+    let force = record(Acts::Primary, vec![[0.0, -0.5], [1.0, -0.5]]);
+    let parameters = Parameters::free_mass(0.1, 0.5, 0.2, 0.0);
+    let piva = Piva::new(parameters).unwrap().under(force);
+    let start = Start { gap_displacement: 0.2, ..Start::default() };
+    let run = run(&piva, &start.into(), &Limits::new(30.0, 0.2)).unwrap();
+    assert_eq!((run.episodes[0].stick_time, run.episodes[0].release_time), (0.0, Some(1.0)));
+    assert!(run.impacts.len() > 5);
+    assert!(run.measures.energy_residual.abs() < 1e-14, "{:e}", run.measures.energy_residual);
+}
+
+#[test]
+fn before_and_after_its_points_a_record_is_zero() {
+    let force = record(Acts::Primary, vec![[2.0, 1.0], [3.0, 1.0]]);
+    let parameters = Parameters::free_mass(1e-6, 0.5, 50.0, 0.0);
+    let piva = Piva::new(parameters).unwrap().under(force);
+    let times = [1.0, 2.5, 3.0, 10.0];
+    let found = states(&piva, &start(0.0).into(), &Limits::new(10.0, 50.0), &times).unwrap();
+    // x = 1 − cos(τ − 2) while it acts, then cos(τ − 3) − cos(τ − 2).
+    let truth = [0.0, 1.0 - 0.5f64.cos(), 1.0 - 1f64.cos(), 7f64.cos() - 8f64.cos()];
+    for (state, truth) in found.iter().zip(truth) {
+        assert!((state.displacement - truth).abs() < 4e-15, "{state:?}");
+    }
+}
