@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use iva_sweep::choices::Kind;
-use iva_sweep::fields::{Allowed, FieldId, Part};
+use iva_sweep::fields::{Allowed, Part};
+use iva_sweep::slot::Slot;
 use iva_sweep::study::{Axis, MAX_POINTS, distinct, fitting};
 use toml::de::{DeTable, DeValue};
 
@@ -46,7 +47,7 @@ pub(crate) fn read(
     for entry in &entries {
         let axis = read_axis(source, entry)?;
         source.note(format!("sweep.{}", axis.key), entry.span.clone());
-        source.note_axis(axis.field, entry.span.clone());
+        source.note_axis(axis.slot, entry.span.clone());
         axes.push(axis);
     }
     distinct(&axes)
@@ -55,33 +56,32 @@ pub(crate) fn read(
     Ok(axes)
 }
 
-/// `absorber.mass = …` is TOML for a table inside a table: gives it back as `absorber.mass`.
+/// `absorber.mass = …` is TOML for a table inside a table: gives it back as `absorber.mass`; so does
+/// `force.0.frequency`.
 fn flatten<'a, 't>(section: &'a DeTable<'t>) -> Vec<Entry<'a, 't>> {
     let mut flat = Vec::new();
-    for (key, value) in entries(section) {
-        let outer = key.get_ref().as_ref();
-        match value.get_ref() {
-            DeValue::Table(inner) if Part::ALL.iter().any(|part| part.name() == outer) => {
-                for (key, value) in entries(inner) {
-                    flat.push(Entry {
-                        key: format!("{outer}.{}", key.get_ref()),
-                        span: key.span(),
-                        value,
-                    });
-                }
-            }
-            _ => flat.push(Entry { key: outer.to_owned(), span: key.span(), value }),
-        }
-    }
+    push_entries(&mut flat, "", section);
     flat.sort_by_key(|entry| entry.span.start);
     flat
+}
+
+fn push_entries<'a, 't>(flat: &mut Vec<Entry<'a, 't>>, outer: &str, table: &'a DeTable<'t>) {
+    for (key, value) in entries(table) {
+        let inner = key.get_ref().as_ref();
+        let name = if outer.is_empty() { inner.to_owned() } else { format!("{outer}.{inner}") };
+        let is_part = outer.is_empty() && Part::ALL.iter().any(|part| part.name() == inner);
+        let is_number = outer == Part::Force.name() && inner.parse::<usize>().is_ok();
+        match value.get_ref() {
+            DeValue::Table(table) if is_part || is_number => push_entries(flat, &name, table),
+            _ => flat.push(Entry { key: name, span: key.span(), value }),
+        }
+    }
 }
 
 /// Every key must name a field.
 fn check_fields(source: &Source, entries: &[Entry<'_, '_>]) -> Result<(), Error> {
     for entry in entries {
-        FieldId::from_key(&entry.key)
-            .map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
+        Slot::from_key(&entry.key).map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
     }
     Ok(())
 }
@@ -115,9 +115,9 @@ fn length(entry: &Entry<'_, '_>) -> Option<f64> {
 
 fn read_axis(source: &Source, entry: &Entry<'_, '_>) -> Result<Axis, Error> {
     let name = format!("sweep.{}", entry.key);
-    let field = FieldId::from_key(&entry.key)
-        .map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
-    let allowed = field.info().allowed;
+    let slot =
+        Slot::from_key(&entry.key).map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
+    let allowed = slot.info().allowed;
     let place = entry.value.span();
     let axis = match entry.value.get_ref() {
         DeValue::Array(items) => {

@@ -222,7 +222,7 @@ impl BestPoints {
         for (position, axis) in study.axes.iter().enumerate() {
             let values: Vec<f64> =
                 indices.iter().map(|indices| axis.values[indices[position]]).collect();
-            let unit = short_unit(units, axis.field.info().quantity);
+            let unit = short_unit(units, axis.slot.info().quantity);
             table.push(&axis.key, unit, aligned(&values, 6));
         }
         let value = |value: Option<f64>, quantity| match value {

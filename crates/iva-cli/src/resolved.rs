@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{Allowed, FieldId, Part};
+use iva_sweep::forces::ForceSpec;
+use iva_sweep::slot::Slot;
 use iva_sweep::study::{Axis, Table};
 
 use crate::error::Error;
@@ -30,23 +32,32 @@ fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
     let choices = *file.study.spec.choices();
     let mut spec = Spec::new(choices);
     let axes = &file.study.axes;
-    for (field, value) in file.study.spec.given() {
-        if !axes.iter().any(|axis| axis.field.same_quantity(field)) {
-            spec.set(field, value)?;
+    // A force may be made of axes alone.
+    let forces = file.study.spec(0)?.forces().to_vec();
+    for force in &forces {
+        spec.add_force(ForceSpec::new(force.record.clone()));
+    }
+    for (slot, value) in file.study.spec.given() {
+        if !axes.iter().any(|axis| axis.slot.same_quantity(slot)) {
+            spec.set(slot, value)?;
         }
     }
-    let of_force = |field: FieldId| field.info().part == Part::Force;
-    let driven = spec.given().any(|(field, _)| of_force(field))
-        || axes.iter().any(|axis| of_force(axis.field));
-    for field in FieldId::all() {
+    let fits = |field: &FieldId| field.info().kind.is_none_or(|kind| kind == choices.kind);
+    for field in FieldId::all().filter(fits) {
         let default = if field == FieldId::Gravity { gravity } else { field.default() };
-        let fits = field.info().kind.is_none_or(|kind| kind == choices.kind)
-            && (!of_force(field) || driven);
-        let Some(value) = default.filter(|_| fits) else { continue };
-        let given = spec.given().any(|(other, _)| other.same_quantity(field))
-            || axes.iter().any(|axis| axis.field.same_quantity(field));
-        if !given {
-            spec.set(field, value)?;
+        let Some(value) = default else { continue };
+        let slots: Vec<Slot> = if field.info().part == Part::Force {
+            let own = (0..forces.len()).filter(|number| !forces[*number].is_foreign(field));
+            own.map(|number| Slot::of_force(field, number, forces.len())).collect()
+        } else {
+            vec![field.into()]
+        };
+        for slot in slots {
+            let given = spec.given().any(|(other, _)| other.same_quantity(slot))
+                || axes.iter().any(|axis| axis.slot.same_quantity(slot));
+            if !given {
+                spec.set(slot, value)?;
+            }
         }
     }
     resolved.study.spec = spec;
@@ -69,9 +80,9 @@ fn text_of(file: &StudyFile, units: &str) -> String {
     let _ = writeln!(text, "{HEADER} {version}: every default is filled in.");
     let _ = writeln!(text, "# {}.\n", first_upper(units));
     let _ = writeln!(text, "version = {STUDY_VERSION}");
-    let driven = file.study.spec.given().any(|(field, _)| field.info().part == Part::Force);
     for part in Part::ALL {
-        if part == Part::Force && !driven {
+        if part == Part::Force {
+            write_forces(&mut text, &file.study.spec);
             continue;
         }
         let _ = writeln!(text, "\n[{}]", part.name());
@@ -80,9 +91,9 @@ fn text_of(file: &StudyFile, units: &str) -> String {
                 let _ = writeln!(text, "{name} = \"{word}\"");
             }
         }
-        for (field, value) in file.study.spec.given() {
-            if field.info().part == part {
-                let _ = writeln!(text, "{} = {}", field.info().name, literal(field, value));
+        for (slot, value) in file.study.spec.given() {
+            if slot.info().part == part {
+                let _ = writeln!(text, "{} = {}", slot.info().name, literal(slot.field, value));
             }
         }
         if part == Part::Run {
@@ -103,9 +114,25 @@ fn text_of(file: &StudyFile, units: &str) -> String {
     text
 }
 
+fn write_forces(text: &mut String, spec: &Spec) {
+    let heading = if spec.forces().len() > 1 { "[[force]]" } else { "[force]" };
+    for (number, force) in spec.forces().iter().enumerate() {
+        let _ = writeln!(text, "\n{heading}");
+        if let Some(recorded) = &force.record {
+            let file = toml::Value::from(recorded.file.clone().unwrap_or_default());
+            let _ = writeln!(text, "record = {file}\nkind = \"{}\"", recorded.kind.name());
+        }
+        for (slot, value) in spec.given().filter(|(slot, _)| slot.info().part == Part::Force) {
+            if slot.force.unwrap_or(0) == number {
+                let _ = writeln!(text, "{} = {}", slot.info().name, literal(slot.field, value));
+            }
+        }
+    }
+}
+
 fn write_run(text: &mut String, file: &StudyFile) {
     let study = &file.study;
-    let swept = |axis: &Axis| axis.field == FieldId::ChatterFloor;
+    let swept = |axis: &Axis| axis.slot.field == FieldId::ChatterFloor;
     if study.spec.get(FieldId::ChatterFloor).is_none() && !study.axes.iter().any(swept) {
         let _ = writeln!(text, "# chatter_floor: {}", FieldId::ChatterFloor.info().help);
     }
@@ -122,7 +149,7 @@ fn write_run(text: &mut String, file: &StudyFile) {
 fn write_axis(text: &mut String, axis: &Axis) {
     let plain = axis.key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     let key = if plain { axis.key.clone() } else { format!("\"{}\"", axis.key) };
-    let literal = |value: f64| literal(axis.field, value);
+    let literal = |value: f64| literal(axis.slot.field, value);
     if let Some((start, stop)) = equidistant(axis) {
         let _ = writeln!(
             text,

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
+use iva_sweep::fields::Quantity;
 use iva_sweep::scene::Harmonic;
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
@@ -41,8 +42,8 @@ pub(crate) fn describe(study: &Study, points: u64, units: UnitSystem) -> String 
     if kind == Kind::Piva {
         let _ = writeln!(out, "{}", wrap(&pendulum(&designs, units)));
     }
-    if designs.iter().all(|design| design.scene.harmonic().is_some()) {
-        let _ = writeln!(out, "{}", wrap(&force(&designs)));
+    for line in forces(&designs, units) {
+        let _ = writeln!(out, "{}", wrap(&line));
     }
     let start = range(&designs, |design| design.scene.displacement());
     let clearance = range(&designs, |design| design.scene.clearance());
@@ -77,17 +78,43 @@ fn range(designs: &[Design], value: impl Fn(&Design) -> f64) -> String {
     if low == high { short(low, 4) } else { format!("{} … {}", short(low, 4), short(high, 4)) }
 }
 
-/// Amplitude and frequency of the forces, over what the spring makes of a length of 1.
-fn force(designs: &[Design]) -> String {
-    let of = |read: fn(&Harmonic) -> f64| {
-        range(designs, |design| design.scene.harmonic().map_or(f64::NAN, read))
+/// A line for each force: harmonic ones by amplitude (over what the spring makes of a length of 1) and
+/// frequency, records by their extent.
+fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
+    let Some(first) = designs.first().and_then(|design| design.scene.force()) else {
+        return Vec::new();
     };
-    let amplitude = of(|harmonic| harmonic.amplitude.abs());
-    let frequency = of(|harmonic| harmonic.frequency);
-    format!(
-        "Force: {frequency} of the natural frequency; held still, its amplitude would move the \
-         structure by {amplitude}"
-    )
+    let mut lines = Vec::new();
+    for number in 0..first.harmonics().len() {
+        let of = |read: fn(&Harmonic) -> f64| {
+            let harmonic = |design: &Design| design.scene.force()?.harmonics().get(number).copied();
+            range(designs, |design| harmonic(design).map_or(f64::NAN, |harmonic| read(&harmonic)))
+        };
+        let amplitude = of(|harmonic| harmonic.amplitude.abs());
+        let frequency = of(|harmonic| harmonic.frequency);
+        lines.push(format!(
+            "Force: {frequency} of the natural frequency; held still, its amplitude would move the \
+             structure by {amplitude}"
+        ));
+    }
+    let unit = units.unit(Quantity::Time);
+    for record in first.records() {
+        let (times, values) = (record.history.times(), record.history.values());
+        let (from, to) = (times.first().copied(), times.last().copied());
+        let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        lines.push(format!(
+            "Force: a record of {} points from {} to {} {unit}, largest value {}",
+            times.len(),
+            short(from.unwrap_or_default(), 4),
+            short(to.unwrap_or_default(), 4),
+            short(largest, 4),
+        ));
+    }
+    let impulses = first.impulses().count();
+    if impulses > 0 {
+        lines.push(format!("Force: {impulses} impulses on the structure"));
+    }
+    lines
 }
 
 /// Length, frequency and gravity of the pendulums.

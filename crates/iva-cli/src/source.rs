@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use iva_sweep::Invalid;
 use iva_sweep::fields::{FieldId, Part};
+use iva_sweep::slot::Slot;
 use iva_sweep::sweep::SweepError;
 
 use crate::error::{Error, Place, StudyError};
@@ -106,8 +107,8 @@ impl Source {
     }
 
     /// Notes where the axis over a field stands.
-    pub(crate) fn note_axis(&mut self, field: FieldId, span: Range<usize>) {
-        self.note(format!("axis {}", field.path()), span);
+    pub(crate) fn note_axis(&mut self, slot: Slot, span: Range<usize>) {
+        self.note(format!("axis {}", slot.path()), span);
     }
 }
 

@@ -37,6 +37,7 @@ use toml::de::DeTable;
 
 use crate::axes;
 use crate::error::Error;
+use crate::forces;
 use crate::report::{DEFAULT_BEST_BY, RANKED, Report};
 use crate::source::Source;
 use crate::value::{
@@ -125,6 +126,9 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
     let mut settings = Settings::default();
     for part in Part::ALL {
         match root.get_key_value(part.name()) {
+            Some((key, value)) if part == Part::Force => {
+                forces::read(&mut source, key, value, &mut spec)?;
+            }
             Some((key, value)) => {
                 read_part(&mut source, part, key, value, &mut spec, &mut settings)?;
             }

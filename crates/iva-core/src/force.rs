@@ -111,9 +111,20 @@ impl Force {
         &self.records
     }
 
+    /// Its impulses, in the order of time.
+    pub fn impulses(&self) -> impl Iterator<Item = Impulse> + '_ {
+        let impulse = |kick: &Kick| Impulse { velocity: kick.velocity, time: kick.time.value };
+        self.kicks.iter().filter(|kick| kick.velocity != 0.0).map(impulse)
+    }
+
     /// True if nothing acts.
     pub fn is_none(&self) -> bool {
         !self.lasts() && self.kicks.is_empty()
+    }
+
+    /// True if it is one harmonic force and nothing else.
+    pub fn is_single(&self) -> bool {
+        self.harmonics.len() == 1 && self.records.is_empty() && self.kicks.is_empty()
     }
 
     /// True if something acts all the time, not only in impulses.

@@ -16,10 +16,12 @@ use crate::sample::span_ends;
 use crate::simulate::{Outcome, Tally};
 use crate::system::{System, Wall};
 
+pub use bare::amplitude_without_absorber;
 pub use regime::Regime;
 
 use regime::{RETURNS_KEPT, regime};
 
+mod bare;
 mod regime;
 
 /// What a steady state is measured by.
@@ -52,14 +54,22 @@ pub struct SteadyWanted {
     pub acceleration: bool,
     /// The kind of motion.
     pub regime: bool,
+    /// Impacts a cycle.
+    pub impacts: bool,
     /// All strobes, not only the last few.
     pub strobes: bool,
 }
 
 impl SteadyWanted {
     /// Everything.
-    pub const ALL: Self =
-        Self { amplitude: true, rms: true, acceleration: true, regime: true, strobes: true };
+    pub const ALL: Self = Self {
+        amplitude: true,
+        rms: true,
+        acceleration: true,
+        regime: true,
+        impacts: true,
+        strobes: true,
+    };
 
     fn any(self) -> bool {
         self != Self::default()
@@ -251,7 +261,7 @@ impl<S: System> Observer<S> for Steady {
             amplitude_rms: wanted.rms.then(|| (self.square.value / length).sqrt()),
             acceleration_max: wanted.acceleration.then_some(self.acceleration),
             base_max: wanted.acceleration.then_some(self.base),
-            impacts_per_cycle: cycle.map(|harmonic| {
+            impacts_per_cycle: cycle.filter(|_| wanted.impacts).map(|harmonic| {
                 self.impacts as f64 * std::f64::consts::TAU / (harmonic.frequency * length)
             }),
             regime: cycle.filter(|_| wanted.regime).and_then(|harmonic| {

@@ -11,6 +11,7 @@ use iva_sweep::columns::columns;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::motion as paths;
+use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{self as engine, SweepError};
 use iva_sweep::units::UnitSystem;
@@ -86,8 +87,8 @@ pub fn column_units(
         }
         if table == Table::Summary {
             for key in &swept {
-                let field = FieldId::from_key(key).map_err(invalid)?;
-                add(key, field.info().quantity);
+                let slot = Slot::from_key(key).map_err(invalid)?;
+                add(key, slot.info().quantity);
             }
         }
         tables.insert(table.name(), units);

@@ -103,6 +103,36 @@ pub static SUMMARY: &[Column] = &[
         Quantity::Energy,
         "work of force and base, integrated along the motion; 0 in free decay",
     ),
+    column(
+        "amplitude_max",
+        Quantity::Length,
+        "largest |x| under force, after the discarded cycles",
+    ),
+    column(
+        "amplitude_rms",
+        Quantity::Length,
+        "root mean square of x under force, after the discarded cycles",
+    ),
+    column(
+        "reduction",
+        Quantity::Ratio,
+        "1 - amplitude_max over that without absorber, under the same force",
+    ),
+    column(
+        "transmissibility",
+        Quantity::Ratio,
+        "largest absolute acceleration between impacts over the largest of the base",
+    ),
+    column(
+        "impacts_per_cycle",
+        Quantity::Ratio,
+        "listed impacts over cycles of the harmonic force, after the discarded ones",
+    ),
+    column(
+        "regime",
+        Quantity::Text,
+        "n:m, n impacts in m cycles if the state comes back; no_impacts or modulated",
+    ),
 ];
 
 /// Columns of `impacts` after `point`.
@@ -159,6 +189,18 @@ pub static ENVELOPE: &[Column] = &[
     column("log_decrement", Quantity::Ratio, "ln(A[k-2]/A[k]); null for k < 2"),
 ];
 
+/// Columns of `stroboscope` after `point`.
+pub static STROBOSCOPE: &[Column] = &[
+    column("cycle", Quantity::Count, "number of the instant, 0 for the first of the run"),
+    column("time", Quantity::Time, "instant at which frequency · time + phase is a multiple of 2π"),
+    column("displacement", Quantity::Length, "displacement of the primary system"),
+    column("velocity", Quantity::Velocity, "velocity of the primary system"),
+    column("gap_displacement", Quantity::Length, "absorber minus primary displacement"),
+    column("gap_velocity", Quantity::Velocity, "absorber minus primary velocity"),
+    column("amplitude", Quantity::Length, "largest |x| since the instant before"),
+    column("impacts", Quantity::Count, "listed impacts since the instant before"),
+];
+
 /// Columns of the trajectory after `point`.
 pub static TRAJECTORY: &[Column] = &[
     column("time", Quantity::Time, "instant; an impact appears twice, before and after"),
@@ -178,6 +220,7 @@ pub fn columns(table: Table) -> &'static [Column] {
         Table::Impacts => IMPACTS,
         Table::Episodes => EPISODES,
         Table::Envelope => ENVELOPE,
+        Table::Stroboscope => STROBOSCOPE,
         Table::Trajectory => TRAJECTORY,
     }
 }

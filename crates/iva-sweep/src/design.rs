@@ -4,26 +4,31 @@
 //! clearance, gap or relative clearance; …) without guessing and converts to natural units.
 
 use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
 
 use iva_core::error::{Invalid, number};
 use iva_core::force::Force;
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
-use iva_core::system::{Start, System};
+use iva_core::steady::{self, Window};
+use iva_core::system::{Point, Start, System};
 
 use crate::choices::{Choices, Kind, only};
-use crate::fields::{FIELD_COUNT, FieldId};
-use crate::forces;
+use crate::fields::{FIELD_COUNT, FieldId, Part};
+use crate::forces::{self, ForceSpec};
 use crate::pendulum::{self, Common, STANDARD_GRAVITY};
 use crate::scene::Scene;
+use crate::slot::Slot;
 use crate::units::{Scale, UnitSystem};
 
 /// The fields of one run as given; everything else is default or derived.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Spec {
     choices: Choices,
+    /// Of all parts but the forces.
     values: [Option<f64>; FIELD_COUNT],
+    forces: Vec<ForceSpec>,
 }
 
 impl Default for Spec {
@@ -39,16 +44,33 @@ pub struct Design {
     pub scene: Scene,
     /// Duration, limits and chatter floor.
     pub limits: Limits,
+    /// What steady states are measured by.
+    pub window: Window,
     /// From natural units to the user's.
     pub scale: Scale,
     /// What the user's units are.
     pub units: UnitSystem,
 }
 
+impl Design {
+    /// Largest displacement of the primary without absorber, see
+    /// [`iva_core::steady::amplitude_without_absorber`]; `None` in free decay.
+    ///
+    /// # Errors
+    /// [`Invalid`] for numbers that the core refuses.
+    pub fn amplitude_without_absorber(&self, cancel: &AtomicBool) -> Result<Option<f64>, Invalid> {
+        let Scene::Piva { system, start, .. } = &self.scene else { return Ok(None) };
+        let zeta = system.parameters().damping_ratio;
+        let from = Point { x: start.displacement, v: start.velocity };
+        let (window, limits) = (&self.window, &self.limits);
+        steady::amplitude_without_absorber(system.force(), zeta, from, window, limits, Some(cancel))
+    }
+}
+
 impl Spec {
     /// No fields yet.
     pub fn new(choices: Choices) -> Self {
-        Self { choices, values: [None; FIELD_COUNT] }
+        Self { choices, values: [None; FIELD_COUNT], forces: Vec::new() }
     }
 
     /// Kind of absorber, and how it is modelled.
@@ -56,37 +78,81 @@ impl Spec {
         &self.choices
     }
 
-    /// Sets a field after checking its range.
+    /// Adds a force; its fields are set afterwards.
+    pub fn add_force(&mut self, force: ForceSpec) {
+        self.forces.push(force);
+    }
+
+    /// The forces given.
+    pub fn forces(&self) -> &[ForceSpec] {
+        &self.forces
+    }
+
+    /// Sets a field after checking its range. A field of a force makes one if there is none.
     ///
     /// # Errors
-    /// [`Invalid`] with field, value and range, or for a field of another kind of absorber.
-    pub fn set(&mut self, field: FieldId, value: f64) -> Result<(), Invalid> {
-        if let Some(kind) = field.info().kind.filter(|kind| *kind != self.choices.kind) {
-            return Err(Invalid::new(field.path(), number(value), only(kind)));
+    /// [`Invalid`] with field, value and range, for a field of another kind of absorber, or a force
+    /// that is not there.
+    pub fn set(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
+        let slot = slot.into();
+        if let Some(kind) = slot.info().kind.filter(|kind| *kind != self.choices.kind) {
+            return Err(Invalid::new(slot.path(), number(value), only(kind)));
         }
-        self.values[field as usize] = Some(field.check(value)?);
+        let value = slot.check(value)?;
+        if slot.info().part == Part::Force {
+            self.force_at(slot, value)?.put(slot.field, Some(value));
+        } else {
+            self.values[slot.field as usize] = Some(value);
+        }
         Ok(())
+    }
+
+    fn force_at(&mut self, slot: Slot, value: f64) -> Result<&mut ForceSpec, Invalid> {
+        let count = self.forces.len();
+        let wrong = |rule: String| Err(Invalid::new(slot.path(), number(value), rule));
+        if count == 0 && slot.force.unwrap_or(0) == 0 {
+            self.forces.push(ForceSpec::new(None));
+        } else if slot.force.is_none() && count > 1 {
+            let name = slot.info().name;
+            return wrong(format!(
+                "there are {count} forces; write force.0.{name}, force.1.{name}, …"
+            ));
+        }
+        match self.forces.get_mut(slot.force.unwrap_or(0)) {
+            Some(force) => Ok(force),
+            None if count == 1 => wrong("there is one force, number 0".to_owned()),
+            None => wrong(format!("there are {count} forces, numbered from 0")),
+        }
     }
 
     /// Sets a field for a sweep axis: it replaces the alternatives of its group.
     ///
     /// # Errors
     /// [`Invalid`] with field, value and range.
-    pub fn replace(&mut self, field: FieldId, value: f64) -> Result<(), Invalid> {
-        for other in FieldId::all().filter(|other| other.same_quantity(field)) {
-            self.values[other as usize] = None;
+    pub fn replace(&mut self, slot: Slot, value: f64) -> Result<(), Invalid> {
+        for other in FieldId::all().filter(|other| other.same_quantity(slot.field)) {
+            if other.info().part != Part::Force {
+                self.values[other as usize] = None;
+            } else if let Some(force) = self.forces.get_mut(slot.force.unwrap_or(0)) {
+                force.put(other, None);
+            }
         }
-        self.set(field, value)
+        self.set(slot, value)
     }
 
-    /// The value given for a field.
+    /// The value given for a field that is not of a force.
     pub fn get(&self, field: FieldId) -> Option<f64> {
         self.values[field as usize]
     }
 
-    /// The fields given, in table order.
-    pub fn given(&self) -> impl Iterator<Item = (FieldId, f64)> + '_ {
-        FieldId::all().filter_map(|id| self.get(id).map(|value| (id, value)))
+    /// The fields given, in table order, those of the forces last.
+    pub fn given(&self) -> impl Iterator<Item = (Slot, f64)> + '_ {
+        let plain = FieldId::all().filter_map(|id| Some((Slot::from(id), self.get(id)?)));
+        let count = self.forces.len();
+        let of_forces = self.forces.iter().enumerate().flat_map(move |(number, force)| {
+            force.given().map(move |(id, value)| (Slot::of_force(id, number, count), value))
+        });
+        plain.chain(of_forces)
     }
 
     /// Checks that no quantity is given twice, whether an axis replaces it or not.
@@ -94,10 +160,11 @@ impl Spec {
     /// # Errors
     /// [`Invalid`] naming the later of two fields.
     pub fn distinct(&self) -> Result<(), Invalid> {
-        let given: Vec<FieldId> = self.given().map(|(field, _)| field).collect();
-        for (index, field) in given.iter().enumerate() {
-            if let Some(earlier) = given[..index].iter().find(|it| it.same_quantity(*field)) {
-                self.at_most_one(&[*earlier, *field])?;
+        let given: Vec<(Slot, f64)> = self.given().collect();
+        for (index, (slot, value)) in given.iter().enumerate() {
+            if let Some((earlier, _)) = given[..index].iter().find(|it| it.0.same_quantity(*slot)) {
+                let rule = format!("{} is given as well; give one of them", earlier.path());
+                return Err(Invalid::new(slot.path(), number(*value), rule));
             }
         }
         Ok(())
@@ -144,10 +211,12 @@ impl Spec {
             .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
         let mass_ratio = self.mass_ratio(&scale, units)?;
         let common = Common { mass_ratio, restitution, clearance, damping_ratio };
-        let force = forces::force(self, &scale, units)?;
+        let force = forces::force(&self.forces, &scale, units)?;
+        let duration = self.duration(omega, &force)?;
+        let window = self.window(duration, &force)?;
         let scene = self.scene(common, start, force, &scale)?;
         let limits = Limits {
-            duration: self.duration(omega)?,
+            duration,
             max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
             max_work: self.get(FieldId::MaxWork).map_or(Limits::MAX_WORK, |n| n as u64),
             chatter_floor: self
@@ -155,7 +224,7 @@ impl Spec {
                 .map_or(Limits::CHATTER_FLOOR * clearance, |floor| floor / omega),
         };
         limits.check()?;
-        Ok(Design { scene, limits, scale, units })
+        Ok(Design { scene, limits, window, scale, units })
     }
 
     fn scene(
@@ -276,12 +345,31 @@ impl Spec {
         })
     }
 
-    fn duration(&self, omega: f64) -> Result<f64, Invalid> {
-        self.at_most_one(&[FieldId::Periods, FieldId::Duration])?;
+    fn duration(&self, omega: f64, force: &Force) -> Result<f64, Invalid> {
+        self.at_most_one(&[FieldId::Periods, FieldId::Duration, FieldId::Cycles])?;
+        if let Some(cycles) = self.get(FieldId::Cycles) {
+            return Ok(cycles * cycle(FieldId::Cycles, cycles, force)?);
+        }
         let periods = self.get(FieldId::Periods).map(|n| n * TAU);
-        periods
-            .or_else(|| self.get(FieldId::Duration).map(|t| t * omega))
-            .ok_or_else(|| Invalid::missing("run.periods", "give periods or duration"))
+        periods.or_else(|| self.get(FieldId::Duration).map(|t| t * omega)).ok_or_else(|| {
+            Invalid::missing("run.periods", "give periods, duration or, under force, cycles")
+        })
+    }
+
+    fn window(&self, duration: f64, force: &Force) -> Result<Window, Invalid> {
+        let from = match self.get(FieldId::Discard).filter(|cycles| *cycles > 0.0) {
+            Some(cycles) => {
+                let length = cycle(FieldId::Discard, cycles, force)?;
+                if cycles * length >= duration {
+                    let all = number(duration / length);
+                    let rule = format!("the run has {all} cycles; leave some of them");
+                    return Err(Invalid::new(FieldId::Discard.path(), number(cycles), rule));
+                }
+                cycles * length
+            }
+            None => 0.0,
+        };
+        Ok(Window { from, cycle: force.harmonics().first().copied() })
     }
 
     fn length(
@@ -316,6 +404,15 @@ impl Spec {
             _ => Ok(()),
         }
     }
+}
+
+/// Length of a cycle of the harmonic force, which a field is a multiple of.
+fn cycle(field: FieldId, value: f64, force: &Force) -> Result<f64, Invalid> {
+    let harmonic = force.harmonics().first().ok_or_else(|| {
+        let rule = "it counts cycles of a harmonic force, and there is none";
+        Invalid::new(field.path(), number(value), rule)
+    })?;
+    Ok(TAU / harmonic.frequency)
 }
 
 /// A ratio that follows from a given field, if it is in its own range.

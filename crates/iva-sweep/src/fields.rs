@@ -83,6 +83,8 @@ pub enum Quantity {
     Acceleration,
     /// Force.
     Force,
+    /// Impulse: force times time.
+    Impulse,
 }
 
 /// Smallest size of a number with a unit, other than 0.
@@ -112,6 +114,8 @@ pub enum Allowed {
     InertiaRatio,
     /// An angle in rad, from −π to π.
     Angle,
+    /// A phase in rad, of up to some hundred thousand turns.
+    Phase,
     /// A tolerance, 0 for full accuracy.
     Tolerance,
 }
@@ -132,6 +136,7 @@ impl Allowed {
             }
             Allowed::InertiaRatio => (1.0..=LARGEST_RATIO).contains(&value),
             Allowed::Angle => value.abs() <= PI,
+            Allowed::Phase => value.abs() <= 1e6,
             Allowed::Tolerance => (0.0..=LARGEST_TOLERANCE).contains(&value),
         }
     }
@@ -148,6 +153,7 @@ impl Allowed {
             Allowed::PositiveInteger => "a whole number from 1 to 2^53",
             Allowed::InertiaRatio => "a number from 1 (point bob) to 1e9",
             Allowed::Angle => "an angle in rad, from -π to π",
+            Allowed::Phase => "an angle in rad, from -1e6 to 1e6",
             Allowed::Tolerance => "0 (full accuracy) or a number up to 1e-3",
         }
     }
@@ -232,7 +238,11 @@ fields! {
     ForceFrequency: Force "frequency" AngularFrequency Positive "frequency" "angular frequency of the force";
     RelativeFrequency: Force "relative_frequency" Ratio Positive "frequency" "frequency of the force over that of the bare primary system";
     ForceFrequencyHz: Force "frequency_hz" Hertz Positive "frequency" "frequency of the force in Hz";
-    Phase: Force "phase" Angle Angle "phase" "phase of the cosine at time zero, in rad";
+    Phase: Force "phase" Angle Phase "phase" "phase of the cosine at time zero, in rad";
+    ImpulseVelocity: Force "velocity" Velocity Size "impulse" "impulse on the primary over its mass";
+    ImpulseMomentum: Force "impulse" Impulse Size "impulse" "impulse on the primary; needs a mass";
+    ImpulseTime: Force "time" Time NonNegative "time" "instant of an impulse";
+    RecordScale: Force "scale" Ratio Size "scale" "factor on the values of a record";
     Displacement: Start "displacement" Length Size "displacement" "displacement of the primary system";
     DisplacementMm: Start "displacement_mm" Millimetre Size "displacement" "displacement of the primary system in mm";
     Velocity: Start "velocity" Velocity Size "velocity" "velocity of the primary system";
@@ -242,6 +252,8 @@ fields! {
     AngularVelocity: Start "angular_velocity" AngularVelocity Size "gap_velocity" "angular velocity of the pendulum" Piva;
     Periods: Run "periods" Ratio Positive "duration" "length of the run in periods 2π/ωn of the bare primary system";
     Duration: Run "duration" Time Positive "duration" "length of the run as a time";
+    Cycles: Run "cycles" Ratio Positive "duration" "length of the run in cycles of the harmonic force (of several, the first)";
+    Discard: Run "discard" Ratio NonNegative "discard" "cycles of the harmonic force that steady-state columns leave out (default 0)";
     MaxImpacts: Run "max_impacts" Count PositiveInteger "max_impacts" "stop after so many impacts (default 10 million)";
     MaxWork: Run "max_work" Count PositiveInteger "max_work" "stop after so many flight segments (default 100 million)";
     Tolerance: Run "tolerance" Ratio Tolerance "tolerance" "what a step of a pendulum's flight may leave out, relative (default 0: full accuracy)" Piva;
@@ -292,8 +304,10 @@ impl FieldId {
             | F::GapDisplacement
             | F::GapVelocity
             | F::Phase
+            | F::ImpulseTime
+            | F::Discard
             | F::Tolerance => Some(0.0),
-            F::InertiaRatio => Some(1.0),
+            F::InertiaRatio | F::RecordScale => Some(1.0),
             F::MaxImpacts => Some(Limits::MAX_IMPACTS as f64),
             F::MaxWork => Some(Limits::MAX_WORK as f64),
             _ => None,

@@ -116,7 +116,7 @@ fn table<'a>(
     design: &Design,
     states: impl Iterator<Item = (f64, Option<&'a State>)>,
 ) -> Result<RecordBatch, SweepError> {
-    let schema = schema_in(&Study::single(*spec), Table::Trajectory, design.units);
+    let schema = schema_in(&Study::single(spec.clone()), Table::Trajectory, design.units);
     let mut builder = TableBuilder::new(schema);
     for (time, state) in states {
         builder.row(rows::state(time, state, design));

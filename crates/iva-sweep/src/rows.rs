@@ -6,6 +6,7 @@ use iva_core::observe::Episode;
 use iva_core::peaks::Peak;
 use iva_core::sample::State;
 use iva_core::simulate::Tally;
+use iva_core::steady::{SteadyValues, Strobe};
 use iva_core::system::Angle;
 
 use crate::columns::{SUMMARY, Selection};
@@ -13,10 +14,32 @@ use crate::design::Design;
 use crate::tables::Cell;
 use crate::units::Scale;
 
+/// What a driven run settles to.
+pub(crate) struct Settled<'a> {
+    pub values: &'a SteadyValues,
+    /// Largest |x| without absorber.
+    pub bare: Option<f64>,
+    pub moves_base: bool,
+}
+
+impl Settled<'_> {
+    /// 1 − amplitude over that without absorber; null where neither moves.
+    fn reduction(&self) -> Option<f64> {
+        let share = self.values.amplitude_max? / self.bare?;
+        (!share.is_nan()).then_some(1.0 - share)
+    }
+
+    fn transmissibility(&self) -> Option<f64> {
+        let base = self.values.base_max.filter(|base| self.moves_base && *base > 0.0)?;
+        Some(self.values.acceleration_max? / base)
+    }
+}
+
 /// A summary row after `point` and the swept parameters; columns not asked for are null.
 pub(crate) fn summary<S>(
     tally: &Tally<S>,
     values: &MeasureValues,
+    settled: Option<&Settled<'_>>,
     measures: Selection,
     design: &Design,
 ) -> impl Iterator<Item = Cell> {
@@ -24,7 +47,7 @@ pub(crate) fn summary<S>(
     let time = |tau: Option<f64>| Cell::from(tau.map(|tau| scale.time(tau)));
     let energy = |energy: f64| Cell::Number(scale.energy(energy));
     let cells = [
-        Cell::Text(tally.outcome.name()),
+        Cell::Text(tally.outcome.name().into()),
         Cell::Count(tally.impacts),
         Cell::Count(tally.effective_impacts),
         Cell::Count(tally.episodes),
@@ -48,6 +71,14 @@ pub(crate) fn summary<S>(
         Cell::Flag(scene.stop_reachable()),
         scene.gravity().into(),
         energy(values.energy_work),
+        settled.and_then(|it| it.values.amplitude_max).into(),
+        settled.and_then(|it| it.values.amplitude_rms).into(),
+        settled.and_then(Settled::reduction).into(),
+        settled.and_then(Settled::transmissibility).into(),
+        settled.and_then(|it| it.values.impacts_per_cycle).into(),
+        settled
+            .and_then(|it| it.values.regime)
+            .map_or(Cell::Null, |regime| Cell::Text(regime.to_string().into())),
     ];
     cells
         .into_iter()
@@ -114,6 +145,26 @@ pub(crate) fn peak(point: u32, index: usize, peaks: &[Peak], scale: &Scale) -> [
         Cell::Number(displacement),
         Cell::Number(displacement.abs()),
         decrement.into(),
+    ]
+}
+
+/// A row of `stroboscope`; `before` is the strobe before it.
+pub(crate) fn strobe(
+    point: u32,
+    before: Option<&Strobe>,
+    strobe: &Strobe,
+    scale: &Scale,
+) -> [Cell; 9] {
+    [
+        Cell::Point(point),
+        Cell::Count(strobe.cycle),
+        Cell::Number(scale.time(strobe.time)),
+        Cell::Number(strobe.displacement),
+        Cell::Number(scale.velocity(strobe.velocity)),
+        Cell::Number(strobe.gap_displacement),
+        Cell::Number(scale.velocity(strobe.gap_velocity)),
+        Cell::Number(strobe.amplitude),
+        Cell::Count(strobe.impacts - before.map_or(0, |before| before.impacts)),
     ]
 }
 

@@ -1,5 +1,6 @@
 //! What the core runs, whichever absorber it is.
 
+use iva_core::force::Force;
 pub use iva_core::force::Harmonic;
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::siva::Siva;
@@ -83,7 +84,7 @@ impl Scene {
         match self {
             Scene::Siva { system, start } => system.energy(&system.begin(start).0) == 0.0,
             Scene::Piva { system, start, .. } => {
-                !system.is_driven() && system.energy(&system.begin(start).0) == 0.0
+                system.force().is_none() && system.energy(&system.begin(start).0) == 0.0
             }
         }
     }
@@ -96,12 +97,17 @@ impl Scene {
         }
     }
 
-    /// The harmonic force or base motion, in natural units.
-    pub fn harmonic(&self) -> Option<&Harmonic> {
+    /// The sum of all that drives it; `None` in free decay.
+    pub fn force(&self) -> Option<&Force> {
         match self {
             Scene::Siva { .. } => None,
-            Scene::Piva { system, .. } => system.force().harmonics().first(),
+            Scene::Piva { system, .. } => Some(system.force()).filter(|force| !force.is_none()),
         }
+    }
+
+    /// True if the base moves.
+    pub fn moves_base(&self) -> bool {
+        self.force().is_some_and(Force::moves_base)
     }
 
     /// Acceleration of gravity on a pendulum, in the user's unit.

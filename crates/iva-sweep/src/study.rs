@@ -7,7 +7,7 @@ use iva_core::error::Invalid;
 use crate::choices::{Kind, only};
 use crate::columns::Selection;
 use crate::design::{Design, Spec};
-use crate::fields::FieldId;
+use crate::slot::Slot;
 use crate::units::UnitSystem;
 
 /// More points than this are refused: `point` is a 32-bit column.
@@ -24,17 +24,25 @@ pub enum Table {
     Episodes,
     /// One row a peak of the primary displacement.
     Envelope,
+    /// One row a cycle of the harmonic force.
+    Stroboscope,
     /// The motion sampled in time (single runs only).
     Trajectory,
 }
 
 impl Table {
     /// The tables a sweep can write.
-    pub const SWEEP: [Table; 4] =
-        [Table::Summary, Table::Impacts, Table::Episodes, Table::Envelope];
+    pub const SWEEP: [Table; 5] =
+        [Table::Summary, Table::Impacts, Table::Episodes, Table::Envelope, Table::Stroboscope];
     /// All tables, the trajectory last.
-    pub const ALL: [Table; 5] =
-        [Table::Summary, Table::Impacts, Table::Episodes, Table::Envelope, Table::Trajectory];
+    pub const ALL: [Table; 6] = [
+        Table::Summary,
+        Table::Impacts,
+        Table::Episodes,
+        Table::Envelope,
+        Table::Stroboscope,
+        Table::Trajectory,
+    ];
 
     /// Folder and key of the table.
     pub fn name(self) -> &'static str {
@@ -43,6 +51,7 @@ impl Table {
             Table::Impacts => "impacts",
             Table::Episodes => "episodes",
             Table::Envelope => "envelope",
+            Table::Stroboscope => "stroboscope",
             Table::Trajectory => "trajectory",
         }
     }
@@ -65,7 +74,7 @@ pub struct Axis {
     /// The key as the user wrote it: the name of its column in the summary.
     pub key: String,
     /// The field it sets.
-    pub field: FieldId,
+    pub slot: Slot,
     /// Its values, in the order given.
     pub values: Vec<f64>,
 }
@@ -76,16 +85,15 @@ impl Axis {
     /// # Errors
     /// [`Invalid`] for an unknown or ambiguous key, no values, or a value out of range.
     pub fn new(key: &str, values: Vec<f64>) -> Result<Self, Invalid> {
-        let field = FieldId::from_key(key)?;
+        let slot = Slot::from_key(key)?;
         if values.is_empty() {
             return Err(Invalid::new(format!("sweep.{key}"), "[]", "give at least one value"));
         }
         for (index, value) in values.iter().enumerate() {
-            field
-                .check(*value)
+            slot.check(*value)
                 .map_err(|error| Invalid { field: format!("sweep.{key}[{index}]"), ..error })?;
         }
-        Ok(Self { key: key.to_owned(), field, values })
+        Ok(Self { key: key.to_owned(), slot, values })
     }
 
     /// `count` equidistant values from `start` to `stop`, both included.
@@ -123,7 +131,7 @@ impl Axis {
 /// [`Invalid`] naming the later axis.
 pub fn distinct(axes: &[Axis]) -> Result<(), Invalid> {
     for (index, axis) in axes.iter().enumerate() {
-        let same = axes[..index].iter().find(|earlier| earlier.field.same_quantity(axis.field));
+        let same = axes[..index].iter().find(|earlier| earlier.slot.same_quantity(axis.slot));
         if let Some(earlier) = same {
             return Err(Invalid::new(
                 format!("sweep.{}", axis.key),
@@ -141,7 +149,7 @@ pub fn distinct(axes: &[Axis]) -> Result<(), Invalid> {
 /// [`Invalid`] naming the axis.
 pub fn fitting(kind: Kind, axes: &[Axis]) -> Result<(), Invalid> {
     for axis in axes {
-        if let Some(other) = axis.field.info().kind.filter(|other| *other != kind) {
+        if let Some(other) = axis.slot.info().kind.filter(|other| *other != kind) {
             let values = format!("{} values", axis.values.len());
             return Err(Invalid::new(format!("sweep.{}", axis.key), values, only(other)));
         }
@@ -207,9 +215,9 @@ impl Study {
     /// # Errors
     /// [`Invalid`] for a swept value out of range, which [`Axis::new`] has excluded.
     pub fn spec(&self, point: u64) -> Result<Spec, Invalid> {
-        let mut spec = self.spec;
+        let mut spec = self.spec.clone();
         for (axis, value) in self.axes.iter().zip(self.swept(point)) {
-            spec.replace(axis.field, value)?;
+            spec.replace(axis.slot, value)?;
         }
         Ok(spec)
     }

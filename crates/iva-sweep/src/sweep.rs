@@ -15,6 +15,7 @@ use iva_core::measures::{Measures, Wanted};
 use iva_core::observe::Events;
 use iva_core::peaks::Envelope;
 use iva_core::simulate::simulate;
+use iva_core::steady::{Steady, SteadyWanted};
 use iva_core::system::System;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
@@ -161,6 +162,8 @@ struct Request {
     episodes: bool,
     envelope: bool,
     wanted: Wanted,
+    steady: SteadyWanted,
+    reduction: bool,
 }
 
 impl Request {
@@ -183,7 +186,24 @@ impl Request {
                 residual: any(&["residual_amplitude"]),
                 ledger: any(&["energy_viscous", "energy_pivot", "energy_work", "energy_residual"]),
             },
+            steady: SteadyWanted {
+                amplitude: any(&["amplitude_max", "reduction"]),
+                rms: any(&["amplitude_rms"]),
+                acceleration: any(&["transmissibility"]),
+                regime: any(&["regime"]),
+                impacts: any(&["impacts_per_cycle"]),
+                strobes: asked(Table::Stroboscope),
+            },
+            reduction: any(&["reduction"]),
         }
+    }
+}
+
+impl Request {
+    /// What is wanted of a driven run's steady state; `None` in free decay, and if nothing is.
+    fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
+        let wanted = SteadyWanted { ..self.steady };
+        (system.is_driven() && wanted != SteadyWanted::default()).then_some(wanted)
     }
 }
 
@@ -247,11 +267,14 @@ impl<S: System> Point<'_, S> {
             (request.impacts || request.episodes).then(Events::default),
             (
                 request.envelope.then(Envelope::default),
-                request.summary.then(|| Measures::<S>::new(request.wanted)),
+                (
+                    request.summary.then(|| Measures::<S>::new(request.wanted)),
+                    request.steady_of(system).map(|wanted| Steady::new(design.window, wanted)),
+                ),
             ),
         );
         let tally = simulate(system, start, &design.limits, Some(cancel), &mut observers)?;
-        let (events, (envelope, measures)) = observers;
+        let (events, (envelope, (measures, steady))) = observers;
         let scale = &design.scale;
         // Points are counted below 2^32 by `Study::points`.
         let number = point as u32;
@@ -260,7 +283,22 @@ impl<S: System> Point<'_, S> {
                 Table::Summary => {
                     if let Some(measures) = &measures {
                         let swept = study.swept(point).map(Cell::Number);
-                        let row = rows::summary(&tally, measures.values(), study.measures, design);
+                        let bare = match request.reduction && system.is_driven() {
+                            true => design.amplitude_without_absorber(cancel)?,
+                            false => None,
+                        };
+                        let settled = steady.as_ref().map(|steady| rows::Settled {
+                            values: steady.values(),
+                            bare,
+                            moves_base: design.scene.moves_base(),
+                        });
+                        let row = rows::summary(
+                            &tally,
+                            measures.values(),
+                            settled.as_ref(),
+                            study.measures,
+                            design,
+                        );
                         builder.row(std::iter::once(Cell::Point(number)).chain(swept).chain(row));
                     }
                 }
@@ -285,6 +323,13 @@ impl<S: System> Point<'_, S> {
                         for index in 0..envelope.peaks.len() {
                             builder.row(rows::peak(number, index, &envelope.peaks, scale));
                         }
+                    }
+                }
+                Table::Stroboscope => {
+                    let mut before = None;
+                    for strobe in steady.iter().flat_map(Steady::strobes) {
+                        builder.row(rows::strobe(number, before, strobe, scale));
+                        before = Some(strobe);
                     }
                 }
                 Table::Trajectory => {}

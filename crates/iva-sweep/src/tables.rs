@@ -1,5 +1,6 @@
 //! Arrow schemas and builders of the result tables.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -59,14 +60,20 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
     }
     let spec = study.spec(0)?;
     let standard_gravity = spec.standard_gravity()?;
-    for (field, value) in spec.given() {
-        let swept = study.axes.iter().any(|axis| axis.field == field);
-        let default = if field == FieldId::Gravity { standard_gravity } else { field.default() };
+    for (slot, value) in spec.given() {
+        let swept = study.axes.iter().any(|axis| axis.slot.same_quantity(slot));
+        let gravity = slot.field == FieldId::Gravity;
+        let default = if gravity { standard_gravity } else { slot.field.default() };
         // The same quantity under another name (displacement_mm) may be 0 as well.
         if !swept && value != 0.0 && default != Some(value) {
-            add(field.path().as_bytes());
+            add(slot.path().as_bytes());
             add(&value.to_le_bytes());
         }
+    }
+    for recorded in spec.forces().iter().filter_map(|force| force.record.as_ref()) {
+        add(recorded.kind.name().as_bytes());
+        let numbers = recorded.history.times().iter().chain(recorded.history.values());
+        numbers.for_each(|number| add(&number.to_le_bytes()));
     }
     for axis in &study.axes {
         add(axis.key.as_bytes());
@@ -84,7 +91,7 @@ pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> Schem
     ];
     if table == Table::Summary {
         for axis in &study.axes {
-            let info = axis.field.info();
+            let info = axis.slot.info();
             fields.push(
                 Field::new(&axis.key, DataType::Float64, false)
                     .with_metadata(field_metadata(units.unit(info.quantity), info.help)),
@@ -130,13 +137,13 @@ fn data_type(quantity: Quantity) -> DataType {
 }
 
 /// One value of a row.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) enum Cell {
     Point(u32),
     Number(f64),
     Count(u64),
     Side(i8),
-    Text(&'static str),
+    Text(Cow<'static, str>),
     Flag(bool),
     Null,
 }

@@ -35,6 +35,7 @@ impl UnitSystem {
             (Q::Millimetre, _) => "mm",
             (Q::Mass, _) => "kg",
             (Q::Force, _) => "N",
+            (Q::Impulse, _) => "N s",
             (Q::Stiffness, _) => "N/m",
             (Q::Damping, _) => "N s/m",
             (Q::AngularFrequency, Self::Natural) => "ωn",

@@ -1,0 +1,138 @@
+//! PEER's format of accelerograms: four header lines, then the accelerations in g, several a line.
+
+use std::path::Path;
+
+use iva_sweep::fields::Allowed;
+
+use super::{Fault, RecordFile, RecordUnit, even_times, finite, number};
+use crate::source::shortened;
+
+/// Standard gravity, m/s².
+const STANDARD_GRAVITY: f64 = 9.80665;
+
+const HEADER_LINES: usize = 4;
+
+/// True if the name ends in `.at2` or the first lines give NPTS as PEER does.
+pub(super) fn is_at2(path: &Path, text: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("at2"))
+        || text
+            .lines()
+            .take(HEADER_LINES)
+            .any(|line| !line.trim_start().starts_with('#') && has_word(line, "NPTS"))
+}
+
+/// Reads the accelerations and converts them to m/s².
+pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
+    let mut lines = text.lines();
+    let [Some(_), Some(_), Some(units), Some(sampling)] = [(); HEADER_LINES].map(|()| lines.next())
+    else {
+        return Err(Fault::missing(
+            "ends within its header; a PEER AT2 file has four header lines and the values below",
+        ));
+    };
+    check_units(text, units.trim())?;
+    let (count, dt) = read_sampling(text, sampling.trim())?;
+    let mut values = Vec::new();
+    for word in lines.flat_map(str::split_whitespace) {
+        for part in numbers(word) {
+            // Without a point it may be the exponent of Fortran's `.5-100`.
+            let whole = if part.len() == word.len() || part.contains('.') { part } else { word };
+            let value = finite(text, whole)? * STANDARD_GRAVITY;
+            if !value.is_finite() {
+                let message = format!("\"{}\" g is too large in m/s²", shortened(part));
+                return Err(Fault::at(text, part, message));
+            }
+            values.push(value);
+        }
+    }
+    if values.len() != count {
+        let message =
+            format!("NPTS is {count}, but {} values follow; the two must agree", values.len());
+        return Err(Fault::at(text, sampling.trim(), message));
+    }
+    let times = even_times(dt, count);
+    Ok(RecordFile { times, values, unit: RecordUnit::MetresPerSecondSquared })
+}
+
+/// True if `word`, in capitals, stands in the line in any case.
+fn has_word(line: &str, word: &str) -> bool {
+    line.to_ascii_uppercase().contains(word)
+}
+
+fn check_units(text: &str, line: &str) -> Result<(), Fault> {
+    for other in ["VELOCITY", "DISPLACEMENT"] {
+        if has_word(line, other) {
+            let message = format!(
+                "a record of {}; give the record of acceleration, in units of g",
+                other.to_ascii_lowercase()
+            );
+            return Err(Fault::at(text, line, message));
+        }
+    }
+    let upper = line.to_ascii_uppercase();
+    let unit = upper.split_once("UNITS OF").map_or("", |(_, unit)| unit.trim_start());
+    let unit = unit.split(|c: char| c.is_whitespace() || ".,;".contains(c)).next();
+    if upper.contains("ACCELERATION") && unit == Some("G") {
+        Ok(())
+    } else {
+        let message = format!(
+            "\"{}\": the third line of a PEER AT2 file must read ACCELERATION TIME SERIES IN \
+             UNITS OF G",
+            shortened(line)
+        );
+        Err(Fault::at(text, line, message))
+    }
+}
+
+/// The number of values and the time step: `NPTS=  4000, DT=   .0050 SEC`, or in older files
+/// `4000    0.0050    NPTS, DT`.
+fn read_sampling(text: &str, line: &str) -> Result<(usize, f64), Fault> {
+    let separator = |c: char| c.is_whitespace() || "=,".contains(c);
+    let words: Vec<&str> = line.split(separator).filter(|word| !word.is_empty()).take(6).collect();
+    let is = |word: &str, name: &str| word.eq_ignore_ascii_case(name);
+    let seconds = |unit: &[&str]| match unit {
+        [] => true,
+        [unit] => unit.get(..3).is_some_and(|unit| is(unit, "SEC")),
+        _ => false,
+    };
+    let (count, step) = match words[..] {
+        [npts, count, dt, step, ref unit @ ..]
+            if is(npts, "NPTS") && is(dt, "DT") && seconds(unit) =>
+        {
+            (count, step)
+        }
+        [count, step, npts, dt] if is(npts, "NPTS") && is(dt, "DT") => (count, step),
+        _ => {
+            let message = format!(
+                "\"{}\": the fourth line of a PEER AT2 file must read NPTS= 4000, DT= .0050 SEC, \
+                 or in the old form 4000 .0050 NPTS, DT",
+                shortened(line)
+            );
+            return Err(Fault::at(text, line, message));
+        }
+    };
+    let Ok(npts) = count.parse() else {
+        let message = format!("NPTS = {}: give a whole number, at least 2", shortened(count));
+        return Err(Fault::at(text, count, message));
+    };
+    match number(step) {
+        Some(dt) if Allowed::Positive.contains(dt) => Ok((npts, dt)),
+        _ => {
+            let message = format!("DT = {}: give {}", shortened(step), Allowed::Positive.words());
+            Err(Fault::at(text, step, message))
+        }
+    }
+}
+
+/// The numbers of a word. Fortran's columns have a fixed width, so a sign may follow the last digit of
+/// the number before; after E or D it is that of an exponent.
+fn numbers(word: &str) -> impl Iterator<Item = &str> {
+    let mut rest = word;
+    std::iter::from_fn(move || {
+        let sign = |pair: &[u8]| b"+-".contains(&pair[1]) && !b"EeDd".contains(&pair[0]);
+        let end = rest.as_bytes().windows(2).position(sign).map_or(rest.len(), |at| at + 1);
+        let (part, after) = rest.split_at(end);
+        rest = after;
+        (!part.is_empty()).then_some(part)
+    })
+}

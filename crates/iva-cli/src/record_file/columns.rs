@@ -1,0 +1,127 @@
+//! A time and a value a line, or a time step `dt = …` and then values.
+
+use iva_sweep::fields::Allowed;
+
+use super::{Fault, RecordFile, RecordUnit, even_times, finite, number};
+use crate::source::shortened;
+
+/// Reads either of the two. Blank lines and lines that begin with `#` count for nothing.
+pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
+    let mut lines = text
+        .lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty() && !line.starts_with('#'))
+        .peekable();
+    let (times, values) = match lines.peek().and_then(|first| after_dt(first)) {
+        Some(step) => {
+            let dt = time_step(text, step)?;
+            let values = read_values(text, lines.skip(1))?;
+            (even_times(dt, values.len()), values)
+        }
+        None => {
+            let header = lines.peek().is_some_and(|first| is_header(first));
+            read_points(text, lines.skip(usize::from(header)))?
+        }
+    };
+    Ok(RecordFile { times, values, unit: RecordUnit::Unstated })
+}
+
+fn read_points<'t>(
+    text: &'t str,
+    lines: impl Iterator<Item = &'t str>,
+) -> Result<(Vec<f64>, Vec<f64>), Fault> {
+    let (mut times, mut values) = (Vec::new(), Vec::new());
+    for line in lines {
+        let mut cells = cells(line);
+        let (Some(time), Some(value), None) = (cells.next(), cells.next(), cells.next()) else {
+            return Err(decimal_comma(text, line).unwrap_or_else(|| wrong_count(text, line)));
+        };
+        let at = read_cell(text, line, time)?;
+        if let Some(&last) = times.last()
+            && at <= last
+        {
+            let message = format!("time {at:?} follows {last:?}; times must increase strictly");
+            return Err(Fault::at(text, time, message));
+        }
+        times.push(at);
+        values.push(read_cell(text, line, value)?);
+    }
+    Ok((times, values))
+}
+
+fn read_values<'t>(text: &'t str, lines: impl Iterator<Item = &'t str>) -> Result<Vec<f64>, Fault> {
+    lines.flat_map(|line| cells(line).map(move |cell| read_cell(text, line, cell))).collect()
+}
+
+fn wrong_count(text: &str, line: &str) -> Fault {
+    let columns = match cells(line).count() {
+        1 => "1 column".to_owned(),
+        more => format!("{more} columns"),
+    };
+    let message = format!(
+        "{columns}; give two, a time and a value with decimal points, or begin with dt = … and \
+         give values only"
+    );
+    Fault::at(text, line, message)
+}
+
+fn read_cell(text: &str, line: &str, cell: &str) -> Result<f64, Fault> {
+    if cell.is_empty() {
+        return Err(Fault::at(text, cell, "an empty column; give a number between separators"));
+    }
+    finite(text, cell).map_err(|fault| decimal_comma(text, line).unwrap_or(fault))
+}
+
+/// The columns of a line: between semicolons; if it has none, between commas; if it has none either,
+/// between blanks.
+fn cells(line: &str) -> impl Iterator<Item = &str> {
+    let separator = [';', ','].into_iter().find(|mark| line.contains(*mark));
+    line.split(move |c: char| separator.map_or(c.is_whitespace(), |mark| c == mark))
+        .map(str::trim)
+        .filter(move |cell| separator.is_some() || !cell.is_empty())
+}
+
+/// True if a line is words throughout.
+fn is_header(line: &str) -> bool {
+    decimal_comma(line, line).is_none() && cells(line).all(|cell| number(cell).is_none())
+}
+
+/// The fault of a number with a decimal comma, if a line that cannot be read seems to have one.
+fn decimal_comma(text: &str, line: &str) -> Option<Fault> {
+    line.split(|c: char| c == ';' || c.is_whitespace()).find_map(|word| {
+        let (whole, decimals) = word.split_once(',')?;
+        let pointed = format!("{whole}.{decimals}");
+        let digits = whole.ends_with(|c: char| c.is_ascii_digit())
+            && decimals.starts_with(|c: char| c.is_ascii_digit());
+        (digits && number(&pointed).is_some()).then(|| {
+            let message = format!(
+                "\"{}\" seems to have a decimal comma; write a decimal point: {}",
+                shortened(word),
+                shortened(&pointed)
+            );
+            Fault::at(text, word, message)
+        })
+    })
+}
+
+/// What follows `dt =` or `dt,` in the line that gives the time step.
+fn after_dt(line: &str) -> Option<&str> {
+    let (name, rest) = line.split_at_checked(2)?;
+    let separator = |c: char| c.is_whitespace() || "=,;".contains(c);
+    (name.eq_ignore_ascii_case("dt") && (rest.is_empty() || rest.starts_with(separator)))
+        .then(|| rest.trim_start_matches(separator))
+}
+
+fn time_step(text: &str, step: &str) -> Result<f64, Fault> {
+    match number(step) {
+        Some(dt) if Allowed::Positive.contains(dt) => Ok(dt),
+        _ => Err(decimal_comma(text, step).unwrap_or_else(|| {
+            let message = format!(
+                "dt = {}: give {}, and nothing else",
+                shortened(step),
+                Allowed::Positive.words()
+            );
+            Fault::at(text, step, message)
+        })),
+    }
+}

@@ -1,0 +1,77 @@
+//! The primary without absorber, to compare with.
+
+use std::sync::atomic::AtomicBool;
+
+use super::{Steady, SteadyWanted, Window};
+use crate::error::Invalid;
+use crate::force::{Force, Harmonic};
+use crate::piva::{Parameters, Piva};
+use crate::range::LARGEST;
+use crate::simulate::{Limits, simulate};
+use crate::system::{Point, Start};
+
+impl Harmonic {
+    /// Amplitude of the steady state that it keeps up in an oscillator of damping ratio ζ:
+    /// F/√((1 − Ω²)² + (2ζΩ)²); infinite at resonance without damping.
+    pub fn response(&self, damping_ratio: f64) -> f64 {
+        let Self { amplitude, frequency, .. } = *self;
+        let detuning = (1.0 - frequency) * (1.0 + frequency);
+        (amplitude / detuning.hypot(2.0 * damping_ratio * frequency)).abs()
+    }
+}
+
+/// Largest |x| of the primary without absorber: of the steady state under a single harmonic force, in
+/// closed form; else in the same window of a run from the same state. `None` if that was cancelled.
+///
+/// # Errors
+/// [`Invalid`] for numbers out of [`crate::range`].
+pub fn amplitude_without_absorber(
+    force: &Force,
+    damping_ratio: f64,
+    from: Point,
+    window: &Window,
+    limits: &Limits,
+    cancel: Option<&AtomicBool>,
+) -> Result<Option<f64>, Invalid> {
+    if let (Some(harmonic), true) = (force.harmonics().first(), force.is_single()) {
+        return Ok(Some(harmonic.response(damping_ratio)));
+    }
+    // A free mass that never meets its walls, and is nothing beside the primary.
+    let parameters = Parameters::free_mass(f64::MIN_POSITIVE, 0.0, LARGEST, damping_ratio);
+    let piva = Piva::new(parameters)?.under(force.clone());
+    let start = Start { displacement: from.x, velocity: from.v, ..Start::default() };
+    let wanted = SteadyWanted { amplitude: true, ..SteadyWanted::default() };
+    let mut steady = Steady::new(Window { cycle: None, ..*window }, wanted);
+    simulate(&piva, &start.into(), limits, cancel, &mut steady)?;
+    Ok(steady.values().amplitude_max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force::{Acts, Impulse};
+
+    #[test]
+    fn a_run_of_the_bare_primary_is_the_closed_form() {
+        // An impulse of 1: x = sin(ωd τ) exp(−ζτ)/ωd, largest where tan(ωd τ) = ωd/ζ.
+        let zeta = 0.2_f64;
+        let omega = (1.0 - zeta * zeta).sqrt();
+        let force =
+            Force::new(Vec::new(), Vec::new(), &[Impulse { velocity: 1.0, time: 2.0 }]).unwrap();
+        let at_rest = Point { x: 0.0, v: 0.0 };
+        let limits = Limits::new(10.0, 1.0);
+        let found =
+            amplitude_without_absorber(&force, zeta, at_rest, &Window::default(), &limits, None);
+        let time = (omega / zeta).atan() / omega;
+        let truth = (omega * time).sin() * (-zeta * time).exp() / omega;
+        let found = found.unwrap().unwrap();
+        assert!((found - truth).abs() < 1e-15, "{found} {truth}");
+    }
+
+    #[test]
+    fn resonance_without_damping_has_no_bound() {
+        let harmonic = Harmonic { amplitude: 0.1, frequency: 1.0, phase: 0.0, acts: Acts::Base };
+        assert_eq!(harmonic.response(0.0), f64::INFINITY);
+        assert_eq!(harmonic.response(0.05), 1.0);
+    }
+}
