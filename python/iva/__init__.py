@@ -2,7 +2,8 @@
 
 Single runs with :func:`simulate`, grids with :func:`sweep`, folders that the command ``iva`` wrote
 with :func:`read`. Results are polars frames; polars is loaded with the first of them. NumPy arrays
-are welcome wherever a sequence of numbers is, but nothing here loads NumPy.
+are welcome wherever a sequence of numbers is; NumPy is loaded only by who asks for the points of a
+:class:`Recorded` force.
 
 Examples
 --------
@@ -23,7 +24,8 @@ Examples
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
-    from iva.parameters import Harmonic, Piva, Primary, Siva, Start
+    from iva.forces import Harmonic, Impulse, Recorded
+    from iva.parameters import Piva, Primary, Siva, Start
     from iva.reading import read
     from iva.simulation import Run, simulate
     from iva.sweeping import Table, sweep
@@ -35,9 +37,11 @@ if TYPE_CHECKING:
 __all__ = [
     "SCHEMA_VERSION",
     "Harmonic",
+    "Impulse",
     "IvaError",
     "Piva",
     "Primary",
+    "Recorded",
     "Run",
     "Siva",
     "Start",
@@ -54,10 +58,12 @@ __all__ = [
 # which needs none of them, starts at once.
 _HOMES = {
     "SCHEMA_VERSION": "_iva",
-    "Harmonic": "parameters",
+    "Harmonic": "forces",
+    "Impulse": "forces",
     "IvaError": "_iva",
     "Piva": "parameters",
     "Primary": "parameters",
+    "Recorded": "forces",
     "Run": "simulation",
     "Siva": "parameters",
     "Start": "parameters",

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
-from iva.parameters import constructor
+from iva.forces import Force, listed, written
+from iva.parameters import Part
 from iva.simulation import Run
 from iva.sweeping import Table
 
@@ -14,13 +15,13 @@ def of_run(run: Run) -> str:
     """Return parameters, outcome and all measures of a run, with their units."""
     row = run.summary.row(0, named=True)
     units = run.units["summary"]
-    named = (
+    named: tuple[tuple[str, Part | Force], ...] = (
         ("absorber", run.absorber),
         ("primary", run.primary),
-        ("force", run.force),
+        *(("force", force) for force in listed(run.force)),
         ("start", run.start),
     )
-    parameters = [(name, constructor(part), "") for name, part in named if part is not None]
+    parameters = [(name, written(part), "") for name, part in named]
     values = [
         (name, text(value), units[name])
         for name, value in row.items()

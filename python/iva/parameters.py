@@ -344,55 +344,6 @@ def choices(absorber: Absorber) -> list[tuple[str, str]]:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
-class Harmonic(Part):
-    """A harmonic force on the primary system, or a harmonic motion of its base.
-
-    The force over the primary mass is f(t)/M = amplitude · cos(Ωt + phase). A moving base is not
-    the same as f/M = −a_g, for the free absorber feels it too; displacements are then relative
-    to it.
-
-    Parameters
-    ----------
-    amplitude : float, optional
-        Amplitude of f/M, an acceleration. One of the three amplitudes is needed.
-    force : float, optional
-        Amplitude of f in N; needs a primary mass.
-    base_acceleration : float, optional
-        Amplitude of the acceleration of the base.
-    frequency : float, optional
-        Ω > 0 in rad/s (in ωn where no frequency is given). One of the three frequencies is needed.
-    relative_frequency : float, optional
-        Ω/ωn > 0, over the frequency of the bare primary system.
-    frequency_hz : float, optional
-        Ω/2π > 0 in Hz.
-    phase : float, optional
-        Phase of the cosine at time zero in rad, −π to π; 0 by default.
-
-    Raises
-    ------
-    TypeError
-        If a value is not a number.
-    ValueError
-        If a value is out of range, or two set the same quantity.
-
-    Examples
-    --------
-    >>> Harmonic(amplitude=0.1, relative_frequency=1.0)
-    Harmonic(amplitude=0.1, relative_frequency=1.0)
-    """
-
-    _part = "force"
-
-    amplitude: float | None = None
-    force: float | None = None
-    base_acceleration: float | None = None
-    frequency: float | None = None
-    relative_frequency: float | None = None
-    frequency_hz: float | None = None
-    phase: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Start(Part):
     """The state at time zero; what is not given is 0.
 
@@ -437,9 +388,9 @@ class Start(Part):
     angular_velocity: float | None = None
 
 
-def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> dict[str, float | str]:
+def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> _iva.Spec:
     """Return all given fields of some parts and of the section ``run`` as ``"part.field"``."""
-    fields_given: dict[str, float | str] = {}
+    fields_given: _iva.Spec = {}
     for part in parts:
         if isinstance(part, Absorber):
             fields_given |= {f"{part._part}.{name}": word for name, word in choices(part)}
@@ -448,30 +399,3 @@ def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> dict[st
         if value is not None:
             fields_given[f"run.{name}"] = number(f"run.{name}", value)
     return fields_given
-
-
-def scene(
-    absorber: object,
-    primary: object,
-    start: object,
-    force: object,
-    run: Mapping[str, float | None],
-) -> dict[str, float | str]:
-    """Return the spec of a whole scene, after a look at the types of its parts.
-
-    Raises
-    ------
-    TypeError
-        If a part is of the wrong class, or a setting of the run is not a number.
-    """
-    if not isinstance(absorber, Absorber):
-        raise TypeError(f"absorber = {shown(absorber)}: give an iva.Siva or iva.Piva")
-    if not isinstance(primary, Primary):
-        raise TypeError(f"primary = {shown(primary)}: give an iva.Primary")
-    if not isinstance(start, Start):
-        raise TypeError(f"start = {shown(start)}: give an iva.Start")
-    if force is None:
-        return spec(absorber, primary, start, run=run)
-    if not isinstance(force, Harmonic):
-        raise TypeError(f"force = {shown(force)}: give an iva.Harmonic")
-    return spec(absorber, primary, force, start, run=run)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from iva import _iva
+from iva.forces import Force, listed, written
 from iva.frames import Frames, from_arrow, to_polars
-from iva.parameters import Absorber, Harmonic, Primary, Start, constructor, numbers, scene, shown
+from iva.parameters import Absorber, Primary, Start, numbers, shown
+from iva.scenes import scene
 from iva.units import Units, from_metadata
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -26,10 +28,10 @@ class Run:
         absorber: Absorber,
         primary: Primary,
         start: Start,
-        spec: dict[str, float | str],
+        spec: _iva.Spec,
         units: Units,
         frames: Frames,
-        force: Harmonic | None = None,
+        force: Force | Sequence[Force] | None = None,
     ) -> None:
         self.absorber = absorber
         self.primary = primary
@@ -62,6 +64,15 @@ class Run:
     def envelope(self) -> pl.DataFrame:
         """One row a peak of the primary displacement."""
         return self._frames["envelope"]
+
+    @property
+    def stroboscope(self) -> pl.DataFrame:
+        """One row a cycle of the harmonic force (of several, the first), after `discard`.
+
+        The state at the instants Ωt + phase = 2πk, with the largest |x| and the impacts of the
+        cycle that ends there. Empty without a harmonic force.
+        """
+        return self._frames["stroboscope"]
 
     def trajectory(self, samples_per_period: int = 200) -> pl.DataFrame:
         """Compute the motion in time.
@@ -147,11 +158,13 @@ class Run:
             if row[name] is not None and (name != "undecided" or row[name])
         )
         lines = [f"Run: {row['outcome']}; {counts}"]
-        names = ("settling_time_5", "damping_ratio_3", "residual_amplitude")
+        names: tuple[str, ...] = ("settling_time_5", "damping_ratio_3", "residual_amplitude")
+        if row["amplitude_max"] is not None:
+            names = ("amplitude_max", "reduction", "transmissibility", "impacts_per_cycle")
         if shown := [f"{name} {row[name]:.4g}" for name in names if row[name] is not None]:
             lines.append(f"  {', '.join(shown)}")
-        parts = (self.absorber, self.primary, self.force, self.start)
-        lines += [f"  {constructor(part)}" for part in parts if part is not None]
+        parts = (self.absorber, self.primary, *listed(self.force), self.start)
+        lines += [f"  {written(part)}" for part in parts]
         lines.append(f"  {self.units}")
         return "\n".join(lines)
 
@@ -167,9 +180,11 @@ def simulate(
     primary: Primary,
     *,
     start: Start,
-    force: Harmonic | None = None,
+    force: Force | Sequence[Force] | None = None,
     periods: float | None = None,
     duration: float | None = None,
+    cycles: float | None = None,
+    discard: float | None = None,
     measures: Iterable[str] | None = None,
     max_impacts: float | None = None,
     max_work: float | None = None,
@@ -186,12 +201,19 @@ def simulate(
         The primary system; what it is given decides the units.
     start : Start
         The state at time zero.
-    force : Harmonic, optional
-        What drives it; free decay without. Damping ratios and settling times are null then.
+    force : Harmonic, Impulse, Recorded, or a list of them, optional
+        What drives it; free decay without. A list is a sum. Under harmonic and recorded forces
+        damping ratios and settling times are null; steady states have columns of their own.
     periods : float, optional
-        Length of the run in periods 2π/ωn of the bare primary system. This or `duration`.
+        Length of the run in periods 2π/ωn of the bare primary system. This, `duration` or
+        `cycles`.
     duration : float, optional
         Length of the run as a time.
+    cycles : float, optional
+        Length of the run in cycles 2π/Ω of the harmonic force (of several, the first).
+    discard : float, optional
+        Cycles of transient at the begin that the steady-state columns and the stroboscope leave
+        out; 0 by default.
     measures : iterable of str, optional
         Summary columns to compute, the others are null; all by default.
     max_impacts : int, optional
@@ -259,6 +281,8 @@ def simulate(
         {
             "periods": periods,
             "duration": duration,
+            "cycles": cycles,
+            "discard": discard,
             "max_impacts": max_impacts,
             "max_work": max_work,
             "chatter_floor": chatter_floor,
@@ -267,7 +291,8 @@ def simulate(
     )
     tables = _iva.simulate(spec, names("measures", measures))
     units = from_metadata(tables["summary"].metadata)
-    return Run(absorber, primary, start, spec, units, from_arrow(tables), force)
+    kept = tuple(force) if isinstance(force, Sequence) else force
+    return Run(absorber, primary, start, spec, units, from_arrow(tables), kept)
 
 
 def names(field: str, values: Iterable[str] | None) -> list[str] | None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from iva import _iva
+from iva.forces import Force
 from iva.frames import Frames, from_arrow
-from iva.parameters import Absorber, Harmonic, Primary, Start, numbers, scene, shown
+from iva.parameters import Absorber, Primary, Start, numbers, shown
 from iva.progress import Progress, reporting
+from iva.scenes import scene
 from iva.simulation import names
 from iva.units import Units, from_metadata
 
@@ -53,6 +55,11 @@ class Table:
     def envelope(self) -> pl.DataFrame:
         """One row a peak of the primary displacement."""
         return self._frame("envelope")
+
+    @property
+    def stroboscope(self) -> pl.DataFrame:
+        """One row a cycle of the harmonic force (of several, the first), after `discard`."""
+        return self._frame("stroboscope")
 
     @property
     def trajectory(self) -> pl.DataFrame:
@@ -100,9 +107,11 @@ def sweep(
     *,
     over: Mapping[str, Iterable[float]],
     start: Start,
-    force: Harmonic | None = None,
+    force: Force | Sequence[Force] | None = None,
     periods: float | None = None,
     duration: float | None = None,
+    cycles: float | None = None,
+    discard: float | None = None,
     tables: Iterable[str] = ("summary",),
     measures: Iterable[str] | None = None,
     max_impacts: float | None = None,
@@ -120,13 +129,14 @@ def sweep(
         As in :func:`iva.simulate`; what is swept may be left out.
     over : mapping of str to sequence of float
         The axes: field name (``"mass_ratio"``; ``"absorber.mass"`` where the bare name is not
-        unique; ``"force.frequency"`` of a force) → values, shape (n,). The product of all axes is
-        run, in the order of the mapping, the last axis fastest. A swept field replaces its
-        alternatives, so that an axis over ``gap`` replaces a given ``clearance``.
-    periods, duration, measures, max_impacts, max_work, chatter_floor, tolerance
+        unique; ``"force.frequency"`` of a force, ``"force.0.frequency"`` of several) → values,
+        shape (n,). The product of all axes is run, in the order of the mapping, the last axis
+        fastest. A swept field replaces its alternatives, so that an axis over ``gap`` replaces a
+        given ``clearance``.
+    periods, duration, cycles, discard, measures, max_impacts, max_work, chatter_floor, tolerance
         As in :func:`iva.simulate`.
     tables : iterable of str, default ("summary",)
-        Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``.
+        Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``, ``stroboscope``.
     threads : int, optional
         Worker threads, one a core by default. The result does not depend on it.
     progress : bool or callable, default False
@@ -181,6 +191,8 @@ def sweep(
         {
             "periods": periods,
             "duration": duration,
+            "cycles": cycles,
+            "discard": discard,
             "max_impacts": max_impacts,
             "max_work": max_work,
             "chatter_floor": chatter_floor,

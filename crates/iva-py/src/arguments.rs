@@ -4,6 +4,8 @@ use iva_sweep::choices::Choices;
 use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part, nearest};
+use iva_sweep::forces::ForceSpec;
+use iva_sweep::slot::Slot;
 use iva_sweep::study::{Axis, Study, Table};
 use iva_sweep::{Invalid, number};
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
@@ -11,9 +13,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 
 use crate::errors::invalid;
+use crate::record::PyRecord;
 
-/// The spec of a dict `"part.field"` → number, or word where the field is a choice; the kind of
-/// absorber comes before the other choices.
+/// The spec of a dict `"part.field"` → number, or word where the field is a choice (the kind of
+/// absorber comes before the other choices); under `"forces"` it has the list of forces.
 ///
 /// # Errors
 /// `ValueError` for an unknown field or a value out of range.
@@ -28,17 +31,50 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
     }
     let mut spec = Spec::new(choices);
     for (path, value) in fields {
-        if value.is_instance_of::<PyString>() {
+        let path: String = path.extract()?;
+        if path == FORCES || value.is_instance_of::<PyString>() {
             continue;
         }
-        let path: String = path.extract()?;
         let field = FieldId::all()
             .find(|id| id.path() == path)
             .ok_or_else(|| invalid(Invalid::new("field", format!("`{path}`"), "no such field")))?;
         spec.set(field, value.extract()?).map_err(invalid)?;
     }
+    if let Some(list) = fields.get_item(FORCES)? {
+        forces(&list.extract::<Vec<Bound<'_, PyDict>>>()?, &mut spec)?;
+    }
     Ok(spec)
 }
+
+/// Key of the list of forces in the dict of a spec.
+const FORCES: &str = "forces";
+
+/// Adds forces, each a dict of field → number, or `"record"` → the points of one.
+fn forces(list: &[Bound<'_, PyDict>], spec: &mut Spec) -> PyResult<()> {
+    for force in list {
+        let record = match force.get_item(RECORD)? {
+            Some(record) => Some(record.cast_into::<PyRecord>()?),
+            None => None,
+        };
+        spec.add_force(ForceSpec::new(record.map(|record| record.get().recorded())));
+    }
+    for (number, force) in list.iter().enumerate() {
+        for (name, value) in force {
+            let name: String = name.extract()?;
+            if name == RECORD {
+                continue;
+            }
+            let field = FieldId::find(Part::Force, &name).ok_or_else(|| {
+                invalid(Invalid::new("field", format!("`force.{name}`"), "no such field"))
+            })?;
+            let slot = Slot::of_force(field, number, list.len());
+            spec.set(slot, value.extract()?).map_err(invalid)?;
+        }
+    }
+    Ok(())
+}
+
+const RECORD: &str = "record";
 
 /// The part of that name.
 ///

@@ -2,7 +2,7 @@
 //!
 //! [`arguments`] reads what Python hands over → [`calls`] are the functions of the module →
 //! [`worker`] runs them away from the interpreter → [`arrow_table`] hands the result back.
-//! [`files`] asks iva-cli what written files say of themselves. [`errors`] says which exception a
+//! [`record`] holds what drives a scene by points. [`files`] asks iva-cli what written files say of themselves. [`errors`] says which exception a
 //! failure becomes. No physics.
 
 mod arguments;
@@ -10,6 +10,7 @@ mod arrow_table;
 mod calls;
 mod errors;
 mod files;
+mod record;
 mod worker;
 
 use pyo3::prelude::*;
@@ -28,6 +29,8 @@ mod _iva {
     use super::errors::IvaError;
     #[pymodule_export]
     use super::files::{empty_tables, metadata};
+    #[pymodule_export]
+    use super::record::{PyRecord, read_record};
 
     /// Points that a part file covers.
     #[pymodule_export]

@@ -114,7 +114,7 @@ pub enum Allowed {
     InertiaRatio,
     /// An angle in rad, from −π to π.
     Angle,
-    /// A phase in rad, of up to some hundred thousand turns.
+    /// A phase in rad, of up to two turns: enough to shift one by a turn, too few for degrees.
     Phase,
     /// A tolerance, 0 for full accuracy.
     Tolerance,
@@ -136,7 +136,7 @@ impl Allowed {
             }
             Allowed::InertiaRatio => (1.0..=LARGEST_RATIO).contains(&value),
             Allowed::Angle => value.abs() <= PI,
-            Allowed::Phase => value.abs() <= 1e6,
+            Allowed::Phase => value.abs() <= 4.0 * PI,
             Allowed::Tolerance => (0.0..=LARGEST_TOLERANCE).contains(&value),
         }
     }
@@ -153,7 +153,7 @@ impl Allowed {
             Allowed::PositiveInteger => "a whole number from 1 to 2^53",
             Allowed::InertiaRatio => "a number from 1 (point bob) to 1e9",
             Allowed::Angle => "an angle in rad, from -π to π",
-            Allowed::Phase => "an angle in rad, from -1e6 to 1e6",
+            Allowed::Phase => "an angle in rad, from -4π to 4π",
             Allowed::Tolerance => "0 (full accuracy) or a number up to 1e-3",
         }
     }

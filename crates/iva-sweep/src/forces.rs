@@ -16,14 +16,13 @@ const FIRST: usize = FieldId::Amplitude as usize;
 const COUNT: usize = FieldId::RecordScale as usize - FIRST + 1;
 
 /// What the values of a record are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordKind {
     /// f/M, an acceleration.
     Force,
     /// f in N; needs a mass.
     ForceNewtons,
     /// Acceleration of the base.
-    #[default]
     BaseAcceleration,
 }
 

@@ -26,7 +26,7 @@ fn accepted(field: FieldId) -> BoxedStrategy<f64> {
         Allowed::UnitInterval => (0.0..=1.0).boxed(),
         Allowed::InertiaRatio => prop_oneof![1.0..2.0, Just(1.0), Just(1e9)].boxed(),
         Allowed::Angle => (-3.1..3.1).boxed(),
-        Allowed::Phase => (-1e6..1e6).boxed(),
+        Allowed::Phase => (-12.5..12.5).boxed(),
         Allowed::Tolerance => prop_oneof![0.0..1e-3, Just(0.0), Just(1e-3)].boxed(),
         Allowed::PositiveInteger => (1..=9_007_199_254_740_992_u64).prop_map(|n| n as f64).boxed(),
     }

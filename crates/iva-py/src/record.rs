@@ -1,0 +1,77 @@
+//! A recorded force as Python holds it: checked once, shared by all scenes it drives.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use iva_cli::record_file::{RecordUnit, read_record as read};
+use iva_sweep::Invalid;
+use iva_sweep::forces::{History, RecordKind, Recorded};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::errors::{invalid, unreadable};
+
+/// Increasing times with a value each, and what the values are.
+#[pyclass(frozen, eq, module = "iva._iva", name = "Record")]
+#[derive(PartialEq)]
+pub struct PyRecord(Recorded);
+
+fn kind_of(name: &str) -> PyResult<RecordKind> {
+    RecordKind::from_name(name).ok_or_else(|| {
+        let known = RecordKind::ALL.map(RecordKind::name).join("\", \"");
+        invalid(Invalid::new("kind", format!("\"{name}\""), format!("give one of \"{known}\"")))
+    })
+}
+
+#[pymethods]
+impl PyRecord {
+    #[new]
+    fn new(times: Vec<f64>, values: Vec<f64>, kind: &str) -> PyResult<Self> {
+        let kind = kind_of(kind)?;
+        let history = Arc::new(History::new(times, values).map_err(invalid)?);
+        Ok(Self(Recorded { history, kind, file: None }))
+    }
+
+    #[getter]
+    fn times(&self) -> Vec<f64> {
+        self.0.history.times().to_vec()
+    }
+
+    #[getter]
+    fn values(&self) -> Vec<f64> {
+        self.0.history.values().to_vec()
+    }
+
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.0.kind.name()
+    }
+
+    fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, &'static str) {
+        (self.times(), self.values(), self.kind())
+    }
+}
+
+impl PyRecord {
+    pub fn recorded(&self) -> Recorded {
+        self.0.clone()
+    }
+}
+
+/// The record of a file; of an AT2 file the kind is known.
+#[pyfunction]
+#[pyo3(signature = (path, kind = None))]
+pub fn read_record(path: PathBuf, kind: Option<&str>) -> PyResult<PyRecord> {
+    let kind = kind.map(kind_of).transpose()?;
+    let file = read(&path).map_err(|error| match error {
+        iva_cli::Error::Io { .. } => unreadable(error),
+        other => PyValueError::new_err(other.to_string()),
+    })?;
+    let known = match file.unit {
+        RecordUnit::MetresPerSecondSquared => RecordKind::BaseAcceleration,
+        RecordUnit::Unstated => RecordKind::Force,
+    };
+    let history = History::new(file.times, file.values).map_err(invalid)?;
+    let kind = kind.unwrap_or(known);
+    Ok(PyRecord(Recorded { history: Arc::new(history), kind, file: None }))
+}

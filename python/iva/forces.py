@@ -1,0 +1,275 @@
+"""What drives a scene: harmonic forces, impulses, records, and sums of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from os import PathLike, fspath
+
+from iva import _iva
+from iva.parameters import Part, constructor, given, number, numbers, shown
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from typing import Literal
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class Harmonic(Part):
+    """A harmonic force on the primary system, or a harmonic motion of its base.
+
+    The force over the primary mass is f(t)/M = amplitude · cos(Ωt + phase). A moving base is not
+    the same as f/M = −a_g, for the free absorber feels it too; displacements are then relative
+    to it.
+
+    Parameters
+    ----------
+    amplitude : float, optional
+        Amplitude of f/M, an acceleration. One of the three amplitudes is needed.
+    force : float, optional
+        Amplitude of f in N; needs a primary mass.
+    base_acceleration : float, optional
+        Amplitude of the acceleration of the base.
+    frequency : float, optional
+        Ω > 0 in rad/s (in ωn where no frequency is given). One of the three frequencies is needed.
+    relative_frequency : float, optional
+        Ω/ωn > 0, over the frequency of the bare primary system.
+    frequency_hz : float, optional
+        Ω/2π > 0 in Hz.
+    phase : float, optional
+        Phase of the cosine at time zero in rad, −4π to 4π; 0 by default.
+
+    Raises
+    ------
+    TypeError
+        If a value is not a number.
+    ValueError
+        If a value is out of range, or two set the same quantity.
+
+    Examples
+    --------
+    >>> Harmonic(amplitude=0.1, relative_frequency=1.0)
+    Harmonic(amplitude=0.1, relative_frequency=1.0)
+    """
+
+    _part = "force"
+
+    amplitude: float | None = None
+    force: float | None = None
+    base_acceleration: float | None = None
+    frequency: float | None = None
+    relative_frequency: float | None = None
+    frequency_hz: float | None = None
+    phase: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+class Impulse(Part):
+    """An impulse on the primary system: it changes velocities and nothing else.
+
+    The free primary gains P/M at once (with a pendulum on it less, for that resists); an absorber
+    stuck to the wall that is pushed into it goes along, one pulled off is set free.
+
+    Parameters
+    ----------
+    velocity : float, optional
+        P/M, a velocity. This or `impulse` is needed.
+    impulse : float, optional
+        P in N s; needs a primary mass.
+    time : float, optional
+        Instant ≥ 0; 0 by default.
+
+    Raises
+    ------
+    TypeError
+        If a value is not a number.
+    ValueError
+        If a value is out of range, or two set the same quantity.
+
+    Examples
+    --------
+    >>> Impulse(velocity=0.5, time=2)
+    Impulse(velocity=0.5, time=2.0)
+    """
+
+    _part = "force"
+
+    velocity: float | None = None
+    impulse: float | None = None
+    time: float | None = None
+
+
+class Recorded:
+    """A recorded force or base motion: straight lines between points, 0 before and after them.
+
+    The motion under each straight line is exact. A record that does not end at 0 jumps there.
+
+    Parameters
+    ----------
+    times : sequence of float, shape (n,)
+        Increasing instants, n ≥ 2, in the unit of time; time zero is the begin of the run.
+    values : sequence of float, shape (n,)
+        Values at these instants.
+    kind : {"force", "force_newtons", "base_acceleration"}, default "force"
+        What the values are: f/M, an acceleration; f in N, which needs a primary mass; the
+        acceleration a_g of the base.
+    scale : float, default 1
+        Factor on the values.
+
+    Raises
+    ------
+    TypeError
+        If `times` or `values` is not a sequence of numbers.
+    ValueError
+        If times do not increase, a number is not finite, the two are of different length, or the
+        kind is unknown; the message names the first offender.
+
+    Examples
+    --------
+    >>> push = Recorded([0, 1, 2], [0, 0.3, 0])
+    >>> push
+    Recorded(3 points from 0 to 2, largest value 0.3, kind='force')
+    >>> push.values
+    array([0. , 0.3, 0. ])
+    """
+
+    __slots__ = ("_record", "scale")
+
+    def __init__(
+        self,
+        times: Iterable[float],
+        values: Iterable[float],
+        kind: Literal["force", "force_newtons", "base_acceleration"] = "force",
+        *,
+        scale: float = 1.0,
+    ) -> None:
+        if not isinstance(kind, str):
+            raise TypeError(f"kind = {shown(kind)}: give a word")
+        record = _iva.Record(numbers("times", times), numbers("values", values), kind)
+        self._hold(record, scale)
+
+    def _hold(self, record: _iva.Record, scale: float) -> None:
+        self._record = record
+        self.scale = number("scale", scale)
+        _iva.check("force", [("scale", self.scale)])
+
+    @classmethod
+    def read(
+        cls,
+        path: str | PathLike[str],
+        kind: Literal["force", "force_newtons", "base_acceleration"] | None = None,
+        *,
+        scale: float = 1.0,
+    ) -> Recorded:
+        """Read a record from a file.
+
+        Parameters
+        ----------
+        path : path-like
+            Two columns (time and value), or ``dt = …`` and values, or a PEER AT2 file, which is
+            converted from g to m/s². docs/study-file.md describes the formats.
+        kind : {"force", "force_newtons", "base_acceleration"}, optional
+            What the values are; of an AT2 file ``"base_acceleration"``, else ``"force"``.
+        scale : float, default 1
+            Factor on the values.
+
+        Raises
+        ------
+        ValueError
+            If something in the file cannot be used; the message names file, line and column.
+        iva.IvaError
+            If the file cannot be read.
+
+        Examples
+        --------
+        >>> quake = iva.Recorded.read("studies/synthetic_quake.at2")  # doctest: +SKIP
+        >>> quake  # doctest: +SKIP
+        Recorded(1000 points from 0 to 19.98, largest value 2.942, kind='base_acceleration')
+        """
+        if not isinstance(path, (str, PathLike)):
+            raise TypeError(f"path = {shown(path)}: give the name of a file")
+        record = cls.__new__(cls)
+        record._hold(_iva.read_record(fspath(path), kind), scale)
+        return record
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """Instants, shape (n,)."""
+        import numpy as np
+
+        return np.array(self._record.times)
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """Values as given, without `scale`, shape (n,)."""
+        import numpy as np
+
+        return np.array(self._record.values)
+
+    @property
+    def kind(self) -> str:
+        """What the values are."""
+        return self._record.kind
+
+    def __eq__(self, other: object) -> bool:
+        """Compare all points, kind and factor."""
+        if not isinstance(other, Recorded):
+            return NotImplemented
+        return self._record == other._record and self.scale == other.scale
+
+    def __hash__(self) -> int:
+        """Return a hash of kind and factor, which is enough for equal records to have the same."""
+        return hash((self.kind, self.scale))
+
+    def __repr__(self) -> str:
+        """Show how many points there are, their extent and what they are."""
+        times, values = self.times, self.values
+        scale = "" if self.scale == 1.0 else f", scale={self.scale!r}"
+        return (
+            f"Recorded({len(times)} points from {times[0]:.6g} to {times[-1]:.6g}, "
+            f"largest value {abs(values).max():.4g}, kind={self.kind!r}{scale})"
+        )
+
+
+#: What drives a scene.
+Force = Harmonic | Impulse | Recorded
+
+
+def listed(force: object) -> tuple[Force, ...]:
+    """Return the forces given as one, as several, or as ``None``.
+
+    Raises
+    ------
+    TypeError
+        If something is no force.
+    """
+    if force is None:
+        return ()
+    if isinstance(force, Force):
+        return (force,)
+    if not isinstance(force, (list, tuple)):
+        raise TypeError(
+            f"force = {shown(force)}: give an iva.Harmonic, iva.Impulse or iva.Recorded, or a list "
+            "of them"
+        )
+    for index, one in enumerate(force):
+        if not isinstance(one, Force):
+            raise TypeError(
+                f"force[{index}] = {shown(one)}: give an iva.Harmonic, iva.Impulse or iva.Recorded"
+            )
+    return tuple(force)
+
+
+def fields_of(force: Force) -> dict[str, float | _iva.Record]:
+    """Return the given fields of a force by name, those of a record with its points."""
+    if isinstance(force, Recorded):
+        return {"record": force._record, "scale": force.scale}
+    return {**given(force)}
+
+
+def written(part: Part | Force) -> str:
+    """Return the expression that builds a part, or what stands for a record."""
+    return repr(part) if isinstance(part, Recorded) else constructor(part)
