@@ -13,8 +13,10 @@ use crate::cell::{aligned, number, short, significant, text};
 use crate::layout::{TextTable, first_upper, wrap};
 use crate::scene::NOTHING_MOVES;
 
-/// Default of `report.best_by`.
-pub const DEFAULT_BEST_BY: &str = "settling_time_5";
+/// Default of `report.best_by` in a decay.
+pub const BEST_DECAY: &str = "settling_time_5";
+/// Default of `report.best_by` under a harmonic or recorded force.
+pub const BEST_DRIVEN: &str = "reduction";
 /// Default of `report.count`.
 pub const DEFAULT_COUNT: usize = 10;
 
@@ -28,7 +30,7 @@ pub enum Better {
 }
 
 /// The measures that points can be ranked by.
-pub const RANKED: [(&str, Better); 9] = [
+pub const RANKED: [(&str, Better); 13] = [
     ("settling_time_10", Better::Smaller),
     ("settling_time_5", Better::Smaller),
     ("settling_time_2", Better::Smaller),
@@ -38,14 +40,20 @@ pub const RANKED: [(&str, Better); 9] = [
     ("damping_ratio_10", Better::Larger),
     ("damping_ratio_fit", Better::Larger),
     ("damping_ratio_energy", Better::Larger),
+    ("amplitude_max", Better::Smaller),
+    ("amplitude_rms", Better::Smaller),
+    ("reduction", Better::Larger),
+    ("transmissibility", Better::Smaller),
 ];
 
 /// Said under every table of best points.
 const LUCK: &str = "A single best row is often luck: look at its neighbours, and sweep restitution and \
     the start as well (docs/recipes.md).";
 
-/// Columns shown beside the ranked one, where there is room.
-const BESIDE: [&str; 4] = ["settling_time_5", "damping_ratio_3", "residual_amplitude", "impacts"];
+/// Columns shown beside the ranked one, where there is room: in a decay, and under force.
+const BESIDE_DECAY: [&str; 4] =
+    ["settling_time_5", "damping_ratio_3", "residual_amplitude", "impacts"];
+const BESIDE_DRIVEN: [&str; 4] = ["amplitude_max", "reduction", "impacts_per_cycle", "impacts"];
 
 /// The `[report]` section: what the table of best points shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -84,10 +92,12 @@ impl BestPoints {
     pub fn new(report: &Report, study: &Study) -> Option<Self> {
         let best_by = report.best_by?;
         let (_, better) = RANKED.into_iter().find(|(name, _)| *name == best_by)?;
+        let driven = study.spec(0).is_ok_and(|spec| spec.is_driven());
+        let shown = if driven { BESIDE_DRIVEN } else { BESIDE_DECAY };
         let beside = SUMMARY
             .iter()
             .filter(|column| {
-                BESIDE.contains(&column.name)
+                shown.contains(&column.name)
                     && column.name != best_by
                     && study.measures.contains(column.name)
             })
@@ -251,15 +261,20 @@ impl BestPoints {
 /// Why a finished run may have no value of a ranked measure.
 fn why_none(measure: &str) -> &'static str {
     match measure {
-        "residual_amplitude" | "damping_ratio_energy" => " (the run is shorter than a period)",
+        "residual_amplitude" | "damping_ratio_energy" => {
+            " (the run is shorter than a period, or under force)"
+        }
+        "transmissibility" => " (the base does not move)",
+        "amplitude_max" | "amplitude_rms" | "reduction" => " (no force)",
         name if name.starts_with("settling_time") => " (not settled by the end of the run)",
         _ => " (fewer peaks than it needs)",
     }
 }
 
-/// The measures of a single run, one a line.
+/// The measures of a single run, one a line, and which of them it does not define.
 pub fn print_run(summary: &RecordBatch, study: &Study, units: UnitSystem) -> String {
     let mut out = String::new();
+    let mut undefined = Vec::new();
     for column in SUMMARY {
         if !study.measures.contains(column.name) {
             continue;
@@ -268,11 +283,18 @@ pub fn print_run(summary: &RecordBatch, study: &Study, units: UnitSystem) -> Str
             (Some(value), _) if column.quantity == Quantity::Count => short(value, 15),
             (Some(value), _) => significant(value, 6),
             (None, Some(text)) => text.to_owned(),
-            (None, None) => "-".to_owned(),
+            (None, None) => {
+                undefined.push(column.name);
+                continue;
+            }
         };
         let unit = short_unit(units, column.quantity);
         let line = format!("{:22}{value:>14}  {unit}", column.name);
         let _ = writeln!(out, "{}", line.trim_end());
+    }
+    if !undefined.is_empty() {
+        let sentence = format!("This run has no {}.", undefined.join(", "));
+        let _ = writeln!(out, "\n{}", wrap(&sentence));
     }
     let _ = writeln!(out, "\n{}", wrap(&format!("{}.", first_upper(units.sentence()))));
     out

@@ -38,7 +38,7 @@ use toml::de::DeTable;
 use crate::axes;
 use crate::error::Error;
 use crate::forces;
-use crate::report::{DEFAULT_BEST_BY, RANKED, Report};
+use crate::report::{BEST_DECAY, BEST_DRIVEN, RANKED, Report};
 use crate::source::Source;
 use crate::value::{
     Key, Value, entries, name, names, number, one_of, table, unknown_key, whole_number,
@@ -147,11 +147,12 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
     };
     let tables = tables_or_default(&source, &settings, !axes.is_empty())?;
     let measures = settings.measures.unwrap_or_else(Selection::all);
-    let report = match root.get_key_value("report") {
-        Some((key, value)) => read_report(&source, key, value, measures)?,
-        None => Report::new(measures),
-    };
     let study = Study { spec, axes, tables, measures };
+    let driven = study.spec(0).is_ok_and(|spec| spec.is_driven());
+    let report = match root.get_key_value("report") {
+        Some((key, value)) => read_report(&source, key, value, measures, driven)?,
+        None => Report::new(measures, driven),
+    };
     Ok(StudyFile {
         study,
         samples_per_period: settings.samples_per_period.unwrap_or(SAMPLES_PER_PERIOD),
@@ -341,8 +342,9 @@ fn read_report(
     key: &Key<'_>,
     value: &Value<'_>,
     measures: Selection,
+    driven: bool,
 ) -> Result<Report, Error> {
-    let mut report = Report::new(measures);
+    let mut report = Report::new(measures, driven);
     for (key, value) in entries(table(source, "report", key, value)?) {
         match key.get_ref().as_ref() {
             "best_by" => {
@@ -368,10 +370,12 @@ fn read_report(
 }
 
 impl Report {
-    /// The default report of a study that computes these measures.
-    pub fn new(measures: Selection) -> Self {
+    /// The default report of a study that computes these measures, in a decay or under a lasting
+    /// force.
+    pub fn new(measures: Selection, driven: bool) -> Self {
+        let best_by = if driven { BEST_DRIVEN } else { BEST_DECAY };
         Self {
-            best_by: Some(DEFAULT_BEST_BY).filter(|name| measures.contains(name)),
+            best_by: Some(best_by).filter(|name| measures.contains(name)),
             count: crate::report::DEFAULT_COUNT,
         }
     }

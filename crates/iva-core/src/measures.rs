@@ -57,7 +57,7 @@ pub struct MeasureValues {
     pub settling_time_5: Option<f64>,
     /// Last instant at which |x| = 0.02 A₀.
     pub settling_time_2: Option<f64>,
-    /// Largest |x| over the last period over A₀.
+    /// Largest |x| over the last period over A₀; null under a lasting force, as all above.
     pub residual_amplitude: Option<f64>,
     /// E(0), before any impulse.
     pub energy_initial: f64,
@@ -250,7 +250,7 @@ impl<S: System> Observer<S> for Measures<S> {
             [values.settling_time_10, values.settling_time_5, values.settling_time_2] =
                 std::array::from_fn(|i| self.settling[i].time(system, late, amplitude));
         }
-        if whole && self.wanted.residual && self.duration >= TAU {
+        if whole && self.wanted.residual && self.duration >= TAU && !driven {
             values.residual_amplitude = Some(self.last_period / amplitude);
         }
         values.energy_viscous = self.viscous.value;

@@ -88,6 +88,11 @@ impl Spec {
         &self.forces
     }
 
+    /// True if a harmonic or recorded force drives it.
+    pub fn is_driven(&self) -> bool {
+        self.forces.iter().any(ForceSpec::lasts)
+    }
+
     /// Sets a field after checking its range. A field of a force makes one if there is none.
     ///
     /// # Errors

@@ -120,6 +120,11 @@ impl ForceSpec {
         if impulse { Nature::Impulse } else { Nature::Harmonic }
     }
 
+    /// True if it acts all the time: nothing decays by itself then.
+    pub fn lasts(&self) -> bool {
+        self.nature() != Nature::Impulse
+    }
+
     /// True if a field has no place in such a force.
     pub fn is_foreign(&self, field: FieldId) -> bool {
         Nature::of(field) != self.nature()

@@ -104,16 +104,20 @@ fn study_file() -> impl Strategy<Value = StudyFile> {
     let report = (prop::sample::select(RANKED.to_vec()), 1..1000_usize);
     let model = choices().prop_flat_map(|choices| (spec(choices), axes(choices.kind)));
     (model, tables, measures, report, 1..=1_000_000_u32).prop_map(
-        |((spec, axes), tables, measures, ((best_by, _), count), samples_per_period)| StudyFile {
-            report: Report {
-                best_by: Some(best_by)
-                    .filter(|name| measures.contains(name))
-                    .or(Report::new(measures).best_by),
-                count,
-            },
-            study: Study { spec, axes, tables, measures },
-            samples_per_period,
-            source: Source::new(Path::new("made.toml"), ""),
+        |((spec, axes), tables, measures, ((best_by, _), count), samples_per_period)| {
+            let study = Study { spec, axes, tables, measures };
+            let driven = study.spec(0).unwrap().is_driven();
+            StudyFile {
+                report: Report {
+                    best_by: Some(best_by)
+                        .filter(|name| measures.contains(name))
+                        .or(Report::new(measures, driven).best_by),
+                    count,
+                },
+                study,
+                samples_per_period,
+                source: Source::new(Path::new("made.toml"), ""),
+            }
         },
     )
 }
