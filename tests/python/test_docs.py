@@ -20,7 +20,7 @@ MODULES = ["iva"] + [
     if not module.name.startswith("_")
 ]
 # Nothing in them is called by users, or all of it needs files.
-WITHOUT = {"iva.frames", "iva.markup", "iva.parts", "iva.progress", "iva.reading"}
+WITHOUT = {"iva.frames", "iva.markup", "iva.parts", "iva.progress", "iva.reading", "iva.scenes"}
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -104,6 +104,7 @@ def test_fences_are_closed_and_say_their_language() -> None:
 @pytest.mark.parametrize("name", ["recipes.md", "reproducibility.md", "study-file.md"])
 def test_code_of_a_page(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "studies").symlink_to(DOCS.parent / "studies")
     page = DOCS / name
     names: dict[str, object] = {"__name__": "__main__"}
     ran = 0
@@ -154,7 +155,9 @@ def test_every_other_key_has_a_row_in_its_section(folder: Path) -> None:
         assert [key for key in keys if f"| `{key}` |" not in rows] == [], part
 
 
-@pytest.mark.parametrize("table", ["summary", "impacts", "episodes", "envelope", "trajectory"])
+@pytest.mark.parametrize(
+    "table", ["summary", "impacts", "episodes", "envelope", "stroboscope", "trajectory"]
+)
 def test_every_column_is_described_at_its_table(table: str) -> None:
     rows = section("tables.md", f"## `{table}`", "\n## ").splitlines()
     described = {name for row in rows for name in re.findall(r"`(\w+)`", row.split("|")[1])}

@@ -21,7 +21,6 @@ PARTS: list[tuple[str, str, Any, list[str]]] = [
     ("primary", "siva", iva.Primary, []),
     ("absorber", "siva", iva.Siva, []),
     ("absorber", "piva", iva.Piva, ["angles", "impact_law"]),
-    ("force", "siva", iva.Harmonic, []),
     ("start", "piva", iva.Start, []),
 ]
 
@@ -36,6 +35,16 @@ def test_fields_are_those_of_the_table(name: str, kind: str, part: Any, words: l
     declared = numbers
     for field in declared:
         assert f"{field} : float" in part.__doc__
+
+
+def test_the_fields_of_forces_are_those_of_the_table() -> None:
+    declared = [
+        field.name
+        for part in (iva.Harmonic, iva.Impulse)
+        for field in dataclasses.fields(part)
+        if f"{field.name} : float" in str(part.__doc__)
+    ]
+    assert [*declared, "scale"] == [field for field, _, _ in _iva.fields("force", "siva")]
 
 
 def test_value_semantics() -> None:

@@ -33,7 +33,7 @@ def changed(absorber: iva.Piva = PIVA, **fields: Any) -> iva.Piva:
     return dataclasses.replace(absorber, **fields)
 
 
-# Columns that came with the pendulum, at the end of their tables.
+# Columns that came with the pendulum.
 NEW = {
     "summary": ["energy_pivot", "stop_reachable", "gravity", "energy_work"],
     "impacts": ["angle", "angular_velocity_before", "angular_velocity_after"],
@@ -43,7 +43,7 @@ NEW = {
 
 def new_columns(run: iva.Run) -> dict[str, pl.DataFrame]:
     frames = {"summary": run.summary, "impacts": run.impacts, "trajectory": run.trajectory(10)}
-    return {name: frame.select(frame.columns[-len(NEW[name]) :]) for name, frame in frames.items()}
+    return {name: frame.select(NEW[name]) for name, frame in frames.items()}
 
 
 def all_null(frame: pl.DataFrame) -> bool:

@@ -19,12 +19,15 @@ SUMMARY = """point outcome impacts effective_impacts episodes undecided time_stu
     damping_ratio_3 damping_ratio_10 damping_ratio_fit damping_ratio_energy settling_time_10
     settling_time_5 settling_time_2 residual_amplitude energy_initial energy_impacts energy_viscous
     energy_final energy_residual energy_pivot stop_reachable gravity
-    energy_work""".split()
+    energy_work amplitude_max amplitude_rms reduction transmissibility impacts_per_cycle
+    regime""".split()
 IMPACTS = """point impact time wall displacement velocity_before velocity_after
     absorber_velocity_before absorber_velocity_after approach_velocity energy_loss
     effective angle angular_velocity_before angular_velocity_after""".split()
 EPISODES = "point episode wall start_time stick_time release_time impacts energy_loss".split()
 ENVELOPE = "point peak time displacement amplitude log_decrement".split()
+STROBOSCOPE = """point cycle time displacement velocity gap_displacement gap_velocity amplitude
+    impacts""".split()
 TRAJECTORY = """point time displacement velocity gap_displacement gap_velocity wall angle
     angular_velocity""".split()
 
@@ -34,6 +37,7 @@ def test_columns(run: iva.Run) -> None:
     assert run.impacts.columns == IMPACTS
     assert run.episodes.columns == EPISODES
     assert run.envelope.columns == ENVELOPE
+    assert run.stroboscope.columns == STROBOSCOPE
     assert run.trajectory(10).columns == TRAJECTORY
     assert run.at([0.0]).columns == TRAJECTORY
 

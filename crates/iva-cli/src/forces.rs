@@ -10,7 +10,7 @@ use iva_sweep::slot::Slot;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
-use crate::record_file::read_record;
+use crate::record_file::{RecordUnit, read_record};
 use crate::source::Source;
 use crate::value::{Key, Value, at, entries, name, number, table, unknown_key};
 
@@ -101,10 +101,11 @@ fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Record
     };
     let path = beside(source.path(), file.as_ref());
     let read = read_record(&path)?;
+    let is_metric = read.unit == RecordUnit::MetresPerSecondSquared;
     let history = History::new(read.times, read.values)
         .map_err(|invalid| source.error(value.span(), format!("{}: {invalid}", path.display())))?;
     let file = Some(path.display().to_string());
-    Ok(Some(Recorded { history: Arc::new(history), kind, file }))
+    Ok(Some(Recorded { history: Arc::new(history), kind, file, is_metric }))
 }
 
 /// A file that a study names stands beside the study, unless its name begins at the root.

@@ -5,12 +5,13 @@ use std::fmt::Write;
 use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
 use iva_sweep::fields::Quantity;
-use iva_sweep::scene::Harmonic;
+use iva_sweep::scene::{Acts, Harmonic};
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
 
 use crate::cell::short;
 use crate::layout::wrap;
+use crate::report::counted;
 
 /// Points looked at for the ranges, the corners of most grids among them.
 const LOOKED_AT: u64 = 512;
@@ -102,8 +103,12 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
         let (times, values) = (record.history.times(), record.history.values());
         let (from, to) = (times.first().copied(), times.last().copied());
         let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let of = match record.acts {
+            Acts::Base => "the base",
+            Acts::Primary => "the structure",
+        };
         lines.push(format!(
-            "Force: a record of {} points from {} to {} {unit}, largest value {}",
+            "Force on {of}: a record of {} points from {} to {} {unit}, largest value {}",
             times.len(),
             short(from.unwrap_or_default(), 4),
             short(to.unwrap_or_default(), 4),
@@ -112,7 +117,7 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
     }
     let impulses = first.impulses().count();
     if impulses > 0 {
-        lines.push(format!("Force: {impulses} impulses on the structure"));
+        lines.push(format!("Force: {} on the structure", counted(impulses as u64, "impulse")));
     }
     lines
 }

@@ -327,7 +327,7 @@ fn tables_or_default(
 
 /// Why `trajectory` is refused beside axes.
 pub(crate) const NO_TRAJECTORY: &str = "a sweep has no trajectory table, only a single run \
-     (`iva run`) has; give summary, impacts, episodes or envelope";
+     (`iva run`) has; give summary, impacts, episodes, envelope or stroboscope";
 
 fn read_measures(source: &Source, field: &str, value: &Value<'_>) -> Result<Selection, Error> {
     let known: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();

@@ -87,7 +87,9 @@ impl Force {
             if *time != 0.0 {
                 range::positive("force.time", *time)?;
             }
-            kicks.push(Kick { time: Sum::new(*time), velocity: *velocity });
+            if *velocity != 0.0 {
+                kicks.push(Kick { time: Sum::new(*time), velocity: *velocity });
+            }
         }
         kicks.sort_by(|a, b| (a.time - b.time).value.total_cmp(&0.0));
         Ok(Self { harmonics, records, kicks })

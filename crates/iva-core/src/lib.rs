@@ -33,6 +33,7 @@
 //! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] and, under force,
 //!   [`steady`] watch a run.
 //! * [`run`] does all of it in one call.
+//! * [`theory`] holds steady states known in closed form; no run uses it.
 //!
 //! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight
 //! ends with a contact and proof that none came earlier, or with proof that there is none (see
@@ -44,7 +45,8 @@
 //!
 //! Only + − × ÷ √ take part in the motion, each rounded as IEEE 754 demands, and the sines of the
 //! `libm` crate, made of the same (for the phase of a force and the angle of a start), so that a run
-//! has the same bits on every machine of one architecture. Logarithms and π appear in measures only.
+//! has the same bits on every machine of one architecture. Logarithms and π appear in measures and in
+//! [`theory`] only.
 //!
 //! ```
 //! use iva_core::{run::run, simulate::{Limits, Outcome}, siva::Siva, system::Start};
@@ -82,3 +84,4 @@ pub mod siva;
 pub mod steady;
 pub mod system;
 pub mod taylor;
+pub mod theory;

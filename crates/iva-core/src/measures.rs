@@ -49,7 +49,8 @@ pub struct MeasureValues {
     pub damping_ratio_10: Option<f64>,
     /// −slope of the least-squares line of ln a_k over ωn t_k, down to 5 % of A₀; at least 3 peaks.
     pub damping_ratio_fit: Option<f64>,
-    /// (E(0) − E(2π))/(4π E(0)), E(0) after the impulses of time zero.
+    /// (E(0) − E(2π))/(4π E(0)), E(0) after the impulses of time zero; null if one follows within
+    /// the period.
     pub damping_ratio_energy: Option<f64>,
     /// Last instant at which |x| = 0.10 A₀; null while |x| exceeds it in the last half period.
     pub settling_time_10: Option<f64>,
@@ -200,11 +201,7 @@ impl<S: System> Observer<S> for Measures<S> {
     fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.moving = true;
         if self.wanted.peaks || self.wanted.settling || self.wanted.residual {
-            let (first, second) = monotone::<S, M>(span);
-            self.stretch(span, &first);
-            if let Some(second) = second {
-                self.stretch(span, &second);
-            }
+            monotone::<S, M>(span, |stretch| self.stretch(span, stretch));
         }
         if self.wanted.ledger {
             self.viscous = self.viscous.plus(span.motion.viscous_loss(span.length));
@@ -223,9 +220,8 @@ impl<S: System> Observer<S> for Measures<S> {
 
     fn kick(&mut self, system: &S, state: &S::State, work: f64) {
         self.work = self.work.plus(work);
-        if !self.moving {
-            self.energy_begin = system.energy(state);
-        }
+        // What is given later hides what is lost.
+        self.energy_begin = if self.moving { 0.0 } else { system.energy(state) };
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {

@@ -2,6 +2,7 @@
 
 use crate::flight::{Jet, Motion};
 use crate::observe::{Observer, Span};
+use crate::polynomial::turnings;
 use crate::roots::polish;
 use crate::simulate::Tally;
 use crate::system::System;
@@ -28,26 +29,39 @@ pub(crate) struct Monotone {
     pub x: [f64; 2],
 }
 
-/// The monotone stretches of a span: one, or two on both sides of a turning point.
+/// Hands out the stretches of a span on which x runs one way, in order.
 pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
     span: &Span<'_, M>,
-) -> (Monotone, Option<Monotone>) {
+    mut take: impl FnMut(&Monotone),
+) {
     let (from, to) = (span.from, span.to);
-    if from.v * to.v >= 0.0 {
-        return (Monotone { h: [0.0, span.length], x: [from.x, to.x] }, None);
-    }
-    let rise = if from.v < 0.0 { 1.0 } else { -1.0 };
-    let guess = span.length * (from.v / (from.v - to.v));
-    let (h, x) = polish(
-        |h| {
+    let mut begin = (0.0, from.x);
+    let mut turn = |[low, high]: [f64; 2], [v_low, v_high]: [f64; 2]| {
+        let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
+        let guess = low + (high - low) * (v_low / (v_low - v_high));
+        let jet = |h: f64| {
             let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
             (value, [rise * rate, rise * curvature, rise * jerk])
-        },
-        0.0,
-        span.length,
-        guess,
-    );
-    (Monotone { h: [0.0, h], x: [from.x, x] }, Some(Monotone { h: [h, span.length], x: [x, to.x] }))
+        };
+        let (h, x) = polish(jet, low, high, guess);
+        take(&Monotone { h: [begin.0, h], x: [begin.1, x] });
+        begin = (h, x);
+    };
+    match span.motion.rows() {
+        // Under force x may turn more than once.
+        Some(rows) => {
+            for bracket in turnings(rows.x, span.length / rows.step) {
+                let [low, high] = bracket.map(|t| (t * rows.step).min(span.length));
+                let v = [low, high].map(|h| span.motion.primary(h).rate);
+                if v[0] * v[1] < 0.0 {
+                    turn([low, high], v);
+                }
+            }
+        }
+        None if from.v * to.v < 0.0 => turn([0.0, span.length], [from.v, to.v]),
+        None => {}
+    }
+    take(&Monotone { h: [begin.0, span.length], x: [begin.1, to.x] });
 }
 
 /// Follows x through its half cycles.
@@ -101,11 +115,10 @@ impl<S: System> Observer<S> for Envelope {
     }
 
     fn span<M: Motion<State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
-        let (first, second) = monotone::<S, M>(span);
-        for stretch in [Some(first), second].into_iter().flatten() {
+        monotone::<S, M>(span, |stretch| {
             let time = span.start.plus(stretch.h[1]).value;
             self.peaks.extend(self.half_cycles.reach(time, stretch.x[1]));
-        }
+        });
     }
 
     fn end(&mut self, _system: &S, _tally: &Tally<S::State>) {

@@ -58,9 +58,79 @@ pub(crate) fn largest(f: &[f64], [from, to]: [f64; 2], least: f64) -> f64 {
     most
 }
 
+/// Brackets of the instants in [0, to] at which a polynomial turns round, one each, in order. An
+/// inflection is none.
+pub(crate) fn turnings(f: &[f64], to: f64) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    let [size, curved, bent] = [0, 2, 3].map(|n| steepest(f, n, to));
+    let search = Turnings { f, size, curved, bent };
+    search.between([0.0, to], &mut found);
+    found
+}
+
+/// What the search for turning points knows of a polynomial: bounds on |f|, |f″| and |f‴|.
+struct Turnings<'a> {
+    f: &'a [f64],
+    size: f64,
+    curved: f64,
+    bent: f64,
+}
+
+impl Turnings<'_> {
+    fn between(&self, [from, to]: [f64; 2], found: &mut Vec<[f64; 2]>) {
+        let (middle, half) = (from.midpoint(to), 0.5 * (to - from));
+        if derivative(self.f, 1, middle).abs() > self.curved * half {
+            return;
+        }
+        let monotone = derivative(self.f, 2, middle).abs() > self.bent * half;
+        // On so short a stretch f does not turn by more than rounding (nor where it is not finite).
+        let matters = self.curved * (half * half) > f64::EPSILON * self.size;
+        if monotone || !matters {
+            let falls = |t: f64| derivative(self.f, 1, t) < 0.0;
+            if falls(from) != falls(to) {
+                found.push([from, to]);
+            }
+            return;
+        }
+        self.between([from, middle], found);
+        self.between([middle, to], found);
+    }
+}
+
+/// The factor of tᵏ⁻ⁿ in the nth derivative.
+fn factor(k: usize, n: usize) -> f64 {
+    (0..n).map(|i| (k - i) as f64).product()
+}
+
+fn derivative(f: &[f64], n: usize, t: f64) -> f64 {
+    (n..f.len()).rev().fold(0.0, |sum, k| sum * t + factor(k, n) * f[k])
+}
+
+/// A bound on the nth derivative on [0, to].
+fn steepest(f: &[f64], n: usize, to: f64) -> f64 {
+    (n..f.len()).rev().fold(0.0, |sum, k| sum * to + factor(k, n) * f[k].abs())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_turning_point_is_bracketed_alone() {
+        // f′ = (t − 0.3)(t − 0.35)(t − 0.8), expanded.
+        let f = [0.0, -0.084, 0.5 * 0.625, -1.45 / 3.0, 0.25];
+        let found = turnings(&f, 1.0);
+        assert_eq!(found.len(), 3, "{found:?}");
+        for ([from, to], truth) in found.iter().zip([0.3, 0.35, 0.8]) {
+            assert!(*from <= truth && truth <= *to, "{found:?}");
+        }
+        assert_eq!(turnings(&f, 0.33).len(), 1);
+        assert_eq!(turnings(&[0.0, 1.0, 2.0], 1.0), Vec::<[f64; 2]>::new());
+        // An inflection: f′ = (t − 1/2)².
+        assert_eq!(turnings(&[0.0, 0.25, -0.5, 1.0 / 3.0], 1.0).len(), 0);
+        assert_eq!(turnings(&[0.0; 4], 1.0).len(), 0);
+        assert_eq!(turnings(&[f64::NAN; 4], 1.0).len(), 0);
+    }
 
     /// Taylor coefficients of cos(turn·t + phase).
     fn cosine(turn: f64, phase: f64) -> Vec<f64> {

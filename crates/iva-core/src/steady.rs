@@ -91,7 +91,7 @@ pub struct Strobe {
     pub gap_displacement: f64,
     /// Absorber minus primary velocity.
     pub gap_velocity: f64,
-    /// Largest |x| since the strobe before, or since the window began.
+    /// Largest |x| from the strobe before, or from the begin of the window, up to here.
     pub amplitude: f64,
     /// Listed impacts from the begin of the window up to here.
     pub impacts: u64,
@@ -182,7 +182,7 @@ impl Steady {
             velocity: primary.rate,
             gap_displacement: gap.y,
             gap_velocity: gap.w,
-            amplitude: self.current,
+            amplitude: self.current.max(primary.value.abs()),
             impacts: self.impacts,
         });
         self.largest = self.largest.max(self.current);
@@ -191,6 +191,12 @@ impl Steady {
             self.strobes.pop_front();
         }
     }
+}
+
+/// A number of cycles that is whole but for rounding.
+fn whole(cycles: f64) -> f64 {
+    let near = cycles.round();
+    if (cycles - near).abs() <= 16.0 * f64::EPSILON * near { near } else { cycles }
 }
 
 impl<S: System> Observer<S> for Steady {
@@ -213,7 +219,8 @@ impl<S: System> Observer<S> for Steady {
                 break;
             }
             let at = at.clamp(0.0, span.length);
-            if at >= begin {
+            // The window may begin at a strobe, but for rounding.
+            if instant.value >= self.window.from * (1.0 - 4.0 * f64::EPSILON) {
                 if at > h {
                     self.stretch(&rows, [h, at]);
                     h = at;
@@ -262,7 +269,8 @@ impl<S: System> Observer<S> for Steady {
             acceleration_max: wanted.acceleration.then_some(self.acceleration),
             base_max: wanted.acceleration.then_some(self.base),
             impacts_per_cycle: cycle.filter(|_| wanted.impacts).map(|harmonic| {
-                self.impacts as f64 * std::f64::consts::TAU / (harmonic.frequency * length)
+                let cycles = whole(harmonic.frequency * length / std::f64::consts::TAU);
+                self.impacts as f64 / cycles
             }),
             regime: cycle.filter(|_| wanted.regime).and_then(|harmonic| {
                 regime(&self.strobes, self.impacts, self.largest, harmonic.frequency)

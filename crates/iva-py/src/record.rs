@@ -26,10 +26,11 @@ fn kind_of(name: &str) -> PyResult<RecordKind> {
 #[pymethods]
 impl PyRecord {
     #[new]
-    fn new(times: Vec<f64>, values: Vec<f64>, kind: &str) -> PyResult<Self> {
+    #[pyo3(signature = (times, values, kind, is_metric = false))]
+    fn new(times: Vec<f64>, values: Vec<f64>, kind: &str, is_metric: bool) -> PyResult<Self> {
         let kind = kind_of(kind)?;
         let history = Arc::new(History::new(times, values).map_err(invalid)?);
-        Ok(Self(Recorded { history, kind, file: None }))
+        Ok(Self(Recorded { history, kind, file: None, is_metric }))
     }
 
     #[getter]
@@ -47,8 +48,8 @@ impl PyRecord {
         self.0.kind.name()
     }
 
-    fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, &'static str) {
-        (self.times(), self.values(), self.kind())
+    fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, &'static str, bool) {
+        (self.times(), self.values(), self.kind(), self.0.is_metric)
     }
 }
 
@@ -67,11 +68,9 @@ pub fn read_record(path: PathBuf, kind: Option<&str>) -> PyResult<PyRecord> {
         iva_cli::Error::Io { .. } => unreadable(error),
         other => PyValueError::new_err(other.to_string()),
     })?;
-    let known = match file.unit {
-        RecordUnit::MetresPerSecondSquared => RecordKind::BaseAcceleration,
-        RecordUnit::Unstated => RecordKind::Force,
-    };
+    let is_metric = file.unit == RecordUnit::MetresPerSecondSquared;
+    let known = if is_metric { RecordKind::BaseAcceleration } else { RecordKind::Force };
     let history = History::new(file.times, file.values).map_err(invalid)?;
     let kind = kind.unwrap_or(known);
-    Ok(PyRecord(Recorded { history: Arc::new(history), kind, file: None }))
+    Ok(PyRecord(Recorded { history: Arc::new(history), kind, file: None, is_metric }))
 }

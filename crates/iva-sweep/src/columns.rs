@@ -197,8 +197,16 @@ pub static STROBOSCOPE: &[Column] = &[
     column("velocity", Quantity::Velocity, "velocity of the primary system"),
     column("gap_displacement", Quantity::Length, "absorber minus primary displacement"),
     column("gap_velocity", Quantity::Velocity, "absorber minus primary velocity"),
-    column("amplitude", Quantity::Length, "largest |x| since the instant before"),
-    column("impacts", Quantity::Count, "listed impacts since the instant before"),
+    column(
+        "amplitude",
+        Quantity::Length,
+        "largest |x| since the instant before (first row: since the window began)",
+    ),
+    column(
+        "impacts",
+        Quantity::Count,
+        "listed impacts since the instant before (first row: since the window began)",
+    ),
 ];
 
 /// Columns of the trajectory after `point`.

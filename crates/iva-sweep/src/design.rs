@@ -134,7 +134,8 @@ impl Spec {
     ///
     /// # Errors
     /// [`Invalid`] with field, value and range.
-    pub fn replace(&mut self, slot: Slot, value: f64) -> Result<(), Invalid> {
+    pub fn replace(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
+        let slot = slot.into();
         for other in FieldId::all().filter(|other| other.same_quantity(slot.field)) {
             if other.info().part != Part::Force {
                 self.values[other as usize] = None;

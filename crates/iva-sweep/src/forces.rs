@@ -55,6 +55,8 @@ pub struct Recorded {
     pub kind: RecordKind,
     /// The file it was read from, if any, as a study file can name it.
     pub file: Option<String>,
+    /// True if the file says that times are in s and values in m/s².
+    pub is_metric: bool,
 }
 
 /// One force as given.
@@ -167,6 +169,11 @@ impl Reader<'_> {
         Slot::of_force(field, self.number, self.count).path()
     }
 
+    /// The path of what is no number.
+    fn named(&self, name: &str) -> String {
+        self.path(FieldId::RecordScale).replace("scale", name)
+    }
+
     fn get(&self, field: FieldId) -> Option<f64> {
         self.spec.get(field)
     }
@@ -274,9 +281,17 @@ impl Reader<'_> {
 
     fn record(&self, recorded: &Recorded) -> Result<Record, Invalid> {
         let factor = self.get(FieldId::RecordScale).unwrap_or(1.0);
+        if recorded.is_metric && self.units == UnitSystem::Natural {
+            let rule = "its times are in s; give primary.natural_frequency or frequency_hz";
+            return Err(Invalid::new(self.named("record"), shown(recorded), rule));
+        }
+        if recorded.is_metric && recorded.kind == RecordKind::ForceNewtons {
+            let rule = "the values of this file are accelerations: give \"base_acceleration\" or \"force\" (f/M)";
+            return Err(Invalid::new(self.named("kind"), "\"force_newtons\"", rule));
+        }
         let per_mass = match recorded.kind {
             RecordKind::ForceNewtons if self.units != UnitSystem::Si => {
-                let part = self.path(FieldId::RecordScale).replace(".scale", ".kind");
+                let part = self.named("kind");
                 let rule = "values in N need primary.mass with stiffness or natural_frequency; else \
                             give values over the mass with kind \"force\"";
                 return Err(Invalid::new(part, "\"force_newtons\"", rule));
@@ -295,6 +310,11 @@ impl Reader<'_> {
             scale: per_mass / self.stiffness(),
         })
     }
+}
+
+/// A record in a message.
+fn shown(recorded: &Recorded) -> String {
+    recorded.file.clone().unwrap_or_else(|| format!("{} points", recorded.history.times().len()))
 }
 
 #[cfg(test)]

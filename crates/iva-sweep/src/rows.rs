@@ -23,10 +23,10 @@ pub(crate) struct Settled<'a> {
 }
 
 impl Settled<'_> {
-    /// 1 − amplitude over that without absorber; null where neither moves.
+    /// 1 − amplitude over that without absorber; null where the bare structure does not move.
     fn reduction(&self) -> Option<f64> {
         let share = self.values.amplitude_max? / self.bare?;
-        (!share.is_nan()).then_some(1.0 - share)
+        share.is_finite().then_some(1.0 - share)
     }
 
     fn transmissibility(&self) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! What the core runs, whichever absorber it is.
 
 use iva_core::force::Force;
-pub use iva_core::force::Harmonic;
+pub use iva_core::force::{Acts, Harmonic};
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::siva::Siva;
 use iva_core::system::{Start, System};

@@ -22,7 +22,7 @@ use crate::units::UnitSystem;
 pub const SIGN_CONVENTIONS: &str = "displacement: primary system, positive in the direction of \
      the + wall; gap displacement y = absorber - primary, walls at y = +d and y = -d with d the \
      one-sided clearance; gap velocity w = dy/dt; approach velocity: w just before an impact; \
-     absorber velocities: absolute, primary velocity + w; pendulum: y = b sin(angle) with b from pivot to contact, angle from the \
+     absorber velocities: primary velocity + w; on a moving base all are relative to it; pendulum: y = b sin(angle) with b from pivot to contact, angle from the \
      hanging position, in [-π, π], absorber velocities those of its centre of mass";
 
 /// The Arrow schema of a table of a study, as its files carry it.

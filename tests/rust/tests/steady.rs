@@ -6,9 +6,11 @@ use std::f64::consts::{PI, TAU};
 use iva_core::{
     force::{Acts, Force, Harmonic},
     piva::{Parameters, Piva, PivaStart},
+    run::run,
     simulate::{Limits, Outcome, simulate},
     steady::{Regime, Steady, SteadyWanted, Window},
     system::Start,
+    theory::{SymmetricScene, masri_caughey},
 };
 
 fn watch(piva: &Piva, start: &PivaStart, duration: f64, from: f64) -> Steady {
@@ -137,5 +139,41 @@ fn a_phase_beyond_a_turn_strobes_at_the_same_instants() {
         let first = steady.strobes().next().unwrap();
         assert!((first.time - (PI - 0.25)).abs() < 1e-14, "{turns}: {}", first.time);
         assert_eq!(first.cycle, 0);
+    }
+}
+
+#[test]
+fn a_peak_between_two_others_within_a_step_is_seen() {
+    // After an impact on this exact orbit (Masri and Caughey 1966) x turns twice within a step; its
+    // largest value, from the closed form, lies between.
+    let force = Harmonic {
+        amplitude: 0.41294499696887355,
+        frequency: 1.8893676707352416,
+        phase: 0.0,
+        acts: Acts::Primary,
+    };
+    let scene = SymmetricScene {
+        mass_ratio: 0.26144501046633917,
+        restitution: 0.6589609523811075,
+        clearance: 0.8208158572747248,
+        damping_ratio: 0.0916776627071865,
+        force,
+    };
+    let orbit = masri_caughey(&scene).unwrap().branches[0].unwrap();
+    let parameters = Parameters::free_mass(
+        scene.mass_ratio,
+        scene.restitution,
+        scene.clearance,
+        scene.damping_ratio,
+    );
+    let piva = Piva::new(parameters).unwrap().under(Force::harmonic(vec![force]).unwrap());
+    let start: PivaStart = orbit.at_phase(0.0).into();
+    let duration = 10.0 * TAU / force.frequency;
+    let steady = watch(&piva, &start, duration, 0.0);
+    assert!((steady.values().amplitude_max.unwrap() - orbit.amplitude).abs() < 1e-12);
+    let peaks = run(&piva, &start, &Limits::new(duration, scene.clearance)).unwrap().peaks;
+    assert!(peaks.len() > 15);
+    for peak in &peaks[1..] {
+        assert!((peak.displacement.abs() - orbit.amplitude).abs() < 1e-12, "{peak:?}");
     }
 }
