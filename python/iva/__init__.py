@@ -23,6 +23,7 @@ Examples
 # What type checkers call typing.TYPE_CHECKING: typing itself takes 2 ms to import.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from iva import theory
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
     from iva.forces import Harmonic, Impulse, Recorded
     from iva.parameters import Piva, Primary, Siva, Start
@@ -52,6 +53,7 @@ __all__ = [
     "show_versions",
     "simulate",
     "sweep",
+    "theory",
 ]
 
 # Where each name is defined. It is imported when first asked for, so that the command ``iva``,
@@ -74,6 +76,7 @@ _HOMES = {
     "show_versions": "versions",
     "simulate": "simulation",
     "sweep": "sweeping",
+    "theory": "theory",
 }
 
 if not TYPE_CHECKING:  # checkers would believe in every name
@@ -86,6 +89,8 @@ if not TYPE_CHECKING:  # checkers would believe in every name
         from importlib import import_module
 
         module = import_module(f"{__name__}.{home}")
+        if name == home:
+            return module
         value = getattr(module, "VERSION" if name == "__version__" else name)
         globals()[name] = value
         return value

@@ -45,7 +45,7 @@ def test_the_stable_orbit_has_its_columns() -> None:
     states = run.at(strobes["time"][:-1])
     for name in ("displacement", "velocity", "gap_displacement", "gap_velocity"):
         assert strobes[name][:-1].to_numpy() == pytest.approx(states[name].to_numpy(), abs=1e-12)
-    assert strobes["displacement"].std() < 1e-9
+    assert strobes["displacement"].to_numpy().std() < 1e-9
     assert "amplitude_max 0.3533, reduction 0.8587, impacts_per_cycle 2" in repr(run)
 
 
@@ -73,7 +73,9 @@ def test_transmissibility_of_the_bare_structure() -> None:
         assert row["regime"] == "no_impacts"
 
 
-@pytest.mark.parametrize("absorber", [SIVA, PIVA])
+@pytest.mark.parametrize(
+    "absorber", [iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.6), PIVA]
+)
 def test_units_change_nothing(absorber: Any) -> None:
     # 2 kg at 9 rad/s: force in N over mass, time in s; lengths are the same.
     omega, mass = 9.0, 2.0
@@ -152,11 +154,11 @@ def test_a_record_of_a_file(tmp_path: Path) -> None:
     # 0.3 g, as the file says, in m/s².
     assert abs(quake.values).max() == pytest.approx(0.3 * 9.80665, rel=1e-7)
     columns = tmp_path / "quake.csv"
-    rows = zip(quake.times, quake.values, strict=True)
+    rows = zip(quake.times.tolist(), quake.values.tolist(), strict=True)
     columns.write_text("".join(f"{time!r},{value!r}\n" for time, value in rows), encoding="utf-8")
     assert iva.Recorded.read(columns).kind == "force"
     assert iva.Recorded.read(str(columns), "base_acceleration") == quake
-    with pytest.raises(iva.IvaError, match="missing.csv"):
+    with pytest.raises(iva.IvaError, match=r"missing\.csv"):
         iva.Recorded.read(tmp_path / "missing.csv")
     columns.write_text("0, 1\n1, 2\n1, 3\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"quake\.csv:3:1: time 1 follows 1"):
@@ -212,17 +214,23 @@ def test_a_study_with_several_forces_is_the_same_run(tmp_path: Path) -> None:
         ('"quake.at2"', "3", 12, "force.record = 3: give the name of a file, in quotes"),
         ('"base_acceleration"', '"base"', 13, 'did you mean "base_acceleration"?'),
         ('kind = "base_acceleration"\n', "", 12, "force.kind is missing"),
-        ("impulse = 2000", "amplitude = 1", 15, "force.1.frequency is missing"),
-        ("impulse = 2000", "impulse = 2000\nphase = 1", 15, "force.1.phase = 1: that is of a"),
+        ("impulse = 2000", "amplitude = 1", 15, "force.1.amplitude = 1: that is of a harmonic"),
+        ("impulse = 2000\ntime = 1.0", "amplitude = 1", 14, "force.1.frequency is missing"),
+        ("impulse = 2000", "impulse = 2000\nphase = 1", 16, "force.1.phase = 1: that is of a"),
         ("impulse = 2000", "impuls = 2000", 15, "did you mean `impulse`?"),
         ("time = 1.0", "time = -1.0", 16, "force.1.time = -1.0: give 0 or a number"),
-        ("time = 1.0", "velocity = 1.0", 16, "force.1.impulse is given as well"),
+        ("time = 1.0", "velocity = 1.0", 15, "force.1.velocity is given as well"),
         ("duration = 40", "cycles = 40", 18, "run.cycles = 40: it counts cycles of a harmonic"),
         ("mass = 10000\n", "", 14, "force.1.impulse = 2000: give primary.mass"),
     ],
 )
 def test_faults_of_a_study_are_shown_at_their_line(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], old: str, new: str, line: int, message: str
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+    old: str,
+    new: str,
+    line: int | None,
+    message: str,
 ) -> None:
     (tmp_path / "quake.at2").write_bytes(QUAKE.read_bytes())
     text = STUDY.replace("clearance_mm = 90", "clearance = 0.09")

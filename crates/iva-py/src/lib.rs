@@ -11,6 +11,7 @@ mod calls;
 mod errors;
 mod files;
 mod record;
+mod theory;
 mod worker;
 
 use pyo3::prelude::*;
@@ -31,6 +32,8 @@ mod _iva {
     use super::files::{empty_tables, metadata};
     #[pymodule_export]
     use super::record::{PyRecord, read_record};
+    #[pymodule_export]
+    use super::theory::{masri_caughey, on_slow_manifold, slow_manifold};
 
     /// Points that a part file covers.
     #[pymodule_export]

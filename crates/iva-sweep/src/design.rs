@@ -14,28 +14,14 @@ use iva_core::siva::Siva;
 use iva_core::steady::{self, Window};
 use iva_core::system::{Point, Start, System};
 
-use crate::choices::{Choices, Kind, only};
-use crate::fields::{FIELD_COUNT, FieldId, Part};
-use crate::forces::{self, ForceSpec};
+use crate::choices::Kind;
+use crate::fields::FieldId;
+use crate::forces;
 use crate::pendulum::{self, Common, STANDARD_GRAVITY};
 use crate::scene::Scene;
-use crate::slot::Slot;
 use crate::units::{Scale, UnitSystem};
 
-/// The fields of one run as given; everything else is default or derived.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Spec {
-    choices: Choices,
-    /// Of all parts but the forces.
-    values: [Option<f64>; FIELD_COUNT],
-    forces: Vec<ForceSpec>,
-}
-
-impl Default for Spec {
-    fn default() -> Self {
-        Self::new(Choices::default())
-    }
-}
+pub use crate::spec::Spec;
 
 /// A design point ready to run, in natural units, with the way back to the user's.
 #[derive(Debug, Clone)]
@@ -68,120 +54,12 @@ impl Design {
 }
 
 impl Spec {
-    /// No fields yet.
-    pub fn new(choices: Choices) -> Self {
-        Self { choices, values: [None; FIELD_COUNT], forces: Vec::new() }
-    }
-
-    /// Kind of absorber, and how it is modelled.
-    pub fn choices(&self) -> &Choices {
-        &self.choices
-    }
-
-    /// Adds a force; its fields are set afterwards.
-    pub fn add_force(&mut self, force: ForceSpec) {
-        self.forces.push(force);
-    }
-
-    /// The forces given.
-    pub fn forces(&self) -> &[ForceSpec] {
-        &self.forces
-    }
-
-    /// True if a harmonic or recorded force drives it.
-    pub fn is_driven(&self) -> bool {
-        self.forces.iter().any(ForceSpec::lasts)
-    }
-
-    /// Sets a field after checking its range. A field of a force makes one if there is none.
-    ///
-    /// # Errors
-    /// [`Invalid`] with field, value and range, for a field of another kind of absorber, or a force
-    /// that is not there.
-    pub fn set(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
-        let slot = slot.into();
-        if let Some(kind) = slot.info().kind.filter(|kind| *kind != self.choices.kind) {
-            return Err(Invalid::new(slot.path(), number(value), only(kind)));
-        }
-        let value = slot.check(value)?;
-        if slot.info().part == Part::Force {
-            self.force_at(slot, value)?.put(slot.field, Some(value));
-        } else {
-            self.values[slot.field as usize] = Some(value);
-        }
-        Ok(())
-    }
-
-    fn force_at(&mut self, slot: Slot, value: f64) -> Result<&mut ForceSpec, Invalid> {
-        let count = self.forces.len();
-        let wrong = |rule: String| Err(Invalid::new(slot.path(), number(value), rule));
-        if count == 0 && slot.force.unwrap_or(0) == 0 {
-            self.forces.push(ForceSpec::new(None));
-        } else if slot.force.is_none() && count > 1 {
-            let name = slot.info().name;
-            return wrong(format!(
-                "there are {count} forces; write force.0.{name}, force.1.{name}, …"
-            ));
-        }
-        match self.forces.get_mut(slot.force.unwrap_or(0)) {
-            Some(force) => Ok(force),
-            None if count == 1 => wrong("there is one force, number 0".to_owned()),
-            None => wrong(format!("there are {count} forces, numbered from 0")),
-        }
-    }
-
-    /// Sets a field for a sweep axis: it replaces the alternatives of its group.
-    ///
-    /// # Errors
-    /// [`Invalid`] with field, value and range.
-    pub fn replace(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
-        let slot = slot.into();
-        for other in FieldId::all().filter(|other| other.same_quantity(slot.field)) {
-            if other.info().part != Part::Force {
-                self.values[other as usize] = None;
-            } else if let Some(force) = self.forces.get_mut(slot.force.unwrap_or(0)) {
-                force.put(other, None);
-            }
-        }
-        self.set(slot, value)
-    }
-
-    /// The value given for a field that is not of a force.
-    pub fn get(&self, field: FieldId) -> Option<f64> {
-        self.values[field as usize]
-    }
-
-    /// The fields given, in table order, those of the forces last.
-    pub fn given(&self) -> impl Iterator<Item = (Slot, f64)> + '_ {
-        let plain = FieldId::all().filter_map(|id| Some((Slot::from(id), self.get(id)?)));
-        let count = self.forces.len();
-        let of_forces = self.forces.iter().enumerate().flat_map(move |(number, force)| {
-            force.given().map(move |(id, value)| (Slot::of_force(id, number, count), value))
-        });
-        plain.chain(of_forces)
-    }
-
-    /// Checks that no quantity is given twice, whether an axis replaces it or not.
-    ///
-    /// # Errors
-    /// [`Invalid`] naming the later of two fields.
-    pub fn distinct(&self) -> Result<(), Invalid> {
-        let given: Vec<(Slot, f64)> = self.given().collect();
-        for (index, (slot, value)) in given.iter().enumerate() {
-            if let Some((earlier, _)) = given[..index].iter().find(|it| it.0.same_quantity(*slot)) {
-                let rule = format!("{} is given as well; give one of them", earlier.path());
-                return Err(Invalid::new(slot.path(), number(*value), rule));
-            }
-        }
-        Ok(())
-    }
-
     /// The gravity on a pendulum of which none was given, nor follows.
     ///
     /// # Errors
     /// As [`Spec::units`].
     pub fn standard_gravity(&self) -> Result<Option<f64>, Invalid> {
-        let standard = self.choices.kind == Kind::Piva
+        let standard = self.choices().kind == Kind::Piva
             && self.units()? == UnitSystem::Si
             && self.get(FieldId::FrequencyRatio).is_none();
         Ok(standard.then_some(STANDARD_GRAVITY))
@@ -202,22 +80,15 @@ impl Spec {
     pub fn design(&self) -> Result<Design, Invalid> {
         let (scale, units) = self.scale()?;
         let omega = scale.natural_frequency;
-        let damping_ratio = self.damping_ratio(&scale, units)?;
-        let displacement =
-            self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(0.0);
         let start = Start {
-            displacement,
+            displacement: self.displacement(units)?,
             velocity: self.get(FieldId::Velocity).unwrap_or(0.0) / omega,
             gap_displacement: self.get(FieldId::GapDisplacement).unwrap_or(0.0),
             gap_velocity: self.get(FieldId::GapVelocity).unwrap_or(0.0) / omega,
         };
-        let clearance = self.clearance(displacement, units)?;
-        let restitution = self
-            .get(FieldId::Restitution)
-            .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
-        let mass_ratio = self.mass_ratio(&scale, units)?;
-        let common = Common { mass_ratio, restitution, clearance, damping_ratio };
-        let force = forces::force(&self.forces, &scale, units)?;
+        let common = self.common(&scale, units)?;
+        let clearance = common.clearance;
+        let force = forces::force(self.forces(), &scale, units)?;
         let duration = self.duration(omega, &force)?;
         let window = self.window(duration, &force)?;
         let scene = self.scene(common, start, force, &scale)?;
@@ -233,6 +104,21 @@ impl Spec {
         Ok(Design { scene, limits, window, scale, units })
     }
 
+    /// What all absorbers and their primary have, in natural units.
+    pub(crate) fn common(&self, scale: &Scale, units: UnitSystem) -> Result<Common, Invalid> {
+        let damping_ratio = self.damping_ratio(scale, units)?;
+        let clearance = self.clearance(self.displacement(units)?, units)?;
+        let restitution = self
+            .get(FieldId::Restitution)
+            .ok_or_else(|| Invalid::missing("absorber.restitution", "give a number from 0 to 1"))?;
+        let mass_ratio = self.mass_ratio(scale, units)?;
+        Ok(Common { mass_ratio, restitution, clearance, damping_ratio })
+    }
+
+    fn displacement(&self, units: UnitSystem) -> Result<f64, Invalid> {
+        Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(0.0))
+    }
+
     fn scene(
         &self,
         common: Common,
@@ -240,7 +126,7 @@ impl Spec {
         force: Force,
         scale: &Scale,
     ) -> Result<Scene, Invalid> {
-        match self.choices.kind {
+        match self.choices().kind {
             Kind::Siva if !force.is_none() => {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
                 let parameters =
@@ -268,7 +154,7 @@ impl Spec {
         }
     }
 
-    fn scale(&self) -> Result<(Scale, UnitSystem), Invalid> {
+    pub(crate) fn scale(&self) -> Result<(Scale, UnitSystem), Invalid> {
         self.at_most_one(&[FieldId::NaturalFrequency, FieldId::FrequencyHz, FieldId::Stiffness])?;
         let mass = self.get(FieldId::PrimaryMass);
         let omega = self
@@ -396,18 +282,6 @@ impl Spec {
             )),
             Some(mm) => Ok(Some(mm / 1000.0)),
             None => Ok(self.get(plain)),
-        }
-    }
-
-    pub(crate) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
-        let mut given = fields.iter().filter(|id| self.get(**id).is_some());
-        match (given.next(), given.next()) {
-            (Some(first), Some(second)) => Err(Invalid::new(
-                second.path(),
-                self.get(*second).map_or(String::new(), number),
-                format!("{} is given as well; give one of them", first.path()),
-            )),
-            _ => Ok(()),
         }
     }
 }

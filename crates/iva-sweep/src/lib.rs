@@ -15,9 +15,11 @@ mod pendulum;
 mod rows;
 pub mod scene;
 pub mod slot;
+mod spec;
 pub mod study;
 pub mod sweep;
 pub mod tables;
+pub mod theory;
 pub mod units;
 
 pub use iva_core::error::{Invalid, number};

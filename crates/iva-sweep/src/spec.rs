@@ -1,0 +1,145 @@
+//! The fields of one run as a user gives them.
+
+use iva_core::error::{Invalid, number};
+
+use crate::choices::{Choices, only};
+use crate::fields::{FIELD_COUNT, FieldId, Part};
+use crate::forces::ForceSpec;
+use crate::slot::Slot;
+
+/// The fields of one run as given; everything else is default or derived.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spec {
+    choices: Choices,
+    /// Of all parts but the forces.
+    values: [Option<f64>; FIELD_COUNT],
+    forces: Vec<ForceSpec>,
+}
+
+impl Default for Spec {
+    fn default() -> Self {
+        Self::new(Choices::default())
+    }
+}
+
+impl Spec {
+    /// No fields yet.
+    pub fn new(choices: Choices) -> Self {
+        Self { choices, values: [None; FIELD_COUNT], forces: Vec::new() }
+    }
+
+    /// Kind of absorber, and how it is modelled.
+    pub fn choices(&self) -> &Choices {
+        &self.choices
+    }
+
+    /// Adds a force; its fields are set afterwards.
+    pub fn add_force(&mut self, force: ForceSpec) {
+        self.forces.push(force);
+    }
+
+    /// The forces given.
+    pub fn forces(&self) -> &[ForceSpec] {
+        &self.forces
+    }
+
+    /// True if a harmonic or recorded force drives it.
+    pub fn is_driven(&self) -> bool {
+        self.forces.iter().any(ForceSpec::lasts)
+    }
+
+    /// Sets a field after checking its range. A field of a force makes one if there is none.
+    ///
+    /// # Errors
+    /// [`Invalid`] with field, value and range, for a field of another kind of absorber, or a force
+    /// that is not there.
+    pub fn set(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
+        let slot = slot.into();
+        if let Some(kind) = slot.info().kind.filter(|kind| *kind != self.choices.kind) {
+            return Err(Invalid::new(slot.path(), number(value), only(kind)));
+        }
+        let value = slot.check(value)?;
+        if slot.info().part == Part::Force {
+            self.force_at(slot, value)?.put(slot.field, Some(value));
+        } else {
+            self.values[slot.field as usize] = Some(value);
+        }
+        Ok(())
+    }
+
+    fn force_at(&mut self, slot: Slot, value: f64) -> Result<&mut ForceSpec, Invalid> {
+        let count = self.forces.len();
+        let wrong = |rule: String| Err(Invalid::new(slot.path(), number(value), rule));
+        if count == 0 && slot.force.unwrap_or(0) == 0 {
+            self.forces.push(ForceSpec::new(None));
+        } else if slot.force.is_none() && count > 1 {
+            let name = slot.info().name;
+            return wrong(format!(
+                "there are {count} forces; write force.0.{name}, force.1.{name}, …"
+            ));
+        }
+        match self.forces.get_mut(slot.force.unwrap_or(0)) {
+            Some(force) => Ok(force),
+            None if count == 1 => wrong("there is one force, number 0".to_owned()),
+            None => wrong(format!("there are {count} forces, numbered from 0")),
+        }
+    }
+
+    /// Sets a field for a sweep axis: it replaces the alternatives of its group.
+    ///
+    /// # Errors
+    /// [`Invalid`] with field, value and range.
+    pub fn replace(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
+        let slot = slot.into();
+        for other in FieldId::all().filter(|other| other.same_quantity(slot.field)) {
+            if other.info().part != Part::Force {
+                self.values[other as usize] = None;
+            } else if let Some(force) = self.forces.get_mut(slot.force.unwrap_or(0)) {
+                force.put(other, None);
+            }
+        }
+        self.set(slot, value)
+    }
+
+    /// The value given for a field that is not of a force.
+    pub fn get(&self, field: FieldId) -> Option<f64> {
+        self.values[field as usize]
+    }
+
+    /// The fields given, in table order, those of the forces last.
+    pub fn given(&self) -> impl Iterator<Item = (Slot, f64)> + '_ {
+        let plain = FieldId::all().filter_map(|id| Some((Slot::from(id), self.get(id)?)));
+        let count = self.forces.len();
+        let of_forces = self.forces.iter().enumerate().flat_map(move |(number, force)| {
+            force.given().map(move |(id, value)| (Slot::of_force(id, number, count), value))
+        });
+        plain.chain(of_forces)
+    }
+
+    /// Checks that no quantity is given twice, whether an axis replaces it or not.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming the later of two fields.
+    pub fn distinct(&self) -> Result<(), Invalid> {
+        let given: Vec<(Slot, f64)> = self.given().collect();
+        for (index, (slot, value)) in given.iter().enumerate() {
+            if let Some((earlier, _)) = given[..index].iter().find(|it| it.0.same_quantity(*slot)) {
+                let rule = format!("{} is given as well; give one of them", earlier.path());
+                return Err(Invalid::new(slot.path(), number(*value), rule));
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
+        let mut given = fields.iter().filter(|id| self.get(**id).is_some());
+        match (given.next(), given.next()) {
+            (Some(first), Some(second)) => Err(Invalid::new(
+                second.path(),
+                self.get(*second).map_or(String::new(), number),
+                format!("{} is given as well; give one of them", first.path()),
+            )),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Exact steady states of a scene as given, see [`iva_core::theory`].
+
+use iva_core::error::Invalid;
+pub use iva_core::theory::{Complex, MasriCaughey, Orbit, SlowManifold};
+use iva_core::theory::{SymmetricScene, masri_caughey as symmetric, slow_manifold as manifold};
+
+use crate::choices::{Kind, only};
+use crate::design::Spec;
+use crate::forces;
+use crate::pendulum::Common;
+use crate::units::Scale;
+
+/// A theory's answer in natural units, and the way back to the user's.
+#[derive(Debug, Clone, Copy)]
+pub struct Answer<T> {
+    /// What the theory says.
+    pub theory: T,
+    /// From natural units to the user's.
+    pub scale: Scale,
+    /// Phase of the force as given, in rad.
+    pub phase: f64,
+}
+
+fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
+    if spec.choices().kind != Kind::Siva {
+        return Err(Invalid::new("absorber.kind", spec.choices().kind.name(), only(Kind::Siva)));
+    }
+    let (scale, units) = spec.scale()?;
+    Ok((spec.common(&scale, units)?, scale))
+}
+
+/// The symmetric motions with two impacts a cycle under the one harmonic force of a spec.
+///
+/// # Errors
+/// [`Invalid`] if something is missing, or the theory has no answer for it.
+pub fn masri_caughey(spec: &Spec) -> Result<Answer<MasriCaughey>, Invalid> {
+    let (common, scale) = common(spec)?;
+    let sum = forces::force(spec.forces(), &scale, spec.units()?)?;
+    let harmonic = sum.harmonics().first().copied().filter(|_| sum.is_single());
+    let force = harmonic.ok_or_else(|| {
+        Invalid::new("force", spec.forces().len(), "the theory is of one harmonic force")
+    })?;
+    let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
+    let scene = SymmetricScene { mass_ratio, restitution, clearance, damping_ratio, force };
+    Ok(Answer { theory: symmetric(&scene)?, scale, phase: force.phase })
+}
+
+/// The slow invariant manifold of the absorber of a spec.
+///
+/// # Errors
+/// [`Invalid`] if something is missing or out of range.
+pub fn slow_manifold(spec: &Spec) -> Result<Answer<SlowManifold>, Invalid> {
+    let (common, scale) = common(spec)?;
+    let theory = manifold(common.mass_ratio, common.restitution, common.clearance)?;
+    Ok(Answer { theory, scale, phase: 0.0 })
+}
