@@ -5,15 +5,16 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use iva_core::{
-    force::{Acts, Force, Harmonic, History, Record},
+    force::{Acts, Force, Harmonic, History, Impulse, Record},
     impact::Impact,
-    piva::{Parameters, Piva, PivaState},
+    piva::{Given, Parameters, Piva, PivaStart, PivaState},
     run::{Run, run, states},
     simulate::{Limits, Outcome},
     siva::Siva,
     system::Start,
 };
 use iva_tests::{UNITS_ALLOWED, units};
+use proptest::prelude::*;
 
 fn record(acts: Acts, points: Vec<[f64; 2]>) -> Force {
     let (times, values) = points.into_iter().map(|[time, value]| (time, value)).unzip();
@@ -135,24 +136,134 @@ fn a_sampled_harmonic_converges_at_second_order() {
     }
 }
 
-#[test]
-fn the_ledger_closes_over_noise() {
-    // White noise from a linear congruential generator, a knot every 0.05: 10⁴ periods.
-    let mut seed = 12_345_u64;
-    let mut noise = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    };
+/// 10⁴ periods under a record with a knot every 0.05: finished, and the ledger closed.
+fn assert_long_run(acts: Acts, mut value: impl FnMut(f64) -> f64) {
     let duration = 1e4 * TAU;
-    let points: Vec<[f64; 2]> =
-        (0..=(duration / 0.05) as u32 + 1).map(|k| [f64::from(k) * 0.05, noise()]).collect();
+    let point = |k: u32| {
+        let time = f64::from(k) * 0.05;
+        [time, value(time)]
+    };
+    let force = record(acts, (0..=(duration / 0.05) as u32 + 1).map(point).collect());
     for parameters in [Parameters::free_mass(0.1, 0.6, 0.5, 0.01), pendulum(4.0)] {
-        let run = driven(parameters, &record(Acts::Base, points.clone()), 0.0, duration);
+        let run = driven(parameters, &force, 0.0, duration);
         let m = &run.measures;
         let turned_over = m.energy_viscous + run.tally.energy_impacts;
         println!("{} impacts, residual {:e}", run.tally.impacts, m.energy_residual / turned_over);
         assert!(run.tally.impacts > 1000);
         assert!(m.energy_residual.abs() < 1e-10 * turned_over);
+    }
+}
+
+#[test]
+fn the_ledger_closes_over_noise() {
+    // White noise from a linear congruential generator.
+    let mut seed = 12_345_u64;
+    assert_long_run(Acts::Base, |_| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    });
+}
+
+#[test]
+fn the_ledger_closes_over_a_chirp_through_resonance() {
+    // The frequency rises from 0.5 to 1.5.
+    let rate = 1.0 / (1e4 * TAU);
+    assert_long_run(Acts::Primary, |time| 0.1 * (time * (0.5 + 0.5 * rate * time)).cos());
+}
+
+proptest! {
+    #![proptest_config(iva_tests::cases(200))]
+
+    #[test]
+    fn time_zero_may_be_anywhere(
+        mu in 0.02..0.3f64, e in 0.0..1.0f64, d in 0.2..1.0f64, swings in any::<bool>(),
+        amplitude in 0.1..0.5f64, frequency in 0.5..2.0f64, phase in -3.0..3.0f64,
+        values in prop::collection::vec(-0.5..0.5f64, 8),
+        later in 1.0..15.0f64, on_base in any::<bool>(),
+    ) {
+        let parameters = if swings {
+            Parameters { frequency_ratio: 0.4, ..Parameters::point_bob(mu, e, d, 0.01, 4.0) }
+        } else {
+            Parameters::free_mass(mu, e, d, 0.01)
+        };
+        let acts = if on_base { Acts::Base } else { Acts::Primary };
+        // Everything that acts, as seen from an instant `zero` on.
+        let scene = |zero: f64| {
+            let times = (0..8).map(|k| f64::from(k) * 4.1 - zero).collect();
+            let history = Arc::new(History::new(times, values.clone()).unwrap());
+            let harmonic = Harmonic { amplitude, frequency, phase: phase + frequency * zero, acts };
+            let records = vec![Record { history, acts, rate: 1.0, scale: 1.0 }];
+            let impulses = [Impulse { velocity: 0.3, time: 20.3 - zero }];
+            let force = Force::new(vec![harmonic], records, &impulses).unwrap();
+            Piva::new(parameters).unwrap().under(force)
+        };
+        let begin: PivaStart = start(0.7).into();
+        let end = 28.0;
+        let whole = |begin: &PivaStart| run(&scene(0.0), begin, &Limits::new(end, d)).unwrap();
+        let reference = whole(&begin);
+        let changed = whole(&PivaStart { displacement: 0.7 + 1e-9, ..begin });
+        let there = states(&scene(0.0), &begin, &Limits::new(end, d), &[later]).unwrap()[0];
+        // Stuck, the begin would be another kind of scene.
+        prop_assume!(there.wall == 0 && (there.gap_displacement.abs() - d).abs() > 1e-6);
+        let from = PivaStart {
+            displacement: there.displacement,
+            velocity: there.velocity,
+            place: Given::Gap(there.gap_displacement),
+            rate: Given::Gap(there.gap_velocity),
+        };
+        let rest = run(&scene(later), &from, &Limits::new(end - later, d)).unwrap();
+        let after: Vec<_> = reference.impacts.iter().filter(|impact| impact.time > later).collect();
+        let changed: Vec<_> = changed.impacts.iter().filter(|impact| impact.time > later).collect();
+        for ((shifted, truth), other) in rest.impacts.iter().zip(&after).zip(&changed) {
+            let condition = (other.time - truth.time).abs() / 1e-9;
+            // Beyond, the lists part: at a grazing, or where a chatter is summed.
+            if condition > 1e4 || other.wall != truth.wall {
+                break;
+            }
+            prop_assert_eq!(shifted.wall, truth.wall);
+            let off = units(shifted.time + later - truth.time, condition, truth.time);
+            prop_assert!(off < 20.0, "{} units at {}", off, truth.time);
+        }
+    }
+
+    #[test]
+    fn any_record_leaves_the_walls_and_the_ledger_alone(
+        mu in 0.02..0.5f64, e in prop_oneof![0.0..1.0f64, Just(0.0)], d in 0.1..1.0f64,
+        swings in any::<bool>(),
+        steps in prop::collection::vec((0.0..2.0f64, -1.0..1.0f64), 2..30),
+        tiny in prop::collection::vec(any::<bool>(), 30),
+        on_base in any::<bool>(),
+    ) {
+        // Knots close together and far apart; ends that jump.
+        let mut time = -1.0;
+        let points: Vec<[f64; 2]> = steps.iter().zip(&tiny).map(|((step, value), tiny)| {
+            time += if *tiny { 1e-9 * step } else { *step } + 1e-12;
+            [time, *value]
+        }).collect();
+        let parameters = if swings {
+            Parameters { frequency_ratio: 0.3, ..Parameters::point_bob(mu, e, d, 0.02, 3.0) }
+        } else {
+            Parameters::free_mass(mu, e, d, 0.02)
+        };
+        let force = record(if on_base { Acts::Base } else { Acts::Primary }, points);
+        let piva = Piva::new(parameters).unwrap().under(force);
+        let begin: PivaStart = start(0.5).into();
+        let limits = Limits::new(40.0, d);
+        let run = run(&piva, &begin, &limits).unwrap();
+        prop_assert_eq!(run.tally.outcome, Outcome::Finished);
+        let m = &run.measures;
+        let size = m.energy_initial + m.energy_work.abs() + m.energy_viscous + run.tally.energy_impacts;
+        prop_assert!(m.energy_residual.abs() < 1e-12 * size, "{:e}", m.energy_residual);
+        let times: Vec<f64> = (0..2000).map(|k| f64::from(k) * 0.02).collect();
+        for state in states(&piva, &begin, &limits, &times).unwrap() {
+            prop_assert!(state.gap_displacement.abs() <= d);
+        }
+        for impact in &run.impacts {
+            prop_assert!(impact.approach_speed() >= 0.0);
+        }
+        for pair in run.episodes.windows(2) {
+            prop_assert!(pair[0].release_time.unwrap() <= pair[1].stick_time);
+        }
     }
 }
 
