@@ -53,17 +53,17 @@ class Run:
     @property
     def impacts(self) -> pl.DataFrame:
         """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
-        return self._frames["impacts"]
+        return self._frame("impacts")
 
     @property
     def episodes(self) -> pl.DataFrame:
         """One row a chatter that ends in stick, a plastic stick, or a start at rest on a wall."""
-        return self._frames["episodes"]
+        return self._frame("episodes")
 
     @property
     def envelope(self) -> pl.DataFrame:
         """One row a peak of the primary displacement."""
-        return self._frames["envelope"]
+        return self._frame("envelope")
 
     @property
     def stroboscope(self) -> pl.DataFrame:
@@ -72,7 +72,12 @@ class Run:
         The state at the instants Ωt + phase = 2πk, with the largest |x| and the impacts of the
         cycle that ends there. Empty without a harmonic force.
         """
-        return self._frames["stroboscope"]
+        return self._frame("stroboscope")
+
+    def _frame(self, name: str) -> pl.DataFrame:
+        if name not in self._frames.names:
+            raise AttributeError(f"no table {name!r}: ask for it with tables=({name!r},)")
+        return self._frames[name]
 
     def trajectory(self, samples_per_period: int = 200) -> pl.DataFrame:
         """Compute the motion in time.
@@ -186,6 +191,7 @@ def simulate(
     cycles: float | None = None,
     discard: float | None = None,
     measures: Iterable[str] | None = None,
+    tables: Iterable[str] | None = None,
     max_impacts: float | None = None,
     max_work: float | None = None,
     chatter_floor: float | None = None,
@@ -216,6 +222,9 @@ def simulate(
         out; 0 by default.
     measures : iterable of str, optional
         Summary columns to compute, the others are null; all by default.
+    tables : iterable of str, optional
+        Tables to make beside the summary: ``impacts``, ``episodes``, ``envelope``,
+        ``stroboscope``; all by default. A long run without tables takes no memory.
     max_impacts : int, optional
         Stop after so many impacts, 10 million by default; the outcome says so.
     max_work : int, optional
@@ -289,10 +298,10 @@ def simulate(
             "tolerance": tolerance,
         },
     )
-    tables = _iva.simulate(spec, names("measures", measures))
-    units = from_metadata(tables["summary"].metadata)
+    made = _iva.simulate(spec, names("measures", measures), names("tables", tables))
+    units = from_metadata(made["summary"].metadata)
     kept = tuple(force) if isinstance(force, Sequence) else force
-    return Run(absorber, primary, start, spec, units, from_arrow(tables), kept)
+    return Run(absorber, primary, start, spec, units, from_arrow(made), kept)
 
 
 def names(field: str, values: Iterable[str] | None) -> list[str] | None:

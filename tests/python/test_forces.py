@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -310,3 +312,36 @@ def test_an_axis_over_a_force_that_is_not_there(key: str) -> None:
             over={key: [1.0]},
             duration=1,
         )
+
+
+def test_tables_that_are_not_asked_for_are_not_made() -> None:
+    run = driven(HARMONIC, tables=["stroboscope"])
+    assert run.stroboscope.height > 0
+    assert run.summary.equals(driven(HARMONIC).summary)
+    assert pickle.loads(pickle.dumps(run)) == run
+    with pytest.raises(AttributeError, match=r"no table 'impacts': ask for it with tables="):
+        run.impacts  # noqa: B018
+    assert "impacts" in repr(driven(HARMONIC, tables=[]))
+    with pytest.raises(ValueError, match="tables"):
+        driven(HARMONIC, tables=["impact"])
+
+
+MEMORY = """
+import resource, sys, iva
+siva = iva.Siva(mass_ratio=0.05, clearance=2.0, restitution=0.8)
+force = iva.Harmonic(amplitude=0.1, frequency=1.0)
+run = iva.simulate(siva, iva.Primary(damping_ratio=0.02), start=iva.Start(), force=force,
+                   cycles=int(sys.argv[1]), discard=100, tables=[])
+assert run.summary["regime"].item() == "2:1"
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+def test_a_long_run_takes_no_more_memory() -> None:
+    def peak(cycles: int) -> int:
+        command = [sys.executable, "-c", MEMORY, str(cycles)]
+        done = subprocess.run(command, capture_output=True, check=True, text=True)
+        return int(done.stdout)
+
+    # In kB. The impacts of the longer run alone would be some 5 MB.
+    assert peak(20_000) - peak(200) < 2000

@@ -98,13 +98,17 @@ pub fn column_units(
 
 /// Runs one scene; returns its tables by name.
 #[pyfunction]
-#[pyo3(signature = (spec, measures = None))]
+#[pyo3(signature = (spec, measures = None, tables = None))]
 pub fn simulate(
     py: Python<'_>,
     spec: &Bound<'_, PyDict>,
     measures: Option<Vec<String>>,
+    tables: Option<Vec<String>>,
 ) -> PyResult<Tables> {
-    let names = Table::SWEEP.map(|table| table.name().to_owned());
+    let all = || Table::SWEEP.map(|table| table.name().to_owned()).to_vec();
+    let mut names = tables.unwrap_or_else(all);
+    // It says how the run ended.
+    names.push(Table::Summary.name().to_owned());
     let spec = arguments::spec(spec)?;
     let study = arguments::study(spec, Vec::new(), &names, measures.as_deref())?;
     run(py, study, Some(1), None)
