@@ -15,7 +15,10 @@ from iva import _iva
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
-    from typing import Literal
+    from typing import Any, Literal
+
+    # What the compiled part takes: "part.field" to number or word, "forces" to a list of dicts.
+    Spec = dict[str, Any]
 
 
 def shown(value: object) -> str:
@@ -388,9 +391,9 @@ class Start(Part):
     angular_velocity: float | None = None
 
 
-def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> _iva.Spec:
+def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> Spec:
     """Return all given fields of some parts and of the section ``run`` as ``"part.field"``."""
-    fields_given: _iva.Spec = {}
+    fields_given: Spec = {}
     for part in parts:
         if isinstance(part, Absorber):
             fields_given |= {f"{part._part}.{name}": word for name, word in choices(part)}

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from iva import _iva
 from iva.forces import fields_of, listed
 from iva.parameters import Absorber, Primary, Start, shown, spec
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from iva.parameters import Spec
 
 
 def scene(
@@ -15,7 +18,7 @@ def scene(
     start: object,
     force: object,
     run: Mapping[str, float | None],
-) -> _iva.Spec:
+) -> Spec:
     """Return the spec of a whole scene, after a look at the types of its parts.
 
     Raises

@@ -15,6 +15,8 @@ TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     import polars as pl
 
+    from iva.parameters import Spec
+
 
 class Run:
     """Result of :func:`simulate`: the tables of one run.
@@ -28,7 +30,7 @@ class Run:
         absorber: Absorber,
         primary: Primary,
         start: Start,
-        spec: _iva.Spec,
+        spec: Spec,
         units: Units,
         frames: Frames,
         force: Force | Sequence[Force] | None = None,

@@ -16,6 +16,8 @@ TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
     from typing import Any
 
+    from iva.parameters import Spec
+
 
 @dataclass(frozen=True, slots=True)
 class Orbit:
@@ -181,7 +183,7 @@ class SlowManifold:
     stable_amplitude: tuple[float, float]
     largest_added_damping: float
     best_amplitude: float
-    scene: _iva.Spec = field(repr=False, hash=False)
+    scene: Spec = field(repr=False, hash=False)
 
     def amplitude(self, theta: float) -> float:
         """Return ξ at a θ."""
@@ -231,7 +233,7 @@ def slow_manifold(absorber: Siva, primary: Primary | None = None) -> SlowManifol
     return SlowManifold(**_iva.slow_manifold(made), scene=made)
 
 
-def checked(absorber: object, primary: object) -> _iva.Spec:
+def checked(absorber: object, primary: object) -> Spec:
     """Return the spec of a free mass on its primary system.
 
     Raises
