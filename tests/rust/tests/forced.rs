@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use iva_core::{
     force::{Acts, Force, Harmonic},
     piva::{Given, Parameters, Piva, PivaStart},
-    run::run,
+    run::{run, states},
     simulate::{Limits, Outcome},
     system::Start,
 };
@@ -104,6 +104,22 @@ fn from_rest_it_locks_to_the_stable_orbit() {
     let highest = tail.map(|peak| peak.displacement.abs()).fold(0.0, f64::max);
     // The closed form's largest |x| between impacts.
     assert!((highest - 0.353_285_319_188_6).abs() < 1e-9, "{highest}");
+}
+
+#[test]
+fn an_undamped_resonance_grows_with_time() {
+    // x = (F/2) τ sin τ from rest, the secular term; the gap is out of reach.
+    let piva = Piva::new(Parameters::free_mass(0.1, 0.5, 1e6, 0.0))
+        .unwrap()
+        .under(Force::harmonic(vec![on_primary(0.1, 1.0, 0.0)]).unwrap());
+    let times = [1.0, 10.0, 100.0, 1e3, 1e4];
+    let found = states(&piva, &Start::default().into(), &Limits::new(1e4, 1e6), &times).unwrap();
+    for state in found {
+        let truth = 0.05 * state.time * state.time.sin();
+        // An error of the frequency of one rounding unit would be off by τ² of them.
+        let allowed = 64.0 * U * 0.05 * state.time * state.time.sqrt().max(1.0);
+        assert!((state.displacement - truth).abs() < allowed, "{state:?} {truth}");
+    }
 }
 
 #[test]
