@@ -198,6 +198,7 @@ def simulate(
     max_work: float | None = None,
     chatter_floor: float | None = None,
     tolerance: float | None = None,
+    errors: bool = False,
 ) -> Run:
     """Simulate a primary system with an impact absorber, in free decay or under a force.
 
@@ -227,6 +228,9 @@ def simulate(
     tables : iterable of str, optional
         Tables to make beside the summary: ``impacts``, ``episodes``, ``envelope``,
         ``stroboscope``; all by default. A long run without tables takes no memory.
+    errors : bool, default False
+        Estimate the error of every impact time: the columns ``time_error`` and ``near_grazing`` of
+        the impacts, ``condition`` and ``digits`` of the summary. It takes about ten times as long.
     max_impacts : int, optional
         Stop after so many impacts, 10 million by default; the outcome says so.
     max_work : int, optional
@@ -300,10 +304,25 @@ def simulate(
             "tolerance": tolerance,
         },
     )
-    made = _iva.simulate(spec, names("measures", measures), names("tables", tables))
+    made = _iva.simulate(
+        spec, names("measures", measures), names("tables", tables), truth("errors", errors)
+    )
     units = from_metadata(made["summary"].metadata)
     kept = tuple(force) if isinstance(force, Sequence) else force
     return Run(absorber, primary, start, spec, units, from_arrow(made), kept)
+
+
+def truth(field: str, value: object) -> bool:
+    """Return a truth value.
+
+    Raises
+    ------
+    TypeError
+        If it is none.
+    """
+    if not isinstance(value, bool):
+        raise TypeError(f"{field} = {shown(value)}: give True or False")
+    return value
 
 
 def names(field: str, values: Iterable[str] | None) -> list[str] | None:

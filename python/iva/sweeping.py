@@ -11,7 +11,7 @@ from iva.frames import Frames, from_arrow
 from iva.parameters import Absorber, Primary, Start, numbers, shown
 from iva.progress import Progress, reporting
 from iva.scenes import scene
-from iva.simulation import names
+from iva.simulation import names, truth
 from iva.units import Units, from_metadata
 
 if TYPE_CHECKING:
@@ -118,6 +118,7 @@ def sweep(
     max_work: float | None = None,
     chatter_floor: float | None = None,
     tolerance: float | None = None,
+    errors: bool = False,
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> Table:
@@ -135,6 +136,9 @@ def sweep(
         given ``clearance``.
     periods, duration, cycles, discard, measures, max_impacts, max_work, chatter_floor, tolerance
         As in :func:`iva.simulate`.
+    errors : bool, default False
+        Estimate the error of every impact time: the columns ``time_error`` and ``near_grazing`` of
+        the impacts, ``condition`` and ``digits`` of the summary. It takes about ten times as long.
     tables : iterable of str, default ("summary",)
         Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``, ``stroboscope``.
     threads : int, optional
@@ -208,6 +212,7 @@ def sweep(
             names("measures", measures),
             threads,
             report,
+            truth("errors", errors),
         )
     swept = tuple(key for key, _ in axes)
     metadata = next(iter(made.values())).metadata

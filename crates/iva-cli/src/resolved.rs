@@ -137,6 +137,7 @@ fn write_run(text: &mut String, file: &StudyFile) {
         let _ = writeln!(text, "# chatter_floor: {}", FieldId::ChatterFloor.info().help);
     }
     let _ = writeln!(text, "samples_per_period = {}", file.samples_per_period);
+    let _ = writeln!(text, "errors = {}", study.errors);
     let tables: Vec<&str> = study.tables.iter().copied().map(Table::name).collect();
     let _ = writeln!(text, "tables = [\"{}\"]", tables.join("\", \""));
     text.push_str("measures = [\n");

@@ -41,7 +41,7 @@ use crate::forces;
 use crate::report::{BEST_DECAY, BEST_DRIVEN, RANKED, Report};
 use crate::source::Source;
 use crate::value::{
-    Key, Value, entries, name, names, number, one_of, table, unknown_key, whole_number,
+    Key, Value, entries, name, names, number, one_of, table, truth, unknown_key, whole_number,
 };
 
 /// Version of the study file's schema.
@@ -147,7 +147,7 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
     };
     let tables = tables_or_default(&source, &settings, !axes.is_empty())?;
     let measures = settings.measures.unwrap_or_else(Selection::all);
-    let study = Study { spec, axes, tables, measures };
+    let study = Study { spec, axes, tables, measures, errors: settings.errors };
     let driven = study.spec(0).is_ok_and(|spec| spec.is_driven());
     let report = match root.get_key_value("report") {
         Some((key, value)) => read_report(&source, key, value, measures, driven)?,
@@ -198,6 +198,7 @@ struct Settings {
     tables: Option<(Vec<Table>, std::ops::Range<usize>)>,
     measures: Option<Selection>,
     samples_per_period: Option<u32>,
+    errors: bool,
 }
 
 fn check_version(source: &Source, root: &DeTable<'_>) -> Result<(), Error> {
@@ -236,6 +237,7 @@ fn read_part(
             (Part::Run, "measures") => {
                 settings.measures = Some(read_measures(source, &path, value)?);
             }
+            (Part::Run, "errors") => settings.errors = truth(source, &path, value)?,
             (Part::Run, "samples_per_period") => {
                 let samples = whole_number(source, &path, value, SAMPLES_RANGE)?;
                 settings.samples_per_period = u32::try_from(samples).ok();
@@ -293,7 +295,7 @@ fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
         .map(|info| info.name);
     let words = CHOICES.iter().filter(|choice| part == Part::Absorber && fits(choice.kind));
     let others: &[&str] = match part {
-        Part::Run => &["tables", "measures", "samples_per_period"],
+        Part::Run => &["tables", "measures", "samples_per_period", "errors"],
         _ => &[],
     };
     numbers.chain(words.map(|choice| choice.name)).chain(others.iter().copied()).collect()

@@ -72,6 +72,14 @@ pub(crate) fn whole_number(
         })
 }
 
+/// `true` or `false`.
+pub(crate) fn truth(source: &Source, field: &str, value: &Value<'_>) -> Result<bool, Error> {
+    match value.get_ref() {
+        DeValue::Boolean(truth) => Ok(*truth),
+        _ => Err(source.bad_value(field, value.span(), "give true or false")),
+    }
+}
+
 /// A list.
 pub(crate) fn list<'a, 't>(
     source: &Source,

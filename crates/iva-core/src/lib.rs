@@ -74,6 +74,7 @@ pub mod oscillator;
 pub mod peaks;
 pub mod piva;
 mod polynomial;
+pub mod propagation;
 pub mod range;
 pub mod roots;
 pub mod run;

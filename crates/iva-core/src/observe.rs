@@ -38,6 +38,22 @@ pub struct Episode {
     pub energy_loss: f64,
 }
 
+/// What happens to a state in an instant.
+#[derive(Debug)]
+pub enum Jump<'a, State> {
+    /// An impact: the states in contact, just before and just after.
+    Impact {
+        /// Before.
+        before: &'a State,
+        /// After.
+        after: &'a State,
+    },
+    /// A chatter is summed to its end: the absorber sticks.
+    Stick,
+    /// The absorber leaves the wall it was stuck to.
+    Release,
+}
+
 /// Told of everything that happens in a run, in the order of time.
 pub trait Observer<S: System> {
     /// The run begins and is to last until `duration`.
@@ -46,6 +62,8 @@ pub trait Observer<S: System> {
     fn span<M: Motion<State = S::State>>(&mut self, _system: &S, _span: &Span<'_, M>) {}
     /// An impact.
     fn impact(&mut self, _system: &S, _impact: &Impact) {}
+    /// The state changes in an instant; of an impact before [`Observer::impact`].
+    fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {}
     /// An impulse from outside: the state after it, and the work it does (0 where the force only
     /// jumps).
     fn kick(&mut self, _system: &S, _state: &S::State, _work: f64) {}
@@ -74,6 +92,11 @@ impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
     fn impact(&mut self, system: &S, impact: &Impact) {
         if let Some(observer) = self {
             observer.impact(system, impact);
+        }
+    }
+    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
+        if let Some(observer) = self {
+            observer.jump(system, jump);
         }
     }
     fn kick(&mut self, system: &S, state: &S::State, work: f64) {
@@ -110,6 +133,10 @@ impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
     fn impact(&mut self, system: &S, impact: &Impact) {
         self.0.impact(system, impact);
         self.1.impact(system, impact);
+    }
+    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
+        self.0.jump(system, jump);
+        self.1.jump(system, jump);
     }
     fn kick(&mut self, system: &S, state: &S::State, work: f64) {
         self.0.kick(system, state, work);

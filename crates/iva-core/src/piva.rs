@@ -28,6 +28,7 @@ mod motion;
 mod parameters;
 mod ride;
 mod start;
+mod tangent;
 
 /// A pendulum absorber on its primary system.
 #[derive(Debug, Clone, PartialEq)]

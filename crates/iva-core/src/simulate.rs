@@ -9,7 +9,7 @@ use crate::contact::{Side, first_contact, first_release};
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
-use crate::observe::{Episode, Observer, Span};
+use crate::observe::{Episode, Jump, Observer, Span};
 use crate::system::{Clock, System, Wall};
 
 pub use crate::limits::{Limits, Outcome};
@@ -213,6 +213,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         self.advance(&ride, stretch.end.h, stretch.end.sample, length == remaining);
         if stretch.contact.is_some() {
             self.tally.state = system.release(&stretch.end.sample);
+            self.observer.jump(system, &Jump::Release);
             self.end_episode(true);
             self.phase = Phase::Flight { first: f64::INFINITY };
         }
@@ -286,7 +287,8 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             streak.low += 1;
             streak.low_effective += u64::from(impact.effective());
         }
-        self.tally.state = after;
+        let before = std::mem::replace(&mut self.tally.state, after);
+        self.observer.jump(self.system, &Jump::Impact { before: &before, after: &after });
         self.list(&impact);
         self.depart();
     }
@@ -368,6 +370,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         let wall = self.system.wall(&self.tally.state);
         let (state, loss) = self.system.stick(&self.tally.state);
         self.losses = self.losses.plus(loss);
+        self.observer.jump(self.system, &Jump::Stick);
         self.tally.state = state;
         let mut episode = Episode {
             wall,

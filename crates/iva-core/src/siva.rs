@@ -17,6 +17,7 @@ pub use ride::SivaRide;
 
 mod motion;
 mod ride;
+mod tangent;
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;

@@ -21,6 +21,7 @@ use crate::force::Drive;
 
 pub use remainder::Remainder;
 
+pub mod dual;
 mod remainder;
 
 /// Highest order of the series.

@@ -121,6 +121,7 @@ pub fn study(
     axes: Vec<(String, Vec<f64>)>,
     tables: &[String],
     measures: Option<&[String]>,
+    errors: bool,
 ) -> PyResult<Study> {
     let axes = axes
         .into_iter()
@@ -132,6 +133,7 @@ pub fn study(
         axes,
         tables: self::tables(tables).map_err(invalid)?,
         measures: self::measures(measures).map_err(invalid)?,
+        errors,
     })
 }
 

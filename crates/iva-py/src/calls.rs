@@ -98,25 +98,27 @@ pub fn column_units(
 
 /// Runs one scene; returns its tables by name.
 #[pyfunction]
-#[pyo3(signature = (spec, measures = None, tables = None))]
+#[pyo3(signature = (spec, measures = None, tables = None, errors = false))]
 pub fn simulate(
     py: Python<'_>,
     spec: &Bound<'_, PyDict>,
     measures: Option<Vec<String>>,
     tables: Option<Vec<String>>,
+    errors: bool,
 ) -> PyResult<Tables> {
     let all = || Table::SWEEP.map(|table| table.name().to_owned()).to_vec();
     let mut names = tables.unwrap_or_else(all);
     // It says how the run ended.
     names.push(Table::Summary.name().to_owned());
     let spec = arguments::spec(spec)?;
-    let study = arguments::study(spec, Vec::new(), &names, measures.as_deref())?;
+    let study = arguments::study(spec, Vec::new(), &names, measures.as_deref(), errors)?;
     run(py, study, Some(1), None)
 }
 
 /// Runs a grid; returns the asked tables by name.
 #[pyfunction]
-#[pyo3(signature = (spec, axes, tables, measures = None, threads = None, progress = None))]
+#[pyo3(signature = (spec, axes, tables, measures = None, threads = None, progress = None, errors = false))]
+#[allow(clippy::too_many_arguments)] // those of `iva.sweep`
 pub fn sweep(
     py: Python<'_>,
     spec: &Bound<'_, PyDict>,
@@ -125,9 +127,10 @@ pub fn sweep(
     measures: Option<Vec<String>>,
     threads: Option<&Bound<'_, PyAny>>,
     progress: Option<&Bound<'_, PyAny>>,
+    errors: bool,
 ) -> PyResult<Tables> {
     let spec = arguments::spec(spec)?;
-    let study = arguments::study(spec, axes, &tables, measures.as_deref())?;
+    let study = arguments::study(spec, axes, &tables, measures.as_deref(), errors)?;
     let threads = threads.map(|n| arguments::whole("threads", n, 1024)).transpose()?;
     run(py, study, threads.map(|n| n as usize), progress)
 }

@@ -133,6 +133,16 @@ pub static SUMMARY: &[Column] = &[
         Quantity::Text,
         "n:m, n impacts in m cycles if the state comes back; no_impacts or modulated",
     ),
+    column(
+        "condition",
+        Quantity::Ratio,
+        "largest change of an impact time per unit change of the start (errors asked for)",
+    ),
+    column(
+        "digits",
+        Quantity::Ratio,
+        "-log10 of the largest time_error over the time or 1/ωn (errors asked for)",
+    ),
 ];
 
 /// Columns of `impacts` after `point`.
@@ -159,6 +169,12 @@ pub static IMPACTS: &[Column] = &[
     column("angle", Quantity::Angle, "angle of a pendulum"),
     column("angular_velocity_before", Quantity::AngularVelocity, "of a pendulum, just before"),
     column("angular_velocity_after", Quantity::AngularVelocity, "of a pendulum, just after"),
+    column("time_error", Quantity::Time, "estimated error of the time (errors asked for)"),
+    column(
+        "near_grazing",
+        Quantity::Flag,
+        "an error of that size could turn the impact into a grazing (errors asked for)",
+    ),
 ];
 
 /// Columns of `episodes` after `point`.

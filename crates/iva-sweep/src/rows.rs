@@ -4,6 +4,7 @@ use iva_core::impact::Impact;
 use iva_core::measures::MeasureValues;
 use iva_core::observe::Episode;
 use iva_core::peaks::Peak;
+use iva_core::propagation::{Errors, TimeError};
 use iva_core::sample::State;
 use iva_core::simulate::Tally;
 use iva_core::steady::{SteadyValues, Strobe};
@@ -40,6 +41,7 @@ pub(crate) fn summary<S>(
     tally: &Tally<S>,
     values: &MeasureValues,
     settled: Option<&Settled<'_>>,
+    errors: Option<&Errors>,
     measures: Selection,
     design: &Design,
 ) -> impl Iterator<Item = Cell> {
@@ -79,6 +81,8 @@ pub(crate) fn summary<S>(
         settled
             .and_then(|it| it.values.regime)
             .map_or(Cell::Null, |regime| Cell::Text(regime.to_string().into())),
+        errors.map(|errors| errors.condition).filter(|it| it.is_finite()).into(),
+        errors.and_then(Errors::digits).into(),
     ];
     cells
         .into_iter()
@@ -92,8 +96,9 @@ pub(crate) fn impact(
     index: usize,
     impact: &Impact,
     angles: Option<[Angle; 2]>,
+    error: Option<&TimeError>,
     scale: &Scale,
-) -> [Cell; 15] {
+) -> [Cell; 17] {
     let velocity = |v: f64| Cell::Number(scale.velocity(v));
     let rate = |side: usize| -> Cell {
         angles.map(|angles| scale.angular_velocity(angles[side].rate)).into()
@@ -114,6 +119,8 @@ pub(crate) fn impact(
         angles.map(|[before, _]| before.value).into(),
         rate(0),
         rate(1),
+        error.map(|error| scale.time(error.time)).into(),
+        error.map_or(Cell::Null, |error| Cell::Flag(error.grazing)),
     ]
 }
 

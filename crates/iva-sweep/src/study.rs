@@ -168,12 +168,20 @@ pub struct Study {
     pub tables: Vec<Table>,
     /// Summary columns to compute.
     pub measures: Selection,
+    /// Estimate the errors of impact times.
+    pub errors: bool,
 }
 
 impl Study {
     /// A study of a single run with every table of a sweep.
     pub fn single(spec: Spec) -> Self {
-        Self { spec, axes: Vec::new(), tables: Table::SWEEP.to_vec(), measures: Selection::all() }
+        Self {
+            spec,
+            axes: Vec::new(),
+            tables: Table::SWEEP.to_vec(),
+            measures: Selection::all(),
+            errors: false,
+        }
     }
 
     /// Number of points: the product of the axes' lengths, 1 without axes.

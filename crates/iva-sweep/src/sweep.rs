@@ -14,6 +14,7 @@ use iva_core::error::Invalid;
 use iva_core::measures::{Measures, Wanted};
 use iva_core::observe::Events;
 use iva_core::peaks::Envelope;
+use iva_core::propagation::{Differentiable, Errors};
 use iva_core::simulate::simulate;
 use iva_core::steady::{Steady, SteadyWanted};
 use iva_core::system::System;
@@ -164,6 +165,7 @@ struct Request {
     wanted: Wanted,
     steady: SteadyWanted,
     reduction: bool,
+    errors: bool,
 }
 
 impl Request {
@@ -195,6 +197,7 @@ impl Request {
                 strobes: asked(Table::Stroboscope),
             },
             reduction: any(&["reduction"]),
+            errors: study.errors,
         }
     }
 }
@@ -260,7 +263,7 @@ struct Point<'a, S> {
     builders: &'a mut BTreeMap<Table, TableBuilder>,
 }
 
-impl<S: System> Point<'_, S> {
+impl<S: Differentiable> Point<'_, S> {
     fn go(self, start: &S::Start, cancel: &AtomicBool) -> Result<(), SweepError> {
         let Self { study, point, design, system, request, builders } = self;
         let mut observers = (
@@ -269,12 +272,15 @@ impl<S: System> Point<'_, S> {
                 request.envelope.then(Envelope::default),
                 (
                     request.summary.then(|| Measures::<S>::new(request.wanted)),
-                    request.steady_of(system).map(|wanted| Steady::new(design.window, wanted)),
+                    (
+                        request.steady_of(system).map(|wanted| Steady::new(design.window, wanted)),
+                        request.errors.then(Errors::default),
+                    ),
                 ),
             ),
         );
         let tally = simulate(system, start, &design.limits, Some(cancel), &mut observers)?;
-        let (events, (envelope, (measures, steady))) = observers;
+        let (events, (envelope, (measures, (steady, errors)))) = observers;
         let scale = &design.scale;
         // Points are counted below 2^32 by `Study::points`.
         let number = point as u32;
@@ -296,6 +302,7 @@ impl<S: System> Point<'_, S> {
                             &tally,
                             measures.values(),
                             settled.as_ref(),
+                            errors.as_ref(),
                             study.measures,
                             design,
                         );
@@ -308,7 +315,8 @@ impl<S: System> Point<'_, S> {
                     {
                         let angles =
                             system.impact_angles(impact).filter(|_| design.scene.has_angle());
-                        builder.row(rows::impact(number, index, impact, angles, scale));
+                        let error = errors.as_ref().and_then(|errors| errors.impacts.get(index));
+                        builder.row(rows::impact(number, index, impact, angles, error, scale));
                     }
                 }
                 Table::Episodes => {

@@ -81,6 +81,9 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
         axis.values.iter().for_each(|value| add(&value.to_le_bytes()));
     }
     study.measures.names().for_each(|name| add(name.as_bytes()));
+    if study.errors {
+        add(b"errors");
+    }
     Ok(hash)
 }
 

@@ -103,9 +103,9 @@ fn study_file() -> impl Strategy<Value = StudyFile> {
         .prop_map(|names| Selection::from_names(names).unwrap());
     let report = (prop::sample::select(RANKED.to_vec()), 1..1000_usize);
     let model = choices().prop_flat_map(|choices| (spec(choices), axes(choices.kind)));
-    (model, tables, measures, report, 1..=1_000_000_u32).prop_map(
-        |((spec, axes), tables, measures, ((best_by, _), count), samples_per_period)| {
-            let study = Study { spec, axes, tables, measures };
+    (model, tables, measures, report, 1..=1_000_000_u32, any::<bool>()).prop_map(
+        |((spec, axes), tables, measures, ((best_by, _), count), samples_per_period, errors)| {
+            let study = Study { spec, axes, tables, measures, errors };
             let driven = study.spec(0).unwrap().is_driven();
             StudyFile {
                 report: Report {

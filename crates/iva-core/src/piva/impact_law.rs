@@ -52,6 +52,16 @@ impl Law {
         }
     }
 
+    /// Velocity that the primary gains at an impact, per W.
+    pub fn impact_gain(&self) -> f64 {
+        self.impact_gain.value
+    }
+
+    /// Velocity that it gains over a whole tail of rebounds, per W of the last one.
+    pub fn stick_gain(&self) -> f64 {
+        self.stick_gain.value
+    }
+
     /// Velocity gained by the primary in an impact with W.
     pub fn impact(&self, w: Sum) -> Sum {
         w.times_sum(self.impact_gain)

@@ -82,14 +82,14 @@ fn share_kept(remainder: &Remainder, piva: &Piva, from: &PivaState, driven: f64)
 }
 
 /// Sizes that truncation is measured against.
-struct Sizes {
-    primary: f64,
-    gap: f64,
+pub(super) struct Sizes {
+    pub primary: f64,
+    pub gap: f64,
 }
 
 impl Sizes {
     /// At a state, under a force of size `driven`.
-    fn of(piva: &Piva, state: &PivaState, driven: f64) -> Self {
+    pub(super) fn of(piva: &Piva, state: &PivaState, driven: f64) -> Self {
         let Parameters { clearance, contact_distance, .. } = piva.parameters;
         let gap = if piva.stop_reachable() { clearance } else { clearance.min(contact_distance) };
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();

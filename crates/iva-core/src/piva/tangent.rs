@@ -1,0 +1,79 @@
+//! Derivatives of the motion of a pendulum: its series, computed in numbers with derivatives.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::motion::Sizes;
+use super::{Piva, PivaState};
+use crate::force::Drive;
+use crate::propagation::Differentiable;
+use crate::taylor::dual::Dual;
+use crate::taylor::{Number, ORDER, Pendulum, Series, Swing, horner};
+
+impl Differentiable for Piva {
+    fn rates(&self, state: &PivaState) -> Vector4<f64> {
+        let series = self.beginning::<3>(state.time, state);
+        Vector4::new(series.x[1], series.u[1], series.y[1], series.w[1])
+    }
+
+    fn flight_tangent(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
+        let y = from.y().value;
+        let mut cosine = Dual::from_double(from.cosine);
+        if !self.pendulum.small_angles && from.cosine != 0.0 {
+            let b = self.parameters.contact_distance;
+            cosine.slopes[2] = -y / (b * b * from.cosine);
+        }
+        let start = Swing {
+            x: Dual::variable(from.primary.x.value, 0),
+            u: Dual::variable(from.primary.v.value, 1),
+            y: Dual::variable(y, 2),
+            w: Dual::variable(from.w.value, 3),
+            c: cosine,
+        };
+        let drive = self.drive::<{ ORDER + 1 }>(from.time, from, h).map(|drive| Drive {
+            primary: drive.primary.map(Dual::from_double),
+            base: drive.base.map(Dual::from_double),
+        });
+        let series: Series<Dual> = self.pendulum.series(&start, drive.as_ref(), h, ORDER);
+        let end = Dual::from_double(1.0);
+        let rows = [&series.x, &series.u, &series.y, &series.w].map(|row| horner(row, end).slopes);
+        Matrix4::from_fn(|row, column| rows[row][column])
+    }
+
+    fn ride_tangent(&self, _from: &PivaState, h: f64) -> Matrix4<f64> {
+        let mass = 1.0 + self.parameters.mass_ratio;
+        let damping = 2.0 * self.parameters.damping_ratio;
+        let mut matrix = Matrix4::zeros();
+        for (column, (mut x, mut u)) in [(1.0, 0.0), (0.0, 1.0)].into_iter().enumerate() {
+            let (mut x_end, mut u_end) = (x, u);
+            for k in 1..=ORDER {
+                (x, u) = (h * u / k as f64, -h * (damping * u + x) / (mass * k as f64));
+                (x_end, u_end) = (x_end + x, u_end + u);
+            }
+            (matrix[(0, column)], matrix[(1, column)]) = (x_end, u_end);
+        }
+        matrix
+    }
+
+    fn impact_matrix(&self) -> Matrix4<f64> {
+        let mut jump = Matrix4::identity();
+        (jump[(1, 3)], jump[(3, 3)]) = (self.law.impact_gain(), -self.law.ratio);
+        jump
+    }
+
+    fn stick_matrix(&self) -> Matrix4<f64> {
+        let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
+        let Pendulum { mass_ratio, lever, .. } = self.pendulum;
+        // (1 + μ) x + μλ y is the centre of mass.
+        matrix[(0, 2)] = mass_ratio * lever / (1.0 + mass_ratio);
+        matrix[(1, 3)] = self.law.stick_gain();
+        matrix
+    }
+
+    fn truncation(&self, from: &PivaState) -> [f64; 2] {
+        let driven = self.drive::<{ ORDER + 1 }>(from.time, from, 1.0);
+        let sizes = Sizes::of(self, from, driven.as_ref().map_or(0.0, Drive::size));
+        // At full accuracy the proven bound is far above what is left out.
+        let share = if self.parameters.tolerance > 0.0 { self.accuracy.tolerance } else { 0.0 };
+        [share * sizes.primary, share * sizes.gap]
+    }
+}

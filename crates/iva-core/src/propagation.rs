@@ -1,0 +1,213 @@
+//! How errors grow along a run: an estimate of the error of every impact time.
+//!
+//! A small error of the state z = (x, ẋ, y, ẏ) (of a pendulum W = b θ̇ in place of ẏ) is carried by the
+//! derivative of the motion: of the flow along a segment, and of an impact by the saltation matrix
+//!
+//! ```text
+//! S = J + (f⁺ − J f⁻) nᵀ/(nᵀ f⁻)
+//! ```
+//!
+//! with J the derivative of the velocity jump, f the rates before and after, n the gradient of the gap
+//! (P. C. Müller, Chaos, Solitons & Fractals 5 (1995) 1671–1681). What rounding and truncation add on
+//! each segment is treated as independent random errors: their covariance P goes from segment to
+//! segment as Φ P Φᵀ + Q. A summed chatter keeps momentum and centre of mass, a release is smooth.
+//!
+//! The error of an impact time is that of the distance over the speed of approach, or, where that is
+//! not small against it, as far as the curvature lets the instant move.
+
+use nalgebra::{Matrix4, Vector4};
+
+use crate::flight::Motion;
+use crate::impact::Impact;
+use crate::observe::{Jump, Observer, Span};
+use crate::system::{System, Wall};
+
+/// A system whose motion can be differentiated.
+pub trait Differentiable: System {
+    /// ż in free flight.
+    fn rates(&self, state: &Self::State) -> Vector4<f64>;
+    /// Derivative of the state after a time h of flight by the state before.
+    fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
+    /// The same while stuck on a wall, where y and ẏ do not change.
+    fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
+    /// Derivative of the velocity jump of an impact.
+    fn impact_matrix(&self) -> Matrix4<f64>;
+    /// Derivative of the state at the end of a chatter by that after one of its rebounds.
+    fn stick_matrix(&self) -> Matrix4<f64>;
+    /// What a segment may leave out of its series, of x and ẋ and of y and ẏ.
+    fn truncation(&self, _from: &Self::State) -> [f64; 2] {
+        [0.0; 2]
+    }
+}
+
+/// Standard deviation of what rounding takes from an increment, over 2⁻⁵³ of it.
+const ROUNDING: f64 = 0.7;
+/// The estimate is so many standard deviations.
+const DEVIATIONS: f64 = 4.0;
+/// Half a unit in the last place of 1.
+const UNIT: f64 = 0.5 * f64::EPSILON;
+/// Share of the speed of approach that an error may change before the impact counts as close to a
+/// grazing.
+const GRAZING: f64 = 0.01;
+
+/// The estimated error of one impact time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeError {
+    /// Estimate that the true error rarely exceeds, in 1/ωn.
+    pub time: f64,
+    /// True if errors this large could make a grazing of the impact, or let it vanish.
+    pub grazing: bool,
+    /// Its approach speed, to find it again when it is taken back.
+    speed: f64,
+}
+
+/// Follows the errors of a run.
+#[derive(Debug, Clone)]
+pub struct Errors {
+    covariance: Matrix4<f64>,
+    /// Derivative of the state by that at time zero.
+    derivative: Matrix4<f64>,
+    wall: Option<Wall>,
+    /// Lengths that a condition is relative to: of the start, or the clearance.
+    unit: f64,
+    clearance: f64,
+    /// Of the impact under way.
+    now: Option<TimeError>,
+    /// Of the rebounds of a summed tail that follow.
+    tail: TimeError,
+    /// One for each listed impact.
+    pub impacts: Vec<TimeError>,
+    /// Largest change of an impact time per unit change of a start value over [`Errors::unit`].
+    pub condition: f64,
+    /// Largest time_error over max(τ, 1).
+    pub relative: f64,
+}
+
+impl Default for Errors {
+    fn default() -> Self {
+        let none = TimeError { time: 0.0, grazing: false, speed: 0.0 };
+        Self {
+            covariance: Matrix4::zeros(),
+            derivative: Matrix4::identity(),
+            wall: None,
+            unit: 1.0,
+            clearance: 1.0,
+            now: None,
+            tail: none,
+            impacts: Vec::new(),
+            condition: 0.0,
+            relative: 0.0,
+        }
+    }
+}
+
+impl Errors {
+    /// −log₁₀ of the largest error over max(τ, 1); `None` without impacts.
+    pub fn digits(&self) -> Option<f64> {
+        (self.relative > 0.0 && self.relative.is_finite()).then(|| -self.relative.log10())
+    }
+
+    fn carry(&mut self, map: &Matrix4<f64>) {
+        self.covariance = map * self.covariance * map.transpose();
+        self.derivative = map * self.derivative;
+    }
+
+    /// Adds independent errors of this standard deviation to each variable.
+    fn add(&mut self, deviations: Vector4<f64>) {
+        for (i, deviation) in deviations.iter().enumerate() {
+            self.covariance[(i, i)] += deviation * deviation;
+        }
+    }
+
+    fn impact<S: Differentiable>(&mut self, system: &S, before: &S::State, after: &S::State) {
+        let (wall, f) = (system.wall(before), system.rates(before));
+        if self.wall.is_some_and(|last| last != wall) {
+            // The gap itself is rounded.
+            self.add(Vector4::new(0.0, 0.0, UNIT * self.clearance, 0.0));
+        }
+        self.wall = Some(wall);
+        let approach = f[2].abs();
+        let curvature = system.distance(before).curvature.abs();
+        let distance = DEVIATIONS * self.covariance[(2, 2)].sqrt();
+        let margin = approach * approach - 2.0 * curvature * distance;
+        let time = 2.0 * distance / (approach + margin.max(0.0).sqrt());
+        let grazing = curvature * distance > GRAZING * (approach * approach);
+        let speed = approach;
+        self.now = Some(TimeError { time, grazing, speed });
+        for column in 0..4 {
+            let scale = self.unit / approach;
+            self.condition = self.condition.max((scale * self.derivative[(2, column)]).abs());
+        }
+        let jump = system.impact_matrix();
+        let (f_after, normal) = (system.rates(after), Vector4::new(0.0, 0.0, 1.0 / f[2], 0.0));
+        self.carry(&(jump + (f_after - jump * f) * normal.transpose()));
+        let speeds = Vector4::new(0.0, f_after[0].abs(), 0.0, f_after[2].abs());
+        self.add(UNIT * ROUNDING * speeds);
+        self.tail = self.of_tail(system, after, time);
+    }
+
+    /// The error of all rebounds that a chatter from here on still has: their times add up to
+    /// T = 2u/(A(1 − e)).
+    fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State, time: f64) -> TimeError {
+        let leave = system.distance(after);
+        let left = 1.0 - system.rebound_ratio();
+        let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
+        let speed = self.covariance[(3, 3)].sqrt() / leave.rate;
+        let pressure = (self.covariance[(0, 0)].sqrt() + self.covariance[(1, 1)].sqrt())
+            / leave.curvature.abs();
+        let more = DEVIATIONS * whole * (speed + pressure);
+        let time = time + if more.is_finite() { more } else { 0.0 };
+        TimeError { time, grazing: false, speed: 0.0 }
+    }
+}
+
+impl<S: Differentiable> Observer<S> for Errors {
+    fn start(&mut self, system: &S, state: &S::State, _duration: f64) {
+        *self = Self::default();
+        self.clearance = system.clearance();
+        let x = system.primary(state).x.abs();
+        self.unit = if x > 0.0 { x } else { self.clearance };
+    }
+
+    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        let (from, h) = (span.motion.origin(), span.length);
+        let end = span.motion.state(h);
+        let [primary, gap] = system.truncation(from);
+        let map =
+            if M::RIDING { system.ride_tangent(from, h) } else { system.flight_tangent(from, h) };
+        self.carry(&map);
+        let rates = system.rates(from).abs().sup(&system.rates(&end).abs());
+        let mut errors = UNIT * ROUNDING * h * rates;
+        errors += Vector4::new(primary * h, primary, gap * h, gap);
+        if M::RIDING {
+            (errors[2], errors[3]) = (0.0, 0.0);
+        }
+        self.add(errors);
+    }
+
+    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
+        match jump {
+            Jump::Impact { before, after } => Errors::impact(self, system, before, after),
+            Jump::Stick => self.carry(&system.stick_matrix()),
+            Jump::Release => {
+                self.carry(&Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0)));
+            }
+        }
+    }
+
+    fn impact(&mut self, _system: &S, impact: &Impact) {
+        let TimeError { time, grazing, .. } = self.now.take().unwrap_or(self.tail);
+        // Written as a double, the instant is rounded once more.
+        let time = time + UNIT * impact.time;
+        self.relative = self.relative.max(time / impact.time.max(1.0));
+        self.impacts.push(TimeError { time, grazing, speed: impact.approach_speed() });
+    }
+
+    fn unlist(&mut self, first: u64, floor: f64) {
+        let mut index = 0;
+        self.impacts.retain(|impact| {
+            index += 1;
+            index <= first || impact.speed > floor
+        });
+    }
+}

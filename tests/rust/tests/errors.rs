@@ -1,0 +1,141 @@
+//! Estimated errors of impact times against true ones: references with 50 digits, and random decays
+//! against the double-double oracle.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use iva_core::{
+    observe::Events,
+    piva::{Parameters, Piva},
+    propagation::{Differentiable, Errors},
+    simulate::{Limits, simulate},
+    system::Start,
+};
+use iva_tests::{
+    case::{Case, any_case},
+    dd::Dd,
+    oracle::{self, Kind},
+    reference::{forced_scenes, piva_scenes, scenes},
+};
+use proptest::{prelude::*, strategy::ValueTree, test_runner::TestRunner};
+
+/// Impacts of a run: instant, approach speed, estimated error, near a grazing.
+fn impacts<S: Differentiable>(
+    system: &S,
+    start: &S::Start,
+    limits: &Limits,
+) -> Vec<(f64, f64, f64, bool)> {
+    let mut watching = (Events::default(), Errors::default());
+    simulate(system, start, limits, None, &mut watching).unwrap();
+    let (events, errors) = watching;
+    assert_eq!(events.impacts.len(), errors.impacts.len());
+    let both = events.impacts.iter().zip(&errors.impacts);
+    both.map(|(impact, error)| (impact.time, impact.approach_speed(), error.time, error.grazing))
+        .collect()
+}
+
+/// Estimates over true errors.
+#[derive(Default)]
+struct Ratios {
+    all: Vec<f64>,
+    too_small: usize,
+    flagged: usize,
+}
+
+impl Ratios {
+    fn take(&mut self, time: f64, estimate: f64, grazing: bool, truth: Dd) {
+        if grazing || estimate > 1e-3 {
+            // It says itself that it is no longer to be trusted.
+            self.flagged += 1;
+            return;
+        }
+        let error = (Dd::from(time) - truth).value().abs();
+        self.too_small += usize::from(error > estimate);
+        if error > estimate {
+            println!("small: t {time} error {error:e} estimate {estimate:e}");
+        }
+        self.all.push(estimate / error.max(1e-18));
+    }
+
+    fn percentile(&mut self, share: f64) -> f64 {
+        self.all.sort_by(f64::total_cmp);
+        self.all[((self.all.len() - 1) as f64 * share) as usize]
+    }
+}
+
+#[test]
+fn estimates_hold_on_the_references() {
+    let mut ratios = Ratios::default();
+    let mut compare = |name: &str,
+                       found: Vec<(f64, f64, f64, bool)>,
+                       events: &[iva_tests::reference::Expected]| {
+        let expected = events.iter().filter(|event| event.kind == Kind::Impact);
+        let found = found.into_iter().filter(|(_, speed, ..)| *speed > 1e-9);
+        let before = ratios.all.len();
+        for ((time, _, estimate, grazing), event) in found.zip(expected) {
+            ratios.take(time, estimate, grazing, event.time);
+        }
+        println!("{name}: {} rows", ratios.all.len() - before);
+    };
+    for s in scenes() {
+        let siva = s.scene.absorber();
+        let limits = Limits {
+            chatter_floor: 1e-9,
+            ..Limits::new(s.scene.duration, s.scene.clearance.value())
+        };
+        compare(&s.name, impacts(&siva, &s.scene.begin(), &limits), &s.events);
+    }
+    for (s, force) in piva_scenes().into_iter().chain(forced_scenes()).map(|s| {
+        let f = s.force.clone();
+        (s, f)
+    }) {
+        let piva = Piva::new(s.parameters).unwrap().under(force);
+        let limits =
+            Limits { chatter_floor: 1e-9, ..Limits::new(s.duration, s.parameters.clearance) };
+        let start = Start { displacement: s.displacement, ..Start::default() };
+        compare(&s.name, impacts(&piva, &start.into(), &limits), &s.events);
+    }
+    let (median, high) = (ratios.percentile(0.5), ratios.percentile(0.95));
+    println!(
+        "{} rows, {} flagged, {} too small, median {median:.1}, 95 % {high:.0}",
+        ratios.all.len(),
+        ratios.flagged,
+        ratios.too_small
+    );
+}
+
+#[test]
+fn estimates_hold_on_random_decays() {
+    let mut ratios = [Ratios::default(), Ratios::default()];
+    let mut runner = TestRunner::deterministic();
+    let strategy = any_case(5.0, 40.0);
+    let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(1000);
+    for _ in 0..count {
+        let case: Case = strategy.new_tree(&mut runner).unwrap().current();
+        let limits = Limits { chatter_floor: 1e-9, ..case.limits() };
+        let truth = oracle::events(&case.scene(), 200);
+        let usable = oracle::fragile_from(&case.scene(), &truth);
+        let pendulum =
+            Piva::new(Parameters::free_mass(case.mu, case.e, case.clearance, case.zeta)).unwrap();
+        let lists = [
+            impacts(&case.siva(), &case.start, &limits),
+            impacts(&pendulum, &case.start.into(), &limits),
+        ];
+        for (list, ratios) in lists.into_iter().zip(&mut ratios) {
+            let found = list.into_iter().filter(|(_, speed, ..)| *speed > 1.1e-9);
+            let expected = truth[..usable]
+                .iter()
+                .filter(|e| e.kind == Kind::Impact && e.gap_velocity[0].abs().value() > 1.1e-9);
+            for ((time, _, estimate, grazing), event) in found.zip(expected) {
+                ratios.take(time, estimate, grazing, event.time);
+            }
+        }
+    }
+    for mut ratios in ratios {
+        let (median, high) = (ratios.percentile(0.5), ratios.percentile(0.95));
+        println!(
+            "{} rows, {} flagged, {} too small, median {median:.1}, 95 % {high:.0}",
+            ratios.all.len(),
+            ratios.flagged,
+            ratios.too_small
+        );
+    }
+}
