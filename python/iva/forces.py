@@ -137,6 +137,8 @@ class Recorded:
     """
 
     __slots__ = ("_record", "scale")
+    _record: _iva.Record
+    scale: float
 
     def __init__(
         self,
@@ -152,8 +154,8 @@ class Recorded:
         self._hold(record, scale)
 
     def _hold(self, record: _iva.Record, scale: float) -> None:
-        self._record = record
-        self.scale = number("scale", scale)
+        object.__setattr__(self, "_record", record)
+        object.__setattr__(self, "scale", number("scale", scale))
         _iva.check("force", [("scale", self.scale)])
 
     @classmethod
@@ -189,11 +191,29 @@ class Recorded:
         >>> quake  # doctest: +SKIP
         Recorded(1000 points from 0 to 19.98, largest value 2.942, kind='base_acceleration')
         """
-        if not isinstance(path, (str, PathLike)):
+        # A path may also be bytes, whatever its type says.
+        name = fspath(path) if isinstance(path, (str, PathLike)) else None
+        if not isinstance(name, str):  # type: ignore[redundant-expr]
             raise TypeError(f"path = {shown(path)}: give the name of a file")
+        if kind is not None and not isinstance(kind, str):
+            raise TypeError(f"kind = {shown(kind)}: give a word")
         record = cls.__new__(cls)
-        record._hold(_iva.read_record(fspath(path), kind), scale)
+        record._hold(_iva.read_record(name, kind), scale)
         return record
+
+    @classmethod
+    def _made(cls, record: _iva.Record, scale: float) -> Recorded:
+        made = cls.__new__(cls)
+        made._hold(record, scale)
+        return made
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Say how to make it again."""
+        return (Recorded._made, (self._record, self.scale))
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse: forces are values."""
+        raise AttributeError(f"cannot assign to {name!r}: make another iva.Recorded")
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -267,7 +287,9 @@ def fields_of(force: Force) -> dict[str, float | _iva.Record]:
     """Return the given fields of a force by name, those of a record with its points."""
     if isinstance(force, Recorded):
         return {"record": force._record, "scale": force.scale}
-    return {**given(force)}
+    # An impulse is one even if only a sweep says of what size.
+    default = {"time": 0.0} if isinstance(force, Impulse) else {}
+    return {**default, **given(force)}
 
 
 def written(part: Part | Force) -> str:

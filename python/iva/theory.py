@@ -198,7 +198,10 @@ class SlowManifold:
         return self._at(theta)[2]
 
     def _at(self, theta: float) -> tuple[float, float, bool]:
-        return _iva.on_slow_manifold(self.scene, number("theta", theta))
+        theta = number("theta", theta)
+        if not 0.0 < theta <= 1e6:
+            raise ValueError(f"theta = {theta}: give a number greater than 0, up to 1e6")
+        return _iva.on_slow_manifold(self.scene, theta)
 
 
 def slow_manifold(absorber: Siva, primary: Primary | None = None) -> SlowManifold:

@@ -370,7 +370,7 @@ def test_mirror(scene: str) -> None:
     base = decay(SCENES[scene], iva.Start(**state), 0.01)
     other = decay(SCENES[scene], iva.Start(**{name: -value for name, value in state.items()}), 0.01)
     assert other.summary.equals(base.summary)
-    kept = ("point", "impact", "time", "energy_loss", "effective")
+    kept = ("point", "impact", "time", "energy_loss", "effective", "time_error", "near_grazing")
     turned = [name for name in base.impacts.columns if name not in kept]
     assert base.impacts.height >= 5
     assert other.impacts.with_columns(-pl.col(turned)).equals(base.impacts)

@@ -20,10 +20,11 @@ SUMMARY = """point outcome impacts effective_impacts episodes undecided time_stu
     settling_time_5 settling_time_2 residual_amplitude energy_initial energy_impacts energy_viscous
     energy_final energy_residual energy_pivot stop_reachable gravity
     energy_work amplitude_max amplitude_rms reduction transmissibility impacts_per_cycle
-    regime""".split()
+    regime condition digits""".split()
 IMPACTS = """point impact time wall displacement velocity_before velocity_after
     absorber_velocity_before absorber_velocity_after approach_velocity energy_loss
-    effective angle angular_velocity_before angular_velocity_after""".split()
+    effective angle angular_velocity_before angular_velocity_after time_error
+    near_grazing""".split()
 EPISODES = "point episode wall start_time stick_time release_time impacts energy_loss".split()
 ENVELOPE = "point peak time displacement amplitude log_decrement".split()
 STROBOSCOPE = """point cycle time displacement velocity gap_displacement gap_velocity amplitude

@@ -95,6 +95,9 @@ def test_the_slow_manifold() -> None:
     assert same.largest_added_damping == pytest.approx(manifold.largest_added_damping, rel=1e-14)
     assert pickle.loads(pickle.dumps(manifold)) == manifold
     assert "scene" not in repr(manifold)
+    assert hash(manifold) == hash(pickle.loads(pickle.dumps(manifold)))
+    with pytest.raises(ValueError, match="theta = nan: give a number greater than 0"):
+        manifold.amplitude(math.nan)
 
 
 def test_what_cannot_be_answered() -> None:

@@ -100,7 +100,12 @@ fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Record
         }
     };
     let path = beside(source.path(), file.as_ref());
-    let read = read_record(&path)?;
+    let read = read_record(&path).map_err(|error| match error {
+        Error::Io { source: reason, .. } => {
+            source.bad_value("force.record", value.span(), &format!("it cannot be read: {reason}"))
+        }
+        other => other,
+    })?;
     let is_metric = read.unit == RecordUnit::MetresPerSecondSquared;
     let history = History::new(read.times, read.values)
         .map_err(|invalid| source.error(value.span(), format!("{}: {invalid}", path.display())))?;

@@ -6,7 +6,7 @@
 //! velocity, then acceleration, then jerk, without cool-down time or nudge.
 
 use crate::flight::{Curve, Jet};
-use crate::roots::{Node, Searched};
+use crate::roots::{Node, Searched, highest_change};
 
 /// Half width of the band around a wall in which an extremum is undecided, in units of 2⁻⁵³ of the
 /// curve's magnitude (d for the gap).
@@ -108,7 +108,5 @@ fn searched<C: Curve>(
 
 /// What a function does not exceed within `length`.
 fn highest(jet: &Jet, fourth: f64, length: f64) -> f64 {
-    let Jet { value, rate, curvature, jerk } = *jet;
-    let inner = jerk.abs() * (1.0 / 6.0) + length * fourth * (1.0 / 24.0);
-    value.abs() + length * (rate.abs() + length * (0.5 * curvature.abs() + length * inner))
+    jet.value.abs() + highest_change(jet, fourth, length)
 }

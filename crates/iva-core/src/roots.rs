@@ -64,6 +64,10 @@ pub struct Searched<'a, C> {
 /// enough for a series of some 20 terms changes f by less than its rounding.
 const MAX_DEPTH: u32 = 48;
 
+/// Halvings after which a stretch on which f changes by less than the band counts as constant. Before,
+/// such a stretch may be a low rebound, which is decided by its signs.
+const FLAT_DEPTH: u32 = 8;
+
 impl<C: Curve> Searched<'_, C> {
     /// f at a jet of the curve.
     #[inline]
@@ -142,7 +146,8 @@ impl<C: Curve> Searched<'_, C> {
         if fa.rate.max(fb.rate).max(middle) < -rate_slack {
             return self.end_decides(a, b);
         }
-        if depth >= MAX_DEPTH || length <= f64::EPSILON * b.h {
+        let flat = depth >= FLAT_DEPTH && highest_change(fa, self.fourth, length) <= self.band;
+        if flat || depth >= MAX_DEPTH || length <= f64::EPSILON * b.h {
             return self.resolve(a, b, undecided);
         }
         let centre = self.node(0.5 * (a.h + b.h));
@@ -251,6 +256,12 @@ impl<C: Curve> Searched<'_, C> {
         );
         node
     }
+}
+
+/// What f changes within a length at most.
+pub(crate) fn highest_change(jet: &Jet, fourth: f64, length: f64) -> f64 {
+    let inner = jet.jerk.abs() * (1.0 / 6.0) + length * fourth * (1.0 / 24.0);
+    length * (jet.rate.abs() + length * (0.5 * jet.curvature.abs() + length * inner))
 }
 
 /// How far a falling f drops at least below its value here before it can turn, estimated from its

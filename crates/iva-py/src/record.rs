@@ -8,6 +8,7 @@ use iva_sweep::Invalid;
 use iva_sweep::forces::{History, RecordKind, Recorded};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
 use crate::errors::{invalid, unreadable};
 
@@ -48,8 +49,13 @@ impl PyRecord {
         self.0.kind.name()
     }
 
-    fn __getnewargs__(&self) -> (Vec<f64>, Vec<f64>, &'static str, bool) {
-        (self.times(), self.values(), self.kind(), self.0.is_metric)
+    #[allow(clippy::type_complexity)] // what pickle asks for
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> (Bound<'py, PyType>, (Vec<f64>, Vec<f64>, &'static str, bool)) {
+        let record = slf.get();
+        let given = (record.times(), record.values(), record.kind(), record.0.is_metric);
+        (slf.get_type(), given)
     }
 }
 

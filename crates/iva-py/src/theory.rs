@@ -70,8 +70,8 @@ pub fn slow_manifold<'py>(
     found.set_item("rho", manifold.rho)?;
     found.set_item("activation", manifold.activation)?;
     found.set_item("activation_amplitude", manifold.activation_amplitude)?;
-    found.set_item("stable_theta", manifold.stable_theta)?;
-    found.set_item("stable_amplitude", manifold.stable_amplitude)?;
+    found.set_item("stable_theta", <(f64, f64)>::from(manifold.stable_theta))?;
+    found.set_item("stable_amplitude", <(f64, f64)>::from(manifold.stable_amplitude))?;
     found.set_item("largest_added_damping", manifold.largest_added_damping)?;
     found.set_item("best_amplitude", manifold.best_amplitude)?;
     Ok(found)

@@ -183,7 +183,12 @@ impl Reader<'_> {
         let foreign = self.spec.given().find(|(field, _)| self.spec.is_foreign(*field));
         let Some((field, value)) = foreign else { return Ok(()) };
         let (other, own) = (Nature::of(field).words(), nature.words());
-        let rule = format!("that is of {other}, but this is {own}; give two forces");
+        let alone = self.spec.given().all(|(field, _)| self.spec.is_foreign(field));
+        let rule = if alone {
+            format!("that is of {other}, and there is none")
+        } else {
+            format!("that is of {other}, but this is {own}; give two forces")
+        };
         Err(Invalid::new(self.path(field), number(value), rule))
     }
 

@@ -24,9 +24,10 @@ pub(crate) struct Settled<'a> {
 }
 
 impl Settled<'_> {
-    /// 1 − amplitude over that without absorber; null where the bare structure does not move.
+    /// 1 − amplitude over that without absorber; null where the bare structure does not move, or
+    /// without bound.
     fn reduction(&self) -> Option<f64> {
-        let share = self.values.amplitude_max? / self.bare?;
+        let share = self.values.amplitude_max? / self.bare.filter(|bare| bare.is_finite())?;
         share.is_finite().then_some(1.0 - share)
     }
 

@@ -106,7 +106,8 @@ pub fn validate(
         }
         let range = chunk * CHECKED..points.min((chunk + 1) * CHECKED);
         let count = range.end - range.start;
-        let fault = range.into_iter().find_map(|point| study.design(point).err()).map(Some);
+        let mut points = range.take_while(|_| !cancel.load(Ordering::Relaxed));
+        let fault = points.find_map(|point| study.design(point).err()).map(Some);
         progress(count);
         fault
     };

@@ -13,7 +13,7 @@ use iva_tests::{
     case::{Case, any_case},
     dd::Dd,
     oracle::{self, Kind},
-    reference::{forced_scenes, piva_scenes, scenes},
+    reference::{Expected, forced_scenes, piva_scenes, scenes},
 };
 use proptest::{prelude::*, strategy::ValueTree, test_runner::TestRunner};
 
@@ -49,31 +49,34 @@ impl Ratios {
         }
         let error = (Dd::from(time) - truth).value().abs();
         self.too_small += usize::from(error > estimate);
-        if error > estimate {
-            println!("small: t {time} error {error:e} estimate {estimate:e}");
-        }
         self.all.push(estimate / error.max(1e-18));
     }
 
-    fn percentile(&mut self, share: f64) -> f64 {
+    /// Never small but in one row of 10⁴, and not idle.
+    fn assert_good(mut self, name: &str) {
         self.all.sort_by(f64::total_cmp);
-        self.all[((self.all.len() - 1) as f64 * share) as usize]
+        let rows = self.all.len();
+        let share = |share: f64| self.all[((rows - 1) as f64 * share) as usize];
+        let (median, high) = (share(0.5), share(0.95));
+        let Self { too_small, flagged, .. } = self;
+        println!(
+            "{name}: {rows} rows, {flagged} flagged, {too_small} too small, median {median:.1}, \
+             95 % {high:.0}"
+        );
+        assert!(too_small <= 1 + rows / 10_000, "{too_small} of {rows}");
+        assert!(median <= 30.0 && high <= 1000.0, "{median} {high}");
     }
 }
 
 #[test]
 fn estimates_hold_on_the_references() {
     let mut ratios = Ratios::default();
-    let mut compare = |name: &str,
-                       found: Vec<(f64, f64, f64, bool)>,
-                       events: &[iva_tests::reference::Expected]| {
+    let mut compare = |found: Vec<(f64, f64, f64, bool)>, events: &[Expected]| {
         let expected = events.iter().filter(|event| event.kind == Kind::Impact);
         let found = found.into_iter().filter(|(_, speed, ..)| *speed > 1e-9);
-        let before = ratios.all.len();
         for ((time, _, estimate, grazing), event) in found.zip(expected) {
             ratios.take(time, estimate, grazing, event.time);
         }
-        println!("{name}: {} rows", ratios.all.len() - before);
     };
     for s in scenes() {
         let siva = s.scene.absorber();
@@ -81,25 +84,16 @@ fn estimates_hold_on_the_references() {
             chatter_floor: 1e-9,
             ..Limits::new(s.scene.duration, s.scene.clearance.value())
         };
-        compare(&s.name, impacts(&siva, &s.scene.begin(), &limits), &s.events);
+        compare(impacts(&siva, &s.scene.begin(), &limits), &s.events);
     }
-    for (s, force) in piva_scenes().into_iter().chain(forced_scenes()).map(|s| {
-        let f = s.force.clone();
-        (s, f)
-    }) {
-        let piva = Piva::new(s.parameters).unwrap().under(force);
+    for s in piva_scenes().into_iter().chain(forced_scenes()) {
+        let piva = Piva::new(s.parameters).unwrap().under(s.force.clone());
         let limits =
             Limits { chatter_floor: 1e-9, ..Limits::new(s.duration, s.parameters.clearance) };
         let start = Start { displacement: s.displacement, ..Start::default() };
-        compare(&s.name, impacts(&piva, &start.into(), &limits), &s.events);
+        compare(impacts(&piva, &start.into(), &limits), &s.events);
     }
-    let (median, high) = (ratios.percentile(0.5), ratios.percentile(0.95));
-    println!(
-        "{} rows, {} flagged, {} too small, median {median:.1}, 95 % {high:.0}",
-        ratios.all.len(),
-        ratios.flagged,
-        ratios.too_small
-    );
+    ratios.assert_good("references");
 }
 
 #[test]
@@ -107,7 +101,8 @@ fn estimates_hold_on_random_decays() {
     let mut ratios = [Ratios::default(), Ratios::default()];
     let mut runner = TestRunner::deterministic();
     let strategy = any_case(5.0, 40.0);
-    let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(1000);
+    // SCENES=10000 takes more than half an hour: the oracle is slow.
+    let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(60);
     for _ in 0..count {
         let case: Case = strategy.new_tree(&mut runner).unwrap().current();
         let limits = Limits { chatter_floor: 1e-9, ..case.limits() };
@@ -129,13 +124,7 @@ fn estimates_hold_on_random_decays() {
             }
         }
     }
-    for mut ratios in ratios {
-        let (median, high) = (ratios.percentile(0.5), ratios.percentile(0.95));
-        println!(
-            "{} rows, {} flagged, {} too small, median {median:.1}, 95 % {high:.0}",
-            ratios.all.len(),
-            ratios.flagged,
-            ratios.too_small
-        );
+    for (ratios, name) in ratios.into_iter().zip(["closed form", "series"]) {
+        ratios.assert_good(name);
     }
 }

@@ -308,3 +308,41 @@ fn before_and_after_its_points_a_record_is_zero() {
         assert!((state.displacement - truth).abs() < 4e-15, "{state:?}");
     }
 }
+
+#[test]
+fn a_pressure_that_dies_away_ends_in_bounded_work() {
+    // Stuck on a slow ramp a critically damped pair comes to rest: the pressure is what rounding
+    // leaves of f − x − 2ζẋ.
+    let force = record(Acts::Primary, vec![[0.0, 0.2], [60.0, 0.2], [61.0, -0.2], [150.0, 0.0]]);
+    for (mu, zeta) in [(1e-5, 1.0), (1e-3, 1.0), (1e-3, 1.05), (0.03, 1.05), (1e-5, 0.95)] {
+        let piva =
+            Piva::new(Parameters::free_mass(mu, 0.0, 0.193, zeta)).unwrap().under(force.clone());
+        let limits = Limits { max_work: 3000, ..Limits::new(145.0, 0.193) };
+        let run = run(&piva, &start(0.0).into(), &limits).unwrap();
+        println!(
+            "{mu} {zeta}: {:?} {} work {} undecided",
+            run.tally.outcome, run.tally.work, run.tally.undecided
+        );
+        assert_eq!(run.tally.outcome, Outcome::Finished);
+        assert!(run.measures.energy_residual.abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_heavy_free_mass_loses_the_same_energy_with_and_without_force() {
+    // A record of zeros turns a free mass into the pendulum that it is a case of.
+    for mu in [1.0, 1e3, 1e6, 1e9] {
+        let nothing = record(Acts::Primary, vec![[0.0, 0.0], [30.0, 0.0]]);
+        let forced = driven(Parameters::free_mass(mu, 0.5, 0.4, 0.0), &nothing, 1.0, 20.0);
+        let free =
+            run(&Siva::new(mu, 0.5, 0.4, 0.0).unwrap(), &start(1.0), &Limits::new(20.0, 0.4));
+        let free = free.unwrap();
+        assert_eq!(forced.impacts.len(), free.impacts.len());
+        for (a, b) in forced.impacts.iter().zip(&free.impacts) {
+            assert!(
+                (a.energy_loss - b.energy_loss).abs() <= 1e-13 * b.energy_loss,
+                "{mu}: {a:?} {b:?}"
+            );
+        }
+    }
+}

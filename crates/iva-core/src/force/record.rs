@@ -15,15 +15,17 @@ use crate::range;
 pub struct History {
     times: Vec<f64>,
     values: Vec<f64>,
+    /// Smallest size, other than 0, and largest: of times, and of values.
+    sizes: [[f64; 2]; 2],
 }
 
 impl History {
-    /// Two points or more.
+    /// Two points or more. Values too small for [`crate::range`] are taken for 0.
     ///
     /// # Errors
     /// [`Invalid`] naming the first time that does not increase, the first number that is not
     /// finite, or two lengths that differ.
-    pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<Self, Invalid> {
+    pub fn new(times: Vec<f64>, mut values: Vec<f64>) -> Result<Self, Invalid> {
         if times.len() != values.len() {
             let rule = format!("there are {} values; give as many of both", values.len());
             return Err(Invalid::new("times", format!("{} numbers", times.len()), rule));
@@ -32,7 +34,10 @@ impl History {
             let rule = "a record has two points or more";
             return Err(Invalid::new("times", format!("{} numbers", times.len()), rule));
         }
-        for (index, (time, value)) in times.iter().zip(&values).enumerate() {
+        for (index, (time, value)) in times.iter().zip(&mut values).enumerate() {
+            if value.abs() < range::SMALLEST {
+                *value = 0.0;
+            }
             range::size(&format!("times[{index}]"), *time)?;
             range::size(&format!("values[{index}]"), *value)?;
             if index > 0 && times[index - 1] >= *time {
@@ -43,7 +48,8 @@ impl History {
                 ));
             }
         }
-        Ok(Self { times, values })
+        let sizes = [extremes(&times), extremes(&values)];
+        Ok(Self { times, values, sizes })
     }
 
     /// Times, increasing.
@@ -55,6 +61,12 @@ impl History {
     pub fn values(&self) -> &[f64] {
         &self.values
     }
+}
+
+/// Smallest size other than 0, and largest; 0 if all are.
+fn extremes(numbers: &[f64]) -> [f64; 2] {
+    let sizes = || numbers.iter().map(|number| number.abs()).filter(|size| *size > 0.0);
+    [sizes().reduce(f64::min), sizes().reduce(f64::max)].map(Option::unwrap_or_default)
 }
 
 /// A history as a force: linear between its points, 0 before the first and after the last.
@@ -74,16 +86,12 @@ impl Record {
     pub(super) fn check(&self) -> Result<(), Invalid> {
         range::positive("force.rate", self.rate)?;
         range::size("force.scale", self.scale)?;
-        let extreme = |values: &[f64], factor: f64| {
-            let size = |value: &f64| factor.abs() * value.abs();
-            values
-                .iter()
-                .map(size)
-                .filter(|size| *size > 0.0)
-                .try_for_each(|size| range::size("force.record", size))
+        let [times, values] = self.history.sizes;
+        let in_range = |sizes: [f64; 2], factor: f64| {
+            sizes.iter().try_for_each(|size| range::size("force.record", factor.abs() * size))
         };
-        extreme(&self.history.times, self.rate)?;
-        if self.scale == 0.0 { Ok(()) } else { extreme(&self.history.values, self.scale) }
+        in_range(times, self.rate)?;
+        if self.scale == 0.0 { Ok(()) } else { in_range(values, self.scale) }
     }
 
     /// The instant of a point.

@@ -14,6 +14,8 @@ pub(super) struct Law {
     pull: f64,
     /// μκλ²
     inertia: f64,
+    /// μκλ² − (μλ cosθ)²/(1 + μ), the inertia that an impact turns round.
+    effective: f64,
     /// cosθ at the walls.
     cosine: f64,
     /// W⁺ = −ratio · W⁻: e, or 2μe/(1 + μ) as printed in Eq. 17.
@@ -40,7 +42,12 @@ impl Law {
                 (ratio, share(e), common.plus(-share(0.0).value * over))
             }
         };
+        // Written so that nothing cancels, however heavy the absorber: κ − cos²θ is exact.
+        let sine = if pendulum.small_angles { 0.0 } else { p.clearance / p.contact_distance };
+        let free = (p.inertia_ratio - 1.0) + if cosine > 0.0 { sine * sine } else { 1.0 };
+        let effective = mu * (lever * lever) * ((p.inertia_ratio + mu * free) / (1.0 + mu));
         Self {
+            effective,
             mass_ratio: mu,
             pull: mu * lever,
             inertia: mu * p.inertia_ratio * (lever * lever),
@@ -92,8 +99,7 @@ impl Law {
 
     /// ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)].
     fn consistent_loss(&self, w: f64, e: f64) -> f64 {
-        let primary = self.pull * self.cosine * (self.pull * self.cosine) / (1.0 + self.mass_ratio);
-        0.5 * ((1.0 - e) * (1.0 + e)) * (w * w) * (self.inertia - primary)
+        0.5 * ((1.0 - e) * (1.0 + e)) * (w * w) * self.effective
     }
 
     /// Kinetic energy before minus after v → v + gain W, W → −ratio W.

@@ -5,7 +5,7 @@
 //! it leaves out after [`ORDER`] terms is below 10⁻²¹ of it.
 
 use super::motion::work;
-use super::{Piva, PivaState};
+use super::{Parameters, Piva, PivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
@@ -184,8 +184,11 @@ impl Curve for PivaRide<'_> {
         2.0 * self.leverage() * sum / (self.step * self.step * self.step * self.step)
     }
 
+    /// That of the terms of A, which may all but cancel.
     fn magnitude(&self) -> f64 {
-        let sum: f64 = self.a.iter().map(|coefficient| coefficient.abs()).sum();
-        self.leverage() * sum + self.weight()
+        let Parameters { mass_ratio, damping_ratio, .. } = self.piva.parameters;
+        let size = |row: &Row<f64>| row.iter().map(|coefficient| coefficient.abs()).sum::<f64>();
+        let terms = size(&self.drive.primary) + size(&self.x) + 2.0 * damping_ratio * size(&self.u);
+        self.leverage() * terms / (1.0 + mass_ratio) + self.weight()
     }
 }
