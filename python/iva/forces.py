@@ -193,7 +193,7 @@ class Recorded:
         """
         # A path may also be bytes, whatever its type says.
         name = fspath(path) if isinstance(path, (str, PathLike)) else None
-        if not isinstance(name, str):  # type: ignore[redundant-expr]
+        if not isinstance(name, str):
             raise TypeError(f"path = {shown(path)}: give the name of a file")
         if kind is not None and not isinstance(kind, str):
             raise TypeError(f"kind = {shown(kind)}: give a word")
