@@ -191,10 +191,7 @@ class Recorded:
         >>> quake  # doctest: +SKIP
         Recorded(1000 points from 0 to 19.98, largest value 2.942, kind='base_acceleration')
         """
-        # A path may also be bytes, whatever its type says.
-        name = fspath(path) if isinstance(path, (str, PathLike)) else None
-        if not isinstance(name, str):
-            raise TypeError(f"path = {shown(path)}: give the name of a file")
+        name = file_name(path)
         if kind is not None and not isinstance(kind, str):
             raise TypeError(f"kind = {shown(kind)}: give a word")
         record = cls.__new__(cls)
@@ -252,6 +249,20 @@ class Recorded:
             f"Recorded({len(times)} points from {times[0]:.6g} to {times[-1]:.6g}, "
             f"largest value {abs(values).max():.4g}, kind={self.kind!r}{scale})"
         )
+
+
+def file_name(path: object) -> str:
+    """Return the text of a path.
+
+    Raises
+    ------
+    TypeError
+        If it is none, or made of bytes.
+    """
+    name = fspath(path) if isinstance(path, (str, PathLike)) else None
+    if not isinstance(name, str):
+        raise TypeError(f"path = {shown(path)}: give the name of a file")
+    return name
 
 
 #: What drives a scene.
