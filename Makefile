@@ -14,7 +14,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench bench-start wheel clean
+.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench bench-peers bench-start wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -45,6 +45,11 @@ lint-python: wheel
 
 bench: $(VENV)/.tools ## measure nanoseconds per impact
 	$(CARGO) bench --locked -p iva-benches
+
+bench-peers: wheel ## compare accuracy and run time with other integrators (their own environment)
+	test -x target/bench/bin/python || $(PYTHON) -m venv --without-pip target/bench
+	$(PYTHON) -m pip --python target/bench/bin/python install --quiet "$$(ls $(CURDIR)/target/wheels/iva_dynamics-*.whl)[bench]"
+	target/bench/bin/python benches/work_precision.py
 
 bench-start: wheel ## measure how long the command takes to start
 	$(CARGO) build --locked --release -p iva-cli
