@@ -14,7 +14,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench bench-peers bench-start wheel clean
+.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench bench-peers bench-start stress wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -45,6 +45,9 @@ lint-python: wheel
 
 bench: $(VENV)/.tools ## measure nanoseconds per impact
 	$(CARGO) bench --locked -p iva-benches
+
+stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts
+	$(CARGO) test --locked --release -p iva-tests --test stress -- --ignored --nocapture
 
 bench-peers: wheel ## compare accuracy and run time with other integrators (their own environment)
 	test -x target/bench/bin/python || $(PYTHON) -m venv --without-pip target/bench

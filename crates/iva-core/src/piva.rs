@@ -69,6 +69,7 @@ impl Piva {
             mass_ratio,
             damping_ratio,
             contact_distance,
+            inertia_ratio,
             lever,
             coupling: 1.0 / (inertia_ratio * lever),
             frequency_squared: frequency_ratio * frequency_ratio,
@@ -337,7 +338,7 @@ impl System for Piva {
     }
 
     fn kick(&self, state: &PivaState, velocity: f64, stuck: bool) -> PivaState {
-        let Pendulum { mass_ratio, lever, coupling, .. } = self.pendulum;
+        let Pendulum { mass_ratio, coupling, .. } = self.pendulum;
         let mass = Sum::new(1.0).plus(mass_ratio);
         let kicks = state.kicks + 1;
         if stuck {
@@ -345,10 +346,8 @@ impl System for Piva {
             let primary = state.primary.faster_by(gained);
             return PivaState { kicks, primary, released: false, ..*state };
         }
-        let cosine = state.cosine;
-        let carried = Sum::new(mass_ratio).times(lever).times(coupling).times(cosine).times(cosine);
-        let gained = Sum::new(velocity).over_sum(mass - carried);
-        let swing = gained.times(-coupling).times(cosine);
+        let gained = Sum::new(velocity).over_sum(self.pendulum.inertia(state.y()));
+        let swing = gained.times(-coupling).times(state.cosine);
         PivaState {
             kicks,
             primary: state.primary.faster_by(gained),

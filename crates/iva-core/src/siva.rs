@@ -203,7 +203,7 @@ impl System for Siva {
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
         let acceleration = self.free.acceleration(&primary).value;
-        let side = [start.gap_displacement, start.gap_velocity, -acceleration]
+        let side = [start.gap_displacement, start.gap_velocity, -acceleration, start.velocity]
             .into_iter()
             .find(|value| *value != 0.0)
             .unwrap_or(1.0);

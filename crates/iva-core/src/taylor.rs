@@ -84,6 +84,8 @@ pub struct Pendulum {
     pub damping_ratio: f64,
     /// b, from the pivot to the point of contact.
     pub contact_distance: f64,
+    /// κ = I/(m L²).
+    pub inertia_ratio: f64,
     /// λ = L/b.
     pub lever: f64,
     /// β = b/(κL).
@@ -168,6 +170,15 @@ impl Pendulum {
         ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt()
     }
 
+    /// 1 + μ − (μ/κ) cos²θ, what a force on the primary moves: written as 1 + (μ/κ)(κ − 1 + sin²θ), in
+    /// which nothing cancels however heavy the pendulum is.
+    pub fn inertia<T: Number>(&self, y: T) -> T {
+        let n = T::from_double;
+        let sine = if self.small_angles { n(0.0) } else { y / n(self.contact_distance) };
+        let share = n(self.mass_ratio) * n(self.lever) * n(self.coupling);
+        n(1.0) + share * (n(self.inertia_ratio - 1.0) + sine * sine)
+    }
+
     /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.
     pub fn series<T: Number, const LENGTH: usize>(
         &self,
@@ -206,7 +217,7 @@ impl Pendulum {
         let row = [n(0.0); LENGTH];
         let mut s = Series { x: row, u: row, a: row, y: row, w: row, c: row };
         (s.x[0], s.u[0], s.y[0], s.w[0], s.c[0]) = (start.x, start.u, start.y, start.w, start.c);
-        let over_inertia = n(1.0) / (n(1.0) + n(mu) - pull * beta * start.c * start.c);
+        let over_inertia = n(1.0) / self.inertia(start.y);
         let (over_b2, over_step) = (n(1.0) / b2, n(1.0) / step);
         // (c W)_k without its term c₀ W_k
         let mut swept = n(0.0);

@@ -7,10 +7,12 @@
 pub mod case;
 pub mod dd;
 pub mod flight;
+pub mod naive;
 pub mod oracle;
 pub mod pendulum;
 pub mod reference;
 pub mod rng;
+pub mod stress;
 pub mod timeline;
 
 use proptest::test_runner::{Config, RngSeed};

@@ -146,6 +146,7 @@ fn the_order_of_the_series_is_the_one_it_says() {
         mass_ratio: 0.3,
         damping_ratio: 0.05,
         contact_distance: 2.0,
+        inertia_ratio: 1.1,
         lever: 1.0,
         coupling: 1.0 / 1.1,
         frequency_squared: 0.9 * 0.9,

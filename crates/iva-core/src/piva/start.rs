@@ -131,8 +131,13 @@ impl Piva {
         let Pose { y, cosine, w } = self.pose(start);
         // Seen from the wall that the pendulum is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
+        let pushed = self.force.drive::<3>(Clock::ZERO, Clock::ZERO, 1.0);
+        let kicked = self.force.impulses().next().map(|impulse| impulse.velocity);
         let side = [y, w, start.displacement, start.velocity]
             .into_iter()
+            .chain(pushed.primary)
+            .chain(pushed.base)
+            .chain(kicked)
             .find(|value| *value != 0.0)
             .unwrap_or(1.0);
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };

@@ -175,6 +175,8 @@ struct Proof<'a> {
     driven: [f64; 2],
     /// |c₀|
     cosine: f64,
+    /// What divides the momentum equation.
+    inertia: f64,
     /// H₁ of c without its first term, of W.
     c_1: f64,
     w_1: f64,
@@ -202,6 +204,7 @@ impl<'a> Proof<'a> {
             sigma_2: (2.0 / order_ + 4.0 * (n / order_ - 1.0) / n) / n,
             driven: [0.0; 2],
             cosine: series.c[0].abs(),
+            inertia: pendulum.inertia(series.y[0]),
             c_1: 0.0,
             w_1: 0.0,
             y_2: 0.0,
@@ -265,6 +268,7 @@ impl<'a> Proof<'a> {
             frequency_squared: r2,
             pivot_damping: nu,
             small_angles,
+            ..
         } = *self.pendulum;
         let Self { step, beyond, sigma_1, sigma_2, cosine, .. } = *self;
         let pull = mass_ratio * lever;
@@ -280,8 +284,7 @@ impl<'a> Proof<'a> {
         let linear = (r2 * t.y + nu * t.w) * beyond;
         let [driven, base] = self.driven;
         let force = driven + (t.x + 2.0 * damping_ratio * t.u) * beyond;
-        let inertia = 1.0 + mass_ratio - pull * beta * (cosine * cosine);
-        let a = (force + pull * (s_w + c_r + cosine * (beta * c_a + linear))) / inertia;
+        let a = (force + pull * (s_w + c_r + cosine * (beta * c_a + linear))) / self.inertia;
         let r = beta * (cosine * t.a + c_a) + linear;
         let c_w = (t.w * self.c_2 + t.c * self.w_2) * beyond + sigma_2 * t.c * t.w;
         Tail {

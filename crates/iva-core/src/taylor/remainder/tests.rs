@@ -22,6 +22,7 @@ fn no_later_coefficient_exceeds_its_bound() {
             mass_ratio: 0.01 + 2.0 * part(31) * part(5),
             damping_ratio: 0.3 * part(3),
             contact_distance: 2.0,
+            inertia_ratio: kappa,
             lever,
             coupling: 1.0 / (kappa * lever),
             frequency_squared: 4.0 * part(11) * part(19),
