@@ -32,6 +32,7 @@
 //! * [`range`] holds the numbers that a run accepts.
 //! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] and, under force,
 //!   [`steady`] watch a run.
+//! * [`propagation`] watches as well: it estimates what errors have grown to.
 //! * [`run`] does all of it in one call.
 //! * [`theory`] holds steady states known in closed form; no run uses it.
 //!
