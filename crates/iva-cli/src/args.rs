@@ -76,8 +76,8 @@ pub enum Command {
                             samples_per_period = 500   # of the trajectory; default 200\n\n\
                             then\n\n  \
                             iva run one.toml\n\n\
-                            prints the measures and writes summary, impacts, episodes, envelope and\n\
-                            trajectory into results/one (fewer if run.tables or --tables says so)."
+                            prints the measures and writes summary, impacts, episodes, envelope,\n\
+                            stroboscope and trajectory into results/one (fewer if run.tables or --tables says so)."
     )]
     Run(RunPointArgs),
     /// Check a study, count its points, and estimate time and size
@@ -96,8 +96,8 @@ pub struct RunArgs {
     /// Folder for the tables [default: results/<name of the study file>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Tables to write, instead of run.tables of the study: summary, impacts, episodes, envelope;
-    /// `iva run` also trajectory
+    /// Tables to write, instead of run.tables of the study: summary, impacts, episodes, envelope,
+    /// stroboscope; `iva run` also trajectory
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = table)]
     pub tables: Option<Vec<Table>>,
     /// What the tables are written as

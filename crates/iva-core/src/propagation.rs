@@ -13,7 +13,8 @@
 //! segment as Φ P Φᵀ + Q. A summed chatter keeps momentum and centre of mass, a release is smooth.
 //!
 //! The error of an impact time is that of the distance over the speed of approach, or, where that is
-//! not small against it, as far as the curvature lets the instant move.
+//! not small against it, as far as the curvature lets the instant move. Once it reaches 1/ωn the run
+//! has forgotten its start: from there on nothing is estimated.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -50,11 +51,14 @@ const UNIT: f64 = 0.5 * f64::EPSILON;
 /// grazing.
 const GRAZING: f64 = 0.01;
 
+/// An error as large as this says nothing any more, in 1/ωn.
+const LOST: f64 = 1.0;
+
 /// The estimated error of one impact time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeError {
-    /// Estimate that the true error rarely exceeds, in 1/ωn.
-    pub time: f64,
+    /// Estimate that the true error rarely exceeds, in 1/ωn; `None` once it has reached 1/ωn.
+    pub time: Option<f64>,
     /// True if errors this large could make a grazing of the impact, or let it vanish.
     pub grazing: bool,
     /// Its approach speed, to find it again when it is taken back.
@@ -71,21 +75,21 @@ pub struct Errors {
     /// Lengths that a condition is relative to: of the start, or the clearance.
     unit: f64,
     clearance: f64,
-    /// Of the impact under way.
-    now: Option<TimeError>,
+    /// Of the impact under way, and whether it is close to a grazing.
+    now: Option<(f64, bool)>,
     /// Of the rebounds of a summed tail that follow.
-    tail: TimeError,
+    tail: f64,
+    /// The estimate has reached [`LOST`].
+    lost: bool,
     /// One for each listed impact.
     pub impacts: Vec<TimeError>,
-    /// Largest change of an impact time per unit change of a start value over [`Errors::unit`].
-    pub condition: f64,
+    condition: f64,
     /// Largest time_error over max(τ, 1).
-    pub relative: f64,
+    relative: f64,
 }
 
 impl Default for Errors {
     fn default() -> Self {
-        let none = TimeError { time: 0.0, grazing: false, speed: 0.0 };
         Self {
             covariance: Matrix4::zeros(),
             derivative: Matrix4::identity(),
@@ -93,7 +97,8 @@ impl Default for Errors {
             unit: 1.0,
             clearance: 1.0,
             now: None,
-            tail: none,
+            tail: 0.0,
+            lost: false,
             impacts: Vec::new(),
             condition: 0.0,
             relative: 0.0,
@@ -102,9 +107,16 @@ impl Default for Errors {
 }
 
 impl Errors {
-    /// −log₁₀ of the largest error over max(τ, 1); `None` without impacts.
+    /// −log₁₀ of the largest error over max(τ, 1); 0 once that has reached 1, `None` without impacts.
     pub fn digits(&self) -> Option<f64> {
-        (self.relative > 0.0 && self.relative.is_finite()).then(|| -self.relative.log10())
+        let digits = if self.lost { 0.0 } else { -self.relative.log10() };
+        (!self.impacts.is_empty()).then_some(digits)
+    }
+
+    /// Largest change of an impact time per unit change of a start value, both dimensionless; `None`
+    /// without impacts, and where the start is forgotten: no number is large enough then.
+    pub fn condition(&self) -> Option<f64> {
+        (!self.impacts.is_empty() && !self.lost).then_some(self.condition)
     }
 
     fn carry(&mut self, map: &Matrix4<f64>) {
@@ -132,8 +144,12 @@ impl Errors {
         let margin = approach * approach - 2.0 * curvature * distance;
         let time = 2.0 * distance / (approach + margin.max(0.0).sqrt());
         let grazing = curvature * distance > GRAZING * (approach * approach);
-        let speed = approach;
-        self.now = Some(TimeError { time, grazing, speed });
+        // Also where nothing approaches, or a number has overflowed.
+        self.lost |= !time.is_finite() || time >= LOST || approach == 0.0;
+        self.now = Some((time, grazing));
+        if self.lost {
+            return;
+        }
         for column in 0..4 {
             let scale = self.unit / approach;
             self.condition = self.condition.max((scale * self.derivative[(2, column)]).abs());
@@ -148,7 +164,7 @@ impl Errors {
 
     /// The error of all rebounds that a chatter from here on still has: their times add up to
     /// T = 2u/(A(1 − e)).
-    fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State, time: f64) -> TimeError {
+    fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State, time: f64) -> f64 {
         let leave = system.distance(after);
         let left = 1.0 - system.rebound_ratio();
         let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
@@ -156,8 +172,7 @@ impl Errors {
         let pressure = (self.covariance[(0, 0)].sqrt() + self.covariance[(1, 1)].sqrt())
             / leave.curvature.abs();
         let more = DEVIATIONS * whole * (speed + pressure);
-        let time = time + if more.is_finite() { more } else { 0.0 };
-        TimeError { time, grazing: false, speed: 0.0 }
+        time + if more.is_finite() { more } else { 0.0 }
     }
 }
 
@@ -170,6 +185,9 @@ impl<S: Differentiable> Observer<S> for Errors {
     }
 
     fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        if self.lost {
+            return;
+        }
         let (from, h) = (span.motion.origin(), span.length);
         let end = span.motion.state(h);
         let [primary, gap] = system.truncation(from);
@@ -196,10 +214,11 @@ impl<S: Differentiable> Observer<S> for Errors {
     }
 
     fn impact(&mut self, _system: &S, impact: &Impact) {
-        let TimeError { time, grazing, .. } = self.now.take().unwrap_or(self.tail);
+        let (error, grazing) = self.now.take().unwrap_or((self.tail, false));
         // Written as a double, the instant is rounded once more.
-        let time = time + UNIT * impact.time;
-        self.relative = self.relative.max(time / impact.time.max(1.0));
+        let error = error + UNIT * impact.time;
+        self.relative = self.relative.max(error / impact.time.max(1.0));
+        let time = (!self.lost).then_some(error);
         self.impacts.push(TimeError { time, grazing, speed: impact.approach_speed() });
     }
 

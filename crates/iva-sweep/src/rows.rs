@@ -82,7 +82,7 @@ pub(crate) fn summary<S>(
         settled
             .and_then(|it| it.values.regime)
             .map_or(Cell::Null, |regime| Cell::Text(regime.to_string().into())),
-        errors.map(|errors| errors.condition).filter(|it| it.is_finite()).into(),
+        errors.and_then(Errors::condition).into(),
         errors.and_then(Errors::digits).into(),
     ];
     cells
@@ -120,8 +120,8 @@ pub(crate) fn impact(
         angles.map(|[before, _]| before.value).into(),
         rate(0),
         rate(1),
-        error.map(|error| scale.time(error.time)).into(),
-        error.map_or(Cell::Null, |error| Cell::Flag(error.grazing)),
+        error.and_then(|error| error.time).map(|time| scale.time(time)).into(),
+        error.filter(|error| error.time.is_some()).map_or(Cell::Null, |it| Cell::Flag(it.grazing)),
     ]
 }
 

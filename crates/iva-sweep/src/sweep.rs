@@ -206,8 +206,7 @@ impl Request {
 impl Request {
     /// What is wanted of a driven run's steady state; `None` in free decay, and if nothing is.
     fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
-        let wanted = SteadyWanted { ..self.steady };
-        (system.is_driven() && wanted != SteadyWanted::default()).then_some(wanted)
+        Some(self.steady).filter(|it| system.is_driven() && *it != SteadyWanted::default())
     }
 }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    force::{Acts, Force, Harmonic},
     observe::Events,
     piva::{Parameters, Piva},
     propagation::{Differentiable, Errors},
@@ -28,8 +29,11 @@ fn impacts<S: Differentiable>(
     let (events, errors) = watching;
     assert_eq!(events.impacts.len(), errors.impacts.len());
     let both = events.impacts.iter().zip(&errors.impacts);
-    both.map(|(impact, error)| (impact.time, impact.approach_speed(), error.time, error.grazing))
-        .collect()
+    both.map(|(impact, error)| {
+        let estimate = error.time.unwrap_or(f64::INFINITY);
+        (impact.time, impact.approach_speed(), estimate, error.grazing)
+    })
+    .collect()
 }
 
 /// Estimates over true errors.
@@ -127,4 +131,21 @@ fn estimates_hold_on_random_decays() {
     for (ratios, name) in ratios.into_iter().zip(["closed form", "series"]) {
         ratios.assert_good(name);
     }
+}
+
+#[test]
+fn a_motion_that_forgets_its_start_says_so() {
+    // Chaotic under force: errors grow by orders of magnitude each cycle, beyond any double.
+    let force = Harmonic { amplitude: 0.3, frequency: 0.83, phase: 0.0, acts: Acts::Primary };
+    let piva = Piva::new(Parameters::free_mass(0.1, 0.95, 0.3, 0.005))
+        .unwrap()
+        .under(Force::harmonic(vec![force]).unwrap());
+    let start = Start { displacement: 1.0, ..Start::default() };
+    let mut errors = Errors::default();
+    simulate(&piva, &start.into(), &Limits::new(5000.0, 0.3), None, &mut errors).unwrap();
+    let known = errors.impacts.iter().take_while(|error| error.time.is_some()).count();
+    assert!(known > 10 && known < errors.impacts.len());
+    assert!(errors.impacts[..known].iter().all(|error| error.time.unwrap() <= 1.0));
+    assert!(errors.impacts[known..].iter().all(|error| error.time.is_none()));
+    assert_eq!((errors.digits(), errors.condition()), (Some(0.0), None));
 }
