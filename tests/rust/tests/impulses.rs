@@ -182,3 +182,21 @@ proptest! {
         prop_assert!(m.energy_residual.abs() < 1e-11 * turned, "{:e}", m.energy_residual);
     }
 }
+
+#[test]
+fn an_impulse_within_the_last_rebounds_of_a_chatter_comes_before_the_stick() {
+    // The end of the chatter without impulse is known; one that falls just before must not be summed
+    // over: there is no stick before it.
+    let parameters = Parameters::free_mass(0.1, 0.5, 0.1, 0.0);
+    let start = Start { displacement: 1.0, ..Start::default() };
+    let end = kicked(parameters, start, Force::default(), 20.0).episodes[0].stick_time;
+    for exponent in 2..13 {
+        let time = end - 10f64.powi(-exponent);
+        let run = kicked(parameters, start, kicks(&[[time, -0.3], [time, 0.3]]), 20.0);
+        assert!(run.measures.energy_residual.abs() < 1e-14);
+        for episode in &run.episodes {
+            assert!(episode.release_time.is_none_or(|release| release >= episode.stick_time));
+            assert!(episode.stick_time > time, "1e-{exponent}: {episode:?}");
+        }
+    }
+}
