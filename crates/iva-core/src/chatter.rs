@@ -11,14 +11,12 @@
 //! (By perturbation: a rebound lasts 2u/A + (4/3) J u²/A³ and returns with u (1 − ⅔ J u/A²) to a pressure
 //! A − 2 J u/A, which β u then raises; the sums over all rebounds are geometric.) The tail
 //! replaces the simulation once the third-order terms, estimated from A, J, β and the size R of
-//! D⁗, are below rounding ([`NEGLIGIBLE`]). That is an estimate, not an enclosure. Where the absorber then sticks, the common
+//! D⁗, are below rounding ([`NEGLIGIBLE`](crate::real::NEGLIGIBLE)). That is an estimate, not an enclosure. Where the absorber then sticks, the common
 //! velocity follows from momentum, and the ride starts at the switch: the centre of mass obeys the
 //! equation of the ride through the whole tail up to terms of third order (rebounds are internal
 //! forces), so the motion after it is as exact.
 
-/// Largest estimated error of the summed duration, in 1/ωn, at which the tail is summed. Rounding of a time
-/// of order 1 is ten times larger.
-pub const NEGLIGIBLE: f64 = 1e-17;
+use crate::real::{NEGLIGIBLE, Real};
 
 /// What the third-order terms are taken times: their coefficients are of order 1, not below.
 const SAFETY: f64 = 4.0;
@@ -27,29 +25,29 @@ const SAFETY: f64 = 4.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rebound {
     /// u: speed away from the wall, > 0.
-    pub speed: f64,
+    pub speed: Real,
     /// A = −D̈: pressure per unit mass, > 0.
-    pub pressure: f64,
+    pub pressure: Real,
     /// J = D⃛ in free motion.
-    pub jerk: f64,
+    pub jerk: Real,
     /// β: rise of the pressure at an impact of unit approach speed.
-    pub gain: f64,
+    pub gain: Real,
     /// R: size of D⁗ and of the motion.
-    pub fourth: f64,
+    pub fourth: Real,
     /// e: ratio of successive rebound speeds, < 1 for a tail.
-    pub ratio: f64,
+    pub ratio: Real,
 }
 
 impl Rebound {
     /// Duration of the infinite tail, to second order in the speed.
-    pub fn tail(&self) -> f64 {
+    pub fn tail(&self) -> Real {
         let Self { speed: u, pressure: a, jerk: j, gain: b, ratio: e, .. } = *self;
         let x = u / (a * (1.0 - e));
         2.0 * x + x * x * ((4.0 / 3.0) * (j / a) - 2.0 * b * e / (1.0 + e))
     }
 
     /// Estimate of the error of [`Rebound::tail`].
-    pub fn tail_error(&self) -> f64 {
+    pub fn tail_error(&self) -> Real {
         let Self { speed: u, pressure: a, jerk: j, gain: b, fourth: r, ratio: e } = *self;
         let h = u / a;
         let spread = 1.0 / (1.0 - e);

@@ -1,5 +1,7 @@
 //! Sums that keep what rounding drops.
 
+use crate::real::{Real, ZERO};
+
 /// A number carried as its rounded value and the rest that rounding dropped (T. J. Dekker,
 /// Numer. Math. 18, 1971; the addition is D. Knuth's two-sum).
 ///
@@ -7,29 +9,29 @@
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sum {
     /// The sum, rounded to double precision.
-    pub value: f64,
+    pub value: Real,
     /// What `value` lacks; at most half a unit in its last place.
-    pub rest: f64,
+    pub rest: Real,
 }
 
 impl Sum {
     /// Zero.
-    pub const ZERO: Sum = Sum { value: 0.0, rest: 0.0 };
+    pub const ZERO: Sum = Sum { value: ZERO, rest: ZERO };
 
     /// A number without rest.
-    pub const fn new(value: f64) -> Self {
-        Self { value, rest: 0.0 }
+    pub const fn new(value: Real) -> Self {
+        Self { value, rest: ZERO }
     }
 
     /// The sum after adding an increment.
     #[inline]
-    pub fn plus(self, increment: f64) -> Self {
-        self.plus_parts(increment, 0.0)
+    pub fn plus(self, increment: impl Into<Real>) -> Self {
+        self.plus_parts(increment.into(), ZERO)
     }
 
     /// The sum after adding an increment that is itself given with its rounding rest.
     #[inline]
-    pub fn plus_parts(self, increment: f64, rest: f64) -> Self {
+    pub fn plus_parts(self, increment: Real, rest: Real) -> Self {
         let (sum, lost) = two_sum(self.value, increment);
         let rest = lost + (self.rest + rest);
         // `rest` is small against `sum`, so this renormalisation is exact.
@@ -38,19 +40,20 @@ impl Sum {
     }
 
     /// The product with a plain number.
-    pub fn times(self, factor: f64) -> Self {
+    pub fn times(self, factor: impl Into<Real>) -> Self {
+        let factor = factor.into();
         let (product, lost) = two_product(self.value, factor);
-        Self { value: product, rest: 0.0 }.plus_parts(0.0, lost + self.rest * factor)
+        Self { value: product, rest: ZERO }.plus_parts(ZERO, lost + self.rest * factor)
     }
 
     /// The product with another sum.
     pub fn times_sum(self, factor: Sum) -> Self {
-        self.times(factor.value).plus_parts(0.0, self.value * factor.rest)
+        self.times(factor.value).plus_parts(ZERO, self.value * factor.rest)
     }
 
     /// The quotient by a plain number.
-    pub fn over(self, divisor: f64) -> Self {
-        self.over_sum(Sum::new(divisor))
+    pub fn over(self, divisor: impl Into<Real>) -> Self {
+        self.over_sum(Sum::new(divisor.into()))
     }
 
     /// The quotient by another sum.
@@ -58,13 +61,13 @@ impl Sum {
         let quotient = self.value / divisor.value;
         let (product, lost) = two_product(quotient, divisor.value);
         let remainder = ((self.value - product) - lost) + (self.rest - quotient * divisor.rest);
-        Self::new(quotient).plus_parts(0.0, remainder / divisor.value)
+        Self::new(quotient).plus_parts(ZERO, remainder / divisor.value)
     }
 
     /// The difference to a plain number, rounded once.
     #[inline]
-    pub fn minus(self, other: f64) -> f64 {
-        (self.value - other) + self.rest
+    pub fn minus(self, other: impl Into<Real>) -> Real {
+        (self.value - other.into()) + self.rest
     }
 
     /// The negative.
@@ -116,7 +119,7 @@ impl std::ops::Div for Sum {
 
 /// `a + b` as the rounded sum and its exact error.
 #[inline]
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn two_sum(a: Real, b: Real) -> (Real, Real) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))
@@ -124,8 +127,8 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 
 /// `a · b` as the rounded product and its exact error, by splitting both factors into halves of 26
 /// bits (G. W. Veltkamp); far from overflow.
-fn two_product(a: f64, b: f64) -> (f64, f64) {
-    let split = |number: f64| {
+pub(crate) fn two_product(a: Real, b: Real) -> (Real, Real) {
+    let split = |number: Real| {
         let shifted = 134_217_729.0 * number;
         let high = shifted - (shifted - number);
         (high, number - high)

@@ -6,6 +6,7 @@
 //! velocity, then acceleration, then jerk, without cool-down time or nudge.
 
 use crate::flight::{Curve, Jet};
+use crate::real::{ONE, Real, ZERO};
 use crate::roots::{Node, Searched, highest_change};
 
 /// Half width of the band around a wall in which an extremum is undecided, in units of 2⁻⁵³ of the
@@ -41,17 +42,17 @@ pub struct Stretch<T> {
 pub fn first_contact<C: Curve>(
     flight: &C,
     start: &C::Sample,
-    clearance: f64,
-    length: f64,
+    clearance: Real,
+    length: Real,
 ) -> Stretch<C::Sample> {
     let jet = flight.jet(start);
     let fourth = flight.fourth();
     let size = flight.magnitude();
     // A flight that starts from a wall is exact to rounding of its own height over it.
     let height = if jet.value == 0.0 { size.min(highest(&jet, fourth, length)) } else { size };
-    let near = searched(flight, (0.0, 1.0), fourth, height);
-    let far = searched(flight, (2.0 * clearance, -1.0), fourth, size);
-    let a = Node { h: 0.0, sample: *start, jet };
+    let near = searched(flight, (ZERO, ONE), fourth, height);
+    let far = searched(flight, (2.0 * clearance, -ONE), fourth, size);
+    let a = Node { h: ZERO, sample: *start, jet };
     let b = near.node(length);
     let (a_far, b_far) = (far.seen(&a.jet), far.seen(&b.jet));
     let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
@@ -80,9 +81,9 @@ pub fn first_contact<C: Curve>(
 }
 
 /// The first instant within `length` at which the pressure of a ride vanishes.
-pub fn first_release<C: Curve>(ride: &C, start: &C::Sample, length: f64) -> Stretch<C::Sample> {
-    let pressure = searched(ride, (0.0, 1.0), ride.fourth(), ride.magnitude());
-    let a = Node { h: 0.0, sample: *start, jet: ride.jet(start) };
+pub fn first_release<C: Curve>(ride: &C, start: &C::Sample, length: Real) -> Stretch<C::Sample> {
+    let pressure = searched(ride, (ZERO, ONE), ride.fourth(), ride.magnitude());
+    let a = Node { h: ZERO, sample: *start, jet: ride.jet(start) };
     let b = pressure.node(length);
     let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
     if !pressure.excluded(&a.jet, &b.jet, length) {
@@ -98,15 +99,15 @@ pub fn first_release<C: Curve>(ride: &C, start: &C::Sample, length: f64) -> Stre
 
 fn searched<C: Curve>(
     curve: &C,
-    (level, sign): (f64, f64),
-    fourth: f64,
-    magnitude: f64,
+    (level, sign): (Real, Real),
+    fourth: Real,
+    magnitude: Real,
 ) -> Searched<'_, C> {
-    let unit = 0.5 * f64::EPSILON * magnitude;
+    let unit = 0.5 * Real::EPSILON * magnitude;
     Searched { curve, level, sign, fourth, band: UNDECIDED_BAND * unit, doubt: DOUBT * unit }
 }
 
 /// What a function does not exceed within `length`.
-fn highest(jet: &Jet, fourth: f64, length: f64) -> f64 {
+fn highest(jet: &Jet, fourth: Real, length: Real) -> Real {
     jet.value.abs() + highest_change(jet, fourth, length)
 }

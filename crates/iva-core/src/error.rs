@@ -35,7 +35,8 @@ impl Invalid {
 
 /// A number as messages print it: the shortest digits that mean it, with an exponent where that is
 /// shorter and the number very large or small.
-pub fn number(value: f64) -> String {
+pub fn number(value: impl Into<f64>) -> String {
+    let value = value.into();
     let (plain, scientific) = (value.to_string(), format!("{value:e}"));
     let usual = value == 0.0 || (1e-4..1e6).contains(&value.abs());
     if usual || !value.is_finite() || plain.len() <= scientific.len() { plain } else { scientific }

@@ -5,19 +5,20 @@
 //! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
 
 use crate::compensated::Sum;
+use crate::real::{Real, ZERO};
 use crate::system::Wall;
 
 /// A scalar function of time and its first three derivatives at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jet {
     /// f
-    pub value: f64,
+    pub value: Real,
     /// f′
-    pub rate: f64,
+    pub rate: Real,
     /// f″
-    pub curvature: f64,
+    pub curvature: Real,
     /// f‴
-    pub jerk: f64,
+    pub jerk: Real,
 }
 
 /// A scalar function on [0, reach] with a bound on its fourth derivative.
@@ -25,38 +26,38 @@ pub trait Curve {
     /// What one evaluation yields; the jet is read from it.
     type Sample: Copy;
     /// Evaluates the motion at h.
-    fn sample(&self, h: f64) -> Self::Sample;
+    fn sample(&self, h: Real) -> Self::Sample;
     /// The function and its derivatives at a sample.
     fn jet(&self, sample: &Self::Sample) -> Jet;
     /// f at h with an error far below 2⁻⁵³ of [`Curve::magnitude`]. Dear; asked only where the sign
     /// of f is in doubt.
-    fn precise(&self, h: f64) -> Sum;
+    fn precise(&self, h: Real) -> Sum;
     /// A number that |f⁗| does not exceed on [0, reach].
-    fn fourth(&self) -> f64;
+    fn fourth(&self) -> Real;
     /// The size of f, of which rounding takes some 2⁻⁵³.
-    fn magnitude(&self) -> f64;
+    fn magnitude(&self) -> Real;
 }
 
 /// Displacement and velocity of the absorber in its gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GapPoint {
     /// Gap displacement y.
-    pub y: f64,
+    pub y: Real,
     /// Gap velocity w = ẏ.
-    pub w: f64,
+    pub w: Real,
 }
 
 /// The polynomials that a motion consists of, in powers of h/`step`.
 #[derive(Debug, Clone, Copy)]
 pub struct Rows<'a> {
     /// Length that h is measured in.
-    pub step: f64,
+    pub step: Real,
     /// Displacement of the primary.
-    pub x: &'a [f64],
+    pub x: &'a [Real],
     /// Its absolute acceleration ẍ + a_g.
-    pub acceleration: &'a [f64],
+    pub acceleration: &'a [Real],
     /// Acceleration a_g of the base.
-    pub base: &'a [f64],
+    pub base: &'a [Real],
 }
 
 /// Smooth motion from one state, exact for 0 ≤ h ≤ `reach`.
@@ -68,27 +69,27 @@ pub trait Motion {
     /// The state at h = 0.
     fn origin(&self) -> &Self::State;
     /// The longest h this motion is exact for.
-    fn reach(&self) -> f64;
+    fn reach(&self) -> Real;
     /// The state at h.
-    fn state(&self, h: f64) -> Self::State;
+    fn state(&self, h: Real) -> Self::State;
     /// Primary displacement and its derivatives at h.
-    fn primary(&self, h: f64) -> Jet;
+    fn primary(&self, h: Real) -> Jet;
     /// Gap displacement and velocity at h.
-    fn gap(&self, h: f64) -> GapPoint;
+    fn gap(&self, h: Real) -> GapPoint;
     /// The wall ridden on; `None` in flight.
     fn wall(&self) -> Option<Wall>;
     /// Energy lost in the damper up to h, an integral.
-    fn viscous_loss(&self, h: f64) -> f64;
+    fn viscous_loss(&self, h: Real) -> Real;
     /// The series that it is read from, where it is one.
     fn rows(&self) -> Option<Rows<'_>> {
         None
     }
     /// Work of force and base up to h, an integral.
-    fn work(&self, _h: f64) -> f64 {
-        0.0
+    fn work(&self, _h: Real) -> Real {
+        ZERO
     }
     /// Energy lost in the pivot of a pendulum up to h, an integral.
-    fn pivot_loss(&self, _h: f64) -> f64 {
-        0.0
+    fn pivot_loss(&self, _h: Real) -> Real {
+        ZERO
     }
 }

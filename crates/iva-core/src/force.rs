@@ -17,6 +17,7 @@
 use crate::compensated::Sum;
 use crate::error::Invalid;
 use crate::range;
+use crate::real::{Real, ZERO};
 use crate::taylor::ORDER;
 
 pub use harmonic::Harmonic;
@@ -39,9 +40,9 @@ pub enum Acts {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impulse {
     /// P/M.
-    pub velocity: f64,
+    pub velocity: Real,
     /// Instant, in 1/ωn.
-    pub time: f64,
+    pub time: Real,
 }
 
 /// A sum of forces; the empty one is free decay.
@@ -56,7 +57,7 @@ pub struct Force {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Kick {
     time: Sum,
-    velocity: f64,
+    velocity: Real,
 }
 
 /// Taylor coefficients of f/M and a_g over a step.
@@ -81,7 +82,7 @@ impl Force {
         harmonics.iter().try_for_each(Harmonic::check)?;
         records.iter().try_for_each(Record::check)?;
         let jumps = records.iter().flat_map(Record::jumps).filter(|time| time.value > 0.0);
-        let mut kicks: Vec<Kick> = jumps.map(|time| Kick { time, velocity: 0.0 }).collect();
+        let mut kicks: Vec<Kick> = jumps.map(|time| Kick { time, velocity: ZERO }).collect();
         for Impulse { velocity, time } in impulses {
             range::size("force.velocity", *velocity)?;
             if *time != 0.0 {
@@ -91,7 +92,7 @@ impl Force {
                 kicks.push(Kick { time: Sum::new(*time), velocity: *velocity });
             }
         }
-        kicks.sort_by(|a, b| (a.time - b.time).value.total_cmp(&0.0));
+        kicks.sort_by(|a, b| (a.time - b.time).value.total_cmp(&ZERO));
         Ok(Self { harmonics, records, kicks })
     }
 
@@ -141,13 +142,13 @@ impl Force {
     }
 
     /// The highest frequency in it, 0 without any: a straight line has none.
-    pub fn fastest(&self) -> f64 {
-        self.harmonics.iter().fold(0.0, |most, harmonic| most.max(harmonic.frequency))
+    pub fn fastest(&self) -> Real {
+        self.harmonics.iter().fold(ZERO, |most, harmonic| most.max(harmonic.frequency))
     }
 
     /// Coefficients of powers of t/h at `time`, of the smooth force that acts from `from` on.
-    pub fn drive<const LENGTH: usize>(&self, from: Sum, time: Sum, h: f64) -> Drive<f64, LENGTH> {
-        let mut drive = Drive { primary: [0.0; LENGTH], base: [0.0; LENGTH] };
+    pub fn drive<const LENGTH: usize>(&self, from: Sum, time: Sum, h: Real) -> Drive<Real, LENGTH> {
+        let mut drive = Drive { primary: [ZERO; LENGTH], base: [ZERO; LENGTH] };
         for harmonic in &self.harmonics {
             harmonic.add(drive.row(harmonic.acts), time, h);
         }
@@ -162,7 +163,7 @@ impl Force {
     }
 
     /// The same at `from`, to twice the precision.
-    pub fn precise(&self, from: Sum, h: f64) -> Drive<Sum> {
+    pub fn precise(&self, from: Sum, h: Real) -> Drive<Sum> {
         let mut drive = Drive { primary: [Sum::ZERO; ORDER + 1], base: [Sum::ZERO; ORDER + 1] };
         for harmonic in &self.harmonics {
             harmonic.add_precise(drive.row(harmonic.acts), from, h);
@@ -178,8 +179,8 @@ impl Force {
 
     /// Bounds |F_k| ≤ F̂ qᵏ/(k+1) on the coefficients of f/M and of a_g for every k ≥ N ≥ 2; `None` if
     /// this q is too small. A straight line has no such coefficients.
-    pub fn tail(&self, h: f64, order: usize, ratio: f64) -> Option<[f64; 2]> {
-        let mut tail = [0.0; 2];
+    pub fn tail(&self, h: Real, order: usize, ratio: Real) -> Option<[Real; 2]> {
+        let mut tail = [ZERO; 2];
         for harmonic in &self.harmonics {
             tail[usize::from(harmonic.acts == Acts::Base)] += harmonic.tail(h, order, ratio)?;
         }
@@ -190,19 +191,19 @@ impl Force {
     pub fn smooth_until(&self, time: Sum, done: u32) -> Option<Sum> {
         let kick = self.kicks.get(done as usize).map(|kick| kick.time);
         let bends = self.records.iter().filter_map(|record| record.next_knot(time));
-        bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&0.0))
+        bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&ZERO))
     }
 
     /// P/M of the kick that is due, once the first `done` are over.
-    pub fn due(&self, time: Sum, done: u32) -> Option<f64> {
+    pub fn due(&self, time: Sum, done: u32) -> Option<Real> {
         let next = self.kicks.get(done as usize)?;
         ((next.time - time).value <= 0.0).then_some(next.velocity)
     }
 }
 
-impl<const LENGTH: usize> Drive<f64, LENGTH> {
+impl<const LENGTH: usize> Drive<Real, LENGTH> {
     /// Neither |f/M| nor |a_g| exceeds it within the step.
-    pub fn size(&self) -> f64 {
+    pub fn size(&self) -> Real {
         self.primary.iter().chain(&self.base).map(|coefficient| coefficient.abs()).sum()
     }
 }

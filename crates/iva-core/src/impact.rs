@@ -6,20 +6,21 @@
 //! demands it.
 
 use crate::compensated::Sum;
+use crate::real::{ONE, Real};
 use crate::system::Wall;
 
 /// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13).
 ///
 /// With its rounding rest: at e = 1 a share off by half a unit in the last place would make the
 /// energy drift from impact to impact.
-pub fn primary_share(mass_ratio: f64, restitution: f64) -> Sum {
-    let gain = Sum::new(1.0).plus(restitution).times(mass_ratio);
-    gain.over_sum(Sum::new(1.0).plus(mass_ratio))
+pub fn primary_share(mass_ratio: Real, restitution: Real) -> Sum {
+    let gain = Sum::new(ONE).plus(restitution).times(mass_ratio);
+    gain.over_sum(Sum::new(ONE).plus(mass_ratio))
 }
 
 /// ½ μ/(1 + μ) (1 − e²) w², per primary mass.
 #[inline]
-pub fn energy_loss(mass_ratio: f64, restitution: f64, approach: f64) -> f64 {
+pub fn energy_loss(mass_ratio: Real, restitution: Real, approach: Real) -> Real {
     0.5 * mass_ratio / (1.0 + mass_ratio)
         * ((1.0 - restitution) * (1.0 + restitution))
         * (approach * approach)
@@ -30,39 +31,39 @@ pub fn energy_loss(mass_ratio: f64, restitution: f64, approach: f64) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact {
     /// Instant.
-    pub time: f64,
+    pub time: Real,
     /// The wall that was hit.
     pub wall: Wall,
     /// Displacement of the primary.
-    pub displacement: f64,
+    pub displacement: Real,
     /// Primary velocity just before.
-    pub velocity_before: f64,
+    pub velocity_before: Real,
     /// Primary velocity just after.
-    pub velocity_after: f64,
+    pub velocity_after: Real,
     /// Gap velocity just before: the signed approach velocity.
-    pub gap_velocity_before: f64,
+    pub gap_velocity_before: Real,
     /// Gap velocity just after.
-    pub gap_velocity_after: f64,
+    pub gap_velocity_after: Real,
     /// Velocity of the absorber's centre of mass per gap velocity: 1 for a free mass, L/b for a
     /// pendulum.
-    pub lever: f64,
+    pub lever: Real,
     /// Energy lost.
-    pub energy_loss: f64,
+    pub energy_loss: Real,
 }
 
 impl Impact {
     /// Absolute horizontal velocity of the absorber's centre of mass just before.
-    pub fn absorber_velocity_before(&self) -> f64 {
+    pub fn absorber_velocity_before(&self) -> Real {
         self.velocity_before + self.lever * self.gap_velocity_before
     }
 
     /// Absolute horizontal velocity of the absorber's centre of mass just after.
-    pub fn absorber_velocity_after(&self) -> f64 {
+    pub fn absorber_velocity_after(&self) -> Real {
         self.velocity_after + self.lever * self.gap_velocity_after
     }
 
     /// Size of the gap velocity just before.
-    pub fn approach_speed(&self) -> f64 {
+    pub fn approach_speed(&self) -> Real {
         self.gap_velocity_before.abs()
     }
 

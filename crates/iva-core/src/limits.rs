@@ -2,19 +2,20 @@
 
 use crate::error::Invalid;
 use crate::range;
+use crate::real::Real;
 
 /// How long to run and where to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Length of the run, in 1/ωn.
-    pub duration: f64,
+    pub duration: Real,
     /// Stop after so many listed impacts. Rebounds at or below the floor count once it is known
     /// that their chatter does not end in stick.
     pub max_impacts: u64,
     /// Stop after so many segments of flight or ride.
     pub max_work: u64,
     /// Rebounds of an episode at or below this approach speed are not listed.
-    pub chatter_floor: f64,
+    pub chatter_floor: Real,
 }
 
 impl Limits {
@@ -26,7 +27,7 @@ impl Limits {
     pub const CHATTER_FLOOR: f64 = 1e-6;
 
     /// Default limits for a run of this duration with this clearance.
-    pub fn new(duration: f64, clearance: f64) -> Self {
+    pub fn new(duration: Real, clearance: Real) -> Self {
         Self {
             duration,
             max_impacts: Self::MAX_IMPACTS,

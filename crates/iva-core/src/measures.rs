@@ -4,12 +4,11 @@
 //! envelope fits to sampled data. Reference amplitude A₀ = |x(0)|, or the first peak when
 //! x(0) = 0.
 
-use std::f64::consts::{PI, TAU};
-
 use crate::compensated::Sum;
 use crate::flight::Motion;
 use crate::observe::{Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
+use crate::real::{ONE, Real, TURN, ZERO};
 use crate::settling::LastCrossing;
 use crate::simulate::{Outcome, Tally};
 use crate::system::System;
@@ -42,36 +41,36 @@ impl Wanted {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MeasureValues {
     /// δ/√(4π² + δ²), δ = ln(a₀/a₂).
-    pub damping_ratio_1: Option<f64>,
+    pub damping_ratio_1: Option<Real>,
     /// The same with δ = ln(a₀/a₆)/3.
-    pub damping_ratio_3: Option<f64>,
+    pub damping_ratio_3: Option<Real>,
     /// The same with δ = ln(a₀/a₂₀)/10.
-    pub damping_ratio_10: Option<f64>,
+    pub damping_ratio_10: Option<Real>,
     /// −slope of the least-squares line of ln a_k over ωn t_k, down to 5 % of A₀; at least 3 peaks.
-    pub damping_ratio_fit: Option<f64>,
+    pub damping_ratio_fit: Option<Real>,
     /// (E(0) − E(2π))/(4π E(0)), E(0) after the impulses of time zero; null if one follows within
     /// the period.
-    pub damping_ratio_energy: Option<f64>,
+    pub damping_ratio_energy: Option<Real>,
     /// Last instant at which |x| = 0.10 A₀; null while |x| exceeds it in the last half period.
-    pub settling_time_10: Option<f64>,
+    pub settling_time_10: Option<Real>,
     /// Last instant at which |x| = 0.05 A₀.
-    pub settling_time_5: Option<f64>,
+    pub settling_time_5: Option<Real>,
     /// Last instant at which |x| = 0.02 A₀.
-    pub settling_time_2: Option<f64>,
+    pub settling_time_2: Option<Real>,
     /// Largest |x| over the last period over A₀; null under a lasting force, as all above.
-    pub residual_amplitude: Option<f64>,
+    pub residual_amplitude: Option<Real>,
     /// E(0), before any impulse.
-    pub energy_initial: f64,
+    pub energy_initial: Real,
     /// Σ ∫ 2ζ ẋ² dt.
-    pub energy_viscous: f64,
+    pub energy_viscous: Real,
     /// What the damping of a pendulum's pivot takes, an integral; 0 for a free mass.
-    pub energy_pivot: f64,
+    pub energy_pivot: Real,
     /// E at the end.
-    pub energy_final: f64,
+    pub energy_final: Real,
     /// What force and base motion put in, an integral; 0 in free decay.
-    pub energy_work: f64,
+    pub energy_work: Real,
     /// Initial + work − impacts − viscous − pivot − final.
-    pub energy_residual: f64,
+    pub energy_residual: Real,
 }
 
 /// Takes the measures while a run passes.
@@ -79,18 +78,18 @@ pub struct MeasureValues {
 pub struct Measures<S: System> {
     wanted: Wanted,
     values: MeasureValues,
-    duration: f64,
+    duration: Real,
     reference: Reference,
     /// Energy at time zero, after the impulses of that instant.
-    energy_begin: f64,
+    energy_begin: Real,
     moving: bool,
     half_cycles: HalfCycles,
-    first_peak: f64,
-    decrements: [Option<f64>; 3],
+    first_peak: Real,
+    decrements: [Option<Real>; 3],
     fit: Fit,
     settling: [LastCrossing<S>; 3],
-    last_period: f64,
-    last_half_period: f64,
+    last_period: Real,
+    last_half_period: Real,
     viscous: Sum,
     pivot: Sum,
     work: Sum,
@@ -99,7 +98,7 @@ pub struct Measures<S: System> {
 /// A₀, which grows with the first half cycle where x(0) = 0.
 #[derive(Debug, Clone, Copy)]
 struct Reference {
-    amplitude: f64,
+    amplitude: Real,
     settled: bool,
 }
 
@@ -109,17 +108,17 @@ impl<S: System> Measures<S> {
         Self {
             wanted,
             values: MeasureValues::default(),
-            duration: 0.0,
-            reference: Reference { amplitude: 0.0, settled: false },
-            energy_begin: 0.0,
+            duration: ZERO,
+            reference: Reference { amplitude: ZERO, settled: false },
+            energy_begin: ZERO,
             moving: false,
             half_cycles: HalfCycles::default(),
-            first_peak: 0.0,
+            first_peak: ZERO,
             decrements: [None; 3],
             fit: Fit::default(),
-            settling: [0.10, 0.05, 0.02].map(LastCrossing::new),
-            last_period: 0.0,
-            last_half_period: 0.0,
+            settling: [0.10, 0.05, 0.02].map(|share| LastCrossing::new(share * ONE)),
+            last_period: ZERO,
+            last_half_period: ZERO,
             viscous: Sum::ZERO,
             pivot: Sum::ZERO,
             work: Sum::ZERO,
@@ -140,7 +139,7 @@ impl<S: System> Measures<S> {
         for (decrement, cycles) in self.decrements.iter_mut().zip(CYCLES) {
             if index == 2 * cycles {
                 let delta = (self.first_peak / amplitude).ln() / cycles as f64;
-                *decrement = Some(delta / (TAU * TAU + delta * delta).sqrt());
+                *decrement = Some(delta / (TURN[0] * TURN[0] + delta * delta).sqrt());
             }
         }
         self.fit.take(peak.time, amplitude / self.reference.amplitude);
@@ -171,10 +170,10 @@ impl<S: System> Measures<S> {
         &mut self,
         span: &Span<'_, M>,
         stretch: &Monotone,
-        end: f64,
+        end: Real,
     ) {
         for (before_end, largest) in
-            [(TAU, &mut self.last_period), (PI, &mut self.last_half_period)]
+            [(TURN[0], &mut self.last_period), (0.5 * TURN[0], &mut self.last_half_period)]
         {
             let from = (self.duration - before_end).max(0.0);
             if end < from {
@@ -188,7 +187,7 @@ impl<S: System> Measures<S> {
 }
 
 impl<S: System> Observer<S> for Measures<S> {
-    fn start(&mut self, system: &S, state: &S::State, duration: f64) {
+    fn start(&mut self, system: &S, state: &S::State, duration: Real) {
         *self = Self::new(self.wanted);
         let x = system.primary(state).x;
         self.duration = duration;
@@ -208,20 +207,21 @@ impl<S: System> Observer<S> for Measures<S> {
             self.pivot = self.pivot.plus(span.motion.pivot_loss(span.length));
             self.work = self.work.plus(span.motion.work(span.length));
         }
-        let to_period = -span.start.minus(TAU);
+        let to_period = -span.start.minus(TURN[0]);
         if to_period > 0.0 && to_period <= span.length {
             let initial = self.energy_begin;
             let energy = system.energy(&span.motion.state(to_period));
             if initial > 0.0 {
-                self.values.damping_ratio_energy = Some((initial - energy) / (2.0 * TAU * initial));
+                self.values.damping_ratio_energy =
+                    Some((initial - energy) / (2.0 * TURN[0] * initial));
             }
         }
     }
 
-    fn kick(&mut self, system: &S, state: &S::State, work: f64) {
+    fn kick(&mut self, system: &S, state: &S::State, work: Real) {
         self.work = self.work.plus(work);
         // What is given later hides what is lost.
-        self.energy_begin = if self.moving { 0.0 } else { system.energy(state) };
+        self.energy_begin = if self.moving { ZERO } else { system.energy(state) };
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {
@@ -246,7 +246,7 @@ impl<S: System> Observer<S> for Measures<S> {
             [values.settling_time_10, values.settling_time_5, values.settling_time_2] =
                 std::array::from_fn(|i| self.settling[i].time(system, late, amplitude));
         }
-        if whole && self.wanted.residual && self.duration >= TAU && !driven {
+        if whole && self.wanted.residual && self.duration >= TURN[0] && !driven {
             values.residual_amplitude = Some(self.last_period / amplitude);
         }
         values.energy_viscous = self.viscous.value;
@@ -267,16 +267,16 @@ impl<S: System> Observer<S> for Measures<S> {
 #[derive(Debug, Clone, Copy, Default)]
 struct Fit {
     closed: bool,
-    count: f64,
-    mean_t: f64,
-    mean_l: f64,
-    square_t: f64,
-    product: f64,
+    count: Real,
+    mean_t: Real,
+    mean_l: Real,
+    square_t: Real,
+    product: Real,
 }
 
 impl Fit {
     /// Takes a peak of this size over A₀.
-    fn take(&mut self, time: f64, amplitude: f64) {
+    fn take(&mut self, time: Real, amplitude: Real) {
         // Where nothing moves, the amplitude is 0/0.
         if self.closed || amplitude.is_nan() || amplitude < FIT_FLOOR {
             self.closed = true;
@@ -291,7 +291,7 @@ impl Fit {
         self.product += dt * (log - self.mean_l);
     }
 
-    fn slope(&self) -> Option<f64> {
+    fn slope(&self) -> Option<Real> {
         (self.count >= 3.0).then(|| self.product / self.square_t)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::flight::Motion;
 use crate::impact::Impact;
+use crate::real::Real;
 use crate::simulate::Tally;
 use crate::system::{Clock, Point, System, Wall};
 
@@ -13,7 +14,7 @@ pub struct Span<'a, M> {
     /// Instant at h = 0.
     pub start: Clock,
     /// Length of the span.
-    pub length: f64,
+    pub length: Real,
     /// Primary at its begin.
     pub from: Point,
     /// Primary at its end.
@@ -27,15 +28,15 @@ pub struct Episode {
     /// The wall.
     pub wall: Wall,
     /// Its first impact: the first after which only this wall is met until the stick.
-    pub start_time: f64,
+    pub start_time: Real,
     /// End of the chatter, begin of the ride.
-    pub stick_time: f64,
+    pub stick_time: Real,
     /// End of the ride; `None` if still stuck at the end of the run.
-    pub release_time: Option<f64>,
+    pub release_time: Option<Real>,
     /// Listed impacts.
     pub impacts: u64,
     /// Energy lost in all its impacts, listed or summed.
-    pub energy_loss: f64,
+    pub energy_loss: Real,
 }
 
 /// What happens to a state in an instant.
@@ -57,7 +58,7 @@ pub enum Jump<'a, State> {
 /// Told of everything that happens in a run, in the order of time.
 pub trait Observer<S: System> {
     /// The run begins and is to last until `duration`.
-    fn start(&mut self, _system: &S, _state: &S::State, _duration: f64) {}
+    fn start(&mut self, _system: &S, _state: &S::State, _duration: Real) {}
     /// Smooth motion.
     fn span<M: Motion<State = S::State>>(&mut self, _system: &S, _span: &Span<'_, M>) {}
     /// An impact.
@@ -66,10 +67,10 @@ pub trait Observer<S: System> {
     fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {}
     /// An impulse from outside: the state after it, and the work it does (0 where the force only
     /// jumps).
-    fn kick(&mut self, _system: &S, _state: &S::State, _work: f64) {}
+    fn kick(&mut self, _system: &S, _state: &S::State, _work: Real) {}
     /// Of the impacts from index `first` on, those not faster than `floor` are not to be listed:
     /// they turned out to belong to a chatter that ended in stick.
-    fn unlist(&mut self, _first: u64, _floor: f64) {}
+    fn unlist(&mut self, _first: u64, _floor: Real) {}
     /// An episode, told when it ends.
     fn episode(&mut self, _episode: &Episode) {}
     /// The run has ended.
@@ -79,7 +80,7 @@ pub trait Observer<S: System> {
 impl<S: System> Observer<S> for () {}
 
 impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
-    fn start(&mut self, system: &S, state: &S::State, duration: f64) {
+    fn start(&mut self, system: &S, state: &S::State, duration: Real) {
         if let Some(observer) = self {
             observer.start(system, state, duration);
         }
@@ -99,12 +100,12 @@ impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
             observer.jump(system, jump);
         }
     }
-    fn kick(&mut self, system: &S, state: &S::State, work: f64) {
+    fn kick(&mut self, system: &S, state: &S::State, work: Real) {
         if let Some(observer) = self {
             observer.kick(system, state, work);
         }
     }
-    fn unlist(&mut self, first: u64, floor: f64) {
+    fn unlist(&mut self, first: u64, floor: Real) {
         if let Some(observer) = self {
             observer.unlist(first, floor);
         }
@@ -122,7 +123,7 @@ impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
 }
 
 impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
-    fn start(&mut self, system: &S, state: &S::State, duration: f64) {
+    fn start(&mut self, system: &S, state: &S::State, duration: Real) {
         self.0.start(system, state, duration);
         self.1.start(system, state, duration);
     }
@@ -138,11 +139,11 @@ impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
         self.0.jump(system, jump);
         self.1.jump(system, jump);
     }
-    fn kick(&mut self, system: &S, state: &S::State, work: f64) {
+    fn kick(&mut self, system: &S, state: &S::State, work: Real) {
         self.0.kick(system, state, work);
         self.1.kick(system, state, work);
     }
-    fn unlist(&mut self, first: u64, floor: f64) {
+    fn unlist(&mut self, first: u64, floor: Real) {
         self.0.unlist(first, floor);
         self.1.unlist(first, floor);
     }
@@ -169,7 +170,7 @@ impl<S: System> Observer<S> for Events {
     fn impact(&mut self, _system: &S, impact: &Impact) {
         self.impacts.push(*impact);
     }
-    fn unlist(&mut self, first: u64, floor: f64) {
+    fn unlist(&mut self, first: u64, floor: Real) {
         let mut index = 0;
         self.impacts.retain(|impact| {
             index += 1;

@@ -21,6 +21,7 @@
 
 use crate::compensated::Sum;
 use crate::flight::Jet;
+use crate::real::{ONE, Real, ZERO};
 
 /// Terms of the series of P and Q, beginning with h².
 const TERMS: usize = 20;
@@ -35,29 +36,29 @@ const LOSS_TERMS: usize = 24;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator {
     /// k = 1/m.
-    pub stiffness: f64,
+    pub stiffness: Real,
     /// c = 2ζ/m.
-    pub damping: f64,
+    pub damping: Real,
     /// Λ, the factor by which each further derivative can grow.
-    pub growth: f64,
+    pub growth: Real,
     /// Longest h for which the series are exact to rounding: 1/Λ, where the first dropped term is
     /// below 2/22! ≈ 2e-21 of the sum.
-    pub reach: f64,
+    pub reach: Real,
     /// Coefficients of P and Q.
-    responses: [[f64; 2]; TERMS],
+    responses: [[Real; 2]; TERMS],
     /// Rounding rests of the leading coefficients. They are the same in every flight: without them
     /// the energy of an undamped run would drift.
-    coefficient_rests: [[f64; 2]; RESTS],
+    coefficient_rests: [[Real; 2]; RESTS],
     /// What rounding takes from P and Q at h = `reach`, a step taken again and again.
-    full_step_rest: [f64; 2],
+    full_step_rest: [Real; 2],
     /// The coefficients to twice the precision, for [`Oscillator::precise`].
     exact: [[Sum; 2]; TERMS],
-    loss: [[f64; 3]; LOSS_TERMS],
+    loss: [[Real; 3]; LOSS_TERMS],
 }
 
 impl Oscillator {
     /// The oscillator of mass `mass` (1 or 1 + μ) on the primary's spring and damper.
-    pub fn new(mass: f64, damping_ratio: f64) -> Self {
+    pub fn new(mass: Real, damping_ratio: Real) -> Self {
         let stiffness = 1.0 / mass;
         let damping = 2.0 * damping_ratio / mass;
         let growth = 0.5 * damping + (0.25 * damping * damping + stiffness).sqrt();
@@ -96,19 +97,19 @@ impl Oscillator {
 
     /// The derivative that follows two successive derivatives of x.
     #[inline]
-    pub fn next_derivative(&self, lower: f64, upper: f64) -> f64 {
+    pub fn next_derivative(&self, lower: Real, upper: Real) -> Real {
         -(self.stiffness * lower + self.damping * upper)
     }
 
     /// ρ of a state: bounds |v| and, times Λⁿ⁻¹, the n-th derivative of x at every later time.
     #[inline]
-    pub fn radius(&self, x: f64, v: f64) -> f64 {
+    pub fn radius(&self, x: Real, v: Real) -> Real {
         self.stiffness.sqrt() * x.abs() + v.abs()
     }
 
     /// What a flight of length h ≤ `reach` adds to a state of acceleration a.
     #[inline]
-    pub fn advance(&self, primary: &Primary, acceleration: Sum, h: f64) -> Increment {
+    pub fn advance(&self, primary: &Primary, acceleration: Sum, h: Real) -> Increment {
         let (Sum { value: v, rest: dv }, Sum { value: a, rest: da }) = (primary.v, acceleration);
         let [p, q] = kernels(&self.responses, h);
         let [p_rest, q_rest] = if h == self.reach {
@@ -133,7 +134,7 @@ impl Oscillator {
 
     /// x(h) − x − v h to twice the precision, for h ≤ `reach`: dear, and asked only where a
     /// grazing is to be decided.
-    pub fn precise(&self, velocity: Sum, acceleration: Sum, h: f64) -> Sum {
+    pub fn precise(&self, velocity: Sum, acceleration: Sum, h: Real) -> Sum {
         let forced = acceleration.times_sum(horner(&self.exact, 0, h));
         let carried = velocity.times_sum(horner(&self.exact, 1, h));
         forced.plus_parts(carried.value, carried.rest)
@@ -141,9 +142,9 @@ impl Oscillator {
 
     /// Energy lost in the damper over a flight of length h ≤ `reach`: ∫ 2ζ v² dt, summed from the
     /// power series of the integral (not a difference of energies).
-    pub fn viscous_loss(&self, x: f64, v: f64, h: f64) -> f64 {
+    pub fn viscous_loss(&self, x: Real, v: Real, h: Real) -> Real {
         if self.damping == 0.0 {
-            return 0.0;
+            return ZERO;
         }
         let sums = interleaved(&self.loss, h);
         h * (x * x * sums[0] + x * v * sums[1] + v * v * sums[2])
@@ -154,15 +155,15 @@ impl Oscillator {
 #[derive(Debug, Clone, Copy)]
 pub struct Increment {
     /// x(h) − x − v h, the part of the displacement that the acceleration makes.
-    pub curved: f64,
+    pub curved: Real,
     /// What rounding takes from `curved`, where it is known.
-    pub curved_rest: f64,
+    pub curved_rest: Real,
     /// v(h) − v.
-    pub velocity: f64,
+    pub velocity: Real,
     /// What rounding takes from `velocity`, where it is known.
-    pub velocity_rest: f64,
+    pub velocity_rest: Real,
     /// a(h) − a.
-    pub acceleration: f64,
+    pub acceleration: Real,
 }
 
 /// A state of the primary, carried with its rounding rests.
@@ -182,7 +183,7 @@ impl Primary {
 
     /// The state a flight later, and what the flight added.
     #[inline]
-    pub fn after(&self, oscillator: &Oscillator, a: Sum, h: f64) -> (Primary, Increment) {
+    pub fn after(&self, oscillator: &Oscillator, a: Sum, h: Real) -> (Primary, Increment) {
         let increment = oscillator.advance(self, a, h);
         let later = Primary {
             x: self.x.plus_parts(
@@ -203,7 +204,7 @@ impl Primary {
     }
 
     /// Displacement and its derivatives where the acceleration is `curvature`.
-    pub fn jet(&self, oscillator: &Oscillator, curvature: f64) -> Jet {
+    pub fn jet(&self, oscillator: &Oscillator, curvature: Real) -> Jet {
         let (value, rate) = (self.x.value, self.v.value);
         Jet { value, rate, curvature, jerk: oscillator.next_derivative(rate, curvature) }
     }
@@ -211,13 +212,13 @@ impl Primary {
 
 /// P and Q at h.
 #[inline]
-fn kernels(responses: &[[f64; 2]; TERMS], h: f64) -> [f64; 2] {
+fn kernels(responses: &[[Real; 2]; TERMS], h: Real) -> [Real; 2] {
     let z = h * h;
     interleaved(responses, h).map(|sum| z * sum)
 }
 
 /// P (i = 0) or Q (i = 1) at h to twice the precision.
-fn horner(responses: &[[Sum; 2]; TERMS], i: usize, h: f64) -> Sum {
+fn horner(responses: &[[Sum; 2]; TERMS], i: usize, h: Real) -> Sum {
     let mut sum = Sum::ZERO;
     for coefficients in responses.iter().rev() {
         sum = sum.times(h).plus_parts(coefficients[i].value, coefficients[i].rest);
@@ -228,11 +229,11 @@ fn horner(responses: &[[Sum; 2]; TERMS], i: usize, h: f64) -> Sum {
 /// K polynomials with common argument, N a multiple of 4. The powers are summed in four classes
 /// (exponent modulo 4) side by side: a single Horner chain would wait for each of its own products.
 #[inline]
-fn interleaved<const K: usize, const N: usize>(series: &[[f64; K]; N], h: f64) -> [f64; K] {
+fn interleaved<const K: usize, const N: usize>(series: &[[Real; K]; N], h: Real) -> [Real; K] {
     const { assert!(N.is_multiple_of(4)) }
     let z = h * h;
     let w = z * z;
-    let step = |sum: [f64; K], next: &[f64; K]| std::array::from_fn(|k| sum[k] * w + next[k]);
+    let step = |sum: [Real; K], next: &[Real; K]| std::array::from_fn(|k| sum[k] * w + next[k]);
     let [mut c0, mut c1, mut c2, mut c3] =
         [series[N - 4], series[N - 3], series[N - 2], series[N - 1]];
     for block in (0..N / 4 - 1).rev() {
@@ -247,9 +248,9 @@ fn interleaved<const K: usize, const N: usize>(series: &[[f64; K]; N], h: f64) -
 
 /// Coefficients of h², h³, … of P and Q, from P⁽ⁿ⁺²⁾ = −k P⁽ⁿ⁾ − c P⁽ⁿ⁺¹⁾ (n ≥ 1) and Q̇ = −k P; the
 /// leading ones with their rests, the others too small for that to matter.
-fn responses(stiffness: f64, damping: f64) -> [[Sum; 2]; TERMS] {
+fn responses(stiffness: Real, damping: Real) -> [[Sum; 2]; TERMS] {
     let mut series = [[Sum::ZERO; 2]; TERMS];
-    let [mut lower, mut upper] = [Sum::ZERO, Sum::new(0.5)];
+    let [mut lower, mut upper] = [Sum::ZERO, Sum::new(0.5 * ONE)];
     series[0] = [upper, Sum::ZERO];
     for (n, coefficients) in series.iter_mut().enumerate().skip(1) {
         let (p, q) = ((n + 1) as f64, (n + 2) as f64);
@@ -269,11 +270,11 @@ fn responses(stiffness: f64, damping: f64) -> [[Sum; 2]; TERMS] {
 
 /// Coefficients of h, h², … of ∫ 2ζ v² for the three products x², x v, v² of the starting state,
 /// from (x²)˙ = 2 x v, (x v)˙ = v² − k x² − c x v, (v²)˙ = −2k x v − 2c v².
-fn loss_series(stiffness: f64, damping: f64, viscous: f64) -> [[f64; 3]; LOSS_TERMS] {
-    let mut series = [[0.0; 3]; LOSS_TERMS];
+fn loss_series(stiffness: Real, damping: Real, viscous: Real) -> [[Real; 3]; LOSS_TERMS] {
+    let mut series = [[ZERO; 3]; LOSS_TERMS];
     for product in 0..3 {
-        let mut y = [0.0; 3];
-        y[product] = 1.0;
+        let mut y = [ZERO; 3];
+        y[product] = ONE;
         for (n, coefficients) in series.iter_mut().enumerate() {
             let order = (n + 1) as f64;
             let [xx, xv, vv] = y;

@@ -3,6 +3,7 @@
 use crate::flight::{Jet, Motion};
 use crate::observe::{Observer, Span};
 use crate::polynomial::turnings;
+use crate::real::{Real, ZERO};
 use crate::roots::polish;
 use crate::simulate::Tally;
 use crate::system::System;
@@ -15,18 +16,18 @@ use crate::system::System;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Peak {
     /// Instant, in 1/ωn.
-    pub time: f64,
+    pub time: Real,
     /// Displacement, signed.
-    pub displacement: f64,
+    pub displacement: Real,
 }
 
 /// A stretch of a span on which x runs one way.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Monotone {
     /// Begin and end, measured from the start of the span.
-    pub h: [f64; 2],
+    pub h: [Real; 2],
     /// x at both ends.
-    pub x: [f64; 2],
+    pub x: [Real; 2],
 }
 
 /// Hands out the stretches of a span on which x runs one way, in order.
@@ -35,11 +36,11 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
     mut take: impl FnMut(&Monotone),
 ) {
     let (from, to) = (span.from, span.to);
-    let mut begin = (0.0, from.x);
-    let mut turn = |[low, high]: [f64; 2], [v_low, v_high]: [f64; 2]| {
+    let mut begin = (ZERO, from.x);
+    let mut turn = |[low, high]: [Real; 2], [v_low, v_high]: [Real; 2]| {
         let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
         let guess = low + (high - low) * (v_low / (v_low - v_high));
-        let jet = |h: f64| {
+        let jet = |h: Real| {
             let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
             (value, [rise * rate, rise * curvature, rise * jerk])
         };
@@ -58,7 +59,7 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
                 }
             }
         }
-        None if from.v * to.v < 0.0 => turn([0.0, span.length], [from.v, to.v]),
+        None if from.v * to.v < 0.0 => turn([ZERO, span.length], [from.v, to.v]),
         None => {}
     }
     take(&Monotone { h: [begin.0, span.length], x: [begin.1, to.x] });
@@ -70,19 +71,19 @@ pub(crate) struct HalfCycles {
     /// Largest |x| of the half cycle under way.
     pub current: Peak,
     /// Sign of x in it, 0 as long as x has not left 0.
-    sign: f64,
+    sign: Real,
     /// Half cycles ended so far.
     pub ended: u64,
 }
 
 impl HalfCycles {
-    pub fn start(x: f64) -> Self {
-        let sign = if x == 0.0 { 0.0 } else { x.signum() };
-        Self { current: Peak { time: 0.0, displacement: x }, sign, ended: 0 }
+    pub fn start(x: Real) -> Self {
+        let sign = if x == 0.0 { ZERO } else { x.signum() };
+        Self { current: Peak { time: ZERO, displacement: x }, sign, ended: 0 }
     }
 
     /// Takes the end of a monotone stretch; returns the peak that a zero crossing has ended.
-    pub fn reach(&mut self, time: f64, x: f64) -> Option<Peak> {
+    pub fn reach(&mut self, time: Real, x: Real) -> Option<Peak> {
         if x * self.sign < 0.0 {
             let peak = self.current;
             self.current = Peak { time, displacement: x };
@@ -109,7 +110,7 @@ pub struct Envelope {
 }
 
 impl<S: System> Observer<S> for Envelope {
-    fn start(&mut self, system: &S, state: &S::State, _duration: f64) {
+    fn start(&mut self, system: &S, state: &S::State, _duration: Real) {
         self.peaks.clear();
         self.half_cycles = HalfCycles::start(system.primary(state).x);
     }

@@ -11,10 +11,12 @@ use crate::flight::Jet;
 use crate::force::{Drive, Force};
 use crate::impact::Impact;
 use crate::oscillator::Primary;
+use crate::real::{self, ONE, Real, ZERO};
 use crate::system::{Angle, Clock, Point, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
 
 pub use motion::PivaFlight;
+pub(crate) use motion::Sizes;
 pub use parameters::{Angles, ImpactLaw, Parameters};
 pub use ride::PivaRide;
 pub use start::{Given, PivaStart};
@@ -28,19 +30,18 @@ mod motion;
 mod parameters;
 mod ride;
 mod start;
-mod tangent;
 
 /// A pendulum absorber on its primary system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Piva {
-    parameters: Parameters,
-    pendulum: Pendulum,
+    pub(crate) parameters: Parameters,
+    pub(crate) pendulum: Pendulum,
     /// cosθ at the walls.
-    wall_cosine: f64,
-    law: Law,
+    wall_cosine: Real,
+    pub(crate) law: Law,
     /// See [`System::pressure_gain`].
-    pressure_gain: f64,
-    accuracy: Accuracy,
+    pressure_gain: Real,
+    pub(crate) accuracy: Accuracy,
     /// What drives it.
     force: Force,
 }
@@ -85,7 +86,7 @@ impl Piva {
             law,
             pressure_gain: law.pressure_gain(&pendulum),
             // Small angles cost little, and are exact whatever was asked.
-            accuracy: Accuracy::of(if pendulum.small_angles { 0.0 } else { parameters.tolerance }),
+            accuracy: Accuracy::of(if pendulum.small_angles { ZERO } else { parameters.tolerance }),
             force: Force::default(),
         })
     }
@@ -113,20 +114,20 @@ impl Piva {
     }
 
     /// θ at the + wall; π/2 where the pendulum cannot reach it.
-    pub fn wall_angle(&self) -> f64 {
+    pub fn wall_angle(&self) -> Real {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
         let sine = clearance / contact_distance;
-        if self.pendulum.small_angles { sine } else { libm::asin(sine.min(1.0)) }
+        if self.pendulum.small_angles { sine } else { real::asin(sine.min(1.0)) }
     }
 
     /// Acceleration of gravity g = κ L r², in ωn² × length.
-    pub fn gravity(&self) -> f64 {
+    pub fn gravity(&self) -> Real {
         let Parameters { inertia_ratio, length, .. } = self.parameters;
         inertia_ratio * length * self.pendulum.frequency_squared
     }
 
     /// The swing of a state seen from its wall.
-    fn swing(&self, state: &PivaState) -> Swing<f64> {
+    fn swing(&self, state: &PivaState) -> Swing<Real> {
         Swing {
             x: state.primary.x.value,
             u: state.primary.v.value,
@@ -137,23 +138,23 @@ impl Piva {
     }
 
     /// Coefficients of the force at a state, of the smooth piece that acts from `from` on.
-    fn drive<const LENGTH: usize>(
+    pub(crate) fn drive<const LENGTH: usize>(
         &self,
         from: Clock,
         state: &PivaState,
-        h: f64,
-    ) -> Option<Drive<f64, LENGTH>> {
+        h: Real,
+    ) -> Option<Drive<Real, LENGTH>> {
         self.force.lasts().then(|| self.force.drive(from, state.time, h))
     }
 
     /// First coefficients of the flight at a state, in powers of t, under the force that acts from
     /// `from` on.
-    fn beginning<const LENGTH: usize>(
+    pub(crate) fn beginning<const LENGTH: usize>(
         &self,
         from: Clock,
         state: &PivaState,
-    ) -> Series<f64, LENGTH> {
-        let drive = self.drive(from, state, 1.0);
+    ) -> Series<Real, LENGTH> {
+        let drive = self.drive(from, state, ONE);
         let series = self.pendulum.beginning(&self.swing(state), drive.as_ref());
         at_rest_on_release(state, series)
     }
@@ -174,10 +175,10 @@ impl Piva {
 /// What rounding leaves of Ẇ and ÿ right after a release would send the pendulum back into the wall.
 fn at_rest_on_release<const LENGTH: usize>(
     state: &PivaState,
-    mut series: Series<f64, LENGTH>,
-) -> Series<f64, LENGTH> {
+    mut series: Series<Real, LENGTH>,
+) -> Series<Real, LENGTH> {
     if state.released {
-        (series.w[1], series.y[2]) = (0.0, 0.0);
+        (series.w[1], series.y[2]) = (ZERO, ZERO);
     }
     series
 }
@@ -186,31 +187,31 @@ fn at_rest_on_release<const LENGTH: usize>(
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PivaState {
     /// Instant, for the force.
-    time: Clock,
+    pub(crate) time: Clock,
     /// Impulses that are over.
     kicks: u32,
-    primary: Primary,
+    pub(crate) primary: Primary,
     wall: Wall,
     /// d − s y ≥ 0, the distance to the wall last touched.
     distance: Sum,
-    clearance: f64,
+    clearance: Real,
     /// W = b θ̇.
-    w: Sum,
+    pub(crate) w: Sum,
     /// cosθ.
-    cosine: f64,
+    pub(crate) cosine: Real,
     /// Just released: W and Ẇ are exactly 0.
     released: bool,
 }
 
 impl PivaState {
     /// Gap displacement y.
-    fn y(&self) -> Sum {
+    pub(crate) fn y(&self) -> Sum {
         let s = self.wall.sign();
         Sum::new(s * self.clearance).plus_parts(-s * self.distance.value, -s * self.distance.rest)
     }
 
     /// Gap velocity ẏ = c W.
-    fn gap_velocity(&self) -> f64 {
+    fn gap_velocity(&self) -> Real {
         self.cosine * self.w.value
     }
 }
@@ -221,15 +222,15 @@ impl System for Piva {
     type Flight<'a> = PivaFlight<'a>;
     type Ride<'a> = PivaRide<'a>;
 
-    fn clearance(&self) -> f64 {
+    fn clearance(&self) -> Real {
         self.parameters.clearance
     }
 
-    fn rebound_ratio(&self) -> f64 {
+    fn rebound_ratio(&self) -> Real {
         self.law.ratio
     }
 
-    fn pressure_gain(&self) -> f64 {
+    fn pressure_gain(&self) -> Real {
         self.pressure_gain
     }
 
@@ -261,7 +262,7 @@ impl System for Piva {
         PivaState { wall, distance: Sum::ZERO, cosine: self.wall_cosine, ..*state }
     }
 
-    fn impact(&self, state: &PivaState, time: f64) -> (PivaState, Impact) {
+    fn impact(&self, state: &PivaState, time: Real) -> (PivaState, Impact) {
         let v = state.primary.v;
         let gained = self.law.impact(state.w);
         let primary = Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary };
@@ -282,7 +283,7 @@ impl System for Piva {
         (after, impact)
     }
 
-    fn stick(&self, state: &PivaState) -> (PivaState, f64) {
+    fn stick(&self, state: &PivaState) -> (PivaState, Real) {
         let v = state.primary.v;
         let gained = self.law.stick(state.w);
         let stuck = PivaState {
@@ -312,7 +313,7 @@ impl System for Piva {
         Point { x: state.primary.x.value, v: state.primary.v.value }
     }
 
-    fn energy(&self, state: &PivaState) -> f64 {
+    fn energy(&self, state: &PivaState) -> Real {
         let Point { x, v } = self.primary(state);
         let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
         let Pendulum { lever, contact_distance, .. } = self.pendulum;
@@ -328,18 +329,18 @@ impl System for Piva {
         self.force.lasts()
     }
 
-    fn smooth_for(&self, state: &PivaState) -> f64 {
+    fn smooth_for(&self, state: &PivaState) -> Real {
         let end = self.force.smooth_until(state.time, state.kicks);
-        end.map_or(f64::INFINITY, |end| (end - state.time).value)
+        end.map_or(Real::INFINITY, |end| (end - state.time).value)
     }
 
-    fn due(&self, state: &PivaState) -> Option<f64> {
+    fn due(&self, state: &PivaState) -> Option<Real> {
         self.force.due(state.time, state.kicks)
     }
 
-    fn kick(&self, state: &PivaState, velocity: f64, stuck: bool) -> PivaState {
+    fn kick(&self, state: &PivaState, velocity: Real, stuck: bool) -> PivaState {
         let Pendulum { mass_ratio, coupling, .. } = self.pendulum;
-        let mass = Sum::new(1.0).plus(mass_ratio);
+        let mass = Sum::new(ONE).plus(mass_ratio);
         let kicks = state.kicks + 1;
         if stuck {
             let gained = Sum::new(velocity).over_sum(mass);
@@ -360,26 +361,26 @@ impl System for Piva {
     fn angle(&self, state: &PivaState) -> Option<Angle> {
         let sine = state.y().value / self.pendulum.contact_distance;
         let small = self.pendulum.small_angles;
-        let value = if small { sine } else { libm::atan2(sine, state.cosine) };
+        let value = if small { sine } else { real::atan2(sine, state.cosine) };
         Some(Angle { value, rate: state.w.value / self.pendulum.contact_distance })
     }
 
     fn impact_angles(&self, impact: &Impact) -> Option<[Angle; 2]> {
         let value = impact.wall.sign() * self.wall_angle();
         let lever = self.wall_cosine * self.pendulum.contact_distance;
-        let angle = |w: f64| Angle { value, rate: w / lever };
+        let angle = |w: Real| Angle { value, rate: w / lever };
         Some([impact.gap_velocity_before, impact.gap_velocity_after].map(angle))
     }
 }
 
 impl Piva {
     /// f/M at an instant.
-    fn driven(&self, time: Clock) -> f64 {
-        self.force.drive::<1>(time, time, 1.0).primary[0]
+    fn driven(&self, time: Clock) -> Real {
+        self.force.drive::<1>(time, time, ONE).primary[0]
     }
 
     /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.
-    fn release_acceleration(&self, wall: Wall) -> f64 {
+    fn release_acceleration(&self, wall: Wall) -> Real {
         let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
         -wall.sign() * frequency_squared * self.parameters.clearance / (coupling * self.wall_cosine)
     }

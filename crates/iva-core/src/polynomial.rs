@@ -1,25 +1,26 @@
 //! Integrals and extrema of the polynomials that a motion consists of.
 
+use crate::real::{ONE, Real, ZERO};
 use crate::taylor::{ORDER, horner};
 
 /// ∫₀ᵗ f² of a polynomial f.
-pub(crate) fn square_integral(f: &[f64], t: f64) -> f64 {
+pub(crate) fn square_integral(f: &[Real], t: Real) -> Real {
     product_integral(f, f, t)
 }
 
 /// ∫₀ᵗ f g of two polynomials of one order, at most [`ORDER`].
-pub(crate) fn product_integral(f: &[f64], g: &[f64], t: f64) -> f64 {
+pub(crate) fn product_integral(f: &[Real], g: &[Real], t: Real) -> Real {
     // At t the terms are moderate, whatever the coefficients are.
-    let (mut f_terms, mut g_terms) = ([0.0; ORDER + 1], [0.0; ORDER + 1]);
-    let mut power = 1.0;
+    let (mut f_terms, mut g_terms) = ([ZERO; ORDER + 1], [ZERO; ORDER + 1]);
+    let mut power = ONE;
     for (k, (f, g)) in f.iter().zip(g).enumerate() {
-        (f_terms[k], g_terms[k]) = (power * f, power * g);
+        (f_terms[k], g_terms[k]) = (power * *f, power * *g);
         power *= t;
     }
     let order = f.len() - 1;
-    let mut sum = 0.0;
+    let mut sum = ZERO;
     for k in (0..=2 * order).rev() {
-        let mut product = 0.0;
+        let mut product = ZERO;
         for i in k.saturating_sub(order)..=k.min(order) {
             product += f_terms[i] * g_terms[k - i];
         }
@@ -29,19 +30,17 @@ pub(crate) fn product_integral(f: &[f64], g: &[f64], t: f64) -> f64 {
 }
 
 /// A stretch of the search for an extremum: its ends, and the function there.
-type Stretch = [(f64, f64); 2];
+type Stretch = [(Real, Real); 2];
 
 /// The largest |f| of a polynomial on an interval of [0, ∞), or `least` if that is larger; to 2⁻⁵⁰ of
 /// it. Between two points f leaves its chord by no more than max|f″| w²/8.
-pub(crate) fn largest(f: &[f64], [from, to]: [f64; 2], least: f64) -> f64 {
+pub(crate) fn largest(f: &[Real], [from, to]: [Real; 2], least: Real) -> Real {
     const WITHIN: f64 = 1.0 + 4.0 * f64::EPSILON;
-    let steepest = f
-        .iter()
-        .enumerate()
-        .skip(2)
-        .rev()
-        .fold(0.0, |sum, (k, coefficient)| sum * to + (k * (k - 1)) as f64 * coefficient.abs());
-    let at = |t: f64| (t, horner(f, t));
+    let steepest =
+        f.iter().enumerate().skip(2).rev().fold(ZERO, |sum, (k, coefficient)| {
+            sum * to + (k * (k - 1)) as f64 * coefficient.abs()
+        });
+    let at = |t: Real| (t, horner(f, t));
     let whole: Stretch = [at(from), at(to)];
     let mut most = least.max(whole[0].1.abs()).max(whole[1].1.abs());
     let mut left = vec![whole];
@@ -60,33 +59,33 @@ pub(crate) fn largest(f: &[f64], [from, to]: [f64; 2], least: f64) -> f64 {
 
 /// Brackets of the instants in [0, to] at which a polynomial turns round, one each, in order. An
 /// inflection is none.
-pub(crate) fn turnings(f: &[f64], to: f64) -> Vec<[f64; 2]> {
+pub(crate) fn turnings(f: &[Real], to: Real) -> Vec<[Real; 2]> {
     let mut found = Vec::new();
     let [size, curved, bent] = [0, 2, 3].map(|n| steepest(f, n, to));
     let search = Turnings { f, size, curved, bent };
-    search.between([0.0, to], &mut found);
+    search.between([ZERO, to], &mut found);
     found
 }
 
 /// What the search for turning points knows of a polynomial: bounds on |f|, |f″| and |f‴|.
 struct Turnings<'a> {
-    f: &'a [f64],
-    size: f64,
-    curved: f64,
-    bent: f64,
+    f: &'a [Real],
+    size: Real,
+    curved: Real,
+    bent: Real,
 }
 
 impl Turnings<'_> {
-    fn between(&self, [from, to]: [f64; 2], found: &mut Vec<[f64; 2]>) {
+    fn between(&self, [from, to]: [Real; 2], found: &mut Vec<[Real; 2]>) {
         let (middle, half) = (from.midpoint(to), 0.5 * (to - from));
         if derivative(self.f, 1, middle).abs() > self.curved * half {
             return;
         }
         let monotone = derivative(self.f, 2, middle).abs() > self.bent * half;
         // On so short a stretch f does not turn by more than rounding (nor where it is not finite).
-        let matters = self.curved * (half * half) > f64::EPSILON * self.size;
+        let matters = self.curved * (half * half) > Real::EPSILON * self.size;
         if monotone || !matters {
-            let falls = |t: f64| derivative(self.f, 1, t) < 0.0;
+            let falls = |t: Real| derivative(self.f, 1, t) < 0.0;
             if falls(from) != falls(to) {
                 found.push([from, to]);
             }
@@ -102,13 +101,13 @@ fn factor(k: usize, n: usize) -> f64 {
     (0..n).map(|i| (k - i) as f64).product()
 }
 
-fn derivative(f: &[f64], n: usize, t: f64) -> f64 {
-    (n..f.len()).rev().fold(0.0, |sum, k| sum * t + factor(k, n) * f[k])
+fn derivative(f: &[Real], n: usize, t: Real) -> Real {
+    (n..f.len()).rev().fold(ZERO, |sum, k| sum * t + factor(k, n) * f[k])
 }
 
 /// A bound on the nth derivative on [0, to].
-fn steepest(f: &[f64], n: usize, to: f64) -> f64 {
-    (n..f.len()).rev().fold(0.0, |sum, k| sum * to + factor(k, n) * f[k].abs())
+fn steepest(f: &[Real], n: usize, to: Real) -> Real {
+    (n..f.len()).rev().fold(ZERO, |sum, k| sum * to + factor(k, n) * f[k].abs())
 }
 
 #[cfg(test)]

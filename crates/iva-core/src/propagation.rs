@@ -23,6 +23,9 @@ use crate::impact::Impact;
 use crate::observe::{Jump, Observer, Span};
 use crate::system::{System, Wall};
 
+mod piva;
+mod siva;
+
 /// A system whose motion can be differentiated.
 pub trait Differentiable: System {
     /// ż in free flight.

@@ -4,6 +4,7 @@
 //! down to the lowest rebound: nothing overflows, and nothing that matters underflows.
 
 use crate::error::{Invalid, number};
+use crate::real::Real;
 
 /// Smallest size of a length, velocity or time other than 0, in natural units.
 pub const SMALLEST: f64 = 1e-75;
@@ -18,7 +19,7 @@ pub const LARGEST_TOLERANCE: f64 = 1e-3;
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn size(field: &str, value: f64) -> Result<(), Invalid> {
+pub fn size(field: &str, value: Real) -> Result<(), Invalid> {
     let allowed = value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs());
     check(allowed, field, value, || format!("0 or a number of size {SMALLEST:e} to {LARGEST:e}"))
 }
@@ -27,7 +28,7 @@ pub fn size(field: &str, value: f64) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn positive(field: &str, value: f64) -> Result<(), Invalid> {
+pub fn positive(field: &str, value: Real) -> Result<(), Invalid> {
     let allowed = (SMALLEST..=LARGEST).contains(&value);
     check(allowed, field, value, || format!("a number from {SMALLEST:e} to {LARGEST:e}"))
 }
@@ -36,7 +37,7 @@ pub fn positive(field: &str, value: f64) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn mass_ratio(field: &str, value: f64) -> Result<(), Invalid> {
+pub fn mass_ratio(field: &str, value: Real) -> Result<(), Invalid> {
     let allowed = value > 0.0 && value <= LARGEST_RATIO;
     check(allowed, field, value, || format!("a number greater than 0, at most {LARGEST_RATIO:e}"))
 }
@@ -45,7 +46,7 @@ pub fn mass_ratio(field: &str, value: f64) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn damping_ratio(field: &str, value: f64) -> Result<(), Invalid> {
+pub fn damping_ratio(field: &str, value: Real) -> Result<(), Invalid> {
     let allowed = (0.0..=LARGEST_RATIO).contains(&value);
     check(allowed, field, value, || format!("a number from 0 to {LARGEST_RATIO:e}"))
 }
@@ -54,7 +55,7 @@ pub fn damping_ratio(field: &str, value: f64) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn restitution(field: &str, value: f64) -> Result<(), Invalid> {
+pub fn restitution(field: &str, value: Real) -> Result<(), Invalid> {
     check((0.0..=1.0).contains(&value), field, value, || "a number from 0 to 1".to_owned())
 }
 
@@ -62,7 +63,7 @@ pub fn restitution(field: &str, value: f64) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn tolerance(field: &str, value: f64) -> Result<(), Invalid> {
+pub fn tolerance(field: &str, value: Real) -> Result<(), Invalid> {
     check((0.0..=LARGEST_TOLERANCE).contains(&value), field, value, || {
         format!("a number from 0 to {LARGEST_TOLERANCE:e}")
     })
@@ -71,7 +72,7 @@ pub fn tolerance(field: &str, value: f64) -> Result<(), Invalid> {
 fn check(
     allowed: bool,
     field: &str,
-    value: f64,
+    value: Real,
     range: impl FnOnce() -> String,
 ) -> Result<(), Invalid> {
     if allowed {

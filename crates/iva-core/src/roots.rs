@@ -22,12 +22,13 @@
 //! [`Search::undecided`]. Only minima are ever undecided; a transversal zero never is.
 
 use crate::flight::{Curve, Jet};
+use crate::real::{Real, ZERO, settled};
 
 /// A point of a curve: where, what was evaluated, and the jet of the function searched.
 #[derive(Debug, Clone, Copy)]
 pub struct Node<T> {
     /// Time since the start of the motion.
-    pub h: f64,
+    pub h: Real,
     /// The evaluated sample.
     pub sample: T,
     /// The function and its derivatives.
@@ -49,15 +50,15 @@ pub struct Searched<'a, C> {
     /// The motion that is evaluated.
     pub curve: &'a C,
     /// Where f is 0.
-    pub level: f64,
+    pub level: Real,
     /// +1 if f is positive above the level, −1 if below.
-    pub sign: f64,
+    pub sign: Real,
     /// Bound on the function's fourth derivative.
-    pub fourth: f64,
+    pub fourth: Real,
     /// Half width of the band in which a minimum cannot be decided.
-    pub band: f64,
+    pub band: Real,
     /// Below this, band included, rounding could decide the sign of a plain evaluation.
-    pub doubt: f64,
+    pub doubt: Real,
 }
 
 /// Halvings of an interval before f counts as constant: 2⁻⁴⁸ of a stretch on which f was smooth
@@ -82,13 +83,13 @@ impl<C: Curve> Searched<'_, C> {
 
     /// The node at h.
     #[inline]
-    pub fn node(&self, h: f64) -> Node<C::Sample> {
+    pub fn node(&self, h: Real) -> Node<C::Sample> {
         let sample = self.curve.sample(h);
         Node { h, sample, jet: self.seen(&self.curve.jet(&sample)) }
     }
 
     /// f at a node, to twice the precision where its sign could be a matter of rounding.
-    fn value(&self, node: &Node<C::Sample>) -> f64 {
+    fn value(&self, node: &Node<C::Sample>) -> Real {
         if node.jet.value.abs() > self.doubt {
             node.jet.value
         } else {
@@ -98,7 +99,7 @@ impl<C: Curve> Searched<'_, C> {
 
     /// True if f > 0 on the whole interval, by the Hermite–Bernstein bound alone.
     #[inline]
-    pub fn excluded(&self, a: &Jet, b: &Jet, length: f64) -> bool {
+    pub fn excluded(&self, a: &Jet, b: &Jet, length: Real) -> bool {
         let square = length * length;
         let error = self.fourth * (square * square) * (1.0 / 384.0);
         let b1 = a.value + length * a.rate * (1.0 / 3.0);
@@ -147,7 +148,7 @@ impl<C: Curve> Searched<'_, C> {
             return self.end_decides(a, b);
         }
         let flat = depth >= FLAT_DEPTH && highest_change(fa, self.fourth, length) <= self.band;
-        if flat || depth >= MAX_DEPTH || length <= f64::EPSILON * b.h {
+        if flat || depth >= MAX_DEPTH || length <= Real::EPSILON * b.h {
             return self.resolve(a, b, undecided);
         }
         let centre = self.node(0.5 * (a.h + b.h));
@@ -220,25 +221,23 @@ impl<C: Curve> Searched<'_, C> {
         &self,
         a: &Node<C::Sample>,
         b: &Node<C::Sample>,
-        guess: Option<f64>,
+        guess: Option<Real>,
     ) -> Node<C::Sample> {
         if a.jet.value < 0.0 && a.jet.rate < 0.0 {
-            return *a;
+            return settle(|h| self.falling(h, false), a.h).map_or(*a, |(_, node)| node);
         }
         let guess = guess.unwrap_or_else(|| a.h + hermite_zero(&a.jet, &b.jet, b.h - a.h));
         // Where f hardly gets below zero, plain evaluations would not show where it does.
         let flat = b.jet.value >= -self.doubt;
-        let (_, node) = polish(
-            |h| {
-                let node = self.node(h);
-                let value = if flat { self.value(&node) } else { node.jet.value };
-                (node, [-value, -node.jet.rate, -node.jet.curvature])
-            },
-            a.h,
-            b.h,
-            guess,
-        );
-        node
+        polish(|h| self.falling(h, flat), a.h, b.h, guess).1
+    }
+
+    /// The node at h with −f, which rises, and its derivatives.
+    #[inline]
+    fn falling(&self, h: Real, flat: bool) -> (Node<C::Sample>, [Real; 3]) {
+        let node = self.node(h);
+        let value = if flat { self.value(&node) } else { node.jet.value };
+        (node, [-value, -node.jet.rate, -node.jet.curvature])
     }
 
     /// The minimum of f on [a, b], where f is convex, f′(a) < 0 < f′(b).
@@ -259,16 +258,16 @@ impl<C: Curve> Searched<'_, C> {
 }
 
 /// What f changes within a length at most.
-pub(crate) fn highest_change(jet: &Jet, fourth: f64, length: f64) -> f64 {
+pub(crate) fn highest_change(jet: &Jet, fourth: Real, length: Real) -> Real {
     let inner = jet.jerk.abs() * (1.0 / 6.0) + length * fourth * (1.0 / 24.0);
     length * (jet.rate.abs() + length * (0.5 * jet.curvature.abs() + length * inner))
 }
 
 /// How far a falling f drops at least below its value here before it can turn, estimated from its
 /// derivatives: 0 where it already rises, infinite where nothing turns it.
-fn drop_ahead(jet: &Jet) -> f64 {
+fn drop_ahead(jet: &Jet) -> Real {
     if jet.rate >= 0.0 {
-        0.0
+        ZERO
     } else if jet.curvature > 0.0 {
         0.5 * jet.rate * jet.rate / jet.curvature
     } else if jet.jerk > 0.0 {
@@ -277,12 +276,12 @@ fn drop_ahead(jet: &Jet) -> f64 {
         let steep = -2.0 * jet.rate / jet.jerk;
         (2.0 / 3.0 * jet.jerk) * (bent * bent * bent).max(0.5 * steep * steep.sqrt())
     } else {
-        f64::INFINITY
+        Real::INFINITY
     }
 }
 
 /// Zero of the cubic Hermite interpolant with f(0) ≥ 0 ≥ f(length); a zero at 0 is divided out.
-fn hermite_zero(a: &Jet, b: &Jet, length: f64) -> f64 {
+fn hermite_zero(a: &Jet, b: &Jet, length: Real) -> Real {
     let b0 = a.value;
     let b1 = a.value + length * a.rate / 3.0;
     let b2 = b.value - length * b.rate / 3.0;
@@ -316,25 +315,25 @@ fn hermite_zero(a: &Jet, b: &Jet, length: f64) -> f64 {
 /// start was bad. A look a few steps further tells: at the zero it closes the bracket to rounding,
 /// else the bracket is halved and the search goes on.
 pub(crate) fn polish<T: Copy>(
-    f: impl Fn(f64) -> (T, [f64; 3]),
-    low: f64,
-    high: f64,
-    guess: f64,
-) -> (f64, T) {
+    f: impl Fn(Real) -> (T, [Real; 3]),
+    low: Real,
+    high: Real,
+    guess: Real,
+) -> (Real, T) {
     let middle = 0.5 * (low + high);
     let mut h = if guess > low && guess < high { guess } else { middle };
     let (sample, [mut value, mut slope, mut bend]) = f(h);
     let mut bracket = Bracket { low, high, h, sample, size: value.abs() };
     bracket.narrow(h, sample, value);
-    let mut last_step = f64::INFINITY;
+    let mut last_step = Real::INFINITY;
     loop {
         let step = -2.0 * value * slope / (2.0 * slope * slope - value * bend);
-        if value == 0.0 || step.abs() <= 0.25 * f64::EPSILON * h.abs() {
-            return bracket.best();
+        if value == 0.0 || step.abs() <= 0.25 * Real::EPSILON * h.abs() {
+            break;
         }
         let middle = 0.5 * (bracket.low + bracket.high);
         if middle <= bracket.low || middle >= bracket.high {
-            return bracket.best();
+            break;
         }
         let mut next = h + step;
         if step.abs() < 0.5 * last_step && bracket.contains(next) {
@@ -354,23 +353,34 @@ pub(crate) fn polish<T: Copy>(
         [value, slope, bend] = jet;
         bracket.narrow(h, sample, value);
     }
+    settle(f, bracket.h).unwrap_or((bracket.h, bracket.sample))
+}
+
+/// The zero close to h, where the numbers tell more of it than its value.
+#[inline]
+fn settle<T>(f: impl Fn(Real) -> (T, [Real; 3]), h: Real) -> Option<(Real, T)> {
+    let h = settled(h, |h| {
+        let (_, [value, slope, _]) = f(h);
+        [value, slope]
+    })?;
+    Some((h, f(h).0))
 }
 
 /// Where the zero lies, and the sample closest to it so far.
 struct Bracket<T> {
-    low: f64,
-    high: f64,
-    h: f64,
+    low: Real,
+    high: Real,
+    h: Real,
     sample: T,
-    size: f64,
+    size: Real,
 }
 
 impl<T: Copy> Bracket<T> {
-    fn contains(&self, h: f64) -> bool {
+    fn contains(&self, h: Real) -> bool {
         h > self.low && h < self.high
     }
 
-    fn narrow(&mut self, h: f64, sample: T, value: f64) {
+    fn narrow(&mut self, h: Real, sample: T, value: Real) {
         if value < 0.0 {
             self.low = h;
         } else {
@@ -379,10 +389,6 @@ impl<T: Copy> Bracket<T> {
         if value.abs() <= self.size {
             (self.h, self.sample, self.size) = (h, sample, value.abs());
         }
-    }
-
-    fn best(&self) -> (f64, T) {
-        (self.h, self.sample)
     }
 }
 

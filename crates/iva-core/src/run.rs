@@ -1,10 +1,11 @@
 //! One run with everything recorded: the convenient way in.
 
-use crate::error::Invalid;
+use crate::error::{Invalid, number};
 use crate::impact::Impact;
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::{Episode, Events};
 use crate::peaks::{Envelope, Peak};
+use crate::real::Real;
 use crate::sample::{Sampler, State};
 use crate::simulate::{Limits, Tally, simulate};
 use crate::system::System;
@@ -54,15 +55,15 @@ pub fn states<S: System>(
     system: &S,
     start: &S::Start,
     limits: &Limits,
-    times: &[f64],
+    times: &[Real],
 ) -> Result<Vec<State>, Invalid> {
     for (index, time) in times.iter().enumerate() {
         let earlier = index > 0 && times[index - 1] > *time;
-        if !(0.0..=limits.duration).contains(time) || earlier {
+        if !(*time >= 0.0 && *time <= limits.duration) || earlier {
             return Err(Invalid::new(
                 format!("times[{index}]"),
-                time,
-                format!("give increasing instants from 0 to {}", limits.duration),
+                number(*time),
+                format!("give increasing instants from 0 to {}", number(limits.duration)),
             ));
         }
     }

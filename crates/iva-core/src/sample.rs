@@ -3,21 +3,22 @@
 use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
+use crate::real::{Real, ZERO};
 use crate::system::{Angle, Clock, System};
 
 /// Primary and absorber at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// Instant, in 1/ωn.
-    pub time: f64,
+    pub time: Real,
     /// Displacement of the primary.
-    pub displacement: f64,
+    pub displacement: Real,
     /// Velocity of the primary.
-    pub velocity: f64,
+    pub velocity: Real,
     /// Absorber minus primary displacement.
-    pub gap_displacement: f64,
+    pub gap_displacement: Real,
     /// Absorber minus primary velocity.
-    pub gap_velocity: f64,
+    pub gap_velocity: Real,
     /// 0 in flight, ±1 while stuck on a wall (from the switch to the summed tail of a chatter on,
     /// within which the absorber is closer to the wall than rounding can tell).
     pub wall: i8,
@@ -28,30 +29,30 @@ pub struct State {
 /// Samples a run at increasing instants; at an impact the state after it counts.
 #[derive(Debug, Clone)]
 pub struct Sampler {
-    times: Vec<f64>,
+    times: Vec<Real>,
     next: usize,
     events: bool,
-    duration: f64,
-    clearance: f64,
+    duration: Real,
+    clearance: Real,
     /// The samples taken so far, in the order of time.
     pub states: Vec<State>,
 }
 
 impl Sampler {
     /// Samples at `times`, which must not decrease.
-    pub fn at(times: Vec<f64>) -> Self {
+    pub fn at(times: Vec<Real>) -> Self {
         let states = Vec::with_capacity(times.len());
-        Self { times, next: 0, events: false, duration: 0.0, clearance: 0.0, states }
+        Self { times, next: 0, events: false, duration: ZERO, clearance: ZERO, states }
     }
 
     /// Samples at `times` and both states of every impact.
-    pub fn with_events(times: Vec<f64>) -> Self {
+    pub fn with_events(times: Vec<Real>) -> Self {
         Self { events: true, ..Self::at(times) }
     }
 }
 
 impl<S: System> Observer<S> for Sampler {
-    fn start(&mut self, system: &S, _state: &S::State, duration: f64) {
+    fn start(&mut self, system: &S, _state: &S::State, duration: Real) {
         self.duration = duration;
         self.clearance = system.clearance();
     }
@@ -102,6 +103,6 @@ impl<S: System> Observer<S> for Sampler {
     }
 }
 
-pub(crate) fn span_ends(start: &Clock, length: f64, duration: f64) -> bool {
-    start.plus(length).minus(duration) >= -f64::EPSILON * duration
+pub(crate) fn span_ends(start: &Clock, length: Real, duration: Real) -> bool {
+    start.plus(length).minus(duration) >= -Real::EPSILON * duration
 }

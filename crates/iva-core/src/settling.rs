@@ -6,13 +6,14 @@
 use crate::flight::{Jet, Motion};
 use crate::observe::Span;
 use crate::peaks::Monotone;
+use crate::real::Real;
 use crate::roots::polish;
 use crate::system::{Clock, System};
 
 /// Follows one level.
 #[derive(Debug, Clone)]
 pub(crate) struct LastCrossing<S: System> {
-    share: f64,
+    share: Real,
     crossing: Option<Crossing<S::State>>,
 }
 
@@ -23,12 +24,12 @@ struct Crossing<State> {
     riding: bool,
     start: Clock,
     stretch: Monotone,
-    level: f64,
+    level: Real,
 }
 
 impl<S: System> LastCrossing<S> {
     /// Watches |x| = share · A₀.
-    pub fn new(share: f64) -> Self {
+    pub fn new(share: Real) -> Self {
         Self { share, crossing: None }
     }
 
@@ -41,14 +42,14 @@ impl<S: System> LastCrossing<S> {
         &mut self,
         span: &Span<'_, M>,
         stretch: &Monotone,
-        amplitude: f64,
+        amplitude: Real,
     ) {
         let level = self.share * amplitude;
         let [from, to] = stretch.x;
         if from.abs() <= level && to.abs() <= level {
             return;
         }
-        let passes = |level: f64| (from > level) != (to > level) && from != to;
+        let passes = |level: Real| (from > level) != (to > level) && from != to;
         // Where x passes both levels, it passes the one of the sign it ends with last.
         let last = if to >= 0.0 { level } else { -level };
         let level = if passes(last) {
@@ -69,7 +70,7 @@ impl<S: System> LastCrossing<S> {
 
     /// The settling time; `None` if `late`, the largest |x| of the last half period, still exceeds
     /// the level or if |x| never passed it.
-    pub fn time(&self, system: &S, late: f64, amplitude: f64) -> Option<f64> {
+    pub fn time(&self, system: &S, late: Real, amplitude: Real) -> Option<Real> {
         if late > self.share * amplitude {
             return None;
         }
@@ -85,7 +86,7 @@ impl<S: System> LastCrossing<S> {
 }
 
 impl<State> Crossing<State> {
-    fn solve<M: Motion>(&self, motion: &M) -> f64 {
+    fn solve<M: Motion>(&self, motion: &M) -> Real {
         let [low, high] = self.stretch.h;
         let [from, to] = self.stretch.x;
         let rise = if to > from { 1.0 } else { -1.0 };

@@ -10,6 +10,7 @@ use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
 use crate::observe::{Episode, Jump, Observer, Span};
+use crate::real::{Real, ZERO};
 use crate::system::{Clock, System, Wall};
 
 pub use crate::limits::{Limits, Outcome};
@@ -28,11 +29,11 @@ pub struct Tally<State> {
     /// Grazing extrema within rounding of a wall, counted as no contact.
     pub undecided: u64,
     /// Total time on a wall.
-    pub time_stuck: f64,
+    pub time_stuck: Real,
     /// Energy lost in all impacts, listed or summed.
-    pub energy_impacts: f64,
+    pub energy_impacts: Real,
     /// Instant at which the run ended, in 1/ωn.
-    pub end_time: f64,
+    pub end_time: Real,
     /// Segments of flight and ride computed.
     pub work: u64,
     /// The last state.
@@ -61,7 +62,7 @@ pub fn simulate<S: System, O: Observer<S>>(
         cancel,
         observer,
         clock: Clock::ZERO,
-        phase: Phase::Flight { first: f64::INFINITY },
+        phase: Phase::Flight { first: Real::INFINITY },
         streak: None,
         riding: None,
         tally: Tally {
@@ -70,9 +71,9 @@ pub fn simulate<S: System, O: Observer<S>>(
             effective_impacts: 0,
             episodes: 0,
             undecided: 0,
-            time_stuck: 0.0,
-            energy_impacts: 0.0,
-            end_time: 0.0,
+            time_stuck: ZERO,
+            energy_impacts: ZERO,
+            end_time: ZERO,
             work: 0,
             state,
         },
@@ -97,7 +98,7 @@ pub fn simulate<S: System, O: Observer<S>>(
 /// What the absorber is doing; in flight, how far to look first.
 #[derive(Debug, Clone, Copy)]
 enum Phase {
-    Flight { first: f64 },
+    Flight { first: Real },
     Ride,
 }
 
@@ -105,11 +106,11 @@ enum Phase {
 #[derive(Debug, Clone, Copy)]
 struct Streak {
     wall: Wall,
-    start_time: f64,
+    start_time: Real,
     listed_before: u64,
     low: u64,
     low_effective: u64,
-    energy_loss: f64,
+    energy_loss: Real,
 }
 
 struct Run<'a, S: System, O> {
@@ -178,7 +179,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
     }
 
     /// One segment of free flight, ended by its length, a contact or the end of the run.
-    fn fly(&mut self, remaining: f64, first: f64) -> bool {
+    fn fly(&mut self, remaining: Real, first: Real) -> bool {
         let system = self.system;
         let state = self.tally.state;
         let flight = system.flight(&state);
@@ -187,7 +188,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         }
         let length = flight.reach().min(remaining).min(first);
         let stretch = first_contact(&flight, &state, system.clearance(), length);
-        self.phase = Phase::Flight { first: f64::INFINITY };
+        self.phase = Phase::Flight { first: Real::INFINITY };
         self.tally.undecided += stretch.undecided;
         self.advance(&flight, stretch.end.h, stretch.end.sample, length == remaining);
         if let Some(side) = stretch.contact {
@@ -200,7 +201,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
     }
 
     /// One segment of riding on a wall, ended by its length, the release or the end of the run.
-    fn ride(&mut self, remaining: f64) -> bool {
+    fn ride(&mut self, remaining: Real) -> bool {
         let system = self.system;
         let state = self.tally.state;
         let ride = system.ride(&state);
@@ -215,12 +216,12 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             self.tally.state = system.release(&stretch.end.sample);
             self.observer.jump(system, &Jump::Release);
             self.end_episode(true);
-            self.phase = Phase::Flight { first: f64::INFINITY };
+            self.phase = Phase::Flight { first: Real::INFINITY };
         }
         true
     }
 
-    fn advance<M>(&mut self, motion: &M, h: f64, end: S::State, to_the_end: bool)
+    fn advance<M>(&mut self, motion: &M, h: Real, end: S::State, to_the_end: bool)
     where
         M: Motion<State = S::State>,
     {
@@ -239,7 +240,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
 
     /// An impulse from outside, or a jump of the force: what is stuck comes off if either pulls it
     /// from its wall, else both masses take the impulse together.
-    fn kick(&mut self, velocity: f64) {
+    fn kick(&mut self, velocity: Real) {
         let before = self.tally.state;
         let mut after = self.system.kick(&before, velocity, false);
         let riding = matches!(self.phase, Phase::Ride);
@@ -253,10 +254,10 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         if riding {
             if !presses(&leave) {
                 self.end_episode(true);
-                self.phase = Phase::Flight { first: f64::INFINITY };
+                self.phase = Phase::Flight { first: Real::INFINITY };
             }
         } else if leave.value > 0.0 {
-            self.phase = Phase::Flight { first: f64::INFINITY };
+            self.phase = Phase::Flight { first: Real::INFINITY };
         } else if leave.rate < 0.0 {
             self.strike();
         } else {
@@ -277,7 +278,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
                 listed_before: self.tally.impacts,
                 low: 0,
                 low_effective: 0,
-                energy_loss: 0.0,
+                energy_loss: ZERO,
             }),
         };
         streak.energy_loss += impact.energy_loss;
@@ -304,14 +305,14 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         let state = self.tally.state;
         let leave = self.system.distance(&state);
         if leave.rate > 0.0 {
-            self.phase = Phase::Flight { first: f64::INFINITY };
+            self.phase = Phase::Flight { first: Real::INFINITY };
             if leave.curvature < 0.0 {
                 self.rebound(&state, &leave);
             }
         } else if presses(&leave) {
             self.stick(self.clock);
         } else {
-            self.phase = Phase::Flight { first: f64::INFINITY };
+            self.phase = Phase::Flight { first: Real::INFINITY };
         }
     }
 
@@ -338,7 +339,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
 
     /// Lists the rebounds of a summed tail that are above the floor, flown one by one beside the
     /// run: the motion does not depend on the floor.
-    fn list_tail(&mut self, mut state: S::State, stick_time: f64) {
+    fn list_tail(&mut self, mut state: S::State, stick_time: Real) {
         let mut clock = self.clock;
         while self.system.rebound_ratio() * self.system.distance(&state).rate > 0.0
             && self.listed() < self.limits.max_impacts
@@ -421,6 +422,6 @@ fn presses(leave: &Jet) -> bool {
     rate <= 0.0 && (curvature < 0.0 || (curvature == 0.0 && jerk < 0.0))
 }
 
-fn is_finite(jet: &Jet, fourth: f64) -> bool {
+fn is_finite(jet: &Jet, fourth: Real) -> bool {
     jet.value.is_finite() && jet.rate.is_finite() && fourth.is_finite()
 }

@@ -10,6 +10,7 @@ use crate::flight::Jet;
 use crate::impact::{self, Impact};
 use crate::oscillator::{Oscillator, Primary};
 use crate::range;
+use crate::real::{ONE, Real, ZERO};
 use crate::system::{Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
@@ -17,7 +18,6 @@ pub use ride::SivaRide;
 
 mod motion;
 mod ride;
-mod tangent;
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;
@@ -25,10 +25,10 @@ const ON_WALL_ULPS: f64 = 4.0;
 /// Checked parameters of a SIVA on its primary system, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
-    mass_ratio: f64,
-    restitution: f64,
-    clearance: f64,
-    damping_ratio: f64,
+    mass_ratio: Real,
+    restitution: Real,
+    clearance: Real,
+    damping_ratio: Real,
 }
 
 impl Parameters {
@@ -38,10 +38,10 @@ impl Parameters {
     /// # Errors
     /// [`Invalid`] naming field, value and allowed range.
     pub fn new(
-        mass_ratio: f64,
-        restitution: f64,
-        clearance: f64,
-        damping_ratio: f64,
+        mass_ratio: Real,
+        restitution: Real,
+        clearance: Real,
+        damping_ratio: Real,
     ) -> Result<Self, Invalid> {
         range::mass_ratio("absorber.mass_ratio", mass_ratio)?;
         range::positive("absorber.clearance", clearance)?;
@@ -51,22 +51,22 @@ impl Parameters {
     }
 
     /// μ = m/M.
-    pub fn mass_ratio(&self) -> f64 {
+    pub fn mass_ratio(&self) -> Real {
         self.mass_ratio
     }
 
     /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> f64 {
+    pub fn restitution(&self) -> Real {
         self.restitution
     }
 
     /// One-sided clearance d.
-    pub fn clearance(&self) -> f64 {
+    pub fn clearance(&self) -> Real {
         self.clearance
     }
 
     /// ζ of the bare primary.
-    pub fn damping_ratio(&self) -> f64 {
+    pub fn damping_ratio(&self) -> Real {
         self.damping_ratio
     }
 }
@@ -74,16 +74,16 @@ impl Parameters {
 /// A SIVA on its primary system: parameters, and what follows from them for every flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Siva {
-    mass_ratio: f64,
-    restitution: f64,
-    clearance: f64,
-    damping_ratio: f64,
+    mass_ratio: Real,
+    restitution: Real,
+    clearance: Real,
+    damping_ratio: Real,
     /// Share of the gap velocity that the primary gains at an impact.
-    impact_share: Sum,
+    pub(crate) impact_share: Sum,
     /// The same where the absorber sticks.
-    stick_share: Sum,
-    free: Oscillator,
-    loaded: Oscillator,
+    pub(crate) stick_share: Sum,
+    pub(crate) free: Oscillator,
+    pub(crate) loaded: Oscillator,
 }
 
 impl From<Parameters> for Siva {
@@ -95,8 +95,8 @@ impl From<Parameters> for Siva {
             clearance,
             damping_ratio,
             impact_share: impact::primary_share(mass_ratio, restitution),
-            stick_share: impact::primary_share(mass_ratio, 0.0),
-            free: Oscillator::new(1.0, damping_ratio),
+            stick_share: impact::primary_share(mass_ratio, ZERO),
+            free: Oscillator::new(ONE, damping_ratio),
             loaded: Oscillator::new(1.0 + mass_ratio, damping_ratio),
         }
     }
@@ -109,26 +109,26 @@ impl Siva {
     /// # Errors
     /// As [`Parameters::new`].
     pub fn new(
-        mass_ratio: f64,
-        restitution: f64,
-        clearance: f64,
-        damping_ratio: f64,
+        mass_ratio: Real,
+        restitution: Real,
+        clearance: Real,
+        damping_ratio: Real,
     ) -> Result<Self, Invalid> {
         Parameters::new(mass_ratio, restitution, clearance, damping_ratio).map(Self::from)
     }
 
     /// μ = m/M.
-    pub fn mass_ratio(&self) -> f64 {
+    pub fn mass_ratio(&self) -> Real {
         self.mass_ratio
     }
 
     /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> f64 {
+    pub fn restitution(&self) -> Real {
         self.restitution
     }
 
     /// ζ of the bare primary.
-    pub fn damping_ratio(&self) -> f64 {
+    pub fn damping_ratio(&self) -> Real {
         self.damping_ratio
     }
 }
@@ -137,7 +137,7 @@ impl Siva {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn check_start(clearance: f64, start: &Start) -> Result<(), Invalid> {
+pub fn check_start(clearance: Real, start: &Start) -> Result<(), Invalid> {
     let fields = [
         ("start.displacement", start.displacement),
         ("start.velocity", start.velocity),
@@ -148,7 +148,7 @@ pub fn check_start(clearance: f64, start: &Start) -> Result<(), Invalid> {
         range::size(field, value)?;
     }
     let beyond = start.gap_displacement.abs() - clearance;
-    if beyond > ON_WALL_ULPS * f64::EPSILON * clearance {
+    if beyond > ON_WALL_ULPS * Real::EPSILON * clearance {
         return Err(Invalid::new(
             "start.gap_displacement",
             number(start.gap_displacement),
@@ -161,9 +161,9 @@ pub fn check_start(clearance: f64, start: &Start) -> Result<(), Invalid> {
 /// Primary and gap of a SIVA between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SivaState {
-    primary: Primary,
+    pub(crate) primary: Primary,
     /// ẍ in free motion, small against x and ẋ where the two balance.
-    acceleration: f64,
+    pub(crate) acceleration: Real,
     wall: Wall,
     distance: Sum,
     rate: Sum,
@@ -171,7 +171,7 @@ pub struct SivaState {
 
 impl SivaState {
     /// Gap velocity w = −s Ḋ.
-    fn gap_velocity(&self) -> f64 {
+    pub(crate) fn gap_velocity(&self) -> Real {
         -self.wall.sign() * self.rate.value
     }
 }
@@ -182,15 +182,15 @@ impl System for Siva {
     type Flight<'a> = SivaFlight<'a>;
     type Ride<'a> = SivaRide<'a>;
 
-    fn clearance(&self) -> f64 {
+    fn clearance(&self) -> Real {
         self.clearance
     }
 
-    fn rebound_ratio(&self) -> f64 {
+    fn rebound_ratio(&self) -> Real {
         self.restitution
     }
 
-    fn pressure_gain(&self) -> f64 {
+    fn pressure_gain(&self) -> Real {
         self.free.damping * self.impact_share.value
     }
 
@@ -206,11 +206,11 @@ impl System for Siva {
         let side = [start.gap_displacement, start.gap_velocity, -acceleration, start.velocity]
             .into_iter()
             .find(|value| *value != 0.0)
-            .unwrap_or(1.0);
+            .unwrap_or(ONE);
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
         let s = wall.sign();
         let distance = Sum::new(self.clearance).plus(-s * start.gap_displacement);
-        let touching = distance.value <= ON_WALL_ULPS * f64::EPSILON * self.clearance;
+        let touching = distance.value <= ON_WALL_ULPS * Real::EPSILON * self.clearance;
         let state = SivaState {
             primary,
             acceleration,
@@ -221,6 +221,7 @@ impl System for Siva {
         (state, touching)
     }
 
+    #[inline]
     fn flight(&self, state: &SivaState) -> SivaFlight<'_> {
         SivaFlight::new(self, *state)
     }
@@ -249,7 +250,7 @@ impl System for Siva {
         SivaState { wall, distance: Sum::ZERO, rate, ..*state }
     }
 
-    fn impact(&self, state: &SivaState, time: f64) -> (SivaState, Impact) {
+    fn impact(&self, state: &SivaState, time: Real) -> (SivaState, Impact) {
         let s = state.wall.sign();
         let rate = state.rate;
         let approach = -rate.value;
@@ -268,14 +269,14 @@ impl System for Siva {
             velocity_after: after.primary.v.value,
             gap_velocity_before: s * approach,
             gap_velocity_after: after.gap_velocity(),
-            lever: 1.0,
+            lever: ONE,
             energy_loss: impact::energy_loss(self.mass_ratio, self.restitution, approach),
         };
         (after, impact)
     }
 
-    fn stick(&self, state: &SivaState) -> (SivaState, f64) {
-        let loss = impact::energy_loss(self.mass_ratio, 0.0, state.rate.value);
+    fn stick(&self, state: &SivaState) -> (SivaState, Real) {
+        let loss = impact::energy_loss(self.mass_ratio, ZERO, state.rate.value);
         let primary = state.primary.kicked(-state.wall.sign(), state.rate, self.stick_share);
         let stuck = SivaState {
             primary,
@@ -292,7 +293,7 @@ impl System for Siva {
         let v = Sum::new(state.primary.v.value);
         SivaState {
             primary: Primary { x: v.times(-self.free.damping), v },
-            acceleration: 0.0,
+            acceleration: ZERO,
             distance: Sum::ZERO,
             rate: Sum::ZERO,
             ..*state
@@ -303,7 +304,7 @@ impl System for Siva {
         Point { x: state.primary.x.value, v: state.primary.v.value }
     }
 
-    fn energy(&self, state: &SivaState) -> f64 {
+    fn energy(&self, state: &SivaState) -> Real {
         let Point { x, v } = self.primary(state);
         let absorber = v + state.gap_velocity();
         0.5 * (x * x + v * v) + 0.5 * self.mass_ratio * (absorber * absorber)

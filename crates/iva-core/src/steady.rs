@@ -12,6 +12,7 @@ use crate::force::{Harmonic, WHOLE_TURN};
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
 use crate::polynomial::{largest, square_integral};
+use crate::real::{Real, ZERO};
 use crate::sample::span_ends;
 use crate::simulate::{Outcome, Tally};
 use crate::system::{System, Wall};
@@ -28,7 +29,7 @@ mod regime;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Window {
     /// Instant from which on it counts: the end of the transient.
-    pub from: f64,
+    pub from: Real,
     /// The force whose cycles count; `None` if none of the forces has any.
     pub cycle: Option<Harmonic>,
 }
@@ -37,7 +38,7 @@ impl Window {
     /// The instants Ω t + phase = 2π k, from the first at or after time zero on.
     fn instant(&self, index: u64) -> Option<Sum> {
         let Harmonic { frequency, phase, .. } = self.cycle?;
-        let first = (phase / std::f64::consts::TAU).ceil();
+        let first = (phase / WHOLE_TURN.value).ceil();
         let turns = WHOLE_TURN.times(first + index as f64);
         Some(turns.plus(-phase).over(frequency))
     }
@@ -82,17 +83,17 @@ pub struct Strobe {
     /// Number of the instant, 0 for the first at or after time zero.
     pub cycle: u64,
     /// Instant, in 1/ωn.
-    pub time: f64,
+    pub time: Real,
     /// Displacement of the primary.
-    pub displacement: f64,
+    pub displacement: Real,
     /// Its velocity.
-    pub velocity: f64,
+    pub velocity: Real,
     /// Absorber minus primary displacement.
-    pub gap_displacement: f64,
+    pub gap_displacement: Real,
     /// Absorber minus primary velocity.
-    pub gap_velocity: f64,
+    pub gap_velocity: Real,
     /// Largest |x| from the strobe before, or from the begin of the window, up to here.
-    pub amplitude: f64,
+    pub amplitude: Real,
     /// Listed impacts from the begin of the window up to here.
     pub impacts: u64,
 }
@@ -101,15 +102,15 @@ pub struct Strobe {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SteadyValues {
     /// Largest |x|.
-    pub amplitude_max: Option<f64>,
+    pub amplitude_max: Option<Real>,
     /// √ of the mean of x².
-    pub amplitude_rms: Option<f64>,
+    pub amplitude_rms: Option<Real>,
     /// Largest |ẍ + a_g| between impacts.
-    pub acceleration_max: Option<f64>,
+    pub acceleration_max: Option<Real>,
     /// Largest |a_g|.
-    pub base_max: Option<f64>,
+    pub base_max: Option<Real>,
     /// Listed impacts over cycles of the force.
-    pub impacts_per_cycle: Option<f64>,
+    pub impacts_per_cycle: Option<Real>,
     /// What comes back, and how often.
     pub regime: Option<Regime>,
 }
@@ -119,15 +120,15 @@ pub struct SteadyValues {
 pub struct Steady {
     window: Window,
     wanted: SteadyWanted,
-    duration: f64,
+    duration: Real,
     values: SteadyValues,
     strobes: VecDeque<Strobe>,
     next: u64,
     /// Largest |x|: of the cycle under way, and of those before.
-    current: f64,
-    largest: f64,
-    acceleration: f64,
-    base: f64,
+    current: Real,
+    largest: Real,
+    acceleration: Real,
+    base: Real,
     square: Sum,
     impacts: u64,
     streak: Streak,
@@ -138,7 +139,7 @@ pub struct Steady {
 #[derive(Debug, Clone, Default)]
 struct Streak {
     wall: Option<Wall>,
-    impacts: Vec<(f64, f64)>,
+    impacts: Vec<(Real, Real)>,
 }
 
 impl Steady {
@@ -158,7 +159,7 @@ impl Steady {
     }
 
     /// A stretch of a span between two strobes.
-    fn stretch(&mut self, rows: &Rows<'_>, h: [f64; 2]) {
+    fn stretch(&mut self, rows: &Rows<'_>, h: [Real; 2]) {
         let t = h.map(|h| h / rows.step);
         if self.wanted.amplitude || self.wanted.regime || self.wanted.strobes {
             self.current = largest(rows.x, t, self.current);
@@ -168,12 +169,12 @@ impl Steady {
             self.base = largest(rows.base, t, self.base);
         }
         if self.wanted.rms {
-            let before = if t[0] == 0.0 { 0.0 } else { square_integral(rows.x, t[0]) };
+            let before = if t[0] == 0.0 { ZERO } else { square_integral(rows.x, t[0]) };
             self.square = self.square.plus((square_integral(rows.x, t[1]) - before) * rows.step);
         }
     }
 
-    fn strobe<M: Motion>(&mut self, motion: &M, h: f64, time: f64) {
+    fn strobe<M: Motion>(&mut self, motion: &M, h: Real, time: Real) {
         let (primary, gap) = (motion.primary(h), motion.gap(h));
         self.strobes.push_back(Strobe {
             cycle: self.next,
@@ -186,7 +187,7 @@ impl Steady {
             impacts: self.impacts,
         });
         self.largest = self.largest.max(self.current);
-        self.current = 0.0;
+        self.current = ZERO;
         if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT {
             self.strobes.pop_front();
         }
@@ -194,13 +195,13 @@ impl Steady {
 }
 
 /// A number of cycles that is whole but for rounding.
-fn whole(cycles: f64) -> f64 {
+fn whole(cycles: Real) -> Real {
     let near = cycles.round();
-    if (cycles - near).abs() <= 16.0 * f64::EPSILON * near { near } else { cycles }
+    if (cycles - near).abs() <= 16.0 * Real::EPSILON * near { near } else { cycles }
 }
 
 impl<S: System> Observer<S> for Steady {
-    fn start(&mut self, _system: &S, _state: &S::State, duration: f64) {
+    fn start(&mut self, _system: &S, _state: &S::State, duration: Real) {
         *self = Self { duration, ..Self::new(self.window, self.wanted) };
     }
 
@@ -212,7 +213,7 @@ impl<S: System> Observer<S> for Steady {
         while let Some(instant) = self.window.instant(self.next).filter(|_| strobed) {
             let at = (instant - span.start).value;
             let beyond = (instant.value - self.duration) / self.duration;
-            let last = beyond.abs() <= 4.0 * f64::EPSILON
+            let last = beyond.abs() <= 4.0 * Real::EPSILON
                 && span_ends(&span.start, span.length, self.duration);
             // At an impact the state after it counts.
             if at >= span.length && !last {
@@ -220,7 +221,7 @@ impl<S: System> Observer<S> for Steady {
             }
             let at = at.clamp(0.0, span.length);
             // The window may begin at a strobe, but for rounding.
-            if instant.value >= self.window.from * (1.0 - 4.0 * f64::EPSILON) {
+            if instant.value >= self.window.from * (1.0 - 4.0 * Real::EPSILON) {
                 if at > h {
                     self.stretch(&rows, [h, at]);
                     h = at;
@@ -245,7 +246,7 @@ impl<S: System> Observer<S> for Steady {
         self.streak.impacts.push((impact.time, impact.approach_speed()));
     }
 
-    fn unlist(&mut self, _first: u64, floor: f64) {
+    fn unlist(&mut self, _first: u64, floor: Real) {
         for (time, speed) in std::mem::take(&mut self.streak.impacts) {
             if speed <= floor {
                 self.impacts -= 1;

@@ -7,6 +7,7 @@ use crate::compensated::Sum;
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
+use crate::real::Real;
 
 /// A wall of the gap: `Plus` at y = +d, `Minus` at y = −d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -49,31 +50,31 @@ impl Wall {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Start {
     /// Displacement x of the primary system.
-    pub displacement: f64,
+    pub displacement: Real,
     /// Its velocity ẋ.
-    pub velocity: f64,
+    pub velocity: Real,
     /// Gap displacement y.
-    pub gap_displacement: f64,
+    pub gap_displacement: Real,
     /// Gap velocity w.
-    pub gap_velocity: f64,
+    pub gap_velocity: Real,
 }
 
 /// Displacement and velocity of the primary system, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Displacement x.
-    pub x: f64,
+    pub x: Real,
     /// Velocity ẋ.
-    pub v: f64,
+    pub v: Real,
 }
 
 /// Angle of a pendulum and its rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angle {
     /// θ from the hanging position, in [−π, π].
-    pub value: f64,
+    pub value: Real,
     /// θ̇ in ωn.
-    pub rate: f64,
+    pub rate: Real,
 }
 
 /// An absorber on its primary system.
@@ -95,12 +96,12 @@ pub trait System {
         Self: 'a;
 
     /// Half of the total play, d.
-    fn clearance(&self) -> f64;
+    fn clearance(&self) -> Real;
     /// The ratio by which each rebound of a chatter shrinks.
-    fn rebound_ratio(&self) -> f64;
+    fn rebound_ratio(&self) -> Real;
     /// How much an impact of unit approach speed raises the pressure on the wall (through the
     /// damper, which feels the jump of the primary's velocity).
-    fn pressure_gain(&self) -> f64;
+    fn pressure_gain(&self) -> Real;
 
     /// Checks that a start lies in the gap.
     ///
@@ -120,30 +121,30 @@ pub trait System {
     /// The same state in contact with `wall`: its distance to it is set to 0.
     fn touch(&self, state: &Self::State, wall: Wall) -> Self::State;
     /// The impact law at a state in contact: the state after it, and the record of it.
-    fn impact(&self, state: &Self::State, time: f64) -> (Self::State, Impact);
+    fn impact(&self, state: &Self::State, time: Real) -> (Self::State, Impact);
     /// The state after an infinite tail of rebounds: common velocity, and the energy they lose.
-    fn stick(&self, state: &Self::State) -> (Self::State, f64);
+    fn stick(&self, state: &Self::State) -> (Self::State, Real);
     /// The state at the end of a ride, with distance, rate and pressure exactly 0.
     fn release(&self, state: &Self::State) -> Self::State;
     /// Primary displacement and velocity.
     fn primary(&self, state: &Self::State) -> Point;
     /// Total energy per primary mass.
-    fn energy(&self, state: &Self::State) -> f64;
+    fn energy(&self, state: &Self::State) -> Real;
     /// True if a force or the base drives it, not only in impulses.
     fn is_driven(&self) -> bool {
         false
     }
     /// How long the force stays smooth: until it bends, jumps or kicks.
-    fn smooth_for(&self, _state: &Self::State) -> f64 {
-        f64::INFINITY
+    fn smooth_for(&self, _state: &Self::State) -> Real {
+        Real::INFINITY
     }
     /// P/M of the impulse that is due at a state; 0 where the force jumps.
-    fn due(&self, _state: &Self::State) -> Option<f64> {
+    fn due(&self, _state: &Self::State) -> Option<Real> {
         None
     }
     /// The state after the impulse that is due, of P/M = `velocity`: with the absorber free to
     /// follow its own way, or stuck to its wall.
-    fn kick(&self, state: &Self::State, _velocity: f64, _stuck: bool) -> Self::State {
+    fn kick(&self, state: &Self::State, _velocity: Real, _stuck: bool) -> Self::State {
         *state
     }
     /// Angle and angular velocity of a pendulum; `None` for an absorber without angle.

@@ -18,10 +18,10 @@
 
 use crate::compensated::Sum;
 use crate::force::Drive;
+use crate::real::{self, ONE, Real, ZERO};
 
 pub use remainder::Remainder;
 
-pub mod dual;
 mod remainder;
 
 /// Highest order of the series.
@@ -41,37 +41,26 @@ pub trait Number:
     + std::ops::Neg<Output = Self>
 {
     /// The number without rest.
-    fn from_double(value: f64) -> Self;
+    fn from_real(value: Real) -> Self;
     /// 1/n.
     fn reciprocal(n: usize) -> Self;
 }
 
-/// 1/n, as far as any order in use needs it.
-const RECIPROCALS: [f64; ORDER + 2] = {
-    let mut table = [1.0; ORDER + 2];
-    let mut n = 1;
-    while n < table.len() {
-        table[n] = 1.0 / n as f64;
-        n += 1;
-    }
-    table
-};
-
-impl Number for f64 {
-    fn from_double(value: f64) -> Self {
+impl Number for Real {
+    fn from_real(value: Real) -> Self {
         value
     }
     fn reciprocal(n: usize) -> Self {
-        RECIPROCALS.get(n).copied().unwrap_or(1.0 / n as f64)
+        real::reciprocal(n)
     }
 }
 
 impl Number for Sum {
-    fn from_double(value: f64) -> Self {
+    fn from_real(value: Real) -> Self {
         Sum::new(value)
     }
     fn reciprocal(n: usize) -> Self {
-        Sum::new(1.0).over(n as f64)
+        Sum::new(ONE).over(n as f64)
     }
 }
 
@@ -79,21 +68,21 @@ impl Number for Sum {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pendulum {
     /// Mass ratio μ.
-    pub mass_ratio: f64,
+    pub mass_ratio: Real,
     /// Damping ratio ζ of the primary.
-    pub damping_ratio: f64,
+    pub damping_ratio: Real,
     /// b, from the pivot to the point of contact.
-    pub contact_distance: f64,
+    pub contact_distance: Real,
     /// κ = I/(m L²).
-    pub inertia_ratio: f64,
+    pub inertia_ratio: Real,
     /// λ = L/b.
-    pub lever: f64,
+    pub lever: Real,
     /// β = b/(κL).
-    pub coupling: f64,
+    pub coupling: Real,
     /// r² = g/(κL), in ωn².
-    pub frequency_squared: f64,
+    pub frequency_squared: Real,
     /// ν = 2ζp r.
-    pub pivot_damping: f64,
+    pub pivot_damping: Real,
     /// sinθ = θ and cosθ = 1: then c stays 1 and the equations are linear.
     pub small_angles: bool,
 }
@@ -140,7 +129,7 @@ fn convolutions<T: Number>(y: &[T], w: &[T], c: &[T], a: &[T], k: usize) -> [T; 
         let (w, a) = (w[k - 1 - i], a[k - 1 - i]);
         [y[i] * w, c[i] * w, c[i] * a]
     };
-    let mut even = [T::from_double(0.0); 3];
+    let mut even = [T::from_real(ZERO); 3];
     let mut odd = even;
     let mut i = 0;
     while i + 1 < k {
@@ -162,9 +151,9 @@ fn convolutions<T: Number>(y: &[T], w: &[T], c: &[T], a: &[T], k: usize) -> [T; 
 
 impl Pendulum {
     /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.
-    pub fn cosine(&self, y: f64) -> f64 {
+    pub fn cosine(&self, y: Real) -> Real {
         if self.small_angles {
-            return 1.0;
+            return ONE;
         }
         let sine = y / self.contact_distance;
         ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt()
@@ -173,10 +162,10 @@ impl Pendulum {
     /// 1 + μ − (μ/κ) cos²θ, what a force on the primary moves: written as 1 + (μ/κ)(κ − 1 + sin²θ), in
     /// which nothing cancels however heavy the pendulum is.
     pub fn inertia<T: Number>(&self, y: T) -> T {
-        let n = T::from_double;
-        let sine = if self.small_angles { n(0.0) } else { y / n(self.contact_distance) };
+        let n = T::from_real;
+        let sine = if self.small_angles { n(ZERO) } else { y / n(self.contact_distance) };
         let share = n(self.mass_ratio) * n(self.lever) * n(self.coupling);
-        n(1.0) + share * (n(self.inertia_ratio - 1.0) + sine * sine)
+        n(ONE) + share * (n(self.inertia_ratio - 1.0) + sine * sine)
     }
 
     /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.
@@ -184,7 +173,7 @@ impl Pendulum {
         &self,
         start: &Swing<T>,
         drive: Option<&Drive<T, LENGTH>>,
-        h: f64,
+        h: Real,
         order: usize,
     ) -> Series<T, LENGTH> {
         self.coefficients(start, drive, h, order)
@@ -194,10 +183,10 @@ impl Pendulum {
     /// compiler, which leaves no loop.
     pub fn beginning<const LENGTH: usize>(
         &self,
-        start: &Swing<f64>,
-        drive: Option<&Drive<f64, LENGTH>>,
-    ) -> Series<f64, LENGTH> {
-        self.coefficients(start, drive, 1.0, LENGTH - 1)
+        start: &Swing<Real>,
+        drive: Option<&Drive<Real, LENGTH>>,
+    ) -> Series<Real, LENGTH> {
+        self.coefficients(start, drive, ONE, LENGTH - 1)
     }
 
     #[inline(always)]
@@ -205,26 +194,26 @@ impl Pendulum {
         &self,
         start: &Swing<T>,
         drive: Option<&Drive<T, LENGTH>>,
-        h: f64,
+        h: Real,
         order: usize,
     ) -> Series<T, LENGTH> {
-        let n = T::from_double;
+        let n = T::from_real;
         let Pendulum { mass_ratio: mu, damping_ratio, lever, coupling, pivot_damping, .. } = *self;
         let (step, r2, nu) = (n(h), n(self.frequency_squared), n(pivot_damping));
         let b2 = n(self.contact_distance) * n(self.contact_distance);
-        let (beta, zeta2) = (n(coupling), n(2.0) * n(damping_ratio));
+        let (beta, zeta2) = (n(coupling), n(2.0 * damping_ratio));
         let pull = n(mu) * n(lever);
-        let row = [n(0.0); LENGTH];
+        let row = [n(ZERO); LENGTH];
         let mut s = Series { x: row, u: row, a: row, y: row, w: row, c: row };
         (s.x[0], s.u[0], s.y[0], s.w[0], s.c[0]) = (start.x, start.u, start.y, start.w, start.c);
-        let over_inertia = n(1.0) / self.inertia(start.y);
-        let (over_b2, over_step) = (n(1.0) / b2, n(1.0) / step);
+        let over_inertia = n(ONE) / self.inertia(start.y);
+        let (over_b2, over_step) = (n(ONE) / b2, n(ONE) / step);
         // (c W)_k without its term c₀ W_k
-        let mut swept = n(0.0);
+        let mut swept = n(ZERO);
         for k in 0..order {
-            let next = n((k + 1) as f64);
+            let next = n((k + 1) as f64 * ONE);
             let over = step * T::reciprocal(k + 1);
-            let (mut ca, mut next_swept) = (n(0.0), n(0.0));
+            let (mut ca, mut next_swept) = (n(ZERO), n(ZERO));
             // Small angles: c stays 1, and the recurrences are linear.
             if !self.small_angles {
                 let [yw, cw, sum] = convolutions(&s.y, &s.w, &s.c, &s.a, k);
@@ -234,7 +223,7 @@ impl Pendulum {
                 ca = sum;
             }
             let rest = beta * ca + r2 * s.y[k] + nu * s.w[k];
-            let [driven, base] = drive.map_or([n(0.0); 2], |it| [it.primary[k], it.base[k]]);
+            let [driven, base] = drive.map_or([n(ZERO); 2], |it| [it.primary[k], it.base[k]]);
             let force = driven - (s.x[k] + zeta2 * s.u[k]);
             s.a[k] =
                 (force - pull * (next_swept * next * over_step - start.c * rest)) * over_inertia;
@@ -250,6 +239,6 @@ impl Pendulum {
 
 /// A polynomial by Horner's rule.
 pub fn horner<T: Number>(coefficients: &[T], t: T) -> T {
-    let zero = T::from_double(0.0);
+    let zero = T::from_real(ZERO);
     coefficients.iter().rev().fold(zero, |sum, coefficient| sum * t + *coefficient)
 }

@@ -1,6 +1,8 @@
 //! The reference event lists of `tests/reference` (its README tells where they come from and what
 //! the fields mean).
 
+use std::collections::BTreeMap;
+
 use crate::{
     dd::Dd,
     oracle::{Kind, Scene},
@@ -58,7 +60,9 @@ pub fn scenes() -> Vec<Reference> {
 pub struct PivaReference {
     /// Its name.
     pub name: String,
-    /// Parameters as the doubles nearest to the decimals of the file.
+    /// The numbers of the file by their names there, to 31 digits.
+    pub given: BTreeMap<String, Dd>,
+    /// Parameters as the doubles nearest to them.
     pub parameters: piva::Parameters,
     /// What drives it.
     pub force: Force,
@@ -99,8 +103,12 @@ fn read_pendulums(text: &str) -> Vec<PivaReference> {
             phase: 0.0,
             acts: Acts::Primary,
         });
+        let numbers = scene.as_object().expect("an object").iter();
+        let given =
+            numbers.filter(|(_, it)| it.is_string()).map(|(name, it)| (name.clone(), number(it)));
         PivaReference {
             name: name.clone(),
+            given: given.collect(),
             parameters,
             force: Force::harmonic(harmonic.into_iter().collect()).expect("a force"),
             displacement: scene.get("x").map_or(1.0, |x| number(x).value()),

@@ -9,14 +9,15 @@ use super::Acts;
 use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::range;
+use crate::real::{Real, ZERO, whole};
 
 /// Increasing times with a value each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
-    times: Vec<f64>,
-    values: Vec<f64>,
+    times: Vec<Real>,
+    values: Vec<Real>,
     /// Smallest size, other than 0, and largest: of times, and of values.
-    sizes: [[f64; 2]; 2],
+    sizes: [[Real; 2]; 2],
 }
 
 impl History {
@@ -25,7 +26,7 @@ impl History {
     /// # Errors
     /// [`Invalid`] naming the first time that does not increase, the first number that is not
     /// finite, or two lengths that differ.
-    pub fn new(times: Vec<f64>, mut values: Vec<f64>) -> Result<Self, Invalid> {
+    pub fn new(times: Vec<Real>, mut values: Vec<Real>) -> Result<Self, Invalid> {
         if times.len() != values.len() {
             let rule = format!("there are {} values; give as many of both", values.len());
             return Err(Invalid::new("times", format!("{} numbers", times.len()), rule));
@@ -36,7 +37,7 @@ impl History {
         }
         for (index, (time, value)) in times.iter().zip(&mut values).enumerate() {
             if value.abs() < range::SMALLEST {
-                *value = 0.0;
+                *value = ZERO;
             }
             range::size(&format!("times[{index}]"), *time)?;
             range::size(&format!("values[{index}]"), *value)?;
@@ -53,20 +54,20 @@ impl History {
     }
 
     /// Times, increasing.
-    pub fn times(&self) -> &[f64] {
+    pub fn times(&self) -> &[Real] {
         &self.times
     }
 
     /// Values, as many.
-    pub fn values(&self) -> &[f64] {
+    pub fn values(&self) -> &[Real] {
         &self.values
     }
 }
 
 /// Smallest size other than 0, and largest; 0 if all are.
-fn extremes(numbers: &[f64]) -> [f64; 2] {
+fn extremes(numbers: &[Real]) -> [Real; 2] {
     let sizes = || numbers.iter().map(|number| number.abs()).filter(|size| *size > 0.0);
-    [sizes().reduce(f64::min), sizes().reduce(f64::max)].map(Option::unwrap_or_default)
+    [sizes().reduce(Real::min), sizes().reduce(Real::max)].map(Option::unwrap_or_default)
 }
 
 /// A history as a force: linear between its points, 0 before the first and after the last.
@@ -77,9 +78,9 @@ pub struct Record {
     /// On the primary or on the base.
     pub acts: Acts,
     /// Natural time over the time of the history: ωn.
-    pub rate: f64,
+    pub rate: Real,
     /// f/M or a_g in ωn² × length, over the value of the history.
-    pub scale: f64,
+    pub scale: Real,
 }
 
 impl Record {
@@ -87,8 +88,8 @@ impl Record {
         range::positive("force.rate", self.rate)?;
         range::size("force.scale", self.scale)?;
         let [times, values] = self.history.sizes;
-        let in_range = |sizes: [f64; 2], factor: f64| {
-            sizes.iter().try_for_each(|size| range::size("force.record", factor.abs() * size))
+        let in_range = |sizes: [Real; 2], factor: Real| {
+            sizes.iter().try_for_each(|size| range::size("force.record", factor.abs() * *size))
         };
         in_range(times, self.rate)?;
         if self.scale == 0.0 { Ok(()) } else { in_range(values, self.scale) }
@@ -110,7 +111,8 @@ impl Record {
         // Most records are sampled evenly: look there first.
         let share = (time.value / self.rate - first) / (last - first);
         let guess = (share * (times.len() - 1) as f64).clamp(0.0, (times.len() - 1) as f64);
-        for passed in (guess as usize).saturating_sub(1)..=(guess as usize + 2).min(times.len()) {
+        let guess = whole(guess);
+        for passed in guess.saturating_sub(1)..=(guess + 2).min(times.len()) {
             let before = passed == 0 || self.reached(passed - 1, time);
             if before && (passed == times.len() || !self.reached(passed, time)) {
                 return passed;

@@ -4,22 +4,23 @@
 use super::parameters::{ImpactLaw, Parameters};
 use crate::compensated::Sum;
 use crate::impact::primary_share;
+use crate::real::{ONE, Real, ZERO};
 use crate::taylor::Pendulum;
 
 /// The impact law at the walls, in terms of W = b θ̇.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Law {
-    mass_ratio: f64,
+pub(crate) struct Law {
+    mass_ratio: Real,
     /// μλ
-    pull: f64,
+    pull: Real,
     /// μκλ²
-    inertia: f64,
+    inertia: Real,
     /// μκλ² − (μλ cosθ)²/(1 + μ), the inertia that an impact turns round.
-    effective: f64,
+    effective: Real,
     /// cosθ at the walls.
-    cosine: f64,
+    cosine: Real,
     /// W⁺ = −ratio · W⁻: e, or 2μe/(1 + μ) as printed in Eq. 17.
-    pub ratio: f64,
+    pub ratio: Real,
     /// Velocity that the primary gains at an impact, per W⁻.
     impact_gain: Sum,
     /// The same over a whole tail of rebounds, from the last one on.
@@ -29,22 +30,22 @@ pub(super) struct Law {
 }
 
 impl Law {
-    pub fn new(p: &Parameters, pendulum: &Pendulum, cosine: f64) -> Self {
+    pub fn new(p: &Parameters, pendulum: &Pendulum, cosine: Real) -> Self {
         let (mu, lever, e) = (p.mass_ratio, pendulum.lever, p.restitution);
         let share = |e| primary_share(mu, e).times(lever);
-        let common = share(0.0).times(cosine);
+        let common = share(ZERO).times(cosine);
         let (ratio, impact_gain, stick_gain) = match p.impact_law {
             ImpactLaw::Consistent => (e, share(e).times(cosine), common),
             ImpactLaw::Printed => {
                 // Each rebound leaves some momentum over; the tail begins with −W.
                 let ratio = 2.0 * mu * e / (1.0 + mu);
                 let over = ((1.0 + e) - cosine * (1.0 + ratio)) / (1.0 - ratio);
-                (ratio, share(e), common.plus(-share(0.0).value * over))
+                (ratio, share(e), common.plus(-share(ZERO).value * over))
             }
         };
         // Written so that nothing cancels, however heavy the absorber: κ − cos²θ is exact.
-        let sine = if pendulum.small_angles { 0.0 } else { p.clearance / p.contact_distance };
-        let free = (p.inertia_ratio - 1.0) + if cosine > 0.0 { sine * sine } else { 1.0 };
+        let sine = if pendulum.small_angles { ZERO } else { p.clearance / p.contact_distance };
+        let free = (p.inertia_ratio - 1.0) + if cosine > 0.0 { sine * sine } else { ONE };
         let effective = mu * (lever * lever) * ((p.inertia_ratio + mu * free) / (1.0 + mu));
         Self {
             effective,
@@ -60,12 +61,12 @@ impl Law {
     }
 
     /// Velocity that the primary gains at an impact, per W.
-    pub fn impact_gain(&self) -> f64 {
+    pub fn impact_gain(&self) -> Real {
         self.impact_gain.value
     }
 
     /// Velocity that it gains over a whole tail of rebounds, per W of the last one.
-    pub fn stick_gain(&self) -> f64 {
+    pub fn stick_gain(&self) -> Real {
         self.stick_gain.value
     }
 
@@ -80,7 +81,7 @@ impl Law {
     }
 
     /// Energy lost in an impact with W at primary velocity v.
-    pub fn impact_loss(&self, v: f64, w: f64, restitution: f64) -> f64 {
+    pub fn impact_loss(&self, v: Real, w: Real, restitution: Real) -> Real {
         if self.printed {
             self.difference(v, w, self.impact_gain.value, self.ratio)
         } else {
@@ -89,21 +90,21 @@ impl Law {
     }
 
     /// Energy lost in all rebounds after one with W.
-    pub fn stick_loss(&self, v: f64, w: f64) -> f64 {
+    pub fn stick_loss(&self, v: Real, w: Real) -> Real {
         if self.printed {
-            self.difference(v, w, self.stick_gain.value, 0.0)
+            self.difference(v, w, self.stick_gain.value, ZERO)
         } else {
-            self.consistent_loss(w, 0.0)
+            self.consistent_loss(w, ZERO)
         }
     }
 
     /// ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)].
-    fn consistent_loss(&self, w: f64, e: f64) -> f64 {
+    fn consistent_loss(&self, w: Real, e: Real) -> Real {
         0.5 * ((1.0 - e) * (1.0 + e)) * (w * w) * self.effective
     }
 
     /// Kinetic energy before minus after v → v + gain W, W → −ratio W.
-    fn difference(&self, v: f64, w: f64, gain: f64, ratio: f64) -> f64 {
+    fn difference(&self, v: Real, w: Real, gain: Real, ratio: Real) -> Real {
         let (total, pull) = (1.0 + self.mass_ratio, self.pull * self.cosine);
         let linear = pull * (1.0 + ratio) - total * gain;
         let square = pull * gain * ratio - 0.5 * total * (gain * gain)
@@ -113,11 +114,11 @@ impl Law {
 
     /// How much an impact of unit approach speed raises the pressure on the wall: through the
     /// dampers of primary and pivot, which feel the jumps of u and W.
-    pub fn pressure_gain(&self, pendulum: &Pendulum) -> f64 {
+    pub fn pressure_gain(&self, pendulum: &Pendulum) -> Real {
         let Pendulum { damping_ratio, coupling, pivot_damping, .. } = *pendulum;
         let c = self.cosine;
         if c == 0.0 {
-            return 0.0;
+            return ZERO;
         }
         let jump_u = self.impact_gain.value / c;
         let jump_w = -(1.0 + self.ratio) / c;

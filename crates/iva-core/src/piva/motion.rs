@@ -6,6 +6,7 @@ use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::polynomial::{product_integral, square_integral};
+use crate::real::{ONE, Real, ZERO};
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner};
 
@@ -18,28 +19,28 @@ pub struct PivaFlight<'a> {
     piva: &'a Piva,
     from: PivaState,
     /// In powers of t over `step`.
-    series: Series<f64>,
-    drive: Option<Drive<f64>>,
-    step: f64,
-    reach: f64,
+    series: Series<Real>,
+    drive: Option<Drive<Real>>,
+    step: Real,
+    reach: Real,
     /// Where the reach ends because the force bends, jumps or kicks there.
     bend: Option<Clock>,
-    fourth: f64,
+    fourth: Real,
 }
 
 impl<'a> PivaFlight<'a> {
-    pub(super) fn new(piva: &'a Piva, from: PivaState) -> Self {
+    pub(crate) fn new(piva: &'a Piva, from: PivaState) -> Self {
         let order = piva.accuracy.order;
         let step = piva.longest_step(&from);
         let drive = piva.drive(from.time, &from, step);
         let series = piva.pendulum.series(&piva.swing(&from), drive.as_ref(), step, order);
         let series = at_rest_on_release(&from, series);
-        let size = drive.as_ref().map_or(0.0, Drive::size);
+        let size = drive.as_ref().map_or(ZERO, Drive::size);
         let share = Remainder::prove(&piva.pendulum, &series, &piva.force, step, order)
             .and_then(|remainder| Some((share_kept(&remainder, piva, &from, size)?, remainder)));
         let Some((share, remainder)) = share else {
             // What cannot be enclosed is not flown: the run ends there and says so.
-            let fourth = f64::NAN;
+            let fourth = Real::NAN;
             return Self { piva, from, series, drive, step, reach: step, bend: None, fourth };
         };
         let (reach, bend) = piva.until_bend(&from, share * step);
@@ -50,14 +51,14 @@ impl<'a> PivaFlight<'a> {
     }
 
     /// h in steps.
-    fn share(&self, h: f64) -> f64 {
+    fn share(&self, h: Real) -> Real {
         h / self.step
     }
 
     /// What a damper takes: factor · ∫ f² up to h.
-    fn loss(&self, factor: f64, f: &Row<f64>, h: f64) -> f64 {
+    fn loss(&self, factor: Real, f: &Row<Real>, h: Real) -> Real {
         let f = &f[..=self.piva.accuracy.order];
-        if factor == 0.0 { 0.0 } else { factor * square_integral(f, self.share(h)) * self.step }
+        if factor == 0.0 { ZERO } else { factor * square_integral(f, self.share(h)) * self.step }
     }
 }
 
@@ -67,7 +68,7 @@ const SHORTER: f64 = 0.84;
 const MOST_SHORTENINGS: u32 = 80;
 
 /// The share of a step on which its series leaves out no more than the tolerance.
-fn share_kept(remainder: &Remainder, piva: &Piva, from: &PivaState, driven: f64) -> Option<f64> {
+fn share_kept(remainder: &Remainder, piva: &Piva, from: &PivaState, driven: Real) -> Option<Real> {
     let sizes = Sizes::of(piva, from, driven);
     let tolerance = piva.accuracy.tolerance;
     let mut share = remainder.reach();
@@ -82,14 +83,14 @@ fn share_kept(remainder: &Remainder, piva: &Piva, from: &PivaState, driven: f64)
 }
 
 /// Sizes that truncation is measured against.
-pub(super) struct Sizes {
-    pub primary: f64,
-    pub gap: f64,
+pub(crate) struct Sizes {
+    pub primary: Real,
+    pub gap: Real,
 }
 
 impl Sizes {
     /// At a state, under a force of size `driven`.
-    pub(super) fn of(piva: &Piva, state: &PivaState, driven: f64) -> Self {
+    pub(crate) fn of(piva: &Piva, state: &PivaState, driven: Real) -> Self {
         let Parameters { clearance, contact_distance, .. } = piva.parameters;
         let gap = if piva.stop_reachable() { clearance } else { clearance.min(contact_distance) };
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
@@ -99,8 +100,8 @@ impl Sizes {
 }
 
 /// Bound on |y⁗| of the series itself over a share of a step, in steps.
-fn fourth_bound(y: &Row<f64>, share: f64) -> f64 {
-    (4..=ORDER).rev().fold(0.0, |sum, k| {
+fn fourth_bound(y: &Row<Real>, share: Real) -> Real {
+    (4..=ORDER).rev().fold(ZERO, |sum, k| {
         let k_ = k as f64;
         sum * share + k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0) * y[k].abs()
     })
@@ -109,7 +110,7 @@ fn fourth_bound(y: &Row<f64>, share: f64) -> f64 {
 impl Piva {
     /// How far a motion goes that reaches so far: not beyond the next bend of the force, and then the
     /// instant of that.
-    pub(super) fn until_bend(&self, from: &PivaState, reach: f64) -> (f64, Option<Clock>) {
+    pub(crate) fn until_bend(&self, from: &PivaState, reach: Real) -> (Real, Option<Clock>) {
         let bend = self.force.smooth_until(from.time, from.kicks);
         let until = |bend: Clock| (bend - from.time).value;
         match bend.filter(|bend| until(*bend) <= reach) {
@@ -119,13 +120,13 @@ impl Piva {
     }
 
     /// A step short against every time scale: of the primary, of the pendulum, of its swing.
-    fn longest_step(&self, state: &PivaState) -> f64 {
+    fn longest_step(&self, state: &PivaState) -> Real {
         let pendulum = &self.pendulum;
         let zeta = pendulum.damping_ratio;
         let primary = zeta + (1.0 + zeta * zeta).sqrt();
         let hanging = (pendulum.frequency_squared * (1.0 + pendulum.mass_ratio)).sqrt();
         let swing = if pendulum.small_angles {
-            0.0
+            ZERO
         } else {
             state.w.value.abs() / pendulum.contact_distance
         };
@@ -142,18 +143,18 @@ impl Motion for PivaFlight<'_> {
         &self.from
     }
 
-    fn reach(&self) -> f64 {
+    fn reach(&self) -> Real {
         self.reach
     }
 
-    fn state(&self, h: f64) -> PivaState {
+    fn state(&self, h: Real) -> PivaState {
         if h == 0.0 {
             return self.from;
         }
         let (t, from, series) = (self.share(h), &self.from, &self.series);
         let s = from.wall.sign();
         let order = self.piva.accuracy.order;
-        let increment = |series: &Row<f64>| t * horner(&series[1..=order], t);
+        let increment = |series: &Row<Real>| t * horner(&series[1..=order], t);
         let distance = from.distance.plus(-s * increment(&series.y));
         let y = PivaState { distance, ..*from }.y().value;
         let sine = y / self.piva.parameters.contact_distance;
@@ -174,7 +175,7 @@ impl Motion for PivaFlight<'_> {
         }
     }
 
-    fn primary(&self, h: f64) -> Jet {
+    fn primary(&self, h: Real) -> Jet {
         let state = self.state(h);
         let series = self.piva.beginning::<3>(self.from.time, &state);
         Jet {
@@ -185,7 +186,7 @@ impl Motion for PivaFlight<'_> {
         }
     }
 
-    fn gap(&self, h: f64) -> GapPoint {
+    fn gap(&self, h: Real) -> GapPoint {
         let state = self.state(h);
         let d = state.clearance;
         GapPoint { y: state.y().value.clamp(-d, d), w: state.gap_velocity() }
@@ -202,17 +203,17 @@ impl Motion for PivaFlight<'_> {
         Some(Rows { step: self.step, x, acceleration: a, base })
     }
 
-    fn work(&self, h: f64) -> f64 {
-        self.drive.as_ref().map_or(0.0, |drive| {
+    fn work(&self, h: Real) -> Real {
+        self.drive.as_ref().map_or(ZERO, |drive| {
             work(self.piva, drive, &self.series.u, &self.series.y, self.share(h), self.step)
         })
     }
 
-    fn viscous_loss(&self, h: f64) -> f64 {
+    fn viscous_loss(&self, h: Real) -> Real {
         self.loss(2.0 * self.piva.pendulum.damping_ratio, &self.series.u, h)
     }
 
-    fn pivot_loss(&self, h: f64) -> f64 {
+    fn pivot_loss(&self, h: Real) -> Real {
         let Pendulum { mass_ratio, lever, pivot_damping, .. } = self.piva.pendulum;
         let inertia = mass_ratio * self.piva.parameters.inertia_ratio * (lever * lever);
         self.loss(inertia * pivot_damping, &self.series.w, h)
@@ -221,21 +222,21 @@ impl Motion for PivaFlight<'_> {
 
 /// Work of force and base over a share t of a step: ∫ (f/M) ẋ − a_g ((1 + μ) ẋ + μλ ẏ) dt, the
 /// momentum of all masses along x behind a_g.
-pub(super) fn work(
+pub(crate) fn work(
     piva: &Piva,
-    drive: &Drive<f64>,
-    u: &Row<f64>,
-    y: &Row<f64>,
-    t: f64,
-    step: f64,
-) -> f64 {
+    drive: &Drive<Real>,
+    u: &Row<Real>,
+    y: &Row<Real>,
+    t: Real,
+    step: Real,
+) -> Real {
     let order = piva.accuracy.order;
     let mass = 1.0 + piva.parameters.mass_ratio;
     let pull = piva.parameters.mass_ratio * piva.pendulum.lever;
     // ẏ in powers of t/step, one order less.
-    let rate = |k: usize| if k < order { (k + 1) as f64 * y[k + 1] / step } else { 0.0 };
-    let momentum: Row<f64> =
-        std::array::from_fn(|k| if k <= order { mass * u[k] + pull * rate(k) } else { 0.0 });
+    let rate = |k: usize| if k < order { (k + 1) as f64 * y[k + 1] / step } else { ZERO };
+    let momentum: Row<Real> =
+        std::array::from_fn(|k| if k <= order { mass * u[k] + pull * rate(k) } else { ZERO });
     let on_primary = product_integral(&drive.primary[..=order], &u[..=order], t);
     let on_base = product_integral(&drive.base[..=order], &momentum[..=order], t);
     (on_primary - on_base) * step
@@ -244,7 +245,7 @@ pub(super) fn work(
 impl Curve for PivaFlight<'_> {
     type Sample = PivaState;
 
-    fn sample(&self, h: f64) -> PivaState {
+    fn sample(&self, h: Real) -> PivaState {
         self.state(h)
     }
 
@@ -252,7 +253,7 @@ impl Curve for PivaFlight<'_> {
         self.piva.jet(self.from.time, sample)
     }
 
-    fn precise(&self, h: f64) -> Sum {
+    fn precise(&self, h: Real) -> Sum {
         let from = &self.from;
         let b = self.piva.parameters.contact_distance;
         let start = Swing {
@@ -261,7 +262,7 @@ impl Curve for PivaFlight<'_> {
             y: from.y(),
             w: from.w,
             c: if self.piva.pendulum.small_angles {
-                Sum::new(1.0)
+                Sum::new(ONE)
             } else {
                 precise_cosine(from.y().over(b), from.cosine)
             },
@@ -280,21 +281,21 @@ impl Curve for PivaFlight<'_> {
         from.distance.plus_parts(-s * travelled.value, -s * travelled.rest)
     }
 
-    fn fourth(&self) -> f64 {
+    fn fourth(&self) -> Real {
         self.fourth
     }
 
-    fn magnitude(&self) -> f64 {
+    fn magnitude(&self) -> Real {
         self.from.clearance
     }
 }
 
 /// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
-fn precise_cosine(sine: Sum, cosine: f64) -> Sum {
+fn precise_cosine(sine: Sum, cosine: Real) -> Sum {
     if cosine == 0.0 {
         return Sum::ZERO;
     }
     let c = Sum::new(cosine);
-    let square = Sum::new(1.0) - sine * sine;
+    let square = Sum::new(ONE) - sine * sine;
     c + (square - c * c) / c.times(2.0)
 }

@@ -2,35 +2,36 @@
 
 use crate::error::{Invalid, number};
 use crate::range;
+use crate::real::{ONE, Real, ZERO};
 
 /// What a pendulum absorber is made of, in natural units (ωn = 1, primary mass 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     /// Mass ratio μ.
-    pub mass_ratio: f64,
+    pub mass_ratio: Real,
     /// Restitution e on the gap velocity.
-    pub restitution: f64,
+    pub restitution: Real,
     /// One-sided clearance d.
-    pub clearance: f64,
+    pub clearance: Real,
     /// Damping ratio ζ of the primary.
-    pub damping_ratio: f64,
+    pub damping_ratio: Real,
     /// r = ωp/ωn, frequency of the hanging pendulum over that of the primary; 0 without gravity.
-    pub frequency_ratio: f64,
+    pub frequency_ratio: Real,
     /// L, from the pivot to the centre of mass.
-    pub length: f64,
+    pub length: Real,
     /// κ = I/(m L²) ≥ 1, 1 for a point bob.
-    pub inertia_ratio: f64,
+    pub inertia_ratio: Real,
     /// b, from the pivot to the point of contact; L for a point bob.
-    pub contact_distance: f64,
+    pub contact_distance: Real,
     /// ζp, damping ratio of the pivot.
-    pub pivot_damping_ratio: f64,
+    pub pivot_damping_ratio: Real,
     /// Exact, or linearised.
     pub angles: Angles,
     /// Consistent, or as the paper prints it.
     pub impact_law: ImpactLaw,
     /// What a step of the flight may leave out, relative to the size of each variable; 0 asks for all
     /// that doubles can hold.
-    pub tolerance: f64,
+    pub tolerance: Real,
 }
 
 /// How the swing enters the equations of motion.
@@ -58,37 +59,37 @@ impl Parameters {
     /// A point bob on a string or a weightless rod of this length, in contact at the bob, without
     /// friction in the pivot; set the frequency ratio yourself (1 here).
     pub fn point_bob(
-        mass_ratio: f64,
-        restitution: f64,
-        clearance: f64,
-        damping_ratio: f64,
-        length: f64,
+        mass_ratio: Real,
+        restitution: Real,
+        clearance: Real,
+        damping_ratio: Real,
+        length: Real,
     ) -> Self {
         Self {
             mass_ratio,
             restitution,
             clearance,
             damping_ratio,
-            frequency_ratio: 1.0,
+            frequency_ratio: ONE,
             length,
-            inertia_ratio: 1.0,
+            inertia_ratio: ONE,
             contact_distance: length,
-            pivot_damping_ratio: 0.0,
+            pivot_damping_ratio: ZERO,
             angles: Angles::Large,
             impact_law: ImpactLaw::Consistent,
-            tolerance: 0.0,
+            tolerance: ZERO,
         }
     }
 
     /// A free mass: what a point bob at small angles is without gravity. Its length drops out.
     pub fn free_mass(
-        mass_ratio: f64,
-        restitution: f64,
-        clearance: f64,
-        damping_ratio: f64,
+        mass_ratio: Real,
+        restitution: Real,
+        clearance: Real,
+        damping_ratio: Real,
     ) -> Self {
         Self {
-            frequency_ratio: 0.0,
+            frequency_ratio: ZERO,
             angles: Angles::Small,
             ..Self::point_bob(mass_ratio, restitution, clearance, damping_ratio, clearance)
         }

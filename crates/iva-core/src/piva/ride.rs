@@ -11,6 +11,7 @@ use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::polynomial::square_integral;
+use crate::real::{ONE, Real, ZERO};
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Row, horner};
 
@@ -22,14 +23,14 @@ const LONGEST: f64 = 0.75;
 pub struct PivaRide<'a> {
     piva: &'a Piva,
     from: PivaState,
-    drive: Drive<f64>,
+    drive: Drive<Real>,
     /// In powers of t over `step`.
-    x: Row<f64>,
-    u: Row<f64>,
+    x: Row<Real>,
+    u: Row<Real>,
     /// Absolute acceleration A.
-    a: Row<f64>,
-    step: f64,
-    reach: f64,
+    a: Row<Real>,
+    step: Real,
+    reach: Real,
     /// Where the reach ends because the force bends, jumps or kicks there.
     bend: Option<Clock>,
 }
@@ -43,12 +44,12 @@ impl<'a> PivaRide<'a> {
         let step = LONGEST / fastest.max(piva.force.fastest());
         let drive = piva.force.drive(from.time, from.time, step);
         let (reach, bend) = piva.until_bend(&from, step);
-        let row = [0.0; ORDER + 1];
+        let row = [ZERO; ORDER + 1];
         let (mut x, mut u, mut a) = (row, row, row);
         (x[0], u[0]) = (from.primary.x.value, from.primary.v.value);
         let rest = -(damping * from.primary.v.rest + from.primary.x.rest);
         for k in 0..=ORDER {
-            let rest = if k == 0 { rest } else { 0.0 };
+            let rest = if k == 0 { rest } else { ZERO };
             a[k] = (drive.primary[k] - damping * u[k] - x[k] + rest) / mass;
             if k < ORDER {
                 let over = step / (k + 1) as f64;
@@ -59,17 +60,17 @@ impl<'a> PivaRide<'a> {
         Self { piva, from, drive, x, u, a, step, reach, bend }
     }
 
-    fn share(&self, h: f64) -> f64 {
+    fn share(&self, h: Real) -> Real {
         h / self.step
     }
 
     /// How much of A presses on the wall.
-    fn leverage(&self) -> f64 {
+    fn leverage(&self) -> Real {
         self.piva.pendulum.coupling * self.piva.wall_cosine
     }
 
     /// Gravity, which pulls off the wall.
-    fn weight(&self) -> f64 {
+    fn weight(&self) -> Real {
         self.piva.pendulum.frequency_squared * self.piva.parameters.clearance
     }
 }
@@ -82,13 +83,13 @@ impl Motion for PivaRide<'_> {
         &self.from
     }
 
-    fn reach(&self) -> f64 {
+    fn reach(&self) -> Real {
         self.reach
     }
 
-    fn state(&self, h: f64) -> PivaState {
+    fn state(&self, h: Real) -> PivaState {
         let (t, from) = (self.share(h), &self.from);
-        let increment = |row: &Row<f64>| t * horner(&row[1..], t);
+        let increment = |row: &Row<Real>| t * horner(&row[1..], t);
         PivaState {
             time: self.bend.filter(|_| h == self.reach).unwrap_or(from.time.plus(h)),
             primary: Primary {
@@ -99,14 +100,14 @@ impl Motion for PivaRide<'_> {
         }
     }
 
-    fn primary(&self, h: f64) -> Jet {
+    fn primary(&self, h: Real) -> Jet {
         let state = self.state(h);
         let [_, curvature, jerk, _] = derivatives(&self.u, self.share(h), self.step);
         Jet { value: state.primary.x.value, rate: state.primary.v.value, curvature, jerk }
     }
 
-    fn gap(&self, _h: f64) -> GapPoint {
-        GapPoint { y: self.from.wall.sign() * self.from.clearance, w: 0.0 }
+    fn gap(&self, _h: Real) -> GapPoint {
+        GapPoint { y: self.from.wall.sign() * self.from.clearance, w: ZERO }
     }
 
     fn wall(&self) -> Option<Wall> {
@@ -117,18 +118,18 @@ impl Motion for PivaRide<'_> {
         Some(Rows { step: self.step, x: &self.x, acceleration: &self.a, base: &self.drive.base })
     }
 
-    fn work(&self, h: f64) -> f64 {
+    fn work(&self, h: Real) -> Real {
         if !self.piva.force.lasts() {
-            return 0.0;
+            return ZERO;
         }
-        let still = [0.0; ORDER + 1];
+        let still = [ZERO; ORDER + 1];
         work(self.piva, &self.drive, &self.u, &still, self.share(h), self.step)
     }
 
-    fn viscous_loss(&self, h: f64) -> f64 {
+    fn viscous_loss(&self, h: Real) -> Real {
         let factor = 2.0 * self.piva.parameters.damping_ratio;
         if factor == 0.0 {
-            0.0
+            ZERO
         } else {
             factor * square_integral(&self.u, self.share(h)) * self.step
         }
@@ -136,9 +137,9 @@ impl Motion for PivaRide<'_> {
 }
 
 /// Value and first three derivatives of a polynomial in t over `step`.
-fn derivatives(row: &Row<f64>, t: f64, step: f64) -> [f64; 4] {
+fn derivatives(row: &Row<Real>, t: Real, step: Real) -> [Real; 4] {
     let mut factors = *row;
-    let mut scale = 1.0;
+    let mut scale = ONE;
     std::array::from_fn(|order| {
         let count = ORDER + 1 - order;
         let value = horner(&factors[..count], t) / scale;
@@ -154,7 +155,7 @@ fn derivatives(row: &Row<f64>, t: f64, step: f64) -> [f64; 4] {
 impl Curve for PivaRide<'_> {
     type Sample = PivaState;
 
-    fn sample(&self, h: f64) -> PivaState {
+    fn sample(&self, h: Real) -> PivaState {
         self.state(h)
     }
 
@@ -171,13 +172,13 @@ impl Curve for PivaRide<'_> {
     }
 
     /// The magnitude is that of the terms: plain evaluation is precise enough.
-    fn precise(&self, h: f64) -> Sum {
+    fn precise(&self, h: Real) -> Sum {
         Sum::new(self.jet(&self.state(h)).value)
     }
 
     /// The sum of the terms of A⁗, and as much again for those left out.
-    fn fourth(&self) -> f64 {
-        let sum = (4..=ORDER).rev().fold(0.0, |sum, k| {
+    fn fourth(&self) -> Real {
+        let sum = (4..=ORDER).rev().fold(ZERO, |sum, k| {
             let k_ = k as f64;
             sum + k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0) * self.a[k].abs()
         });
@@ -185,9 +186,9 @@ impl Curve for PivaRide<'_> {
     }
 
     /// That of the terms of A, which may all but cancel.
-    fn magnitude(&self) -> f64 {
+    fn magnitude(&self) -> Real {
         let Parameters { mass_ratio, damping_ratio, .. } = self.piva.parameters;
-        let size = |row: &Row<f64>| row.iter().map(|coefficient| coefficient.abs()).sum::<f64>();
+        let size = |row: &Row<Real>| row.iter().map(|coefficient| coefficient.abs()).sum::<Real>();
         let terms = size(&self.drive.primary) + size(&self.x) + 2.0 * damping_ratio * size(&self.u);
         self.leverage() * terms / (1.0 + mass_ratio) + self.weight()
     }

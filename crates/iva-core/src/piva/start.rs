@@ -7,6 +7,7 @@ use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::oscillator::Primary;
 use crate::range;
+use crate::real::{self, ONE, Real, ZERO};
 use crate::system::{Clock, Start, Wall};
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
@@ -16,18 +17,18 @@ const ON_WALL_ULPS: f64 = 4.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Given {
     /// Gap displacement y, or gap velocity w; of a pendulum that hangs below its pivot.
-    Gap(f64),
+    Gap(Real),
     /// Angle θ, or angular velocity θ̇ in ωn.
-    Angle(f64),
+    Angle(Real),
 }
 
 /// State at time zero, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PivaStart {
     /// Displacement x of the primary system.
-    pub displacement: f64,
+    pub displacement: Real,
     /// Its velocity ẋ.
-    pub velocity: f64,
+    pub velocity: Real,
     /// Where the pendulum is.
     pub place: Given,
     /// How fast it moves.
@@ -46,11 +47,11 @@ impl From<Start> for PivaStart {
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     /// Gap displacement.
-    y: f64,
+    y: Real,
     /// cosθ.
-    cosine: f64,
+    cosine: Real,
     /// W = b θ̇.
-    w: f64,
+    w: Real,
 }
 
 impl Piva {
@@ -59,14 +60,15 @@ impl Piva {
         let small = self.pendulum.small_angles;
         let (y, cosine) = match start.place {
             Given::Gap(y) => (y, self.pendulum.cosine(y)),
-            Given::Angle(angle) if small => (b * angle, 1.0),
+            Given::Angle(angle) if small => (b * angle, ONE),
             Given::Angle(angle) => {
-                let (sine, cosine) = libm::sincos(angle);
+                let (sine, cosine) = real::sincos(angle);
                 (b * sine, cosine)
             }
         };
+        #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
         let w = match start.rate {
-            Given::Gap(0.0) => 0.0,
+            Given::Gap(w) if w == 0.0 => ZERO,
             Given::Gap(w) => w / cosine,
             Given::Angle(rate) => b * rate,
         };
@@ -94,9 +96,9 @@ impl Piva {
         Err(Invalid::new(field, number(rate), rule))
     }
 
-    fn check_place(&self, place: Given, y: f64, cosine: f64) -> Result<(), Invalid> {
+    fn check_place(&self, place: Given, y: Real, cosine: Real) -> Result<(), Invalid> {
         let (d, b) = (self.parameters.clearance, self.parameters.contact_distance);
-        let beyond = y.abs() - d > ON_WALL_ULPS * f64::EPSILON * d;
+        let beyond = y.abs() - d > ON_WALL_ULPS * Real::EPSILON * d;
         match place {
             Given::Gap(value) => {
                 let invalid =
@@ -131,7 +133,7 @@ impl Piva {
         let Pose { y, cosine, w } = self.pose(start);
         // Seen from the wall that the pendulum is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
-        let pushed = self.force.drive::<3>(Clock::ZERO, Clock::ZERO, 1.0);
+        let pushed = self.force.drive::<3>(Clock::ZERO, Clock::ZERO, ONE);
         let kicked = self.force.impulses().next().map(|impulse| impulse.velocity);
         let side = [y, w, start.displacement, start.velocity]
             .into_iter()
@@ -139,11 +141,12 @@ impl Piva {
             .chain(pushed.base)
             .chain(kicked)
             .find(|value| *value != 0.0)
-            .unwrap_or(1.0);
+            .unwrap_or(ONE);
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
         let clearance = self.parameters.clearance;
         let distance = Sum::new(clearance).plus(-wall.sign() * y);
-        let touching = distance.value <= ON_WALL_ULPS * f64::EPSILON * clearance;
+        let touching = distance.value <= ON_WALL_ULPS * Real::EPSILON * clearance;
+        #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
         let w = match start.rate {
             Given::Gap(rate) if w != 0.0 => Sum::new(rate).over(cosine),
             _ => Sum::new(w),

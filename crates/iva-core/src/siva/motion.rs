@@ -4,6 +4,7 @@ use super::{Siva, SivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
 use crate::oscillator::{Increment, Primary};
+use crate::real::Real;
 use crate::system::{System, Wall};
 
 /// The absorber free in its gap.
@@ -15,12 +16,13 @@ pub struct SivaFlight<'a> {
 }
 
 impl<'a> SivaFlight<'a> {
+    #[inline]
     pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
         Self { siva, from, acceleration: siva.free.acceleration(&from.primary) }
     }
 
     #[inline]
-    fn after(&self, h: f64) -> (Primary, Increment) {
+    fn after(&self, h: Real) -> (Primary, Increment) {
         self.from.primary.after(&self.siva.free, self.acceleration, h)
     }
 }
@@ -34,12 +36,12 @@ impl Motion for SivaFlight<'_> {
     }
 
     #[inline]
-    fn reach(&self) -> f64 {
+    fn reach(&self) -> Real {
         self.siva.free.reach
     }
 
     #[inline]
-    fn state(&self, h: f64) -> SivaState {
+    fn state(&self, h: Real) -> SivaState {
         let from = &self.from;
         let s = from.wall.sign();
         let (primary, increment) = self.after(h);
@@ -55,12 +57,12 @@ impl Motion for SivaFlight<'_> {
         }
     }
 
-    fn primary(&self, h: f64) -> Jet {
+    fn primary(&self, h: Real) -> Jet {
         let (primary, increment) = self.after(h);
         primary.jet(&self.siva.free, self.acceleration.value + increment.acceleration)
     }
 
-    fn gap(&self, h: f64) -> GapPoint {
+    fn gap(&self, h: Real) -> GapPoint {
         let state = self.state(h);
         let d = self.siva.clearance;
         // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
@@ -72,7 +74,7 @@ impl Motion for SivaFlight<'_> {
         None
     }
 
-    fn viscous_loss(&self, h: f64) -> f64 {
+    fn viscous_loss(&self, h: Real) -> Real {
         let Primary { x, v } = self.from.primary;
         self.siva.free.viscous_loss(x.value, v.value, h)
     }
@@ -82,7 +84,7 @@ impl Curve for SivaFlight<'_> {
     type Sample = SivaState;
 
     #[inline]
-    fn sample(&self, h: f64) -> SivaState {
+    fn sample(&self, h: Real) -> SivaState {
         self.state(h)
     }
 
@@ -91,7 +93,7 @@ impl Curve for SivaFlight<'_> {
         self.siva.distance(sample)
     }
 
-    fn precise(&self, h: f64) -> Sum {
+    fn precise(&self, h: Real) -> Sum {
         let SivaState { primary, wall, distance, rate, .. } = self.from;
         let s = wall.sign();
         let travelled = rate.times(h);
@@ -103,14 +105,14 @@ impl Curve for SivaFlight<'_> {
 
     /// D⁗ = s x⁗, bounded by Λ³ρ.
     #[inline]
-    fn fourth(&self) -> f64 {
+    fn fourth(&self) -> Real {
         let free = &self.siva.free;
         let Primary { x, v } = self.from.primary;
         free.growth * free.growth * free.growth * free.radius(x.value, v.value)
     }
 
     #[inline]
-    fn magnitude(&self) -> f64 {
+    fn magnitude(&self) -> Real {
         self.siva.clearance
     }
 }

@@ -5,6 +5,7 @@ use super::{Siva, SivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
 use crate::oscillator::{Increment, Oscillator, Primary};
+use crate::real::{Real, ZERO};
 use crate::system::Wall;
 
 /// The ride from one state.
@@ -13,7 +14,7 @@ pub struct SivaRide<'a> {
     loaded: &'a Oscillator,
     from: SivaState,
     acceleration: Sum,
-    clearance: f64,
+    clearance: Real,
 }
 
 impl<'a> SivaRide<'a> {
@@ -22,7 +23,7 @@ impl<'a> SivaRide<'a> {
         Self { loaded: &siva.loaded, from, acceleration, clearance: siva.clearance }
     }
 
-    fn after(&self, h: f64) -> (Primary, Increment) {
+    fn after(&self, h: Real) -> (Primary, Increment) {
         self.from.primary.after(self.loaded, self.acceleration, h)
     }
 }
@@ -35,29 +36,29 @@ impl Motion for SivaRide<'_> {
         &self.from
     }
 
-    fn reach(&self) -> f64 {
+    fn reach(&self) -> Real {
         self.loaded.reach
     }
 
-    fn state(&self, h: f64) -> SivaState {
+    fn state(&self, h: Real) -> SivaState {
         let (primary, _) = self.after(h);
         SivaState { primary, ..self.from }
     }
 
-    fn primary(&self, h: f64) -> Jet {
+    fn primary(&self, h: Real) -> Jet {
         let (primary, increment) = self.after(h);
         primary.jet(self.loaded, self.acceleration.value + increment.acceleration)
     }
 
-    fn gap(&self, _h: f64) -> GapPoint {
-        GapPoint { y: self.from.wall.sign() * self.clearance, w: 0.0 }
+    fn gap(&self, _h: Real) -> GapPoint {
+        GapPoint { y: self.from.wall.sign() * self.clearance, w: ZERO }
     }
 
     fn wall(&self) -> Option<Wall> {
         Some(self.from.wall)
     }
 
-    fn viscous_loss(&self, h: f64) -> f64 {
+    fn viscous_loss(&self, h: Real) -> Real {
         let Primary { x, v } = &self.from.primary;
         self.loaded.viscous_loss(x.value, v.value, h)
     }
@@ -66,7 +67,7 @@ impl Motion for SivaRide<'_> {
 impl Curve for SivaRide<'_> {
     type Sample = SivaState;
 
-    fn sample(&self, h: f64) -> SivaState {
+    fn sample(&self, h: Real) -> SivaState {
         self.state(h)
     }
 
@@ -87,19 +88,19 @@ impl Curve for SivaRide<'_> {
     }
 
     /// The magnitude is that of the terms: plain evaluation is precise enough.
-    fn precise(&self, h: f64) -> Sum {
+    fn precise(&self, h: Real) -> Sum {
         Sum::new(self.jet(&self.state(h)).value)
     }
 
     /// The fourth derivative of ẍ is x⁽⁶⁾, bounded by Λ⁵ρ.
-    fn fourth(&self) -> f64 {
+    fn fourth(&self) -> Real {
         let Primary { x, v } = &self.from.primary;
         let radius = self.loaded.radius(x.value, v.value);
         self.loaded.growth.powi(5) * radius
     }
 
     /// ẍ is bounded by Λρ.
-    fn magnitude(&self) -> f64 {
+    fn magnitude(&self) -> Real {
         let Primary { x, v } = &self.from.primary;
         let radius = self.loaded.radius(x.value, v.value);
         self.loaded.growth * radius

@@ -7,13 +7,14 @@ use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
 use crate::piva::{Parameters, Piva};
 use crate::range::LARGEST;
+use crate::real::{ONE, Real, ZERO};
 use crate::simulate::{Limits, simulate};
 use crate::system::{Point, Start};
 
 impl Harmonic {
     /// Amplitude of the steady state that it keeps up in an oscillator of damping ratio ζ:
     /// F/√((1 − Ω²)² + (2ζΩ)²); infinite at resonance without damping.
-    pub fn response(&self, damping_ratio: f64) -> f64 {
+    pub fn response(&self, damping_ratio: Real) -> Real {
         let Self { amplitude, frequency, .. } = *self;
         let detuning = (1.0 - frequency) * (1.0 + frequency);
         (amplitude / detuning.hypot(2.0 * damping_ratio * frequency)).abs()
@@ -27,17 +28,17 @@ impl Harmonic {
 /// [`Invalid`] for numbers out of [`crate::range`].
 pub fn amplitude_without_absorber(
     force: &Force,
-    damping_ratio: f64,
+    damping_ratio: Real,
     from: Point,
     window: &Window,
     limits: &Limits,
     cancel: Option<&AtomicBool>,
-) -> Result<Option<f64>, Invalid> {
+) -> Result<Option<Real>, Invalid> {
     if let (Some(harmonic), true) = (force.harmonics().first(), force.is_single()) {
         return Ok(Some(harmonic.response(damping_ratio)));
     }
     // A free mass that never meets its walls, and is nothing beside the primary.
-    let parameters = Parameters::free_mass(f64::MIN_POSITIVE, 0.0, LARGEST, damping_ratio);
+    let parameters = Parameters::free_mass(Real::MIN_POSITIVE, ZERO, LARGEST * ONE, damping_ratio);
     let piva = Piva::new(parameters)?.under(force.clone());
     let start = Start { displacement: from.x, velocity: from.v, ..Start::default() };
     let wanted = SteadyWanted { amplitude: true, ..SteadyWanted::default() };

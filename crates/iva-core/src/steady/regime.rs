@@ -1,5 +1,7 @@
 //! What kind of motion a driven run settles to.
 
+use crate::real::Real;
+
 use std::collections::VecDeque;
 use std::fmt;
 
@@ -46,8 +48,8 @@ impl fmt::Display for Regime {
 pub(super) fn regime(
     strobes: &VecDeque<Strobe>,
     impacts: u64,
-    amplitude: f64,
-    frequency: f64,
+    amplitude: Real,
+    frequency: Real,
 ) -> Option<Regime> {
     if impacts == 0 {
         return Some(Regime::NoImpacts);
@@ -66,8 +68,8 @@ pub(super) fn regime(
     (strobes.len() >= RETURNS_KEPT).then_some(Regime::Modulated)
 }
 
-fn close(a: &Strobe, b: &Strobe, amplitude: f64, frequency: f64) -> bool {
-    let near = |one: f64, other: f64, size: f64| (one - other).abs() <= CLOSE * size;
+fn close(a: &Strobe, b: &Strobe, amplitude: Real, frequency: Real) -> bool {
+    let near = |one: Real, other: Real, size: Real| (one - other).abs() <= CLOSE * size;
     near(a.displacement, b.displacement, amplitude)
         && near(a.gap_displacement, b.gap_displacement, amplitude)
         && near(a.velocity, b.velocity, amplitude * frequency)

@@ -24,27 +24,28 @@
 //! a claim about a shorter step. The sums are σ₂ = (2/N + 4 ln(n/N)/n)/n with n = 2N + 2, falling in n
 //! and by ln p ≤ p − 1, and σ₁ = (1 + 2/e)/N, both from 1/(m(n−m)) = (1/m + 1/(n−m))/n.
 
-use super::{ORDER, Pendulum, RECIPROCALS, Row, Series};
+use super::{ORDER, Pendulum, Row, Series};
 use crate::force::Force;
+use crate::real::{self, ONE, Real, ZERO};
 
 /// Constants of the claim.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Tail {
-    x: f64,
-    u: f64,
-    y: f64,
-    c: f64,
-    w: f64,
-    a: f64,
-    r: f64,
-    s: f64,
+    x: Real,
+    u: Real,
+    y: Real,
+    c: Real,
+    w: Real,
+    a: Real,
+    r: Real,
+    s: Real,
 }
 
 /// Bounds on every coefficient beyond the order of a series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Remainder {
     order: usize,
-    ratio: f64,
+    ratio: Real,
     tail: Tail,
 }
 
@@ -68,15 +69,15 @@ impl Remainder {
     /// its series converges nowhere near the step.
     pub fn prove(
         pendulum: &Pendulum,
-        series: &Series<f64>,
+        series: &Series<Real>,
         force: &Force,
-        h: f64,
+        h: Real,
         order: usize,
     ) -> Option<Remainder> {
-        let mut ratio = FINEST.max(FIRST * decay(series, order));
+        let mut ratio = (FIRST * decay(series, order)).max(FINEST);
         for _ in 0..RATIOS {
             let mut proof = Proof::new(pendulum, series, h, order, ratio);
-            proof.driven = force.tail(h, order, ratio).unwrap_or([f64::INFINITY; 2]);
+            proof.driven = force.tail(h, order, ratio).unwrap_or([Real::INFINITY; 2]);
             let mut tail = proof.known.times(MARGIN);
             for _ in 0..ATTEMPTS {
                 let next = proof.next(&tail);
@@ -91,12 +92,12 @@ impl Remainder {
     }
 
     /// The longest share of the step on which the bounds mean anything.
-    pub fn reach(&self) -> f64 {
+    pub fn reach(&self) -> Real {
         (WITHIN / self.ratio).min(1.0)
     }
 
     /// Bounds on what is left out up to a share of the step: of primary (x, u) and gap (y, W).
-    pub fn left_out(&self, share: f64) -> [f64; 2] {
+    pub fn left_out(&self, share: Real) -> [Real; 2] {
         let beyond = (self.order + 2) as f64;
         let p = self.ratio * share;
         let sum = power(p, self.order + 1) / (beyond * beyond * (1.0 - WITHIN));
@@ -105,7 +106,7 @@ impl Remainder {
     }
 
     /// Bound on the fourth derivative of the part of y that is left out, in steps.
-    pub fn fourth(&self, share: f64) -> f64 {
+    pub fn fourth(&self, share: Real) -> Real {
         // k(k−1)(k−2)(k−3)/(k+1)² < k², and Σ_{k>N} k² pᵏ < 3 (N+1)² p^(N+1) for p ≤ 1/2, N ≥ 10.
         let first = (self.order + 1) as f64;
         let p = self.ratio * share;
@@ -115,23 +116,23 @@ impl Remainder {
 }
 
 /// By what factor the coefficients fall from one to the next: the eighth root of eight of them.
-fn decay(series: &Series<f64>, order: usize) -> f64 {
-    let of = |row: &Row<f64>| {
+fn decay(series: &Series<Real>, order: usize) -> Real {
+    let of = |row: &Row<Real>| {
         let size = |k: usize| row[k].abs().max(row[k - 1].abs());
         let (last, earlier) = (size(order), size(order - 8));
-        if earlier > 0.0 { last / earlier } else { 0.0 }
+        if earlier > 0.0 { last / earlier } else { ZERO }
     };
     let most = of(&series.x).max(of(&series.u)).max(of(&series.y)).max(of(&series.w));
     most.sqrt().sqrt().sqrt()
 }
 
 /// pⁿ by multiplications alone.
-fn power(p: f64, n: usize) -> f64 {
-    (0..n).fold(1.0, |product, _| product * p)
+fn power(p: Real, n: usize) -> Real {
+    (0..n).fold(ONE, |product, _| product * p)
 }
 
 impl Tail {
-    fn map(&self, other: &Tail, f: impl Fn(f64, f64) -> f64) -> Tail {
+    fn map(&self, other: &Tail, f: impl Fn(Real, Real) -> Real) -> Tail {
         Tail {
             x: f(self.x, other.x),
             u: f(self.u, other.u),
@@ -145,7 +146,7 @@ impl Tail {
     }
 
     fn larger(&self, other: &Tail) -> Tail {
-        self.map(other, f64::max)
+        self.map(other, Real::max)
     }
 
     fn times(&self, factor: f64) -> Tail {
@@ -166,64 +167,70 @@ impl Tail {
 struct Proof<'a> {
     pendulum: &'a Pendulum,
     /// h/q · ((N+2)/(N+1))²
-    step: f64,
+    step: Real,
     /// 1/(N+1)
-    beyond: f64,
-    sigma_1: f64,
-    sigma_2: f64,
+    beyond: Real,
+    sigma_1: Real,
+    sigma_2: Real,
     /// Constants of f/M and a_g; infinite if q is too small for them.
-    driven: [f64; 2],
+    driven: [Real; 2],
     /// |c₀|
-    cosine: f64,
+    cosine: Real,
     /// What divides the momentum equation.
-    inertia: f64,
+    inertia: Real,
     /// H₁ of c without its first term, of W.
-    c_1: f64,
-    w_1: f64,
+    c_1: Real,
+    w_1: Real,
     /// H₂
-    y_2: f64,
-    c_2: f64,
-    w_2: f64,
-    a_2: f64,
-    r_2: f64,
-    s_2: f64,
+    y_2: Real,
+    c_2: Real,
+    w_2: Real,
+    a_2: Real,
+    r_2: Real,
+    s_2: Real,
     /// The smallest constants for J ≤ j ≤ N.
     known: Tail,
 }
 
 impl<'a> Proof<'a> {
-    fn new(pendulum: &'a Pendulum, series: &Series<f64>, h: f64, order: usize, ratio: f64) -> Self {
-        let m = (order + 1) as f64;
+    fn new(
+        pendulum: &'a Pendulum,
+        series: &Series<Real>,
+        h: Real,
+        order: usize,
+        ratio: Real,
+    ) -> Self {
+        let m = (order + 1) as f64 * ONE;
         let (beyond, n, order_) = (1.0 / m, 2.0 * m, order as f64);
         let grown = (m + 1.0) * beyond;
         let mut proof = Self {
             pendulum,
             step: h / ratio * (grown * grown),
             beyond,
-            sigma_1: 1.74 / order_,
+            sigma_1: ONE * 1.74 / order_,
             sigma_2: (2.0 / order_ + 4.0 * (n / order_ - 1.0) / n) / n,
-            driven: [0.0; 2],
+            driven: [ZERO; 2],
             cosine: series.c[0].abs(),
             inertia: pendulum.inertia(series.y[0]),
-            c_1: 0.0,
-            w_1: 0.0,
-            y_2: 0.0,
-            c_2: 0.0,
-            w_2: 0.0,
-            a_2: 0.0,
-            r_2: 0.0,
-            s_2: 0.0,
+            c_1: ZERO,
+            w_1: ZERO,
+            y_2: ZERO,
+            c_2: ZERO,
+            w_2: ZERO,
+            a_2: ZERO,
+            r_2: ZERO,
+            s_2: ZERO,
             known: Tail::default(),
         };
-        let mut scale = 1.0; // q⁻ʲ
+        let mut scale = ONE; // q⁻ʲ
         let (over_h, over_ratio) = (1.0 / h, 1.0 / ratio);
         let rate =
-            |row: &Row<f64>, j: usize| row[(j + 1).min(ORDER)].abs() * ((j + 1) as f64 * over_h);
+            |row: &Row<Real>, j: usize| row[(j + 1).min(ORDER)].abs() * ((j + 1) as f64 * over_h);
         for j in 0..=order {
-            let size = |row: &Row<f64>| row[j].abs() * scale;
+            let size = |row: &Row<Real>| row[j].abs() * scale;
             let [r, s] = [rate(&series.w, j) * scale, rate(&series.c, j) * scale];
             let first = order.max(2 * j) + 1;
-            let theta = first as f64 * RECIPROCALS[first - j];
+            let theta = first as f64 * real::reciprocal(first - j);
             let square = theta * theta;
             if j > 0 {
                 proof.c_1 += size(&series.c) * theta;
@@ -273,7 +280,7 @@ impl<'a> Proof<'a> {
         let Self { step, beyond, sigma_1, sigma_2, cosine, .. } = *self;
         let pull = mass_ratio * lever;
         let s = if small_angles {
-            0.0
+            ZERO
         } else {
             let yw = (t.w * self.y_2 + t.y * self.w_2) * beyond + sigma_2 * t.y * t.w;
             yw / (contact_distance * contact_distance)

@@ -2,12 +2,11 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::motion::Sizes;
-use super::{Piva, PivaState};
+use super::Differentiable;
+use crate::dual::Dual;
 use crate::force::Drive;
-use crate::propagation::Differentiable;
-use crate::taylor::dual::Dual;
-use crate::taylor::{Number, ORDER, Pendulum, Series, Swing, horner};
+use crate::piva::{Piva, PivaState, Sizes};
+use crate::taylor::{ORDER, Pendulum, Series, Swing, horner};
 
 impl Differentiable for Piva {
     fn rates(&self, state: &PivaState) -> Vector4<f64> {
@@ -17,7 +16,7 @@ impl Differentiable for Piva {
 
     fn flight_tangent(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
         let y = from.y().value;
-        let mut cosine = Dual::from_double(from.cosine);
+        let mut cosine = Dual::constant(from.cosine);
         if !self.pendulum.small_angles && from.cosine != 0.0 {
             let b = self.parameters.contact_distance;
             cosine.slopes[2] = -y / (b * b * from.cosine);
@@ -30,11 +29,11 @@ impl Differentiable for Piva {
             c: cosine,
         };
         let drive = self.drive::<{ ORDER + 1 }>(from.time, from, h).map(|drive| Drive {
-            primary: drive.primary.map(Dual::from_double),
-            base: drive.base.map(Dual::from_double),
+            primary: drive.primary.map(Dual::constant),
+            base: drive.base.map(Dual::constant),
         });
-        let series: Series<Dual> = self.pendulum.series(&start, drive.as_ref(), h, ORDER);
-        let end = Dual::from_double(1.0);
+        let series: Series<Dual<4>> = self.pendulum.series(&start, drive.as_ref(), h, ORDER);
+        let end = Dual::constant(1.0);
         let rows = [&series.x, &series.u, &series.y, &series.w].map(|row| horner(row, end).slopes);
         Matrix4::from_fn(|row, column| rows[row][column])
     }

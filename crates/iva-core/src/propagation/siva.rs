@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::{Siva, SivaState};
+use super::Differentiable;
 use crate::compensated::Sum;
 use crate::oscillator::{Oscillator, Primary};
-use crate::propagation::Differentiable;
+use crate::siva::{Siva, SivaState};
 
 /// x and ẋ after a time h, from (x, ẋ) = (1, 0) and (0, 1): columns.
 fn columns(oscillator: &Oscillator, h: f64) -> [[f64; 2]; 2] {

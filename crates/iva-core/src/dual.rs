@@ -1,0 +1,183 @@
+//! Numbers with derivatives: what is computed in them is computed and differentiated at once.
+
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::mixed::beside_doubles;
+use crate::taylor::Number;
+
+/// A value and its derivatives by N variables.
+#[derive(Debug, Clone, Copy)]
+pub struct Dual<const N: usize = 1> {
+    /// The value.
+    pub value: f64,
+    /// Its derivatives.
+    pub slopes: [f64; N],
+}
+
+impl<const N: usize> Dual<N> {
+    /// 0
+    pub const ZERO: Self = Self::constant(0.0);
+    /// 1
+    pub const ONE: Self = Self::constant(1.0);
+    /// As [`f64::EPSILON`].
+    pub const EPSILON: Self = Self::constant(f64::EPSILON);
+    /// Not a number.
+    pub const NAN: Self = Self::constant(f64::NAN);
+    /// As [`f64::MIN_POSITIVE`].
+    pub const MIN_POSITIVE: Self = Self::constant(f64::MIN_POSITIVE);
+    /// ∞
+    pub const INFINITY: Self = Self::constant(f64::INFINITY);
+
+    /// A number that depends on nothing.
+    pub const fn constant(value: f64) -> Self {
+        Self { value, slopes: [0.0; N] }
+    }
+
+    /// The variable with this number: its derivative by itself is 1.
+    pub fn variable(value: f64, number: usize) -> Self {
+        let mut slopes = [0.0; N];
+        slopes[number] = 1.0;
+        Self { value, slopes }
+    }
+
+    /// f of this number, from f and f′ there.
+    fn through(self, f: f64, slope: f64) -> Self {
+        Self { value: f, slopes: self.slopes.map(|it| if it == 0.0 { 0.0 } else { slope * it }) }
+    }
+
+    fn with(self, other: Self, value: f64, rule: impl Fn(f64, f64) -> f64) -> Self {
+        let slopes = std::array::from_fn(|i| rule(self.slopes[i], other.slopes[i]));
+        Self { value, slopes }
+    }
+
+    /// Square root.
+    pub fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        self.through(root, 0.5 / root)
+    }
+
+    /// Natural logarithm.
+    pub fn ln(self) -> Self {
+        self.through(self.value.ln(), 1.0 / self.value)
+    }
+
+    /// Sine and cosine.
+    pub fn sincos(self) -> (Self, Self) {
+        let (s, c) = libm::sincos(self.value);
+        (self.through(s, c), self.through(c, -s))
+    }
+
+    /// Angle of the point (x, self) from the x axis.
+    pub fn atan2(self, x: Self) -> Self {
+        let (y, square) = (self.value, self.value * self.value + x.value * x.value);
+        self.with(x, libm::atan2(y, x.value), |dy, dx| (dy * x.value - dx * y) / square)
+    }
+
+    /// Angle of this sine.
+    pub fn asin(self) -> Self {
+        let cosine = ((1.0 - self.value) * (1.0 + self.value)).sqrt();
+        self.through(libm::asin(self.value), 1.0 / cosine)
+    }
+}
+
+impl<const N: usize> Default for Dual<N> {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
+impl<const N: usize> From<f64> for Dual<N> {
+    fn from(value: f64) -> Self {
+        Self::constant(value)
+    }
+}
+
+impl<const N: usize> From<Dual<N>> for f64 {
+    fn from(number: Dual<N>) -> f64 {
+        number.value
+    }
+}
+
+/// Values are compared; derivatives decide nothing.
+impl<const N: usize> PartialEq for Dual<N> {
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+
+impl<const N: usize> PartialOrd for Dual<N> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        self.value.partial_cmp(&other.value)
+    }
+}
+
+impl<const N: usize> Number for Dual<N> {
+    fn from_real(value: f64) -> Self {
+        Self::constant(value)
+    }
+    fn reciprocal(n: usize) -> Self {
+        Self::constant(f64::reciprocal(n))
+    }
+}
+
+impl<const N: usize> Add for Dual<N> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.with(other, self.value + other.value, |a, b| a + b)
+    }
+}
+
+impl<const N: usize> Sub for Dual<N> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.with(other, self.value - other.value, |a, b| a - b)
+    }
+}
+
+#[allow(clippy::suspicious_arithmetic_impl)] // the product rule
+impl<const N: usize> Mul for Dual<N> {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        let (p, q) = (self.value, other.value);
+        self.with(other, p * q, |a, b| a * q + p * b)
+    }
+}
+
+#[allow(clippy::suspicious_arithmetic_impl)] // the quotient rule
+impl<const N: usize> Div for Dual<N> {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        let (quotient, q) = (self.value / other.value, other.value);
+        self.with(other, quotient, |a, b| (a - quotient * b) / q)
+    }
+}
+
+impl<const N: usize> Neg for Dual<N> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        self.with(self, -self.value, |a, _| -a)
+    }
+}
+
+beside_doubles!(Dual<N>, N);
+
+#[cfg(test)]
+mod tests {
+    use super::Dual;
+
+    /// Derivatives against central differences; the step leaves some 1e-9.
+    #[test]
+    fn derivatives_are_those_of_the_functions() {
+        let f = |x: Dual| {
+            let (s, c) = (x * 0.7).sincos();
+            (s / (1.0 + c * c)).asin().atan2(x.ln()) * (2.0 - x).sqrt()
+        };
+        for x in [0.3, 0.9, 1.7] {
+            let h = 1e-5;
+            let difference = (f(Dual::constant(x + h)) - f(Dual::constant(x - h))) / (2.0 * h);
+            let [slope] = f(Dual::variable(x, 0)).slopes;
+            assert!((slope - difference.value).abs() < 1e-8, "{x}: {slope} {}", difference.value);
+        }
+    }
+}

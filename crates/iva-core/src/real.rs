@@ -1,0 +1,61 @@
+//! The numbers that the motion is carried in: doubles.
+//!
+//! The core is written for *a* real number. The same source is compiled again with
+//! [`Twofold`](crate::twofold::Twofold) in its place, to verify a run (crate `iva-core-twofold`), and
+//! with [`Dual`](crate::dual::Dual), to differentiate it (crate `iva-core-dual`). Each has a module
+//! like this one and a crate root beside this one's.
+
+pub use libm::{asin, atan2, sincos};
+
+/// A real number.
+pub type Real = f64;
+
+/// 0
+pub const ZERO: Real = 0.0;
+/// 1
+pub const ONE: Real = 1.0;
+/// 2π, and what that lacks.
+pub const TURN: [Real; 2] = [std::f64::consts::TAU, 2.449_293_598_294_706_4e-16];
+/// What a step of a pendulum's flight may leave out at full accuracy, over the size of each variable:
+/// as much as rounding does. It is a proven bound; what is left out in fact is some ten times less or more.
+pub const LEFT_OUT: Real = 1e-16;
+/// Largest estimated error of the summed duration of a chatter, in 1/ωn. Rounding of a time of order 1
+/// is ten times larger.
+pub const NEGLIGIBLE: Real = 1e-17;
+
+/// Numbers up to this have their reciprocal in a table.
+const TABLED: usize = 24;
+
+/// 1/n.
+#[inline]
+pub fn reciprocal(n: usize) -> Real {
+    const TABLE: [f64; TABLED] = {
+        let mut table = [1.0; TABLED];
+        let mut n = 1;
+        while n < table.len() {
+            table[n] = 1.0 / n as f64;
+            n += 1;
+        }
+        table
+    };
+    TABLE.get(n).copied().unwrap_or(1.0 / n as f64)
+}
+
+/// What a number given by the user enters as; `differentiated` if results are to be differentiated by
+/// it.
+pub fn given(value: f64, _differentiated: bool) -> Real {
+    value
+}
+
+/// The whole number below, of a number ≥ 0.
+#[inline]
+pub fn whole(number: Real) -> usize {
+    number as usize
+}
+
+/// A closer root of a function than h, which is given with value and slope; `None`: h is as close as
+/// doubles can tell.
+#[inline]
+pub fn settled(_h: Real, _f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
+    None
+}

@@ -1,0 +1,53 @@
+//! The numbers that the motion is carried in: of twice the precision of doubles.
+
+use iva_core::twofold::Twofold;
+
+/// A real number.
+pub type Real = Twofold;
+
+/// 0
+pub const ZERO: Real = Twofold::ZERO;
+/// 1
+pub const ONE: Real = Twofold::ONE;
+/// 2π, and what that lacks of the precision of [`crate::compensated`]: unknown here.
+pub const TURN: [Real; 2] =
+    [Twofold::new(std::f64::consts::TAU, 2.449_293_598_294_706_4e-16), Twofold::ZERO];
+/// What a step of a pendulum's flight may leave out, over the size of each variable.
+pub const LEFT_OUT: Real = Twofold::new(1e-22, 0.0);
+/// Largest estimated error of the summed duration of a chatter, in 1/ωn.
+pub const NEGLIGIBLE: Real = Twofold::new(1e-22, 0.0);
+
+/// What a number given by the user enters as.
+pub fn given(value: f64, _differentiated: bool) -> Real {
+    value.into()
+}
+
+/// The whole number below, of a number ≥ 0.
+pub fn whole(number: Real) -> usize {
+    f64::from(number) as usize
+}
+
+/// 1/n.
+pub fn reciprocal(n: usize) -> Real {
+    Twofold::ONE / n as f64
+}
+
+/// Sine and cosine of an angle within [−2π, 2π].
+pub fn sincos(angle: Real) -> (Real, Real) {
+    angle.sincos()
+}
+
+/// Angle of a sine.
+pub fn asin(sine: Real) -> Real {
+    sine.asin()
+}
+
+/// Angle of the point (x, y) from the x axis.
+pub fn atan2(y: Real, x: Real) -> Real {
+    y.atan2(x)
+}
+
+/// The root of a function close to h: h itself.
+pub fn settled(_h: Real, _f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
+    None
+}

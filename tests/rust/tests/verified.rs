@@ -1,0 +1,111 @@
+//! The core in numbers of twice the precision, fed with the decimals of the references: it must
+//! reproduce their 30 digits to a hundredth of a rounding unit of doubles. So it can judge the core in
+//! doubles.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::BTreeMap;
+
+use iva_core::twofold::Twofold;
+use iva_core_twofold::{
+    force::{Acts, Force, Harmonic},
+    piva::{Parameters, Piva, PivaStart},
+    run::{Run, run},
+    simulate::{Limits, Outcome},
+    siva::Siva,
+    system::{Start, System},
+};
+use iva_tests::{
+    dd::Dd,
+    oracle::Kind,
+    reference::{Expected, forced_scenes, piva_scenes, scenes},
+    units,
+};
+
+/// Approach speed at or below which the references leave impacts out.
+const FLOOR: f64 = 1e-9;
+/// Rounding units of doubles.
+const ALLOWED: f64 = 0.01;
+
+fn twofold(number: Dd) -> Twofold {
+    Twofold::new(number.hi, number.lo)
+}
+
+/// Events in order of time; at one instant an impact before the stick that it ends in.
+fn marks<S>(run: &Run<S>) -> Vec<(Kind, f64, Twofold)> {
+    let mut marks: Vec<(Kind, f64, Twofold)> = Vec::new();
+    for impact in run.impacts.iter().filter(|impact| impact.approach_speed() > FLOOR) {
+        marks.push((Kind::Impact, impact.wall.sign(), impact.time));
+    }
+    for episode in &run.episodes {
+        marks.push((Kind::Stick, episode.wall.sign(), episode.stick_time));
+        marks.extend(episode.release_time.map(|it| (Kind::Release, episode.wall.sign(), it)));
+    }
+    marks.sort_by(|a, b| a.2.total_cmp(&b.2));
+    marks
+}
+
+fn check<S: System>(name: &str, system: &S, start: &S::Start, duration: f64, events: &[Expected]) {
+    let limits =
+        Limits { chatter_floor: FLOOR.into(), ..Limits::new(duration.into(), system.clearance()) };
+    let run = run(system, start, &limits).unwrap();
+    assert_eq!((run.tally.outcome, run.tally.undecided), (Outcome::Finished, 0));
+    let marks = marks(&run);
+    let found: Vec<_> = marks.iter().map(|mark| (mark.0, mark.1)).collect();
+    let expected: Vec<_> = events.iter().map(|event| (event.kind, event.wall)).collect();
+    assert_eq!(found, expected, "{name}");
+    let off = |((_, _, time), event): (&(Kind, f64, Twofold), &Expected)| {
+        let error = f64::from(*time - twofold(event.time));
+        units(error, event.condition, event.time.value())
+    };
+    let worst = marks.iter().zip(events).map(off).fold(0.0, f64::max);
+    println!("{name:28} {:4} events, worst {worst:.1e} units", marks.len());
+    assert!(worst <= ALLOWED, "{name}: {worst}");
+}
+
+#[test]
+fn free_masses_reproduce_the_references() {
+    for reference in scenes() {
+        let scene = &reference.scene;
+        let system = Siva::new(
+            twofold(scene.mass_ratio),
+            twofold(scene.restitution),
+            twofold(scene.clearance),
+            twofold(scene.damping_ratio),
+        );
+        let [displacement, velocity, gap_displacement, gap_velocity] = scene.start.map(twofold);
+        let start = Start { displacement, velocity, gap_displacement, gap_velocity };
+        check(&reference.name, &system.unwrap(), &start, scene.duration, &reference.events);
+    }
+}
+
+fn pendulum(given: &BTreeMap<String, Dd>) -> Piva {
+    let key = |name: &str| twofold(given[name]);
+    let [mass_ratio, restitution, clearance] = ["mu", "e", "gamma"].map(key);
+    let damping_ratio = key("zeta");
+    let parameters = if given.contains_key("r") {
+        Parameters {
+            frequency_ratio: key("r"),
+            ..Parameters::point_bob(mass_ratio, restitution, clearance, damping_ratio, key("lam"))
+        }
+    } else {
+        Parameters::free_mass(mass_ratio, restitution, clearance, damping_ratio)
+    };
+    let harmonic = given.get("F").map(|amplitude| Harmonic {
+        amplitude: twofold(*amplitude),
+        frequency: key("Omega"),
+        phase: Twofold::ZERO,
+        acts: Acts::Primary,
+    });
+    let force = Force::harmonic(harmonic.into_iter().collect()).unwrap();
+    Piva::new(parameters).unwrap().under(force)
+}
+
+#[test]
+fn pendulums_and_forced_scenes_reproduce_the_references() {
+    for reference in piva_scenes().into_iter().chain(forced_scenes()) {
+        let displacement = reference.given.get("x").map_or(Twofold::ONE, |number| twofold(*number));
+        let start = PivaStart::from(Start { displacement, ..Start::default() });
+        let system = pendulum(&reference.given);
+        check(&reference.name, &system, &start, reference.duration, &reference.events);
+    }
+}
