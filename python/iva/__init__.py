@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from iva.forces import Harmonic, Impulse, Recorded
     from iva.parameters import Piva, Primary, Siva, Start
     from iva.reading import read
+    from iva.run_tables import Gradient, Verification
     from iva.simulation import Run, simulate
     from iva.sweeping import Table, sweep
     from iva.units import Units
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "SCHEMA_VERSION",
+    "Gradient",
     "Harmonic",
     "Impulse",
     "IvaError",
@@ -48,6 +50,7 @@ __all__ = [
     "Start",
     "Table",
     "Units",
+    "Verification",
     "__version__",
     "read",
     "show_versions",
@@ -60,6 +63,7 @@ __all__ = [
 # which needs none of them, starts at once.
 _HOMES = {
     "SCHEMA_VERSION": "_iva",
+    "Gradient": "run_tables",
     "Harmonic": "forces",
     "Impulse": "forces",
     "IvaError": "_iva",
@@ -71,6 +75,7 @@ _HOMES = {
     "Start": "parameters",
     "Table": "sweeping",
     "Units": "units",
+    "Verification": "run_tables",
     "__version__": "_iva",
     "read": "reading",
     "show_versions": "versions",

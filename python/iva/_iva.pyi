@@ -16,6 +16,7 @@ __all__ = [
     "column_units",
     "empty_tables",
     "fields",
+    "gradients",
     "main",
     "masri_caughey",
     "metadata",
@@ -27,6 +28,7 @@ __all__ = [
     "states",
     "sweep",
     "trajectory",
+    "verify",
 ]
 
 PART_POINTS: Final[int]
@@ -72,6 +74,17 @@ def simulate(
     measures: Sequence[str] | None = None,
     tables: Sequence[str] | None = None,
     errors: bool = False,
+) -> dict[str, ArrowTable]: ...
+def verify(
+    spec: _Spec,
+    measures: Sequence[str] | None = None,
+    tables: Sequence[str] | None = None,
+) -> tuple[dict[str, ArrowTable], list[tuple[str, int, int, int, float | None, str | None]]]: ...
+def gradients(
+    spec: _Spec,
+    key: str,
+    measures: Sequence[str] | None = None,
+    tables: Sequence[str] | None = None,
 ) -> dict[str, ArrowTable]: ...
 def sweep(
     spec: _Spec,

@@ -8,6 +8,7 @@ from iva import _iva
 from iva.forces import Force, listed, written
 from iva.frames import Frames, from_arrow, to_polars
 from iva.parameters import Absorber, Primary, Start, numbers, shown
+from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
 from iva.scenes import scene
 from iva.units import Units, from_metadata
 
@@ -18,11 +19,16 @@ if TYPE_CHECKING:
     from iva.parameters import Spec
 
 
-class Run:
+class Run(RunTables):
     """Result of :func:`simulate`: the tables of one run.
 
     Attributes of tables are polars frames, made on first use. `units` names the unit of every
     column. Runs can be copied, pickled and compared (same scene, same values).
+
+    Attributes
+    ----------
+    gradients : mapping of str to Gradient
+        Derivatives by the parameters given as ``gradients=…``.
     """
 
     def __init__(
@@ -34,52 +40,25 @@ class Run:
         units: Units,
         frames: Frames,
         force: Force | Sequence[Force] | None = None,
+        verification: Verification | None = None,
+        gradients: Gradients | None = None,
     ) -> None:
+        super().__init__(frames)
         self.absorber = absorber
         self.primary = primary
         self.start = start
         self.force = force
         self.units = units
         self._spec = spec
-        self._frames = frames
+        self._verification = verification
+        self.gradients = gradients or Gradients({})
 
     @property
-    def summary(self) -> pl.DataFrame:
-        """One row: outcome, counts, damping measures, energy ledger.
-
-        ``outcome`` is ``finished``, ``impact_limit``, ``work_limit`` or ``not_finite``. A measure
-        that is not defined for the run, or was not asked for, is null.
-        """
-        return self._frames["summary"]
-
-    @property
-    def impacts(self) -> pl.DataFrame:
-        """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
-        return self._frame("impacts")
-
-    @property
-    def episodes(self) -> pl.DataFrame:
-        """One row a chatter that ends in stick, a plastic stick, or a start at rest on a wall."""
-        return self._frame("episodes")
-
-    @property
-    def envelope(self) -> pl.DataFrame:
-        """One row a peak of the primary displacement."""
-        return self._frame("envelope")
-
-    @property
-    def stroboscope(self) -> pl.DataFrame:
-        """One row a cycle of the harmonic force (of several, the first), after `discard`.
-
-        The state at the instants Ωt + phase = 2πk, with the largest |x| and the impacts of the
-        cycle that ends there. Empty without a harmonic force.
-        """
-        return self._frame("stroboscope")
-
-    def _frame(self, name: str) -> pl.DataFrame:
-        if name not in self._frames.names:
-            raise AttributeError(f"no table {name!r}: ask for it with tables=({name!r},)")
-        return self._frames[name]
+    def verification(self) -> Verification:
+        """Its errors, if it was made with ``verify=True``."""
+        if self._verification is None:
+            raise AttributeError("no verification: ask for it with verify=True")
+        return self._verification
 
     def trajectory(self, samples_per_period: int = 200) -> pl.DataFrame:
         """Compute the motion in time.
@@ -199,6 +178,8 @@ def simulate(
     chatter_floor: float | None = None,
     tolerance: float | None = None,
     errors: bool = False,
+    verify: bool = False,
+    gradients: Iterable[str] = (),
 ) -> Run:
     """Simulate a primary system with an impact absorber, in free decay or under a force.
 
@@ -231,6 +212,13 @@ def simulate(
     errors : bool, default False
         Estimate the error of every impact time: the columns ``time_error`` and ``near_grazing`` of
         the impacts, ``condition`` and ``digits`` of the summary. It takes about ten times as long.
+    verify : bool, default False
+        Run the scene again in numbers of twice the precision: `verification` of the run holds the
+        true error of every number. It takes some fifty times as long.
+    gradients : iterable of str, optional
+        Parameters to differentiate by, by their names in a sweep (``relative_clearance``,
+        ``restitution``, ``force.frequency``): `gradients` of the run holds for each the derivative
+        of every number. It takes some three times as long for each.
     max_impacts : int, optional
         Stop after so many impacts, 10 million by default; the outcome says so.
     max_work : int, optional
@@ -304,12 +292,23 @@ def simulate(
             "tolerance": tolerance,
         },
     )
-    made = _iva.simulate(
-        spec, names("measures", measures), names("tables", tables), truth("errors", errors)
-    )
+    asked = (names("measures", measures), names("tables", tables))
+    by = names("gradients", gradients) or []
+    truth("verify", verify)
+    made = _iva.simulate(spec, *asked, truth("errors", errors))
     units = from_metadata(made["summary"].metadata)
     kept = tuple(force) if isinstance(force, Sequence) else force
-    return Run(absorber, primary, start, spec, units, from_arrow(made), kept)
+    return Run(
+        absorber,
+        primary,
+        start,
+        spec,
+        units,
+        from_arrow(made),
+        kept,
+        verified(spec, *asked) if verify else None,
+        differentiated(spec, by, *asked),
+    )
 
 
 def truth(field: str, value: object) -> bool:

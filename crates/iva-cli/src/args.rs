@@ -133,6 +133,10 @@ pub struct RunPointArgs {
     /// Of a study with [sweep], run this point: its number in the tables
     #[arg(long, value_name = "N")]
     pub point: Option<u64>,
+    /// Run it again in numbers of twice the precision (some fifty times as long): print what the
+    /// errors of the run are, and write those of all numbers into the folder errors
+    #[arg(long)]
+    pub verify: bool,
     /// Everything else.
     #[command(flatten)]
     pub run: RunArgs,

@@ -28,6 +28,7 @@ pub mod table_file;
 #[cfg(test)]
 mod tests;
 mod value;
+mod verified;
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};

@@ -5,6 +5,7 @@
 //! DIR/summary/part-00000.parquet       points 0 … 65535
 //! DIR/summary/part-00001.parquet       points 65536 … 131071
 //! DIR/impacts/part-00000.parquet       and so on, a folder for every table
+//! DIR/errors/impacts/part-00000.parquet   of a verified run, again for every table
 //! ```
 //!
 //! With another format the files end in `.arrow` or `.csv`.
@@ -28,6 +29,7 @@ use crate::table_file::{Format, Style};
 /// Points a part file covers: a constant, so that the files do not depend on the machine.
 pub const PART_POINTS: u64 = 65_536;
 
+const ERRORS: &str = "errors";
 const STUDY_FILE: &str = "study.toml";
 const STAGING_PREFIX: &str = ".iva-";
 
@@ -92,6 +94,14 @@ impl Output {
     /// [`Error::Io`] if its folder cannot be made.
     pub fn stage_part(&mut self, table: Table, part: u64) -> Result<PathBuf, Error> {
         self.stage(Path::new(table.name()).join(part_name(part, self.style.format)))
+    }
+
+    /// Where to write the errors of a table for now; the caller creates the file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if its folder cannot be made.
+    pub fn stage_errors(&mut self, table: Table) -> Result<PathBuf, Error> {
+        self.stage(errors_folder(table).join(part_name(0, self.style.format)))
     }
 
     /// Removes what was staged of a part that will not be completed.
@@ -220,6 +230,16 @@ impl Moves {
     }
 }
 
+fn errors_folder(table: Table) -> PathBuf {
+    Path::new(ERRORS).join(table.name())
+}
+
+/// The folders that tables go into, relative to that of the run.
+fn table_folders() -> impl Iterator<Item = PathBuf> {
+    let plain = Table::ALL.into_iter().map(|table| PathBuf::from(table.name()));
+    plain.chain(Table::SWEEP.into_iter().map(errors_folder))
+}
+
 fn refuse_conflicts(dir: &Path, overwrite: bool) -> Result<(), Error> {
     let shown = dir.display();
     if dir.exists() && !dir.is_dir() {
@@ -227,8 +247,8 @@ fn refuse_conflicts(dir: &Path, overwrite: bool) -> Result<(), Error> {
             "the output folder {shown} is a file; choose another one with --out"
         )));
     }
-    for table in Table::ALL {
-        let folder = dir.join(table.name());
+    for folder in table_folders().chain([PathBuf::from(ERRORS)]) {
+        let folder = dir.join(folder);
         if folder.exists() && !folder.is_dir() {
             return Err(Error::Refused(format!(
                 "{} is a file where a folder of tables must go; move it or choose another folder \
@@ -265,14 +285,14 @@ fn is_resolved(study: &Path) -> bool {
 /// The files of an earlier run, relative to the folder, in a fixed order.
 fn written_by_iva(dir: &Path) -> Vec<PathBuf> {
     let mut names = Vec::new();
-    for table in Table::ALL {
-        let Ok(entries) = fs::read_dir(dir.join(table.name())) else {
+    for folder in table_folders() {
+        let Ok(entries) = fs::read_dir(dir.join(&folder)) else {
             continue;
         };
         let mut parts: Vec<PathBuf> = entries
             .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
             .filter(|name| is_part(name))
-            .map(|name| Path::new(table.name()).join(name))
+            .map(|name| folder.join(name))
             .collect();
         parts.sort();
         names.append(&mut parts);
@@ -294,9 +314,9 @@ fn is_part(name: &str) -> bool {
 }
 
 fn remove_empty_table_folders(dir: &Path) {
-    for table in Table::ALL {
+    for folder in table_folders().chain([PathBuf::from(ERRORS)]) {
         // Fails, as it should, where files are left.
-        let _ = fs::remove_dir(dir.join(table.name()));
+        let _ = fs::remove_dir(dir.join(folder));
     }
 }
 

@@ -10,6 +10,7 @@ use iva_sweep::motion::trajectory;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, Workers, sweep};
 use iva_sweep::tables::schema;
+use iva_sweep::verify::verify;
 use serde_json::{Map, Value, json};
 
 use crate::args::{RunArgs, RunPointArgs};
@@ -22,6 +23,7 @@ use crate::report::{BestPoints, counted, print_run};
 use crate::resolved::{resolve, write};
 use crate::study_file::{NO_TRAJECTORY, StudyFile, read_study};
 use crate::table_file::{TableFile, part_schema};
+use crate::verified::{print_verified, write_errors};
 
 /// Points computed and held in memory at once. A constant that divides [`PART_POINTS`], so that
 /// the rows reach the files in the same portions on every machine.
@@ -58,11 +60,12 @@ fn run_grid(args: &RunArgs, log: &Log) -> Result<String, Error> {
     let points = file.study.points().map_err(|invalid| file.source.locate(&invalid))?;
     let mut best = BestPoints::new(&file.report, &file.study);
     let progress = Progress::new("running", points, args.quiet);
-    let (dir, written) = compute(&file, args, log, &progress, &mut |summary, first| {
+    let mut add = |summary: &RecordBatch, first| {
         if let Some(best) = &mut best {
             best.add(summary, first);
         }
-    })?;
+    };
+    let (dir, written) = compute(&file, args, log, &progress, &mut add, &mut |_, _| Ok(()))?;
     let mut out = String::new();
     match &best {
         Some(best) if file.study.tables.contains(&Table::Summary) => {
@@ -85,14 +88,15 @@ fn run_grid(args: &RunArgs, log: &Log) -> Result<String, Error> {
 /// As [`sweep_command`]; a study with `[sweep]`.
 pub(crate) fn run_command(args: &RunPointArgs) -> Result<String, Error> {
     let log = Log::open(args.run.log.as_deref())?;
-    let result = run_single(&args.run, args.point, &log);
+    let result = run_single(args, &log);
     log.end(&result);
     result
 }
 
-fn run_single(args: &RunArgs, point: Option<u64>, log: &Log) -> Result<String, Error> {
+fn run_single(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
+    let RunPointArgs { point, verify: verified, run: args } = all;
     let mut file = read_study(&args.study)?;
-    if let Some(point) = point {
+    if let Some(point) = *point {
         single_out(&mut file, point)?;
     } else if !file.study.axes.is_empty() {
         return Err(Error::Refused(format!(
@@ -104,10 +108,27 @@ fn run_single(args: &RunArgs, point: Option<u64>, log: &Log) -> Result<String, E
     let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
     let progress = Progress::new("running", 1, args.quiet);
     let mut out = String::new();
-    let (dir, written) = compute(&file, args, log, &progress, &mut |summary, _| {
-        out = print_run(summary, &file.study, units);
-    })?;
+    let mut verification = None;
+    let (dir, written) = compute(
+        &file,
+        args,
+        log,
+        &progress,
+        &mut |summary, _| out = print_run(summary, &file.study, units),
+        &mut |output, cancel| {
+            if *verified {
+                let found = verify(&without_trajectory(&file.study), cancel)
+                    .map_err(|error| file.source.locate_sweep(error))?;
+                write_errors(output, &found)?;
+                verification = Some(found);
+            }
+            Ok(())
+        },
+    )?;
     out.push_str(&print_written(&dir, &written));
+    if let Some(verification) = &verification {
+        out.push_str(&print_verified(verification, units, &dir));
+    }
     Ok(out)
 }
 
@@ -154,6 +175,7 @@ fn compute(
     log: &Log,
     progress: &Progress,
     on_summary: &mut dyn FnMut(&RecordBatch, u64),
+    at_end: &mut dyn FnMut(&mut Output, &AtomicBool) -> Result<(), Error>,
 ) -> Result<(PathBuf, Vec<Written>), Error> {
     let style = args.style()?;
     log.event(
@@ -191,6 +213,7 @@ fn compute(
     if file.study.tables.contains(&Table::Trajectory) {
         written.push(write_trajectory(file, &mut output, cancel)?);
     }
+    at_end(&mut output, cancel)?;
     if cancel.load(Ordering::Relaxed) {
         return Err(Error::Interrupted(keep_finished(file, output)?));
     }

@@ -10,11 +10,13 @@ use iva_sweep::choices::Choices;
 use iva_sweep::columns::columns;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Quantity};
+use iva_sweep::gradients as slopes;
 use iva_sweep::motion as paths;
 use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{self as engine, SweepError};
 use iva_sweep::units::UnitSystem;
+use iva_sweep::verify as second;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -106,13 +108,63 @@ pub fn simulate(
     tables: Option<Vec<String>>,
     errors: bool,
 ) -> PyResult<Tables> {
+    run(py, single(spec, measures, tables, errors)?, Some(1), None)
+}
+
+/// A study of one scene; without names every table, and the summary always: it says how the run
+/// ended.
+fn single(
+    spec: &Bound<'_, PyDict>,
+    measures: Option<Vec<String>>,
+    tables: Option<Vec<String>>,
+    errors: bool,
+) -> PyResult<Study> {
     let all = || Table::SWEEP.map(|table| table.name().to_owned()).to_vec();
     let mut names = tables.unwrap_or_else(all);
-    // It says how the run ended.
     names.push(Table::Summary.name().to_owned());
     let spec = arguments::spec(spec)?;
-    let study = arguments::study(spec, Vec::new(), &names, measures.as_deref(), errors)?;
-    run(py, study, Some(1), None)
+    arguments::study(spec, Vec::new(), &names, measures.as_deref(), errors)
+}
+
+/// A finding: table, rows, rows of the exact run, rows alike, largest error and its column.
+type Found = (&'static str, usize, usize, usize, Option<f64>, Option<&'static str>);
+
+/// Runs one scene in doubles and in numbers of twice the precision; returns tables of errors, and what
+/// was found.
+#[pyfunction]
+#[pyo3(signature = (spec, measures = None, tables = None))]
+pub fn verify(
+    py: Python<'_>,
+    spec: &Bound<'_, PyDict>,
+    measures: Option<Vec<String>>,
+    tables: Option<Vec<String>>,
+) -> PyResult<(Tables, Vec<Found>)> {
+    let study = single(spec, measures, tables, false)?;
+    let verification = worker::run(py, None, move |shared| second::verify(&study, &shared.cancel))?;
+    let findings = verification.findings.iter().map(|finding| {
+        let (error, column) = finding.largest.unzip();
+        let [rows, exact] = finding.rows;
+        (finding.table.name(), rows, exact, finding.alike, error, column)
+    });
+    Ok((named(verification.errors), findings.collect()))
+}
+
+/// Runs one scene in numbers with a derivative; returns tables of derivatives.
+#[pyfunction]
+#[pyo3(signature = (spec, key, measures = None, tables = None))]
+pub fn gradients(
+    py: Python<'_>,
+    spec: &Bound<'_, PyDict>,
+    key: String,
+    measures: Option<Vec<String>>,
+    tables: Option<Vec<String>>,
+) -> PyResult<Tables> {
+    let study = single(spec, measures, tables, false)?;
+    worker::run(py, None, move |shared| slopes::gradients(&study, &key, &shared.cancel)).map(named)
+}
+
+fn named(tables: engine::Tables) -> Tables {
+    tables.into_iter().map(|(table, batch)| (table.name(), ArrowTable(batch))).collect()
 }
 
 /// Runs a grid; returns the asked tables by name.
@@ -157,8 +209,7 @@ fn run(
         };
         engine::sweep(&study, 0..total, &control)
     })?;
-    let named = tables.into_iter();
-    Ok(named.map(|(table, batch)| (table.name(), ArrowTable(batch))).collect())
+    Ok(named(tables))
 }
 
 /// The motion of one scene, equidistant samples and both states of every impact.

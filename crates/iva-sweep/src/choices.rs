@@ -1,7 +1,7 @@
 //! What a user chooses by a word: the kind of absorber, and how a pendulum is modelled.
 
 use iva_core::error::Invalid;
-use iva_core::piva::{Angles, ImpactLaw};
+pub use iva_core::piva::{Angles, ImpactLaw};
 
 use crate::fields::Part;
 

@@ -122,7 +122,8 @@ pub enum Allowed {
 
 impl Allowed {
     /// True if the value may be used.
-    pub fn contains(self, value: f64) -> bool {
+    pub fn contains(self, value: impl Into<f64>) -> bool {
+        let value = value.into();
         let sized = (SMALLEST..=LARGEST).contains(&value.abs());
         match self {
             Allowed::Size => value == 0.0 || sized,

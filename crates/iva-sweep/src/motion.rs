@@ -10,11 +10,10 @@ use iva_core::sample::{Sampler, State};
 use iva_core::simulate::simulate;
 
 use crate::design::{Design, Spec};
-use crate::rows;
 use crate::scene::Scene;
 use crate::study::{Study, Table};
 use crate::sweep::SweepError;
-use crate::tables::{TableBuilder, schema_in};
+use crate::tables::{Cell, TableBuilder, schema_in};
 
 /// More samples than this are refused: 72 bytes each.
 pub const MAX_SAMPLES: f64 = 1e8;
@@ -119,7 +118,27 @@ fn table<'a>(
     let schema = schema_in(&Study::single(spec.clone()), Table::Trajectory, design.units);
     let mut builder = TableBuilder::new(schema);
     for (time, state) in states {
-        builder.row(rows::state(time, state, design));
+        builder.row(row(time, state, design));
     }
     Ok(builder.finish()?)
+}
+
+/// A row of the trajectory; `time` is the instant in user units.
+fn row(time: f64, state: Option<&State>, design: &Design) -> [Cell; 9] {
+    let scale = &design.scale;
+    let angle = state.and_then(|state| state.angle).filter(|_| design.scene.has_angle());
+    let number = |read: fn(&State) -> f64| Cell::from(state.map(read));
+    let velocity =
+        |read: fn(&State) -> f64| Cell::from(state.map(|state| scale.velocity(read(state))));
+    [
+        Cell::Point(0),
+        Cell::Number(time),
+        number(|state| state.displacement),
+        velocity(|state| state.velocity),
+        number(|state| state.gap_displacement),
+        velocity(|state| state.gap_velocity),
+        state.map_or(Cell::Null, |state| Cell::Side(state.wall)),
+        angle.map(|angle| angle.value).into(),
+        angle.map(|angle| scale.angular_velocity(angle.rate)).into(),
+    ]
 }

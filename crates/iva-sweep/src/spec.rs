@@ -1,11 +1,16 @@
 //! The fields of one run as a user gives them.
 
-use iva_core::error::{Invalid, number};
-
-use crate::choices::{Choices, only};
+use crate::choices::{Choices, Kind, only};
+use crate::doubles::design::Design;
+use crate::doubles::given::Given;
+use crate::error::{Invalid, number};
 use crate::fields::{FIELD_COUNT, FieldId, Part};
 use crate::forces::ForceSpec;
 use crate::slot::Slot;
+use crate::units::UnitSystem;
+
+/// Standard acceleration of gravity in m/s² (CGPM 1901), taken in SI units where none is given.
+const STANDARD_GRAVITY: f64 = 9.806_65;
 
 /// The fields of one run as given; everything else is default or derived.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,6 +134,33 @@ impl Spec {
             }
         }
         Ok(())
+    }
+
+    /// The gravity on a pendulum of which none was given, nor follows.
+    ///
+    /// # Errors
+    /// As [`Spec::units`].
+    pub fn standard_gravity(&self) -> Result<Option<f64>, Invalid> {
+        let standard = self.choices().kind == Kind::Piva
+            && self.units()? == UnitSystem::Si
+            && self.get(FieldId::FrequencyRatio).is_none();
+        Ok(standard.then_some(STANDARD_GRAVITY))
+    }
+
+    /// The units that the primary system sets.
+    ///
+    /// # Errors
+    /// [`Invalid`] if a frequency is missing beside a mass, or given twice.
+    pub fn units(&self) -> Result<UnitSystem, Invalid> {
+        Ok(Given::new(self).scale()?.1)
+    }
+
+    /// The design that these fields make, in natural units.
+    ///
+    /// # Errors
+    /// As [`Given::design`].
+    pub fn design(&self) -> Result<Design, Invalid> {
+        Given::new(self).design()
     }
 
     pub(crate) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {

@@ -11,20 +11,14 @@ use arrow_array::RecordBatch;
 use arrow_schema::ArrowError;
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
-use iva_core::measures::{Measures, Wanted};
-use iva_core::observe::Events;
-use iva_core::peaks::Envelope;
 use iva_core::propagation::{Differentiable, Errors};
-use iva_core::simulate::simulate;
-use iva_core::steady::{Steady, SteadyWanted};
-use iva_core::system::System;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use crate::design::Design;
-use crate::rows;
-use crate::scene::Scene;
+use crate::doubles::point::{Estimates, Request, run};
+use crate::doubles::rows::Cell;
+use crate::doubles::scale::Scale;
 use crate::study::{Study, Table, distinct, fitting};
-use crate::tables::{Cell, TableBuilder, schema_in};
+use crate::tables::{TableBuilder, schema_in};
 use crate::units::UnitSystem;
 
 /// The tables of a range of points.
@@ -157,59 +151,6 @@ fn join(
     Ok(tables)
 }
 
-/// What a study wants from each run.
-struct Request {
-    summary: bool,
-    impacts: bool,
-    episodes: bool,
-    envelope: bool,
-    wanted: Wanted,
-    steady: SteadyWanted,
-    reduction: bool,
-    errors: bool,
-}
-
-impl Request {
-    fn new(study: &Study) -> Self {
-        let asked = |table| study.tables.contains(&table);
-        let any = |names: &[&str]| names.iter().any(|name| study.measures.contains(name));
-        Self {
-            summary: asked(Table::Summary),
-            impacts: asked(Table::Impacts),
-            episodes: asked(Table::Episodes),
-            envelope: asked(Table::Envelope),
-            wanted: Wanted {
-                peaks: any(&[
-                    "damping_ratio_1",
-                    "damping_ratio_3",
-                    "damping_ratio_10",
-                    "damping_ratio_fit",
-                ]),
-                settling: any(&["settling_time_10", "settling_time_5", "settling_time_2"]),
-                residual: any(&["residual_amplitude"]),
-                ledger: any(&["energy_viscous", "energy_pivot", "energy_work", "energy_residual"]),
-            },
-            steady: SteadyWanted {
-                amplitude: any(&["amplitude_max", "reduction"]),
-                rms: any(&["amplitude_rms"]),
-                acceleration: any(&["transmissibility"]),
-                regime: any(&["regime"]),
-                impacts: any(&["impacts_per_cycle"]),
-                strobes: asked(Table::Stroboscope),
-            },
-            reduction: any(&["reduction"]),
-            errors: study.errors,
-        }
-    }
-}
-
-impl Request {
-    /// What is wanted of a driven run's steady state; `None` in free decay, and if nothing is.
-    fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
-        Some(self.steady).filter(|it| system.is_driven() && *it != SteadyWanted::default())
-    }
-}
-
 fn run_chunk(
     study: &Study,
     points: Range<u64>,
@@ -233,6 +174,7 @@ fn run_chunk(
     builders.into_iter().map(|(table, builder)| Ok((table, builder.finish()?))).collect()
 }
 
+/// Runs a point and hands its rows to the builders.
 fn run_point(
     study: &Study,
     point: u64,
@@ -241,108 +183,26 @@ fn run_point(
     builders: &mut BTreeMap<Table, TableBuilder>,
 ) -> Result<(), SweepError> {
     let design = study.design(point)?;
-    match &design.scene {
-        Scene::Siva { system, start } => {
-            let run = Point { study, point, design: &design, system, request, builders };
-            run.go(start, cancel)
+    let estimates = study.errors.then(Errors::default);
+    run(study, point, &design, request, cancel, estimates, &mut |table, cells| {
+        if let Some(builder) = builders.get_mut(&table) {
+            builder.row(cells);
         }
-        Scene::Piva { system, start, .. } => {
-            let run = Point { study, point, design: &design, system, request, builders };
-            run.go(start, cancel)
-        }
+    })?;
+    Ok(())
+}
+
+impl<S: Differentiable> Estimates<S> for Option<Errors> {
+    fn of_impact(&self, index: usize, scale: &Scale) -> [Cell; 2] {
+        let error = self.as_ref().and_then(|errors| errors.impacts.get(index));
+        let time = error.and_then(|error| error.time);
+        let grazing =
+            error.filter(|_| time.is_some()).map_or(Cell::Null, |it| Cell::Flag(it.grazing));
+        [time.map(|time| scale.time(time)).into(), grazing]
     }
-}
 
-/// One point of a study and where its rows go.
-struct Point<'a, S> {
-    study: &'a Study,
-    point: u64,
-    design: &'a Design,
-    system: &'a S,
-    request: &'a Request,
-    builders: &'a mut BTreeMap<Table, TableBuilder>,
-}
-
-impl<S: Differentiable> Point<'_, S> {
-    fn go(self, start: &S::Start, cancel: &AtomicBool) -> Result<(), SweepError> {
-        let Self { study, point, design, system, request, builders } = self;
-        let mut observers = (
-            (request.impacts || request.episodes).then(Events::default),
-            (
-                request.envelope.then(Envelope::default),
-                (
-                    request.summary.then(|| Measures::<S>::new(request.wanted)),
-                    (
-                        request.steady_of(system).map(|wanted| Steady::new(design.window, wanted)),
-                        request.errors.then(Errors::default),
-                    ),
-                ),
-            ),
-        );
-        let tally = simulate(system, start, &design.limits, Some(cancel), &mut observers)?;
-        let (events, (envelope, (measures, (steady, errors)))) = observers;
-        let scale = &design.scale;
-        // Points are counted below 2^32 by `Study::points`.
-        let number = point as u32;
-        for (table, builder) in builders {
-            match table {
-                Table::Summary => {
-                    if let Some(measures) = &measures {
-                        let swept = study.swept(point).map(Cell::Number);
-                        let bare = match request.reduction && system.is_driven() {
-                            true => design.amplitude_without_absorber(cancel)?,
-                            false => None,
-                        };
-                        let settled = steady.as_ref().map(|steady| rows::Settled {
-                            values: steady.values(),
-                            bare,
-                            moves_base: design.scene.moves_base(),
-                        });
-                        let row = rows::summary(
-                            &tally,
-                            measures.values(),
-                            settled.as_ref(),
-                            errors.as_ref(),
-                            study.measures,
-                            design,
-                        );
-                        builder.row(std::iter::once(Cell::Point(number)).chain(swept).chain(row));
-                    }
-                }
-                Table::Impacts => {
-                    for (index, impact) in
-                        events.iter().flat_map(|events| &events.impacts).enumerate()
-                    {
-                        let angles =
-                            system.impact_angles(impact).filter(|_| design.scene.has_angle());
-                        let error = errors.as_ref().and_then(|errors| errors.impacts.get(index));
-                        builder.row(rows::impact(number, index, impact, angles, error, scale));
-                    }
-                }
-                Table::Episodes => {
-                    for (index, episode) in
-                        events.iter().flat_map(|events| &events.episodes).enumerate()
-                    {
-                        builder.row(rows::episode(number, index, episode, scale));
-                    }
-                }
-                Table::Envelope => {
-                    if let Some(envelope) = &envelope {
-                        for index in 0..envelope.peaks.len() {
-                            builder.row(rows::peak(number, index, &envelope.peaks, scale));
-                        }
-                    }
-                }
-                Table::Stroboscope => {
-                    let mut before = None;
-                    for strobe in steady.iter().flat_map(Steady::strobes) {
-                        builder.row(rows::strobe(number, before, strobe, scale));
-                        before = Some(strobe);
-                    }
-                }
-                Table::Trajectory => {}
-            }
-        }
-        Ok(())
+    fn of_run(&self) -> [Cell; 2] {
+        let errors = self.as_ref();
+        [errors.and_then(Errors::condition).into(), errors.and_then(Errors::digits).into()]
     }
 }

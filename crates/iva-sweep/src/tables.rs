@@ -15,6 +15,7 @@ use iva_core::error::Invalid;
 use crate::choices::CHOICES;
 use crate::columns::{SCHEMA_VERSION, columns};
 use crate::fields::{FieldId, Quantity};
+use crate::slot::Slot;
 use crate::study::{Study, Table};
 use crate::units::UnitSystem;
 
@@ -87,6 +88,67 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
     Ok(hash)
 }
 
+/// What stands in the places of the numbers of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Content {
+    /// Errors of the numbers, in their units.
+    Errors,
+    /// Their derivatives by a field, as the user named it.
+    Derivatives { by: Slot, key: String },
+}
+
+impl Content {
+    fn unit(&self, unit: &str, units: UnitSystem) -> String {
+        match self {
+            Content::Errors => unit.to_owned(),
+            Content::Derivatives { by, .. } => match units.unit(by.info().quantity) {
+                "1" => unit.to_owned(),
+                below => format!("({unit}) per ({below})"),
+            },
+        }
+    }
+
+    fn description(&self, description: &str) -> String {
+        match self {
+            Content::Errors => format!("error of: {description}"),
+            Content::Derivatives { key, .. } => format!("derivative by {key} of: {description}"),
+        }
+    }
+}
+
+/// The schema of a table that holds something else than values in the places of numbers; it says what in
+/// its metadata under `iva.content`.
+///
+/// # Errors
+/// As [`Study::units`].
+pub(crate) fn schema_of(
+    study: &Study,
+    table: Table,
+    content: &Content,
+) -> Result<SchemaRef, Invalid> {
+    let units = study.units()?;
+    let plain = schema_in(study, table, units);
+    let changed = |field: &Arc<Field>| {
+        let mut field = Field::clone(field);
+        if let (DataType::Float64, Some(text)) =
+            (field.data_type(), field.metadata().get("description"))
+        {
+            let unit = field.metadata().get("unit").map_or("", String::as_str);
+            let metadata = field_metadata(&content.unit(unit, units), &content.description(text));
+            field.set_metadata(metadata);
+        }
+        field
+    };
+    let fields: Vec<Field> = plain.fields().iter().map(changed).collect();
+    let mut metadata = plain.metadata().clone();
+    let name = match content {
+        Content::Errors => "errors".to_owned(),
+        Content::Derivatives { key, .. } => format!("derivatives by {key}"),
+    };
+    metadata.insert("iva.content".to_owned(), name);
+    Ok(Arc::new(Schema::new_with_metadata(fields, metadata)))
+}
+
 pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> SchemaRef {
     let mut fields = vec![
         Field::new("point", DataType::UInt32, false)
@@ -141,9 +203,9 @@ fn data_type(quantity: Quantity) -> DataType {
 
 /// One value of a row.
 #[derive(Debug, Clone)]
-pub(crate) enum Cell {
+pub(crate) enum Cell<R = f64> {
     Point(u32),
-    Number(f64),
+    Number(R),
     Count(u64),
     Side(i8),
     Text(Cow<'static, str>),
@@ -151,8 +213,8 @@ pub(crate) enum Cell {
     Null,
 }
 
-impl From<Option<f64>> for Cell {
-    fn from(value: Option<f64>) -> Self {
+impl<R> From<Option<R>> for Cell<R> {
+    fn from(value: Option<R>) -> Self {
         value.map_or(Cell::Null, Cell::Number)
     }
 }

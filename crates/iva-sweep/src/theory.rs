@@ -6,8 +6,9 @@ use iva_core::theory::{SymmetricScene, masri_caughey as symmetric, slow_manifold
 
 use crate::choices::{Kind, only};
 use crate::design::Spec;
-use crate::forces;
-use crate::pendulum::Common;
+use crate::doubles::forces;
+use crate::doubles::given::Given;
+use crate::doubles::pendulum::Common;
 use crate::units::Scale;
 
 /// A theory's answer in natural units, and the way back to the user's.
@@ -25,8 +26,9 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     if spec.choices().kind != Kind::Siva {
         return Err(Invalid::new("absorber.kind", spec.choices().kind.name(), only(Kind::Siva)));
     }
-    let (scale, units) = spec.scale()?;
-    Ok((spec.common(&scale, units)?, scale))
+    let given = Given::new(spec);
+    let (scale, units) = given.scale()?;
+    Ok((given.common(&scale, units)?, scale))
 }
 
 /// The symmetric motions with two impacts a cycle under the one harmonic force of a spec.
@@ -35,7 +37,7 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
 /// [`Invalid`] if something is missing, or the theory has no answer for it.
 pub fn masri_caughey(spec: &Spec) -> Result<Answer<MasriCaughey>, Invalid> {
     let (common, scale) = common(spec)?;
-    let sum = forces::force(spec.forces(), &scale, spec.units()?)?;
+    let sum = forces::force(&Given::new(spec), &scale, spec.units()?)?;
     let harmonic = sum.harmonics().first().copied().filter(|_| sum.is_single());
     let force = harmonic.ok_or_else(|| {
         Invalid::new("force", spec.forces().len(), "the theory is of one harmonic force")

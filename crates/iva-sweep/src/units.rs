@@ -1,9 +1,11 @@
 //! Units of inputs and results, in three cases that never mix.
 //!
-//! The core computes with time in 1/ωn and energy per primary mass; [`Scale`] turns its numbers
-//! into the user's. Lengths are never rescaled.
+//! The core computes with time in 1/ωn and energy per primary mass; a
+//! [`Scale`](crate::doubles::scale::Scale) turns its numbers into the user's. Lengths are never rescaled.
 
 use crate::fields::Quantity;
+
+pub use crate::doubles::scale::Scale;
 
 /// Which units the numbers of a study carry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,36 +75,5 @@ impl UnitSystem {
             Self::Seconds => "seconds",
             Self::Natural => "natural",
         }
-    }
-}
-
-/// Factors from the core's natural units to the user's.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
-    /// ωn in rad per user time unit.
-    pub natural_frequency: f64,
-    /// Primary mass, 1 where energies are per unit mass.
-    pub mass: f64,
-}
-
-impl Scale {
-    /// Natural time → user time.
-    pub fn time(&self, tau: f64) -> f64 {
-        tau / self.natural_frequency
-    }
-
-    /// Natural velocity → user velocity.
-    pub fn velocity(&self, velocity: f64) -> f64 {
-        velocity * self.natural_frequency
-    }
-
-    /// Natural angular velocity → user angular velocity.
-    pub fn angular_velocity(&self, rate: f64) -> f64 {
-        rate * self.natural_frequency
-    }
-
-    /// Natural energy → user energy.
-    pub fn energy(&self, energy: f64) -> f64 {
-        energy * (self.mass * self.natural_frequency * self.natural_frequency)
     }
 }

@@ -14,8 +14,9 @@ pub const TURN: [Real; 2] =
     [Dual::constant(iva_core::real::TURN[0]), Dual::constant(iva_core::real::TURN[1])];
 /// As in doubles.
 pub const LEFT_OUT: Real = Dual::constant(iva_core::real::LEFT_OUT);
-/// As in doubles.
-pub const NEGLIGIBLE: Real = Dual::constant(iva_core::real::NEGLIGIBLE);
+/// Largest estimated error of the summed duration of a chatter, in 1/ωn: what is left out of its
+/// derivative is then some 1e-14.
+pub const NEGLIGIBLE: Real = Dual::constant(1e-22);
 
 /// What a number given by the user enters as.
 pub fn given(value: f64, differentiated: bool) -> Real {

@@ -1,49 +1,47 @@
 //! Length, gravity and frequency of a pendulum: two of them, and the third follows (g = κ L ωp²).
 
-use iva_core::error::{Invalid, number};
-use iva_core::piva::{Angles, Given, Parameters, PivaStart};
-use iva_core::system::Start;
-
-use crate::choices::Choices;
-use crate::design::Spec;
+use super::core::piva::{self, Given as Stated, Parameters, PivaStart};
+use super::core::real::{self, ONE, Real, ZERO};
+use super::core::system::Start;
+use super::given::Given;
+use super::scale::Scale;
+use crate::choices::{Angles, Choices, ImpactLaw};
+use crate::error::{Invalid, number};
 use crate::fields::FieldId;
-use crate::units::Scale;
 
-/// Standard acceleration of gravity in m/s² (CGPM 1901), taken in SI units where none is given.
-pub(crate) const STANDARD_GRAVITY: f64 = 9.806_65;
 /// How well frequency, length and gravity must agree where all three are given.
 const AGREEMENT: f64 = 1e-9;
 
 /// What all absorbers have, in natural units.
 pub(crate) struct Common {
-    pub mass_ratio: f64,
-    pub restitution: f64,
-    pub clearance: f64,
-    pub damping_ratio: f64,
+    pub mass_ratio: Real,
+    pub restitution: Real,
+    pub clearance: Real,
+    pub damping_ratio: Real,
 }
 
 /// Frequency ratio; length and gravity unless the motion does not depend on them.
 struct Swing {
-    frequency_ratio: f64,
+    frequency_ratio: Real,
     hanging: Option<Hanging>,
 }
 
 struct Hanging {
-    length: f64,
+    length: Real,
     /// In the user's unit.
-    gravity: f64,
+    gravity: Real,
 }
 
 /// The parameters of a pendulum, and the gravity on it (in the user's unit) if its length is known.
 pub(crate) fn parameters(
-    spec: &Spec,
+    given: &Given<'_>,
     common: Common,
     scale: &Scale,
-) -> Result<(Parameters, Option<f64>), Invalid> {
+) -> Result<(Parameters, Option<Real>), Invalid> {
     let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
-    let Choices { angles, impact_law, .. } = *spec.choices();
-    let inertia_ratio = spec.get(FieldId::InertiaRatio).unwrap_or(1.0);
-    let Swing { frequency_ratio, hanging } = swing(spec, angles, inertia_ratio, scale)?;
+    let Choices { angles, impact_law, .. } = *given.spec.choices();
+    let inertia_ratio = given.get(FieldId::InertiaRatio).unwrap_or(ONE);
+    let Swing { frequency_ratio, hanging } = swing(given, angles, inertia_ratio, scale)?;
     // Where it drops out, any length will do.
     let length = hanging.as_ref().map_or(clearance, |hanging| hanging.length);
     let parameters = Parameters {
@@ -54,27 +52,38 @@ pub(crate) fn parameters(
         frequency_ratio,
         length,
         inertia_ratio,
-        contact_distance: spec.get(FieldId::ContactDistance).unwrap_or(length),
-        pivot_damping_ratio: spec.get(FieldId::PivotDampingRatio).unwrap_or(0.0),
-        angles,
-        impact_law,
-        tolerance: spec.get(FieldId::Tolerance).unwrap_or(0.0),
+        contact_distance: given.get(FieldId::ContactDistance).unwrap_or(length),
+        pivot_damping_ratio: given.get(FieldId::PivotDampingRatio).unwrap_or(ZERO),
+        angles: match angles {
+            Angles::Large => piva::Angles::Large,
+            Angles::Small => piva::Angles::Small,
+        },
+        impact_law: match impact_law {
+            ImpactLaw::Consistent => piva::ImpactLaw::Consistent,
+            ImpactLaw::Printed => piva::ImpactLaw::Printed,
+        },
+        tolerance: given.get(FieldId::Tolerance).unwrap_or(ZERO),
     };
     Ok((parameters, hanging.map(|hanging| hanging.gravity)))
 }
 
-fn swing(spec: &Spec, angles: Angles, inertia_ratio: f64, scale: &Scale) -> Result<Swing, Invalid> {
+fn swing(
+    given: &Given<'_>,
+    angles: Angles,
+    inertia_ratio: Real,
+    scale: &Scale,
+) -> Result<Swing, Invalid> {
     let omega = scale.natural_frequency;
-    let gravity = spec.get(FieldId::Gravity);
+    let gravity = given.get(FieldId::Gravity);
     let hang = |frequency_ratio, length, gravity| Swing {
         frequency_ratio,
         hanging: Some(Hanging { length, gravity }),
     };
-    match (spec.get(FieldId::FrequencyRatio), spec.get(FieldId::Length)) {
+    match (given.get(FieldId::FrequencyRatio), given.get(FieldId::Length)) {
         (Some(ratio), Some(length)) => {
             let frequency = ratio * omega;
             let follows = inertia_ratio * length * (frequency * frequency);
-            match gravity.filter(|g| (g - follows).abs() > AGREEMENT * follows) {
+            match gravity.filter(|g| (*g - follows).abs() > AGREEMENT * follows) {
                 None => Ok(hang(ratio, length, gravity.unwrap_or(follows))),
                 Some(g) => Err(Invalid::new(
                     FieldId::Gravity.path(),
@@ -87,12 +96,14 @@ fn swing(spec: &Spec, angles: Angles, inertia_ratio: f64, scale: &Scale) -> Resu
             }
         }
         (None, Some(length)) => {
-            let gravity = gravity.or(spec.standard_gravity()?).ok_or_else(|| {
-                Invalid::missing(
-                    "absorber.frequency_ratio",
-                    "give frequency_ratio, or gravity (which has a default in SI units only)",
-                )
-            })?;
+            let gravity = gravity
+                .or(given.spec.standard_gravity()?.map(|g| real::given(g, false)))
+                .ok_or_else(|| {
+                    Invalid::missing(
+                        "absorber.frequency_ratio",
+                        "give frequency_ratio, or gravity (which has a default in SI units only)",
+                    )
+                })?;
             let frequency_ratio = (gravity / (inertia_ratio * length)).sqrt() / omega;
             Ok(hang(frequency_ratio, length, gravity))
         }
@@ -104,9 +115,9 @@ fn swing(spec: &Spec, angles: Angles, inertia_ratio: f64, scale: &Scale) -> Resu
             }
             let needs = if angles == Angles::Large {
                 "large angles depend on it; give it, or gravity (L = g / (κ ωp²))"
-            } else if spec.get(FieldId::ContactDistance).is_some() {
+            } else if given.get(FieldId::ContactDistance).is_some() {
                 "contact_distance is given, so give length too"
-            } else if spec.get(FieldId::Angle).or(spec.get(FieldId::AngularVelocity)).is_some() {
+            } else if given.get(FieldId::Angle).or(given.get(FieldId::AngularVelocity)).is_some() {
                 "the start is an angle, so give length too"
             } else {
                 return Ok(Swing { frequency_ratio, hanging: None });
@@ -121,13 +132,13 @@ fn swing(spec: &Spec, angles: Angles, inertia_ratio: f64, scale: &Scale) -> Resu
 }
 
 /// The start of a pendulum: gap or angle, each with or without the other's rate.
-pub(crate) fn start(spec: &Spec, start: Start, scale: &Scale) -> PivaStart {
+pub(crate) fn start(given: &Given<'_>, start: Start, scale: &Scale) -> PivaStart {
     let mut start = PivaStart::from(start);
-    if let Some(angle) = spec.get(FieldId::Angle) {
-        start.place = Given::Angle(angle);
+    if let Some(angle) = given.get(FieldId::Angle) {
+        start.place = Stated::Angle(angle);
     }
-    if let Some(rate) = spec.get(FieldId::AngularVelocity) {
-        start.rate = Given::Angle(rate / scale.natural_frequency);
+    if let Some(rate) = given.get(FieldId::AngularVelocity) {
+        start.rate = Stated::Angle(rate / scale.natural_frequency);
     }
     start
 }

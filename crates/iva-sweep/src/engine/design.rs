@@ -1,25 +1,26 @@
 //! One design point: from the fields a user gave to the scene the core runs.
 //!
-//! [`Spec`] holds fields as given; [`Spec::design`] settles the alternatives (mass or mass ratio;
+//! [`Spec`] holds fields as given; [`Given::design`] settles the alternatives (mass or mass ratio;
 //! clearance, gap or relative clearance; …) without guessing and converts to natural units.
 
-use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 
-use iva_core::error::{Invalid, number};
-use iva_core::force::Force;
-use iva_core::piva::{self, Piva, PivaStart};
-use iva_core::simulate::Limits;
-use iva_core::siva::Siva;
-use iva_core::steady::{self, Window};
-use iva_core::system::{Point, Start, System};
-
+use super::core::force::Force;
+use super::core::piva::{self, Piva, PivaStart};
+use super::core::real::{ONE, Real, TURN, ZERO};
+use super::core::simulate::Limits;
+use super::core::siva::Siva;
+use super::core::steady::{self, Window};
+use super::core::system::{Point, Start, System};
+use super::forces;
+use super::given::Given;
+use super::pendulum::{self, Common};
+use super::scale::Scale;
+use super::scene::Scene;
 use crate::choices::Kind;
+use crate::error::{Invalid, number};
 use crate::fields::FieldId;
-use crate::forces;
-use crate::pendulum::{self, Common, STANDARD_GRAVITY};
-use crate::scene::Scene;
-use crate::units::{Scale, UnitSystem};
+use crate::units::UnitSystem;
 
 pub use crate::spec::Spec;
 
@@ -44,7 +45,7 @@ impl Design {
     ///
     /// # Errors
     /// [`Invalid`] for numbers that the core refuses.
-    pub fn amplitude_without_absorber(&self, cancel: &AtomicBool) -> Result<Option<f64>, Invalid> {
+    pub fn amplitude_without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Real>, Invalid> {
         let Scene::Piva { system, start, .. } = &self.scene else { return Ok(None) };
         let zeta = system.parameters().damping_ratio;
         let from = Point { x: start.displacement, v: start.velocity };
@@ -53,26 +54,7 @@ impl Design {
     }
 }
 
-impl Spec {
-    /// The gravity on a pendulum of which none was given, nor follows.
-    ///
-    /// # Errors
-    /// As [`Spec::units`].
-    pub fn standard_gravity(&self) -> Result<Option<f64>, Invalid> {
-        let standard = self.choices().kind == Kind::Piva
-            && self.units()? == UnitSystem::Si
-            && self.get(FieldId::FrequencyRatio).is_none();
-        Ok(standard.then_some(STANDARD_GRAVITY))
-    }
-
-    /// The units that the primary system sets.
-    ///
-    /// # Errors
-    /// [`Invalid`] if a frequency is missing beside a mass, or given twice.
-    pub fn units(&self) -> Result<UnitSystem, Invalid> {
-        Ok(self.scale()?.1)
-    }
-
+impl Given<'_> {
     /// Settles alternatives, checks what only shows together, and converts to natural units.
     ///
     /// # Errors
@@ -82,20 +64,23 @@ impl Spec {
         let omega = scale.natural_frequency;
         let start = Start {
             displacement: self.displacement(units)?,
-            velocity: self.get(FieldId::Velocity).unwrap_or(0.0) / omega,
-            gap_displacement: self.get(FieldId::GapDisplacement).unwrap_or(0.0),
-            gap_velocity: self.get(FieldId::GapVelocity).unwrap_or(0.0) / omega,
+            velocity: self.get(FieldId::Velocity).unwrap_or(ZERO) / omega,
+            gap_displacement: self.get(FieldId::GapDisplacement).unwrap_or(ZERO),
+            gap_velocity: self.get(FieldId::GapVelocity).unwrap_or(ZERO) / omega,
         };
         let common = self.common(&scale, units)?;
         let clearance = common.clearance;
-        let force = forces::force(self.forces(), &scale, units)?;
+        let force = forces::force(self, &scale, units)?;
         let duration = self.duration(omega, &force)?;
         let window = self.window(duration, &force)?;
         let scene = self.scene(common, start, force, &scale)?;
         let limits = Limits {
             duration,
-            max_impacts: self.get(FieldId::MaxImpacts).map_or(Limits::MAX_IMPACTS, |n| n as u64),
-            max_work: self.get(FieldId::MaxWork).map_or(Limits::MAX_WORK, |n| n as u64),
+            max_impacts: self
+                .spec
+                .get(FieldId::MaxImpacts)
+                .map_or(Limits::MAX_IMPACTS, |n| n as u64),
+            max_work: self.spec.get(FieldId::MaxWork).map_or(Limits::MAX_WORK, |n| n as u64),
             chatter_floor: self
                 .get(FieldId::ChatterFloor)
                 .map_or(Limits::CHATTER_FLOOR * clearance, |floor| floor / omega),
@@ -115,8 +100,8 @@ impl Spec {
         Ok(Common { mass_ratio, restitution, clearance, damping_ratio })
     }
 
-    fn displacement(&self, units: UnitSystem) -> Result<f64, Invalid> {
-        Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(0.0))
+    fn displacement(&self, units: UnitSystem) -> Result<Real, Invalid> {
+        Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(ZERO))
     }
 
     fn scene(
@@ -126,7 +111,7 @@ impl Spec {
         force: Force,
         scale: &Scale,
     ) -> Result<Scene, Invalid> {
-        match self.choices().kind {
+        match self.spec.choices().kind {
             Kind::Siva if !force.is_none() => {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
                 let parameters =
@@ -159,7 +144,7 @@ impl Spec {
         let mass = self.get(FieldId::PrimaryMass);
         let omega = self
             .get(FieldId::NaturalFrequency)
-            .or_else(|| self.get(FieldId::FrequencyHz).map(|f| TAU * f));
+            .or_else(|| self.get(FieldId::FrequencyHz).map(|f| TURN[0] * f));
         let (natural_frequency, units) = match (mass, self.get(FieldId::Stiffness), omega) {
             (Some(m), Some(k), _) => ((k / m).sqrt(), UnitSystem::Si),
             (Some(_), None, Some(w)) => (w, UnitSystem::Si),
@@ -176,12 +161,12 @@ impl Spec {
                 ));
             }
             (None, None, Some(w)) => (w, UnitSystem::Seconds),
-            (None, None, None) => (1.0, UnitSystem::Natural),
+            (None, None, None) => (ONE, UnitSystem::Natural),
         };
-        Ok((Scale { natural_frequency, mass: mass.unwrap_or(1.0) }, units))
+        Ok((Scale { natural_frequency, mass: mass.unwrap_or(ONE) }, units))
     }
 
-    fn damping_ratio(&self, scale: &Scale, units: UnitSystem) -> Result<f64, Invalid> {
+    fn damping_ratio(&self, scale: &Scale, units: UnitSystem) -> Result<Real, Invalid> {
         self.at_most_one(&[FieldId::DampingRatio, FieldId::Damping])?;
         match self.get(FieldId::Damping) {
             Some(c) if units == UnitSystem::Si => {
@@ -189,11 +174,11 @@ impl Spec {
                 derived(FieldId::Damping, c, FieldId::DampingRatio, ratio)
             }
             Some(c) => Err(needs_mass(FieldId::Damping, c, "or give damping_ratio")),
-            None => Ok(self.get(FieldId::DampingRatio).unwrap_or(0.0)),
+            None => Ok(self.get(FieldId::DampingRatio).unwrap_or(ZERO)),
         }
     }
 
-    fn mass_ratio(&self, scale: &Scale, units: UnitSystem) -> Result<f64, Invalid> {
+    fn mass_ratio(&self, scale: &Scale, units: UnitSystem) -> Result<Real, Invalid> {
         self.at_most_one(&[FieldId::MassRatio, FieldId::AbsorberMass])?;
         match (self.get(FieldId::MassRatio), self.get(FieldId::AbsorberMass)) {
             (Some(ratio), _) => Ok(ratio),
@@ -208,7 +193,7 @@ impl Spec {
         }
     }
 
-    fn clearance(&self, displacement: f64, units: UnitSystem) -> Result<f64, Invalid> {
+    fn clearance(&self, displacement: Real, units: UnitSystem) -> Result<Real, Invalid> {
         let alternatives = [
             FieldId::RelativeClearance,
             FieldId::Clearance,
@@ -237,18 +222,18 @@ impl Spec {
         })
     }
 
-    fn duration(&self, omega: f64, force: &Force) -> Result<f64, Invalid> {
+    fn duration(&self, omega: Real, force: &Force) -> Result<Real, Invalid> {
         self.at_most_one(&[FieldId::Periods, FieldId::Duration, FieldId::Cycles])?;
         if let Some(cycles) = self.get(FieldId::Cycles) {
             return Ok(cycles * cycle(FieldId::Cycles, cycles, force)?);
         }
-        let periods = self.get(FieldId::Periods).map(|n| n * TAU);
+        let periods = self.get(FieldId::Periods).map(|n| n * TURN[0]);
         periods.or_else(|| self.get(FieldId::Duration).map(|t| t * omega)).ok_or_else(|| {
             Invalid::missing("run.periods", "give periods, duration or, under force, cycles")
         })
     }
 
-    fn window(&self, duration: f64, force: &Force) -> Result<Window, Invalid> {
+    fn window(&self, duration: Real, force: &Force) -> Result<Window, Invalid> {
         let from = match self.get(FieldId::Discard).filter(|cycles| *cycles > 0.0) {
             Some(cycles) => {
                 let length = cycle(FieldId::Discard, cycles, force)?;
@@ -259,7 +244,7 @@ impl Spec {
                 }
                 cycles * length
             }
-            None => 0.0,
+            None => ZERO,
         };
         Ok(Window { from, cycle: force.harmonics().first().copied() })
     }
@@ -269,7 +254,7 @@ impl Spec {
         plain: FieldId,
         millimetres: FieldId,
         units: UnitSystem,
-    ) -> Result<Option<f64>, Invalid> {
+    ) -> Result<Option<Real>, Invalid> {
         self.at_most_one(&[plain, millimetres])?;
         match self.get(millimetres) {
             Some(mm) if units != UnitSystem::Si => Err(Invalid::new(
@@ -287,16 +272,16 @@ impl Spec {
 }
 
 /// Length of a cycle of the harmonic force, which a field is a multiple of.
-fn cycle(field: FieldId, value: f64, force: &Force) -> Result<f64, Invalid> {
+fn cycle(field: FieldId, value: Real, force: &Force) -> Result<Real, Invalid> {
     let harmonic = force.harmonics().first().ok_or_else(|| {
         let rule = "it counts cycles of a harmonic force, and there is none";
         Invalid::new(field.path(), number(value), rule)
     })?;
-    Ok(TAU / harmonic.frequency)
+    Ok(TURN[0] / harmonic.frequency)
 }
 
 /// A ratio that follows from a given field, if it is in its own range.
-fn derived(given: FieldId, value: f64, ratio: FieldId, derived: f64) -> Result<f64, Invalid> {
+fn derived(given: FieldId, value: Real, ratio: FieldId, derived: Real) -> Result<Real, Invalid> {
     if ratio.info().allowed.contains(derived) {
         return Ok(derived);
     }
@@ -305,7 +290,7 @@ fn derived(given: FieldId, value: f64, ratio: FieldId, derived: f64) -> Result<f
     Err(Invalid::new(given.path(), number(value), rule))
 }
 
-fn needs_mass(field: FieldId, value: f64, alternative: &str) -> Invalid {
+fn needs_mass(field: FieldId, value: Real, alternative: &str) -> Invalid {
     Invalid::new(
         field.path(),
         number(value),

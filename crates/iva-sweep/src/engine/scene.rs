@@ -1,10 +1,11 @@
 //! What the core runs, whichever absorber it is.
 
-use iva_core::force::Force;
-pub use iva_core::force::{Acts, Harmonic};
-use iva_core::piva::{self, Piva, PivaStart};
-use iva_core::siva::Siva;
-use iva_core::system::{Start, System};
+use super::core::force::Force;
+pub use super::core::force::{Acts, Harmonic};
+use super::core::piva::{self, Piva, PivaStart};
+use super::core::real::Real;
+use super::core::siva::Siva;
+use super::core::system::{Start, System};
 
 /// What the core runs. It lives on the stack, once a run.
 #[allow(clippy::large_enum_variant)]
@@ -26,13 +27,13 @@ pub enum Scene {
         start: PivaStart,
         /// Acceleration of gravity in the user's unit; `None` where angles count as small and no
         /// length was given: then nothing depends on it, and there is no angle to report.
-        gravity: Option<f64>,
+        gravity: Option<Real>,
     },
 }
 
 impl Scene {
     /// μ = m/M.
-    pub fn mass_ratio(&self) -> f64 {
+    pub fn mass_ratio(&self) -> Real {
         match self {
             Scene::Siva { system, .. } => system.mass_ratio(),
             Scene::Piva { system, .. } => system.parameters().mass_ratio,
@@ -40,7 +41,7 @@ impl Scene {
     }
 
     /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> f64 {
+    pub fn restitution(&self) -> Real {
         match self {
             Scene::Siva { system, .. } => system.restitution(),
             Scene::Piva { system, .. } => system.parameters().restitution,
@@ -48,7 +49,7 @@ impl Scene {
     }
 
     /// One-sided clearance d.
-    pub fn clearance(&self) -> f64 {
+    pub fn clearance(&self) -> Real {
         match self {
             Scene::Siva { system, .. } => system.clearance(),
             Scene::Piva { system, .. } => system.clearance(),
@@ -56,7 +57,7 @@ impl Scene {
     }
 
     /// ζ of the bare primary.
-    pub fn damping_ratio(&self) -> f64 {
+    pub fn damping_ratio(&self) -> Real {
         match self {
             Scene::Siva { system, .. } => system.damping_ratio(),
             Scene::Piva { system, .. } => system.parameters().damping_ratio,
@@ -72,7 +73,7 @@ impl Scene {
     }
 
     /// Displacement of the primary at time zero.
-    pub fn displacement(&self) -> f64 {
+    pub fn displacement(&self) -> Real {
         match self {
             Scene::Siva { start, .. } => start.displacement,
             Scene::Piva { start, .. } => start.displacement,
@@ -111,7 +112,7 @@ impl Scene {
     }
 
     /// Acceleration of gravity on a pendulum, in the user's unit.
-    pub fn gravity(&self) -> Option<f64> {
+    pub fn gravity(&self) -> Option<Real> {
         match self {
             Scene::Siva { .. } => None,
             Scene::Piva { gravity, .. } => *gravity,

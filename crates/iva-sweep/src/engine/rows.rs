@@ -1,37 +1,39 @@
 //! Rows of the result tables, in the user's units.
 
-use iva_core::impact::Impact;
-use iva_core::measures::MeasureValues;
-use iva_core::observe::Episode;
-use iva_core::peaks::Peak;
-use iva_core::propagation::{Errors, TimeError};
-use iva_core::sample::State;
-use iva_core::simulate::Tally;
-use iva_core::steady::{SteadyValues, Strobe};
-use iva_core::system::Angle;
+use super::core::impact::Impact;
+use super::core::measures::MeasureValues;
+use super::core::observe::Episode;
+use super::core::peaks::Peak;
+use super::core::real::Real;
+use super::core::simulate::Tally;
+use super::core::steady::{SteadyValues, Strobe};
+use super::core::system::Angle;
+use super::design::Design;
+use super::scale::Scale;
 
 use crate::columns::{SUMMARY, Selection};
-use crate::design::Design;
-use crate::tables::Cell;
-use crate::units::Scale;
+use crate::tables;
+
+/// One value of a row.
+pub(crate) type Cell = tables::Cell<Real>;
 
 /// What a driven run settles to.
 pub(crate) struct Settled<'a> {
     pub values: &'a SteadyValues,
     /// Largest |x| without absorber.
-    pub bare: Option<f64>,
+    pub bare: Option<Real>,
     pub moves_base: bool,
 }
 
 impl Settled<'_> {
     /// 1 − amplitude over that without absorber; null where the bare structure does not move, or
     /// without bound.
-    fn reduction(&self) -> Option<f64> {
+    fn reduction(&self) -> Option<Real> {
         let share = self.values.amplitude_max? / self.bare.filter(|bare| bare.is_finite())?;
         share.is_finite().then_some(1.0 - share)
     }
 
-    fn transmissibility(&self) -> Option<f64> {
+    fn transmissibility(&self) -> Option<Real> {
         let base = self.values.base_max.filter(|base| self.moves_base && *base > 0.0)?;
         Some(self.values.acceleration_max? / base)
     }
@@ -42,13 +44,13 @@ pub(crate) fn summary<S>(
     tally: &Tally<S>,
     values: &MeasureValues,
     settled: Option<&Settled<'_>>,
-    errors: Option<&Errors>,
+    estimated: [Cell; 2],
     measures: Selection,
     design: &Design,
 ) -> impl Iterator<Item = Cell> {
     let (scale, scene) = (&design.scale, &design.scene);
-    let time = |tau: Option<f64>| Cell::from(tau.map(|tau| scale.time(tau)));
-    let energy = |energy: f64| Cell::Number(scale.energy(energy));
+    let time = |tau: Option<Real>| Cell::from(tau.map(|tau| scale.time(tau)));
+    let energy = |energy: Real| Cell::Number(scale.energy(energy));
     let cells = [
         Cell::Text(tally.outcome.name().into()),
         Cell::Count(tally.impacts),
@@ -82,11 +84,10 @@ pub(crate) fn summary<S>(
         settled
             .and_then(|it| it.values.regime)
             .map_or(Cell::Null, |regime| Cell::Text(regime.to_string().into())),
-        errors.and_then(Errors::condition).into(),
-        errors.and_then(Errors::digits).into(),
     ];
     cells
         .into_iter()
+        .chain(estimated)
         .zip(SUMMARY)
         .map(move |(cell, column)| if measures.contains(column.name) { cell } else { Cell::Null })
 }
@@ -97,10 +98,10 @@ pub(crate) fn impact(
     index: usize,
     impact: &Impact,
     angles: Option<[Angle; 2]>,
-    error: Option<&TimeError>,
+    estimated: [Cell; 2],
     scale: &Scale,
-) -> [Cell; 17] {
-    let velocity = |v: f64| Cell::Number(scale.velocity(v));
+) -> impl Iterator<Item = Cell> {
+    let velocity = |v: Real| Cell::Number(scale.velocity(v));
     let rate = |side: usize| -> Cell {
         angles.map(|angles| scale.angular_velocity(angles[side].rate)).into()
     };
@@ -120,9 +121,9 @@ pub(crate) fn impact(
         angles.map(|[before, _]| before.value).into(),
         rate(0),
         rate(1),
-        error.and_then(|error| error.time).map(|time| scale.time(time)).into(),
-        error.filter(|error| error.time.is_some()).map_or(Cell::Null, |it| Cell::Flag(it.grazing)),
     ]
+    .into_iter()
+    .chain(estimated)
 }
 
 /// A row of `episodes`.
@@ -173,25 +174,5 @@ pub(crate) fn strobe(
         Cell::Number(scale.velocity(strobe.gap_velocity)),
         Cell::Number(strobe.amplitude),
         Cell::Count(strobe.impacts - before.map_or(0, |before| before.impacts)),
-    ]
-}
-
-/// A row of the trajectory; `time` is the instant in user units.
-pub(crate) fn state(time: f64, state: Option<&State>, design: &Design) -> [Cell; 9] {
-    let scale = &design.scale;
-    let angle = state.and_then(|state| state.angle).filter(|_| design.scene.has_angle());
-    let number = |read: fn(&State) -> f64| Cell::from(state.map(read));
-    let velocity =
-        |read: fn(&State) -> f64| Cell::from(state.map(|state| scale.velocity(read(state))));
-    [
-        Cell::Point(0),
-        Cell::Number(time),
-        number(|state| state.displacement),
-        velocity(|state| state.velocity),
-        number(|state| state.gap_displacement),
-        velocity(|state| state.gap_velocity),
-        state.map_or(Cell::Null, |state| Cell::Side(state.wall)),
-        angle.map(|angle| angle.value).into(),
-        angle.map(|angle| scale.angular_velocity(angle.rate)).into(),
     ]
 }

@@ -1,0 +1,200 @@
+//! What the core makes of the forces of a scene.
+
+use super::core::force::{Acts, Force, Harmonic, Impulse, Record};
+use super::core::real::{ONE, Real, TURN, ZERO};
+use super::given::Given;
+use super::history;
+use super::scale::Scale;
+use crate::error::{Invalid, number};
+use crate::fields::FieldId;
+use crate::forces::{ForceSpec, Nature, RecordKind, Recorded};
+use crate::slot::Slot;
+use crate::units::UnitSystem;
+
+/// What is needed to read one force: the fields, their names and the units.
+struct Reader<'a> {
+    given: &'a Given<'a>,
+    spec: &'a ForceSpec,
+    number: usize,
+    count: usize,
+    scale: &'a Scale,
+    units: UnitSystem,
+}
+
+/// The sum of the forces in natural units.
+///
+/// # Errors
+/// [`Invalid`] if something is missing, given twice, of another kind of force, or needs a mass.
+pub(crate) fn force(given: &Given<'_>, scale: &Scale, units: UnitSystem) -> Result<Force, Invalid> {
+    let forces = given.spec.forces();
+    let (mut harmonics, mut records, mut impulses) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, spec) in forces.iter().enumerate() {
+        let reader = Reader { given, spec, number, count: forces.len(), scale, units };
+        reader.check_nature()?;
+        match (&spec.record, spec.nature()) {
+            (Some(recorded), _) => records.push(reader.record(recorded)?),
+            (None, Nature::Impulse) => impulses.push(reader.impulse()?),
+            (None, _) => harmonics.push(reader.harmonic()?),
+        }
+    }
+    Force::new(harmonics, records, &impulses)
+}
+
+impl Reader<'_> {
+    fn path(&self, field: FieldId) -> String {
+        Slot::of_force(field, self.number, self.count).path()
+    }
+
+    /// The path of what is no number.
+    fn named(&self, name: &str) -> String {
+        self.path(FieldId::RecordScale).replace("scale", name)
+    }
+
+    fn get(&self, field: FieldId) -> Option<Real> {
+        let slot = Slot::of_force(field, self.number, self.count);
+        self.spec.get(field).map(|value| self.given.number(slot, value))
+    }
+
+    fn check_nature(&self) -> Result<(), Invalid> {
+        let nature = self.spec.nature();
+        let foreign = self.spec.given().find(|(field, _)| self.spec.is_foreign(*field));
+        let Some((field, value)) = foreign else { return Ok(()) };
+        let (other, own) = (Nature::of(field).words(), nature.words());
+        let alone = self.spec.given().all(|(field, _)| self.spec.is_foreign(field));
+        let rule = if alone {
+            format!("that is of {other}, and there is none")
+        } else {
+            format!("that is of {other}, but this is {own}; give two forces")
+        };
+        Err(Invalid::new(self.path(field), number(value), rule))
+    }
+
+    fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {
+        let mut given = fields.iter().filter(|field| self.get(**field).is_some());
+        match (given.next(), given.next()) {
+            (Some(first), Some(second)) => Err(Invalid::new(
+                self.path(*second),
+                self.get(*second).map_or(String::new(), number),
+                format!("{} is given as well; give one of them", self.path(*first)),
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Turns N into f/M, N s into P/M.
+    fn per_mass(&self, name: &str, value: Real, alternative: &str) -> Result<Real, Invalid> {
+        if self.units == UnitSystem::Si {
+            return Ok(value / self.scale.mass);
+        }
+        let rule = format!(
+            "give primary.mass with stiffness or natural_frequency as well, or give {alternative}"
+        );
+        Err(Invalid::new(name, number(value), rule))
+    }
+
+    fn stiffness(&self) -> Real {
+        self.scale.natural_frequency * self.scale.natural_frequency
+    }
+
+    fn harmonic(&self) -> Result<Harmonic, Invalid> {
+        let (amplitude, acts) = self.amplitude()?;
+        let phase = self.get(FieldId::Phase).unwrap_or(ZERO);
+        Ok(Harmonic { amplitude, frequency: self.frequency()?, phase, acts })
+    }
+
+    fn amplitude(&self) -> Result<(Real, Acts), Invalid> {
+        let fields = [FieldId::Amplitude, FieldId::ForceAmplitude, FieldId::BaseAcceleration];
+        self.at_most_one(&fields)?;
+        let [acceleration, force, base] = fields.map(|field| self.get(field));
+        if let Some(acceleration) = acceleration {
+            return Ok((acceleration / self.stiffness(), Acts::Primary));
+        }
+        if let Some(base) = base {
+            return Ok((base / self.stiffness(), Acts::Base));
+        }
+        let Some(force) = force else {
+            return Err(Invalid::missing(
+                self.path(FieldId::Amplitude),
+                "give amplitude (f/M), force (N, needs a mass) or base_acceleration",
+            ));
+        };
+        let name = self.path(FieldId::ForceAmplitude);
+        Ok((self.per_mass(&name, force, "amplitude (f/M)")? / self.stiffness(), Acts::Primary))
+    }
+
+    fn frequency(&self) -> Result<Real, Invalid> {
+        let fields =
+            [FieldId::ForceFrequency, FieldId::RelativeFrequency, FieldId::ForceFrequencyHz];
+        self.at_most_one(&fields)?;
+        let [absolute, relative, hertz] = fields.map(|field| self.get(field));
+        let natural = self.scale.natural_frequency;
+        relative
+            .or_else(|| absolute.map(|frequency| frequency / natural))
+            .or_else(|| hertz.map(|frequency| TURN[0] * frequency / natural))
+            .ok_or_else(|| {
+                Invalid::missing(
+                    self.path(FieldId::ForceFrequency),
+                    "give frequency (rad/s), frequency_hz or relative_frequency (over that of the \
+                     bare primary)",
+                )
+            })
+    }
+
+    fn impulse(&self) -> Result<Impulse, Invalid> {
+        let fields = [FieldId::ImpulseVelocity, FieldId::ImpulseMomentum];
+        self.at_most_one(&fields)?;
+        let velocity = match fields.map(|field| self.get(field)) {
+            [Some(velocity), _] => velocity,
+            [None, Some(impulse)] => {
+                let name = self.path(FieldId::ImpulseMomentum);
+                self.per_mass(&name, impulse, "velocity (impulse over mass)")?
+            }
+            [None, None] => {
+                return Err(Invalid::missing(
+                    self.path(FieldId::ImpulseVelocity),
+                    "give velocity (impulse over mass) or impulse (N s, needs a mass)",
+                ));
+            }
+        };
+        let natural = self.scale.natural_frequency;
+        let time = self.get(FieldId::ImpulseTime).unwrap_or(ZERO) * natural;
+        Ok(Impulse { velocity: velocity / natural, time })
+    }
+
+    fn record(&self, recorded: &Recorded) -> Result<Record, Invalid> {
+        let factor = self.get(FieldId::RecordScale).unwrap_or(ONE);
+        if recorded.is_metric && self.units == UnitSystem::Natural {
+            let rule = "its times are in s; give primary.natural_frequency or frequency_hz";
+            return Err(Invalid::new(self.named("record"), shown(recorded), rule));
+        }
+        if recorded.is_metric && recorded.kind == RecordKind::ForceNewtons {
+            let rule = "the values of this file are accelerations: give \"base_acceleration\" or \"force\" (f/M)";
+            return Err(Invalid::new(self.named("kind"), "\"force_newtons\"", rule));
+        }
+        let per_mass = match recorded.kind {
+            RecordKind::ForceNewtons if self.units != UnitSystem::Si => {
+                let part = self.named("kind");
+                let rule = "values in N need primary.mass with stiffness or natural_frequency; else \
+                            give values over the mass with kind \"force\"";
+                return Err(Invalid::new(part, "\"force_newtons\"", rule));
+            }
+            RecordKind::ForceNewtons => factor / self.scale.mass,
+            _ => factor,
+        };
+        let acts = match recorded.kind {
+            RecordKind::BaseAcceleration => Acts::Base,
+            _ => Acts::Primary,
+        };
+        Ok(Record {
+            history: history(recorded)?,
+            acts,
+            rate: self.scale.natural_frequency,
+            scale: per_mass / self.stiffness(),
+        })
+    }
+}
+
+/// A record in a message.
+fn shown(recorded: &Recorded) -> String {
+    recorded.file.clone().unwrap_or_else(|| format!("{} points", recorded.history.times().len()))
+}

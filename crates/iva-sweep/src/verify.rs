@@ -1,0 +1,159 @@
+//! The true errors of a run: it is run again in numbers of twice the precision, and the rows are
+//! laid side by side.
+//!
+//! The second run is the same source in other numbers ([`crate::twofold`]), fed with the same doubles,
+//! a pendulum at full accuracy whatever tolerance was given. Its own errors are some 1e-20: what is left
+//! between the two is the error of the first, conversion of units included. A mistake in the method
+//! both would share; that is for the tests against independent programs.
+
+use std::sync::atomic::AtomicBool;
+
+use crate::columns::columns;
+use crate::doubles::point::{self as plain, Estimates};
+use crate::doubles::{rows, scale};
+use crate::error::Invalid;
+use crate::fields::FieldId;
+use crate::study::{Study, Table};
+use crate::sweep::{SweepError, Tables};
+use crate::tables::{Cell, Content, TableBuilder, schema_of};
+use crate::twofold::{self, point as exact};
+use iva_core::twofold::Twofold;
+
+/// What a verification found.
+#[derive(Debug, Clone)]
+pub struct Verification {
+    /// The tables of the run with the errors of their numbers in the places of these: value minus
+    /// truth, null where there is none, or where the runs no longer agree in what happens. All else is
+    /// as in the run.
+    pub errors: Tables,
+    /// One for each of these tables.
+    pub findings: Vec<Finding>,
+}
+
+/// What a verification found of one table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finding {
+    /// The table.
+    pub table: Table,
+    /// Its rows in the run, and in the second run.
+    pub rows: [usize; 2],
+    /// How many of them tell of the same events, counted from the first.
+    pub alike: usize,
+    /// The largest error among these, and its column.
+    pub largest: Option<(f64, &'static str)>,
+}
+
+impl Finding {
+    /// True if both runs have the same rows but for the errors of their numbers.
+    pub fn agrees(&self) -> bool {
+        self.rows == [self.alike; 2]
+    }
+}
+
+/// Runs a study without axes twice.
+///
+/// # Errors
+/// [`SweepError`] for an invalid design.
+pub fn verify(study: &Study, cancel: &AtomicBool) -> Result<Verification, SweepError> {
+    let first = in_doubles(study, cancel)?;
+    let second = in_twofold(study, cancel)?;
+    let mut verification = Verification { errors: Tables::new(), findings: Vec::new() };
+    for &table in study.tables.iter().filter(|table| Table::SWEEP.contains(table)) {
+        let mut builder = TableBuilder::new(schema_of(study, table, &Content::Errors)?);
+        let first: Vec<_> = first.iter().filter(|row| row.0 == table).map(|row| &row.1).collect();
+        let second: Vec<_> = second.iter().filter(|row| row.0 == table).map(|row| &row.1).collect();
+        let same = first.iter().zip(&second).take_while(|(a, b)| alike(a, b)).count();
+        let mut finding =
+            Finding { table, rows: [first.len(), second.len()], alike: same, largest: None };
+        for (index, row) in first.iter().enumerate() {
+            let truth = second.get(index).filter(|_| index < same);
+            builder.row(row.iter().enumerate().map(|(place, cell)| {
+                let error = error(cell, truth.map(|truth| &truth[place]));
+                if let Cell::Number(error) = error {
+                    finding.take(error, place);
+                }
+                error
+            }));
+        }
+        verification.errors.insert(table, builder.finish()?);
+        verification.findings.push(finding);
+    }
+    Ok(verification)
+}
+
+impl Finding {
+    fn take(&mut self, error: f64, place: usize) {
+        // The first cell is the point.
+        let name = columns(self.table)[place - 1].name;
+        if self.largest.is_none_or(|(largest, _)| error.abs() > largest) {
+            self.largest = Some((error.abs(), name));
+        }
+    }
+}
+
+/// A number's error; any other cell as it is.
+fn error(cell: &Cell, truth: Option<&Cell<Twofold>>) -> Cell {
+    match (cell, truth) {
+        (Cell::Number(value), Some(Cell::Number(truth))) => {
+            Cell::Number(f64::from(*value - *truth))
+        }
+        (Cell::Number(_), _) => Cell::Null,
+        (other, _) => other.clone(),
+    }
+}
+
+/// True if two rows tell of the same events: where one has a number, a wall or a word, so has the other.
+fn alike(a: &[Cell], b: &[Cell<Twofold>]) -> bool {
+    a.iter().zip(b).all(|cells| match cells {
+        (Cell::Number(_), Cell::Number(_)) | (Cell::Null, Cell::Null) => true,
+        (Cell::Point(a), Cell::Point(b)) => a == b,
+        (Cell::Count(a), Cell::Count(b)) => a == b,
+        (Cell::Side(a), Cell::Side(b)) => a == b,
+        (Cell::Text(a), Cell::Text(b)) => a == b,
+        (Cell::Flag(a), Cell::Flag(b)) => a == b,
+        _ => false,
+    })
+}
+
+type Rows<R> = Vec<(Table, Vec<Cell<R>>)>;
+
+fn in_doubles(study: &Study, cancel: &AtomicBool) -> Result<Rows<f64>, Invalid> {
+    let (design, request) = (study.design(0)?, plain::Request::new(study));
+    let mut rows = Vec::new();
+    plain::run(study, 0, &design, &request, cancel, (), &mut |table, cells| {
+        rows.push((table, cells.collect()));
+    })?;
+    Ok(rows)
+}
+
+fn in_twofold(study: &Study, cancel: &AtomicBool) -> Result<Rows<Twofold>, Invalid> {
+    let mut spec = study.spec(0)?;
+    if spec.get(FieldId::Tolerance).is_some() {
+        spec.set(FieldId::Tolerance, 0.0)?;
+    }
+    let design = twofold::given::Given::new(&spec).design()?;
+    let request = exact::Request::new(study);
+    let mut rows = Vec::new();
+    exact::run(study, 0, &design, &request, cancel, (), &mut |table, cells| {
+        rows.push((table, cells.collect()));
+    })?;
+    Ok(rows)
+}
+
+impl<S: iva_core::system::System> Estimates<S> for () {
+    fn of_impact(&self, _index: usize, _scale: &scale::Scale) -> [rows::Cell; 2] {
+        [Cell::Null, Cell::Null]
+    }
+    fn of_run(&self) -> [rows::Cell; 2] {
+        [Cell::Null, Cell::Null]
+    }
+}
+
+impl<S: iva_core_twofold::system::System> exact::Estimates<S> for () {
+    fn of_impact(&self, _index: usize, _scale: &twofold::scale::Scale) -> [twofold::rows::Cell; 2] {
+        [Cell::Null, Cell::Null]
+    }
+    fn of_run(&self) -> [twofold::rows::Cell; 2] {
+        [Cell::Null, Cell::Null]
+    }
+}

@@ -1,0 +1,169 @@
+"""Gradients of runs: derivatives by parameters, in the user's units."""
+
+import math
+import pickle
+from collections.abc import Callable
+
+import polars as pl
+import pytest
+
+import iva
+
+
+def in_si(**changed: float) -> dict[str, float]:
+    given = {
+        "mass": 12.0,
+        "stiffness": 4.7e4,
+        "damping": 15.0,
+        "absorber_mass": 0.9,
+        "restitution": 0.62,
+        "clearance_mm": 4.0,
+        "displacement_mm": 9.0,
+        "velocity": 0.05,
+    }
+    return given | changed
+
+
+def simulated(given: dict[str, float], gradients: tuple[str, ...] = ()) -> iva.Run:
+    return iva.simulate(
+        iva.Siva(
+            mass=given["absorber_mass"],
+            restitution=given["restitution"],
+            clearance_mm=given["clearance_mm"],
+        ),
+        iva.Primary(mass=given["mass"], stiffness=given["stiffness"], damping=given["damping"]),
+        start=iva.Start(displacement_mm=given["displacement_mm"], velocity=given["velocity"]),
+        duration=0.6,
+        gradients=gradients,
+    )
+
+
+NAMES = {
+    "primary.mass": "mass",
+    "stiffness": "stiffness",
+    "damping": "damping",
+    "absorber.mass": "absorber_mass",
+    "restitution": "restitution",
+    "clearance_mm": "clearance_mm",
+    "displacement_mm": "displacement_mm",
+    "start.velocity": "velocity",
+}
+
+
+@pytest.mark.parametrize("key", NAMES)
+def test_derivatives_in_si_units_are_those_of_differences(key: str) -> None:
+    """Central differences of runs in doubles: a step of 1e-6 leaves some 1e-8 of the derivative."""
+    given, name = in_si(), NAMES[key]
+    gradient = simulated(given, (key,)).gradients[key]
+    step = 1e-6 * given[name]
+    low, high = (simulated(given | {name: given[name] + sign * step}) for sign in (-1, 1))
+    for table, columns in {
+        "impacts": ("time", "displacement", "velocity_after", "energy_loss", "approach_velocity"),
+        "summary": ("energy_impacts", "damping_ratio_1", "damping_ratio_fit", "residual_amplitude"),
+        "envelope": ("time", "displacement"),
+    }.items():
+        for column in columns:
+            values = getattr(gradient, table)[column].to_list()
+            before, after = (getattr(run, table)[column].to_list() for run in (low, high))
+            assert len(values) == len(before) == len(after) > 0
+            differences = [(b - a) / (2 * step) for a, b in zip(before, after, strict=True)]
+            largest = max(abs(difference) for difference in differences)
+            assert values == pytest.approx(differences, rel=1e-5, abs=1e-5 * largest), column
+
+
+def test_the_first_impact_has_a_closed_form() -> None:
+    # Without damping it is at arccos(1 - γ): derivative 1/sqrt(1 - (1 - γ)²).
+    run = iva.simulate(
+        iva.Siva(mass_ratio=0.1, relative_clearance=0.3, restitution=0.5),
+        iva.Primary(),
+        start=iva.Start(displacement=2.0),
+        periods=1,
+        gradients=("relative_clearance", "displacement", "restitution", "mass_ratio"),
+    )
+    slopes = {name: gradient.impacts["time"][0] for name, gradient in run.gradients.items()}
+    assert slopes["relative_clearance"] == pytest.approx(1 / math.sqrt(1 - 0.7**2), rel=1e-14)
+    # The clearance is a multiple of the displacement: time does not depend on the size of both.
+    assert slopes["displacement"] == pytest.approx(0.0, abs=1e-15)
+    assert slopes["restitution"] == slopes["mass_ratio"] == 0.0
+
+
+def test_parameters_of_forces_and_defaults_can_be_chosen() -> None:
+    def forced(frequency: float, gradients: tuple[str, ...] = ()) -> iva.Run:
+        return iva.simulate(
+            iva.Siva(mass_ratio=0.1, clearance=1.0, restitution=0.7),
+            iva.Primary(damping_ratio=0.03),
+            start=iva.Start(displacement=0.5),
+            force=iva.Harmonic(amplitude=0.2, relative_frequency=frequency, phase=0.3),
+            cycles=4,
+            gradients=gradients,
+        )
+
+    run = forced(0.97, ("force.relative_frequency", "start.velocity"))
+    step = 1e-6
+    low, high = forced(0.97 - step), forced(0.97 + step)
+    assert high.impacts.height == run.impacts.height > 3
+    differences = (high.impacts["time"] - low.impacts["time"]) / (2 * step)
+    slopes = run.gradients["force.relative_frequency"].impacts["time"]
+    assert slopes.to_list() == pytest.approx(differences.to_list(), rel=1e-6, abs=1e-6)
+    # The velocity at the start is 0 by default.
+    assert run.gradients["start.velocity"].impacts["time"].abs().max() > 0.1  # type: ignore[operator]
+    # The amplitude and its derivative come from the same peak.
+    amplitude = (high.summary["amplitude_max"] - low.summary["amplitude_max"]).item() / (2 * step)
+    slope = run.gradients["force.relative_frequency"].summary["amplitude_max"].item()
+    assert slope == pytest.approx(amplitude, rel=1e-5)
+
+
+def test_impacts_close_to_a_grazing_are_flagged() -> None:
+    # At γ = 2 the absorber just reaches the far wall: x falls from 1 to -1.
+    def flags(clearance: float) -> pl.Series:
+        run = iva.simulate(
+            iva.Siva(mass_ratio=0.1, relative_clearance=clearance, restitution=0.5),
+            iva.Primary(),
+            start=iva.Start(displacement=1.0),
+            periods=1.2,
+            gradients=("relative_clearance",),
+        )
+        return run.gradients["relative_clearance"].impacts["near_grazing"]
+
+    assert flags(1.9999)[0]
+    assert not flags(1.9)[0]
+
+
+def test_units_are_those_of_a_quotient() -> None:
+    gradient = simulated(in_si(), ("clearance_mm", "restitution")).gradients
+    assert gradient["clearance_mm"].units["impacts"]["time"] == "(s) per (mm)"
+    assert gradient["restitution"].units["impacts"]["time"] == "s"
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("nonsense", "gradients = `nonsense`: no such field"),
+        ("clearance", "clearance_mm is given in its place"),
+        ("max_impacts", "the motion does not depend on it"),
+        ("force.frequency", "it is not given"),
+        ("gap_velocity", None),
+        ("mass", "ambiguous|primary.mass"),
+    ],
+)
+def test_what_cannot_be_differentiated_is_said(key: str, words: str | None) -> None:
+    if words is None:
+        assert simulated(in_si(), (key,)).gradients[key].impacts.height > 0
+        return
+    with pytest.raises(ValueError, match=words):
+        simulated(in_si(), (key,))
+
+
+def refused(call: Callable[[], object], words: str) -> None:
+    with pytest.raises((KeyError, TypeError, AttributeError), match=words):
+        call()
+
+
+def test_gradients_are_a_mapping_that_travels() -> None:
+    run = simulated(in_si(), ("restitution",))
+    assert list(run.gradients) == ["restitution"]
+    assert pickle.loads(pickle.dumps(run)).gradients["restitution"] == run.gradients["restitution"]
+    assert repr(run.gradients["restitution"]).startswith("Gradient by restitution: summary")
+    refused(lambda: run.gradients["mass"], "gradients=")
+    refused(lambda: simulated(in_si(), (1,)), "give names")  # type: ignore[arg-type]
+    assert len(simulated(in_si()).gradients) == 0
