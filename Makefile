@@ -50,7 +50,7 @@ bench: $(VENV)/.tools ## measure nanoseconds per impact
 	$(CARGO) bench --locked -p iva-benches
 
 stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts
-	$(CARGO) test --locked --release -p iva-tests --test stress -- --ignored --nocapture
+	$(CARGO) test --locked --release -p iva-tests stress:: -- --ignored --nocapture
 
 bench-peers: wheel ## compare accuracy and run time with other integrators (their own environment)
 	test -x target/bench/bin/python || $(PYTHON) -m venv --without-pip target/bench

@@ -40,6 +40,7 @@ impl Sum {
     }
 
     /// The product with a plain number.
+    #[inline]
     pub fn times(self, factor: impl Into<Real>) -> Self {
         let factor = factor.into();
         let (product, lost) = two_product(self.value, factor);
@@ -47,6 +48,7 @@ impl Sum {
     }
 
     /// The product with another sum.
+    #[inline]
     pub fn times_sum(self, factor: Sum) -> Self {
         self.times(factor.value).plus_parts(ZERO, self.value * factor.rest)
     }
@@ -70,6 +72,12 @@ impl Sum {
         (self.value - other.into()) + self.rest
     }
 
+    /// Half of it, exactly.
+    #[inline]
+    pub fn half(self) -> Self {
+        Self { value: 0.5 * self.value, rest: 0.5 * self.rest }
+    }
+
     /// The negative.
     #[inline]
     pub fn negated(self) -> Self {
@@ -80,6 +88,7 @@ impl Sum {
 impl std::ops::Neg for Sum {
     type Output = Sum;
 
+    #[inline]
     fn neg(self) -> Sum {
         self.negated()
     }
@@ -88,6 +97,7 @@ impl std::ops::Neg for Sum {
 impl std::ops::Add for Sum {
     type Output = Sum;
 
+    #[inline]
     fn add(self, other: Sum) -> Sum {
         self.plus_parts(other.value, other.rest)
     }
@@ -96,6 +106,7 @@ impl std::ops::Add for Sum {
 impl std::ops::Sub for Sum {
     type Output = Sum;
 
+    #[inline]
     fn sub(self, other: Sum) -> Sum {
         self.plus_parts(-other.value, -other.rest)
     }
@@ -104,6 +115,7 @@ impl std::ops::Sub for Sum {
 impl std::ops::Mul for Sum {
     type Output = Sum;
 
+    #[inline]
     fn mul(self, other: Sum) -> Sum {
         self.times_sum(other)
     }
@@ -127,6 +139,7 @@ pub(crate) fn two_sum(a: Real, b: Real) -> (Real, Real) {
 
 /// `a · b` as the rounded product and its exact error, by splitting both factors into halves of 26
 /// bits (G. W. Veltkamp); far from overflow.
+#[inline]
 pub(crate) fn two_product(a: Real, b: Real) -> (Real, Real) {
     let split = |number: Real| {
         let shifted = 134_217_729.0 * number;

@@ -72,6 +72,10 @@ pub trait Motion {
     fn reach(&self) -> Real;
     /// The state at h.
     fn state(&self, h: Real) -> Self::State;
+    /// The same to more digits, for the end of the motion, which the run goes on from.
+    fn arrival(&self, h: Real) -> Self::State {
+        self.state(h)
+    }
     /// Primary displacement and its derivatives at h.
     fn primary(&self, h: Real) -> Jet;
     /// Gap displacement and velocity at h.

@@ -163,16 +163,17 @@ impl Force {
     }
 
     /// The same at `from`, to twice the precision.
-    pub fn precise(&self, from: Sum, h: Real) -> Drive<Sum> {
-        let mut drive = Drive { primary: [Sum::ZERO; ORDER + 1], base: [Sum::ZERO; ORDER + 1] };
+    pub fn precise<const LENGTH: usize>(&self, from: Sum, h: Real) -> Drive<Sum, LENGTH> {
+        let mut drive = Drive { primary: [Sum::ZERO; LENGTH], base: [Sum::ZERO; LENGTH] };
         for harmonic in &self.harmonics {
             harmonic.add_precise(drive.row(harmonic.acts), from, h);
         }
         for record in &self.records {
             let [value, slope] = record.piece(from).at(from);
             let row = drive.row(record.acts);
-            row[0] = row[0] + value;
-            row[1] = row[1] + slope.times(h);
+            for (coefficient, line) in row.iter_mut().zip([value, slope.times(h)]) {
+                *coefficient = *coefficient + line;
+            }
         }
         drive
     }

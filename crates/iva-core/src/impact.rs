@@ -6,7 +6,7 @@
 //! demands it.
 
 use crate::compensated::Sum;
-use crate::real::{ONE, Real};
+use crate::real::{ONE, Real, ZERO};
 use crate::system::Wall;
 
 /// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13).
@@ -25,6 +25,18 @@ pub fn energy_loss(mass_ratio: Real, restitution: Real, approach: Real) -> Real 
         * ((1.0 - restitution) * (1.0 + restitution))
         * (approach * approach)
 }
+
+/// The time in which something that rounding has left over is gone, at this rate and with this second
+/// derivative; 0 where the rate would change meanwhile, as in a grazing.
+#[inline]
+pub fn delay(left: Real, rate: Real, curvature: Real) -> Real {
+    let delay = -left / rate;
+    let steady = (curvature * delay).abs() <= SHORT * rate.abs() && rate != 0.0;
+    if steady { delay } else { ZERO }
+}
+
+/// Share of the rate that may change meanwhile.
+const SHORT: f64 = 1e-6;
 
 /// One impact of a run, in natural units: time in 1/ωn, velocities in ωn × length, energies per
 /// primary mass in ωn² × length².

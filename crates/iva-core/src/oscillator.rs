@@ -46,10 +46,12 @@ pub struct Oscillator {
     pub reach: Real,
     /// Coefficients of P and Q.
     responses: [[Real; 2]; TERMS],
+    /// Those of P − h²/2 and Q, see [`Oscillator::arrive`].
+    bent: [[Real; 2]; TERMS],
     /// Rounding rests of the leading coefficients. They are the same in every flight: without them
     /// the energy of an undamped run would drift.
     coefficient_rests: [[Real; 2]; RESTS],
-    /// What rounding takes from P and Q at h = `reach`, a step taken again and again.
+    /// What rounding takes from P − h²/2 and Q at h = `reach`, a step taken again and again.
     full_step_rest: [Real; 2],
     /// The coefficients to twice the precision, for [`Oscillator::precise`].
     exact: [[Sum; 2]; TERMS],
@@ -67,8 +69,13 @@ impl Oscillator {
         let responses = exact.map(|pair| pair.map(|coefficient| coefficient.value));
         let coefficient_rests =
             std::array::from_fn(|n| exact[n].map(|coefficient| coefficient.rest));
-        let rounded = kernels(&responses, reach);
-        let full_step_rest = std::array::from_fn(|i| horner(&exact, i, reach).minus(rounded[i]));
+        let mut bent = responses;
+        bent[0] = [ZERO; 2];
+        let square = Sum::new(reach).times(reach);
+        let halves = [square.half(), Sum::ZERO];
+        let rounded = kernels(&bent, reach);
+        let full_step_rest =
+            std::array::from_fn(|i| (horner(&exact, i, reach) - halves[i]).minus(rounded[i]));
         let loss = loss_series(stiffness, damping, 2.0 * damping_ratio);
         Self {
             stiffness,
@@ -76,6 +83,7 @@ impl Oscillator {
             growth,
             reach,
             responses,
+            bent,
             coefficient_rests,
             full_step_rest,
             exact,
@@ -86,12 +94,17 @@ impl Oscillator {
     /// ẍ of a state, to twice the precision: it may be a small difference of spring and damper.
     #[inline]
     pub fn acceleration(&self, primary: &Primary) -> Sum {
-        let spring =
-            if self.stiffness == 1.0 { primary.x } else { primary.x.times(self.stiffness) };
+        self.next(primary.x, primary.v)
+    }
+
+    /// The derivative that follows two successive ones, to twice the precision.
+    #[inline]
+    fn next(&self, lower: Sum, upper: Sum) -> Sum {
+        let spring = if self.stiffness == 1.0 { lower } else { lower.times(self.stiffness) };
         if self.damping == 0.0 {
             return spring.negated();
         }
-        let damper = primary.v.times(self.damping);
+        let damper = upper.times(self.damping);
         spring.plus_parts(damper.value, damper.rest).negated()
     }
 
@@ -107,28 +120,42 @@ impl Oscillator {
         self.stiffness.sqrt() * x.abs() + v.abs()
     }
 
-    /// What a flight of length h ≤ `reach` adds to a state of acceleration a.
+    /// What a flight of length h ≤ `reach` adds to a state of velocity v and acceleration a.
     #[inline]
-    pub fn advance(&self, primary: &Primary, acceleration: Sum, h: Real) -> Increment {
-        let (Sum { value: v, rest: dv }, Sum { value: a, rest: da }) = (primary.v, acceleration);
+    pub fn advance(&self, v: Real, a: Real, h: Real) -> Increment {
         let [p, q] = kernels(&self.responses, h);
+        let s = h + (q - self.damping * p);
+        let k = self.stiffness;
+        Increment {
+            curved: a * p + v * q,
+            velocity: a * s - k * (v * p),
+            acceleration: self.next_derivative(v, a) * s - k * (a * p),
+        }
+    }
+
+    /// The same at the end of a flight, which the run goes on from, to more digits: the terms up to h²
+    /// to twice the precision, which leaves the rounding of those from h³ on.
+    #[inline]
+    pub fn arrive(&self, velocity: Sum, acceleration: Sum, h: Real) -> Arrival {
+        let (v, a) = (velocity.value, acceleration.value);
+        let half_square = Sum::new(h).times(h).half();
+        let [p, q] = kernels(&self.bent, h);
         let [p_rest, q_rest] = if h == self.reach {
             self.full_step_rest
         } else {
             let z = h * h;
             interleaved(&self.coefficient_rests, h).map(|sum| z * sum)
         };
-        // S = h + (Q − c P), with what its rounding loses.
-        let bent = q - self.damping * p;
-        let s = h + bent;
-        let s_rest = (h - s) + bent + (q_rest - self.damping * p_rest);
-        let k = self.stiffness;
-        Increment {
-            curved: a * p + v * q,
-            curved_rest: a * p_rest + v * q_rest + (da * p + dv * q),
-            velocity: a * s - k * (v * p),
-            velocity_rest: a * s_rest - k * (v * p_rest) + (da * s - k * (dv * p)),
-            acceleration: self.next_derivative(v, a) * s - k * (a * p),
+        let (k, c) = (self.stiffness, self.damping);
+        let jerk = self.next(velocity, acceleration);
+        let beyond = a * (q - c * p) - k * (v * p);
+        let beyond_rest = a * (q_rest - c * p_rest) - k * (v * p_rest);
+        Arrival {
+            curved: acceleration
+                .times_sum(half_square)
+                .plus_parts(a * p + v * q, a * p_rest + v * q_rest + velocity.rest * q),
+            velocity: acceleration.times(h).plus_parts(beyond, beyond_rest)
+                + jerk.times_sum(half_square),
         }
     }
 
@@ -156,14 +183,19 @@ impl Oscillator {
 pub struct Increment {
     /// x(h) − x − v h, the part of the displacement that the acceleration makes.
     pub curved: Real,
-    /// What rounding takes from `curved`, where it is known.
-    pub curved_rest: Real,
     /// v(h) − v.
     pub velocity: Real,
-    /// What rounding takes from `velocity`, where it is known.
-    pub velocity_rest: Real,
     /// a(h) − a.
     pub acceleration: Real,
+}
+
+/// What a flight adds to a state in all.
+#[derive(Debug, Clone, Copy)]
+pub struct Arrival {
+    /// x(h) − x − v h.
+    pub curved: Sum,
+    /// v(h) − v.
+    pub velocity: Sum,
 }
 
 /// A state of the primary, carried with its rounding rests.
@@ -184,15 +216,23 @@ impl Primary {
     /// The state a flight later, and what the flight added.
     #[inline]
     pub fn after(&self, oscillator: &Oscillator, a: Sum, h: Real) -> (Primary, Increment) {
-        let increment = oscillator.advance(self, a, h);
+        let increment = oscillator.advance(self.v.value, a.value, h);
         let later = Primary {
-            x: self.x.plus_parts(
-                self.v.value * h + increment.curved,
-                self.v.rest * h + increment.curved_rest,
-            ),
-            v: self.v.plus_parts(increment.velocity, increment.velocity_rest),
+            x: self.x.plus(self.v.value * h + increment.curved),
+            v: self.v.plus(increment.velocity),
         };
         (later, increment)
+    }
+
+    /// The state at the end of a flight, see [`Oscillator::arrive`].
+    #[inline]
+    pub fn arrived(&self, oscillator: &Oscillator, a: Sum, h: Real) -> (Primary, Arrival) {
+        let arrival = oscillator.arrive(self.v, a, h);
+        let later = Primary {
+            x: self.x + (self.v.times(h) + arrival.curved),
+            v: self.v + arrival.velocity,
+        };
+        (later, arrival)
     }
 
     /// The state after its velocity has jumped by `sign` · `share` · `velocity`.

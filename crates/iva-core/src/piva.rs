@@ -9,7 +9,7 @@ use crate::compensated::Sum;
 use crate::error::Invalid;
 use crate::flight::Jet;
 use crate::force::{Drive, Force};
-use crate::impact::Impact;
+use crate::impact::{Impact, delay};
 use crate::oscillator::Primary;
 use crate::real::{self, ONE, Real, ZERO};
 use crate::system::{Angle, Clock, Point, System, Wall};
@@ -258,8 +258,25 @@ impl System for Piva {
         self.jet(state.time, state)
     }
 
-    fn touch(&self, state: &PivaState, wall: Wall) -> PivaState {
-        PivaState { wall, distance: Sum::ZERO, cosine: self.wall_cosine, ..*state }
+    fn touch(&self, state: &PivaState, wall: Wall) -> (PivaState, Real) {
+        let left = if wall == state.wall {
+            state.distance.value
+        } else {
+            -state.distance.minus(2.0 * state.clearance)
+        };
+        let Series { u, w, y, .. } = self.beginning::<3>(state.time, state);
+        let later = delay(left, -wall.sign() * state.gap_velocity(), 2.0 * y[2]);
+        let Primary { x, v } = state.primary;
+        let touching = PivaState {
+            time: state.time.plus(later),
+            primary: Primary { x: x.plus(v.value * later), v: v.plus(u[1] * later) },
+            w: state.w.plus(w[1] * later),
+            wall,
+            distance: Sum::ZERO,
+            cosine: self.wall_cosine,
+            ..*state
+        };
+        (touching, later)
     }
 
     fn impact(&self, state: &PivaState, time: Real) -> (PivaState, Impact) {
@@ -295,18 +312,16 @@ impl System for Piva {
         (stuck, self.law.stick_loss(v.value, state.w.value))
     }
 
-    fn release(&self, state: &PivaState) -> PivaState {
+    fn release(&self, state: &PivaState) -> (PivaState, Real) {
         // Written into x, the pressure is 0 but for rounding.
-        let v = Sum::new(state.primary.v.value);
+        let Primary { x, v } = state.primary;
         let spring = v.times(-2.0 * self.parameters.damping_ratio).plus(self.driven(state.time));
         let released = -(1.0 + self.parameters.mass_ratio) * self.release_acceleration(state.wall);
-        PivaState {
-            primary: Primary { x: spring.plus(released), v },
-            distance: Sum::ZERO,
-            w: Sum::ZERO,
-            released: true,
-            ..*state
-        }
+        let primary = Primary { x: spring.plus(released), v };
+        let later = delay((x - primary.x).value, v.value, ZERO);
+        let (distance, w) = (Sum::ZERO, Sum::ZERO);
+        let time = state.time.plus(later);
+        (PivaState { time, primary, distance, w, released: true, ..*state }, later)
     }
 
     fn primary(&self, state: &PivaState) -> Point {

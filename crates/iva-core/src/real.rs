@@ -47,6 +47,13 @@ pub fn given(value: f64, _differentiated: bool) -> Real {
     value
 }
 
+/// The largest power of two that a number > 0 is not below.
+#[inline]
+pub fn power_of_two(number: Real) -> Real {
+    const EXPONENT: u64 = 0x7ff << 52;
+    f64::from_bits(number.to_bits() & EXPONENT)
+}
+
 /// The whole number below, of a number ≥ 0.
 #[inline]
 pub fn whole(number: Real) -> usize {

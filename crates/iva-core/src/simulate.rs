@@ -190,11 +190,13 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         let stretch = first_contact(&flight, &state, system.clearance(), length);
         self.phase = Phase::Flight { first: Real::INFINITY };
         self.tally.undecided += stretch.undecided;
-        self.advance(&flight, stretch.end.h, stretch.end.sample, length == remaining);
+        self.advance(&flight, stretch.end.h, length == remaining);
         if let Some(side) = stretch.contact {
             let left = system.wall(&state);
             let wall = if side == Side::Near { left } else { left.opposite() };
-            self.tally.state = system.touch(&stretch.end.sample, wall);
+            let (state, later) = system.touch(&self.tally.state, wall);
+            self.tally.state = state;
+            self.clock = self.clock.plus(later);
             self.strike();
         }
         true
@@ -211,9 +213,11 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         let length = ride.reach().min(remaining);
         let stretch = first_release(&ride, &state, length);
         self.tally.undecided += stretch.undecided;
-        self.advance(&ride, stretch.end.h, stretch.end.sample, length == remaining);
+        self.advance(&ride, stretch.end.h, length == remaining);
         if stretch.contact.is_some() {
-            self.tally.state = system.release(&stretch.end.sample);
+            let (state, later) = system.release(&self.tally.state);
+            self.tally.state = state;
+            self.clock = self.clock.plus(later);
             self.observer.jump(system, &Jump::Release);
             self.end_episode(true);
             self.phase = Phase::Flight { first: Real::INFINITY };
@@ -221,10 +225,11 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         true
     }
 
-    fn advance<M>(&mut self, motion: &M, h: Real, end: S::State, to_the_end: bool)
+    fn advance<M>(&mut self, motion: &M, h: Real, to_the_end: bool)
     where
         M: Motion<State = S::State>,
     {
+        let end = motion.arrival(h);
         let span = Span {
             motion,
             start: self.clock,
@@ -356,7 +361,8 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             }
             clock = clock.plus(stretch.end.h);
             let wall = self.system.wall(&state);
-            let touching = self.system.touch(&stretch.end.sample, wall);
+            let (touching, later) = self.system.touch(&flight.arrival(stretch.end.h), wall);
+            clock = clock.plus(later);
             let (after, impact) = self.system.impact(&touching, clock.value.min(stick_time));
             if impact.approach_speed() <= self.limits.chatter_floor {
                 return;

@@ -163,7 +163,7 @@ pub fn check_start(clearance: Real, start: &Start) -> Result<(), Invalid> {
 pub struct SivaState {
     pub(crate) primary: Primary,
     /// ẍ in free motion, small against x and ẋ where the two balance.
-    pub(crate) acceleration: Real,
+    pub(crate) acceleration: Sum,
     wall: Wall,
     distance: Sum,
     rate: Sum,
@@ -202,11 +202,12 @@ impl System for Siva {
         let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
-        let acceleration = self.free.acceleration(&primary).value;
-        let side = [start.gap_displacement, start.gap_velocity, -acceleration, start.velocity]
-            .into_iter()
-            .find(|value| *value != 0.0)
-            .unwrap_or(ONE);
+        let acceleration = self.free.acceleration(&primary);
+        let side =
+            [start.gap_displacement, start.gap_velocity, -acceleration.value, start.velocity]
+                .into_iter()
+                .find(|value| *value != 0.0)
+                .unwrap_or(ONE);
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
         let s = wall.sign();
         let distance = Sum::new(self.clearance).plus(-s * start.gap_displacement);
@@ -240,14 +241,24 @@ impl System for Siva {
         Jet {
             value: state.distance.value,
             rate: state.rate.value,
-            curvature: s * state.acceleration,
-            jerk: s * self.free.next_derivative(state.primary.v.value, state.acceleration),
+            curvature: s * state.acceleration.value,
+            jerk: s * self.free.next_derivative(state.primary.v.value, state.acceleration.value),
         }
     }
 
-    fn touch(&self, state: &SivaState, wall: Wall) -> SivaState {
-        let rate = if wall == state.wall { state.rate } else { state.rate.negated() };
-        SivaState { wall, distance: Sum::ZERO, rate, ..*state }
+    fn touch(&self, state: &SivaState, wall: Wall) -> (SivaState, Real) {
+        let (left, rate) = if wall == state.wall {
+            (state.distance.value, state.rate)
+        } else {
+            (-state.distance.minus(2.0 * self.clearance), state.rate.negated())
+        };
+        let a = state.acceleration.value;
+        let later = impact::delay(left, rate.value, a);
+        let gained = a * later;
+        let Primary { x, v } = state.primary;
+        let primary = Primary { x: x.plus(v.value * later), v: v.plus(gained) };
+        let rate = rate.plus(wall.sign() * gained);
+        (SivaState { primary, wall, distance: Sum::ZERO, rate, ..*state }, later)
     }
 
     fn impact(&self, state: &SivaState, time: Real) -> (SivaState, Impact) {
@@ -257,7 +268,7 @@ impl System for Siva {
         let primary = state.primary.kicked(-s, rate, self.impact_share);
         let after = SivaState {
             primary,
-            acceleration: self.free.acceleration(&primary).value,
+            acceleration: self.free.acceleration(&primary),
             rate: rate.times(-self.restitution),
             ..*state
         };
@@ -280,7 +291,7 @@ impl System for Siva {
         let primary = state.primary.kicked(-state.wall.sign(), state.rate, self.stick_share);
         let stuck = SivaState {
             primary,
-            acceleration: self.free.acceleration(&primary).value,
+            acceleration: self.free.acceleration(&primary),
             distance: Sum::ZERO,
             rate: Sum::ZERO,
             ..*state
@@ -288,16 +299,18 @@ impl System for Siva {
         (stuck, loss)
     }
 
-    fn release(&self, state: &SivaState) -> SivaState {
+    fn release(&self, state: &SivaState) -> (SivaState, Real) {
         // Release is where x + 2ζẋ = 0: written into x, the pressure is exactly 0.
-        let v = Sum::new(state.primary.v.value);
-        SivaState {
-            primary: Primary { x: v.times(-self.free.damping), v },
-            acceleration: ZERO,
+        let Primary { x, v } = state.primary;
+        let primary = Primary { x: v.times(-self.free.damping), v };
+        let released = SivaState {
+            primary,
+            acceleration: Sum::ZERO,
             distance: Sum::ZERO,
             rate: Sum::ZERO,
             ..*state
-        }
+        };
+        (released, impact::delay((x - primary.x).value, v.value, ZERO))
     }
 
     fn primary(&self, state: &SivaState) -> Point {

@@ -118,14 +118,16 @@ pub trait System {
     fn wall(&self, state: &Self::State) -> Wall;
     /// Distance to that wall with its derivatives in free motion.
     fn distance(&self, state: &Self::State) -> Jet;
-    /// The same state in contact with `wall`: its distance to it is set to 0.
-    fn touch(&self, state: &Self::State, wall: Wall) -> Self::State;
+    /// The state in contact with `wall`, and how much later it is: the distance left over, which is
+    /// what rounding leaves, is flown to its end.
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Real);
     /// The impact law at a state in contact: the state after it, and the record of it.
     fn impact(&self, state: &Self::State, time: Real) -> (Self::State, Impact);
     /// The state after an infinite tail of rebounds: common velocity, and the energy they lose.
     fn stick(&self, state: &Self::State) -> (Self::State, Real);
-    /// The state at the end of a ride, with distance, rate and pressure exactly 0.
-    fn release(&self, state: &Self::State) -> Self::State;
+    /// The state at the end of a ride, with distance, rate and pressure exactly 0, and how much later it
+    /// is.
+    fn release(&self, state: &Self::State) -> (Self::State, Real);
     /// Primary displacement and velocity.
     fn primary(&self, state: &Self::State) -> Point;
     /// Total energy per primary mass.

@@ -6,7 +6,7 @@ use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::polynomial::{product_integral, square_integral};
-use crate::real::{ONE, Real, ZERO};
+use crate::real::{ONE, Real, ZERO, power_of_two};
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner};
 
@@ -31,13 +31,17 @@ pub struct PivaFlight<'a> {
 impl<'a> PivaFlight<'a> {
     pub(crate) fn new(piva: &'a Piva, from: PivaState) -> Self {
         let order = piva.accuracy.order;
-        let step = piva.longest_step(&from);
+        let longest = piva.longest_step(&from);
+        // A power of two: h/step is exact then, and the terms of the series belong to one instant.
+        let step = power_of_two(longest);
+        let most = longest / step;
         let drive = piva.drive(from.time, &from, step);
         let series = piva.pendulum.series(&piva.swing(&from), drive.as_ref(), step, order);
         let series = at_rest_on_release(&from, series);
         let size = drive.as_ref().map_or(ZERO, Drive::size);
-        let share = Remainder::prove(&piva.pendulum, &series, &piva.force, step, order)
-            .and_then(|remainder| Some((share_kept(&remainder, piva, &from, size)?, remainder)));
+        let share = Remainder::prove(&piva.pendulum, &series, &piva.force, step, order).and_then(
+            |remainder| Some((share_kept(&remainder, most, piva, &from, size)?, remainder)),
+        );
         let Some((share, remainder)) = share else {
             // What cannot be enclosed is not flown: the run ends there and says so.
             let fourth = Real::NAN;
@@ -55,6 +59,41 @@ impl<'a> PivaFlight<'a> {
         h / self.step
     }
 
+    /// The state at h, with its angle from the distance.
+    fn reached(&self, h: Real, primary: Primary, distance: Sum, w: Sum) -> PivaState {
+        let from = &self.from;
+        let y = PivaState { distance, ..*from }.y().value;
+        let sine = y / self.piva.parameters.contact_distance;
+        let (t, c) = (self.share(h), &self.series.c);
+        let own = c[0] + t * horner(&c[1..=self.piva.accuracy.order], t);
+        let gentle = sine.abs() < STEEP;
+        let cosine = if gentle { self.piva.pendulum.cosine(y).copysign(own) } else { own };
+        PivaState {
+            time: self.bend.filter(|_| h == self.reach).unwrap_or(from.time.plus(h)),
+            primary,
+            distance,
+            w,
+            cosine,
+            released: false,
+            ..*from
+        }
+    }
+
+    /// The series to twice the precision, from an angle with this cosine.
+    fn precise_series<const LENGTH: usize>(
+        &self,
+        cosine: Sum,
+        h: Real,
+        order: usize,
+    ) -> Series<Sum, LENGTH> {
+        let from = &self.from;
+        let start =
+            Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
+        let force = &self.piva.force;
+        let drive = force.lasts().then(|| force.precise(from.time, h));
+        self.piva.pendulum.series(&start, drive.as_ref(), h, order)
+    }
+
     /// What a damper takes: factor · ∫ f² up to h.
     fn loss(&self, factor: Real, f: &Row<Real>, h: Real) -> Real {
         let f = &f[..=self.piva.accuracy.order];
@@ -67,11 +106,17 @@ const SHORTER: f64 = 0.84;
 /// At most this often, to 2⁻²⁰.
 const MOST_SHORTENINGS: u32 = 80;
 
-/// The share of a step on which its series leaves out no more than the tolerance.
-fn share_kept(remainder: &Remainder, piva: &Piva, from: &PivaState, driven: Real) -> Option<Real> {
+/// The share of a step, up to `most`, on which its series leaves out no more than the tolerance.
+fn share_kept(
+    remainder: &Remainder,
+    most: Real,
+    piva: &Piva,
+    from: &PivaState,
+    driven: Real,
+) -> Option<Real> {
     let sizes = Sizes::of(piva, from, driven);
     let tolerance = piva.accuracy.tolerance;
-    let mut share = remainder.reach();
+    let mut share = remainder.reach(most);
     for _ in 0..MOST_SHORTENINGS {
         let [primary, gap] = remainder.left_out(share);
         if primary <= tolerance * sizes.primary && gap <= tolerance * sizes.gap {
@@ -153,26 +198,40 @@ impl Motion for PivaFlight<'_> {
         }
         let (t, from, series) = (self.share(h), &self.from, &self.series);
         let s = from.wall.sign();
-        let order = self.piva.accuracy.order;
-        let increment = |series: &Row<Real>| t * horner(&series[1..=order], t);
+        let increment = |series: &Row<Real>| t * horner(&series[1..=self.piva.accuracy.order], t);
+        let primary = Primary {
+            x: from.primary.x.plus(increment(&series.x)),
+            v: from.primary.v.plus(increment(&series.u)),
+        };
         let distance = from.distance.plus(-s * increment(&series.y));
-        let y = PivaState { distance, ..*from }.y().value;
-        let sine = y / self.piva.parameters.contact_distance;
-        let own = series.c[0] + increment(&series.c);
-        let gentle = sine.abs() < STEEP;
-        let cosine = if gentle { self.piva.pendulum.cosine(y).copysign(own) } else { own };
-        PivaState {
-            time: self.bend.filter(|_| h == self.reach).unwrap_or(from.time.plus(h)),
-            primary: Primary {
-                x: from.primary.x.plus(increment(&series.x)),
-                v: from.primary.v.plus(increment(&series.u)),
-            },
-            distance,
-            w: from.w.plus(increment(&series.w)),
-            cosine,
-            released: false,
-            ..*from
+        self.reached(h, primary, distance, from.w.plus(increment(&series.w)))
+    }
+
+    /// The linear terms to twice the precision, which leaves the rounding of those from h² on.
+    fn arrival(&self, h: Real) -> PivaState {
+        if h == 0.0 {
+            return self.from;
         }
+        let (t, from, series) = (self.share(h), &self.from, &self.series);
+        let sine = from.y().over(self.piva.parameters.contact_distance);
+        // Where the angle is steep the carried cosine knows it better than y does.
+        let steep = self.piva.pendulum.small_angles || sine.value.abs() >= STEEP;
+        let cosine = if steep { Sum::new(from.cosine) } else { precise_cosine(sine, from.cosine) };
+        let first: Series<Sum, 2> = self.precise_series(cosine, ONE, 1);
+        let order = self.piva.accuracy.order;
+        let increment =
+            |first: Sum, row: &Row<Real>| first.times(h).plus(t * t * horner(&row[2..=order], t));
+        let pull = if from.released { Sum::ZERO } else { first.w[1] };
+        let primary = Primary {
+            x: from.primary.x + increment(first.x[1], &series.x),
+            v: from.primary.v + increment(first.u[1], &series.u),
+        };
+        let travelled = increment(first.y[1], &series.y);
+        let distance = match from.wall {
+            Wall::Plus => from.distance - travelled,
+            Wall::Minus => from.distance + travelled,
+        };
+        self.reached(h, primary, distance, from.w + increment(pull, &series.w))
     }
 
     fn primary(&self, h: Real) -> Jet {
@@ -255,23 +314,13 @@ impl Curve for PivaFlight<'_> {
 
     fn precise(&self, h: Real) -> Sum {
         let from = &self.from;
-        let b = self.piva.parameters.contact_distance;
-        let start = Swing {
-            x: from.primary.x,
-            u: from.primary.v,
-            y: from.y(),
-            w: from.w,
-            c: if self.piva.pendulum.small_angles {
-                Sum::new(ONE)
-            } else {
-                precise_cosine(from.y().over(b), from.cosine)
-            },
-        };
         let order = self.piva.accuracy.order;
-        let force = &self.piva.force;
-        let drive = force.lasts().then(|| force.precise(from.time, self.step));
-        let mut series: Series<Sum> =
-            self.piva.pendulum.series(&start, drive.as_ref(), self.step, order);
+        let cosine = if self.piva.pendulum.small_angles {
+            Sum::new(ONE)
+        } else {
+            precise_cosine(from.y().over(self.piva.parameters.contact_distance), from.cosine)
+        };
+        let mut series: Series<Sum> = self.precise_series(cosine, self.step, order);
         if from.released {
             (series.w[1], series.y[2]) = (Sum::ZERO, Sum::ZERO);
         }

@@ -11,14 +11,14 @@ use crate::siva::{Siva, SivaState};
 fn columns(oscillator: &Oscillator, h: f64) -> [[f64; 2]; 2] {
     [(1.0, 0.0), (0.0, 1.0)].map(|(x, v)| {
         let primary = Primary { x: Sum::new(x), v: Sum::new(v) };
-        let increment = oscillator.advance(&primary, oscillator.acceleration(&primary), h);
+        let increment = oscillator.advance(v, oscillator.acceleration(&primary).value, h);
         [x + v * h + increment.curved, v + increment.velocity]
     })
 }
 
 impl Differentiable for Siva {
     fn rates(&self, state: &SivaState) -> Vector4<f64> {
-        let (v, a) = (state.primary.v.value, state.acceleration);
+        let (v, a) = (state.primary.v.value, state.acceleration.value);
         Vector4::new(v, a, state.gap_velocity(), -a)
     }
 

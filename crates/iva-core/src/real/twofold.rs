@@ -22,6 +22,11 @@ pub fn given(value: f64, _differentiated: bool) -> Real {
     value.into()
 }
 
+/// The largest power of two that a number > 0 is not below.
+pub fn power_of_two(number: Real) -> Real {
+    iva_core::real::power_of_two(f64::from(number)).into()
+}
+
 /// The whole number below, of a number ≥ 0.
 pub fn whole(number: Real) -> usize {
     f64::from(number) as usize

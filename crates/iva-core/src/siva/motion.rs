@@ -12,18 +12,17 @@ use crate::system::{System, Wall};
 pub struct SivaFlight<'a> {
     siva: &'a Siva,
     from: SivaState,
-    acceleration: Sum,
 }
 
 impl<'a> SivaFlight<'a> {
     #[inline]
     pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
-        Self { siva, from, acceleration: siva.free.acceleration(&from.primary) }
+        Self { siva, from }
     }
 
     #[inline]
     fn after(&self, h: Real) -> (Primary, Increment) {
-        self.from.primary.after(&self.siva.free, self.acceleration, h)
+        self.from.primary.after(&self.siva.free, self.from.acceleration, h)
     }
 }
 
@@ -47,19 +46,31 @@ impl Motion for SivaFlight<'_> {
         let (primary, increment) = self.after(h);
         SivaState {
             primary,
-            acceleration: self.acceleration.value + increment.acceleration,
+            acceleration: self.from.acceleration.plus(increment.acceleration),
             wall: from.wall,
-            distance: from.distance.plus_parts(
-                from.rate.value * h + s * increment.curved,
-                from.rate.rest * h + s * increment.curved_rest,
-            ),
-            rate: from.rate.plus_parts(s * increment.velocity, s * increment.velocity_rest),
+            distance: from.distance.plus(from.rate.value * h + s * increment.curved),
+            rate: from.rate.plus(s * increment.velocity),
+        }
+    }
+
+    fn arrival(&self, h: Real) -> SivaState {
+        let from = &self.from;
+        let s = from.wall.sign();
+        let free = &self.siva.free;
+        let (primary, arrival) = from.primary.arrived(free, self.from.acceleration, h);
+        let side = |sum: Sum| if s > 0.0 { sum } else { sum.negated() };
+        SivaState {
+            primary,
+            acceleration: free.acceleration(&primary),
+            wall: from.wall,
+            distance: from.distance + (from.rate.times(h) + side(arrival.curved)),
+            rate: from.rate + side(arrival.velocity),
         }
     }
 
     fn primary(&self, h: Real) -> Jet {
         let (primary, increment) = self.after(h);
-        primary.jet(&self.siva.free, self.acceleration.value + increment.acceleration)
+        primary.jet(&self.siva.free, self.from.acceleration.value + increment.acceleration)
     }
 
     fn gap(&self, h: Real) -> GapPoint {
@@ -97,7 +108,7 @@ impl Curve for SivaFlight<'_> {
         let SivaState { primary, wall, distance, rate, .. } = self.from;
         let s = wall.sign();
         let travelled = rate.times(h);
-        let curved = self.siva.free.precise(primary.v, self.acceleration, h);
+        let curved = self.siva.free.precise(primary.v, self.from.acceleration, h);
         distance
             .plus_parts(travelled.value, travelled.rest)
             .plus_parts(s * curved.value, s * curved.rest)

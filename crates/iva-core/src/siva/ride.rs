@@ -45,6 +45,11 @@ impl Motion for SivaRide<'_> {
         SivaState { primary, ..self.from }
     }
 
+    fn arrival(&self, h: Real) -> SivaState {
+        let (primary, _) = self.from.primary.arrived(self.loaded, self.acceleration, h);
+        SivaState { primary, ..self.from }
+    }
+
     fn primary(&self, h: Real) -> Jet {
         let (primary, increment) = self.after(h);
         primary.jet(self.loaded, self.acceleration.value + increment.acceleration)

@@ -91,9 +91,9 @@ impl Remainder {
         None
     }
 
-    /// The longest share of the step on which the bounds mean anything.
-    pub fn reach(&self) -> Real {
-        (WITHIN / self.ratio).min(1.0)
+    /// The longest share of the step, up to `most`, on which the bounds mean anything.
+    pub fn reach(&self, most: Real) -> Real {
+        (WITHIN / self.ratio).min(most)
     }
 
     /// Bounds on what is left out up to a share of the step: of primary (x, u) and gap (y, W).

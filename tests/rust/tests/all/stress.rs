@@ -1,7 +1,7 @@
 //! The simulator under stress: extreme numbers, starts on walls, grazings, chatter, long runs.
 //!
 //! Bounds are derived where they are used (`iva_tests::stress`). What is marked as long runs with
-//! `cargo test --release -p iva-tests --test stress -- --ignored --nocapture`. Runs that end at
+//! `cargo test --release -p iva-tests stress:: -- --ignored --nocapture`. Runs that end at
 //! `max_work` or `max_impacts` are counted, not failures: the limits here are low.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

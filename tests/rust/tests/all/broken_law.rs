@@ -79,13 +79,13 @@ impl System for Broken {
     fn distance(&self, state: &SivaState) -> Jet {
         self.siva.distance(state)
     }
-    fn touch(&self, state: &SivaState, wall: Wall) -> SivaState {
+    fn touch(&self, state: &SivaState, wall: Wall) -> (SivaState, f64) {
         self.siva.touch(state, wall)
     }
     fn stick(&self, state: &SivaState) -> (SivaState, f64) {
         self.siva.stick(state)
     }
-    fn release(&self, state: &SivaState) -> SivaState {
+    fn release(&self, state: &SivaState) -> (SivaState, f64) {
         self.siva.release(state)
     }
     fn primary(&self, state: &SivaState) -> Point {

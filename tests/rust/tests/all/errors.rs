@@ -1,7 +1,13 @@
-//! Estimated errors of impact times against true ones: references with 50 digits, and random decays
-//! against the double-double oracle.
+//! Estimated errors of impact times against true ones: references with 50 digits, random decays against
+//! the double-double oracle, and random scenes of every kind against the core in numbers of twice the
+//! precision (which `verified.rs` holds against the references).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::sync::atomic::AtomicBool;
+
+use arrow_array::RecordBatch;
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
 use iva_core::{
     force::{Acts, Force, Harmonic},
     observe::Events,
@@ -10,11 +16,20 @@ use iva_core::{
     simulate::{Limits, simulate},
     system::Start,
 };
+use iva_sweep::{
+    choices::{Choices, Kind as Kinds},
+    design::Spec,
+    fields::FieldId as F,
+    study::{Study, Table},
+    sweep::{Control, Workers, sweep},
+    verify::verify,
+};
 use iva_tests::{
     case::{Case, any_case},
     dd::Dd,
     oracle::{self, Kind},
     reference::{Expected, forced_scenes, piva_scenes, scenes},
+    rng::Rng,
 };
 use proptest::{prelude::*, strategy::ValueTree, test_runner::TestRunner};
 
@@ -131,6 +146,80 @@ fn estimates_hold_on_random_decays() {
     for (ratios, name) in ratios.into_iter().zip(["closed form", "series"]) {
         ratios.assert_good(name);
     }
+}
+
+/// A random scene, of moderate numbers: free masses and pendulums, free and forced.
+fn scene(rng: &mut Rng) -> Spec {
+    let kind = if rng.unit() < 0.5 { Kinds::Siva } else { Kinds::Piva };
+    let mut choices = Choices::default();
+    choices.choose("kind", kind.name()).unwrap();
+    let mut spec = Spec::new(choices);
+    let clearance = rng.log_range(0.05, 1.5);
+    let mut fields = vec![
+        (F::MassRatio, rng.log_range(0.01, 1.0)),
+        (F::Restitution, rng.pick(&[0.0, 0.3, 0.5, 0.7, 0.9, 0.99, 1.0])),
+        (F::Clearance, clearance),
+        (F::DampingRatio, rng.pick(&[0.0, 0.01, 0.1, 0.7])),
+        (F::Displacement, rng.range(-1.0, 1.0)),
+        (F::Velocity, rng.range(-1.0, 1.0)),
+        (F::GapDisplacement, clearance * rng.pick(&[0.0, 0.5, -1.0])),
+        (F::Periods, rng.range(1.0, 8.0)),
+        (F::ChatterFloor, 1e-9),
+    ];
+    if kind == Kinds::Piva {
+        let length = clearance * rng.log_range(1.05, 30.0);
+        fields.extend([
+            (F::FrequencyRatio, rng.range(0.1, 1.3)),
+            (F::Length, length),
+            (F::InertiaRatio, rng.pick(&[1.0, 1.0, 1.2])),
+            (F::PivotDampingRatio, rng.pick(&[0.0, 0.05])),
+        ]);
+    }
+    if rng.unit() < 0.4 {
+        fields.extend([
+            (F::Amplitude, rng.range(0.05, 0.5)),
+            (F::ForceFrequency, rng.range(0.3, 2.0)),
+            (F::Phase, rng.range(-3.0, 3.0)),
+        ]);
+    }
+    for (field, value) in fields {
+        spec.set(field, value).unwrap();
+    }
+    spec
+}
+
+#[test]
+fn estimates_hold_on_random_scenes_of_every_kind() {
+    let (mut rng, mut ratios) = (Rng::new(641), Ratios::default());
+    let never = AtomicBool::new(false);
+    let workers = Workers::new(Some(1)).unwrap();
+    let control = Control { workers: &workers, chunk: None, cancel: &never, progress: &|_| {} };
+    // SCENES=10000 takes some minutes.
+    let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
+    for _ in 0..count {
+        let study =
+            Study { tables: vec![Table::Impacts], errors: true, ..Study::single(scene(&mut rng)) };
+        let found = verify(&study, &never).unwrap();
+        let run = sweep(&study, 0..1, &control).unwrap();
+        let (run, errors) = (&run[&Table::Impacts], &found.errors[&Table::Impacts]);
+        let column = |table: &RecordBatch, name: &str| -> Vec<Option<f64>> {
+            table.column_by_name(name).unwrap().as_primitive::<Float64Type>().iter().collect()
+        };
+        let (times, errors) = (column(run, "time"), column(errors, "time"));
+        let estimates = column(run, "time_error");
+        let grazing = run.column_by_name("near_grazing").unwrap().as_boolean();
+        for (row, error) in errors.into_iter().take(found.findings[0].alike).enumerate() {
+            let estimate = estimates[row].unwrap_or(f64::INFINITY);
+            // From a grazing on, or from where nothing is estimated, the motion may be another one.
+            if estimate.is_infinite() || grazing.value(row) {
+                ratios.flagged += 1;
+                break;
+            }
+            let truth = Dd::from(times[row].unwrap()) - Dd::from(error.unwrap());
+            ratios.take(times[row].unwrap(), estimate, false, truth);
+        }
+    }
+    ratios.assert_good("every kind");
 }
 
 #[test]

@@ -1,0 +1,6 @@
+//! The command as a process, in one program: linking takes longer than compiling.
+
+mod exit_codes;
+mod full_disk;
+mod interrupt;
+mod output_folder;

@@ -1,0 +1,29 @@
+//! The tests that cross rooms, in one program: linking takes longer than compiling.
+//!
+//! One file alone: `cargo test --release -p iva-tests planted::`.
+
+mod bouncing_ball;
+mod broken_law;
+mod closed_forms;
+mod decisions;
+mod errors;
+mod flight;
+mod forced;
+mod gradients;
+mod impulses;
+mod invariants;
+mod limits;
+mod measures;
+mod piva;
+mod piva_flight;
+mod planted;
+mod records;
+mod reference_events;
+mod regressions;
+mod second_opinion;
+mod steady;
+mod stress;
+mod stress_inputs;
+mod sweep_tables;
+mod theory;
+mod verified;
