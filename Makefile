@@ -9,6 +9,9 @@ PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 CARGO := cargo
 # The source of iva-core in other numbers: its tests are those of iva-core.
 SIBLINGS := iva-core-dual iva-core-twofold
+# Runs on stable Rust without a sanitizer: there is no unsafe code for one to watch.
+CARGO_FUZZ := 0.13.2
+FUZZ ?= -max_total_time=60
 SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o -name '*.pyi' \
 	-o -name 'py.typed' -o -name Cargo.toml \)) Cargo.toml Cargo.lock pyproject.toml README.md
 
@@ -16,7 +19,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench bench-peers bench-start stress wheel clean
+.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench bench-peers bench-start stress fuzz wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -36,6 +39,7 @@ lint: lint-rust lint-python ## formats, clippy, ruff, types, stubs, layers
 
 lint-rust: $(VENV)/.tools
 	$(CARGO) fmt --all --check
+	$(CARGO) fmt --manifest-path tests/fuzz/Cargo.toml --check
 	$(CARGO) clippy --locked --release --workspace --all-targets $(SIBLINGS:%=--exclude %) -- -D warnings
 	$(CARGO) clippy --locked --release $(SIBLINGS:%=--package %) -- -D warnings
 	$(PYTHON) .ci/layers.py
@@ -51,6 +55,18 @@ bench: $(VENV)/.tools ## measure nanoseconds per impact
 
 stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts
 	$(CARGO) test --locked --release -p iva-tests stress:: -- --ignored --nocapture
+	$(MAKE) fuzz
+
+fuzz: ## any text, bytes and bits as input, a minute a target (needs a C++ compiler)
+	test "$$(cargo fuzz --version 2>&1)" = "cargo-fuzz $(CARGO_FUZZ)" \
+		|| $(CARGO) install --locked --force cargo-fuzz@$(CARGO_FUZZ)
+	$(CARGO) clippy --locked --release --manifest-path tests/fuzz/Cargo.toml --target-dir target/fuzz \
+		-- -D warnings
+	for target in study tables record simulate; do \
+		mkdir -p target/fuzz/corpus/$$target; \
+		$(CARGO) fuzz run --sanitizer none --fuzz-dir tests/fuzz --target-dir target/fuzz $$target \
+			target/fuzz/corpus/$$target tests/fuzz/corpus/$$target -- -timeout=20 $(FUZZ) || exit 1; \
+	done
 
 bench-peers: wheel ## compare accuracy and run time with other integrators (their own environment)
 	test -x target/bench/bin/python || $(PYTHON) -m venv --without-pip target/bench

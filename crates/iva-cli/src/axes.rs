@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use iva_sweep::Invalid;
 use iva_sweep::choices::Kind;
 use iva_sweep::fields::{Allowed, Part};
 use iva_sweep::slot::Slot;
-use iva_sweep::study::{Axis, MAX_POINTS, distinct, fitting};
+use iva_sweep::study::{Axis, MAX_POINTS, MAX_VALUES, distinct, fitting};
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
@@ -80,10 +81,15 @@ fn push_entries<'a, 't>(flat: &mut Vec<Entry<'a, 't>>, outer: &str, table: &'a D
 
 /// Every key must name a field.
 fn check_fields(source: &Source, entries: &[Entry<'_, '_>]) -> Result<(), Error> {
-    for entry in entries {
-        Slot::from_key(&entry.key).map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
-    }
-    Ok(())
+    entries.iter().try_for_each(|entry| slot(source, entry).map(drop))
+}
+
+/// The field that a key names.
+fn slot(source: &Source, entry: &Entry<'_, '_>) -> Result<Slot, Error> {
+    Slot::from_key(&entry.key).map_err(|invalid| {
+        let value = format!("`{}`", shortened(&entry.key));
+        at(source, entry.span.clone(), &Invalid { value, ..invalid })
+    })
 }
 
 /// Refuses a grid that is too large before any of its values are made.
@@ -115,9 +121,7 @@ fn length(entry: &Entry<'_, '_>) -> Option<f64> {
 
 fn read_axis(source: &Source, entry: &Entry<'_, '_>) -> Result<Axis, Error> {
     let name = format!("sweep.{}", entry.key);
-    let slot =
-        Slot::from_key(&entry.key).map_err(|invalid| at(source, entry.span.clone(), &invalid))?;
-    let allowed = slot.info().allowed;
+    let allowed = slot(source, entry)?.info().allowed;
     let place = entry.value.span();
     let axis = match entry.value.get_ref() {
         DeValue::Array(items) => {
@@ -173,6 +177,6 @@ fn read_range(
     Ok((
         number(source, &format!("{name}.start"), start, allowed)?,
         number(source, &format!("{name}.stop"), stop, allowed)?,
-        whole_number(source, &format!("{name}.count"), count, (1, MAX_POINTS))?,
+        whole_number(source, &format!("{name}.count"), count, (1, MAX_VALUES))?,
     ))
 }

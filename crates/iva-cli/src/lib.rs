@@ -21,7 +21,7 @@ pub mod record_file;
 pub mod report;
 pub mod resolved;
 mod run_study;
-mod scene;
+pub mod scene;
 pub mod source;
 pub mod study_file;
 pub mod table_file;

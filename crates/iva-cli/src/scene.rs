@@ -17,7 +17,7 @@ use crate::report::counted;
 const LOOKED_AT: u64 = 512;
 
 /// Structure, absorber and start of the points of a valid study, as ranges where they are swept.
-pub(crate) fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
+pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     let last = points.saturating_sub(1);
     let step = points.div_ceil(LOOKED_AT).max(1);
     let looked_at = (0..points).step_by(usize::try_from(step).unwrap_or(1)).chain([last]);

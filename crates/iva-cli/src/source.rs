@@ -134,7 +134,9 @@ fn place(text: &str, span: Range<usize>) -> Place {
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
     let line = text[line_start..].lines().next().unwrap_or_default();
     let line_end = line_start + line.len();
-    let end = span.end.clamp(start, line_end.max(start));
+    // What lies between the \r and the \n of a line's end is meant at its end.
+    let start = start.min(line_end);
+    let end = span.end.clamp(start, line_end);
     Place {
         line: before.matches('\n').count() + 1,
         column: text[line_start..start].chars().count() + 1,

@@ -80,6 +80,13 @@ pub fn first_contact<C: Curve>(
     stretch
 }
 
+/// A flight of this length that meets no wall, because none can be reached.
+pub fn free_stretch<C: Curve>(flight: &C, length: Real) -> Stretch<C::Sample> {
+    let sample = flight.sample(length);
+    let end = Node { h: length, sample, jet: flight.jet(&sample) };
+    Stretch { end, contact: None, undecided: 0 }
+}
+
 /// The first instant within `length` at which the pressure of a ride vanishes.
 pub fn first_release<C: Curve>(ride: &C, start: &C::Sample, length: Real) -> Stretch<C::Sample> {
     let pressure = searched(ride, (ZERO, ONE), ride.fourth(), ride.magnitude());

@@ -340,6 +340,10 @@ impl System for Piva {
         0.5 * (x * x + v * v) + mass_ratio * (0.5 * kinetic + self.gravity() * length * rise)
     }
 
+    fn walls_reachable(&self) -> bool {
+        self.stop_reachable()
+    }
+
     fn is_driven(&self) -> bool {
         self.force.lasts()
     }

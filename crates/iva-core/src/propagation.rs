@@ -112,7 +112,7 @@ impl Default for Errors {
 impl Errors {
     /// −log₁₀ of the largest error over max(τ, 1); 0 once that has reached 1, `None` without impacts.
     pub fn digits(&self) -> Option<f64> {
-        let digits = if self.lost { 0.0 } else { -self.relative.log10() };
+        let digits = if self.lost { 0.0 } else { -self.relative.max(UNIT).log10() };
         (!self.impacts.is_empty()).then_some(digits)
     }
 

@@ -5,7 +5,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::chatter::Rebound;
-use crate::contact::{Side, first_contact, first_release};
+use crate::contact::{Side, first_contact, first_release, free_stretch};
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
@@ -187,7 +187,11 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             return false;
         }
         let length = flight.reach().min(remaining).min(first);
-        let stretch = first_contact(&flight, &state, system.clearance(), length);
+        let stretch = if system.walls_reachable() {
+            first_contact(&flight, &state, system.clearance(), length)
+        } else {
+            free_stretch(&flight, length)
+        };
         self.phase = Phase::Flight { first: Real::INFINITY };
         self.tally.undecided += stretch.undecided;
         self.advance(&flight, stretch.end.h, length == remaining);
@@ -354,6 +358,9 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             }
             let leave = self.system.distance(&state);
             let flight = self.system.flight(&state);
+            if !is_finite(&flight.jet(&state), flight.fourth()) {
+                return;
+            }
             let length = flight.reach().min(-REBOUND_LOOK * leave.rate / leave.curvature);
             let stretch = first_contact(&flight, &state, self.system.clearance(), length);
             if stretch.contact != Some(Side::Near) {

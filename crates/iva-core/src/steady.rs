@@ -134,12 +134,12 @@ pub struct Steady {
     streak: Streak,
 }
 
-/// Impacts on one wall in a row, some of which may turn out not to be listed: instants and approach
-/// speeds.
+/// Impacts on one wall in a row, some of which may turn out not to be listed: numbers in the window,
+/// from 1, and approach speeds.
 #[derive(Debug, Clone, Default)]
 struct Streak {
     wall: Option<Wall>,
-    impacts: Vec<(Real, Real)>,
+    impacts: Vec<(u64, Real)>,
 }
 
 impl Steady {
@@ -243,15 +243,16 @@ impl<S: System> Observer<S> for Steady {
         if self.streak.wall != Some(impact.wall) {
             self.streak = Streak { wall: Some(impact.wall), impacts: Vec::new() };
         }
-        self.streak.impacts.push((impact.time, impact.approach_speed()));
+        self.streak.impacts.push((self.impacts, impact.approach_speed()));
     }
 
     fn unlist(&mut self, _first: u64, floor: Real) {
-        for (time, speed) in std::mem::take(&mut self.streak.impacts) {
+        // The last first: the numbers of those before stay as they are.
+        for (number, speed) in std::mem::take(&mut self.streak.impacts).into_iter().rev() {
             if speed <= floor {
                 self.impacts -= 1;
-                let later = |strobe: &&mut Strobe| strobe.time >= time;
-                self.strobes.iter_mut().rev().take_while(later).for_each(|it| it.impacts -= 1);
+                let counts_it = |strobe: &&mut Strobe| strobe.impacts >= number;
+                self.strobes.iter_mut().rev().take_while(counts_it).for_each(|it| it.impacts -= 1);
             }
         }
     }

@@ -132,6 +132,10 @@ pub trait System {
     fn primary(&self, state: &Self::State) -> Point;
     /// Total energy per primary mass.
     fn energy(&self, state: &Self::State) -> Real;
+    /// True if the absorber can reach its walls at all.
+    fn walls_reachable(&self) -> bool {
+        true
+    }
     /// True if a force or the base drives it, not only in impulses.
     fn is_driven(&self) -> bool {
         false

@@ -12,6 +12,8 @@ use crate::units::UnitSystem;
 
 /// More points than this are refused: `point` is a 32-bit column.
 pub const MAX_POINTS: u64 = 1 << 32;
+/// More values of an equidistant axis are refused before they are made: these take 80 MB.
+pub const MAX_VALUES: u64 = 10_000_000;
 
 /// The tables a study can write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -99,13 +101,14 @@ impl Axis {
     /// `count` equidistant values from `start` to `stop`, both included.
     ///
     /// # Errors
-    /// As [`Axis::new`]; also for a `count` of zero or beyond 2³², or one value over an interval.
+    /// As [`Axis::new`]; also for a `count` of zero or beyond [`MAX_VALUES`], or one value over an
+    /// interval.
     pub fn linspace(key: &str, start: f64, stop: f64, count: u64) -> Result<Self, Invalid> {
-        if count == 0 || count > MAX_POINTS {
+        if count == 0 || count > MAX_VALUES {
             return Err(Invalid::new(
                 format!("sweep.{key}.count"),
                 count,
-                "give a whole number from 1 to 2^32",
+                format!("give a whole number from 1 to {MAX_VALUES}"),
             ));
         }
         if count == 1 && start != stop {

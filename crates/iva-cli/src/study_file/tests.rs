@@ -133,6 +133,8 @@ const BAD: &[Case] = &[
     ("stop", "end", 15, 37, &["sweep.relative_clearance.end", "an axis has start, stop, count"]),
     ("[sweep]\nrelative", "[sweep]\nrelativ", 15, 1, &["`relativ_clearance`", "did you mean `relative_clearance`?"]),
     ("mass_ratio = [", "mass = [", 16, 1, &["`mass`", "not unique", "`primary.mass` or `absorber.mass`"]),
+    ("mass_ratio = [", "\"a\\nb\\u001b\" = [", 16, 1, &["sweep key = `a…`: no such field"]),
+    ("mass_ratio = [", "\"force.0.a\\nb\" = [", 16, 1, &["sweep key = `force.0.a…`: no such field of a force"]),
     // Given twice.
     ("restitution = 0.5", "mass_ratio = 0.5", 7, 1, &["mass_ratio is given twice"]),
     ("[start]", "[absorber]", 9, 2, &["absorber is given twice"]),
@@ -162,6 +164,7 @@ const BAD: &[Case] = &[
     ("count = 111", "count = 0", 15, 57, &["sweep.relative_clearance.count = 0", "whole number from 1"]),
     ("count = 111", "count = 1", 15, 22, &["sweep.relative_clearance.count = 1", "give 2 or more"]),
     ("count = 111", "count = 4_000_000_000", 14, 2, &["4000000000 × 4", "at most 2^32 points"]),
+    ("count = 111", "count = 1_000_000_000", 15, 57, &["sweep.relative_clearance.count = 1_000_000_000", "a whole number from 1 to 10000000"]),
     ("[0.05, 0.1, 0.15, 0.2]", "[]", 16, 14, &["sweep.mass_ratio = []", "at least one value"]),
     (", stop = 1.2", "", 15, 1, &["sweep.relative_clearance.stop is missing"]),
     ("version = 1", "version = 2", 1, 11, &["version = 2", "reads version 1"]),
@@ -208,6 +211,7 @@ fn every_bad_study_says_where_what_and_what_is_allowed() {
         for part in *parts {
             assert!(message.contains(part), "{part:?} is not in:\n{message}");
         }
+        assert!(!message.contains(char::is_control), "{message:?}");
         assert!(message.starts_with(&format!("my.toml:{line}:{column}: ")), "{message}");
         let place = error.place.clone().unwrap_or_else(|| panic!("no place: {message}"));
         assert_eq!((place.line, place.column), (*line, *column), "{message}");
@@ -285,6 +289,15 @@ fn windows_line_ends_and_wide_characters_are_counted_right() {
     let place = bad(&text).place.unwrap();
     assert_eq!((place.line, place.column), (16, 15));
     assert_eq!(place.text, "mass_ratio = [0, 0.1, 0.15, 0.2]");
+}
+
+#[test]
+fn an_error_between_the_two_characters_of_a_line_end_is_shown_before_them() {
+    let error = bad("version = 1\r\nrun = [\"\r\r\r\n\r\n");
+    let place = error.place.clone().unwrap();
+    assert_eq!((place.line, place.text.as_str()), (2, "run = [\"\r\r"), "{error}");
+    assert!(place.text.get(place.span.clone()).is_some(), "{place:?}");
+    assert!(picture(error).contains("--> my.toml:2:"));
 }
 
 #[test]

@@ -10,6 +10,9 @@ use crate::trigonometry::sine_cosine;
 /// 2π to twice the precision.
 pub(crate) const WHOLE_TURN: Sum = Sum { value: TURN[0], rest: TURN[1] };
 
+/// Largest phase: reduced to one turn it has still some 20 digits.
+const LARGEST_PHASE: f64 = 1e9;
+
 /// amplitude · cos(Ω t + phase), per unit mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Harmonic {
@@ -27,10 +30,11 @@ impl Harmonic {
     pub(super) fn check(&self) -> Result<(), Invalid> {
         range::size("force.amplitude", self.amplitude)?;
         range::positive("force.frequency", self.frequency)?;
-        if self.phase.is_finite() {
+        if self.phase.abs() <= LARGEST_PHASE {
             return Ok(());
         }
-        Err(Invalid::new("force.phase", number(self.phase), "give a phase in rad"))
+        let rule = format!("give a phase in rad, of size {LARGEST_PHASE:e} at most");
+        Err(Invalid::new("force.phase", number(self.phase), rule))
     }
 
     /// Adds the coefficients of powers of t/h from an instant on.

@@ -5,9 +5,10 @@ use std::{sync::mpsc, thread, time::Duration};
 
 use iva_core::{
     force::{Acts, Force, Harmonic},
-    piva::{Parameters, Piva},
+    piva::{Given, Parameters, Piva, PivaStart},
+    propagation::Errors,
     run::run,
-    simulate::{Limits, Outcome},
+    simulate::{Limits, Outcome, simulate},
     siva::Siva,
     system::{Start, System},
 };
@@ -106,4 +107,43 @@ fn a_driven_start_at_rest_has_an_exact_mirror_image() {
     };
     let start = Start::default();
     assert!(mirrored([&under(0.7), &under(-0.7)], [start.into(), start.into()]));
+}
+
+/// A pendulum as long as the gap is wide turns over and touches y = ±d from inside once a turn: no wall is
+/// there, so that is neither an impact nor undecided.
+#[test]
+fn walls_out_of_reach_are_not_met_where_the_pendulum_points_sideways() {
+    let parameters =
+        Parameters { frequency_ratio: 0.7, ..Parameters::point_bob(0.2, 0.5, 1.0, 0.01, 1.0) };
+    let piva = Piva::new(parameters).unwrap();
+    assert!(!piva.stop_reachable());
+    let start = PivaStart {
+        place: Given::Angle(0.3),
+        rate: Given::Angle(3.0),
+        ..Start { displacement: 0.5, ..Start::default() }.into()
+    };
+    let result = run(&piva, &start, &Limits::new(60.0, 1.0)).unwrap();
+    assert_eq!(result.tally.outcome, Outcome::Finished);
+    assert_eq!((result.tally.impacts, result.tally.undecided), (0, 0));
+}
+
+/// Its reduction to one turn would leave nothing of it.
+#[test]
+fn a_phase_beyond_all_digits_is_refused() {
+    for phase in [1e300, f64::NAN, f64::INFINITY] {
+        let harmonic = Harmonic { amplitude: 1.0, frequency: 1.0, phase, acts: Acts::Primary };
+        let error = Force::harmonic(vec![harmonic]).unwrap_err();
+        assert!(error.to_string().starts_with("force.phase"), "{error}");
+    }
+}
+
+/// An impact at time zero is exact: its error is 0, and the digits are those of a double.
+#[test]
+fn the_digits_of_an_exact_impact_are_those_of_a_double() {
+    let siva = Siva::new(0.1, 0.5, 1.0, 0.0).unwrap();
+    let start = Start { gap_displacement: 1.0, gap_velocity: 1.0, ..Start::default() };
+    let mut errors = Errors::default();
+    simulate(&siva, &start, &Limits::new(0.1, 1.0), None, &mut errors).unwrap();
+    assert_eq!(errors.impacts.len(), 1);
+    assert_eq!(errors.digits(), Some(53.0 * 2f64.log10()));
 }

@@ -1,0 +1,16 @@
+//! Any text as a study.
+
+#![no_main]
+
+use iva_fuzz::{refusal, study};
+use libfuzzer_sys::{Corpus, fuzz_target};
+
+fuzz_target!(|text: &str| -> Corpus {
+    if study::names_other_files(text) {
+        return Corpus::Reject;
+    }
+    if let Err(error) = study::read(text).and_then(|file| study::expand(&file)) {
+        refusal::check(&error);
+    }
+    Corpus::Keep
+});
