@@ -318,7 +318,10 @@ impl System for Piva {
         let spring = v.times(-2.0 * self.parameters.damping_ratio).plus(self.driven(state.time));
         let released = -(1.0 + self.parameters.mass_ratio) * self.release_acceleration(state.wall);
         let primary = Primary { x: spring.plus(released), v };
-        let later = delay((x - primary.x).value, v.value, ZERO);
+        // Under a force the pressure changes with the force as well, and much faster: what is written
+        // into x says nothing of the instant then.
+        let left = if self.force.lasts() { ZERO } else { (x - primary.x).value };
+        let later = delay(left, v.value, ZERO);
         let (distance, w) = (Sum::ZERO, Sum::ZERO);
         let time = state.time.plus(later);
         (PivaState { time, primary, distance, w, released: true, ..*state }, later)

@@ -147,3 +147,30 @@ fn the_digits_of_an_exact_impact_are_those_of_a_double() {
     assert_eq!(errors.impacts.len(), 1);
     assert_eq!(errors.digits(), Some(53.0 * 2f64.log10()));
 }
+
+/// A heavy mass that rides on its wall under a strong force: the release is where the force changes its
+/// sign, however slowly the structure moves.
+#[test]
+fn a_release_by_a_strong_force_keeps_the_ledger() {
+    let harmonic = Harmonic {
+        amplitude: 55741.49948824094,
+        frequency: 5.851713540285315,
+        phase: 3.3361543335599526,
+        acts: Acts::Primary,
+    };
+    let d = 0.08802979088396044;
+    let parameters = Parameters::free_mass(304.12776752265546, 0.4755961200549864, d, 1.0);
+    let force = Force::harmonic(vec![harmonic]).unwrap();
+    let piva = Piva::new(parameters).unwrap().under(force);
+    let start = Start { gap_displacement: -d, ..Start::default() };
+    let limits = Limits { max_impacts: 100, max_work: 400, ..Limits::new(2.558977564485564, d) };
+    let result = run(&piva, &start.into(), &limits).unwrap();
+    let m = result.measures;
+    let turned_over = m.energy_work.abs() + result.tally.energy_impacts + m.energy_viscous;
+    assert!(result.tally.episodes > 0);
+    assert!(
+        m.energy_residual.abs() <= 1e-13 * turned_over,
+        "{:e}",
+        m.energy_residual / turned_over
+    );
+}
