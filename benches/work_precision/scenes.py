@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from pathlib import Path
 
@@ -153,7 +153,7 @@ def _scene(name: str, raw: dict) -> Scene:
         )
         for event in raw["events"]
     ]
-    return Scene(
+    scene = Scene(
         name=name,
         mass_ratio=given["mu"],
         clearance=given["gamma"],
@@ -168,3 +168,17 @@ def _scene(name: str, raw: dict) -> Scene:
         events=tuple(events),
         final=tuple(Decimal(raw["final"][key]) for key in ("x", "v", "y", "dy")),
     )
+    return replace(scene, final=_moved(scene, float(Decimal(scene.end) - Decimal(raw["tau_end"]))))
+
+
+def _moved(scene: Scene, late: float) -> tuple[Decimal, ...]:
+    """Return the final state at the double nearest to the end: what rounding the end moves."""
+    x, v, y, w = map(float, scene.final)
+    if abs(y) > 0.999999 * scene.clearance:
+        return scene.final
+    q = math.asin(y / scene.length) if scene.pendulum else y
+    rate = w / (scene.length * math.cos(q)) if scene.pendulum else w
+    _, a, _, turn = scene.derivative()(scene.end, (x, v, q, rate))
+    b = scene.length * math.cos(q) * turn - y * rate * rate if scene.pendulum else turn
+    steps = (Decimal(late * slope) for slope in (v, a, w, b))
+    return tuple(value + step for value, step in zip(scene.final, steps, strict=True))
