@@ -24,13 +24,13 @@ impl Sum {
     }
 
     /// The sum after adding an increment.
-    #[inline]
+    #[inline(always)]
     pub fn plus(self, increment: impl Into<Real>) -> Self {
         self.plus_parts(increment.into(), ZERO)
     }
 
     /// The sum after adding an increment that is itself given with its rounding rest.
-    #[inline]
+    #[inline(always)]
     pub fn plus_parts(self, increment: Real, rest: Real) -> Self {
         let (sum, lost) = two_sum(self.value, increment);
         let rest = lost + (self.rest + rest);
@@ -40,7 +40,7 @@ impl Sum {
     }
 
     /// The product with a plain number.
-    #[inline]
+    #[inline(always)]
     pub fn times(self, factor: impl Into<Real>) -> Self {
         let factor = factor.into();
         let (product, lost) = two_product(self.value, factor);
@@ -48,9 +48,24 @@ impl Sum {
     }
 
     /// The product with another sum.
-    #[inline]
+    #[inline(always)]
     pub fn times_sum(self, factor: Sum) -> Self {
         self.times(factor.value).plus_parts(ZERO, self.value * factor.rest)
+    }
+
+    /// The product with another sum, as short as it can be had: the rest may be some units in the
+    /// last place of the value.
+    #[inline(always)]
+    pub(crate) fn product(self, factor: Sum) -> Self {
+        let (value, lost) = two_product(self.value, factor.value);
+        Self { value, rest: lost + (self.value * factor.rest + self.rest * factor.value) }
+    }
+
+    /// The sum after adding two others.
+    #[inline(always)]
+    pub(crate) fn plus_both(self, a: Sum, b: Sum) -> Self {
+        let (increment, lost) = two_sum(a.value, b.value);
+        self.plus_parts(increment, lost + (a.rest + b.rest))
     }
 
     /// The quotient by a plain number.
@@ -67,19 +82,19 @@ impl Sum {
     }
 
     /// The difference to a plain number, rounded once.
-    #[inline]
+    #[inline(always)]
     pub fn minus(self, other: impl Into<Real>) -> Real {
         (self.value - other.into()) + self.rest
     }
 
     /// Half of it, exactly.
-    #[inline]
+    #[inline(always)]
     pub fn half(self) -> Self {
         Self { value: 0.5 * self.value, rest: 0.5 * self.rest }
     }
 
     /// The negative.
-    #[inline]
+    #[inline(always)]
     pub fn negated(self) -> Self {
         Self { value: -self.value, rest: -self.rest }
     }
@@ -88,7 +103,7 @@ impl Sum {
 impl std::ops::Neg for Sum {
     type Output = Sum;
 
-    #[inline]
+    #[inline(always)]
     fn neg(self) -> Sum {
         self.negated()
     }
@@ -97,7 +112,7 @@ impl std::ops::Neg for Sum {
 impl std::ops::Add for Sum {
     type Output = Sum;
 
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Sum) -> Sum {
         self.plus_parts(other.value, other.rest)
     }
@@ -106,7 +121,7 @@ impl std::ops::Add for Sum {
 impl std::ops::Sub for Sum {
     type Output = Sum;
 
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Sum) -> Sum {
         self.plus_parts(-other.value, -other.rest)
     }
@@ -115,7 +130,7 @@ impl std::ops::Sub for Sum {
 impl std::ops::Mul for Sum {
     type Output = Sum;
 
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Sum) -> Sum {
         self.times_sum(other)
     }
@@ -130,25 +145,18 @@ impl std::ops::Div for Sum {
 }
 
 /// `a + b` as the rounded sum and its exact error.
-#[inline]
+#[inline(always)]
 pub(crate) fn two_sum(a: Real, b: Real) -> (Real, Real) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
-/// `a · b` as the rounded product and its exact error, by splitting both factors into halves of 26
-/// bits (G. W. Veltkamp); far from overflow.
-#[inline]
+/// `a · b` as the rounded product and its exact error; far from underflow.
+#[inline(always)]
 pub(crate) fn two_product(a: Real, b: Real) -> (Real, Real) {
-    let split = |number: Real| {
-        let shifted = 134_217_729.0 * number;
-        let high = shifted - (shifted - number);
-        (high, number - high)
-    };
     let product = a * b;
-    let ((a1, a2), (b1, b2)) = (split(a), split(b));
-    (product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2)
+    (product, a.mul_add(b, -product))
 }
 
 #[cfg(test)]

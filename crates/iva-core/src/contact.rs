@@ -7,16 +7,11 @@
 
 use crate::flight::{Curve, Jet};
 use crate::real::{ONE, Real, ZERO};
-use crate::roots::{Node, Searched, highest_change};
+use crate::roots::{DOUBT, Node, Searched, highest_change};
 
 /// Half width of the band around a wall in which an extremum is undecided, in units of 2⁻⁵³ of the
 /// curve's magnitude (d for the gap).
 pub const UNDECIDED_BAND: f64 = 16.0;
-
-/// Where rounding could decide the sign of a plain evaluation, in the same units. The terms of a
-/// cubic that stays within ±1 sum to at most 99 (Chebyshev's T₃ on a one-sided interval), each
-/// with two or three roundings.
-const DOUBT: f64 = 256.0;
 
 /// Which wall a contact is made with, seen from the wall last touched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

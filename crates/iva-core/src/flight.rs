@@ -76,6 +76,11 @@ pub trait Motion {
     fn arrival(&self, h: Real) -> Self::State {
         self.state(h)
     }
+    /// Where x turns round, and x there, in a motion of this length to this state that it turns in; `None`
+    /// says nothing.
+    fn turning(&self, _length: Real, _end: &Self::State) -> Option<(Real, Real)> {
+        None
+    }
     /// Primary displacement and its derivatives at h.
     fn primary(&self, h: Real) -> Jet;
     /// Gap displacement and velocity at h.

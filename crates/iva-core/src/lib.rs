@@ -44,9 +44,9 @@
 //! carried: a grazing decided by the rounding of earlier impacts is decided as exactly as the
 //! conditioning of the run allows, no better.
 //!
-//! Only + − × ÷ √ take part in the motion, each rounded as IEEE 754 demands, and the sines of the
-//! `libm` crate, made of the same (for the phase of a force and the angle of a start), so that a run
-//! has the same bits on every machine of one architecture. Logarithms and π appear in measures and in
+//! Only + − × ÷ √ and the fused multiply-add take part in the motion, each rounded as IEEE 754 demands,
+//! and the sines of the `libm` crate, made of the same (for the phase of a force and the angle of a
+//! start), so that a run has the same bits on every machine of one architecture. Logarithms and π appear in measures and in
 //! [`theory`] only.
 //!
 //! ```

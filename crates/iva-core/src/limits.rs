@@ -2,7 +2,10 @@
 
 use crate::error::Invalid;
 use crate::range;
-use crate::real::Real;
+use crate::real::{Real, TURN};
+
+/// Number of [`Limits::stops`].
+pub const STOPS: usize = 4;
 
 /// How long to run and where to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +37,17 @@ impl Limits {
             max_work: Self::MAX_WORK,
             chatter_floor: Self::CHATTER_FLOOR * clearance,
         }
+    }
+
+    /// The instants that no stretch of motion runs across, so that measures find it there: one period,
+    /// one and half a period before the end, and the end; in order, those outside the run as its end.
+    pub fn stops(&self) -> [Real; STOPS] {
+        let end = self.duration;
+        let period = TURN[0];
+        let inside = |instant: Real| if instant > 0.0 && instant < end { instant } else { end };
+        let mut stops = [inside(period), inside(end - period), inside(end - 0.5 * period), end];
+        stops.sort_by(Real::total_cmp);
+        stops
     }
 
     /// Checks that duration and chatter floor are in [`crate::range`].

@@ -161,27 +161,18 @@ impl<S: System> Measures<S> {
             }
         }
         if self.wanted.residual || self.wanted.settling {
-            self.late(span, stretch, time);
+            self.late(span, stretch);
         }
     }
 
     /// Largest |x| in the last period and half period of the run.
-    fn late<M: Motion<State = S::State>>(
-        &mut self,
-        span: &Span<'_, M>,
-        stretch: &Monotone,
-        end: Real,
-    ) {
+    fn late<M: Motion<State = S::State>>(&mut self, span: &Span<'_, M>, stretch: &Monotone) {
         for (before_end, largest) in
             [(TURN[0], &mut self.last_period), (0.5 * TURN[0], &mut self.last_half_period)]
         {
-            let from = (self.duration - before_end).max(0.0);
-            if end < from {
-                continue;
+            if span.start.value >= self.duration - before_end {
+                *largest = largest.max(stretch.x[0].abs()).max(stretch.x[1].abs());
             }
-            let h = -span.start.minus(from);
-            let first = if h > stretch.h[0] { span.motion.primary(h).value } else { stretch.x[0] };
-            *largest = largest.max(first.abs()).max(stretch.x[1].abs());
         }
     }
 }
@@ -207,10 +198,9 @@ impl<S: System> Observer<S> for Measures<S> {
             self.pivot = self.pivot.plus(span.motion.pivot_loss(span.length));
             self.work = self.work.plus(span.motion.work(span.length));
         }
-        let to_period = -span.start.minus(TURN[0]);
-        if to_period > 0.0 && to_period <= span.length {
+        if span.finish.value == TURN[0] {
             let initial = self.energy_begin;
-            let energy = system.energy(&span.motion.state(to_period));
+            let energy = system.energy(span.end);
             if initial > 0.0 {
                 self.values.damping_ratio_energy =
                     Some((initial - energy) / (2.0 * TURN[0] * initial));

@@ -74,6 +74,10 @@ macro_rules! beside_doubles {
             pub fn hypot(self, other: Self) -> Self {
                 (self * self + other * other).sqrt()
             }
+            /// As [`f64::mul_add`], but for the rounding.
+            pub fn mul_add(self, factor: Self, addend: Self) -> Self {
+                self * factor + addend
+            }
             /// As [`f64::powi`], for n ≥ 0.
             pub fn powi(self, n: u32) -> Self {
                 (0..n).fold(Self::from(1.0), |power, _| power * self)

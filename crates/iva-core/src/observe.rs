@@ -8,7 +8,7 @@ use crate::system::{Clock, Point, System, Wall};
 
 /// Smooth motion between two neighbouring instants of the run.
 #[derive(Debug)]
-pub struct Span<'a, M> {
+pub struct Span<'a, M: Motion> {
     /// The motion, exact for 0 ≤ h ≤ `length`.
     pub motion: &'a M,
     /// Instant at h = 0.
@@ -19,6 +19,10 @@ pub struct Span<'a, M> {
     pub from: Point,
     /// Primary at its end.
     pub to: Point,
+    /// The state at its end, before what may happen there.
+    pub end: &'a M::State,
+    /// Instant of its end.
+    pub finish: Clock,
 }
 
 /// A chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall. Times in

@@ -37,6 +37,8 @@ const LOSS_TERMS: usize = 24;
 pub struct Oscillator {
     /// k = 1/m.
     pub stiffness: Real,
+    /// √k.
+    pub frequency: Real,
     /// c = 2ζ/m.
     pub damping: Real,
     /// Λ, the factor by which each further derivative can grow.
@@ -56,6 +58,8 @@ pub struct Oscillator {
     /// The coefficients to twice the precision, for [`Oscillator::precise`].
     exact: [[Sum; 2]; TERMS],
     loss: [[Real; 3]; LOSS_TERMS],
+    /// The loss at h = `reach` for the three products.
+    full_loss: [Real; 3],
 }
 
 impl Oscillator {
@@ -73,12 +77,13 @@ impl Oscillator {
         bent[0] = [ZERO; 2];
         let square = Sum::new(reach).times(reach);
         let halves = [square.half(), Sum::ZERO];
-        let rounded = kernels(&bent, reach);
+        let rounded = even_and_odd(&bent, reach).map(|sum| reach * reach * sum);
         let full_step_rest =
             std::array::from_fn(|i| (horner(&exact, i, reach) - halves[i]).minus(rounded[i]));
         let loss = loss_series(stiffness, damping, 2.0 * damping_ratio);
         Self {
             stiffness,
+            frequency: stiffness.sqrt(),
             damping,
             growth,
             reach,
@@ -88,6 +93,7 @@ impl Oscillator {
             full_step_rest,
             exact,
             loss,
+            full_loss: even_and_odd(&loss, reach),
         }
     }
 
@@ -98,14 +104,11 @@ impl Oscillator {
     }
 
     /// The derivative that follows two successive ones, to twice the precision.
-    #[inline]
+    #[inline(always)]
     fn next(&self, lower: Sum, upper: Sum) -> Sum {
-        let spring = if self.stiffness == 1.0 { lower } else { lower.times(self.stiffness) };
-        if self.damping == 0.0 {
-            return spring.negated();
-        }
-        let damper = upper.times(self.damping);
-        spring.plus_parts(damper.value, damper.rest).negated()
+        let spring =
+            if self.stiffness == 1.0 { lower } else { lower.product(Sum::new(self.stiffness)) };
+        -(spring + upper.product(Sum::new(self.damping)))
     }
 
     /// The derivative that follows two successive derivatives of x.
@@ -117,7 +120,7 @@ impl Oscillator {
     /// ρ of a state: bounds |v| and, times Λⁿ⁻¹, the n-th derivative of x at every later time.
     #[inline]
     pub fn radius(&self, x: Real, v: Real) -> Real {
-        self.stiffness.sqrt() * x.abs() + v.abs()
+        self.frequency * x.abs() + v.abs()
     }
 
     /// What a flight of length h ≤ `reach` adds to a state of velocity v and acceleration a.
@@ -135,27 +138,30 @@ impl Oscillator {
 
     /// The same at the end of a flight, which the run goes on from, to more digits: the terms up to h²
     /// to twice the precision, which leaves the rounding of those from h³ on.
-    #[inline]
+    #[inline(always)]
     pub fn arrive(&self, velocity: Sum, acceleration: Sum, h: Real) -> Arrival {
         let (v, a) = (velocity.value, acceleration.value);
-        let half_square = Sum::new(h).times(h).half();
-        let [p, q] = kernels(&self.bent, h);
-        let [p_rest, q_rest] = if h == self.reach {
-            self.full_step_rest
-        } else {
-            let z = h * h;
-            interleaved(&self.coefficient_rests, h).map(|sum| z * sum)
-        };
         let (k, c) = (self.stiffness, self.damping);
+        let length = Sum::new(h);
+        let half_square = length.product(length).half();
+        let z = h * h;
+        let [p, q] = even_and_odd(&self.bent, h).map(|sum| z * sum);
+        let [p_rest, q_rest] = even_and_odd(&self.coefficient_rests, h).map(|sum| z * sum);
+        let full = h == self.reach;
+        let p_rest = if full { self.full_step_rest[0] } else { p_rest };
+        let q_rest = if full { self.full_step_rest[1] } else { q_rest };
         let jerk = self.next(velocity, acceleration);
-        let beyond = a * (q - c * p) - k * (v * p);
-        let beyond_rest = a * (q_rest - c * p_rest) - k * (v * p_rest);
         Arrival {
             curved: acceleration
-                .times_sum(half_square)
-                .plus_parts(a * p + v * q, a * p_rest + v * q_rest + velocity.rest * q),
-            velocity: acceleration.times(h).plus_parts(beyond, beyond_rest)
-                + jerk.times_sum(half_square),
+                .product(half_square)
+                .plus_parts(a * p + v * q, (a * p_rest + v * q_rest) + velocity.rest * q),
+            velocity: acceleration.product(length).plus_both(
+                jerk.product(half_square),
+                Sum {
+                    value: a * (q - c * p) - k * (v * p),
+                    rest: a * (q_rest - c * p_rest) - k * (v * p_rest),
+                },
+            ),
         }
     }
 
@@ -167,13 +173,26 @@ impl Oscillator {
         forced.plus_parts(carried.value, carried.rest)
     }
 
+    /// x and its derivatives after a flight of length h ≤ `reach`, to some units in the last place.
+    #[inline(always)]
+    pub(crate) fn jet(&self, x: Real, v: Real, a: Real, h: Real) -> Jet {
+        let z = h * h;
+        let [p, q] = even_and_odd(&self.responses, h).map(|sum| z * sum);
+        let (k, s) = (self.stiffness, h + (q - self.damping * p));
+        let value = x + (v * h + (a * p + v * q));
+        let rate = v + (a * s - k * (v * p));
+        let curvature = a + (self.next_derivative(v, a) * s - k * (a * p));
+        Jet { value, rate, curvature, jerk: self.next_derivative(rate, curvature) }
+    }
+
     /// Energy lost in the damper over a flight of length h ≤ `reach`: ∫ 2ζ v² dt, summed from the
     /// power series of the integral (not a difference of energies).
+    #[inline(always)]
     pub fn viscous_loss(&self, x: Real, v: Real, h: Real) -> Real {
         if self.damping == 0.0 {
             return ZERO;
         }
-        let sums = interleaved(&self.loss, h);
+        let sums = if h == self.reach { self.full_loss } else { even_and_odd(&self.loss, h) };
         h * (x * x * sums[0] + x * v * sums[1] + v * v * sums[2])
     }
 }
@@ -225,11 +244,11 @@ impl Primary {
     }
 
     /// The state at the end of a flight, see [`Oscillator::arrive`].
-    #[inline]
+    #[inline(always)]
     pub fn arrived(&self, oscillator: &Oscillator, a: Sum, h: Real) -> (Primary, Arrival) {
         let arrival = oscillator.arrive(self.v, a, h);
         let later = Primary {
-            x: self.x + (self.v.times(h) + arrival.curved),
+            x: self.x.plus_both(self.v.product(Sum::new(h)), arrival.curved),
             v: self.v + arrival.velocity,
         };
         (later, arrival)
@@ -237,7 +256,8 @@ impl Primary {
 
     /// The state after its velocity has jumped by `sign` · `share` · `velocity`.
     #[inline]
-    pub fn kicked(&self, sign: f64, velocity: Sum, share: Sum) -> Primary {
+    pub fn kicked(&self, sign: impl Into<Real>, velocity: Sum, share: Sum) -> Primary {
+        let sign = sign.into();
         let kick = share.value * (sign * velocity.value);
         let rest = sign * (share.value * velocity.rest + share.rest * velocity.value);
         Primary { x: self.x, v: self.v.plus_parts(kick, rest) }
@@ -264,6 +284,22 @@ fn horner(responses: &[[Sum; 2]; TERMS], i: usize, h: Real) -> Sum {
         sum = sum.times(h).plus_parts(coefficients[i].value, coefficients[i].rest);
     }
     sum.times(h).times(h)
+}
+
+/// K polynomials with common argument, N even: even and odd powers side by side, each product and sum
+/// rounded once.
+#[inline(always)]
+fn even_and_odd<const K: usize, const N: usize>(series: &[[Real; K]; N], h: Real) -> [Real; K] {
+    const { assert!(N.is_multiple_of(2)) }
+    let z = h * h;
+    let [mut even, mut odd] = [series[N - 2], series[N - 1]];
+    for pair in (0..N / 2 - 1).rev() {
+        for k in 0..K {
+            even[k] = even[k].mul_add(z, series[2 * pair][k]);
+            odd[k] = odd[k].mul_add(z, series[2 * pair + 1][k]);
+        }
+    }
+    std::array::from_fn(|k| odd[k].mul_add(h, even[k]))
 }
 
 /// K polynomials with common argument, N a multiple of 4. The powers are summed in four classes

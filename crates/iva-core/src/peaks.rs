@@ -59,7 +59,13 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
                 }
             }
         }
-        None if from.v * to.v < 0.0 => turn([ZERO, span.length], [from.v, to.v]),
+        None if from.v * to.v < 0.0 => match span.motion.turning(span.length, span.end) {
+            Some((h, x)) => {
+                take(&Monotone { h: [begin.0, h], x: [begin.1, x] });
+                begin = (h, x);
+            }
+            None => turn([ZERO, span.length], [from.v, to.v]),
+        },
         None => {}
     }
     take(&Monotone { h: [begin.0, span.length], x: [begin.1, to.x] });

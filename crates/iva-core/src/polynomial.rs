@@ -32,29 +32,36 @@ pub(crate) fn product_integral(f: &[Real], g: &[Real], t: Real) -> Real {
 /// A stretch of the search for an extremum: its ends, and the function there.
 type Stretch = [(Real, Real); 2];
 
-/// The largest |f| of a polynomial on an interval of [0, ∞), or `least` if that is larger; to 2⁻⁵⁰ of
-/// it. Between two points f leaves its chord by no more than max|f″| w²/8.
+/// The largest |f| of a polynomial on an interval of [0, ∞), or `least` if that is larger; to some 2⁻⁵⁰ of
+/// it or of the sum of the terms' sizes. Between two points f leaves its chord by no more than
+/// max|f″| w²/8.
 pub(crate) fn largest(f: &[Real], [from, to]: [Real; 2], least: Real) -> Real {
-    const WITHIN: f64 = 1.0 + 4.0 * f64::EPSILON;
-    let steepest =
+    const WITHIN: f64 = 4.0 * f64::EPSILON;
+    let ends = horner(f, from).abs().max(horner(f, to).abs());
+    let size = steepest(f, 0, to);
+    if !(size > 0.0 && size.is_finite()) {
+        return least.max(ends);
+    }
+    // Over its size, so that no bound overflows.
+    let curved =
         f.iter().enumerate().skip(2).rev().fold(ZERO, |sum, (k, coefficient)| {
-            sum * to + (k * (k - 1)) as f64 * coefficient.abs()
+            sum * to + factor(k, 2) * (coefficient.abs() / size)
         });
-    let at = |t: Real| (t, horner(f, t));
+    let at = |t: Real| (t, horner(f, t) / size);
     let whole: Stretch = [at(from), at(to)];
-    let mut most = least.max(whole[0].1.abs()).max(whole[1].1.abs());
+    let mut most = (least.max(ends)) / size;
     let mut left = vec![whole];
     while let Some([(a, f_a), (b, f_b)]) = left.pop() {
-        let bound = f_a.abs().max(f_b.abs()) + 0.125 * steepest * ((b - a) * (b - a));
+        let bound = f_a.abs().max(f_b.abs()) + 0.125 * curved * ((b - a) * (b - a));
         let middle = a.midpoint(b);
         // A NaN is not larger: it ends the search.
-        if bound > most * WITHIN && middle > a && middle < b {
+        if bound > most + WITHIN * most.max(1.0) && middle > a && middle < b {
             let middle = at(middle);
             most = most.max(middle.1.abs());
             left.extend([[(a, f_a), middle], [middle, (b, f_b)]]);
         }
     }
-    most
+    (most * size).max(least).max(ends)
 }
 
 /// Brackets of the instants in [0, to] at which a polynomial turns round, one each, in order. An

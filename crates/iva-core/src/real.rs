@@ -54,6 +54,16 @@ pub fn power_of_two(number: Real) -> Real {
     f64::from_bits(number.to_bits() & EXPONENT)
 }
 
+/// True if strides ([`crate::siva`]) are to be gone: what verifies a run goes without.
+pub const STRIDES: bool = true;
+
+/// Runs code in the best instructions that the machine has. What is inlined into it has a fused
+/// multiply-add, the same bits faster.
+#[inline]
+pub fn dispatched<R>(code: impl FnOnce() -> R) -> R {
+    pulp::Arch::new().dispatch(code)
+}
+
 /// The whole number below, of a number ≥ 0.
 #[inline]
 pub fn whole(number: Real) -> usize {

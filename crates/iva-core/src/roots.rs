@@ -61,6 +61,11 @@ pub struct Searched<'a, C> {
     pub doubt: Real,
 }
 
+/// Where rounding could decide the sign of a plain evaluation, in units of 2⁻⁵³ of the curve's magnitude.
+/// The terms of a cubic that stays within ±1 sum to at most 99 (Chebyshev's T₃ on a one-sided interval),
+/// each with two or three roundings.
+pub(crate) const DOUBT: f64 = 256.0;
+
 /// Halvings of an interval before f counts as constant: 2⁻⁴⁸ of a stretch on which f was smooth
 /// enough for a series of some 20 terms changes f by less than its rounding.
 const MAX_DEPTH: u32 = 48;

@@ -37,7 +37,7 @@ impl<S: System> LastCrossing<S> {
         self.crossing = None;
     }
 
-    /// Keeps the stretch if |x| passes the level on it; of two passages the later.
+    /// Keeps the stretch if |x| falls below the level on it.
     pub fn watch<M: Motion<State = S::State>>(
         &mut self,
         span: &Span<'_, M>,
@@ -46,25 +46,16 @@ impl<S: System> LastCrossing<S> {
     ) {
         let level = self.share * amplitude;
         let [from, to] = stretch.x;
-        if from.abs() <= level && to.abs() <= level {
+        // After the last passage |x| is below, so only those that lead there count.
+        if from.abs() <= level || to.abs() > level {
             return;
         }
-        let passes = |level: Real| (from > level) != (to > level) && from != to;
-        // Where x passes both levels, it passes the one of the sign it ends with last.
-        let last = if to >= 0.0 { level } else { -level };
-        let level = if passes(last) {
-            last
-        } else if passes(-last) {
-            -last
-        } else {
-            return;
-        };
         self.crossing = Some(Crossing {
             origin: *span.motion.origin(),
             riding: M::RIDING,
             start: span.start,
             stretch: *stretch,
-            level,
+            level: if from > 0.0 { level } else { -level },
         });
     }
 

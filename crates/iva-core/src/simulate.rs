@@ -13,7 +13,7 @@ use crate::observe::{Episode, Jump, Observer, Span};
 use crate::real::{Real, ZERO};
 use crate::system::{Clock, System, Wall};
 
-pub use crate::limits::{Limits, Outcome};
+pub use crate::limits::{Limits, Outcome, STOPS};
 
 /// Counts and sums of a run, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,6 +78,8 @@ pub fn simulate<S: System, O: Observer<S>>(
             state,
         },
         losses: Clock::ZERO,
+        stops: limits.stops(),
+        stopped: 0,
     };
     run.observer.start(system, &state, limits.duration);
     if system.energy(&state).is_finite() {
@@ -124,6 +126,8 @@ struct Run<'a, S: System, O> {
     riding: Option<Episode>,
     tally: Tally<S::State>,
     losses: Clock,
+    stops: [Real; STOPS],
+    stopped: usize,
 }
 
 /// How often the loop looks whether it is to stop.
@@ -135,8 +139,12 @@ const REBOUND_LOOK: f64 = 2.5;
 impl<S: System, O: Observer<S>> Run<'_, S, O> {
     fn until_end(&mut self) {
         loop {
-            let remaining = -self.clock.minus(self.limits.duration);
+            let remaining = -self.clock.minus(self.stop());
             if remaining <= 0.0 {
+                self.stopped += 1;
+                if self.stopped < self.stops.len() {
+                    continue;
+                }
                 self.tally.outcome = Outcome::Finished;
                 return;
             }
@@ -168,6 +176,11 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         }
     }
 
+    /// The next instant that no stretch of motion runs across.
+    fn stop(&self) -> Real {
+        self.stops[self.stopped.min(STOPS - 1)]
+    }
+
     fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
@@ -183,10 +196,19 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         let system = self.system;
         let state = self.tally.state;
         let flight = system.flight(&state);
+        let length = flight.reach().min(remaining).min(first);
+        if let Some(stride) = system.stride(&state, length) {
+            self.phase = Phase::Flight { first: Real::INFINITY };
+            let whole = length == remaining && !stride.contact;
+            self.arrive(&flight, [stride.length, stride.later], stride.end, whole);
+            if stride.contact {
+                self.strike();
+            }
+            return true;
+        }
         if !is_finite(&flight.jet(&state), flight.fourth()) {
             return false;
         }
-        let length = flight.reach().min(remaining).min(first);
         let stretch = if system.walls_reachable() {
             first_contact(&flight, &state, system.clearance(), length)
         } else {
@@ -233,17 +255,27 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
     where
         M: Motion<State = S::State>,
     {
-        let end = motion.arrival(h);
+        let whole = to_the_end && h >= -self.clock.minus(self.stop());
+        self.arrive(motion, [h, ZERO], motion.arrival(h), whole);
+    }
+
+    /// Ends a motion after a time given with what that lacks; `whole`: at the next stop.
+    fn arrive<M>(&mut self, motion: &M, [h, later]: [Real; 2], end: S::State, whole: bool)
+    where
+        M: Motion<State = S::State>,
+    {
+        let finish = if whole { Clock::new(self.stop()) } else { self.clock.plus_parts(h, later) };
         let span = Span {
             motion,
             start: self.clock,
-            length: h,
+            length: h + later,
             from: self.system.primary(&self.tally.state),
             to: self.system.primary(&end),
+            end: &end,
+            finish,
         };
         self.observer.span(self.system, &span);
-        let whole = to_the_end && h >= -self.clock.minus(self.limits.duration);
-        self.clock = if whole { Clock::new(self.limits.duration) } else { self.clock.plus(h) };
+        self.clock = finish;
         self.tally.state = end;
     }
 

@@ -10,14 +10,15 @@ use crate::flight::Jet;
 use crate::impact::{self, Impact};
 use crate::oscillator::{Oscillator, Primary};
 use crate::range;
-use crate::real::{ONE, Real, ZERO};
-use crate::system::{Point, Start, System, Wall};
+use crate::real::{ONE, Real, STRIDES, ZERO, dispatched};
+use crate::system::{Point, Start, Stride, System, Wall};
 
 pub use motion::SivaFlight;
 pub use ride::SivaRide;
 
 mod motion;
 mod ride;
+mod stride;
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;
@@ -164,7 +165,8 @@ pub struct SivaState {
     pub(crate) primary: Primary,
     /// ẍ in free motion, small against x and ẋ where the two balance.
     pub(crate) acceleration: Sum,
-    wall: Wall,
+    /// +1 at the wall y = +d, −1 at y = −d: the one that distances are measured from.
+    side: Real,
     distance: Sum,
     rate: Sum,
 }
@@ -172,7 +174,7 @@ pub struct SivaState {
 impl SivaState {
     /// Gap velocity w = −s Ḋ.
     pub(crate) fn gap_velocity(&self) -> Real {
-        -self.wall.sign() * self.rate.value
+        -self.side * self.rate.value
     }
 }
 
@@ -208,14 +210,13 @@ impl System for Siva {
                 .into_iter()
                 .find(|value| *value != 0.0)
                 .unwrap_or(ONE);
-        let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
-        let s = wall.sign();
+        let s = if side > 0.0 { ONE } else { -ONE };
         let distance = Sum::new(self.clearance).plus(-s * start.gap_displacement);
         let touching = distance.value <= ON_WALL_ULPS * Real::EPSILON * self.clearance;
         let state = SivaState {
             primary,
             acceleration,
-            wall,
+            side: s,
             distance: if touching { Sum::ZERO } else { distance },
             rate: Sum::new(-s * start.gap_velocity),
         };
@@ -227,17 +228,29 @@ impl System for Siva {
         SivaFlight::new(self, *state)
     }
 
+    #[inline]
+    fn stride(&self, state: &SivaState, length: Real) -> Option<Stride<SivaState>> {
+        if STRIDES {
+            dispatched(
+                #[inline(always)]
+                || self.strides(state, length),
+            )
+        } else {
+            None
+        }
+    }
+
     fn ride(&self, state: &SivaState) -> SivaRide<'_> {
         SivaRide::new(self, *state)
     }
 
     fn wall(&self, state: &SivaState) -> Wall {
-        state.wall
+        if state.side > 0.0 { Wall::Plus } else { Wall::Minus }
     }
 
     #[inline]
     fn distance(&self, state: &SivaState) -> Jet {
-        let s = state.wall.sign();
+        let s = state.side;
         Jet {
             value: state.distance.value,
             rate: state.rate.value,
@@ -247,7 +260,7 @@ impl System for Siva {
     }
 
     fn touch(&self, state: &SivaState, wall: Wall) -> (SivaState, Real) {
-        let (left, rate) = if wall == state.wall {
+        let (left, rate) = if wall == self.wall(state) {
             (state.distance.value, state.rate)
         } else {
             (-state.distance.minus(2.0 * self.clearance), state.rate.negated())
@@ -257,12 +270,13 @@ impl System for Siva {
         let gained = a * later;
         let Primary { x, v } = state.primary;
         let primary = Primary { x: x.plus(v.value * later), v: v.plus(gained) };
-        let rate = rate.plus(wall.sign() * gained);
-        (SivaState { primary, wall, distance: Sum::ZERO, rate, ..*state }, later)
+        let side = wall.sign() * ONE;
+        let rate = rate.plus(side * gained);
+        (SivaState { primary, side, distance: Sum::ZERO, rate, ..*state }, later)
     }
 
     fn impact(&self, state: &SivaState, time: Real) -> (SivaState, Impact) {
-        let s = state.wall.sign();
+        let s = state.side;
         let rate = state.rate;
         let approach = -rate.value;
         let primary = state.primary.kicked(-s, rate, self.impact_share);
@@ -274,7 +288,7 @@ impl System for Siva {
         };
         let impact = Impact {
             time,
-            wall: state.wall,
+            wall: self.wall(state),
             displacement: state.primary.x.value,
             velocity_before: state.primary.v.value,
             velocity_after: after.primary.v.value,
@@ -288,7 +302,7 @@ impl System for Siva {
 
     fn stick(&self, state: &SivaState) -> (SivaState, Real) {
         let loss = impact::energy_loss(self.mass_ratio, ZERO, state.rate.value);
-        let primary = state.primary.kicked(-state.wall.sign(), state.rate, self.stick_share);
+        let primary = state.primary.kicked(-state.side, state.rate, self.stick_share);
         let stuck = SivaState {
             primary,
             acceleration: self.free.acceleration(&primary),

@@ -27,6 +27,14 @@ pub fn power_of_two(number: Real) -> Real {
     iva_core::real::power_of_two(f64::from(number)).into()
 }
 
+/// Every stretch of flight is searched as if it were a hard one: a check of those that are not.
+pub const STRIDES: bool = false;
+
+/// Runs code.
+pub fn dispatched<R>(code: impl FnOnce() -> R) -> R {
+    code()
+}
+
 /// The whole number below, of a number ≥ 0.
 pub fn whole(number: Real) -> usize {
     f64::from(number) as usize

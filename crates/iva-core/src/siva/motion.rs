@@ -1,10 +1,11 @@
 //! The flight of a SIVA: free in its gap.
 
+use super::stride::turning;
 use super::{Siva, SivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
 use crate::oscillator::{Increment, Primary};
-use crate::real::Real;
+use crate::real::{Real, STRIDES, dispatched};
 use crate::system::{System, Wall};
 
 /// The absorber free in its gap.
@@ -42,28 +43,29 @@ impl Motion for SivaFlight<'_> {
     #[inline]
     fn state(&self, h: Real) -> SivaState {
         let from = &self.from;
-        let s = from.wall.sign();
+        let s = from.side;
         let (primary, increment) = self.after(h);
         SivaState {
             primary,
             acceleration: self.from.acceleration.plus(increment.acceleration),
-            wall: from.wall,
+            side: from.side,
             distance: from.distance.plus(from.rate.value * h + s * increment.curved),
             rate: from.rate.plus(s * increment.velocity),
         }
     }
 
+    #[inline(always)]
     fn arrival(&self, h: Real) -> SivaState {
         let from = &self.from;
-        let s = from.wall.sign();
+        let s = from.side;
         let free = &self.siva.free;
-        let (primary, arrival) = from.primary.arrived(free, self.from.acceleration, h);
-        let side = |sum: Sum| if s > 0.0 { sum } else { sum.negated() };
+        let (primary, arrival) = from.primary.arrived(free, from.acceleration, h);
+        let side = |sum: Sum| Sum { value: s * sum.value, rest: s * sum.rest };
         SivaState {
             primary,
             acceleration: free.acceleration(&primary),
-            wall: from.wall,
-            distance: from.distance + (from.rate.times(h) + side(arrival.curved)),
+            side: from.side,
+            distance: from.distance.plus_both(from.rate.product(Sum::new(h)), side(arrival.curved)),
             rate: from.rate + side(arrival.velocity),
         }
     }
@@ -77,7 +79,7 @@ impl Motion for SivaFlight<'_> {
         let state = self.state(h);
         let d = self.siva.clearance;
         // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
-        let y = state.wall.sign() * (d - state.distance.value);
+        let y = state.side * (d - state.distance.value);
         GapPoint { y: y.clamp(-d, d), w: state.gap_velocity() }
     }
 
@@ -87,7 +89,19 @@ impl Motion for SivaFlight<'_> {
 
     fn viscous_loss(&self, h: Real) -> Real {
         let Primary { x, v } = self.from.primary;
-        self.siva.free.viscous_loss(x.value, v.value, h)
+        let free = &self.siva.free;
+        dispatched(
+            #[inline(always)]
+            || free.viscous_loss(x.value, v.value, h),
+        )
+    }
+
+    fn turning(&self, length: Real, end: &SivaState) -> Option<(Real, Real)> {
+        let (h, x, exact) = dispatched(
+            #[inline(always)]
+            || turning(&self.siva.free, &self.from, end, length),
+        );
+        (STRIDES && exact).then_some((h, x))
     }
 }
 
@@ -105,8 +119,7 @@ impl Curve for SivaFlight<'_> {
     }
 
     fn precise(&self, h: Real) -> Sum {
-        let SivaState { primary, wall, distance, rate, .. } = self.from;
-        let s = wall.sign();
+        let SivaState { primary, side: s, distance, rate, .. } = self.from;
         let travelled = rate.times(h);
         let curved = self.siva.free.precise(primary.v, self.from.acceleration, h);
         distance

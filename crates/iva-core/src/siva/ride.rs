@@ -56,11 +56,11 @@ impl Motion for SivaRide<'_> {
     }
 
     fn gap(&self, _h: Real) -> GapPoint {
-        GapPoint { y: self.from.wall.sign() * self.clearance, w: ZERO }
+        GapPoint { y: self.from.side * self.clearance, w: ZERO }
     }
 
     fn wall(&self) -> Option<Wall> {
-        Some(self.from.wall)
+        Some(if self.from.side > 0.0 { Wall::Plus } else { Wall::Minus })
     }
 
     fn viscous_loss(&self, h: Real) -> Real {
@@ -78,7 +78,7 @@ impl Curve for SivaRide<'_> {
 
     /// The pressure on the wall; the ride ends where it changes sign.
     fn jet(&self, sample: &SivaState) -> Jet {
-        let factor = -sample.wall.sign();
+        let factor = -sample.side;
         let Primary { x, v } = &sample.primary;
         let second = self.loaded.next_derivative(x.value, v.value);
         let third = self.loaded.next_derivative(v.value, second);

@@ -1,0 +1,302 @@
+//! A stride: a stretch of flight that two evaluations or so decide.
+//!
+//! Nearly every stretch of flight is simple: it meets no wall, or one wall once and not flatly. A stride
+//! proves that it is simple or gives up; what it gives up is searched by [`crate::contact`]. It goes
+//! without branches, so that many can go side by side ([`crate::lanes`]).
+//!
+//! **Proof.** Distance, rate and curvature at both ends of a stretch of length L define a quintic H,
+//! and with M = L⁶ max |D⁽⁶⁾| the distance obeys (G. Birkhoff and A. Priver, J. Math. Phys. 46, 1967)
+//!
+//! ```text
+//! |D − H| ≤ M/46080,    L |D′ − H′| ≤ M √5/30000,    L² |D″ − H″| ≤ M/1920.
+//! ```
+//!
+//! H lies within the range of its Bernstein coefficients and L H′ within five times that of their
+//! differences. In a flight that starts on the wall it is H/t that counts, with the coefficients 5b₁, 5b₂/2,
+//! 5b₃/3, 5b₄/4, b₅: |D − H|/t ≤ M t² (L−t)³/(720 L⁶) ≤ M/20833 L, and
+//! L² |(D/t)′ − (H/t)′| ≤ ½ M/1920, as t e′ − e = ∫ t e″ dt for the error e.
+//!
+//! **Root.** Where H − level changes sign and its slope keeps its own, D has one root. The distance is
+//! evaluated at the root of H, and the rest of the way gone by the Taylor series of the motion
+//! there.
+
+use super::SivaState;
+use crate::compensated::Sum;
+use crate::flight::{Jet, Motion};
+use crate::oscillator::{Oscillator, Primary};
+use crate::real::{ONE, Real, ZERO};
+use crate::roots::DOUBT;
+use crate::siva::Siva;
+use crate::system::{Stride, System};
+
+/// M/46080 bounds what H is off.
+const OFF: f64 = 1.0 / 46080.0;
+/// √5/30000, for the slope.
+const SLOPE_OFF: f64 = 7.454e-5;
+/// For H/t: max of t² (1−t)³/720, and ½/1920.
+const RISE_OFF: f64 = 4.8001e-5;
+const RISE_SLOPE_OFF: f64 = 2.605e-4;
+/// Evaluations near a root.
+const LOOKS: usize = 3;
+
+/// The quintic through two states on their distance to the wall.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Quintic {
+    /// Distance, L × rate, ½ L² × curvature at the begin.
+    begin: [Real; 3],
+    /// The same at the end.
+    end: [Real; 3],
+    /// M.
+    sixth: Real,
+    /// D = 2d: the far wall.
+    far: Real,
+}
+
+/// What the quintic proves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Proof {
+    /// No wall is met.
+    pub free: bool,
+    /// One wall is met once: the near one, the far one.
+    pub meets: [bool; 2],
+}
+
+impl Quintic {
+    #[inline(always)]
+    pub fn new(
+        oscillator: &Oscillator,
+        from: &SivaState,
+        to: &SivaState,
+        clearance: Real,
+        length: Real,
+    ) -> Self {
+        let half_square = 0.5 * (length * length);
+        let ends = |state: &SivaState| {
+            let curvature = state.side * state.acceleration.value;
+            [state.distance.value, length * state.rate.value, half_square * curvature]
+        };
+        let growth = oscillator.growth;
+        let radius = oscillator.radius(from.primary.x.value, from.primary.v.value);
+        let cube = length * length * length;
+        let fifth = growth * growth * (growth * growth) * (growth * radius);
+        Self {
+            begin: ends(from),
+            end: ends(to),
+            sixth: fifth * (cube * cube),
+            far: 2.0 * clearance,
+        }
+    }
+
+    /// The Bernstein coefficients.
+    #[inline(always)]
+    fn bernstein(&self) -> [Real; 6] {
+        let ([f, g, k], [u, v, w]) = (self.begin, self.end);
+        [f, f + 0.2 * g, f + (0.4 * g + 0.1 * k), u - (0.4 * v - 0.1 * w), u - 0.2 * v, u]
+    }
+
+    #[inline(always)]
+    pub fn proof(&self) -> Proof {
+        let b = self.bernstein();
+        let steps = [b[1] - b[0], b[2] - b[1], b[3] - b[2], b[4] - b[3], b[5] - b[4]];
+        let m = self.sixth;
+        // What rounding could change; a flight that starts on the wall is exact to rounding of its own
+        // height over it.
+        let height = (DOUBT * (0.5 * Real::EPSILON)) * size(&self.begin, &self.end);
+        let doubt = height + (DOUBT * (0.5 * Real::EPSILON)) * self.far;
+        let level = OFF * m + doubt;
+        let slope = SLOPE_OFF * m + doubt;
+        let (low, high) = (least(&b), most(&b));
+        let rises = [5.0 * b[1], 2.5 * b[2], (5.0 / 3.0) * b[3], 1.25 * b[4], b[5]];
+        let turns =
+            [rises[1] - rises[0], rises[2] - rises[1], rises[3] - rises[2], rises[4] - rises[3]];
+        let rise = RISE_OFF * m + height;
+        let on_wall = self.begin[0] == 0.0;
+        let above = if on_wall { least(&rises) > rise } else { low > level };
+        let below = high < self.far - level;
+        let falls = if on_wall {
+            (rises[0] > height)
+                & (4.0 * most(&turns) < -(RISE_SLOPE_OFF * m + 4.0 * height))
+                & (b[5] < -height)
+        } else {
+            (b[0] > doubt) & (5.0 * most(&steps) < -slope) & (b[5] < -doubt)
+        };
+        let climbs =
+            (b[0] < self.far - doubt) & (5.0 * least(&steps) > slope) & (b[5] > self.far + doubt);
+        Proof { free: above & below, meets: [falls & below, climbs & above] }
+    }
+
+    /// Where H meets a wall that it meets once, over the length.
+    #[inline(always)]
+    pub fn meeting(&self, far: bool) -> Real {
+        let c = monomials(&self.begin, &self.end);
+        // At the wall that the flight starts from, the root at the begin is divided out.
+        let returns = !far && c[0] == 0.0;
+        let level = if far { self.far } else { ZERO };
+        root(&if returns {
+            [c[1], c[2], c[3], c[4], c[5], ZERO]
+        } else {
+            [c[0] - level, c[1], c[2], c[3], c[4], c[5]]
+        })
+    }
+}
+
+/// The coefficients of a quintic on [0, 1] from value, slope and half the second derivative at both ends.
+#[inline(always)]
+fn monomials(begin: &[Real; 3], end: &[Real; 3]) -> [Real; 6] {
+    let ([f, g, k], [u, v, w]) = (*begin, *end);
+    let (p, q, r) = (u - f - g - k, v - g - 2.0 * k, w - k);
+    [f, g, k, 10.0 * p - 4.0 * q + r, 7.0 * q - 15.0 * p - 2.0 * r, 6.0 * p - 3.0 * q + r]
+}
+
+/// Close to the only root of a quintic on [0, 1]: Halley's method from its chord.
+#[inline(always)]
+fn root(c: &[Real; 6]) -> Real {
+    let last = c[0] + c[1] + c[2] + c[3] + c[4] + c[5];
+    let mut t = c[0] / (c[0] - last);
+    for _ in 0..2 {
+        let value = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
+        let slope =
+            c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * (5.0 * c[5]))));
+        let bend = 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * (20.0 * c[5])));
+        t -= 2.0 * value * slope / (2.0 * slope * slope - value * bend);
+    }
+    t
+}
+
+/// A state close to a wall: how much later it is met, and whether the Taylor series says so to the last
+/// bit.
+#[inline(always)]
+pub(crate) fn to_wall(
+    oscillator: &Oscillator,
+    state: &SivaState,
+    clearance: Real,
+    far: bool,
+    h: Real,
+) -> (Real, bool) {
+    let left = if far { state.distance.minus(2.0 * clearance) } else { state.distance.value };
+    let rate = state.rate.value;
+    let curvature = state.side * state.acceleration.value;
+    let jerk =
+        state.side * oscillator.next_derivative(state.primary.v.value, state.acceleration.value);
+    let mut later = -left / rate;
+    for _ in 0..2 {
+        let value =
+            left + later * (rate + later * (0.5 * curvature + later * ((1.0 / 6.0) * jerk)));
+        let slope = rate + later * (curvature + later * (0.5 * jerk));
+        later -= value / slope;
+    }
+    let growth = oscillator.growth;
+    let Primary { x, v } = state.primary;
+    let fourth = growth * growth * growth * oscillator.radius(x.value, v.value);
+    let square = later * later;
+    // The next term of the series against the rounding of rate and distance.
+    let close = fourth * (square * square) <= Real::EPSILON * (rate.abs() * h);
+    (later, close & (later.abs() < 0.5 * h))
+}
+
+/// The state at the wall that it meets so much later, in contact with it.
+#[inline(always)]
+pub(crate) fn at_wall(
+    oscillator: &Oscillator,
+    state: &SivaState,
+    far: bool,
+    later: Real,
+) -> SivaState {
+    let (v, a) = (state.primary.v.value, state.acceleration.value);
+    let jerk = oscillator.next_derivative(v, a);
+    let snap = oscillator.next_derivative(a, jerk);
+    let t = later;
+    let gained = t * (a + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap)));
+    let moved = t * (v + t * (0.5 * a + t * ((1.0 / 6.0) * jerk)));
+    let primary = Primary { x: state.primary.x.plus(moved), v: state.primary.v.plus(gained) };
+    let turn = if far { -ONE } else { ONE };
+    let rate = state.rate.plus(state.side * gained);
+    SivaState {
+        primary,
+        acceleration: state.acceleration,
+        side: turn * state.side,
+        distance: Sum::ZERO,
+        rate: Sum { value: turn * rate.value, rest: turn * rate.rest },
+    }
+}
+
+/// Where x turns round between two states of a flight in which its velocity changes sign, x there, and
+/// whether both are exact to rounding.
+#[inline(always)]
+pub(crate) fn turning(
+    oscillator: &Oscillator,
+    from: &SivaState,
+    to: &SivaState,
+    length: Real,
+) -> (Real, Real, bool) {
+    let half_square = 0.5 * (length * length);
+    let ends = |state: &SivaState| {
+        let (v, a) = (state.primary.v.value, state.acceleration.value);
+        [v, length * a, half_square * oscillator.next_derivative(v, a)]
+    };
+    let guess = length * root(&monomials(&ends(from), &ends(to)));
+    let (x, v) = (from.primary.x.value, from.primary.v.value);
+    let Jet { value, rate, curvature, jerk } = oscillator.jet(x, v, from.acceleration.value, guess);
+    let snap = oscillator.next_derivative(curvature, jerk);
+    let mut t = -rate / curvature;
+    for _ in 0..2 {
+        let speed = rate + t * (curvature + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap)));
+        let slope = curvature + t * (jerk + t * (0.5 * snap));
+        t -= speed / slope;
+    }
+    let turn = guess + t;
+    let x = value + t * (rate + t * (0.5 * curvature + t * ((1.0 / 6.0) * jerk)));
+    // The next term of the series against rounding.
+    let square = t * t;
+    let growth = oscillator.growth * oscillator.growth;
+    let fifth = growth * growth * oscillator.radius(from.primary.x.value, v);
+    let close = fifth * (square * square) <= Real::EPSILON * (curvature.abs() * turn);
+    (turn, x, close & (turn > 0.0) & (turn < length))
+}
+
+impl Siva {
+    /// A stride of this length, if it is one.
+    #[inline(always)]
+    pub(super) fn strides(&self, state: &SivaState, length: Real) -> Option<Stride<SivaState>> {
+        let flight = self.flight(state);
+        let end = flight.arrival(length);
+        let quintic = Quintic::new(&self.free, state, &end, self.clearance, length);
+        let proof = quintic.proof();
+        if proof.free {
+            return Some(Stride { length, later: ZERO, end, contact: false });
+        }
+        let far = proof.meets[1];
+        if !(far || proof.meets[0]) {
+            return None;
+        }
+        let mut h = length * quintic.meeting(far);
+        for _ in 0..LOOKS {
+            if !(h > 0.0 && h <= length) {
+                return None;
+            }
+            let near = flight.arrival(h);
+            let (later, close) = to_wall(&self.free, &near, self.clearance, far, h);
+            if close {
+                let end = at_wall(&self.free, &near, far, later);
+                return Some(Stride { length: h, later, end, contact: true });
+            }
+            h += later;
+        }
+        None
+    }
+}
+
+#[inline(always)]
+fn least<const N: usize>(values: &[Real; N]) -> Real {
+    values[1..].iter().fold(values[0], |least, value| least.min(*value))
+}
+
+#[inline(always)]
+fn most<const N: usize>(values: &[Real; N]) -> Real {
+    values[1..].iter().fold(values[0], |most, value| most.max(*value))
+}
+
+#[inline(always)]
+fn size(begin: &[Real; 3], end: &[Real; 3]) -> Real {
+    begin.iter().chain(end).fold(ZERO, |sum, value| sum + value.abs())
+}
