@@ -53,7 +53,7 @@ impl Rebound {
         let spread = 1.0 / (1.0 - e);
         let epsilon = h * (j.abs() / a + b) * spread;
         let curved = h * h * (r / a) * (spread * spread);
-        SAFETY * self.tail().abs() * (epsilon * epsilon + curved)
+        SAFETY * (2.0 * h * spread) * (epsilon * epsilon + curved)
     }
 
     /// True if the tail can be summed with an error below rounding.

@@ -69,6 +69,7 @@ pub mod error;
 pub mod flight;
 pub mod force;
 pub mod impact;
+pub mod lanes;
 mod limits;
 pub mod measures;
 mod mixed;

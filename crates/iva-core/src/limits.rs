@@ -39,8 +39,8 @@ impl Limits {
         }
     }
 
-    /// The instants that no stretch of motion runs across, so that measures find it there: one period,
-    /// one and half a period before the end, and the end; in order, those outside the run as its end.
+    /// The instants of a free decay that measures look at: one period, one and half a period before the
+    /// end, and the end; in order, those outside the run as its end.
     pub fn stops(&self) -> [Real; STOPS] {
         let end = self.duration;
         let period = TURN[0];

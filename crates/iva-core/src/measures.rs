@@ -15,6 +15,8 @@ use crate::system::System;
 
 /// Peaks below this share of A₀ end the least-squares fit.
 const FIT_FLOOR: f64 = 0.05;
+/// Instants this close, over their size, are the same.
+const CLOSE: f64 = 8.0 * f64::EPSILON;
 /// The numbers of cycles of the logarithmic decrements.
 const CYCLES: [u64; 3] = [1, 3, 10];
 
@@ -76,30 +78,30 @@ pub struct MeasureValues {
 /// Takes the measures while a run passes.
 #[derive(Debug, Clone)]
 pub struct Measures<S: System> {
-    wanted: Wanted,
-    values: MeasureValues,
-    duration: Real,
-    reference: Reference,
+    pub(crate) wanted: Wanted,
+    pub(crate) values: MeasureValues,
+    pub(crate) duration: Real,
+    pub(crate) reference: Reference,
     /// Energy at time zero, after the impulses of that instant.
-    energy_begin: Real,
-    moving: bool,
-    half_cycles: HalfCycles,
-    first_peak: Real,
-    decrements: [Option<Real>; 3],
-    fit: Fit,
-    settling: [LastCrossing<S>; 3],
-    last_period: Real,
-    last_half_period: Real,
-    viscous: Sum,
-    pivot: Sum,
-    work: Sum,
+    pub(crate) energy_begin: Real,
+    pub(crate) moving: bool,
+    pub(crate) half_cycles: HalfCycles,
+    pub(crate) first_peak: Real,
+    pub(crate) decrements: [Option<Real>; 3],
+    pub(crate) fit: Fit,
+    pub(crate) settling: [LastCrossing<S>; 3],
+    pub(crate) last_period: Real,
+    pub(crate) last_half_period: Real,
+    pub(crate) viscous: Sum,
+    pub(crate) pivot: Sum,
+    pub(crate) work: Sum,
 }
 
 /// A₀, which grows with the first half cycle where x(0) = 0.
 #[derive(Debug, Clone, Copy)]
-struct Reference {
-    amplitude: Real,
-    settled: bool,
+pub(crate) struct Reference {
+    pub amplitude: Real,
+    pub settled: bool,
 }
 
 impl<S: System> Measures<S> {
@@ -130,7 +132,7 @@ impl<S: System> Measures<S> {
         &self.values
     }
 
-    fn peak(&mut self, peak: &Peak, index: u64) {
+    pub(crate) fn peak(&mut self, peak: &Peak, index: u64) {
         let amplitude = peak.displacement.abs();
         if index == 0 {
             self.first_peak = amplitude;
@@ -143,6 +145,14 @@ impl<S: System> Measures<S> {
             }
         }
         self.fit.take(peak.time, amplitude / self.reference.amplitude);
+    }
+
+    /// Takes the energy after one period.
+    pub(crate) fn one_period(&mut self, energy: Real) {
+        let initial = self.energy_begin;
+        if initial > 0.0 {
+            self.values.damping_ratio_energy = Some((initial - energy) / (2.0 * TURN[0] * initial));
+        }
     }
 
     fn stretch<M: Motion<State = S::State>>(&mut self, span: &Span<'_, M>, stretch: &Monotone) {
@@ -170,8 +180,13 @@ impl<S: System> Measures<S> {
         for (before_end, largest) in
             [(TURN[0], &mut self.last_period), (0.5 * TURN[0], &mut self.last_half_period)]
         {
-            if span.start.value >= self.duration - before_end {
+            let from = late(self.duration, before_end);
+            let late = -span.start.minus(from);
+            if late <= stretch.h[0] {
                 *largest = largest.max(stretch.x[0].abs()).max(stretch.x[1].abs());
+            } else if late + 2.0 * CLOSE * self.duration < stretch.h[1] {
+                let first = span.motion.primary(late).value;
+                *largest = largest.max(first.abs()).max(stretch.x[1].abs());
             }
         }
     }
@@ -198,13 +213,11 @@ impl<S: System> Observer<S> for Measures<S> {
             self.pivot = self.pivot.plus(span.motion.pivot_loss(span.length));
             self.work = self.work.plus(span.motion.work(span.length));
         }
-        if span.finish.value == TURN[0] {
-            let initial = self.energy_begin;
-            let energy = system.energy(span.end);
-            if initial > 0.0 {
-                self.values.damping_ratio_energy =
-                    Some((initial - energy) / (2.0 * TURN[0] * initial));
-            }
+        let to_period = -span.start.minus(TURN[0]);
+        if to_period == span.length {
+            self.one_period(system.energy(span.end));
+        } else if to_period > CLOSE * TURN[0] && to_period < span.length {
+            self.one_period(system.energy(&span.motion.state(to_period)));
         }
     }
 
@@ -253,9 +266,14 @@ impl<S: System> Observer<S> for Measures<S> {
     }
 }
 
+/// From when on a run counts as late, but for rounding.
+pub(crate) fn late(duration: Real, before_end: Real) -> Real {
+    (duration - before_end) - CLOSE * duration
+}
+
 /// Running least-squares line of ln a over t (updated means, after Welford 1962).
 #[derive(Debug, Clone, Copy, Default)]
-struct Fit {
+pub(crate) struct Fit {
     closed: bool,
     count: Real,
     mean_t: Real,

@@ -83,6 +83,33 @@ pub trait Observer<S: System> {
 
 impl<S: System> Observer<S> for () {}
 
+impl<S: System, O: Observer<S>> Observer<S> for &mut O {
+    fn start(&mut self, system: &S, state: &S::State, duration: Real) {
+        (**self).start(system, state, duration);
+    }
+    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        (**self).span(system, span);
+    }
+    fn impact(&mut self, system: &S, impact: &Impact) {
+        (**self).impact(system, impact);
+    }
+    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
+        (**self).jump(system, jump);
+    }
+    fn kick(&mut self, system: &S, state: &S::State, work: Real) {
+        (**self).kick(system, state, work);
+    }
+    fn unlist(&mut self, first: u64, floor: Real) {
+        (**self).unlist(first, floor);
+    }
+    fn episode(&mut self, episode: &Episode) {
+        (**self).episode(episode);
+    }
+    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+        (**self).end(system, tally);
+    }
+}
+
 impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
     fn start(&mut self, system: &S, state: &S::State, duration: Real) {
         if let Some(observer) = self {

@@ -19,18 +19,21 @@
 //! (√k x, v) obeys a linear system of norm Λ = c/2 + √(c²/4 + k), and so do its derivatives. Hence
 //! |x⁽ⁿ⁾| ≤ Λⁿ⁻¹ ρ for n ≥ 1 at every later time, for any ζ: no singularity at ζ = 1.
 
+use std::cell::RefCell;
+use std::sync::Arc;
+
 use crate::compensated::Sum;
 use crate::flight::Jet;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::{KEPT, ONE, Real, ZERO};
 
 /// Terms of the series of P and Q, beginning with h².
-const TERMS: usize = 20;
+const TERMS: usize = 24;
 /// Terms whose coefficients are computed to twice the precision.
 const EXACT_TERMS: usize = 8;
-/// Terms whose coefficients' rounding rests matter to a flight: the next is below 10⁻¹⁹.
-const RESTS: usize = 4;
+/// Terms from h⁴ on whose coefficients' rounding rests matter to a flight: the next is below 10⁻¹⁹.
+const RESTS: usize = 2;
 /// Terms of the series of the viscous loss, beginning with h.
-const LOSS_TERMS: usize = 24;
+const LOSS_TERMS: usize = 30;
 
 /// Coefficients of one oscillator; they depend on ζ and m only.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,43 +46,71 @@ pub struct Oscillator {
     pub damping: Real,
     /// Λ, the factor by which each further derivative can grow.
     pub growth: Real,
-    /// Longest h for which the series are exact to rounding: 1/Λ, where the first dropped term is
-    /// below 2/22! ≈ 2e-21 of the sum.
+    /// Longest h of a flight: 1.4/Λ, where the first dropped term is below 2 · 1.4²⁴/26! ≈ 2e-23 of the
+    /// sum. (Longer ones would be fewer, but rounding of the terms from h⁴ on would show.)
     pub reach: Real,
     /// Coefficients of P and Q.
     responses: [[Real; 2]; TERMS],
-    /// Those of P − h²/2 and Q, see [`Oscillator::arrive`].
+    /// The same without the terms up to h³, see [`Oscillator::arrive`].
     bent: [[Real; 2]; TERMS],
-    /// Rounding rests of the leading coefficients. They are the same in every flight: without them
+    /// Rounding rests of the coefficients of h⁴ and h⁵. They are the same in every flight: without them
     /// the energy of an undamped run would drift.
     coefficient_rests: [[Real; 2]; RESTS],
-    /// What rounding takes from P − h²/2 and Q at h = `reach`, a step taken again and again.
+    /// What rounding takes from P and Q without those terms at h = `reach`, a step taken again and
+    /// again.
     full_step_rest: [Real; 2],
     /// The coefficients to twice the precision, for [`Oscillator::precise`].
     exact: [[Sum; 2]; TERMS],
+    /// 1/3.
+    third: Sum,
     loss: [[Real; 3]; LOSS_TERMS],
     /// The loss at h = `reach` for the three products.
     full_loss: [Real; 3],
 }
 
+thread_local! {
+    /// The primaries made last, which neighbouring points of a sweep share; the latest first.
+    static MADE: RefCell<Vec<Arc<Oscillator>>> = const { RefCell::new(Vec::new()) };
+}
+
+/// How many of them.
+const REMEMBERED: usize = 16;
+
 impl Oscillator {
+    /// The free primary of this damping ratio; one made lately is taken again.
+    pub fn free(damping_ratio: Real) -> Arc<Self> {
+        if !KEPT {
+            return Arc::new(Self::new(ONE, damping_ratio));
+        }
+        MADE.with_borrow_mut(|made| {
+            if let Some(i) = made.iter().position(|one| one.damping == 2.0 * damping_ratio) {
+                made[..=i].rotate_right(1);
+            } else {
+                made.truncate(REMEMBERED - 1);
+                made.insert(0, Arc::new(Self::new(ONE, damping_ratio)));
+            }
+            Arc::clone(&made[0])
+        })
+    }
+
     /// The oscillator of mass `mass` (1 or 1 + μ) on the primary's spring and damper.
     pub fn new(mass: Real, damping_ratio: Real) -> Self {
         let stiffness = 1.0 / mass;
         let damping = 2.0 * damping_ratio / mass;
         let growth = 0.5 * damping + (0.25 * damping * damping + stiffness).sqrt();
-        let reach = 1.0 / growth;
+        let reach = 1.4 / growth;
         let exact = responses(stiffness, damping);
         let responses = exact.map(|pair| pair.map(|coefficient| coefficient.value));
         let coefficient_rests =
-            std::array::from_fn(|n| exact[n].map(|coefficient| coefficient.rest));
+            std::array::from_fn(|n| exact[n + 2].map(|coefficient| coefficient.rest));
         let mut bent = responses;
-        bent[0] = [ZERO; 2];
+        (bent[0], bent[1]) = ([ZERO; 2], [ZERO; 2]);
         let square = Sum::new(reach).times(reach);
-        let halves = [square.half(), Sum::ZERO];
+        let leading: [Sum; 2] =
+            std::array::from_fn(|i| (exact[0][i] + exact[1][i].times(reach)).times_sum(square));
         let rounded = even_and_odd(&bent, reach).map(|sum| reach * reach * sum);
         let full_step_rest =
-            std::array::from_fn(|i| (horner(&exact, i, reach) - halves[i]).minus(rounded[i]));
+            std::array::from_fn(|i| (horner(&exact, i, reach) - leading[i]).minus(rounded[i]));
         let loss = loss_series(stiffness, damping, 2.0 * damping_ratio);
         Self {
             stiffness,
@@ -92,6 +123,7 @@ impl Oscillator {
             coefficient_rests,
             full_step_rest,
             exact,
+            third: Sum::new(ONE).over(3.0),
             loss,
             full_loss: even_and_odd(&loss, reach),
         }
@@ -123,45 +155,38 @@ impl Oscillator {
         self.frequency * x.abs() + v.abs()
     }
 
-    /// What a flight of length h ≤ `reach` adds to a state of velocity v and acceleration a.
-    #[inline]
-    pub fn advance(&self, v: Real, a: Real, h: Real) -> Increment {
-        let [p, q] = kernels(&self.responses, h);
-        let s = h + (q - self.damping * p);
-        let k = self.stiffness;
-        Increment {
-            curved: a * p + v * q,
-            velocity: a * s - k * (v * p),
-            acceleration: self.next_derivative(v, a) * s - k * (a * p),
-        }
-    }
-
-    /// The same at the end of a flight, which the run goes on from, to more digits: the terms up to h²
-    /// to twice the precision, which leaves the rounding of those from h³ on.
+    /// What a flight of length h ≤ `reach` adds to a state: the terms up to h³ to twice the precision,
+    /// which leaves the rounding of those from h⁴ on.
     #[inline(always)]
     pub fn arrive(&self, velocity: Sum, acceleration: Sum, h: Real) -> Arrival {
         let (v, a) = (velocity.value, acceleration.value);
         let (k, c) = (self.stiffness, self.damping);
         let length = Sum::new(h);
         let half_square = length.product(length).half();
+        let sixth_cube = half_square.product(length).product(self.third);
         let z = h * h;
         let [p, q] = even_and_odd(&self.bent, h).map(|sum| z * sum);
-        let [p_rest, q_rest] = even_and_odd(&self.coefficient_rests, h).map(|sum| z * sum);
+        let square = z * z;
+        let [p_rest, q_rest] = even_and_odd(&self.coefficient_rests, h).map(|sum| square * sum);
         let full = h == self.reach;
         let p_rest = if full { self.full_step_rest[0] } else { p_rest };
         let q_rest = if full { self.full_step_rest[1] } else { q_rest };
         let jerk = self.next(velocity, acceleration);
+        let snap = self.next(acceleration, jerk);
+        let curved = acceleration.product(half_square).plus_both(
+            jerk.product(sixth_cube),
+            Sum { value: a * p + v * q, rest: a * p_rest + v * q_rest },
+        );
+        let bent = Sum {
+            value: a * (q - c * p) - k * (v * p),
+            rest: a * (q_rest - c * p_rest) - k * (v * p_rest),
+        };
         Arrival {
-            curved: acceleration
-                .product(half_square)
-                .plus_parts(a * p + v * q, (a * p_rest + v * q_rest) + velocity.rest * q),
-            velocity: acceleration.product(length).plus_both(
-                jerk.product(half_square),
-                Sum {
-                    value: a * (q - c * p) - k * (v * p),
-                    rest: a * (q_rest - c * p_rest) - k * (v * p_rest),
-                },
-            ),
+            curved,
+            velocity: acceleration
+                .product(length)
+                .plus_both(jerk.product(half_square), snap.product(sixth_cube))
+                .plus_parts(bent.value, bent.rest),
         }
     }
 
@@ -189,26 +214,21 @@ impl Oscillator {
     /// power series of the integral (not a difference of energies).
     #[inline(always)]
     pub fn viscous_loss(&self, x: Real, v: Real, h: Real) -> Real {
-        if self.damping == 0.0 {
-            return ZERO;
+        if h == self.reach {
+            loss(&self.full_loss, x, v, h)
+        } else {
+            self.viscous_loss_series(x, v, h)
         }
-        let sums = if h == self.reach { self.full_loss } else { even_and_odd(&self.loss, h) };
-        h * (x * x * sums[0] + x * v * sums[1] + v * v * sums[2])
+    }
+
+    /// The same, also for h = `reach` by the series.
+    #[inline(always)]
+    pub(crate) fn viscous_loss_series(&self, x: Real, v: Real, h: Real) -> Real {
+        loss(&even_and_odd(&self.loss, h), x, v, h)
     }
 }
 
 /// What a flight adds to a state.
-#[derive(Debug, Clone, Copy)]
-pub struct Increment {
-    /// x(h) − x − v h, the part of the displacement that the acceleration makes.
-    pub curved: Real,
-    /// v(h) − v.
-    pub velocity: Real,
-    /// a(h) − a.
-    pub acceleration: Real,
-}
-
-/// What a flight adds to a state in all.
 #[derive(Debug, Clone, Copy)]
 pub struct Arrival {
     /// x(h) − x − v h.
@@ -232,18 +252,7 @@ impl Primary {
         Primary { v: self.v + gained, ..*self }
     }
 
-    /// The state a flight later, and what the flight added.
-    #[inline]
-    pub fn after(&self, oscillator: &Oscillator, a: Sum, h: Real) -> (Primary, Increment) {
-        let increment = oscillator.advance(self.v.value, a.value, h);
-        let later = Primary {
-            x: self.x.plus(self.v.value * h + increment.curved),
-            v: self.v.plus(increment.velocity),
-        };
-        (later, increment)
-    }
-
-    /// The state at the end of a flight, see [`Oscillator::arrive`].
+    /// The state after a flight, and what the flight has added.
     #[inline(always)]
     pub fn arrived(&self, oscillator: &Oscillator, a: Sum, h: Real) -> (Primary, Arrival) {
         let arrival = oscillator.arrive(self.v, a, h);
@@ -262,19 +271,12 @@ impl Primary {
         let rest = sign * (share.value * velocity.rest + share.rest * velocity.value);
         Primary { x: self.x, v: self.v.plus_parts(kick, rest) }
     }
-
-    /// Displacement and its derivatives where the acceleration is `curvature`.
-    pub fn jet(&self, oscillator: &Oscillator, curvature: Real) -> Jet {
-        let (value, rate) = (self.x.value, self.v.value);
-        Jet { value, rate, curvature, jerk: oscillator.next_derivative(rate, curvature) }
-    }
 }
 
-/// P and Q at h.
-#[inline]
-fn kernels(responses: &[[Real; 2]; TERMS], h: Real) -> [Real; 2] {
-    let z = h * h;
-    interleaved(responses, h).map(|sum| z * sum)
+/// The loss in a flight of length h from the sums of its three series.
+#[inline(always)]
+fn loss(sums: &[Real; 3], x: Real, v: Real, h: Real) -> Real {
+    h * (x * x * sums[0] + x * v * sums[1] + v * v * sums[2])
 }
 
 /// P (i = 0) or Q (i = 1) at h to twice the precision.
@@ -300,26 +302,6 @@ fn even_and_odd<const K: usize, const N: usize>(series: &[[Real; K]; N], h: Real
         }
     }
     std::array::from_fn(|k| odd[k].mul_add(h, even[k]))
-}
-
-/// K polynomials with common argument, N a multiple of 4. The powers are summed in four classes
-/// (exponent modulo 4) side by side: a single Horner chain would wait for each of its own products.
-#[inline]
-fn interleaved<const K: usize, const N: usize>(series: &[[Real; K]; N], h: Real) -> [Real; K] {
-    const { assert!(N.is_multiple_of(4)) }
-    let z = h * h;
-    let w = z * z;
-    let step = |sum: [Real; K], next: &[Real; K]| std::array::from_fn(|k| sum[k] * w + next[k]);
-    let [mut c0, mut c1, mut c2, mut c3] =
-        [series[N - 4], series[N - 3], series[N - 2], series[N - 1]];
-    for block in (0..N / 4 - 1).rev() {
-        let next = &series[4 * block..4 * block + 4];
-        c0 = step(c0, &next[0]);
-        c1 = step(c1, &next[1]);
-        c2 = step(c2, &next[2]);
-        c3 = step(c3, &next[3]);
-    }
-    std::array::from_fn(|k| (c0[k] + h * c1[k]) + z * (c2[k] + h * c3[k]))
 }
 
 /// Coefficients of h², h³, … of P and Q, from P⁽ⁿ⁺²⁾ = −k P⁽ⁿ⁾ − c P⁽ⁿ⁺¹⁾ (n ≥ 1) and Q̇ = −k P; the

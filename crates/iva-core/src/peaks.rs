@@ -77,7 +77,7 @@ pub(crate) struct HalfCycles {
     /// Largest |x| of the half cycle under way.
     pub current: Peak,
     /// Sign of x in it, 0 as long as x has not left 0.
-    sign: Real,
+    pub sign: Real,
     /// Half cycles ended so far.
     pub ended: u64,
 }

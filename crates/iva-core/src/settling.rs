@@ -17,20 +17,30 @@ pub(crate) struct LastCrossing<S: System> {
     crossing: Option<Crossing<S::State>>,
 }
 
-/// A stretch on which x passes the level once.
+/// A stretch on which |x| falls below the level once.
 #[derive(Debug, Clone, Copy)]
-struct Crossing<State> {
-    origin: State,
-    riding: bool,
-    start: Clock,
-    stretch: Monotone,
-    level: Real,
+pub(crate) struct Crossing<State> {
+    /// The state at the begin of the motion.
+    pub origin: State,
+    /// True if that is a ride.
+    pub riding: bool,
+    /// Its instant.
+    pub start: Clock,
+    /// Begin and end of the stretch, measured from there.
+    pub h: [Real; 2],
+    /// The level, with the sign of x.
+    pub level: Real,
 }
 
 impl<S: System> LastCrossing<S> {
     /// Watches |x| = share · A₀.
     pub fn new(share: Real) -> Self {
         Self { share, crossing: None }
+    }
+
+    /// Keeps a crossing.
+    pub fn passed(&mut self, crossing: Crossing<S::State>) {
+        self.crossing = Some(crossing);
     }
 
     pub fn forget(&mut self) {
@@ -50,11 +60,11 @@ impl<S: System> LastCrossing<S> {
         if from.abs() <= level || to.abs() > level {
             return;
         }
-        self.crossing = Some(Crossing {
+        self.passed(Crossing {
             origin: *span.motion.origin(),
             riding: M::RIDING,
             start: span.start,
-            stretch: *stretch,
+            h: stretch.h,
             level: if from > 0.0 { level } else { -level },
         });
     }
@@ -78,9 +88,9 @@ impl<S: System> LastCrossing<S> {
 
 impl<State> Crossing<State> {
     fn solve<M: Motion>(&self, motion: &M) -> Real {
-        let [low, high] = self.stretch.h;
-        let [from, to] = self.stretch.x;
-        let rise = if to > from { 1.0 } else { -1.0 };
+        let [low, high] = self.h;
+        let [from, to] = self.h.map(|h| motion.primary(h).value);
+        let rise = if self.level < 0.0 { 1.0 } else { -1.0 };
         let guess = low + (high - low) * ((self.level - from) / (to - from));
         let (h, ()) = polish(
             |h| {

@@ -4,10 +4,13 @@
 //! the wall last touched and D = d − s y the distance to it, D̈ = s ẍ: starting from D = 0 neither
 //! y nor d enters a rebound.
 
+use std::sync::{Arc, OnceLock};
+
 use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::flight::Jet;
 use crate::impact::{self, Impact};
+use crate::limits::{Limits, STOPS};
 use crate::oscillator::{Oscillator, Primary};
 use crate::range;
 use crate::real::{ONE, Real, STRIDES, ZERO, dispatched};
@@ -16,9 +19,9 @@ use crate::system::{Point, Start, Stride, System, Wall};
 pub use motion::SivaFlight;
 pub use ride::SivaRide;
 
-mod motion;
+pub(crate) mod motion;
 mod ride;
-mod stride;
+pub(crate) mod stride;
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;
@@ -73,7 +76,7 @@ impl Parameters {
 }
 
 /// A SIVA on its primary system: parameters, and what follows from them for every flight.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Siva {
     mass_ratio: Real,
     restitution: Real,
@@ -83,8 +86,9 @@ pub struct Siva {
     pub(crate) impact_share: Sum,
     /// The same where the absorber sticks.
     pub(crate) stick_share: Sum,
-    pub(crate) free: Oscillator,
-    pub(crate) loaded: Oscillator,
+    pub(crate) free: Arc<Oscillator>,
+    /// Of the mass 1 + μ; made where the absorber sticks.
+    loaded: OnceLock<Box<Oscillator>>,
 }
 
 impl From<Parameters> for Siva {
@@ -97,8 +101,8 @@ impl From<Parameters> for Siva {
             damping_ratio,
             impact_share: impact::primary_share(mass_ratio, restitution),
             stick_share: impact::primary_share(mass_ratio, ZERO),
-            free: Oscillator::new(ONE, damping_ratio),
-            loaded: Oscillator::new(1.0 + mass_ratio, damping_ratio),
+            free: Oscillator::free(damping_ratio),
+            loaded: OnceLock::new(),
         }
     }
 }
@@ -116,6 +120,12 @@ impl Siva {
         damping_ratio: Real,
     ) -> Result<Self, Invalid> {
         Parameters::new(mass_ratio, restitution, clearance, damping_ratio).map(Self::from)
+    }
+
+    /// The primary with the absorber stuck to it.
+    pub(crate) fn loaded(&self) -> &Oscillator {
+        self.loaded
+            .get_or_init(|| Box::new(Oscillator::new(1.0 + self.mass_ratio, self.damping_ratio)))
     }
 
     /// μ = m/M.
@@ -166,15 +176,32 @@ pub struct SivaState {
     /// ẍ in free motion, small against x and ẋ where the two balance.
     pub(crate) acceleration: Sum,
     /// +1 at the wall y = +d, −1 at y = −d: the one that distances are measured from.
-    side: Real,
-    distance: Sum,
-    rate: Sum,
+    pub(crate) side: Real,
+    pub(crate) distance: Sum,
+    pub(crate) rate: Sum,
 }
 
 impl SivaState {
     /// Gap velocity w = −s Ḋ.
     pub(crate) fn gap_velocity(&self) -> Real {
         -self.side * self.rate.value
+    }
+}
+
+/// The state after an impact.
+#[inline(always)]
+pub(crate) fn collided(
+    free: &Oscillator,
+    state: &SivaState,
+    share: Sum,
+    restitution: Real,
+) -> SivaState {
+    let primary = state.primary.kicked(-state.side, state.rate, share);
+    SivaState {
+        primary,
+        acceleration: free.acceleration(&primary),
+        rate: state.rate.product(Sum::new(-restitution)),
+        ..*state
     }
 }
 
@@ -194,6 +221,10 @@ impl System for Siva {
 
     fn pressure_gain(&self) -> Real {
         self.free.damping * self.impact_share.value
+    }
+
+    fn stops(&self, limits: &Limits) -> [Real; STOPS] {
+        limits.stops()
     }
 
     fn check_start(&self, start: &Start) -> Result<(), Invalid> {
@@ -277,15 +308,8 @@ impl System for Siva {
 
     fn impact(&self, state: &SivaState, time: Real) -> (SivaState, Impact) {
         let s = state.side;
-        let rate = state.rate;
-        let approach = -rate.value;
-        let primary = state.primary.kicked(-s, rate, self.impact_share);
-        let after = SivaState {
-            primary,
-            acceleration: self.free.acceleration(&primary),
-            rate: rate.times(-self.restitution),
-            ..*state
-        };
+        let approach = -state.rate.value;
+        let after = collided(&self.free, state, self.impact_share, self.restitution);
         let impact = Impact {
             time,
             wall: self.wall(state),

@@ -7,6 +7,7 @@ use crate::compensated::Sum;
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
+use crate::limits::{Limits, STOPS};
 use crate::real::Real;
 
 /// A wall of the gap: `Plus` at y = +d, `Minus` at y = −d.
@@ -153,6 +154,10 @@ pub trait System {
     /// True if the absorber can reach its walls at all.
     fn walls_reachable(&self) -> bool {
         true
+    }
+    /// The instants that no stretch of motion is to run across: the end of the run, at least.
+    fn stops(&self, limits: &Limits) -> [Real; STOPS] {
+        [limits.duration; STOPS]
     }
     /// True if a force or the base drives it, not only in impulses.
     fn is_driven(&self) -> bool {

@@ -21,6 +21,7 @@ pub mod fields;
 pub mod forces;
 pub mod gradients;
 pub mod motion;
+mod side_by_side;
 pub mod slot;
 mod spec;
 pub mod study;

@@ -17,6 +17,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::doubles::point::{Estimates, Request, run};
 use crate::doubles::rows::Cell;
 use crate::doubles::scale::Scale;
+use crate::side_by_side::summaries;
 use crate::study::{Study, Table, distinct, fitting};
 use crate::tables::{TableBuilder, schema_in};
 use crate::units::UnitSystem;
@@ -166,7 +167,14 @@ fn run_chunk(
         .collect();
     let begun = points.start;
     let mut end = begun;
-    while end < points.end && !control.cancelled() {
+    let mut row = |cells: &mut dyn Iterator<Item = Cell>| {
+        if let Some(builder) = builders.get_mut(&Table::Summary) {
+            builder.row(cells);
+        }
+    };
+    let together = summaries(study, points.clone(), &request, control.cancel, &mut row)?;
+    end += together.unwrap_or(0);
+    while together.is_none() && end < points.end && !control.cancelled() {
         run_point(study, end, &request, control.cancel, &mut builders)?;
         end += 1;
     }

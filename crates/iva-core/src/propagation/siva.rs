@@ -11,8 +11,8 @@ use crate::siva::{Siva, SivaState};
 fn columns(oscillator: &Oscillator, h: f64) -> [[f64; 2]; 2] {
     [(1.0, 0.0), (0.0, 1.0)].map(|(x, v)| {
         let primary = Primary { x: Sum::new(x), v: Sum::new(v) };
-        let increment = oscillator.advance(v, oscillator.acceleration(&primary).value, h);
-        [x + v * h + increment.curved, v + increment.velocity]
+        let jet = oscillator.jet(x, v, oscillator.acceleration(&primary).value, h);
+        [jet.value, jet.rate]
     })
 }
 
@@ -46,7 +46,7 @@ impl Differentiable for Siva {
     }
 
     fn ride_tangent(&self, _from: &SivaState, h: f64) -> Matrix4<f64> {
-        let [[xx, vx], [xv, vv]] = columns(&self.loaded, h);
+        let [[xx, vx], [xv, vv]] = columns(self.loaded(), h);
         Matrix4::new(
             xx, xv, 0.0, 0.0, //
             vx, vv, 0.0, 0.0, //

@@ -4,7 +4,7 @@ use super::stride::turning;
 use super::{Siva, SivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
-use crate::oscillator::{Increment, Primary};
+use crate::oscillator::{Oscillator, Primary};
 use crate::real::{Real, STRIDES, dispatched};
 use crate::system::{System, Wall};
 
@@ -20,10 +20,19 @@ impl<'a> SivaFlight<'a> {
     pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
         Self { siva, from }
     }
+}
 
-    #[inline]
-    fn after(&self, h: Real) -> (Primary, Increment) {
-        self.from.primary.after(&self.siva.free, self.from.acceleration, h)
+/// The state after a flight.
+#[inline(always)]
+pub(crate) fn arrived(free: &Oscillator, from: &SivaState, h: Real) -> SivaState {
+    let (primary, arrival) = from.primary.arrived(free, from.acceleration, h);
+    let side = |sum: Sum| Sum { value: from.side * sum.value, rest: from.side * sum.rest };
+    SivaState {
+        primary,
+        acceleration: free.acceleration(&primary),
+        side: from.side,
+        distance: from.distance.plus_both(from.rate.product(Sum::new(h)), side(arrival.curved)),
+        rate: from.rate + side(arrival.velocity),
     }
 }
 
@@ -40,39 +49,20 @@ impl Motion for SivaFlight<'_> {
         self.siva.free.reach
     }
 
-    #[inline]
     fn state(&self, h: Real) -> SivaState {
-        let from = &self.from;
-        let s = from.side;
-        let (primary, increment) = self.after(h);
-        SivaState {
-            primary,
-            acceleration: self.from.acceleration.plus(increment.acceleration),
-            side: from.side,
-            distance: from.distance.plus(from.rate.value * h + s * increment.curved),
-            rate: from.rate.plus(s * increment.velocity),
-        }
-    }
-
-    #[inline(always)]
-    fn arrival(&self, h: Real) -> SivaState {
-        let from = &self.from;
-        let s = from.side;
-        let free = &self.siva.free;
-        let (primary, arrival) = from.primary.arrived(free, from.acceleration, h);
-        let side = |sum: Sum| Sum { value: s * sum.value, rest: s * sum.rest };
-        SivaState {
-            primary,
-            acceleration: free.acceleration(&primary),
-            side: from.side,
-            distance: from.distance.plus_both(from.rate.product(Sum::new(h)), side(arrival.curved)),
-            rate: from.rate + side(arrival.velocity),
-        }
+        dispatched(
+            #[inline(always)]
+            || arrived(&self.siva.free, &self.from, h),
+        )
     }
 
     fn primary(&self, h: Real) -> Jet {
-        let (primary, increment) = self.after(h);
-        primary.jet(&self.siva.free, self.from.acceleration.value + increment.acceleration)
+        let Primary { x, v } = self.from.primary;
+        let (free, a) = (&self.siva.free, self.from.acceleration);
+        dispatched(
+            #[inline(always)]
+            || free.jet(x.value, v.value, a.value, h),
+        )
     }
 
     fn gap(&self, h: Real) -> GapPoint {

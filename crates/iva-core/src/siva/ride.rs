@@ -4,8 +4,8 @@
 use super::{Siva, SivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
-use crate::oscillator::{Increment, Oscillator, Primary};
-use crate::real::{Real, ZERO};
+use crate::oscillator::{Oscillator, Primary};
+use crate::real::{Real, ZERO, dispatched};
 use crate::system::Wall;
 
 /// The ride from one state.
@@ -19,12 +19,9 @@ pub struct SivaRide<'a> {
 
 impl<'a> SivaRide<'a> {
     pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
-        let acceleration = siva.loaded.acceleration(&from.primary);
-        Self { loaded: &siva.loaded, from, acceleration, clearance: siva.clearance }
-    }
-
-    fn after(&self, h: Real) -> (Primary, Increment) {
-        self.from.primary.after(self.loaded, self.acceleration, h)
+        let loaded = siva.loaded();
+        let acceleration = loaded.acceleration(&from.primary);
+        Self { loaded, from, acceleration, clearance: siva.clearance }
     }
 }
 
@@ -41,18 +38,19 @@ impl Motion for SivaRide<'_> {
     }
 
     fn state(&self, h: Real) -> SivaState {
-        let (primary, _) = self.after(h);
-        SivaState { primary, ..self.from }
-    }
-
-    fn arrival(&self, h: Real) -> SivaState {
-        let (primary, _) = self.from.primary.arrived(self.loaded, self.acceleration, h);
+        let primary = dispatched(
+            #[inline(always)]
+            || self.from.primary.arrived(self.loaded, self.acceleration, h).0,
+        );
         SivaState { primary, ..self.from }
     }
 
     fn primary(&self, h: Real) -> Jet {
-        let (primary, increment) = self.after(h);
-        primary.jet(self.loaded, self.acceleration.value + increment.acceleration)
+        let Primary { x, v } = self.from.primary;
+        dispatched(
+            #[inline(always)]
+            || self.loaded.jet(x.value, v.value, self.acceleration.value, h),
+        )
     }
 
     fn gap(&self, _h: Real) -> GapPoint {
@@ -65,7 +63,10 @@ impl Motion for SivaRide<'_> {
 
     fn viscous_loss(&self, h: Real) -> Real {
         let Primary { x, v } = &self.from.primary;
-        self.loaded.viscous_loss(x.value, v.value, h)
+        dispatched(
+            #[inline(always)]
+            || self.loaded.viscous_loss(x.value, v.value, h),
+        )
     }
 }
 

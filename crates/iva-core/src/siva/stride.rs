@@ -21,13 +21,14 @@
 //! there.
 
 use super::SivaState;
+use super::motion::arrived;
 use crate::compensated::Sum;
-use crate::flight::{Jet, Motion};
+use crate::flight::Jet;
 use crate::oscillator::{Oscillator, Primary};
 use crate::real::{ONE, Real, ZERO};
 use crate::roots::DOUBT;
 use crate::siva::Siva;
-use crate::system::{Stride, System};
+use crate::system::Stride;
 
 /// M/46080 bounds what H is off.
 const OFF: f64 = 1.0 / 46080.0;
@@ -37,7 +38,7 @@ const SLOPE_OFF: f64 = 7.454e-5;
 const RISE_OFF: f64 = 4.8001e-5;
 const RISE_SLOPE_OFF: f64 = 2.605e-4;
 /// Evaluations near a root.
-const LOOKS: usize = 3;
+pub(crate) const LOOKS: usize = 3;
 
 /// The quintic through two states on their distance to the wall.
 #[derive(Debug, Clone, Copy)]
@@ -258,8 +259,7 @@ impl Siva {
     /// A stride of this length, if it is one.
     #[inline(always)]
     pub(super) fn strides(&self, state: &SivaState, length: Real) -> Option<Stride<SivaState>> {
-        let flight = self.flight(state);
-        let end = flight.arrival(length);
+        let end = arrived(&self.free, state, length);
         let quintic = Quintic::new(&self.free, state, &end, self.clearance, length);
         let proof = quintic.proof();
         if proof.free {
@@ -274,7 +274,7 @@ impl Siva {
             if !(h > 0.0 && h <= length) {
                 return None;
             }
-            let near = flight.arrival(h);
+            let near = arrived(&self.free, state, h);
             let (later, close) = to_wall(&self.free, &near, self.clearance, far, h);
             if close {
                 let end = at_wall(&self.free, &near, far, later);

@@ -21,13 +21,13 @@ use crate::study::{Study, Table};
 /// What a study wants from each run.
 #[derive(Debug)]
 pub(crate) struct Request {
-    summary: bool,
-    impacts: bool,
-    episodes: bool,
-    envelope: bool,
-    wanted: Wanted,
-    steady: SteadyWanted,
-    reduction: bool,
+    pub summary: bool,
+    pub impacts: bool,
+    pub episodes: bool,
+    pub envelope: bool,
+    pub wanted: Wanted,
+    pub steady: SteadyWanted,
+    pub reduction: bool,
 }
 
 impl Request {

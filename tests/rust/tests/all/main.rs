@@ -12,6 +12,7 @@ mod forced;
 mod gradients;
 mod impulses;
 mod invariants;
+mod lanes;
 mod limits;
 mod measures;
 mod piva;

@@ -1,0 +1,179 @@
+//! At a wall: impact, chatter, stick, and leaving it.
+
+use super::{CANCEL_EVERY, Phase, Run, is_finite};
+use crate::chatter::Rebound;
+use crate::contact::{Side, first_contact};
+use crate::flight::{Curve, Jet, Motion};
+use crate::impact::Impact;
+use crate::observe::{Episode, Jump, Observer};
+use crate::real::{Real, ZERO};
+use crate::system::{Clock, System, Wall};
+
+/// Impacts on one wall in a row: what becomes an episode if it ends in stick.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Streak {
+    pub wall: Wall,
+    pub start_time: Real,
+    pub listed_before: u64,
+    pub low: u64,
+    pub low_effective: u64,
+    pub energy_loss: Real,
+}
+
+/// How far a rebound is searched for its return, in u/A: that comes after 2u/A in the limit of low
+/// rebounds, and what a higher one needs beyond this is one more segment.
+pub(crate) const REBOUND_LOOK: f64 = 2.5;
+
+impl<S: System, O: Observer<S>> Run<'_, S, O> {
+    /// The impact law at the state in contact, then whatever follows.
+    pub(super) fn strike(&mut self) {
+        let wall = self.system.wall(&self.tally.state);
+        let (after, impact) = self.system.impact(&self.tally.state, self.clock.value);
+        self.losses = self.losses.plus(impact.energy_loss);
+        let streak = match &mut self.streak {
+            Some(streak) if streak.wall == wall => streak,
+            other => other.insert(Streak {
+                wall,
+                start_time: impact.time,
+                listed_before: self.tally.impacts,
+                low: 0,
+                low_effective: 0,
+                energy_loss: ZERO,
+            }),
+        };
+        streak.energy_loss += impact.energy_loss;
+        // With e = 1 nothing shrinks towards a stick: a low impact is a row at once.
+        let dies_out = self.system.rebound_ratio() < 1.0 || impact.approach_speed() == 0.0;
+        if dies_out && impact.approach_speed() <= self.limits.chatter_floor {
+            streak.low += 1;
+            streak.low_effective += u64::from(impact.effective());
+        }
+        let before = std::mem::replace(&mut self.tally.state, after);
+        self.observer.jump(self.system, &Jump::Impact { before: &before, after: &after });
+        self.list(&impact);
+        self.depart();
+    }
+
+    fn list(&mut self, impact: &Impact) {
+        self.tally.impacts += 1;
+        self.tally.effective_impacts += u64::from(impact.effective());
+        self.observer.impact(self.system, impact);
+    }
+
+    /// Leaves the wall, chatters on it or sticks to it.
+    pub(super) fn depart(&mut self) {
+        let state = self.tally.state;
+        let leave = self.system.distance(&state);
+        if leave.rate > 0.0 {
+            self.phase = Phase::Flight { first: Real::INFINITY };
+            if leave.curvature < 0.0 {
+                self.rebound(&state, &leave);
+            }
+        } else if presses(&leave) {
+            self.stick(self.clock);
+        } else {
+            self.phase = Phase::Flight { first: Real::INFINITY };
+        }
+    }
+
+    /// A rebound from a pressing wall: the rest of the chatter is summed where that is exact.
+    fn rebound(&mut self, state: &S::State, leave: &Jet) {
+        let rebound = Rebound {
+            speed: leave.rate,
+            pressure: -leave.curvature,
+            jerk: leave.jerk,
+            gain: self.system.pressure_gain(),
+            fourth: self.system.flight(state).fourth(),
+            ratio: self.system.rebound_ratio(),
+        };
+        let stick_clock = self.clock.plus(rebound.tail());
+        let smooth = rebound.tail() < self.system.smooth_for(state);
+        if smooth && rebound.summable() && stick_clock.minus(self.limits.duration) < 0.0 {
+            self.list_tail(*state, stick_clock.value);
+            self.stick(stick_clock);
+        } else {
+            // The return is expected after 2u/A: look a little further.
+            self.phase = Phase::Flight { first: REBOUND_LOOK * leave.rate / rebound.pressure };
+        }
+    }
+
+    /// Lists the rebounds of a summed tail that are above the floor, flown one by one beside the
+    /// run: the motion does not depend on the floor.
+    fn list_tail(&mut self, mut state: S::State, stick_time: Real) {
+        let mut clock = self.clock;
+        while self.system.rebound_ratio() * self.system.distance(&state).rate > 0.0
+            && self.listed() < self.limits.max_impacts
+        {
+            if self.tally.impacts.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
+                return;
+            }
+            let leave = self.system.distance(&state);
+            let flight = self.system.flight(&state);
+            if !is_finite(&flight.jet(&state), flight.fourth()) {
+                return;
+            }
+            let length = flight.reach().min(-REBOUND_LOOK * leave.rate / leave.curvature);
+            let stretch = first_contact(&flight, &state, self.system.clearance(), length);
+            if stretch.contact != Some(Side::Near) {
+                return;
+            }
+            clock = clock.plus(stretch.end.h);
+            let wall = self.system.wall(&state);
+            let (touching, later) = self.system.touch(&flight.arrival(stretch.end.h), wall);
+            clock = clock.plus(later);
+            let (after, impact) = self.system.impact(&touching, clock.value.min(stick_time));
+            if impact.approach_speed() <= self.limits.chatter_floor {
+                return;
+            }
+            self.list(&impact);
+            state = after;
+        }
+    }
+
+    /// Begins an episode: the absorber rides on the wall it touches.
+    fn stick(&mut self, stick_clock: Clock) {
+        let wall = self.system.wall(&self.tally.state);
+        let (state, loss) = self.system.stick(&self.tally.state);
+        self.losses = self.losses.plus(loss);
+        self.observer.jump(self.system, &Jump::Stick);
+        self.tally.state = state;
+        let mut episode = Episode {
+            wall,
+            start_time: stick_clock.value,
+            stick_time: stick_clock.value,
+            release_time: None,
+            impacts: 0,
+            energy_loss: loss,
+        };
+        if let Some(streak) = self.streak.take() {
+            self.tally.impacts -= streak.low;
+            self.tally.effective_impacts -= streak.low_effective;
+            if streak.low > 0 {
+                self.observer.unlist(streak.listed_before, self.limits.chatter_floor);
+            }
+            episode.start_time = streak.start_time;
+            episode.impacts = self.tally.impacts - streak.listed_before;
+            episode.energy_loss += streak.energy_loss;
+        }
+        self.tally.episodes += 1;
+        self.riding = Some(episode);
+        self.phase = Phase::Ride;
+    }
+
+    /// Ends the episode under way, by release or by the end of the run.
+    pub(super) fn end_episode(&mut self, released: bool) {
+        if let Some(mut episode) = self.riding.take() {
+            let now = self.clock.value;
+            self.tally.time_stuck += (now - episode.stick_time).max(0.0);
+            episode.release_time = released.then_some(now);
+            self.observer.episode(&episode);
+        }
+    }
+}
+
+/// True if what touches a wall does not leave it: the sign of its velocity decides, then the
+/// acceleration, then the jerk.
+pub(super) fn presses(leave: &Jet) -> bool {
+    let Jet { rate, curvature, jerk, .. } = *leave;
+    rate <= 0.0 && (curvature < 0.0 || (curvature == 0.0 && jerk < 0.0))
+}

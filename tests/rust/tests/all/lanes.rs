@@ -1,0 +1,151 @@
+//! Runs side by side are the runs one by one, bit for bit.
+//!
+//! What is compared is everything that `decays` hands out; floats are printed with all their digits,
+//! so that equal texts are equal bits.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use iva_core::lanes::{Decay, Decayed, LANES, decays};
+use iva_core::measures::{Measures, Wanted};
+use iva_core::simulate::{Limits, Outcome, simulate};
+use iva_core::siva::Siva;
+use iva_core::system::Start;
+use iva_tests::case::any_case;
+use iva_tests::cases;
+use proptest::prelude::*;
+
+fn alone(decay: &Decay) -> String {
+    let mut measures = Measures::<Siva>::new(Wanted::ALL);
+    let tally = simulate(&decay.siva, &decay.start, &decay.limits, None, &mut measures).unwrap();
+    format!("{:?}", (tally, *measures.values()))
+}
+
+fn together(scenes: &[Decay]) -> Vec<String> {
+    let mut found = vec![String::new(); scenes.len()];
+    decays(scenes, Wanted::ALL, None, &mut |i, decayed: &Decayed| {
+        assert!(found[i].is_empty(), "scene {i} came twice");
+        found[i] = format!("{decayed:?}");
+    })
+    .unwrap();
+    found
+}
+
+fn scene(mu: f64, e: f64, clearance: f64, zeta: f64, periods: f64) -> Decay {
+    Decay {
+        siva: Siva::new(mu, e, clearance, zeta).unwrap(),
+        start: Start { displacement: 1.0, ..Start::default() },
+        limits: Limits::new(periods * TAU, clearance),
+    }
+}
+
+/// Wide and narrow gaps, chatter, plastic and elastic impacts, light and heavy damping.
+fn grid() -> Vec<Decay> {
+    let mut scenes = Vec::new();
+    for zeta in [0.0, 0.01, 0.3, 1.0, 2.0] {
+        for clearance in [0.05, 0.3, 0.6, 1.1, 1.9, 2.0, 2.5] {
+            for e in [0.0, 0.3, 0.6, 0.95, 1.0] {
+                scenes.push(scene(0.1, e, clearance, zeta, 15.0));
+            }
+        }
+    }
+    scenes
+}
+
+#[test]
+fn a_grid_is_the_same_side_by_side() {
+    let scenes = grid();
+    for (scene, found) in scenes.iter().zip(together(&scenes)) {
+        assert_eq!(found, alone(scene), "{:?}", scene.limits);
+    }
+}
+
+#[test]
+fn neighbours_change_nothing() {
+    let scenes = grid();
+    let whole = together(&scenes);
+    // Backwards, and in groups of other sizes: other lanes, other neighbours.
+    let backwards: Vec<Decay> = scenes.iter().rev().cloned().collect();
+    assert!(together(&backwards).iter().rev().eq(&whole));
+    for size in [1, 3, LANES, LANES + 1] {
+        let parts = scenes.chunks(size).flat_map(together);
+        assert!(parts.eq(whole.iter().cloned()), "groups of {size}");
+    }
+}
+
+#[test]
+fn limits_stop_each_run_where_it_is() {
+    let mut scenes = Vec::new();
+    for (i, decay) in grid().into_iter().enumerate() {
+        let (max_impacts, max_work) =
+            ([3, 10, 10_000_000][i % 3], [17, 1000, 100_000_000][i / 3 % 3]);
+        // Ends close to the instants that the measures look at as well.
+        let duration = [0.5, TAU, 2.0 * TAU, 2.0 * TAU + 1e-15, 9.0, 100.0][i % 6];
+        let limits = Limits { duration, max_impacts, max_work, ..decay.limits };
+        scenes.push(Decay { limits, ..decay });
+    }
+    let found = together(&scenes);
+    for (scene, found) in scenes.iter().zip(&found) {
+        assert_eq!(*found, alone(scene), "{:?}", scene.limits);
+    }
+    for outcome in ["Finished", "ImpactLimit", "WorkLimit"] {
+        assert!(found.iter().any(|run| run.contains(outcome)), "none is {outcome}");
+    }
+}
+
+#[test]
+fn cancelled_runs_come_back_as_they_are() {
+    // Elastic and undamped: without the cancellation these would run for a long time.
+    let endless: Vec<Decay> =
+        (0..40).map(|i| scene(0.1, 1.0, 0.01 + 0.001 * f64::from(i), 0.0, 1e6)).collect();
+    let cancel = AtomicBool::new(false);
+    let mut found = Vec::new();
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            cancel.store(true, Ordering::Relaxed);
+        });
+        decays(&endless, Wanted::ALL, Some(&cancel), &mut |i, (tally, _)| {
+            found.push((i, tally.outcome, tally.impacts));
+        })
+        .unwrap();
+    });
+    assert!(!found.is_empty() && found.len() <= LANES, "{found:?}");
+    for (_, outcome, impacts) in found {
+        assert_eq!(outcome, Outcome::Cancelled);
+        assert!(impacts > 0);
+    }
+}
+
+#[test]
+fn a_bad_start_is_refused_before_anything_runs() {
+    let mut scenes = grid();
+    scenes[7].start.gap_displacement = 100.0;
+    let mut taken = 0;
+    let error = decays(&scenes, Wanted::ALL, None, &mut |_, _| taken += 1).unwrap_err();
+    assert_eq!((error.field.as_str(), taken), ("start.gap_displacement", 0));
+}
+
+proptest! {
+    #![proptest_config(cases(60))]
+
+    /// Whatever the start and the parameters; a group has one damping ratio.
+    #[test]
+    fn random_runs_are_the_same_side_by_side(
+        all in prop::collection::vec(any_case(1.0, 60.0), 3 * LANES),
+        zeta in prop_oneof![Just(0.0), 0.0..0.2, 0.0..3.0],
+    ) {
+        let scenes: Vec<Decay> = all
+            .iter()
+            .map(|case| Decay {
+                siva: Siva::new(case.mu, case.e, case.clearance, zeta).unwrap(),
+                start: case.start,
+                limits: case.limits(),
+            })
+            .collect();
+        for (scene, found) in scenes.iter().zip(together(&scenes)) {
+            prop_assert_eq!(found, alone(scene));
+        }
+    }
+}
