@@ -31,7 +31,7 @@ const TERMS: usize = 24;
 /// Terms whose coefficients are computed to twice the precision.
 const EXACT_TERMS: usize = 8;
 /// Terms from h⁴ on whose coefficients' rounding rests matter to a flight: the next is below 10⁻¹⁹.
-const RESTS: usize = 2;
+const RESTS: usize = 4;
 /// Terms of the series of the viscous loss, beginning with h.
 const LOSS_TERMS: usize = 30;
 
@@ -53,7 +53,7 @@ pub struct Oscillator {
     responses: [[Real; 2]; TERMS],
     /// The same without the terms up to h³, see [`Oscillator::arrive`].
     bent: [[Real; 2]; TERMS],
-    /// Rounding rests of the coefficients of h⁴ and h⁵. They are the same in every flight: without them
+    /// Rounding rests of the coefficients of h⁴ to h⁷. They are the same in every flight: without them
     /// the energy of an undamped run would drift.
     coefficient_rests: [[Real; 2]; RESTS],
     /// What rounding takes from P and Q without those terms at h = `reach`, a step taken again and

@@ -11,7 +11,7 @@ use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::SivaState;
 use crate::siva::collided;
 use crate::siva::motion::arrived;
-use crate::siva::stride::{LOOKS, Quintic, at_wall, to_wall, turning};
+use crate::siva::stride::{LOOKS, Quintic, at_wall, root, to_wall, turn, turning};
 
 /// A rebound this low against what presses, u/(A (1 − e)), may be one whose tail is summed: that is for
 /// the loop. (The estimated error of the sum is at least 4 times the cube of it.)
@@ -54,8 +54,6 @@ pub(super) fn step(free: &Oscillator, lane: &Lane) -> Lane {
     let proof = quintic.proof();
     let meets_far = proof.meets[1];
     let meets = search & !proof.free & (proof.meets[0] | meets_far);
-    let guess = lane.h * quintic.meeting(meets_far);
-    let good_guess = (guess > 0.0) & (guess <= lane.h);
 
     // Close to a wall: the contact, the impact, and whether the loop has to see to what follows.
     let (later, close) = to_wall(free, &near, lane.clearance, far, lane.h);
@@ -80,7 +78,12 @@ pub(super) fn step(free: &Oscillator, lane: &Lane) -> Lane {
     let later = pick(hit, later, 0.0);
     let length = lane.h + later;
     let end = pick_state(hit, &touching, &near);
-    let span = Span::of(free, lane, &from, &end, length);
+    // Where the wall is met, or else where x turns round: never both at once.
+    let (meeting, turn) = (quintic.meeting(meets_far), turn(free, &from, &end, length));
+    let part = root(&std::array::from_fn(|i| pick(meets, meeting[i], turn[i])));
+    let guess = lane.h * part;
+    let good_guess = (guess > 0.0) & (guess <= lane.h);
+    let span = Span::of(free, lane, &from, &end, [length, length * part]);
     let passed = (search & proof.free) | hit;
     let clock = lane.clock().plus_parts(lane.h, later);
     let remaining = -clock.minus(lane.stop);
@@ -147,10 +150,16 @@ struct Span {
 
 impl Span {
     #[inline(always)]
-    fn of(free: &Oscillator, lane: &Lane, from: &SivaState, end: &SivaState, length: Real) -> Self {
+    fn of(
+        free: &Oscillator,
+        lane: &Lane,
+        from: &SivaState,
+        end: &SivaState,
+        [length, turn]: [Real; 2],
+    ) -> Self {
         let (x, v) = (from.primary.x.value, from.primary.v.value);
         let turns = v * end.primary.v.value < 0.0;
-        let (h_turn, x_turn, exact) = turning(free, from, end, length);
+        let (h_turn, x_turn, exact) = turning(free, from, turn, length);
         let (h_turn, x_turn) = (pick(turns, h_turn, 0.0), pick(turns, x_turn, x));
         let x_end = end.primary.x.value;
         let ends_at_turn = turns & (x_turn * lane.peak_sign < 0.0);

@@ -1,6 +1,6 @@
 //! The flight of a SIVA: free in its gap.
 
-use super::stride::turning;
+use super::stride::{root, turn, turning};
 use super::{Siva, SivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion};
@@ -89,7 +89,11 @@ impl Motion for SivaFlight<'_> {
     fn turning(&self, length: Real, end: &SivaState) -> Option<(Real, Real)> {
         let (h, x, exact) = dispatched(
             #[inline(always)]
-            || turning(&self.siva.free, &self.from, end, length),
+            || {
+                let free = &self.siva.free;
+                let guess = length * root(&turn(free, &self.from, end, length));
+                turning(free, &self.from, guess, length)
+            },
         );
         (STRIDES && exact).then_some((h, x))
     }

@@ -37,6 +37,8 @@ const SLOPE_OFF: f64 = 7.454e-5;
 /// For H/t: max of t² (1−t)³/720, and ½/1920.
 const RISE_OFF: f64 = 4.8001e-5;
 const RISE_SLOPE_OFF: f64 = 2.605e-4;
+/// Share of the rate that may change on the way to the wall: the fifth power of it is left out.
+const STRAIGHT: f64 = 1e-4;
 /// Evaluations near a root.
 pub(crate) const LOOKS: usize = 3;
 
@@ -126,18 +128,17 @@ impl Quintic {
         Proof { free: above & below, meets: [falls & below, climbs & above] }
     }
 
-    /// Where H meets a wall that it meets once, over the length.
+    /// A quintic on [0, 1] whose only root is where H meets a wall that it meets once.
     #[inline(always)]
-    pub fn meeting(&self, far: bool) -> Real {
+    pub fn meeting(&self, far: bool) -> [Real; 6] {
         let c = monomials(&self.begin, &self.end);
         // At the wall that the flight starts from, the root at the begin is divided out.
-        let returns = !far && c[0] == 0.0;
+        let returns = !far & (c[0] == 0.0);
         let level = if far { self.far } else { ZERO };
-        root(&if returns {
-            [c[1], c[2], c[3], c[4], c[5], ZERO]
-        } else {
-            [c[0] - level, c[1], c[2], c[3], c[4], c[5]]
-        })
+        let last = if returns { ZERO } else { c[5] };
+        let pick = |i: usize| if returns { c[i + 1] } else { c[i] };
+        let first = if returns { c[1] } else { c[0] - level };
+        [first, pick(1), pick(2), pick(3), pick(4), last]
     }
 }
 
@@ -151,7 +152,7 @@ fn monomials(begin: &[Real; 3], end: &[Real; 3]) -> [Real; 6] {
 
 /// Close to the only root of a quintic on [0, 1]: Halley's method from its chord.
 #[inline(always)]
-fn root(c: &[Real; 6]) -> Real {
+pub(crate) fn root(c: &[Real; 6]) -> Real {
     let last = c[0] + c[1] + c[2] + c[3] + c[4] + c[5];
     let mut t = c[0] / (c[0] - last);
     for _ in 0..2 {
@@ -179,20 +180,21 @@ pub(crate) fn to_wall(
     let curvature = state.side * state.acceleration.value;
     let jerk =
         state.side * oscillator.next_derivative(state.primary.v.value, state.acceleration.value);
-    let mut later = -left / rate;
-    for _ in 0..2 {
-        let value =
-            left + later * (rate + later * (0.5 * curvature + later * ((1.0 / 6.0) * jerk)));
-        let slope = rate + later * (curvature + later * (0.5 * jerk));
-        later -= value / slope;
-    }
+    // left + rate t + ½ curvature t² + ⅙ jerk t³ = 0 by reversion of the series.
+    let slowness = 1.0 / rate;
+    let first = -left * slowness;
+    let (p, q) = ((0.5 * slowness) * curvature, ((1.0 / 6.0) * slowness) * jerk);
+    let bend = p * first;
+    let later = first - bend * first
+        + first * first * first * ((2.0 * p * p - q) - 5.0 * bend * (p * p - q));
     let growth = oscillator.growth;
     let Primary { x, v } = state.primary;
     let fourth = growth * growth * growth * oscillator.radius(x.value, v.value);
     let square = later * later;
     // The next term of the series against the rounding of rate and distance.
     let close = fourth * (square * square) <= Real::EPSILON * (rate.abs() * h);
-    (later, close & (later.abs() < 0.5 * h))
+    let converged = bend.abs() <= STRAIGHT;
+    (later, close & converged & (later.abs() < 0.5 * h))
 }
 
 /// The state at the wall that it meets so much later, in contact with it.
@@ -206,9 +208,11 @@ pub(crate) fn at_wall(
     let (v, a) = (state.primary.v.value, state.acceleration.value);
     let jerk = oscillator.next_derivative(v, a);
     let snap = oscillator.next_derivative(a, jerk);
+    let fifth = oscillator.next_derivative(jerk, snap);
     let t = later;
-    let gained = t * (a + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap)));
-    let moved = t * (v + t * (0.5 * a + t * ((1.0 / 6.0) * jerk)));
+    // One term more than the search for the wall takes: what every impact lacks would add up.
+    let gained = t * (a + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap + t * ((1.0 / 24.0) * fifth))));
+    let moved = t * (v + t * (0.5 * a + t * ((1.0 / 6.0) * jerk + t * ((1.0 / 24.0) * snap))));
     let primary = Primary { x: state.primary.x.plus(moved), v: state.primary.v.plus(gained) };
     let turn = if far { -ONE } else { ONE };
     let rate = state.rate.plus(state.side * gained);
@@ -221,21 +225,32 @@ pub(crate) fn at_wall(
     }
 }
 
-/// Where x turns round between two states of a flight in which its velocity changes sign, x there, and
-/// whether both are exact to rounding.
+/// A quintic on [0, 1] whose root is close to where x turns round between two states of a flight in which
+/// its velocity changes sign.
 #[inline(always)]
-pub(crate) fn turning(
+pub(crate) fn turn(
     oscillator: &Oscillator,
     from: &SivaState,
     to: &SivaState,
     length: Real,
-) -> (Real, Real, bool) {
+) -> [Real; 6] {
     let half_square = 0.5 * (length * length);
     let ends = |state: &SivaState| {
         let (v, a) = (state.primary.v.value, state.acceleration.value);
         [v, length * a, half_square * oscillator.next_derivative(v, a)]
     };
-    let guess = length * root(&monomials(&ends(from), &ends(to)));
+    monomials(&ends(from), &ends(to))
+}
+
+/// Where x turns round close to an instant of a flight of this length, x there, and whether both are
+/// exact to rounding.
+#[inline(always)]
+pub(crate) fn turning(
+    oscillator: &Oscillator,
+    from: &SivaState,
+    guess: Real,
+    length: Real,
+) -> (Real, Real, bool) {
     let (x, v) = (from.primary.x.value, from.primary.v.value);
     let Jet { value, rate, curvature, jerk } = oscillator.jet(x, v, from.acceleration.value, guess);
     let snap = oscillator.next_derivative(curvature, jerk);
@@ -269,7 +284,7 @@ impl Siva {
         if !(far || proof.meets[0]) {
             return None;
         }
-        let mut h = length * quintic.meeting(far);
+        let mut h = length * root(&quintic.meeting(far));
         for _ in 0..LOOKS {
             if !(h > 0.0 && h <= length) {
                 return None;
@@ -288,12 +303,12 @@ impl Siva {
 
 #[inline(always)]
 fn least<const N: usize>(values: &[Real; N]) -> Real {
-    values[1..].iter().fold(values[0], |least, value| least.min(*value))
+    values[1..].iter().fold(values[0], |least, value| if *value < least { *value } else { least })
 }
 
 #[inline(always)]
 fn most<const N: usize>(values: &[Real; N]) -> Real {
-    values[1..].iter().fold(values[0], |most, value| most.max(*value))
+    values[1..].iter().fold(values[0], |most, value| if *value > most { *value } else { most })
 }
 
 #[inline(always)]
