@@ -108,8 +108,15 @@ pub fn simulate(
     tables: Option<Vec<String>>,
     errors: bool,
 ) -> PyResult<Tables> {
-    run(py, single(spec, measures, tables, errors)?, Some(1), None)
+    let study = single(spec, measures, tables, errors)?;
+    match worker::at_once(py, || engine::brief(&study, BRIEF))? {
+        Some(tables) => Ok(named(tables)),
+        None => run(py, study, Some(1), None),
+    }
 }
+
+/// Stretches of motion that a call may take before it is worth a thread of its own: some milliseconds.
+const BRIEF: u64 = 5000;
 
 /// A study of one scene; without names every table, and the summary always: it says how the run
 /// ended.

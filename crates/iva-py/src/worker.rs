@@ -1,4 +1,5 @@
-//! Long calls: the work runs on a thread of its own, the calling thread looks after Python.
+//! Long calls: the work runs on a thread of its own, the calling thread looks after Python. What takes
+//! no longer than a few milliseconds is done at once.
 //!
 //! The caller detaches from the interpreter and wakes every 50 ms to let signal handlers run and
 //! to call the progress callback. Whatever these raise cancels the work and surfaces unchanged.
@@ -85,6 +86,20 @@ pub fn run<T: Send + 'static>(
             Err(RecvTimeoutError::Disconnected) => return Err(internal("a thread vanished")),
             Err(RecvTimeoutError::Timeout) => {}
         }
+    }
+}
+
+/// Runs work of some milliseconds at once, on the calling thread.
+///
+/// # Errors
+/// As [`run`].
+pub fn at_once<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<T, SweepError> + Send,
+) -> PyResult<T> {
+    match py.detach(|| catch_unwind(AssertUnwindSafe(work))) {
+        Ok(result) => result.map_err(failed),
+        Err(panic) => Err(internal(words(&*panic))),
     }
 }
 

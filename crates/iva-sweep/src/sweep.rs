@@ -7,13 +7,15 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arrow_array::RecordBatch;
+use arrow_array::{Array, RecordBatch, StringArray};
 use arrow_schema::ArrowError;
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
 use iva_core::propagation::{Differentiable, Errors};
+use iva_core::simulate::Outcome;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use crate::doubles::design::Design;
 use crate::doubles::point::{Estimates, Request, run};
 use crate::doubles::rows::Cell;
 use crate::doubles::scale::Scale;
@@ -90,9 +92,7 @@ pub fn validate(
     cancel: &AtomicBool,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<(), Invalid> {
-    study.spec.distinct()?;
-    distinct(&study.axes)?;
-    fitting(study.spec.choices().kind, &study.axes)?;
+    checked(study)?;
     let points = study.points()?;
     // A cancelled check must find something, or the search would visit every point left.
     let first_fault = |chunk: u64| {
@@ -109,6 +109,13 @@ pub fn validate(
     let chunks = points.div_ceil(CHECKED);
     let fault = workers.0.install(|| (0..chunks).into_par_iter().find_map_first(first_fault));
     fault.flatten().map_or(Ok(()), Err)
+}
+
+/// Checks what a study says as a whole.
+fn checked(study: &Study) -> Result<(), Invalid> {
+    study.spec.distinct()?;
+    distinct(&study.axes)?;
+    fitting(study.spec.choices().kind, &study.axes)
 }
 
 /// Runs a range of points and builds the tables of the study over them.
@@ -159,12 +166,7 @@ fn run_chunk(
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
     let request = Request::new(study);
-    let mut builders: BTreeMap<Table, TableBuilder> = study
-        .tables
-        .iter()
-        .filter(|table| Table::SWEEP.contains(table))
-        .map(|&table| (table, TableBuilder::new(schema_in(study, table, units))))
-        .collect();
+    let mut builders = builders(study, units);
     let begun = points.start;
     let mut end = begun;
     let mut row = |cells: &mut dyn Iterator<Item = Cell>| {
@@ -175,24 +177,56 @@ fn run_chunk(
     let together = summaries(study, points.clone(), &request, control.cancel, &mut row)?;
     end += together.unwrap_or(0);
     while together.is_none() && end < points.end && !control.cancelled() {
-        run_point(study, end, &request, control.cancel, &mut builders)?;
+        let design = study.design(end)?;
+        run_point(study, end, &design, &request, control.cancel, &mut builders)?;
         end += 1;
     }
     (control.progress)(end - begun);
+    finish(builders)
+}
+
+type Builders = BTreeMap<Table, TableBuilder>;
+
+fn builders(study: &Study, units: UnitSystem) -> Builders {
+    let tables = study.tables.iter().filter(|table| Table::SWEEP.contains(table));
+    tables.map(|&table| (table, TableBuilder::new(schema_in(study, table, units)))).collect()
+}
+
+fn finish(builders: Builders) -> Result<Tables, SweepError> {
     builders.into_iter().map(|(table, builder)| Ok((table, builder.finish()?))).collect()
+}
+
+/// Runs a study of one point, which asks for its summary, on the calling thread if that takes no more
+/// than `work` stretches of motion; `None`: it takes more.
+///
+/// # Errors
+/// [`SweepError`] for an invalid point.
+pub fn brief(study: &Study, work: u64) -> Result<Option<Tables>, SweepError> {
+    checked(study)?;
+    let mut design = study.design(0)?;
+    let cut = design.limits.max_work > work;
+    design.limits.max_work = design.limits.max_work.min(work);
+    let mut builders = builders(study, study.units()?);
+    let request = Request::new(study);
+    run_point(study, 0, &design, &request, &AtomicBool::new(false), &mut builders)?;
+    let tables = finish(builders)?;
+    let outcome = tables.get(&Table::Summary).and_then(|table| table.column_by_name("outcome"));
+    let words = outcome.and_then(|column| column.as_any().downcast_ref::<StringArray>());
+    let ended = words.is_some_and(|words| words.value(0) != Outcome::WorkLimit.name());
+    Ok((ended || !cut).then_some(tables))
 }
 
 /// Runs a point and hands its rows to the builders.
 fn run_point(
     study: &Study,
     point: u64,
+    design: &Design,
     request: &Request,
     cancel: &AtomicBool,
-    builders: &mut BTreeMap<Table, TableBuilder>,
+    builders: &mut Builders,
 ) -> Result<(), SweepError> {
-    let design = study.design(point)?;
     let estimates = study.errors.then(Errors::default);
-    run(study, point, &design, request, cancel, estimates, &mut |table, cells| {
+    run(study, point, design, request, cancel, estimates, &mut |table, cells| {
         if let Some(builder) = builders.get_mut(&table) {
             builder.row(cells);
         }
