@@ -1,32 +1,57 @@
 //! Integrals and extrema of the polynomials that a motion consists of.
 
-use crate::real::{ONE, Real, ZERO};
-use crate::taylor::{ORDER, horner};
+use crate::real::{ONE, Real, ZERO, reciprocal};
+use crate::taylor::{ORDER, Row, horner};
 
-/// ∫₀ᵗ f² of a polynomial f.
+/// Products of terms are summed up to this many powers beyond the order.
+const BEYOND: usize = 4;
+
+/// ∫₀ᵗ f² of a polynomial f that is a series cut off where its terms no longer count: nor do products of
+/// far higher powers.
+#[inline(always)]
 pub(crate) fn square_integral(f: &[Real], t: Real) -> Real {
-    product_integral(f, f, t)
-}
-
-/// ∫₀ᵗ f g of two polynomials of one order, at most [`ORDER`].
-pub(crate) fn product_integral(f: &[Real], g: &[Real], t: Real) -> Real {
     // At t the terms are moderate, whatever the coefficients are.
-    let (mut f_terms, mut g_terms) = ([ZERO; ORDER + 1], [ZERO; ORDER + 1]);
-    let mut power = ONE;
-    for (k, (f, g)) in f.iter().zip(g).enumerate() {
-        (f_terms[k], g_terms[k]) = (power * *f, power * *g);
-        power *= t;
-    }
-    let order = f.len() - 1;
+    let f = terms(f, t);
+    let order = f.1;
     let mut sum = ZERO;
-    for k in (0..=2 * order).rev() {
-        let mut product = ZERO;
-        for i in k.saturating_sub(order)..=k.min(order) {
-            product += f_terms[i] * g_terms[k - i];
+    for k in (0..=order + BEYOND).rev() {
+        // Each product but that of the middle term stands twice.
+        let mut pairs = [ZERO; 2];
+        let first = k.saturating_sub(order);
+        for (n, i) in (first..k.div_ceil(2)).enumerate() {
+            pairs[n % 2] = f.0[i].mul_add(f.0[k - i], pairs[n % 2]);
         }
-        sum += product / (k + 1) as f64;
+        let middle = if k.is_multiple_of(2) { f.0[k / 2] * f.0[k / 2] } else { ZERO };
+        sum += (2.0 * (pairs[0] + pairs[1]) + middle) * reciprocal(k + 1);
     }
     sum * t
+}
+
+/// ∫₀ᵗ f g of two such polynomials of one order, at most [`ORDER`].
+pub(crate) fn product_integral(f: &[Real], g: &[Real], t: Real) -> Real {
+    let (f, g) = (terms(f, t), terms(g, t));
+    let order = f.1;
+    let mut sum = ZERO;
+    for k in (0..=order + BEYOND).rev() {
+        let mut product = ZERO;
+        for i in k.saturating_sub(order)..=k.min(order) {
+            product += f.0[i] * g.0[k - i];
+        }
+        sum += product * reciprocal(k + 1);
+    }
+    sum * t
+}
+
+/// The terms of a polynomial at t, and its order.
+#[inline(always)]
+fn terms(f: &[Real], t: Real) -> (Row<Real>, usize) {
+    let mut terms = [ZERO; ORDER + 1];
+    let mut power = ONE;
+    for (term, coefficient) in terms.iter_mut().zip(f) {
+        *term = power * *coefficient;
+        power *= t;
+    }
+    (terms, f.len() - 1)
 }
 
 /// A stretch of the search for an extremum: its ends, and the function there.
@@ -159,6 +184,12 @@ mod tests {
         near(largest(&cosine(2.0, 0.3), [0.1, 0.4], 0.0), 0.5f64.cos());
         near(largest(&cosine(2.0, 0.3), [0.1, 0.4], 0.9), 0.9);
         assert_eq!(largest(&[0.0; 5], [0.0, 1.0], 0.0), 0.0);
+        // Close to overflow, where a bound on the second derivative is infinite (found by fuzzing:
+        // the search for the largest value did not end).
+        let huge: Vec<f64> = cosine(2.0, -1.0).iter().map(|c| 1e307 * c).collect();
+        near(largest(&huge, [0.0, 1.0], 0.0) / 1e307, 1.0);
+        let tiny: Vec<f64> = cosine(2.0, -1.0).iter().map(|c| 1e-300 * c).collect();
+        near(largest(&tiny, [0.0, 1.0], 0.0) / 1e-300, 1.0);
         assert_eq!(largest(&[f64::NAN; 5], [0.0, 1.0], 0.5), 0.5);
     }
 

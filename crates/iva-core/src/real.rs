@@ -24,7 +24,7 @@ pub const LEFT_OUT: Real = 1e-16;
 pub const NEGLIGIBLE: Real = 1e-17;
 
 /// Numbers up to this have their reciprocal in a table.
-const TABLED: usize = 24;
+const TABLED: usize = 28;
 
 /// 1/n.
 #[inline]

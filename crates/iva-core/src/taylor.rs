@@ -18,7 +18,7 @@
 
 use crate::compensated::Sum;
 use crate::force::Drive;
-use crate::real::{self, ONE, Real, ZERO};
+use crate::real::{self, ONE, Real, ZERO, dispatched};
 
 pub use remainder::Remainder;
 
@@ -44,6 +44,11 @@ pub trait Number:
     fn from_real(value: Real) -> Self;
     /// 1/n.
     fn reciprocal(n: usize) -> Self;
+    /// self · factor + addend.
+    #[inline(always)]
+    fn fused(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
 }
 
 impl Number for Real {
@@ -52,6 +57,10 @@ impl Number for Real {
     }
     fn reciprocal(n: usize) -> Self {
         real::reciprocal(n)
+    }
+    #[inline(always)]
+    fn fused(self, factor: Self, addend: Self) -> Self {
+        self.mul_add(factor, addend)
     }
 }
 
@@ -125,26 +134,20 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
 #[inline(always)]
 fn convolutions<T: Number>(y: &[T], w: &[T], c: &[T], a: &[T], k: usize) -> [T; 3] {
     let (y, w, c, a) = (&y[..k], &w[1..=k], &c[1..=k], &a[..k]);
-    let term = |i: usize| {
+    let with = |sums: [T; 3], i: usize| {
         let (w, a) = (w[k - 1 - i], a[k - 1 - i]);
-        [y[i] * w, c[i] * w, c[i] * a]
+        [y[i].fused(w, sums[0]), c[i].fused(w, sums[1]), c[i].fused(a, sums[2])]
     };
     let mut even = [T::from_real(ZERO); 3];
     let mut odd = even;
     let mut i = 0;
     while i + 1 < k {
-        let (one, other) = (term(i), term(i + 1));
-        for n in 0..3 {
-            even[n] = even[n] + one[n];
-            odd[n] = odd[n] + other[n];
-        }
+        even = with(even, i);
+        odd = with(odd, i + 1);
         i += 2;
     }
     if i < k {
-        let last = term(i);
-        for n in 0..3 {
-            even[n] = even[n] + last[n];
-        }
+        even = with(even, i);
     }
     [even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]]
 }
@@ -176,7 +179,10 @@ impl Pendulum {
         h: Real,
         order: usize,
     ) -> Series<T, LENGTH> {
-        self.coefficients(start, drive, h, order)
+        dispatched(
+            #[inline(always)]
+            || self.coefficients(start, drive, h, order),
+        )
     }
 
     /// The first few coefficients in powers of t: derivatives at an instant. The order is known to the

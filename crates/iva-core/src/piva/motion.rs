@@ -6,7 +6,7 @@ use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::polynomial::{product_integral, square_integral};
-use crate::real::{ONE, Real, ZERO, power_of_two};
+use crate::real::{ONE, Real, ZERO, dispatched, power_of_two};
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner};
 
@@ -97,7 +97,15 @@ impl<'a> PivaFlight<'a> {
     /// What a damper takes: factor · ∫ f² up to h.
     fn loss(&self, factor: Real, f: &Row<Real>, h: Real) -> Real {
         let f = &f[..=self.piva.accuracy.order];
-        if factor == 0.0 { ZERO } else { factor * square_integral(f, self.share(h)) * self.step }
+        if factor == 0.0 {
+            return ZERO;
+        }
+        let t = self.share(h);
+        let integral = dispatched(
+            #[inline(always)]
+            || square_integral(f, t),
+        );
+        factor * integral * self.step
     }
 }
 
