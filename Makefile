@@ -71,6 +71,8 @@ fuzz: ## any text, bytes and bits as input, a minute a target (needs a C++ compi
 bench-peers: wheel ## compare accuracy and run time with other integrators (their own environment)
 	test -x target/bench/bin/python || $(PYTHON) -m venv --without-pip target/bench
 	$(PYTHON) -m pip --python target/bench/bin/python install --quiet "$$(ls $(CURDIR)/target/wheels/iva_dynamics-*.whl)[bench]"
+	$(PYTHON) -m pip --python target/bench/bin/python install --quiet --no-deps --force-reinstall \
+		"$$(ls $(CURDIR)/target/wheels/iva_dynamics-*.whl)"
 	target/bench/bin/python benches/work_precision.py
 
 bench-start: wheel ## measure how long the command takes to start
