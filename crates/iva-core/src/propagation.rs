@@ -51,10 +51,8 @@ pub trait Differentiable: System {
 
 /// Standard deviation of what rounding takes from an increment, over 2⁻⁵³ of it.
 const ROUNDING: f64 = 0.7;
-/// The same of what terms have cancelled, each the result of several roundings; and of what remains where
-/// they nearly balance.
-const CANCELLED: f64 = 2.0;
-const BALANCED: f64 = 26.0;
+/// The same of what terms have cancelled, each the result of several roundings.
+const CANCELLED: f64 = 3.0;
 /// The estimate is so many standard deviations.
 const DEVIATIONS: f64 = 4.0;
 /// Half a unit in the last place of 1.
@@ -210,8 +208,6 @@ impl<S: Differentiable> Observer<S> for Errors {
         let forces = system.forces(from);
         errors[1] += UNIT * CANCELLED * h * (forces[0] - begin[1]).max(0.0);
         errors[3] += UNIT * CANCELLED * h * (forces[1] - begin[3]).max(0.0);
-        // Where a wall hardly presses, rounding of the constants shows, the same at every rebound.
-        errors[3] += UNIT * BALANCED * h * (forces[1] - 10.0 * begin[3]).max(0.0);
         // A wrong acceleration displaces as well.
         errors[0] += 0.5 * h * errors[1];
         errors[2] += 0.5 * h * errors[3];
