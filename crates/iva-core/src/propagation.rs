@@ -30,11 +30,6 @@ mod siva;
 pub trait Differentiable: System {
     /// ż in free flight.
     fn rates(&self, state: &Self::State) -> Vector4<f64>;
-    /// Sizes of ẍ and ÿ (or Ẇ) before their terms cancel; what rounding takes from them is a share of
-    /// these.
-    fn forces(&self, _state: &Self::State) -> [f64; 2] {
-        [0.0; 2]
-    }
     /// Derivative of the state after a time h of flight by the state before.
     fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
     /// The same while stuck on a wall, where y and ẏ do not change.
@@ -51,8 +46,6 @@ pub trait Differentiable: System {
 
 /// Standard deviation of what rounding takes from an increment, over 2⁻⁵³ of it.
 const ROUNDING: f64 = 0.7;
-/// The same of what terms have cancelled, each the result of several roundings.
-const CANCELLED: f64 = 3.0;
 /// The estimate is so many standard deviations.
 const DEVIATIONS: f64 = 4.0;
 /// Half a unit in the last place of 1.
@@ -200,18 +193,12 @@ impl<S: Differentiable> Observer<S> for Errors {
         }
         let (from, h) = (span.motion.origin(), span.length);
         let end = span.motion.state(h);
+        let [primary, gap] = system.truncation(from);
         let map =
             if M::RIDING { system.ride_tangent(from, h) } else { system.flight_tangent(from, h) };
         self.carry(&map);
-        let begin = system.rates(from).abs();
-        let mut errors = UNIT * ROUNDING * h * begin.sup(&system.rates(&end).abs());
-        let forces = system.forces(from);
-        errors[1] += UNIT * CANCELLED * h * (forces[0] - begin[1]).max(0.0);
-        errors[3] += UNIT * CANCELLED * h * (forces[1] - begin[3]).max(0.0);
-        // A wrong acceleration displaces as well.
-        errors[0] += 0.5 * h * errors[1];
-        errors[2] += 0.5 * h * errors[3];
-        let [primary, gap] = system.truncation(from);
+        let rates = system.rates(from).abs().sup(&system.rates(&end).abs());
+        let mut errors = UNIT * ROUNDING * h * rates;
         errors += Vector4::new(primary * h, primary, gap * h, gap);
         if M::RIDING {
             (errors[2], errors[3]) = (0.0, 0.0);
