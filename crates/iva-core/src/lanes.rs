@@ -150,7 +150,7 @@ impl<'a> Group<'a> {
         cancel: Option<&'a AtomicBool>,
         take: &'a mut dyn FnMut(usize, &Decayed),
     ) -> Self {
-        let free = Arc::clone(&scenes[order[0]].siva.free);
+        let free = Arc::clone(scenes[order[0]].siva.shared());
         let homes = [const { None }; LANES];
         Self { scenes, order, next: 0, wanted, cancel, free, homes, live: 0, take }
     }
@@ -168,6 +168,9 @@ impl<'a> Group<'a> {
                     for _ in 0..CANCEL_EVERY {
                         if evaluate(&mut lanes, &free) {
                             self.attend(&mut lanes);
+                            if self.live == 0 {
+                                break;
+                            }
                         }
                     }
                     if is_set(self.cancel) {
@@ -228,6 +231,7 @@ impl<'a> Group<'a> {
         };
         let Decay { siva, start, limits } = &self.scenes[index];
         self.next += 1;
+        siva.free.get_or_init(|| Arc::clone(&self.free));
         let measures = Measures::<Siva>::new(self.wanted);
         let mut run = Run::new(siva, start, limits, self.cancel, measures);
         run.begin();

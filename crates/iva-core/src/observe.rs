@@ -21,8 +21,6 @@ pub struct Span<'a, M: Motion> {
     pub to: Point,
     /// The state at its end, before what may happen there.
     pub end: &'a M::State,
-    /// Instant of its end.
-    pub finish: Clock,
 }
 
 /// A chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall. Times in

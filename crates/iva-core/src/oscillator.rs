@@ -19,12 +19,9 @@
 //! (√k x, v) obeys a linear system of norm Λ = c/2 + √(c²/4 + k), and so do its derivatives. Hence
 //! |x⁽ⁿ⁾| ≤ Λⁿ⁻¹ ρ for n ≥ 1 at every later time, for any ζ: no singularity at ζ = 1.
 
-use std::cell::RefCell;
-use std::sync::Arc;
-
 use crate::compensated::Sum;
 use crate::flight::Jet;
-use crate::real::{KEPT, ONE, Real, ZERO};
+use crate::real::{ONE, Real, ZERO};
 
 /// Terms of the series of P and Q, beginning with h².
 const TERMS: usize = 24;
@@ -68,31 +65,7 @@ pub struct Oscillator {
     full_loss: [Real; 3],
 }
 
-thread_local! {
-    /// The primaries made last, which neighbouring points of a sweep share; the latest first.
-    static MADE: RefCell<Vec<Arc<Oscillator>>> = const { RefCell::new(Vec::new()) };
-}
-
-/// How many of them.
-const REMEMBERED: usize = 16;
-
 impl Oscillator {
-    /// The free primary of this damping ratio; one made lately is taken again.
-    pub fn free(damping_ratio: Real) -> Arc<Self> {
-        if !KEPT {
-            return Arc::new(Self::new(ONE, damping_ratio));
-        }
-        MADE.with_borrow_mut(|made| {
-            if let Some(i) = made.iter().position(|one| one.damping == 2.0 * damping_ratio) {
-                made[..=i].rotate_right(1);
-            } else {
-                made.truncate(REMEMBERED - 1);
-                made.insert(0, Arc::new(Self::new(ONE, damping_ratio)));
-            }
-            Arc::clone(&made[0])
-        })
-    }
-
     /// The oscillator of mass `mass` (1 or 1 + μ) on the primary's spring and damper.
     pub fn new(mass: Real, damping_ratio: Real) -> Self {
         let stiffness = 1.0 / mass;

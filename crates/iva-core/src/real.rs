@@ -54,9 +54,6 @@ pub fn power_of_two(number: Real) -> Real {
     f64::from_bits(number.to_bits() & EXPONENT)
 }
 
-/// True if what equal numbers make is equal: it may be made once.
-pub const KEPT: bool = true;
-
 /// True if strides ([`crate::siva`]) are to be gone: what verifies a run goes without.
 pub const STRIDES: bool = true;
 

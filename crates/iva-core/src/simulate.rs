@@ -61,6 +61,7 @@ pub fn simulate<S: System, O: Observer<S>>(
     while run.step() {}
     Ok(run.finish())
 }
+
 /// What the absorber is doing; in flight, how far to look first.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Phase {
@@ -89,6 +90,7 @@ pub(crate) struct Run<'a, S: System, O> {
 
 /// How often the loop looks whether it is to stop.
 const CANCEL_EVERY: u64 = 1024;
+
 impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
     /// A run that has not begun.
     pub(crate) fn new(
@@ -292,7 +294,6 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
             from: self.system.primary(&self.tally.state),
             to: self.system.primary(&end),
             end: &end,
-            finish,
         };
         self.observer.span(self.system, &span);
         self.clock = finish;

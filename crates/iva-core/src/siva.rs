@@ -86,7 +86,8 @@ pub struct Siva {
     pub(crate) impact_share: Sum,
     /// The same where the absorber sticks.
     pub(crate) stick_share: Sum,
-    pub(crate) free: Arc<Oscillator>,
+    /// The primary by itself; made by the first flight, and shared with scenes that run beside this.
+    pub(crate) free: OnceLock<Arc<Oscillator>>,
     /// Of the mass 1 + μ; made where the absorber sticks.
     loaded: OnceLock<Box<Oscillator>>,
 }
@@ -101,7 +102,7 @@ impl From<Parameters> for Siva {
             damping_ratio,
             impact_share: impact::primary_share(mass_ratio, restitution),
             stick_share: impact::primary_share(mass_ratio, ZERO),
-            free: Oscillator::free(damping_ratio),
+            free: OnceLock::new(),
             loaded: OnceLock::new(),
         }
     }
@@ -120,6 +121,18 @@ impl Siva {
         damping_ratio: Real,
     ) -> Result<Self, Invalid> {
         Parameters::new(mass_ratio, restitution, clearance, damping_ratio).map(Self::from)
+    }
+
+    /// The primary in flight.
+    #[inline(always)]
+    pub(crate) fn free(&self) -> &Oscillator {
+        self.shared()
+    }
+
+    /// The primary in flight, to share.
+    #[inline(always)]
+    pub(crate) fn shared(&self) -> &Arc<Oscillator> {
+        self.free.get_or_init(|| Arc::new(Oscillator::new(ONE, self.damping_ratio)))
     }
 
     /// The primary with the absorber stuck to it.
@@ -220,7 +233,7 @@ impl System for Siva {
     }
 
     fn pressure_gain(&self) -> Real {
-        self.free.damping * self.impact_share.value
+        self.free().damping * self.impact_share.value
     }
 
     fn stops(&self, limits: &Limits) -> [Real; STOPS] {
@@ -235,7 +248,7 @@ impl System for Siva {
         let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
-        let acceleration = self.free.acceleration(&primary);
+        let acceleration = self.free().acceleration(&primary);
         let side =
             [start.gap_displacement, start.gap_velocity, -acceleration.value, start.velocity]
                 .into_iter()
@@ -286,7 +299,7 @@ impl System for Siva {
             value: state.distance.value,
             rate: state.rate.value,
             curvature: s * state.acceleration.value,
-            jerk: s * self.free.next_derivative(state.primary.v.value, state.acceleration.value),
+            jerk: s * self.free().next_derivative(state.primary.v.value, state.acceleration.value),
         }
     }
 
@@ -309,7 +322,7 @@ impl System for Siva {
     fn impact(&self, state: &SivaState, time: Real) -> (SivaState, Impact) {
         let s = state.side;
         let approach = -state.rate.value;
-        let after = collided(&self.free, state, self.impact_share, self.restitution);
+        let after = collided(self.free(), state, self.impact_share, self.restitution);
         let impact = Impact {
             time,
             wall: self.wall(state),
@@ -329,7 +342,7 @@ impl System for Siva {
         let primary = state.primary.kicked(-state.side, state.rate, self.stick_share);
         let stuck = SivaState {
             primary,
-            acceleration: self.free.acceleration(&primary),
+            acceleration: self.free().acceleration(&primary),
             distance: Sum::ZERO,
             rate: Sum::ZERO,
             ..*state
@@ -340,7 +353,7 @@ impl System for Siva {
     fn release(&self, state: &SivaState) -> (SivaState, Real) {
         // Release is where x + 2ζẋ = 0: written into x, the pressure is exactly 0.
         let Primary { x, v } = state.primary;
-        let primary = Primary { x: v.times(-self.free.damping), v };
+        let primary = Primary { x: v.times(-self.free().damping), v };
         let released = SivaState {
             primary,
             acceleration: Sum::ZERO,

@@ -197,13 +197,17 @@ fn finish(builders: Builders) -> Result<Tables, SweepError> {
 }
 
 /// Runs a study of one point, which asks for its summary, on the calling thread if that takes no more
-/// than `work` stretches of motion; `None`: it takes more.
+/// than `work` stretches of motion; `None`: it takes more, or is to be compared with a run without absorber.
 ///
 /// # Errors
 /// [`SweepError`] for an invalid point.
 pub fn brief(study: &Study, work: u64) -> Result<Option<Tables>, SweepError> {
     checked(study)?;
     let mut design = study.design(0)?;
+    let force = design.scene.force();
+    if force.is_some_and(|force| !force.is_single()) {
+        return Ok(None);
+    }
     let cut = design.limits.max_work > work;
     design.limits.max_work = design.limits.max_work.min(work);
     let mut builders = builders(study, study.units()?);

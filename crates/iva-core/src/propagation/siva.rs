@@ -23,7 +23,7 @@ impl Differentiable for Siva {
     }
 
     fn flight_tangent(&self, _from: &SivaState, h: f64) -> Matrix4<f64> {
-        let [[xx, vx], [xv, vv]] = columns(&self.free, h);
+        let [[xx, vx], [xv, vv]] = columns(self.free(), h);
         // x + y moves uniformly.
         Matrix4::new(
             xx,

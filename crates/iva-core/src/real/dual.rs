@@ -28,9 +28,6 @@ pub fn power_of_two(number: Real) -> Real {
     iva_core::real::power_of_two(f64::from(number)).into()
 }
 
-/// Equal numbers may have different derivatives.
-pub const KEPT: bool = false;
-
 /// Every stretch of flight is searched as if it were a hard one: a check of those that are not.
 pub const STRIDES: bool = false;
 

@@ -27,9 +27,6 @@ pub fn power_of_two(number: Real) -> Real {
     iva_core::real::power_of_two(f64::from(number)).into()
 }
 
-/// What equal numbers make is equal.
-pub const KEPT: bool = true;
-
 /// Every stretch of flight is searched as if it were a hard one: a check of those that are not.
 pub const STRIDES: bool = false;
 

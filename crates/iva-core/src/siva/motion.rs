@@ -46,19 +46,19 @@ impl Motion for SivaFlight<'_> {
 
     #[inline]
     fn reach(&self) -> Real {
-        self.siva.free.reach
+        self.siva.free().reach
     }
 
     fn state(&self, h: Real) -> SivaState {
         dispatched(
             #[inline(always)]
-            || arrived(&self.siva.free, &self.from, h),
+            || arrived(self.siva.free(), &self.from, h),
         )
     }
 
     fn primary(&self, h: Real) -> Jet {
         let Primary { x, v } = self.from.primary;
-        let (free, a) = (&self.siva.free, self.from.acceleration);
+        let (free, a) = (self.siva.free(), self.from.acceleration);
         dispatched(
             #[inline(always)]
             || free.jet(x.value, v.value, a.value, h),
@@ -79,7 +79,7 @@ impl Motion for SivaFlight<'_> {
 
     fn viscous_loss(&self, h: Real) -> Real {
         let Primary { x, v } = self.from.primary;
-        let free = &self.siva.free;
+        let free = self.siva.free();
         dispatched(
             #[inline(always)]
             || free.viscous_loss(x.value, v.value, h),
@@ -90,7 +90,7 @@ impl Motion for SivaFlight<'_> {
         let (h, x, exact) = dispatched(
             #[inline(always)]
             || {
-                let free = &self.siva.free;
+                let free = self.siva.free();
                 let guess = length * root(&turn(free, &self.from, end, length));
                 turning(free, &self.from, guess, length)
             },
@@ -115,7 +115,7 @@ impl Curve for SivaFlight<'_> {
     fn precise(&self, h: Real) -> Sum {
         let SivaState { primary, side: s, distance, rate, .. } = self.from;
         let travelled = rate.times(h);
-        let curved = self.siva.free.precise(primary.v, self.from.acceleration, h);
+        let curved = self.siva.free().precise(primary.v, self.from.acceleration, h);
         distance
             .plus_parts(travelled.value, travelled.rest)
             .plus_parts(s * curved.value, s * curved.rest)
@@ -124,7 +124,7 @@ impl Curve for SivaFlight<'_> {
     /// D⁗ = s x⁗, bounded by Λ³ρ.
     #[inline]
     fn fourth(&self) -> Real {
-        let free = &self.siva.free;
+        let free = self.siva.free();
         let Primary { x, v } = self.from.primary;
         free.growth * free.growth * free.growth * free.radius(x.value, v.value)
     }

@@ -274,8 +274,8 @@ impl Siva {
     /// A stride of this length, if it is one.
     #[inline(always)]
     pub(super) fn strides(&self, state: &SivaState, length: Real) -> Option<Stride<SivaState>> {
-        let end = arrived(&self.free, state, length);
-        let quintic = Quintic::new(&self.free, state, &end, self.clearance, length);
+        let end = arrived(self.free(), state, length);
+        let quintic = Quintic::new(self.free(), state, &end, self.clearance, length);
         let proof = quintic.proof();
         if proof.free {
             return Some(Stride { length, later: ZERO, end, contact: false });
@@ -289,10 +289,10 @@ impl Siva {
             if !(h > 0.0 && h <= length) {
                 return None;
             }
-            let near = arrived(&self.free, state, h);
-            let (later, close) = to_wall(&self.free, &near, self.clearance, far, h);
+            let near = arrived(self.free(), state, h);
+            let (later, close) = to_wall(self.free(), &near, self.clearance, far, h);
             if close {
-                let end = at_wall(&self.free, &near, far, later);
+                let end = at_wall(self.free(), &near, far, later);
                 return Some(Stride { length: h, later, end, contact: true });
             }
             h += later;
@@ -315,3 +315,6 @@ fn most<const N: usize>(values: &[Real; N]) -> Real {
 fn size(begin: &[Real; 3], end: &[Real; 3]) -> Real {
     begin.iter().chain(end).fold(ZERO, |sum, value| sum + value.abs())
 }
+
+#[cfg(test)]
+mod tests;

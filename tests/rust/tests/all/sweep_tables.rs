@@ -7,12 +7,17 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type};
 use arrow_array::{Array, RecordBatch};
+use iva_core::simulate::{Limits, simulate};
+use iva_core::system::System;
 use iva_sweep::choices::{Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection, columns};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
+use iva_sweep::forces::ForceSpec;
+use iva_sweep::scene::Scene;
+use iva_sweep::slot::Slot;
 use iva_sweep::study::{Axis, Study, Table};
-use iva_sweep::sweep::{Control, Tables, Workers, sweep, validate};
+use iva_sweep::sweep::{Control, Tables, Workers, brief, sweep, validate};
 
 fn spec() -> Spec {
     with_scene(Spec::default())
@@ -258,4 +263,53 @@ fn too_many_points_are_refused_without_allocating() {
     };
     let message = refusal(&study);
     assert!(message.contains("70000 × 70000") && message.contains("2^32"), "{message}");
+}
+
+/// Forced by two harmonics, so that `reduction` needs a run without absorber.
+fn beaten() -> Spec {
+    let mut spec = shaken();
+    spec.add_force(ForceSpec::new(None));
+    let slot = |field| Slot { field, force: Some(1) };
+    spec.set(slot(FieldId::BaseAcceleration), 0.2).unwrap();
+    spec.set(slot(FieldId::RelativeFrequency), 1.3).unwrap();
+    spec
+}
+
+#[test]
+fn a_brief_run_has_the_rows_of_a_sweep_or_none() {
+    for spec in [spec(), pendulum(), shaken()] {
+        let study = Study { errors: true, ..Study::single(spec) };
+        let (whole, _) = run(&study, 1, None, false);
+        let spent = work_of(&study);
+        assert_eq!(brief(&study, spent).unwrap().as_ref(), Some(&whole));
+        assert_eq!(brief(&study, spent - 1).unwrap(), None);
+    }
+}
+
+/// What may not be cut short: a run that ends at the user's own limit is whole, and one to compare with
+/// may take longer than the run itself.
+#[test]
+fn a_brief_run_is_never_cut_in_what_it_shows() {
+    let mut study = Study::single(spec());
+    study.spec.set(FieldId::MaxWork, 10.0).unwrap();
+    let (whole, _) = run(&study, 1, None, false);
+    assert_eq!(whole[&Table::Summary]["outcome"].as_string::<i32>().value(0), "work_limit");
+    assert_eq!(brief(&study, 10).unwrap(), Some(whole));
+    let study = Study::single(beaten());
+    let (whole, _) = run(&study, 1, None, false);
+    assert!(numbers(&whole[&Table::Summary], "reduction")[0].is_some());
+    assert_eq!(brief(&study, 1_000_000).unwrap(), None);
+}
+
+/// Stretches of motion that a study of one point takes.
+fn work_of(study: &Study) -> u64 {
+    let design = study.design(0).unwrap();
+    match design.scene {
+        Scene::Siva { system, start } => tally(&system, &start, &design.limits),
+        Scene::Piva { system, start, .. } => tally(&system, &start, &design.limits),
+    }
+}
+
+fn tally<S: System>(system: &S, start: &S::Start, limits: &Limits) -> u64 {
+    simulate(system, start, limits, None, &mut ()).unwrap().work
 }

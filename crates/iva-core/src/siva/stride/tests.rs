@@ -1,0 +1,133 @@
+//! What the quintic proves, against stretches sampled densely; its constants, against the function that
+//! attains them.
+
+use super::*;
+
+/// t³(1 − t)³/720 has the sixth derivative −1 and the quintic 0: no distance with M = 1 is further off.
+#[test]
+fn the_constants_are_those_of_the_extreme_function() {
+    let most = |f: &dyn Fn(f64) -> f64| {
+        (0..=10_000).map(|i| f(f64::from(i) * 1e-4).abs()).fold(0.0, f64::max)
+    };
+    let (p, q) = (|t: f64| t * (1.0 - t), |t: f64| 1.0 - 2.0 * t);
+    let off = most(&|t| p(t).powi(3) / 720.0);
+    let slope_off = most(&|t| p(t).powi(2) * q(t) / 240.0);
+    let bend_off = most(&|t| p(t) * (q(t).powi(2) - p(t)) / 120.0);
+    let rise_off = most(&|t| t * t * (1.0 - t).powi(3) / 720.0);
+    for (constant, found) in
+        [(OFF, off), (SLOPE_OFF, slope_off), (RISE_OFF, rise_off), (RISE_SLOPE_OFF, 0.5 * bend_off)]
+    {
+        assert!((found..1.001 * found).contains(&(constant * (1.0 + 1e-9))), "{constant} {found}");
+    }
+}
+
+/// Numbers spread evenly over [0, 1): the fractions of multiples of an irrational number.
+fn spread(i: u32, k: u32) -> f64 {
+    (f64::from(i) * f64::from(2 * k + 3).sqrt()).fract()
+}
+
+/// A stretch that starts within the gap and all but touches a wall: at `h` its distance and its rate are
+/// small.
+struct Stretch {
+    siva: Siva,
+    from: SivaState,
+    length: f64,
+}
+
+impl Stretch {
+    fn planted(i: u32) -> Option<Self> {
+        let u = |k| spread(i, k);
+        let small = |k| 10f64.powf(-12.0 * u(k)) * if u(k + 1) < 0.5 { 1.0 } else { -1.0 };
+        let zeta = [0.0, 0.02, 0.9, 2.0][(4.0 * u(0)) as usize];
+        let siva = Siva::new(0.1, 0.5, [0.03, 0.4, 1.6][(3.0 * u(1)) as usize], zeta).unwrap();
+        let length = siva.free().reach * if u(2) < 0.5 { 1.0 } else { u(3) };
+        let (v, x) = (std::f64::consts::TAU * u(4)).sin_cos();
+        let primary = Primary { x: Sum::new(x), v: Sum::new(v) };
+        let wall = if u(5) < 0.5 { 0.0 } else { 2.0 * siva.clearance };
+        let touching = SivaState {
+            primary,
+            acceleration: siva.free().acceleration(&primary),
+            side: if u(6) < 0.5 { 1.0 } else { -1.0 },
+            distance: Sum::new(wall + small(7)),
+            rate: Sum::new(if u(9) < 0.5 { 0.0 } else { small(10) }),
+        };
+        let mut from = arrived(siva.free(), &touching, -(1.2 * u(12) - 0.1) * length);
+        if u(13) < 0.3 {
+            // A rebound.
+            from.distance = Sum::ZERO;
+            from.rate = Sum::new(small(14).abs());
+        }
+        let inside = (0.0..=2.0 * siva.clearance).contains(&from.distance.value);
+        inside.then_some(Self { siva, from, length })
+    }
+
+    /// Sides of both walls, from the first sample on, without repetitions; what is within rounding of a
+    /// wall is on neither side.
+    fn sides(&self) -> Vec<i32> {
+        let far = 2.0 * self.siva.clearance;
+        let mut sides = Vec::new();
+        for i in 1..=300 {
+            let h = self.length * f64::from(i) / 300.0;
+            let distance = arrived(self.siva.free(), &self.from, h).distance;
+            let (near, beyond) = (distance.value, distance.minus(far));
+            if near.abs() < 1e-15 || beyond.abs() < 1e-15 {
+                continue;
+            }
+            let side = if near < 0.0 { -1 } else { i32::from(beyond > 0.0) };
+            if sides.last() != Some(&side) {
+                sides.push(side);
+            }
+        }
+        sides
+    }
+}
+
+#[test]
+fn what_is_proved_of_a_stretch_holds_all_along_it() {
+    let mut seen = [0; 4];
+    for i in 1..40_000 {
+        let Some(stretch) = Stretch::planted(i) else { continue };
+        let Stretch { siva, from, length } = &stretch;
+        let end = arrived(siva.free(), from, *length);
+        let proof = Quintic::new(siva.free(), from, &end, siva.clearance, *length).proof();
+        let (verdict, claimed) = match (proof.free, proof.meets) {
+            (false, [false, false]) => {
+                seen[3] += 1;
+                continue;
+            }
+            (true, [false, false]) => (0, [0].as_slice()),
+            (false, [true, false]) => (1, [0, -1].as_slice()),
+            (false, [false, true]) => (2, [0, 1].as_slice()),
+            other => panic!("stretch {i}: {other:?}"),
+        };
+        seen[verdict] += 1;
+        let sides = stretch.sides();
+        // A contact earlier than the first sample.
+        let at_once = verdict > 0 && sides == claimed[1..];
+        assert!(
+            at_once || sides == claimed,
+            "stretch {i}: {proof:?}, {sides:?}, {from:?}, {length}"
+        );
+    }
+    assert!(seen.iter().all(|count| *count > 500), "{seen:?}");
+}
+
+#[test]
+fn a_contact_found_is_on_the_wall() {
+    let mut contacts = 0;
+    for i in 1..40_000 {
+        let Some(Stretch { siva, from, length }) = Stretch::planted(i) else { continue };
+        let Some(stride) = siva.strides(&from, length).filter(|stride| stride.contact) else {
+            continue;
+        };
+        contacts += 1;
+        let there = arrived(siva.free(), &from, stride.length + stride.later);
+        let far = stride.end.side != from.side;
+        let left =
+            if far { there.distance.minus(2.0 * siva.clearance) } else { there.distance.value };
+        // The clock is rounded to `length`, of which the distance takes its rate.
+        let rounding = f64::EPSILON * (there.rate.value.abs() + siva.clearance);
+        assert!(left.abs() <= 2.0 * rounding, "stretch {i}: {left:e}");
+    }
+    assert!(contacts > 2000, "{contacts}");
+}
