@@ -12,6 +12,10 @@
 //! each segment is treated as independent random errors: their covariance P goes from segment to
 //! segment as Φ P Φᵀ + Q. A summed chatter keeps momentum and centre of mass, a release is smooth.
 //!
+//! Rounding is not independent where a wall is hit again and again: a chatter takes the same rounded
+//! constants at every rebound. What rounds alike is carried as columns that add up, and joins the
+//! covariance when the other wall is met.
+//!
 //! The error of an impact time is that of the distance over the speed of approach, or, where that is
 //! not small against it, as far as the curvature lets the instant move. Once it reaches 1/ωn the run
 //! has forgotten its start: from there on nothing is estimated.
@@ -30,6 +34,11 @@ mod siva;
 pub trait Differentiable: System {
     /// ż in free flight.
     fn rates(&self, state: &Self::State) -> Vector4<f64>;
+    /// Sizes of ẋ, ẍ, ẏ and ÿ (or Ẇ) before their terms cancel: what rounding takes from them at every
+    /// rebound alike is a share of these. 0: they are computed to twice the precision.
+    fn sizes(&self, _state: &Self::State) -> Vector4<f64> {
+        Vector4::zeros()
+    }
     /// Derivative of the state after a time h of flight by the state before.
     fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
     /// The same while stuck on a wall, where y and ẏ do not change.
@@ -46,6 +55,8 @@ pub trait Differentiable: System {
 
 /// Standard deviation of what rounding takes from an increment, over 2⁻⁵³ of it.
 const ROUNDING: f64 = 0.7;
+/// The same of what is rounded alike at every rebound on one wall, over 2⁻⁵³ of [`Differentiable::sizes`].
+const ALIKE: f64 = 1.0;
 /// The estimate is so many standard deviations.
 const DEVIATIONS: f64 = 4.0;
 /// Half a unit in the last place of 1.
@@ -72,6 +83,9 @@ pub struct TimeError {
 #[derive(Debug, Clone)]
 pub struct Errors {
     covariance: Matrix4<f64>,
+    /// What is rounded alike at every rebound on a wall adds up: errors, a column for each rate, that it
+    /// has made until the last impact on this wall, and since.
+    alike: [Matrix4<f64>; 2],
     /// Derivative of the state by that at time zero.
     derivative: Matrix4<f64>,
     wall: Option<Wall>,
@@ -95,6 +109,7 @@ impl Default for Errors {
     fn default() -> Self {
         Self {
             covariance: Matrix4::zeros(),
+            alike: [Matrix4::zeros(); 2],
             derivative: Matrix4::identity(),
             wall: None,
             unit: 1.0,
@@ -124,6 +139,7 @@ impl Errors {
 
     fn carry(&mut self, map: &Matrix4<f64>) {
         self.covariance = map * self.covariance * map.transpose();
+        self.alike = self.alike.map(|errors| map * errors);
         self.derivative = map * self.derivative;
     }
 
@@ -134,16 +150,32 @@ impl Errors {
         }
     }
 
-    fn impact<S: Differentiable>(&mut self, system: &S, before: &S::State, after: &S::State) {
-        let (wall, f) = (system.wall(before), system.rates(before));
-        if self.wall.is_some_and(|last| last != wall) {
+    /// Standard deviation of a variable.
+    fn deviation(&self, i: usize) -> f64 {
+        (self.covariance[(i, i)] + self.alike[0].row(i).norm_squared()).sqrt()
+    }
+
+    /// An impact on the wall that was hit before, or on another, where other numbers are rounded.
+    fn meet(&mut self, wall: Wall) {
+        let [before, since] = self.alike;
+        let again = self.wall == Some(wall);
+        self.alike = [if again { before + since } else { Matrix4::zeros() }, Matrix4::zeros()];
+        if !again {
+            self.covariance += before * before.transpose();
+        }
+        if !again && self.wall.is_some() {
             // The gap itself is rounded.
             self.add(Vector4::new(0.0, 0.0, UNIT * self.clearance, 0.0));
         }
         self.wall = Some(wall);
+    }
+
+    fn impact<S: Differentiable>(&mut self, system: &S, before: &S::State, after: &S::State) {
+        let (wall, f) = (system.wall(before), system.rates(before));
+        self.meet(wall);
         let approach = f[2].abs();
         let curvature = system.distance(before).curvature.abs();
-        let distance = DEVIATIONS * self.covariance[(2, 2)].sqrt();
+        let distance = DEVIATIONS * self.deviation(2);
         let margin = approach * approach - 2.0 * curvature * distance;
         let time = 2.0 * distance / (approach + margin.max(0.0).sqrt());
         let grazing = curvature * distance > GRAZING * (approach * approach);
@@ -171,9 +203,8 @@ impl Errors {
         let leave = system.distance(after);
         let left = 1.0 - system.rebound_ratio();
         let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
-        let speed = self.covariance[(3, 3)].sqrt() / leave.rate;
-        let pressure = (self.covariance[(0, 0)].sqrt() + self.covariance[(1, 1)].sqrt())
-            / leave.curvature.abs();
+        let speed = self.deviation(3) / leave.rate;
+        let pressure = (self.deviation(0) + self.deviation(1)) / leave.curvature.abs();
         let more = DEVIATIONS * whole * (speed + pressure);
         time + if more.is_finite() { more } else { 0.0 }
     }
@@ -183,6 +214,7 @@ impl<S: Differentiable> Observer<S> for Errors {
     fn start(&mut self, system: &S, state: &S::State, _duration: f64) {
         *self = Self::default();
         self.clearance = system.clearance();
+        self.wall = (system.distance(state).value == 0.0).then(|| system.wall(state));
         let x = system.primary(state).x.abs();
         self.unit = if x > 0.0 { x } else { self.clearance };
     }
@@ -204,6 +236,13 @@ impl<S: Differentiable> Observer<S> for Errors {
             (errors[2], errors[3]) = (0.0, 0.0);
         }
         self.add(errors);
+        if !M::RIDING {
+            let wrong = UNIT * ALIKE * h * system.sizes(from);
+            self.alike[1] += Matrix4::from_diagonal(&wrong);
+            // A wrong acceleration displaces as well.
+            self.alike[1][(0, 1)] += 0.5 * h * wrong[1];
+            self.alike[1][(2, 3)] += 0.5 * h * wrong[3];
+        }
     }
 
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {

@@ -14,6 +14,23 @@ impl Differentiable for Piva {
         Vector4::new(series.x[1], series.u[1], series.y[1], series.w[1])
     }
 
+    fn sizes(&self, state: &PivaState) -> Vector4<f64> {
+        let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, .. } = self.pendulum;
+        let Pendulum { coupling, frequency_squared, pivot_damping, .. } = self.pendulum;
+        let cosine = state.cosine.abs().min(1.0);
+        let driven = self.drive::<3>(state.time, state, 1.0).as_ref().map_or(0.0, Drive::size);
+        let (y, w) = (state.y().value.abs(), state.w.value.abs());
+        let (x, u) = (state.primary.x.value.abs(), state.primary.v.value.abs());
+        let swing = frequency_squared * y + pivot_damping * w;
+        let turning = if self.pendulum.small_angles { 0.0 } else { y * w * w / (b * b) };
+        let on_primary = driven + x + 2.0 * damping_ratio * u;
+        let primary = (on_primary + mass_ratio * lever * (turning + swing))
+            / self.pendulum.inertia(state.y().value);
+        // The cosine of a steep angle is worth less than y, which it follows from.
+        let steep = if cosine > 0.0 { 1.0 / (cosine * cosine) } else { 1.0 };
+        Vector4::new(u, primary, cosine * w, coupling * primary * steep + swing)
+    }
+
     fn flight_tangent(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
         let y = from.y().value;
         let mut cosine = Dual::constant(from.cosine);

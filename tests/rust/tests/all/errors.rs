@@ -194,7 +194,7 @@ fn estimates_hold_on_random_scenes_of_every_kind() {
     let never = AtomicBool::new(false);
     let workers = Workers::new(Some(1)).unwrap();
     let control = Control { workers: &workers, chunk: None, cancel: &never, progress: &|_| {} };
-    // SCENES=10000 takes some minutes.
+    // SCENES=10000 takes two minutes.
     let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
     for _ in 0..count {
         let study =
