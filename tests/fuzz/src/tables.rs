@@ -10,9 +10,11 @@ use arrow_schema::DataType;
 use iva_cli::{Error, StudyFile};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
+use iva_sweep::gradients::gradients;
 use iva_sweep::motion::{samples, trajectory};
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, SweepError, Workers, sweep};
+use iva_sweep::verify::verify;
 
 /// At most so many impacts, and segments.
 const WORK: f64 = 200.0;
@@ -44,6 +46,20 @@ pub fn judge(file: &StudyFile) -> Result<(), Error> {
         let rows = trajectory(&study.spec, file.samples_per_period, &cancel).map_err(located)?;
         judge_rows(Table::Trajectory, &rows);
     }
+    if study.errors {
+        second_opinion(&study, &cancel).map_err(located)?;
+    }
+    Ok(())
+}
+
+/// The same run in the two other kinds of numbers; they take long, and are asked where errors are. (A
+/// derivative may be without bound, at a grazing.)
+fn second_opinion(study: &Study, cancel: &AtomicBool) -> Result<(), SweepError> {
+    let verification = verify(study, cancel)?;
+    for (table, rows) in &verification.errors {
+        judge_rows(*table, rows);
+    }
+    gradients(study, "restitution", cancel)?;
     Ok(())
 }
 

@@ -5,11 +5,14 @@ use std::{sync::mpsc, thread, time::Duration};
 
 use iva_core::{
     force::{Acts, Force, Harmonic},
+    impact::Impact,
+    observe::Observer,
     piva::{Given, Parameters, Piva, PivaStart},
     propagation::Errors,
     run::run,
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
+    steady::{Steady, SteadyWanted, Window},
     system::{Start, System},
 };
 use iva_tests::{UNITS_ALLOWED, dd::Dd, pendulum, units};
@@ -173,4 +176,40 @@ fn a_release_by_a_strong_force_keeps_the_ledger() {
         "{:e}",
         m.energy_residual / turned_over
     );
+}
+
+/// Instants of all impacts, also of those that are taken back.
+#[derive(Default)]
+struct Instants(Vec<f64>);
+
+impl<S: System> Observer<S> for Instants {
+    fn impact(&mut self, _system: &S, impact: &Impact) {
+        self.0.push(impact.time);
+    }
+}
+
+/// A strobe at the very instant of a rebound that is taken back later, but before it by less than a double
+/// can tell, had not counted it.
+#[test]
+fn a_strobe_does_not_take_back_what_it_has_not_counted() {
+    let piva = Piva::new(Parameters::free_mass(0.1, 0.5, 0.05, 0.02)).unwrap();
+    let start = Start { displacement: 1.0, ..Start::default() };
+    let limits = Limits { chatter_floor: 0.1, ..Limits::new(20.0, 0.05) };
+    let mut all = Instants::default();
+    simulate(&piva, &start.into(), &limits, None, &mut all).unwrap();
+    let kept = run(&piva, &start.into(), &limits).unwrap();
+    assert!(kept.tally.episodes > 0 && (all.0.len() as u64) > kept.tally.impacts);
+    for instant in all.0 {
+        // Strobes at this instant and a long time later.
+        let frequency = 1e-3;
+        let phase = -instant * frequency;
+        let cycle = Harmonic { amplitude: 1.0, frequency, phase, acts: Acts::Primary };
+        let window = Window { from: 0.0, cycle: Some(cycle) };
+        let mut steady = Steady::new(window, SteadyWanted::ALL);
+        simulate(&piva, &start.into(), &limits, None, &mut steady).unwrap();
+        let counts: Vec<u64> = steady.strobes().map(|strobe| strobe.impacts).collect();
+        let until = |last: f64| kept.impacts.iter().filter(|impact| impact.time <= last).count();
+        let expected = [until(instant.next_down()), until(instant)].map(|count| count as u64);
+        assert!(counts.len() == 1 && expected.contains(&counts[0]), "{instant}: {counts:?}");
+    }
 }
