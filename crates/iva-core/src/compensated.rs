@@ -69,11 +69,13 @@ impl Sum {
     }
 
     /// The quotient by a plain number.
+    #[inline(always)]
     pub fn over(self, divisor: impl Into<Real>) -> Self {
         self.over_sum(Sum::new(divisor.into()))
     }
 
     /// The quotient by another sum.
+    #[inline(always)]
     pub fn over_sum(self, divisor: Sum) -> Self {
         let quotient = self.value / divisor.value;
         let (product, lost) = two_product(quotient, divisor.value);
@@ -132,7 +134,10 @@ impl std::ops::Mul for Sum {
 
     #[inline(always)]
     fn mul(self, other: Sum) -> Sum {
-        self.times_sum(other)
+        let Sum { value, rest } = self.product(other);
+        // The rest is small, so this renormalisation is exact.
+        let sum = value + rest;
+        Sum { value: sum, rest: rest - (sum - value) }
     }
 }
 

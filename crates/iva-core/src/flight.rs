@@ -76,6 +76,11 @@ pub trait Motion {
     fn arrival(&self, h: Real) -> Self::State {
         self.state(h)
     }
+    /// The state at the end of a flight of this length, to as many digits, if it is plain that no wall is
+    /// met on it; `None` says nothing.
+    fn glide(&self, _length: Real) -> Option<Self::State> {
+        None
+    }
     /// Where x turns round, and x there, in a motion of this length to this state that it turns in; `None`
     /// says nothing.
     fn turning(&self, _length: Real, _end: &Self::State) -> Option<(Real, Real)> {

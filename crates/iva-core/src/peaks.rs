@@ -1,8 +1,8 @@
 //! Peaks of the primary displacement, one per half cycle.
 
-use crate::flight::{Jet, Motion};
+use crate::flight::{Jet, Motion, Rows};
 use crate::observe::{Observer, Span};
-use crate::polynomial::turnings;
+use crate::polynomial::{jet, turnings};
 use crate::real::{Real, ZERO};
 use crate::roots::polish;
 use crate::simulate::Tally;
@@ -37,38 +37,45 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
 ) {
     let (from, to) = (span.from, span.to);
     let mut begin = (ZERO, from.x);
-    let mut turn = |[low, high]: [Real; 2], [v_low, v_high]: [Real; 2]| {
-        let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
-        let guess = low + (high - low) * (v_low / (v_low - v_high));
-        let jet = |h: Real| {
-            let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
-            (value, [rise * rate, rise * curvature, rise * jerk])
-        };
-        let (h, x) = polish(jet, low, high, guess);
+    let mut turn = |(h, x): (Real, Real)| {
         take(&Monotone { h: [begin.0, h], x: [begin.1, x] });
         begin = (h, x);
     };
     match span.motion.rows() {
         // Under force x may turn more than once.
-        Some(rows) => {
-            for bracket in turnings(rows.x, span.length / rows.step) {
-                let [low, high] = bracket.map(|t| (t * rows.step).min(span.length));
-                let v = [low, high].map(|h| span.motion.primary(h).rate);
-                if v[0] * v[1] < 0.0 {
-                    turn([low, high], v);
+        Some(Rows { x, step, .. }) => {
+            for bracket in turnings(x, span.length / step) {
+                if let Some((t, x)) = turned(|t| jet(x, t), bracket) {
+                    turn(((t * step).min(span.length), x));
                 }
             }
         }
-        None if from.v * to.v < 0.0 => match span.motion.turning(span.length, span.end) {
-            Some((h, x)) => {
-                take(&Monotone { h: [begin.0, h], x: [begin.1, x] });
-                begin = (h, x);
-            }
-            None => turn([ZERO, span.length], [from.v, to.v]),
-        },
+        None if from.v * to.v < 0.0 => {
+            let at = |h: Real| {
+                let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
+                [value, rate, curvature, jerk]
+            };
+            let close = span.motion.turning(span.length, span.end);
+            close.or_else(|| turned(at, [ZERO, span.length])).map(turn);
+        }
         None => {}
     }
     take(&Monotone { h: [begin.0, span.length], x: [begin.1, to.x] });
+}
+
+/// Where a function turns round in a bracket, and its value there; it is given with three derivatives.
+fn turned(at: impl Fn(Real) -> [Real; 4], [low, high]: [Real; 2]) -> Option<(Real, Real)> {
+    let [v_low, v_high] = [low, high].map(|h| at(h)[1]);
+    if !(v_low * v_high < 0.0) {
+        return None;
+    }
+    let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
+    let guess = low + (high - low) * (v_low / (v_low - v_high));
+    let jet = |h: Real| {
+        let [value, rate, curvature, jerk] = at(h);
+        (value, [rise * rate, rise * curvature, rise * jerk])
+    };
+    Some(polish(jet, low, high, guess))
 }
 
 /// Follows x through its half cycles.

@@ -1,6 +1,6 @@
 //! Integrals and extrema of the polynomials that a motion consists of.
 
-use crate::real::{ONE, Real, ZERO, reciprocal};
+use crate::real::{ONE, Real, ZERO, dispatched, reciprocal};
 use crate::taylor::{ORDER, Row, horner};
 
 /// Products of terms are summed up to this many powers beyond the order.
@@ -89,14 +89,61 @@ pub(crate) fn largest(f: &[Real], [from, to]: [Real; 2], least: Real) -> Real {
     (most * size).max(least).max(ends)
 }
 
+/// A polynomial at t and its first three derivatives there.
+#[inline(always)]
+pub(crate) fn jet(f: &[Real], t: Real) -> [Real; 4] {
+    let [mut value, mut rate, mut half, mut sixth] = [ZERO; 4];
+    for coefficient in f.iter().rev() {
+        sixth = sixth * t + half;
+        half = half * t + rate;
+        rate = rate * t + value;
+        value = value * t + *coefficient;
+    }
+    [value, rate, 2.0 * half, 6.0 * sixth]
+}
+
+/// Several polynomials of one length at t, by Horner's rule, side by side.
+#[inline(always)]
+pub(crate) fn horners<const K: usize>(rows: [&[Real]; K], t: Real) -> [Real; K] {
+    let length = rows[0].len();
+    let rows = rows.map(|row| &row[..length]);
+    let mut sums = [ZERO; K];
+    for k in (0..length).rev() {
+        for (sum, row) in sums.iter_mut().zip(rows) {
+            *sum = sum.mul_add(t, row[k]);
+        }
+    }
+    sums
+}
+
 /// Brackets of the instants in [0, to] at which a polynomial turns round, one each, in order. An
 /// inflection is none.
 pub(crate) fn turnings(f: &[Real], to: Real) -> Vec<[Real; 2]> {
     let mut found = Vec::new();
-    let [size, curved, bent] = [0, 2, 3].map(|n| steepest(f, n, to));
-    let search = Turnings { f, size, curved, bent };
+    let (slope, curved) = dispatched(
+        #[inline(always)]
+        || slope_and_bend(f, to),
+    );
+    // Mostly f does not turn.
+    if slope.abs() > curved * (0.5 * to) {
+        return found;
+    }
+    let search = Turnings { f, size: steepest(f, 0, to), curved, bent: steepest(f, 3, to) };
     search.between([ZERO, to], &mut found);
     found
+}
+
+/// f′ in the middle of [0, to], and a bound on |f″| there, side by side.
+#[inline(always)]
+fn slope_and_bend(f: &[Real], to: Real) -> (Real, Real) {
+    let middle = 0.5 * to;
+    let (mut slope, mut bend) = (ZERO, ZERO);
+    for k in (2..f.len()).rev() {
+        let rate = k as f64 * f[k];
+        slope = slope.mul_add(middle, rate);
+        bend = bend.mul_add(to, (k - 1) as f64 * rate.abs());
+    }
+    (slope.mul_add(middle, f.get(1).copied().unwrap_or(ZERO)), bend)
 }
 
 /// What the search for turning points knows of a polynomial: bounds on |f|, |f″| and |f‴|.
@@ -129,15 +176,18 @@ impl Turnings<'_> {
 }
 
 /// The factor of tᵏ⁻ⁿ in the nth derivative.
+#[inline(always)]
 fn factor(k: usize, n: usize) -> f64 {
     (0..n).map(|i| (k - i) as f64).product()
 }
 
+#[inline(always)]
 fn derivative(f: &[Real], n: usize, t: Real) -> Real {
     (n..f.len()).rev().fold(ZERO, |sum, k| sum * t + factor(k, n) * f[k])
 }
 
 /// A bound on the nth derivative on [0, to].
+#[inline(always)]
 fn steepest(f: &[Real], n: usize, to: Real) -> Real {
     (n..f.len()).rev().fold(ZERO, |sum, k| sum * to + factor(k, n) * f[k].abs())
 }

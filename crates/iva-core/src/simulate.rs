@@ -228,6 +228,11 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
             }
             return true;
         }
+        if let Some(end) = flight.glide(length) {
+            self.phase = Phase::Flight { first: Real::INFINITY };
+            self.arrive(&flight, [length, ZERO], end, length == remaining);
+            return true;
+        }
         if !is_finite(&flight.jet(&state), flight.fourth()) {
             return false;
         }

@@ -11,7 +11,7 @@
 //! with β = b/(κL), λ = L/b, r² = g/(κL), ν = 2ζp r (physics: Lagrange's equations of the paper's
 //! Eqs. 4 and 5, with their misprints mended, for a compound bob). The last equation is momentum: with
 //! ÿ = (c W)˙ it is linear in the newest coefficient of a, so that each order costs three
-//! convolutions and no division.
+//! convolutions and no division ([`recurrence`]).
 //!
 //! Coefficients are those of powers of t/h: the step ends at 1. [`Remainder`] bounds what the
 //! truncation leaves out.
@@ -20,8 +20,10 @@ use crate::compensated::Sum;
 use crate::force::Drive;
 use crate::real::{self, ONE, Real, ZERO, dispatched};
 
+use recurrence::{Recurrence, unrolled};
 pub use remainder::Remainder;
 
+mod recurrence;
 mod remainder;
 
 /// Highest order of the series.
@@ -44,6 +46,13 @@ pub trait Number:
     fn from_real(value: Real) -> Self;
     /// 1/n.
     fn reciprocal(n: usize) -> Self;
+    /// 1/h of the length of a step.
+    #[inline(always)]
+    fn over(h: Real) -> Self {
+        Self::from_real(1.0 / h)
+    }
+    /// True if the orders of a series are to be unrolled: worth it where an operation is an instruction.
+    const UNROLLED: bool = false;
     /// self · factor + addend.
     #[inline(always)]
     fn fused(self, factor: Self, addend: Self) -> Self {
@@ -52,9 +61,12 @@ pub trait Number:
 }
 
 impl Number for Real {
+    const UNROLLED: bool = true;
+    #[inline(always)]
     fn from_real(value: Real) -> Self {
         value
     }
+    #[inline(always)]
     fn reciprocal(n: usize) -> Self {
         real::reciprocal(n)
     }
@@ -65,11 +77,17 @@ impl Number for Real {
 }
 
 impl Number for Sum {
+    #[inline(always)]
     fn from_real(value: Real) -> Self {
         Sum::new(value)
     }
+    #[inline(always)]
     fn reciprocal(n: usize) -> Self {
-        Sum::new(ONE).over(n as f64)
+        if n == 1 { Sum::new(ONE) } else { Sum::new(ONE).over(n as f64) }
+    }
+    #[inline(always)]
+    fn over(h: Real) -> Self {
+        Sum::new(ONE).over(h)
     }
 }
 
@@ -128,30 +146,6 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
     pub c: [T; LENGTH],
 }
 
-/// The sums of order k over coefficients that are known before it: Σ y_i W_{k−i}, Σ c_{i+1} W_{k−i} and
-/// Σ c_{i+1} a_{k−1−i} over 0 ≤ i < k. Together, and even and odd terms apart, so that no addition
-/// waits for the one before.
-#[inline(always)]
-fn convolutions<T: Number>(y: &[T], w: &[T], c: &[T], a: &[T], k: usize) -> [T; 3] {
-    let (y, w, c, a) = (&y[..k], &w[1..=k], &c[1..=k], &a[..k]);
-    let with = |sums: [T; 3], i: usize| {
-        let (w, a) = (w[k - 1 - i], a[k - 1 - i]);
-        [y[i].fused(w, sums[0]), c[i].fused(w, sums[1]), c[i].fused(a, sums[2])]
-    };
-    let mut even = [T::from_real(ZERO); 3];
-    let mut odd = even;
-    let mut i = 0;
-    while i + 1 < k {
-        even = with(even, i);
-        odd = with(odd, i + 1);
-        i += 2;
-    }
-    if i < k {
-        even = with(even, i);
-    }
-    [even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]]
-}
-
 impl Pendulum {
     /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.
     pub fn cosine(&self, y: Real) -> Real {
@@ -164,6 +158,7 @@ impl Pendulum {
 
     /// 1 + μ − (μ/κ) cos²θ, what a force on the primary moves: written as 1 + (μ/κ)(κ − 1 + sin²θ), in
     /// which nothing cancels however heavy the pendulum is.
+    #[inline(always)]
     pub fn inertia<T: Number>(&self, y: T) -> T {
         let n = T::from_real;
         let sine = if self.small_angles { n(ZERO) } else { y / n(self.contact_distance) };
@@ -181,65 +176,37 @@ impl Pendulum {
     ) -> Series<T, LENGTH> {
         dispatched(
             #[inline(always)]
-            || self.coefficients(start, drive, h, order),
+            || {
+                let mut recurrence = Recurrence::new(self, start, drive, h);
+                match order {
+                    ORDER if T::UNROLLED => unrolled!(recurrence, ORDER),
+                    18 if T::UNROLLED => unrolled!(recurrence, 18),
+                    16 if T::UNROLLED => unrolled!(recurrence, 16),
+                    10 if T::UNROLLED => unrolled!(recurrence, 10),
+                    _ => {
+                        for k in 0..order {
+                            recurrence.raise(k);
+                        }
+                    }
+                }
+                recurrence.series
+            },
         )
     }
 
     /// The first few coefficients in powers of t: derivatives at an instant. The order is known to the
     /// compiler, which leaves no loop.
-    pub fn beginning<const LENGTH: usize>(
-        &self,
-        start: &Swing<Real>,
-        drive: Option<&Drive<Real, LENGTH>>,
-    ) -> Series<Real, LENGTH> {
-        self.coefficients(start, drive, ONE, LENGTH - 1)
-    }
-
     #[inline(always)]
-    fn coefficients<T: Number, const LENGTH: usize>(
+    pub fn beginning<T: Number, const LENGTH: usize>(
         &self,
         start: &Swing<T>,
         drive: Option<&Drive<T, LENGTH>>,
-        h: Real,
-        order: usize,
     ) -> Series<T, LENGTH> {
-        let n = T::from_real;
-        let Pendulum { mass_ratio: mu, damping_ratio, lever, coupling, pivot_damping, .. } = *self;
-        let (step, r2, nu) = (n(h), n(self.frequency_squared), n(pivot_damping));
-        let b2 = n(self.contact_distance) * n(self.contact_distance);
-        let (beta, zeta2) = (n(coupling), n(2.0 * damping_ratio));
-        let pull = n(mu) * n(lever);
-        let row = [n(ZERO); LENGTH];
-        let mut s = Series { x: row, u: row, a: row, y: row, w: row, c: row };
-        (s.x[0], s.u[0], s.y[0], s.w[0], s.c[0]) = (start.x, start.u, start.y, start.w, start.c);
-        let over_inertia = n(ONE) / self.inertia(start.y);
-        let (over_b2, over_step) = (n(ONE) / b2, n(ONE) / step);
-        // (c W)_k without its term c₀ W_k
-        let mut swept = n(ZERO);
-        for k in 0..order {
-            let next = n((k + 1) as f64 * ONE);
-            let over = step * T::reciprocal(k + 1);
-            let (mut ca, mut next_swept) = (n(ZERO), n(ZERO));
-            // Small angles: c stays 1, and the recurrences are linear.
-            if !self.small_angles {
-                let [yw, cw, sum] = convolutions(&s.y, &s.w, &s.c, &s.a, k);
-                // ċ = −y W/b²
-                s.c[k + 1] = -(over * (yw + s.y[k] * s.w[0]) * over_b2);
-                next_swept = cw + s.c[k + 1] * s.w[0];
-                ca = sum;
-            }
-            let rest = beta * ca + r2 * s.y[k] + nu * s.w[k];
-            let [driven, base] = drive.map_or([n(ZERO); 2], |it| [it.primary[k], it.base[k]]);
-            let force = driven - (s.x[k] + zeta2 * s.u[k]);
-            s.a[k] =
-                (force - pull * (next_swept * next * over_step - start.c * rest)) * over_inertia;
-            s.w[k + 1] = -(over * (beta * start.c * s.a[k] + rest));
-            s.u[k + 1] = over * (s.a[k] - base);
-            s.x[k + 1] = over * s.u[k];
-            s.y[k + 1] = over * (start.c * s.w[k] + swept);
-            swept = next_swept;
+        let mut recurrence = Recurrence::new(self, start, drive, ONE);
+        for k in 0..LENGTH - 1 {
+            recurrence.raise(k);
         }
-        s
+        recurrence.series
     }
 }
 

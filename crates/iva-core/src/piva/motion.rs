@@ -5,8 +5,9 @@ use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
 use crate::oscillator::Primary;
-use crate::polynomial::{product_integral, square_integral};
-use crate::real::{ONE, Real, ZERO, dispatched, power_of_two};
+use crate::polynomial::{horners, product_integral, square_integral};
+use crate::real::{ONE, Real, STRIDES, ZERO, dispatched, power_of_two};
+use crate::roots::DOUBT;
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner};
 
@@ -25,7 +26,8 @@ pub struct PivaFlight<'a> {
     reach: Real,
     /// Where the reach ends because the force bends, jumps or kicks there.
     bend: Option<Clock>,
-    fourth: Real,
+    /// What the series leaves out; `None` where nothing could be proved.
+    remainder: Option<Remainder>,
 }
 
 impl<'a> PivaFlight<'a> {
@@ -44,14 +46,19 @@ impl<'a> PivaFlight<'a> {
         );
         let Some((share, remainder)) = share else {
             // What cannot be enclosed is not flown: the run ends there and says so.
-            let fourth = Real::NAN;
-            return Self { piva, from, series, drive, step, reach: step, bend: None, fourth };
+            return Self {
+                piva,
+                from,
+                series,
+                drive,
+                step,
+                reach: step,
+                bend: None,
+                remainder: None,
+            };
         };
         let (reach, bend) = piva.until_bend(&from, share * step);
-        let share = share.min(reach / step);
-        let fourth = fourth_bound(&series.y, share) + remainder.fourth(share);
-        let fourth = fourth / (step * step * step * step);
-        Self { piva, from, series, drive, step, reach, bend, fourth }
+        Self { piva, from, series, drive, step, reach, bend, remainder: Some(remainder) }
     }
 
     /// h in steps.
@@ -59,13 +66,12 @@ impl<'a> PivaFlight<'a> {
         h / self.step
     }
 
-    /// The state at h, with its angle from the distance.
-    fn reached(&self, h: Real, primary: Primary, distance: Sum, w: Sum) -> PivaState {
+    /// The state at h, with its angle from the distance; `own`: the cosine from its own series.
+    #[inline(always)]
+    fn reached(&self, h: Real, primary: Primary, distance: Sum, w: Sum, own: Real) -> PivaState {
         let from = &self.from;
         let y = PivaState { distance, ..*from }.y().value;
         let sine = y / self.piva.parameters.contact_distance;
-        let (t, c) = (self.share(h), &self.series.c);
-        let own = c[0] + t * horner(&c[1..=self.piva.accuracy.order], t);
         let gentle = sine.abs() < STEEP;
         let cosine = if gentle { self.piva.pendulum.cosine(y).copysign(own) } else { own };
         PivaState {
@@ -77,6 +83,54 @@ impl<'a> PivaFlight<'a> {
             released: false,
             ..*from
         }
+    }
+
+    /// The state at h.
+    #[inline(always)]
+    fn evaluated(&self, h: Real) -> PivaState {
+        if h == 0.0 {
+            return self.from;
+        }
+        let (t, from, series) = (self.share(h), &self.from, &self.series);
+        let rows = [&series.x, &series.u, &series.y, &series.w, &series.c];
+        let [x, u, y, w, c] =
+            horners(rows.map(|row| &row[1..=self.piva.accuracy.order]), t).map(|beyond| t * beyond);
+        let primary = Primary { x: from.primary.x.plus(x), v: from.primary.v.plus(u) };
+        let distance = from.distance.plus(-from.wall.sign() * y);
+        self.reached(h, primary, distance, from.w.plus(w), series.c[0] + c)
+    }
+
+    /// The same, the linear terms to twice the precision, which leaves the rounding of those from h² on.
+    #[inline(always)]
+    fn arrived(&self, h: Real) -> PivaState {
+        if h == 0.0 {
+            return self.from;
+        }
+        let (t, from, series) = (self.share(h), &self.from, &self.series);
+        let sine = from.y().over(self.piva.parameters.contact_distance);
+        // Where the angle is steep the carried cosine knows it better than y does.
+        let steep = self.piva.pendulum.small_angles || sine.value.abs() >= STEEP;
+        let cosine = if steep { Sum::new(from.cosine) } else { precise_cosine(sine, from.cosine) };
+        let start =
+            Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
+        let force = &self.piva.force;
+        let drive = force.lasts().then(|| force.precise(from.time, ONE));
+        let first: Series<Sum, 2> = self.piva.pendulum.beginning(&start, drive.as_ref());
+        let rows = [&series.x, &series.u, &series.y, &series.w, &series.c];
+        let [x, u, y, w, c] = horners(rows.map(|row| &row[2..=self.piva.accuracy.order]), t);
+        let increment = |first: Sum, beyond: Real| first.times(h).plus(t * t * beyond);
+        let pull = if from.released { Sum::ZERO } else { first.w[1] };
+        let primary = Primary {
+            x: from.primary.x + increment(first.x[1], x),
+            v: from.primary.v + increment(first.u[1], u),
+        };
+        let travelled = increment(first.y[1], y);
+        let distance = match from.wall {
+            Wall::Plus => from.distance - travelled,
+            Wall::Minus => from.distance + travelled,
+        };
+        let own = series.c[0] + t * (series.c[1] + t * c);
+        self.reached(h, primary, distance, from.w + increment(pull, w), own)
     }
 
     /// The series to twice the precision, from an angle with this cosine.
@@ -152,6 +206,16 @@ impl Sizes {
     }
 }
 
+/// Bound on t² |y″| of the series itself over a share t of a step.
+#[inline(always)]
+fn bend(y: &Row<Real>, t: Real) -> Real {
+    let mut sum = ZERO;
+    for k in (2..=ORDER).rev() {
+        sum = sum.mul_add(t, (k * (k - 1)) as f64 * y[k].abs());
+    }
+    sum * (t * t)
+}
+
 /// Bound on |y⁗| of the series itself over a share of a step, in steps.
 fn fourth_bound(y: &Row<Real>, share: Real) -> Real {
     (4..=ORDER).rev().fold(ZERO, |sum, k| {
@@ -201,45 +265,33 @@ impl Motion for PivaFlight<'_> {
     }
 
     fn state(&self, h: Real) -> PivaState {
-        if h == 0.0 {
-            return self.from;
-        }
-        let (t, from, series) = (self.share(h), &self.from, &self.series);
-        let s = from.wall.sign();
-        let increment = |series: &Row<Real>| t * horner(&series[1..=self.piva.accuracy.order], t);
-        let primary = Primary {
-            x: from.primary.x.plus(increment(&series.x)),
-            v: from.primary.v.plus(increment(&series.u)),
-        };
-        let distance = from.distance.plus(-s * increment(&series.y));
-        self.reached(h, primary, distance, from.w.plus(increment(&series.w)))
+        dispatched(
+            #[inline(always)]
+            || self.evaluated(h),
+        )
     }
 
-    /// The linear terms to twice the precision, which leaves the rounding of those from h² on.
     fn arrival(&self, h: Real) -> PivaState {
-        if h == 0.0 {
-            return self.from;
+        dispatched(
+            #[inline(always)]
+            || self.arrived(h),
+        )
+    }
+
+    /// Both ends of y and a bound on its second derivative enclose it.
+    fn glide(&self, length: Real) -> Option<PivaState> {
+        if !STRIDES || self.remainder.is_none() {
+            return None;
         }
-        let (t, from, series) = (self.share(h), &self.from, &self.series);
-        let sine = from.y().over(self.piva.parameters.contact_distance);
-        // Where the angle is steep the carried cosine knows it better than y does.
-        let steep = self.piva.pendulum.small_angles || sine.value.abs() >= STEEP;
-        let cosine = if steep { Sum::new(from.cosine) } else { precise_cosine(sine, from.cosine) };
-        let first: Series<Sum, 2> = self.precise_series(cosine, ONE, 1);
-        let order = self.piva.accuracy.order;
-        let increment =
-            |first: Sum, row: &Row<Real>| first.times(h).plus(t * t * horner(&row[2..=order], t));
-        let pull = if from.released { Sum::ZERO } else { first.w[1] };
-        let primary = Primary {
-            x: from.primary.x + increment(first.x[1], &series.x),
-            v: from.primary.v + increment(first.u[1], &series.u),
-        };
-        let travelled = increment(first.y[1], &series.y);
-        let distance = match from.wall {
-            Wall::Plus => from.distance - travelled,
-            Wall::Minus => from.distance + travelled,
-        };
-        self.reached(h, primary, distance, from.w + increment(pull, &series.w))
+        let (end, bend) = dispatched(
+            #[inline(always)]
+            || (self.arrived(length), bend(&self.series.y, self.share(length))),
+        );
+        let (d, here, there) = (self.from.clearance, self.from.distance.value, end.distance.value);
+        let doubt = self.piva.accuracy.tolerance + DOUBT * (0.5 * Real::EPSILON);
+        let slack = 0.125 * bend + doubt * d;
+        let clear = here.min(there) > slack && here.max(there) < 2.0 * d - slack;
+        clear.then_some(end)
     }
 
     fn primary(&self, h: Real) -> Jet {
@@ -339,7 +391,11 @@ impl Curve for PivaFlight<'_> {
     }
 
     fn fourth(&self) -> Real {
-        self.fourth
+        let share = self.share(self.reach);
+        self.remainder.map_or(Real::NAN, |remainder| {
+            let fourth = fourth_bound(&self.series.y, share) + remainder.fourth(share);
+            fourth / (self.step * self.step * self.step * self.step)
+        })
     }
 
     fn magnitude(&self) -> Real {
@@ -348,6 +404,7 @@ impl Curve for PivaFlight<'_> {
 }
 
 /// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
+#[inline(always)]
 fn precise_cosine(sine: Sum, cosine: Real) -> Sum {
     if cosine == 0.0 {
         return Sum::ZERO;

@@ -26,7 +26,7 @@
 
 use super::{ORDER, Pendulum, Row, Series};
 use crate::force::Force;
-use crate::real::{self, ONE, Real, ZERO};
+use crate::real::{self, ONE, Real, ZERO, dispatched};
 
 /// Constants of the claim.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -68,6 +68,20 @@ impl Remainder {
     /// Proves bounds for the series of a step of length h; `None` if the state is not finite or
     /// its series converges nowhere near the step.
     pub fn prove(
+        pendulum: &Pendulum,
+        series: &Series<Real>,
+        force: &Force,
+        h: Real,
+        order: usize,
+    ) -> Option<Remainder> {
+        dispatched(
+            #[inline(always)]
+            || Self::proved(pendulum, series, force, h, order),
+        )
+    }
+
+    #[inline(always)]
+    fn proved(
         pendulum: &Pendulum,
         series: &Series<Real>,
         force: &Force,
@@ -127,8 +141,17 @@ fn decay(series: &Series<Real>, order: usize) -> Real {
 }
 
 /// pⁿ by multiplications alone.
+#[inline]
 fn power(p: Real, n: usize) -> Real {
-    (0..n).fold(ONE, |product, _| product * p)
+    let (mut product, mut square, mut left) = (ONE, p, n);
+    while left > 0 {
+        if left % 2 == 1 {
+            product *= square;
+        }
+        square *= square;
+        left /= 2;
+    }
+    product
 }
 
 impl Tail {
@@ -176,8 +199,10 @@ struct Proof<'a> {
     driven: [Real; 2],
     /// |c₀|
     cosine: Real,
-    /// What divides the momentum equation.
-    inertia: Real,
+    /// 1/D of the momentum equation.
+    over_inertia: Real,
+    /// 1/b²
+    over_b2: Real,
     /// H₁ of c without its first term, of W.
     c_1: Real,
     w_1: Real,
@@ -193,6 +218,7 @@ struct Proof<'a> {
 }
 
 impl<'a> Proof<'a> {
+    #[inline(always)]
     fn new(
         pendulum: &'a Pendulum,
         series: &Series<Real>,
@@ -211,7 +237,8 @@ impl<'a> Proof<'a> {
             sigma_2: (2.0 / order_ + 4.0 * (n / order_ - 1.0) / n) / n,
             driven: [ZERO; 2],
             cosine: series.c[0].abs(),
-            inertia: pendulum.inertia(series.y[0]),
+            over_inertia: 1.0 / pendulum.inertia(series.y[0]),
+            over_b2: 1.0 / (pendulum.contact_distance * pendulum.contact_distance),
             c_1: ZERO,
             w_1: ZERO,
             y_2: ZERO,
@@ -224,52 +251,49 @@ impl<'a> Proof<'a> {
         };
         let mut scale = ONE; // q⁻ʲ
         let (over_h, over_ratio) = (1.0 / h, 1.0 / ratio);
-        let rate =
-            |row: &Row<Real>, j: usize| row[(j + 1).min(ORDER)].abs() * ((j + 1) as f64 * over_h);
+        // y, c, W, a, R, S, x, u: one operation for all.
+        let (mut sums, mut most) = ([ZERO; 8], [ZERO; 8]);
         for j in 0..=order {
-            let size = |row: &Row<Real>| row[j].abs() * scale;
-            let [r, s] = [rate(&series.w, j) * scale, rate(&series.c, j) * scale];
+            // a, R and S are known up to N − 1; at N they follow as all later ones do.
+            let next = if j < order { (j + 1) as f64 * over_h } else { ZERO };
+            let following = (j + 1).min(ORDER);
+            let Series { x, u, y, w, c, a } = series;
+            let rates = [w[following].abs() * next, c[following].abs() * next];
+            let a = if j < order { a[j].abs() } else { ZERO };
+            let [r, s] = rates;
+            let sizes = [y[j].abs(), c[j].abs(), w[j].abs(), a, r, s, x[j].abs(), u[j].abs()]
+                .map(|size| size * scale);
             let first = order.max(2 * j) + 1;
             let theta = first as f64 * real::reciprocal(first - j);
             let square = theta * theta;
-            if j > 0 {
-                proof.c_1 += size(&series.c) * theta;
+            for (sum, size) in sums.iter_mut().zip(sizes) {
+                *sum += size * square;
             }
-            proof.w_1 += size(&series.w) * theta;
-            proof.y_2 += size(&series.y) * square;
-            proof.c_2 += size(&series.c) * square;
-            proof.w_2 += size(&series.w) * square;
-            if j < order {
-                proof.a_2 += size(&series.a) * square;
-                proof.r_2 += r * square;
-                proof.s_2 += s * square;
+            proof.w_1 += sizes[2] * theta;
+            if j > 0 {
+                proof.c_1 += sizes[1] * theta;
             }
             if j >= order / 2 {
                 let k = (j + 1) as f64;
-                let known = &mut proof.known;
-                known.x = known.x.max(size(&series.x) * (k * k));
-                known.u = known.u.max(size(&series.u) * (k * k));
-                known.y = known.y.max(size(&series.y) * (k * k));
-                known.c = known.c.max(size(&series.c) * (k * k));
-                known.w = known.w.max(size(&series.w) * (k * k));
-                // These are known up to N − 1; at N they follow as all later ones do.
-                if j < order {
-                    known.a = known.a.max(size(&series.a) * k);
-                    known.r = known.r.max(r * k);
-                    known.s = known.s.max(s * k);
+                let powers = [k * k, k * k, k * k, k, k, k, k * k, k * k];
+                for ((most, size), power) in most.iter_mut().zip(sizes).zip(powers) {
+                    *most = most.max(size * power);
                 }
             }
             scale *= over_ratio;
         }
+        [proof.y_2, proof.c_2, proof.w_2, proof.a_2, proof.r_2, proof.s_2, _, _] = sums;
+        let [y, c, w, a, r, s, x, u] = most;
+        proof.known = Tail { x, u, y, c, w, a, r, s };
         proof
     }
 
     /// The constants that the recurrences give beyond N if those of the claim hold before.
+    #[inline(always)]
     fn next(&self, t: &Tail) -> Tail {
         let Pendulum {
             mass_ratio,
             damping_ratio,
-            contact_distance,
             lever,
             coupling: beta,
             frequency_squared: r2,
@@ -283,7 +307,7 @@ impl<'a> Proof<'a> {
             ZERO
         } else {
             let yw = (t.w * self.y_2 + t.y * self.w_2) * beyond + sigma_2 * t.y * t.w;
-            yw / (contact_distance * contact_distance)
+            yw * self.over_b2
         };
         let c_a = t.a * self.c_1 + t.c * self.a_2 * beyond + sigma_1 * t.c * t.a;
         let c_r = t.r * self.c_1 + t.c * self.r_2 * beyond + sigma_1 * t.c * t.r;
@@ -291,7 +315,7 @@ impl<'a> Proof<'a> {
         let linear = (r2 * t.y + nu * t.w) * beyond;
         let [driven, base] = self.driven;
         let force = driven + (t.x + 2.0 * damping_ratio * t.u) * beyond;
-        let a = (force + pull * (s_w + c_r + cosine * (beta * c_a + linear))) / self.inertia;
+        let a = (force + pull * (s_w + c_r + cosine * (beta * c_a + linear))) * self.over_inertia;
         let r = beta * (cosine * t.a + c_a) + linear;
         let c_w = (t.w * self.c_2 + t.c * self.w_2) * beyond + sigma_2 * t.c * t.w;
         Tail {
