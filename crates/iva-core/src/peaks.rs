@@ -66,16 +66,13 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
 /// Where a function turns round in a bracket, and its value there; it is given with three derivatives.
 fn turned(at: impl Fn(Real) -> [Real; 4], [low, high]: [Real; 2]) -> Option<(Real, Real)> {
     let [v_low, v_high] = [low, high].map(|h| at(h)[1]);
-    if !(v_low * v_high < 0.0) {
-        return None;
-    }
     let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
     let guess = low + (high - low) * (v_low / (v_low - v_high));
     let jet = |h: Real| {
         let [value, rate, curvature, jerk] = at(h);
         (value, [rise * rate, rise * curvature, rise * jerk])
     };
-    Some(polish(jet, low, high, guess))
+    (v_low * v_high < 0.0).then(|| polish(jet, low, high, guess))
 }
 
 /// Follows x through its half cycles.

@@ -16,12 +16,12 @@ use crate::system::{Angle, Clock, Point, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
 
 pub use motion::PivaFlight;
-pub(crate) use motion::Sizes;
 pub use parameters::{Angles, ImpactLaw, Parameters};
 pub use ride::PivaRide;
 pub use start::{Given, PivaStart};
 
 use accuracy::Accuracy;
+pub(crate) use accuracy::Sizes;
 use impact_law::Law;
 
 mod accuracy;

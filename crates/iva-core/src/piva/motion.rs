@@ -1,6 +1,7 @@
 //! The flight of a pendulum absorber: swinging in its gap.
 
-use super::{Parameters, Piva, PivaState, at_rest_on_release};
+use super::accuracy::share_kept;
+use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
@@ -160,49 +161,6 @@ impl<'a> PivaFlight<'a> {
             || square_integral(f, t),
         );
         factor * integral * self.step
-    }
-}
-
-/// Steps are shortened by this factor, about 2^(−1/4), until they keep to the tolerance.
-const SHORTER: f64 = 0.84;
-/// At most this often, to 2⁻²⁰.
-const MOST_SHORTENINGS: u32 = 80;
-
-/// The share of a step, up to `most`, on which its series leaves out no more than the tolerance.
-fn share_kept(
-    remainder: &Remainder,
-    most: Real,
-    piva: &Piva,
-    from: &PivaState,
-    driven: Real,
-) -> Option<Real> {
-    let sizes = Sizes::of(piva, from, driven);
-    let tolerance = piva.accuracy.tolerance;
-    let mut share = remainder.reach(most);
-    for _ in 0..MOST_SHORTENINGS {
-        let [primary, gap] = remainder.left_out(share);
-        if primary <= tolerance * sizes.primary && gap <= tolerance * sizes.gap {
-            return Some(share);
-        }
-        share *= SHORTER;
-    }
-    None
-}
-
-/// Sizes that truncation is measured against.
-pub(crate) struct Sizes {
-    pub primary: Real,
-    pub gap: Real,
-}
-
-impl Sizes {
-    /// At a state, under a force of size `driven`.
-    pub(crate) fn of(piva: &Piva, state: &PivaState, driven: Real) -> Self {
-        let Parameters { clearance, contact_distance, .. } = piva.parameters;
-        let gap = if piva.stop_reachable() { clearance } else { clearance.min(contact_distance) };
-        let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
-        let moved = moved.max(piva.parameters.mass_ratio * gap).max(driven);
-        Self { primary: moved, gap }
     }
 }
 
