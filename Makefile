@@ -19,7 +19,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-rust test-python lint lint-rust lint-python bench bench-peers bench-start stress fuzz wheel clean
+.PHONY: help demo test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -50,6 +50,9 @@ lint-python: wheel
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest iva._iva
 
+count: $(VENV)/.tools ## count the instructions of fixed scenes, +5 % fails (Linux; installs valgrind)
+	$(PYTHON) .ci/instructions.py
+
 bench: $(VENV)/.tools ## measure nanoseconds per impact
 	$(CARGO) bench --locked -p iva-benches
 
@@ -68,12 +71,19 @@ fuzz: ## any text, bytes and bits as input, a minute a target (needs a C++ compi
 			target/fuzz/corpus/$$target tests/fuzz/corpus/$$target -- -timeout=20 $(FUZZ) || exit 1; \
 	done
 
-bench-peers: wheel ## compare accuracy and run time with other integrators (their own environment)
+bench-peers: target/bench/.installed ## compare accuracy and run time with other integrators
+	target/bench/bin/python benches/work_precision.py
+
+bench-sweeps: target/bench/.installed ## compare sweeps with those of other integrators; threads, overhead
+	target/bench/bin/python benches/compare_peers.py
+	$(CARGO) bench --locked -p iva-benches --bench overhead -- 1e6
+
+# The other integrators have an environment of their own.
+target/bench/.installed: wheel
 	test -x target/bench/bin/python || $(PYTHON) -m venv --without-pip target/bench
 	$(PYTHON) -m pip --python target/bench/bin/python install --quiet "$$(ls $(CURDIR)/target/wheels/iva_dynamics-*.whl)[bench]"
 	$(PYTHON) -m pip --python target/bench/bin/python install --quiet --no-deps --force-reinstall \
 		"$$(ls $(CURDIR)/target/wheels/iva_dynamics-*.whl)"
-	target/bench/bin/python benches/work_precision.py
 
 bench-start: wheel ## measure how long the command takes to start
 	$(CARGO) build --locked --release -p iva-cli

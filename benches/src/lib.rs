@@ -1,1 +1,35 @@
-//! Criterion benches live in `benches/*.rs` beside this file.
+//! Criterion benches live in `benches/*.rs` beside this file; `bin/counted.rs` runs the scenes whose
+//! instructions are counted.
+
+use std::f64::consts::TAU;
+
+use iva_core::error::Invalid;
+use iva_core::lanes::Decay;
+use iva_core::simulate::Limits;
+use iva_core::siva::Siva;
+use iva_core::system::Start;
+
+/// The start of all scenes here: displaced by 1, at rest.
+pub const START: Start =
+    Start { displacement: 1.0, velocity: 0.0, gap_displacement: 0.0, gap_velocity: 0.0 };
+
+/// Free decays of 30 periods: `masses` mass ratios, 8 clearances from `narrowest` on, 5 coefficients of
+/// restitution; ζ 0.01.
+///
+/// # Errors
+/// [`Invalid`] for a clearance of 0 or less.
+pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Decay>, Invalid> {
+    let mut scenes = Vec::new();
+    for mass in 0..masses {
+        for step in 0..8 {
+            for e in [0.4, 0.5125, 0.625, 0.7375, 0.85] {
+                let mu = 0.02 + 0.18 * f64::from(mass) / f64::from(masses);
+                let clearance = narrowest + 0.125 * f64::from(step);
+                let siva = Siva::new(mu, e, clearance, 0.01)?;
+                let limits = Limits::new(30.0 * TAU, clearance);
+                scenes.push(Decay { siva, start: START, limits });
+            }
+        }
+    }
+    Ok(scenes)
+}

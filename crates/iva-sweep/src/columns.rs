@@ -275,10 +275,12 @@ impl Selection {
 
     /// True if the column is to be computed.
     pub fn contains(self, name: &str) -> bool {
-        SUMMARY
-            .iter()
-            .position(|column| column.name == name)
-            .is_some_and(|index| self.0 & (1 << index) != 0)
+        SUMMARY.iter().position(|column| column.name == name).is_some_and(|index| self.has(index))
+    }
+
+    /// True if the column of that number is to be computed.
+    pub(crate) fn has(self, index: usize) -> bool {
+        self.0 & (1 << index) != 0
     }
 
     /// The columns to compute, in table order.
@@ -286,7 +288,7 @@ impl Selection {
         SUMMARY
             .iter()
             .enumerate()
-            .filter(move |(index, _)| self.0 & (1 << index) != 0)
+            .filter(move |(index, _)| self.has(*index))
             .map(|(_, column)| column.name)
     }
 }

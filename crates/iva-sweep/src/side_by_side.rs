@@ -29,8 +29,7 @@ pub(crate) fn summaries(
     if more || !summary {
         return Ok(None);
     }
-    let mut designs = Vec::new();
-    let mut scenes = Vec::new();
+    let (mut designs, mut scenes) = (Vec::new(), Vec::new());
     for point in points.clone() {
         let design = study.design(point)?;
         let Some(decay) = decay(&design) else { return Ok(None) };

@@ -11,7 +11,7 @@ use super::core::system::Angle;
 use super::design::Design;
 use super::scale::Scale;
 
-use crate::columns::{SUMMARY, Selection};
+use crate::columns::Selection;
 use crate::tables;
 
 /// One value of a row.
@@ -88,8 +88,8 @@ pub(crate) fn summary<S>(
     cells
         .into_iter()
         .chain(estimated)
-        .zip(SUMMARY)
-        .map(move |(cell, column)| if measures.contains(column.name) { cell } else { Cell::Null })
+        .enumerate()
+        .map(move |(index, cell)| if measures.has(index) { cell } else { Cell::Null })
 }
 
 /// A row of `impacts`.

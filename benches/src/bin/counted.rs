@@ -1,0 +1,72 @@
+//! Runs one of the fixed scenes of `.ci/instructions.py`, which counts the instructions it takes.
+//!
+//! `counted NAME`; without a name it lists them.
+
+use std::f64::consts::TAU;
+use std::hint::black_box;
+use std::process::ExitCode;
+
+use iva_benches::{START, decays};
+use iva_core::error::Invalid;
+use iva_core::force::{Acts, Force, Harmonic};
+use iva_core::lanes;
+use iva_core::measures::{Measures, Wanted};
+use iva_core::piva::{Parameters, Piva};
+use iva_core::simulate::{Limits, simulate};
+use iva_core::siva::Siva;
+use iva_core::system::System;
+
+type Run = fn() -> Result<(), Invalid>;
+
+/// Each a name and what it runs; `nothing` is what a program costs that runs nothing.
+const SCENES: [(&str, Run); 7] = [
+    ("nothing", || Ok(())),
+    ("siva", || decay(&Siva::new(0.15, 0.5, 0.6, 0.01)?, &START)),
+    ("siva_chatter", || decay(&Siva::new(0.15, 0.5, 0.1, 0.01)?, &START)),
+    ("siva_side_by_side", || {
+        let scenes = decays(2, 0.1)?;
+        lanes::decays(&scenes, Wanted::ALL, None, &mut |_, decayed| {
+            black_box(decayed);
+        })
+    }),
+    ("piva", || decay(&Piva::new(pendulum(0.5, 1.4))?, &START.into())),
+    ("piva_chatter", || decay(&Piva::new(pendulum(0.4, 0.2))?, &START.into())),
+    ("piva_forced", || {
+        let force = Harmonic { amplitude: 0.03, frequency: 0.95, phase: 0.0, acts: Acts::Primary };
+        let piva = Piva::new(pendulum(0.6, 0.8))?.under(Force::harmonic(vec![force])?);
+        decay(&piva, &START.into())
+    }),
+];
+
+fn pendulum(restitution: f64, clearance: f64) -> Parameters {
+    Parameters {
+        frequency_ratio: 0.4,
+        ..Parameters::point_bob(0.12, restitution, clearance, 0.01, 10.0)
+    }
+}
+
+fn decay<S: System>(system: &S, start: &S::Start) -> Result<(), Invalid> {
+    let limits = Limits::new(30.0 * TAU, system.clearance());
+    let mut measures = Measures::<S>::new(Wanted::ALL);
+    black_box(simulate(black_box(system), start, &limits, None, &mut measures)?);
+    black_box(measures.values());
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    let Some(asked) = std::env::args().nth(1) else {
+        SCENES.iter().for_each(|(name, _)| println!("{name}"));
+        return ExitCode::SUCCESS;
+    };
+    match SCENES.iter().find(|(name, _)| *name == asked).map(|(_, run)| run()) {
+        Some(Ok(())) => ExitCode::SUCCESS,
+        Some(Err(error)) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+        None => {
+            eprintln!("no scene {asked:?}");
+            ExitCode::FAILURE
+        }
+    }
+}
