@@ -48,13 +48,14 @@ class Grid:
         common = {"mass_ratio": mass, "clearance": clearance, "restitution": restitution}
         pendulum = {"frequency_ratio": self.frequency_ratio, "length": self.length}
         absorber = iva.Piva(**common, **pendulum) if self.length else iva.Siva(**common)
+        accuracy = {"tolerance": tolerance} if self.length else {}
         return {
             "primary": iva.Primary(damping_ratio=DAMPING_RATIO),
             "absorber": absorber,
             "start": iva.Start(displacement=1.0),
             "duration": END,
-            "tolerance": tolerance,
             "tables": ("summary",),
+            **accuracy,
         }
 
     @lru_cache  # noqa: B019 - there are two grids

@@ -28,7 +28,7 @@ class Impact:
 
     def __call__(self, integrator: Integrator, _: int, lane: int | None = None) -> bool:
         """Apply it to the state, of one lane where there are several."""
-        state, (mu, _gap, e) = integrator.state, integrator.pars
+        state, (mu, _gap, e) = integrator.state, integrator.pars[:3]
         if lane is not None:
             state, mu, e = state[:, lane], mu[lane], e[lane]
         # Velocity of the absorber against the primary, along the gap.
@@ -43,8 +43,8 @@ def system(grid: Grid) -> tuple[list[Any], Any]:
     """Return the equations, and the gap displacement."""
     x, v, q, rate, count = hy.make_vars("x", "v", "q", "rate", "count")
     push = -2 * DAMPING_RATIO * v - x
-    # heyoka wants a parameter of every index: the last ones stand in an equation of no effect.
-    idle = (count, 0.0 * (hy.par[1] + hy.par[2] + hy.par[0]))
+    # The last parameter is 0: with it in an equation heyoka has room for all of them.
+    idle = (count, hy.par[3])
     if not grid.length:
         return [(x, v), (v, push), (q, rate), (rate, -push), idle], q
     mu, length = hy.par[0], grid.length
@@ -64,10 +64,10 @@ def integrator(grid: Grid, tolerance: float, lanes: int | None) -> Integrator:
     events = [event(side * gap - hy.par[1], callback=law, direction=rising) for side in (1, -1)]
     if lanes is None:
         return hy.taylor_adaptive(
-            equations, np.zeros(5), tol=tolerance, pars=np.ones(3), t_events=events
+            equations, np.zeros(5), tol=tolerance, pars=np.ones(4), t_events=events
         )
     return hy.taylor_adaptive_batch(
-        equations, np.zeros((5, lanes)), tol=tolerance, pars=np.ones((3, lanes)), t_events=events
+        equations, np.zeros((5, lanes)), tol=tolerance, pars=np.ones((4, lanes)), t_events=events
     )
 
 
@@ -81,7 +81,7 @@ def scalar(tolerance: float) -> Callable[[Grid, np.ndarray], list[int]]:
         run = integrator(grid, tolerance, None)
         counts = []
         for point in points:
-            run.time, run.state[:], run.pars[:] = 0.0, START, grid.points()[point]
+            run.time, run.state[:], run.pars[:] = 0.0, START, (*grid.points()[point], 0.0)
             run.reset_cooldowns()
             run.propagate_until(END)
             counts.append(int(run.state[4]))
@@ -100,7 +100,7 @@ def batch(tolerance: float, lanes: int) -> Callable[[Grid, np.ndarray], list[int
             chosen = np.resize(points[first : first + lanes], lanes)
             run.set_time(0.0)
             run.state[:] = START[:, None]
-            run.pars[:] = np.array([grid.points()[point] for point in chosen]).T
+            run.pars[:] = np.array([(*grid.points()[point], 0.0) for point in chosen]).T
             run.reset_cooldowns()
             run.propagate_until(END)
             counts += run.state[4].astype(int).tolist()

@@ -11,20 +11,21 @@ const BEYOND: usize = 4;
 #[inline(always)]
 pub(crate) fn square_integral(f: &[Real], t: Real) -> Real {
     // At t the terms are moderate, whatever the coefficients are.
-    let f = terms(f, t);
-    let order = f.1;
-    let mut sum = ZERO;
-    for k in (0..=order + BEYOND).rev() {
-        // Each product but that of the middle term stands twice.
-        let mut pairs = [ZERO; 2];
-        let first = k.saturating_sub(order);
-        for (n, i) in (first..k.div_ceil(2)).enumerate() {
-            pairs[n % 2] = f.0[i].mul_add(f.0[k - i], pairs[n % 2]);
+    let (f, order) = terms(f, t);
+    // Half the coefficients of f², row by row of its products: neighbours are added side by side.
+    let mut half = [ZERO; ORDER + BEYOND + 1];
+    for i in 0..=(order + BEYOND) / 2 {
+        half[2 * i] = (0.5 * f[i]).mul_add(f[i], half[2 * i]);
+        let last = order.min(order + BEYOND - i);
+        for (sum, term) in half[2 * i + 1..].iter_mut().zip(&f[i + 1..=last]) {
+            *sum = f[i].mul_add(*term, *sum);
         }
-        let middle = if k.is_multiple_of(2) { f.0[k / 2] * f.0[k / 2] } else { ZERO };
-        sum += (2.0 * (pairs[0] + pairs[1]) + middle) * reciprocal(k + 1);
     }
-    sum * t
+    let mut sums = [ZERO; 2];
+    for k in (0..=order + BEYOND).rev() {
+        sums[k % 2] = half[k].mul_add(reciprocal(k + 1), sums[k % 2]);
+    }
+    2.0 * (sums[0] + sums[1]) * t
 }
 
 /// ∫₀ᵗ f g of two such polynomials of one order, at most [`ORDER`].

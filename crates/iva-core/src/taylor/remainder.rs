@@ -277,7 +277,8 @@ impl<'a> Proof<'a> {
                 let k = (j + 1) as f64;
                 let powers = [k * k, k * k, k * k, k, k, k, k * k, k * k];
                 for ((most, size), power) in most.iter_mut().zip(sizes).zip(powers) {
-                    *most = most.max(size * power);
+                    let bound = size * power;
+                    *most = if bound > *most { bound } else { *most };
                 }
             }
             scale *= over_ratio;
