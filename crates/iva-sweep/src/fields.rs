@@ -261,6 +261,32 @@ fields! {
     ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)";
 }
 
+/// Of each field the first that sets the same quantity: asked at every point of a sweep.
+static QUANTITIES: [usize; FIELD_COUNT] = {
+    let mut first = [0; FIELD_COUNT];
+    let mut id = 0;
+    while id < FIELD_COUNT {
+        let mut earlier = 0;
+        while !same_group(&FIELDS[earlier], &FIELDS[id]) {
+            earlier += 1;
+        }
+        first[id] = earlier;
+        id += 1;
+    }
+    first
+};
+
+const fn same_group(one: &Field, other: &Field) -> bool {
+    let (a, b) = (one.group.as_bytes(), other.group.as_bytes());
+    let mut same = one.part as u8 == other.part as u8 && a.len() == b.len();
+    let mut i = 0;
+    while same && i < a.len() {
+        same = a[i] == b[i];
+        i += 1;
+    }
+    same
+}
+
 impl FieldId {
     /// The row of the table.
     pub fn info(self) -> &'static Field {
@@ -280,8 +306,7 @@ impl FieldId {
 
     /// True if two fields set the same quantity, so that only one of them may be given.
     pub fn same_quantity(self, other: FieldId) -> bool {
-        let (one, other) = (self.info(), other.info());
-        (one.part, one.group) == (other.part, other.group)
+        QUANTITIES[self as usize] == QUANTITIES[other as usize]
     }
 
     /// True if a bare name means this field.

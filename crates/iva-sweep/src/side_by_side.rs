@@ -40,6 +40,7 @@ pub(crate) fn summaries(
     let keep = &mut |index: usize, decayed: &Decayed| results[index] = Some(*decayed);
     decays(&scenes, wanted, Some(cancel), keep)?;
     let mut done = 0;
+    let mut row = Vec::new();
     // After a cancellation the points before the first that was not begun.
     for (point, (design, result)) in points.zip(designs.iter().zip(&results)) {
         let Some((tally, values)) = result else { break };
@@ -47,7 +48,10 @@ pub(crate) fn summaries(
         let estimated = [Cell::Null, Cell::Null];
         let cells = rows::summary(tally, values, None, estimated, study.measures, design);
         // Points are counted below 2^32 by `Study::points`.
-        take(&mut std::iter::once(Cell::Point(point as u32)).chain(swept).chain(cells));
+        row.push(Cell::Point(point as u32));
+        row.extend(swept);
+        row.extend(cells);
+        take(&mut row.drain(..));
         done += 1;
     }
     Ok(Some(done))
