@@ -55,8 +55,9 @@ pub trait Differentiable: System {
 
 /// Standard deviation of what rounding takes from an increment, over 2⁻⁵³ of it.
 const ROUNDING: f64 = 0.7;
-/// The same of what is rounded alike at every rebound on one wall, over 2⁻⁵³ of [`Differentiable::sizes`].
-const ALIKE: f64 = 1.0;
+/// The same of what is rounded alike at every rebound on one wall, over 2⁻⁵³ of [`Differentiable::sizes`]:
+/// each is the result of several roundings.
+const ALIKE: f64 = 1.5;
 /// The estimate is so many standard deviations.
 const DEVIATIONS: f64 = 4.0;
 /// Half a unit in the last place of 1.
