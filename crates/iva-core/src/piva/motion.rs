@@ -245,11 +245,12 @@ impl Motion for PivaFlight<'_> {
             #[inline(always)]
             || (self.arrived(length), bend(&self.series.y, self.share(length))),
         );
-        let (d, here, there) = (self.from.clearance, self.from.distance.value, end.distance.value);
+        let d = self.from.clearance;
         let doubt = self.piva.accuracy.tolerance + DOUBT * (0.5 * Real::EPSILON);
         let slack = 0.125 * bend + doubt * d;
-        let clear = here.min(there) > slack && here.max(there) < 2.0 * d - slack;
-        clear.then_some(end)
+        // Compared one by one: what is not a number is not clear.
+        let clear = |at: Real| at > slack && at < 2.0 * d - slack;
+        (clear(self.from.distance.value) && clear(end.distance.value)).then_some(end)
     }
 
     fn primary(&self, h: Real) -> Jet {
