@@ -188,38 +188,61 @@ fn scene(rng: &mut Rng) -> Spec {
     spec
 }
 
-#[test]
-fn estimates_hold_on_random_scenes_of_every_kind() {
-    let (mut rng, mut ratios) = (Rng::new(641), Ratios::default());
+/// The estimates of a scene against the core in numbers of twice the precision.
+fn compare_with_twofold(spec: Spec, ratios: &mut Ratios) {
     let never = AtomicBool::new(false);
     let workers = Workers::new(Some(1)).unwrap();
     let control = Control { workers: &workers, chunk: None, cancel: &never, progress: &|_| {} };
+    let study = Study { tables: vec![Table::Impacts], errors: true, ..Study::single(spec) };
+    let found = verify(&study, &never).unwrap();
+    let run = sweep(&study, 0..1, &control).unwrap();
+    let (run, errors) = (&run[&Table::Impacts], &found.errors[&Table::Impacts]);
+    let column = |table: &RecordBatch, name: &str| -> Vec<Option<f64>> {
+        table.column_by_name(name).unwrap().as_primitive::<Float64Type>().iter().collect()
+    };
+    let (times, errors) = (column(run, "time"), column(errors, "time"));
+    let estimates = column(run, "time_error");
+    let grazing = run.column_by_name("near_grazing").unwrap().as_boolean();
+    for (row, error) in errors.into_iter().take(found.findings[0].alike).enumerate() {
+        let estimate = estimates[row].unwrap_or(f64::INFINITY);
+        // From a grazing on, or from where nothing is estimated, the motion may be another one.
+        if estimate.is_infinite() || grazing.value(row) {
+            ratios.flagged += 1;
+            break;
+        }
+        let truth = Dd::from(times[row].unwrap()) - Dd::from(error.unwrap());
+        ratios.take(times[row].unwrap(), estimate, false, truth);
+    }
+}
+
+/// The seed of [`scene`] that the tests below have in common.
+const SEED: u64 = 641;
+
+#[test]
+fn estimates_hold_on_random_scenes_of_every_kind() {
+    let (mut rng, mut ratios) = (Rng::new(SEED), Ratios::default());
     // SCENES=10000 takes two minutes.
     let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
     for _ in 0..count {
-        let study =
-            Study { tables: vec![Table::Impacts], errors: true, ..Study::single(scene(&mut rng)) };
-        let found = verify(&study, &never).unwrap();
-        let run = sweep(&study, 0..1, &control).unwrap();
-        let (run, errors) = (&run[&Table::Impacts], &found.errors[&Table::Impacts]);
-        let column = |table: &RecordBatch, name: &str| -> Vec<Option<f64>> {
-            table.column_by_name(name).unwrap().as_primitive::<Float64Type>().iter().collect()
-        };
-        let (times, errors) = (column(run, "time"), column(errors, "time"));
-        let estimates = column(run, "time_error");
-        let grazing = run.column_by_name("near_grazing").unwrap().as_boolean();
-        for (row, error) in errors.into_iter().take(found.findings[0].alike).enumerate() {
-            let estimate = estimates[row].unwrap_or(f64::INFINITY);
-            // From a grazing on, or from where nothing is estimated, the motion may be another one.
-            if estimate.is_infinite() || grazing.value(row) {
-                ratios.flagged += 1;
-                break;
-            }
-            let truth = Dd::from(times[row].unwrap()) - Dd::from(error.unwrap());
-            ratios.take(times[row].unwrap(), estimate, false, truth);
-        }
+        compare_with_twofold(scene(&mut rng), &mut ratios);
     }
     ratios.assert_good("every kind");
+}
+
+/// Chains of rebounds on a wall that hardly presses, among the first 10 000 random scenes: what is rounded
+/// alike at every rebound adds up. Counted as if it did not, 2 000 of these rows were too small, up to
+/// 22 times.
+#[test]
+fn estimates_hold_where_every_rebound_rounds_alike() {
+    let (mut rng, mut ratios) = (Rng::new(SEED), Ratios::default());
+    for number in 0..10_000 {
+        let spec = scene(&mut rng);
+        if [1460, 3227, 5004, 8586, 9564, 9850].contains(&number) {
+            compare_with_twofold(spec, &mut ratios);
+        }
+    }
+    let (rows, too_small) = (ratios.all.len(), ratios.too_small);
+    assert!(rows > 1900 && too_small <= 2, "{too_small} of {rows}");
 }
 
 #[test]
