@@ -79,11 +79,12 @@ bench-sweeps: target/bench/.installed ## compare sweeps with those of other inte
 	$(CARGO) bench --locked -p iva-benches --bench overhead -- 1e6
 
 # The other integrators have an environment of their own.
-target/bench/.installed: wheel
+target/bench/.installed: $(VENV)/.installed
 	test -x target/bench/bin/python || $(PYTHON) -m venv --without-pip target/bench
 	$(PYTHON) -m pip --python target/bench/bin/python install --quiet "$$(ls $(CURDIR)/target/wheels/iva_dynamics-*.whl)[bench]"
 	$(PYTHON) -m pip --python target/bench/bin/python install --quiet --no-deps --force-reinstall \
 		"$$(ls $(CURDIR)/target/wheels/iva_dynamics-*.whl)"
+	touch $@
 
 bench-start: wheel ## measure how long the command takes to start
 	$(CARGO) build --locked --release -p iva-cli
