@@ -30,6 +30,7 @@ mod motion;
 mod parameters;
 mod ride;
 mod start;
+mod step;
 
 /// A pendulum absorber on its primary system.
 #[derive(Debug, Clone, PartialEq)]

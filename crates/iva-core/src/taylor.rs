@@ -20,14 +20,54 @@ use crate::compensated::Sum;
 use crate::force::Drive;
 use crate::real::{self, ONE, Real, ZERO, dispatched};
 
-use recurrence::{Recurrence, unrolled};
+use recurrence::Recurrence;
 pub use remainder::Remainder;
+
+/// Runs code for each number below an end that the compiler knows, without a loop.
+macro_rules! unrolled {
+    ($k:ident < $end:expr => $body:expr) => {
+        unrolled!($k < $end => $body; 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20)
+    };
+    ($k:ident < $end:expr => $body:expr; $($number:literal)*) => {{
+        $(if $number < $end {
+            let $k: usize = $number;
+            $body
+        })*
+    }};
+}
+/// Runs code with an order of [`crate::piva`] as a constant.
+macro_rules! with_order {
+    ($order:expr, $constant:ident => $body:expr) => {
+        match $order {
+            10 => {
+                const $constant: usize = 10;
+                $body
+            }
+            16 => {
+                const $constant: usize = 16;
+                $body
+            }
+            18 => {
+                const $constant: usize = 18;
+                $body
+            }
+            _ => {
+                const $constant: usize = $crate::taylor::ORDER;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use {unrolled, with_order};
 
 mod recurrence;
 mod remainder;
 
 /// Highest order of the series.
 pub const ORDER: usize = 20;
+
+/// The orders in use.
+pub(crate) const ORDERS: [usize; 4] = [10, 16, 18, ORDER];
 
 /// Coefficients of one variable.
 pub type Row<T> = [T; ORDER + 1];
@@ -147,13 +187,22 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
 }
 
 impl Pendulum {
+    /// The fastest rate in the equations: of the primary, of the pendulum, of its swing with W.
+    #[inline(always)]
+    pub fn fastest(&self, w: Real) -> Real {
+        let zeta = self.damping_ratio;
+        let primary = zeta + (1.0 + zeta * zeta).sqrt();
+        let hanging = (self.frequency_squared * (1.0 + self.mass_ratio)).sqrt();
+        let swing = if self.small_angles { ZERO } else { w.abs() / self.contact_distance };
+        primary.max(hanging).max(swing).max(self.pivot_damping)
+    }
+
     /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.
+    #[inline]
     pub fn cosine(&self, y: Real) -> Real {
-        if self.small_angles {
-            return ONE;
-        }
         let sine = y / self.contact_distance;
-        ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt()
+        let cosine = ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt();
+        if self.small_angles { ONE } else { cosine }
     }
 
     /// 1 + μ − (μ/κ) cos²θ, what a force on the primary moves: written as 1 + (μ/κ)(κ − 1 + sin²θ), in
@@ -177,21 +226,29 @@ impl Pendulum {
         dispatched(
             #[inline(always)]
             || {
+                if T::UNROLLED && ORDERS.contains(&order) {
+                    return with_order!(order, N => self.series_to::<T, LENGTH, N>(start, drive, h));
+                }
                 let mut recurrence = Recurrence::new(self, start, drive, h);
-                match order {
-                    ORDER if T::UNROLLED => unrolled!(recurrence, ORDER),
-                    18 if T::UNROLLED => unrolled!(recurrence, 18),
-                    16 if T::UNROLLED => unrolled!(recurrence, 16),
-                    10 if T::UNROLLED => unrolled!(recurrence, 10),
-                    _ => {
-                        for k in 0..order {
-                            recurrence.raise(k);
-                        }
-                    }
+                for k in 0..order {
+                    recurrence.raise(k);
                 }
                 recurrence.series
             },
         )
+    }
+
+    /// The same, of an order that the compiler knows.
+    #[inline(always)]
+    pub(crate) fn series_to<T: Number, const LENGTH: usize, const N: usize>(
+        &self,
+        start: &Swing<T>,
+        drive: Option<&Drive<T, LENGTH>>,
+        h: Real,
+    ) -> Series<T, LENGTH> {
+        let mut recurrence = Recurrence::new(self, start, drive, h);
+        unrolled!(k < N => recurrence.raise(k));
+        recurrence.series
     }
 
     /// The first few coefficients in powers of t: derivatives at an instant. The order is known to the

@@ -2,6 +2,7 @@
 
 use super::{Parameters, Piva, PivaState};
 use crate::real::{LEFT_OUT, Real};
+use crate::roots::DOUBT;
 use crate::taylor::{ORDER, Remainder};
 
 /// How accurately a flight is computed, and at what cost.
@@ -26,6 +27,11 @@ impl Accuracy {
             _ => (ORDER, 0.75),
         };
         Self { tolerance, order, longest_step }
+    }
+
+    /// What y may be off relative to the clearance: what a step leaves out, and rounding.
+    pub fn doubt(&self) -> Real {
+        self.tolerance + DOUBT * (0.5 * Real::EPSILON)
     }
 }
 

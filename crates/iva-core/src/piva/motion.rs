@@ -1,19 +1,15 @@
 //! The flight of a pendulum absorber: swinging in its gap.
 
 use super::accuracy::share_kept;
+use super::step::{Step, precise_cosine};
 use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
-use crate::oscillator::Primary;
-use crate::polynomial::{horners, product_integral, square_integral};
+use crate::polynomial::{product_integral, square_integral};
 use crate::real::{ONE, Real, STRIDES, ZERO, dispatched, power_of_two};
-use crate::roots::DOUBT;
 use crate::system::{Clock, Wall};
-use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner};
-
-/// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
-const STEEP: f64 = 0.7;
+use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner, with_order};
 
 /// The pendulum free in its gap.
 #[derive(Debug, Clone)]
@@ -67,71 +63,29 @@ impl<'a> PivaFlight<'a> {
         h / self.step
     }
 
-    /// The state at h, with its angle from the distance; `own`: the cosine from its own series.
-    #[inline(always)]
-    fn reached(&self, h: Real, primary: Primary, distance: Sum, w: Sum, own: Real) -> PivaState {
-        let from = &self.from;
-        let y = PivaState { distance, ..*from }.y().value;
-        let sine = y / self.piva.parameters.contact_distance;
-        let gentle = sine.abs() < STEEP;
-        let cosine = if gentle { self.piva.pendulum.cosine(y).copysign(own) } else { own };
-        PivaState {
-            time: self.bend.filter(|_| h == self.reach).unwrap_or(from.time.plus(h)),
-            primary,
-            distance,
-            w,
-            cosine,
-            released: false,
-            ..*from
-        }
+    /// The step of this flight.
+    fn step(&self) -> Step<'_> {
+        let Self { piva, from, series, step, .. } = self;
+        Step { pendulum: &piva.pendulum, from, series, length: *step }
     }
 
-    /// The state at h.
-    #[inline(always)]
-    fn evaluated(&self, h: Real) -> PivaState {
-        if h == 0.0 {
-            return self.from;
-        }
-        let (t, from, series) = (self.share(h), &self.from, &self.series);
-        let rows = [&series.x, &series.u, &series.y, &series.w, &series.c];
-        let [x, u, y, w, c] =
-            horners(rows.map(|row| &row[1..=self.piva.accuracy.order]), t).map(|beyond| t * beyond);
-        let primary = Primary { x: from.primary.x.plus(x), v: from.primary.v.plus(u) };
-        let distance = from.distance.plus(-from.wall.sign() * y);
-        self.reached(h, primary, distance, from.w.plus(w), series.c[0] + c)
+    /// A state at h, at the very instant of a bend.
+    fn at_bend(&self, h: Real, state: PivaState) -> PivaState {
+        let time = self.bend.filter(|_| h == self.reach).unwrap_or(state.time);
+        PivaState { time, ..state }
     }
 
-    /// The same, the linear terms to twice the precision, which leaves the rounding of those from h² on.
+    /// The state at h, the linear terms to twice the precision.
     #[inline(always)]
     fn arrived(&self, h: Real) -> PivaState {
         if h == 0.0 {
             return self.from;
         }
-        let (t, from, series) = (self.share(h), &self.from, &self.series);
-        let sine = from.y().over(self.piva.parameters.contact_distance);
-        // Where the angle is steep the carried cosine knows it better than y does.
-        let steep = self.piva.pendulum.small_angles || sine.value.abs() >= STEEP;
-        let cosine = if steep { Sum::new(from.cosine) } else { precise_cosine(sine, from.cosine) };
-        let start =
-            Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
         let force = &self.piva.force;
-        let drive = force.lasts().then(|| force.precise(from.time, ONE));
-        let first: Series<Sum, 2> = self.piva.pendulum.beginning(&start, drive.as_ref());
-        let rows = [&series.x, &series.u, &series.y, &series.w, &series.c];
-        let [x, u, y, w, c] = horners(rows.map(|row| &row[2..=self.piva.accuracy.order]), t);
-        let increment = |first: Sum, beyond: Real| first.times(h).plus(t * t * beyond);
-        let pull = if from.released { Sum::ZERO } else { first.w[1] };
-        let primary = Primary {
-            x: from.primary.x + increment(first.x[1], x),
-            v: from.primary.v + increment(first.u[1], u),
-        };
-        let travelled = increment(first.y[1], y);
-        let distance = match from.wall {
-            Wall::Plus => from.distance - travelled,
-            Wall::Minus => from.distance + travelled,
-        };
-        let own = series.c[0] + t * (series.c[1] + t * c);
-        self.reached(h, primary, distance, from.w + increment(pull, w), own)
+        let drive = force.lasts().then(|| force.precise(self.from.time, ONE));
+        let order = self.piva.accuracy.order;
+        let state = with_order!(order, N => self.step().arrival::<N>(h, drive.as_ref()));
+        self.at_bend(h, state)
     }
 
     /// The series to twice the precision, from an angle with this cosine.
@@ -164,16 +118,6 @@ impl<'a> PivaFlight<'a> {
     }
 }
 
-/// Bound on t² |y″| of the series itself over a share t of a step.
-#[inline(always)]
-fn bend(y: &Row<Real>, t: Real) -> Real {
-    let mut sum = ZERO;
-    for k in (2..=ORDER).rev() {
-        sum = sum.mul_add(t, (k * (k - 1)) as f64 * y[k].abs());
-    }
-    sum * (t * t)
-}
-
 /// Bound on |y⁗| of the series itself over a share of a step, in steps.
 fn fourth_bound(y: &Row<Real>, share: Real) -> Real {
     (4..=ORDER).rev().fold(ZERO, |sum, k| {
@@ -196,17 +140,7 @@ impl Piva {
 
     /// A step short against every time scale: of the primary, of the pendulum, of its swing.
     fn longest_step(&self, state: &PivaState) -> Real {
-        let pendulum = &self.pendulum;
-        let zeta = pendulum.damping_ratio;
-        let primary = zeta + (1.0 + zeta * zeta).sqrt();
-        let hanging = (pendulum.frequency_squared * (1.0 + pendulum.mass_ratio)).sqrt();
-        let swing = if pendulum.small_angles {
-            ZERO
-        } else {
-            state.w.value.abs() / pendulum.contact_distance
-        };
-        self.accuracy.longest_step
-            / primary.max(hanging).max(swing).max(pendulum.pivot_damping).max(self.force.fastest())
+        self.accuracy.longest_step / self.pendulum.fastest(state.w.value).max(self.force.fastest())
     }
 }
 
@@ -223,10 +157,15 @@ impl Motion for PivaFlight<'_> {
     }
 
     fn state(&self, h: Real) -> PivaState {
-        dispatched(
+        if h == 0.0 {
+            return self.from;
+        }
+        let order = self.piva.accuracy.order;
+        let state = dispatched(
             #[inline(always)]
-            || self.evaluated(h),
-        )
+            || with_order!(order, N => self.step().state::<N>(h)),
+        );
+        self.at_bend(h, state)
     }
 
     fn arrival(&self, h: Real) -> PivaState {
@@ -241,16 +180,16 @@ impl Motion for PivaFlight<'_> {
         if !STRIDES || self.remainder.is_none() {
             return None;
         }
+        let order = self.piva.accuracy.order;
         let (end, bend) = dispatched(
             #[inline(always)]
-            || (self.arrived(length), bend(&self.series.y, self.share(length))),
+            || {
+                let share = self.share(length);
+                (self.arrived(length), with_order!(order, N => self.step().bend::<N>(share)))
+            },
         );
-        let d = self.from.clearance;
-        let doubt = self.piva.accuracy.tolerance + DOUBT * (0.5 * Real::EPSILON);
-        let slack = 0.125 * bend + doubt * d;
-        // Compared one by one: what is not a number is not clear.
-        let clear = |at: Real| at > slack && at < 2.0 * d - slack;
-        (clear(self.from.distance.value) && clear(end.distance.value)).then_some(end)
+        let doubt = self.piva.accuracy.doubt();
+        self.step().is_clear(&end, bend, doubt).then_some(end)
     }
 
     fn primary(&self, h: Real) -> Jet {
@@ -360,15 +299,4 @@ impl Curve for PivaFlight<'_> {
     fn magnitude(&self) -> Real {
         self.from.clearance
     }
-}
-
-/// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
-#[inline(always)]
-fn precise_cosine(sine: Sum, cosine: Real) -> Sum {
-    if cosine == 0.0 {
-        return Sum::ZERO;
-    }
-    let c = Sum::new(cosine);
-    let square = Sum::new(ONE) - sine * sine;
-    c + (square - c * c) / c.times(2.0)
 }

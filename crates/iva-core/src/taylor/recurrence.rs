@@ -176,16 +176,3 @@ fn convolutions<T: Number>(y: &[T], w: &[T], c: &[T], a: &[T], k: usize) -> [T; 
     }
     [even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]]
 }
-
-/// Raises a series to an order that is known to the compiler, without a loop.
-macro_rules! unrolled {
-    ($recurrence:ident, $order:expr) => {
-        unrolled!($recurrence, $order, 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19)
-    };
-    ($recurrence:ident, $order:expr, $($k:literal)*) => {{
-        $(if $k < $order {
-            $recurrence.raise($k);
-        })*
-    }};
-}
-pub(super) use unrolled;

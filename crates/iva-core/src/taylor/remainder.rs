@@ -30,7 +30,7 @@ use crate::real::{self, ONE, Real, ZERO, dispatched};
 
 /// Constants of the claim.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Tail {
+pub(crate) struct Tail {
     x: Real,
     u: Real,
     y: Real,
@@ -76,29 +76,27 @@ impl Remainder {
     ) -> Option<Remainder> {
         dispatched(
             #[inline(always)]
-            || Self::proved(pendulum, series, force, h, order),
+            || with_order!(order, N => Self::proved::<N>(pendulum, series, force, h)),
         )
     }
 
     #[inline(always)]
-    fn proved(
+    fn proved<const N: usize>(
         pendulum: &Pendulum,
         series: &Series<Real>,
         force: &Force,
         h: Real,
-        order: usize,
     ) -> Option<Remainder> {
-        let mut ratio = (FIRST * decay(series, order)).max(FINEST);
+        let mut ratio = first_ratio::<N>(series);
         for _ in 0..RATIOS {
-            let mut proof = Proof::new(pendulum, series, h, order, ratio);
-            proof.driven = force.tail(h, order, ratio).unwrap_or([Real::INFINITY; 2]);
-            let mut tail = proof.known.times(MARGIN);
+            let driven = force.tail(h, N, ratio).unwrap_or([Real::INFINITY; 2]);
+            let proof = Proof::new::<N>(pendulum, series, driven, h, ratio);
+            let mut tail = proof.first();
             for _ in 0..ATTEMPTS {
-                let next = proof.next(&tail);
-                if next.within(&tail) {
-                    return Some(Remainder { order, ratio, tail });
+                match proof.tried(&tail) {
+                    (true, _) => return Some(Remainder { order: N, ratio, tail }),
+                    (false, larger) => tail = larger,
                 }
-                tail = tail.larger(&next.times(MARGIN));
             }
             ratio *= COARSER;
         }
@@ -129,11 +127,18 @@ impl Remainder {
     }
 }
 
+/// The first ratio to try.
+#[inline(always)]
+pub(crate) fn first_ratio<const N: usize>(series: &Series<Real>) -> Real {
+    (FIRST * decay::<N>(series)).max(FINEST)
+}
+
 /// By what factor the coefficients fall from one to the next: the eighth root of eight of them.
-fn decay(series: &Series<Real>, order: usize) -> Real {
+#[inline(always)]
+fn decay<const N: usize>(series: &Series<Real>) -> Real {
     let of = |row: &Row<Real>| {
         let size = |k: usize| row[k].abs().max(row[k - 1].abs());
-        let (last, earlier) = (size(order), size(order - 8));
+        let (last, earlier) = (size(N), size(N - 8));
         if earlier > 0.0 { last / earlier } else { ZERO }
     };
     let most = of(&series.x).max(of(&series.u)).max(of(&series.y)).max(of(&series.w));
@@ -187,7 +192,7 @@ impl Tail {
 }
 
 /// Sums over the heads of the series.
-struct Proof<'a> {
+pub(crate) struct Proof<'a> {
     pendulum: &'a Pendulum,
     /// h/q · ((N+2)/(N+1))²
     step: Real,
@@ -218,24 +223,25 @@ struct Proof<'a> {
 }
 
 impl<'a> Proof<'a> {
+    /// What a proof with a ratio starts from; `driven` bounds the series of f/M and a_g.
     #[inline(always)]
-    fn new(
+    pub fn new<const N: usize>(
         pendulum: &'a Pendulum,
         series: &Series<Real>,
+        driven: [Real; 2],
         h: Real,
-        order: usize,
         ratio: Real,
     ) -> Self {
-        let m = (order + 1) as f64 * ONE;
-        let (beyond, n, order_) = (1.0 / m, 2.0 * m, order as f64);
+        let m = (N + 1) as f64 * ONE;
+        let (beyond, n, order) = (1.0 / m, 2.0 * m, N as f64);
         let grown = (m + 1.0) * beyond;
         let mut proof = Self {
             pendulum,
             step: h / ratio * (grown * grown),
             beyond,
-            sigma_1: ONE * 1.74 / order_,
-            sigma_2: (2.0 / order_ + 4.0 * (n / order_ - 1.0) / n) / n,
-            driven: [ZERO; 2],
+            sigma_1: ONE * 1.74 / order,
+            sigma_2: (2.0 / order + 4.0 * (n / order - 1.0) / n) / n,
+            driven,
             cosine: series.c[0].abs(),
             over_inertia: 1.0 / pendulum.inertia(series.y[0]),
             over_b2: 1.0 / (pendulum.contact_distance * pendulum.contact_distance),
@@ -253,17 +259,17 @@ impl<'a> Proof<'a> {
         let (over_h, over_ratio) = (1.0 / h, 1.0 / ratio);
         // y, c, W, a, R, S, x, u: one operation for all.
         let (mut sums, mut most) = ([ZERO; 8], [ZERO; 8]);
-        for j in 0..=order {
+        unrolled!(j < N + 1 => {
             // a, R and S are known up to N − 1; at N they follow as all later ones do.
-            let next = if j < order { (j + 1) as f64 * over_h } else { ZERO };
+            let next = if j < N { (j + 1) as f64 * over_h } else { ZERO };
             let following = (j + 1).min(ORDER);
             let Series { x, u, y, w, c, a } = series;
             let rates = [w[following].abs() * next, c[following].abs() * next];
-            let a = if j < order { a[j].abs() } else { ZERO };
+            let a = if j < N { a[j].abs() } else { ZERO };
             let [r, s] = rates;
             let sizes = [y[j].abs(), c[j].abs(), w[j].abs(), a, r, s, x[j].abs(), u[j].abs()]
                 .map(|size| size * scale);
-            let first = order.max(2 * j) + 1;
+            let first = N.max(2 * j) + 1;
             let theta = first as f64 * real::reciprocal(first - j);
             let square = theta * theta;
             for (sum, size) in sums.iter_mut().zip(sizes) {
@@ -273,7 +279,7 @@ impl<'a> Proof<'a> {
             if j > 0 {
                 proof.c_1 += sizes[1] * theta;
             }
-            if j >= order / 2 {
+            if j >= N / 2 {
                 let k = (j + 1) as f64;
                 let powers = [k * k, k * k, k * k, k, k, k, k * k, k * k];
                 for ((most, size), power) in most.iter_mut().zip(sizes).zip(powers) {
@@ -281,12 +287,28 @@ impl<'a> Proof<'a> {
                     *most = if bound > *most { bound } else { *most };
                 }
             }
-            scale *= over_ratio;
-        }
+            #[allow(unused_assignments)] // after the last
+            {
+                scale *= over_ratio;
+            }
+        });
         [proof.y_2, proof.c_2, proof.w_2, proof.a_2, proof.r_2, proof.s_2, _, _] = sums;
         let [y, c, w, a, r, s, x, u] = most;
         proof.known = Tail { x, u, y, c, w, a, r, s };
         proof
+    }
+
+    /// The constants to try first.
+    #[inline(always)]
+    pub fn first(&self) -> Tail {
+        self.known.times(MARGIN)
+    }
+
+    /// Whether the constants prove themselves, and larger ones to try next.
+    #[inline(always)]
+    pub fn tried(&self, tail: &Tail) -> (bool, Tail) {
+        let next = self.next(tail);
+        (next.within(tail), tail.larger(&next.times(MARGIN)))
     }
 
     /// The constants that the recurrences give beyond N if those of the claim hold before.
