@@ -19,9 +19,9 @@ fn lanes(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(scenes.len() as u64));
         group.bench_function("one by one", |bencher| {
             bencher.iter(|| {
-                for Decay { siva, start, limits } in black_box(&scenes) {
+                for Decay { system, start, limits } in black_box(&scenes) {
                     let mut measures = Measures::<Siva>::new(Wanted::ALL);
-                    black_box(simulate(siva, start, limits, None, &mut measures).is_ok());
+                    black_box(simulate(system, start, limits, None, &mut measures).is_ok());
                 }
             });
         });

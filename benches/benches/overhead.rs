@@ -12,6 +12,7 @@ use std::time::Instant;
 use iva_core::error::Invalid;
 use iva_core::lanes::{Decay, decays};
 use iva_core::measures::Wanted;
+use iva_core::siva::Siva;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
 use iva_sweep::scene::Scene;
@@ -38,12 +39,12 @@ fn study(side: u64) -> Result<Study, Invalid> {
     Ok(Study { axes, tables: vec![Table::Summary], ..Study::single(spec) })
 }
 
-fn scenes(study: &Study) -> Result<Vec<Decay>, Invalid> {
+fn scenes(study: &Study) -> Result<Vec<Decay<Siva>>, Invalid> {
     let mut scenes = Vec::new();
     for point in 0..study.points()? {
         let design = study.design(point)?;
         if let Scene::Siva { system, start } = design.scene {
-            scenes.push(Decay { siva: system, start, limits: design.limits });
+            scenes.push(Decay { system, start, limits: design.limits });
         }
     }
     Ok(scenes)

@@ -18,16 +18,16 @@ pub const START: Start =
 ///
 /// # Errors
 /// [`Invalid`] for a clearance of 0 or less.
-pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Decay>, Invalid> {
+pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Decay<Siva>>, Invalid> {
     let mut scenes = Vec::new();
     for mass in 0..masses {
         for step in 0..8 {
             for e in [0.4, 0.5125, 0.625, 0.7375, 0.85] {
                 let mu = 0.02 + 0.18 * f64::from(mass) / f64::from(masses);
                 let clearance = narrowest + 0.125 * f64::from(step);
-                let siva = Siva::new(mu, e, clearance, 0.01)?;
+                let system = Siva::new(mu, e, clearance, 0.01)?;
                 let limits = Limits::new(30.0 * TAU, clearance);
-                scenes.push(Decay { siva, start: START, limits });
+                scenes.push(Decay { system, start: START, limits });
             }
         }
     }

@@ -5,6 +5,7 @@
 //! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
 
 use crate::compensated::Sum;
+use crate::contact::Side;
 use crate::real::{Real, ZERO};
 use crate::system::Wall;
 
@@ -60,6 +61,28 @@ pub struct Rows<'a> {
     pub base: &'a [Real],
 }
 
+/// A flight that was decided at a glance.
+#[derive(Debug, Clone, Copy)]
+pub struct Glide<State> {
+    /// Its length …
+    pub length: Real,
+    /// … and the state at its end.
+    pub end: State,
+    /// The wall that it meets there; `None`: it meets none.
+    pub contact: Option<Side>,
+}
+
+/// Whether x turns round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Turns {
+    /// It does not.
+    Never,
+    /// Once: when, and x there.
+    Once(Real, Real),
+    /// Not decided at a glance.
+    Unknown,
+}
+
 /// Smooth motion from one state, exact for 0 ≤ h ≤ `reach`.
 pub trait Motion {
     /// The state it starts from and leads to.
@@ -76,15 +99,13 @@ pub trait Motion {
     fn arrival(&self, h: Real) -> Self::State {
         self.state(h)
     }
-    /// The state at the end of a flight of this length, to as many digits, if it is plain that no wall is
-    /// met on it; `None` says nothing.
-    fn glide(&self, _length: Real) -> Option<Self::State> {
+    /// What a flight of this length comes to, if that is plain; `None` says nothing.
+    fn glide(&self, _length: Real) -> Option<Glide<Self::State>> {
         None
     }
-    /// Where x turns round, and x there, in a motion of this length to this state that it turns in; `None`
-    /// says nothing.
-    fn turning(&self, _length: Real, _end: &Self::State) -> Option<(Real, Real)> {
-        None
+    /// Whether x turns round in a motion of this length to this state, if that is plain.
+    fn turns(&self, _length: Real, _end: &Self::State) -> Turns {
+        Turns::Unknown
     }
     /// Primary displacement and its derivatives at h.
     fn primary(&self, h: Real) -> Jet;

@@ -1,36 +1,37 @@
-//! Free decays of many single-mass absorbers, side by side.
+//! Free decays of many absorbers of one kind, side by side.
 //!
-//! One run spends its time waiting: each number of a stride needs the one before. Here [`LANES`] runs go
-//! in step, each in its lane, and every operation is done for all of them by the vector instructions of
-//! the machine. Three things make that possible:
+//! One run spends its time waiting: each number of a stretch of motion needs the one before. Here [`LANES`]
+//! runs go in step, each in its lane, and every operation is done for all of them by the vector
+//! instructions of the machine. Three things make that possible:
 //!
-//! * **A stride has no branches.** [`step`] is the code of one lane, written for one number; a loop over
+//! * **A stretch has no branches.** The strides of a free mass ([`siva`]) and the steps of a pendulum
+//!   ([`piva`]) are the code of one lane, written for one number; a loop over
 //!   arrays of numbers becomes vector code by itself, for AVX-512, AVX2 or the baseline, whichever the
-//!   machine has. Lanes are at different places of their runs: one searches a stretch as a whole,
-//!   another evaluates close to a contact. Each does all, and picks what it needs.
+//!   machine has. Each lane does all that any may need, and picks.
 //! * **What is not simple goes to the event loop.** Each lane is at home in a
-//!   [`Run`](crate::simulate::Run). A stretch that is no stride, a low rebound, a
-//!   stick, the end: the numbers are put back there, the loop does its work, and the lane goes on.
-//! * **The same operations in the same order.** The parts of a stride are the functions that the
+//!   [`Run`](crate::simulate::Run). What is not decided at a glance, a low rebound, a stick, the end: the numbers
+//!   are put back there, the loop does its work, and the lane goes on.
+//! * **The same operations in the same order.** The parts of a stretch are the functions that the
 //!   event loop uses as well. So a run has the same bits here, there, on every machine, and whatever runs
 //!   beside it.
 //!
 //! A lane whose run has ended is given the next one.
 
-mod lane;
-mod step;
+mod arrays;
+mod piva;
+mod siva;
+mod watch;
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Invalid;
 use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::oscillator::Oscillator;
-use crate::real::{TURN, dispatched};
-use crate::simulate::{Limits, Phase, Run, STOPS, Tally, simulate};
-use crate::siva::{Siva, SivaState};
-use crate::system::{Start, System};
-use lane::{Lane, Lanes, STOP};
+use crate::piva::Piva;
+use crate::real::{Real, dispatched};
+use crate::simulate::{Limits, Run, Tally, simulate};
+use crate::siva::Siva;
+use crate::system::System;
+use crate::taylor::with_order;
 
 /// Runs side by side.
 pub const LANES: usize = 8;
@@ -41,17 +42,71 @@ const CANCEL_EVERY: u64 = 1024;
 
 /// A free decay to run.
 #[derive(Debug, Clone)]
-pub struct Decay {
+pub struct Decay<S: System> {
     /// The absorber on its primary.
-    pub siva: Siva,
+    pub system: S,
     /// The state at time zero.
-    pub start: Start,
+    pub start: S::Start,
     /// How long, and where to stop.
     pub limits: Limits,
 }
 
 /// What came of it.
-pub type Decayed = (Tally<SivaState>, MeasureValues);
+pub type Decayed<S> = (Tally<<S as System>::State>, MeasureValues);
+
+/// An absorber whose free decays can go side by side.
+pub trait SideBySide: System + Sized {
+    /// What all lanes of a group have in common; `None`: this one is for the event loop.
+    fn common(&self) -> Option<[Real; 2]>;
+    /// Runs a group.
+    fn run(group: Group<'_, Self>);
+}
+
+impl SideBySide for Siva {
+    fn common(&self) -> Option<[Real; 2]> {
+        Some([self.damping_ratio(), 0.0])
+    }
+
+    fn run(group: Group<'_, Self>) {
+        group.run::<siva::Strides>();
+    }
+}
+
+impl SideBySide for Piva {
+    fn common(&self) -> Option<[Real; 2]> {
+        let alone = self.pendulum.small_angles || !self.force().is_none();
+        let damped = if self.pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
+        (!alone).then_some([self.accuracy.tolerance, damped])
+    }
+
+    fn run(group: Group<'_, Self>) {
+        with_order!(group.leader().accuracy.order, N => group.run::<piva::Steps<N>>());
+    }
+}
+
+/// Lanes in which runs of one kind of absorber go in step.
+trait Lockstep<S: System>: Sized {
+    /// Idle lanes for absorbers like this one, and the measures wanted.
+    fn new(system: &S, wanted: Wanted) -> Self;
+    /// Gives an absorber what those of the other lanes have as well.
+    fn join(&self, _system: &S) {}
+    /// Goes one evaluation on in each lane; true if one calls for its run.
+    fn evaluate(&mut self) -> bool;
+    /// True if this lane has called.
+    fn calls(&self, lane: usize) -> bool;
+    /// Does what a lane has called for; false: its numbers are back in its run, and the event loop has to
+    /// go on.
+    fn attend(&mut self, lane: usize, run: &mut Home<'_, S>) -> bool;
+    /// Takes over a run, if it is where the lane can go on.
+    fn take(&mut self, lane: usize, run: &Home<'_, S>) -> bool;
+    /// Puts the numbers of a lane back into its run.
+    fn put_back(&self, lane: usize, run: &mut Home<'_, S>);
+    /// Leaves a lane without a run.
+    fn idle(&mut self, lane: usize);
+}
+
+/// A run that a lane is at home in.
+type Home<'a, S> = Run<'a, S, Measures<S>>;
 
 /// Runs free decays and hands each out with its index, in the order in which they end. Every one is what
 /// [`simulate`] with [`Measures`] gives, bit for bit. Once cancelled, those begun come back as they are, the
@@ -59,44 +114,49 @@ pub type Decayed = (Tally<SivaState>, MeasureValues);
 ///
 /// # Errors
 /// The first [`Invalid`] start or limits, before anything runs.
-pub fn decays(
-    scenes: &[Decay],
+pub fn decays<S: SideBySide>(
+    scenes: &[Decay<S>],
     wanted: Wanted,
     cancel: Option<&AtomicBool>,
-    take: &mut dyn FnMut(usize, &Decayed),
+    take: &mut dyn FnMut(usize, &Decayed<S>),
 ) -> Result<(), Invalid> {
-    for Decay { siva, start, limits } in scenes {
-        siva.check_start(start)?;
+    for Decay { system, start, limits } in scenes {
+        system.check_start(start)?;
         limits.check()?;
     }
-    // The lanes of a group have one primary in common.
-    let damping = |index: &usize| scenes[*index].siva.damping_ratio();
+    let common = |index: &usize| scenes[*index].system.common();
     let mut order: Vec<usize> = (0..scenes.len()).collect();
-    order.sort_by(|a, b| damping(a).total_cmp(&damping(b)));
-    for same in order.chunk_by(|a, b| damping(a) == damping(b)) {
-        if same.len() < WORTHWHILE {
+    // What the loop runs comes first, as −∞.
+    let key = |index: &usize| common(index).unwrap_or([-Real::INFINITY; 2]);
+    order.sort_by(|a, b| {
+        let ([a, b], [c, d]) = (key(a), key(b));
+        a.total_cmp(&c).then(b.total_cmp(&d))
+    });
+    for same in order.chunk_by(|a, b| key(a) == key(b)) {
+        if same.len() < WORTHWHILE || common(&same[0]).is_none() {
             one_by_one(scenes, same, wanted, cancel, take)?;
         } else {
-            Group::new(scenes, same, wanted, cancel, take).run();
+            let homes = [const { None }; LANES];
+            S::run(Group { scenes, order: same, next: 0, wanted, cancel, homes, live: 0, take });
         }
     }
     Ok(())
 }
 
-fn one_by_one(
-    scenes: &[Decay],
+fn one_by_one<S: SideBySide>(
+    scenes: &[Decay<S>],
     order: &[usize],
     wanted: Wanted,
     cancel: Option<&AtomicBool>,
-    take: &mut dyn FnMut(usize, &Decayed),
+    take: &mut dyn FnMut(usize, &Decayed<S>),
 ) -> Result<(), Invalid> {
     for index in order {
         if is_set(cancel) {
             break;
         }
-        let Decay { siva, start, limits } = &scenes[*index];
-        let mut measures = Measures::<Siva>::new(wanted);
-        let tally = simulate(siva, start, limits, cancel, &mut measures)?;
+        let Decay { system, start, limits } = &scenes[*index];
+        let mut measures = Measures::<S>::new(wanted);
+        let tally = simulate(system, start, limits, cancel, &mut measures)?;
         take(*index, &(tally, *measures.values()));
     }
     Ok(())
@@ -106,67 +166,46 @@ fn is_set(cancel: Option<&AtomicBool>) -> bool {
     cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
-/// Runs whose primaries have the same damping ratio.
-struct Group<'a> {
-    scenes: &'a [Decay],
+#[inline(always)]
+fn pick(which: bool, yes: Real, no: Real) -> Real {
+    if which { yes } else { no }
+}
+
+/// Runs that have something in common.
+pub struct Group<'a, S: SideBySide> {
+    scenes: &'a [Decay<S>],
     /// Which of them.
     order: &'a [usize],
     /// The first of these not begun.
     next: usize,
     wanted: Wanted,
     cancel: Option<&'a AtomicBool>,
-    free: Arc<Oscillator>,
-    homes: [Option<Home<'a>>; LANES],
+    /// The run of each lane, and its index.
+    homes: [Option<(usize, Home<'a, S>)>; LANES],
     /// Lanes at work.
     live: usize,
-    take: &'a mut dyn FnMut(usize, &Decayed),
+    take: &'a mut dyn FnMut(usize, &Decayed<S>),
 }
 
-/// Where the run of a lane is at home.
-struct Home<'a> {
-    index: usize,
-    run: Run<'a, Siva, Measures<Siva>>,
-}
-
-/// One evaluation of each lane; true if one calls for the loop.
-#[inline(always)]
-fn evaluate<const W: usize>(lanes: &mut Lanes<W>, free: &Oscillator) -> bool {
-    for i in 0..W {
-        let lane = step::step(free, &lanes.get(i));
-        lanes.set(i, &lane);
-    }
-    let mut calls = 0.0;
-    for i in 0..W {
-        calls += lanes.care[i] + lanes.stopped[i] + lanes.peaked[i];
-    }
-    calls > 0.0
-}
-
-impl<'a> Group<'a> {
-    fn new(
-        scenes: &'a [Decay],
-        order: &'a [usize],
-        wanted: Wanted,
-        cancel: Option<&'a AtomicBool>,
-        take: &'a mut dyn FnMut(usize, &Decayed),
-    ) -> Self {
-        let free = Arc::clone(scenes[order[0]].siva.shared());
-        let homes = [const { None }; LANES];
-        Self { scenes, order, next: 0, wanted, cancel, free, homes, live: 0, take }
+impl<S: SideBySide> Group<'_, S> {
+    /// The absorber of the first run.
+    fn leader(&self) -> &S {
+        &self.scenes[self.order[0]].system
     }
 
-    fn run(&mut self) {
-        let mut lanes = Lanes::<LANES>::new();
-        for i in 0..LANES {
-            self.refill(&mut lanes, i);
-        }
-        let free = Arc::clone(&self.free);
+    fn run<L: Lockstep<S>>(mut self) {
         dispatched(
             #[inline(always)]
             || {
+                // In the very function that is vectorised: so the compiler aligns its stack to the
+                // arrays, and with it what it has no registers for.
+                let mut lanes = L::new(self.leader(), self.wanted);
+                for i in 0..LANES {
+                    self.refill(&mut lanes, i);
+                }
                 while self.live > 0 {
                     for _ in 0..CANCEL_EVERY {
-                        if evaluate(&mut lanes, &free) {
+                        if lanes.evaluate() {
                             self.attend(&mut lanes);
                             if self.live == 0 {
                                 break;
@@ -183,107 +222,60 @@ impl<'a> Group<'a> {
 
     /// Does what lanes have called for.
     #[inline(never)]
-    fn attend(&mut self, lanes: &mut Lanes<LANES>) {
+    fn attend<L: Lockstep<S>>(&mut self, lanes: &mut L) {
         for i in 0..LANES {
-            let Some(home) = &mut self.homes[i] else { continue };
-            if lanes.peaked[i] > 0.0 {
-                let (peak, index) = lanes.get(i).ended_peak();
-                home.run.observer.peak(&peak, index);
-            }
-            if lanes.stopped[i] == STOP {
-                let mut lane = lanes.get(i);
-                if home.pass_stop(&mut lane, &self.free) {
-                    lanes.set(i, &lane);
-                    continue;
-                }
-            }
-            if lanes.care[i] + lanes.stopped[i] > 0.0 {
-                lanes.get(i).put_back(&mut home.run);
+            let Some((_, home)) = &mut self.homes[i] else { continue };
+            if lanes.calls(i) && !lanes.attend(i, home) {
                 self.go_on(lanes, i);
             }
         }
     }
 
     /// Lets the event loop go on until the lane can, or the run ends.
-    fn go_on(&mut self, lanes: &mut Lanes<LANES>, i: usize) {
-        let Some(home) = &mut self.homes[i] else { return };
-        let mut goes_on = home.run.step();
-        loop {
-            if !goes_on {
-                let tally = home.run.finish();
-                (self.take)(home.index, &(tally, *home.run.observer.values()));
-                self.homes[i] = None;
-                self.live -= 1;
-                return self.refill(lanes, i);
+    fn go_on<L: Lockstep<S>>(&mut self, lanes: &mut L, i: usize) {
+        let Some((index, home)) = &mut self.homes[i] else { return };
+        while home.step() {
+            if lanes.take(i, home) {
+                return;
             }
-            if let Some(lane) = home.lane(&self.free) {
-                return lanes.set(i, &lane);
-            }
-            goes_on = home.run.step();
         }
+        let tally = home.finish();
+        (self.take)(*index, &(tally, *home.observer.values()));
+        self.homes[i] = None;
+        self.live -= 1;
+        self.refill(lanes, i);
     }
 
-    /// Gives a lane the next run, if there is one of the same primary.
-    fn refill(&mut self, lanes: &mut Lanes<LANES>, i: usize) {
+    /// Gives a lane the next run, if there is one.
+    #[inline(never)]
+    fn refill<L: Lockstep<S>>(&mut self, lanes: &mut L, i: usize) {
         let index = match self.order.get(self.next) {
             Some(index) if !is_set(self.cancel) => *index,
-            _ => return lanes.set(i, &Lane::idle()),
+            _ => return lanes.idle(i),
         };
-        let Decay { siva, start, limits } = &self.scenes[index];
+        let Decay { system, start, limits } = &self.scenes[index];
         self.next += 1;
-        siva.free.get_or_init(|| Arc::clone(&self.free));
-        let measures = Measures::<Siva>::new(self.wanted);
-        let mut run = Run::new(siva, start, limits, self.cancel, measures);
+        lanes.join(system);
+        let measures = Measures::<S>::new(self.wanted);
+        let mut run = Run::new(system, start, limits, self.cancel, measures);
         run.begin();
-        self.homes[i] = Some(Home { index, run });
+        self.homes[i] = Some((index, run));
         self.live += 1;
         self.go_on(lanes, i);
     }
 
     /// Ends every run where it is; those not begun stay so.
-    fn cancel(&mut self, lanes: &mut Lanes<LANES>) {
+    fn cancel<L: Lockstep<S>>(&mut self, lanes: &mut L) {
         self.next = self.order.len();
         for i in 0..LANES {
-            if let Some(home) = &mut self.homes[i] {
-                lanes.get(i).put_back(&mut home.run);
-                let tally = home.run.cancelled();
-                (self.take)(home.index, &(tally, *home.run.observer.values()));
+            if let Some((index, home)) = &mut self.homes[i] {
+                lanes.put_back(i, home);
+                let tally = home.cancelled();
+                (self.take)(*index, &(tally, *home.observer.values()));
                 self.homes[i] = None;
                 self.live -= 1;
-                lanes.set(i, &Lane::idle());
+                lanes.idle(i);
             }
         }
-    }
-}
-
-impl Home<'_> {
-    /// The lane of the run, if it is where strides can go on.
-    fn lane(&self, free: &Oscillator) -> Option<Lane> {
-        let run = &self.run;
-        let Phase::Flight { first } = run.phase else { return None };
-        let settled = run.observer.reference.settled && run.observer.reference.amplitude > 0.0;
-        let low = run.streak.as_ref().is_some_and(|streak| streak.low > 0);
-        let ahead = -run.clock.minus(run.stop());
-        let lane = Lane::of(run, first, free.reach);
-        (settled && !low && ahead > 0.0 && !lane.full()).then_some(lane)
-    }
-
-    /// Goes on after a stop within the run; false: something else has ended it.
-    fn pass_stop(&mut self, lane: &mut Lane, free: &Oscillator) -> bool {
-        let run = &mut self.run;
-        if lane.stop == TURN[0] {
-            run.observer.one_period(run.system.energy(&lane.state()));
-        }
-        run.pass_stop();
-        if run.stopped == STOPS || lane.full() {
-            return false;
-        }
-        lane.stop = run.stop();
-        let remaining = -lane.clock().minus(lane.stop);
-        lane.length = free.reach.min(remaining).min(lane.first);
-        lane.h = lane.length;
-        lane.stopped = 0.0;
-        lane.peaked = 0.0;
-        remaining > 0.0
     }
 }

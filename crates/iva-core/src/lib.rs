@@ -79,6 +79,7 @@ pub mod peaks;
 pub mod piva;
 mod polynomial;
 pub mod propagation;
+mod quintic;
 pub mod range;
 pub mod real;
 pub mod roots;

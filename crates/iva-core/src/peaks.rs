@@ -1,6 +1,6 @@
 //! Peaks of the primary displacement, one per half cycle.
 
-use crate::flight::{Jet, Motion, Rows};
+use crate::flight::{Jet, Motion, Rows, Turns};
 use crate::observe::{Observer, Span};
 use crate::polynomial::{jet, turnings};
 use crate::real::{Real, ZERO};
@@ -41,24 +41,25 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
         take(&Monotone { h: [begin.0, h], x: [begin.1, x] });
         begin = (h, x);
     };
-    match span.motion.rows() {
+    match (span.motion.turns(span.length, span.end), span.motion.rows()) {
+        (Turns::Never, _) => {}
+        (Turns::Once(h, x), _) => turn((h, x)),
         // Under force x may turn more than once.
-        Some(Rows { x, step, .. }) => {
+        (Turns::Unknown, Some(Rows { x, step, .. })) => {
             for bracket in turnings(x, span.length / step) {
                 if let Some((t, x)) = turned(|t| jet(x, t), bracket) {
                     turn(((t * step).min(span.length), x));
                 }
             }
         }
-        None if from.v * to.v < 0.0 => {
+        (Turns::Unknown, None) if from.v * to.v < 0.0 => {
             let at = |h: Real| {
                 let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
                 [value, rate, curvature, jerk]
             };
-            let close = span.motion.turning(span.length, span.end);
-            close.or_else(|| turned(at, [ZERO, span.length])).map(turn);
+            turned(at, [ZERO, span.length]).map(turn);
         }
-        None => {}
+        (Turns::Unknown, None) => {}
     }
     take(&Monotone { h: [begin.0, span.length], x: [begin.1, to.x] });
 }

@@ -24,13 +24,14 @@ use accuracy::Accuracy;
 pub(crate) use accuracy::Sizes;
 use impact_law::Law;
 
-mod accuracy;
+pub(crate) mod accuracy;
+mod gap;
 mod impact_law;
 mod motion;
 mod parameters;
 mod ride;
 mod start;
-mod step;
+pub(crate) mod step;
 
 /// A pendulum absorber on its primary system.
 #[derive(Debug, Clone, PartialEq)]
@@ -190,18 +191,18 @@ pub struct PivaState {
     /// Instant, for the force.
     pub(crate) time: Clock,
     /// Impulses that are over.
-    kicks: u32,
+    pub(crate) kicks: u32,
     pub(crate) primary: Primary,
-    wall: Wall,
+    pub(crate) wall: Wall,
     /// d − s y ≥ 0, the distance to the wall last touched.
-    distance: Sum,
-    clearance: Real,
+    pub(crate) distance: Sum,
+    pub(crate) clearance: Real,
     /// W = b θ̇.
     pub(crate) w: Sum,
     /// cosθ.
     pub(crate) cosine: Real,
     /// Just released: W and Ẇ are exactly 0.
-    released: bool,
+    pub(crate) released: bool,
 }
 
 impl PivaState {

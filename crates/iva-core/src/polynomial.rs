@@ -1,28 +1,29 @@
 //! Integrals and extrema of the polynomials that a motion consists of.
 
 use crate::real::{ONE, Real, ZERO, dispatched, reciprocal};
-use crate::taylor::{ORDER, Row, horner};
+use crate::taylor::{ORDER, Row, horner, unrolled};
 
 /// Products of terms are summed up to this many powers beyond the order.
 const BEYOND: usize = 4;
 
-/// ∫₀ᵗ f² of a polynomial f that is a series cut off where its terms no longer count: nor do products of
-/// far higher powers.
+/// ∫₀ᵗ f² of a polynomial f of order N that is a series cut off where its terms no longer count: nor do
+/// products of far higher powers.
 #[inline(always)]
-pub(crate) fn square_integral(f: &[Real], t: Real) -> Real {
+pub(crate) fn square_integral<const N: usize>(f: &[Real], t: Real) -> Real {
     // At t the terms are moderate, whatever the coefficients are.
-    let (f, order) = terms(f, t);
+    let (f, _) = terms(&f[..=N], t);
     // Half the coefficients of f², row by row of its products: neighbours are added side by side.
-    let mut half = [ZERO; ORDER + BEYOND + 1];
-    for i in 0..=(order + BEYOND) / 2 {
+    let mut half = [ZERO; 2 * ORDER + 1];
+    unrolled!(i < (N + BEYOND) / 2 + 1 => {
         half[2 * i] = (0.5 * f[i]).mul_add(f[i], half[2 * i]);
-        let last = order.min(order + BEYOND - i);
+        let last = N.min(N + BEYOND - i);
         for (sum, term) in half[2 * i + 1..].iter_mut().zip(&f[i + 1..=last]) {
             *sum = f[i].mul_add(*term, *sum);
         }
-    }
+    });
     let mut sums = [ZERO; 2];
-    for k in (0..=order + BEYOND).rev() {
+    for i in 0..N + BEYOND + 1 {
+        let k = N + BEYOND - i;
         sums[k % 2] = half[k].mul_add(reciprocal(k + 1), sums[k % 2]);
     }
     2.0 * (sums[0] + sums[1]) * t
@@ -248,6 +249,6 @@ mod tests {
     fn the_integral_of_a_square_is_exact() {
         // ∫₀¹ cos²(t − 1/2) dt = 1/2 + (sin 1 + sin 1)/4
         let truth = 0.5 + 0.5 * 1f64.sin();
-        assert!((square_integral(&cosine(1.0, -0.5), 1.0) - truth).abs() < 1e-15);
+        assert!((square_integral::<ORDER>(&cosine(1.0, -0.5), 1.0) - truth).abs() < 1e-15);
     }
 }

@@ -54,6 +54,14 @@ pub fn power_of_two(number: Real) -> Real {
     f64::from_bits(number.to_bits() & EXPONENT)
 }
 
+/// log₂ of a number > 0, at most 0.09 too large.
+#[inline(always)]
+pub fn log2_above(number: Real) -> f64 {
+    // Exponent and mantissa, read as one number, are log₂ from one power of two to the next by a chord.
+    const ONE_ABOVE: f64 = (1u64 << 52) as f64;
+    number.to_bits() as i64 as f64 / ONE_ABOVE - (1023.0 - 0.0862)
+}
+
 /// True if strides ([`crate::siva`]) are to be gone: what verifies a run goes without.
 pub const STRIDES: bool = true;
 
@@ -75,4 +83,10 @@ pub fn whole(number: Real) -> usize {
 #[inline]
 pub fn settled(_h: Real, _f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
     None
+}
+
+/// The larger of two numbers, by one comparison: of a number and none the second.
+#[inline(always)]
+pub fn larger(a: Real, b: Real) -> Real {
+    if a > b { a } else { b }
 }

@@ -228,9 +228,13 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
             }
             return true;
         }
-        if let Some(end) = flight.glide(length) {
+        if let Some(glide) = flight.glide(length) {
             self.phase = Phase::Flight { first: Real::INFINITY };
-            self.arrive(&flight, [length, ZERO], end, length == remaining);
+            let whole = length == remaining && glide.contact.is_none();
+            self.arrive(&flight, [glide.length, ZERO], glide.end, whole);
+            if let Some(side) = glide.contact {
+                self.meet(side);
+            }
             return true;
         }
         if !is_finite(&flight.jet(&state), flight.fourth()) {
@@ -245,14 +249,19 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
         self.tally.undecided += stretch.undecided;
         self.advance(&flight, stretch.end.h, length == remaining);
         if let Some(side) = stretch.contact {
-            let left = system.wall(&state);
-            let wall = if side == Side::Near { left } else { left.opposite() };
-            let (state, later) = system.touch(&self.tally.state, wall);
-            self.tally.state = state;
-            self.clock = self.clock.plus(later);
-            self.strike();
+            self.meet(side);
         }
         true
+    }
+
+    /// Meets a wall that the state is at but for rounding.
+    pub(crate) fn meet(&mut self, side: Side) {
+        let left = self.system.wall(&self.tally.state);
+        let wall = if side == Side::Near { left } else { left.opposite() };
+        let (state, later) = self.system.touch(&self.tally.state, wall);
+        self.tally.state = state;
+        self.clock = self.clock.plus(later);
+        self.strike();
     }
 
     /// One segment of riding on a wall, ended by its length, the release or the end of the run.

@@ -16,6 +16,7 @@ use crate::real::{Real, ZERO};
 use crate::sample::span_ends;
 use crate::simulate::{Outcome, Tally};
 use crate::system::{System, Wall};
+use crate::taylor::with_order;
 
 pub use bare::amplitude_without_absorber;
 pub use regime::Regime;
@@ -169,8 +170,10 @@ impl Steady {
             self.base = largest(rows.base, t, self.base);
         }
         if self.wanted.rms {
-            let before = if t[0] == 0.0 { ZERO } else { square_integral(rows.x, t[0]) };
-            self.square = self.square.plus((square_integral(rows.x, t[1]) - before) * rows.step);
+            let integral =
+                |t: Real| with_order!(rows.x.len() - 1, N => square_integral::<N>(rows.x, t));
+            let before = if t[0] == 0.0 { ZERO } else { integral(t[0]) };
+            self.square = self.square.plus((integral(t[1]) - before) * rows.step);
         }
     }
 

@@ -61,7 +61,7 @@ macro_rules! with_order {
 pub(crate) use {unrolled, with_order};
 
 mod recurrence;
-mod remainder;
+pub(crate) mod remainder;
 
 /// Highest order of the series.
 pub const ORDER: usize = 20;
@@ -187,14 +187,18 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
 }
 
 impl Pendulum {
-    /// The fastest rate in the equations: of the primary, of the pendulum, of its swing with W.
-    #[inline(always)]
-    pub fn fastest(&self, w: Real) -> Real {
+    /// The fastest rate in the equations but for the swing: of the primary, of the pendulum.
+    pub fn fastest(&self) -> Real {
         let zeta = self.damping_ratio;
         let primary = zeta + (1.0 + zeta * zeta).sqrt();
         let hanging = (self.frequency_squared * (1.0 + self.mass_ratio)).sqrt();
-        let swing = if self.small_angles { ZERO } else { w.abs() / self.contact_distance };
-        primary.max(hanging).max(swing).max(self.pivot_damping)
+        primary.max(hanging).max(self.pivot_damping)
+    }
+
+    /// θ̇ of a swing with W, which makes an angle fast that is not small.
+    #[inline(always)]
+    pub fn swing(&self, w: Real) -> Real {
+        if self.small_angles { ZERO } else { w.abs() / self.contact_distance }
     }
 
     /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.

@@ -20,6 +20,7 @@ pub mod oscillator;
 pub mod peaks;
 pub mod piva;
 mod polynomial;
+mod quintic;
 pub mod range;
 #[path = "real/twofold.rs"]
 pub mod real;

@@ -1,9 +1,9 @@
-//! Points that are run side by side: free decays of single masses of which only the summary is asked.
+//! Points that are run side by side: free decays of which only the summary is asked.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
-use iva_core::lanes::{Decay, Decayed, decays};
+use iva_core::lanes::{Decay, Decayed, SideBySide, decays};
 
 use crate::doubles::design::Design;
 use crate::doubles::point::Request;
@@ -12,23 +12,54 @@ use crate::doubles::scene::Scene;
 use crate::error::Invalid;
 use crate::study::Study;
 
+/// What the summaries of some points are asked for with.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub study: &'a Study,
+    pub request: &'a Request,
+    pub cancel: &'a AtomicBool,
+}
+
+type Take<'a> = &'a mut dyn FnMut(&mut dyn Iterator<Item = Cell>);
+
 /// Runs points and hands out their rows of `summary`, in order; returns how many. `None`: these points
 /// are to be run one by one.
 ///
 /// # Errors
 /// [`Invalid`] for a point that makes no valid scene.
 pub(crate) fn summaries(
-    study: &Study,
+    asked: &Asked<'_>,
     points: Range<u64>,
-    request: &Request,
-    cancel: &AtomicBool,
-    take: &mut dyn FnMut(&mut dyn Iterator<Item = Cell>),
+    take: Take<'_>,
 ) -> Result<Option<u64>, Invalid> {
-    let Request { summary, impacts, episodes, envelope, wanted, steady, .. } = *request;
-    let more = impacts || episodes || envelope || steady.strobes || study.errors;
-    if more || !summary {
+    let Request { summary, impacts, episodes, envelope, steady, .. } = *asked.request;
+    let more = impacts || episodes || envelope || steady.strobes || asked.study.errors;
+    if more || !summary || points.is_empty() {
         return Ok(None);
     }
+    match asked.study.design(points.start)?.scene {
+        Scene::Siva { .. } => together(asked, points, take, |design| match &design.scene {
+            Scene::Siva { system, start } => {
+                Some(Decay { system: system.clone(), start: *start, limits: design.limits })
+            }
+            Scene::Piva { .. } => None,
+        }),
+        Scene::Piva { .. } => together(asked, points, take, |design| match &design.scene {
+            Scene::Piva { system, start, .. } if system.force().is_none() => {
+                Some(Decay { system: system.clone(), start: *start, limits: design.limits })
+            }
+            _ => None,
+        }),
+    }
+}
+
+fn together<S: SideBySide>(
+    asked: &Asked<'_>,
+    points: Range<u64>,
+    take: Take<'_>,
+    decay: impl Fn(&Design) -> Option<Decay<S>>,
+) -> Result<Option<u64>, Invalid> {
+    let Asked { study, request, cancel } = *asked;
     let (mut designs, mut scenes) = (Vec::new(), Vec::new());
     for point in points.clone() {
         let design = study.design(point)?;
@@ -36,9 +67,9 @@ pub(crate) fn summaries(
         scenes.push(decay);
         designs.push(design);
     }
-    let mut results: Vec<Option<Decayed>> = vec![None; scenes.len()];
-    let keep = &mut |index: usize, decayed: &Decayed| results[index] = Some(*decayed);
-    decays(&scenes, wanted, Some(cancel), keep)?;
+    let mut results: Vec<Option<Decayed<S>>> = vec![None; scenes.len()];
+    let keep = &mut |index: usize, decayed: &Decayed<S>| results[index] = Some(*decayed);
+    decays(&scenes, request.wanted, Some(cancel), keep)?;
     let mut done = 0;
     let mut row = Vec::new();
     // After a cancellation the points before the first that was not begun.
@@ -55,13 +86,4 @@ pub(crate) fn summaries(
         done += 1;
     }
     Ok(Some(done))
-}
-
-fn decay(design: &Design) -> Option<Decay> {
-    match &design.scene {
-        Scene::Siva { system, start } => {
-            Some(Decay { siva: system.clone(), start: *start, limits: design.limits })
-        }
-        Scene::Piva { .. } => None,
-    }
 }

@@ -19,7 +19,7 @@ use crate::doubles::design::Design;
 use crate::doubles::point::{Estimates, Request, run};
 use crate::doubles::rows::Cell;
 use crate::doubles::scale::Scale;
-use crate::side_by_side::summaries;
+use crate::side_by_side::{Asked, summaries};
 use crate::study::{Study, Table, distinct, fitting};
 use crate::tables::{TableBuilder, schema_in};
 use crate::units::UnitSystem;
@@ -174,7 +174,8 @@ fn run_chunk(
             builder.row(cells);
         }
     };
-    let together = summaries(study, points.clone(), &request, control.cancel, &mut row)?;
+    let asked = Asked { study, request: &request, cancel: control.cancel };
+    let together = summaries(&asked, points.clone(), &mut row)?;
     end += together.unwrap_or(0);
     while together.is_none() && end < points.end && !control.cancelled() {
         let design = study.design(end)?;

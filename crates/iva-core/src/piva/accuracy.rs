@@ -1,9 +1,10 @@
 //! Order and step of the flight, from its tolerance.
 
 use super::{Parameters, Piva, PivaState};
-use crate::real::{LEFT_OUT, Real};
+use crate::real::{LEFT_OUT, Real, larger, log2_above};
 use crate::roots::DOUBT;
 use crate::taylor::{ORDER, Remainder};
+use std::f64::consts::LN_2;
 
 /// How accurately a flight is computed, and at what cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +36,7 @@ impl Accuracy {
     }
 }
 
-/// Steps are shortened by this factor, about 2^(−1/4), until they keep to the tolerance.
+/// Where one shortening of a step was not enough, it is shortened by this factor until it is.
 const SHORTER: f64 = 0.84;
 /// At most this often, to 2⁻²⁰.
 const MOST_SHORTENINGS: u32 = 80;
@@ -50,15 +51,25 @@ pub(super) fn share_kept(
 ) -> Option<Real> {
     let sizes = Sizes::of(piva, from, driven);
     let tolerance = piva.accuracy.tolerance;
-    let mut share = remainder.reach(most);
+    let (mut share, mut kept) = sizes.share(remainder, most, tolerance);
     for _ in 0..MOST_SHORTENINGS {
-        let [primary, gap] = remainder.left_out(share);
-        if primary <= tolerance * sizes.primary && gap <= tolerance * sizes.gap {
+        if kept {
             return Some(share);
         }
         share *= SHORTER;
+        kept = sizes.keep(remainder, share, tolerance);
     }
     None
+}
+
+/// A little less than excess^(−1/order), but not less than a fifth.
+#[inline(always)]
+fn shortening(excess: Real, order: usize) -> f64 {
+    // e^(−z) by a series cut off at a negative term.
+    let z = log2_above(excess) * (LN_2 / order as f64);
+    let z = if z < 1.5 { z } else { 1.5 };
+    let tail = 1.0 / 6.0 - z * (1.0 / 24.0 - z * (1.0 / 120.0));
+    if excess > 1.0 { 1.0 - z * (1.0 - z * (0.5 - z * tail)) } else { 1.0 }
 }
 
 /// Sizes that truncation is measured against.
@@ -70,10 +81,43 @@ pub(crate) struct Sizes {
 impl Sizes {
     /// At a state, under a force of size `driven`.
     pub(crate) fn of(piva: &Piva, state: &PivaState, driven: Real) -> Self {
-        let Parameters { clearance, contact_distance, .. } = piva.parameters;
-        let gap = if piva.stop_reachable() { clearance } else { clearance.min(contact_distance) };
+        Self::at(piva.parameters.mass_ratio, piva.gap_size(), state).with(driven)
+    }
+
+    /// At a state, of an absorber with this mass ratio and gap.
+    #[inline(always)]
+    pub(crate) fn at(mass_ratio: Real, gap: Real, state: &PivaState) -> Self {
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
-        let moved = moved.max(piva.parameters.mass_ratio * gap).max(driven);
-        Self { primary: moved, gap }
+        Self { primary: moved.max(mass_ratio * gap), gap }
+    }
+
+    fn with(self, driven: Real) -> Self {
+        Self { primary: self.primary.max(driven), ..self }
+    }
+
+    /// The share of a step, up to `most`, on which its series leaves out no more than the tolerance, if that
+    /// is not far less than it is good for.
+    #[inline(always)]
+    pub(crate) fn share(&self, remainder: &Remainder, most: Real, tolerance: Real) -> (Real, bool) {
+        let whole = remainder.reach(most);
+        let [primary, gap] = remainder.left_out(whole);
+        let excess = larger(primary / (tolerance * self.primary), gap / (tolerance * self.gap));
+        let share = whole * shortening(excess, remainder.order() + 1);
+        (share, self.keep(remainder, share, tolerance))
+    }
+
+    /// True if a series leaves out no more than the tolerance on a share of its step.
+    #[inline(always)]
+    pub(crate) fn keep(&self, remainder: &Remainder, share: Real, tolerance: Real) -> bool {
+        let [primary, gap] = remainder.left_out(share);
+        (primary <= tolerance * self.primary) & (gap <= tolerance * self.gap)
+    }
+}
+
+impl Piva {
+    /// What y is measured against.
+    pub(crate) fn gap_size(&self) -> Real {
+        let Parameters { clearance, contact_distance, .. } = self.parameters;
+        if self.stop_reachable() { clearance } else { clearance.min(contact_distance) }
     }
 }

@@ -1,13 +1,15 @@
 //! The flight of a pendulum absorber: swinging in its gap.
 
 use super::accuracy::share_kept;
-use super::step::{Step, precise_cosine};
+use super::gap::Gap;
+use super::step::{Step, Turning, precise_cosine};
 use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
+use crate::contact::Side;
+use crate::flight::{Curve, GapPoint, Glide, Jet, Motion, Rows, Turns};
 use crate::force::Drive;
 use crate::polynomial::{product_integral, square_integral};
-use crate::real::{ONE, Real, STRIDES, ZERO, dispatched, power_of_two};
+use crate::real::{ONE, Real, STRIDES, ZERO, dispatched, larger, power_of_two};
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner, with_order};
 
@@ -105,14 +107,13 @@ impl<'a> PivaFlight<'a> {
 
     /// What a damper takes: factor · ∫ f² up to h.
     fn loss(&self, factor: Real, f: &Row<Real>, h: Real) -> Real {
-        let f = &f[..=self.piva.accuracy.order];
         if factor == 0.0 {
             return ZERO;
         }
-        let t = self.share(h);
+        let (t, order) = (self.share(h), self.piva.accuracy.order);
         let integral = dispatched(
             #[inline(always)]
-            || square_integral(f, t),
+            || with_order!(order, N => square_integral::<N>(f, t)),
         );
         factor * integral * self.step
     }
@@ -140,7 +141,8 @@ impl Piva {
 
     /// A step short against every time scale: of the primary, of the pendulum, of its swing.
     fn longest_step(&self, state: &PivaState) -> Real {
-        self.accuracy.longest_step / self.pendulum.fastest(state.w.value).max(self.force.fastest())
+        let fastest = self.pendulum.fastest().max(self.force.fastest());
+        self.accuracy.longest_step / larger(fastest, self.pendulum.swing(state.w.value))
     }
 }
 
@@ -175,21 +177,48 @@ impl Motion for PivaFlight<'_> {
         )
     }
 
-    /// Both ends of y and a bound on its second derivative enclose it.
-    fn glide(&self, length: Real) -> Option<PivaState> {
+    fn glide(&self, length: Real) -> Option<Glide<PivaState>> {
         if !STRIDES || self.remainder.is_none() {
             return None;
         }
-        let order = self.piva.accuracy.order;
-        let (end, bend) = dispatched(
+        let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
+        let (end, gap) = dispatched(
             #[inline(always)]
             || {
-                let share = self.share(length);
-                (self.arrived(length), with_order!(order, N => self.step().bend::<N>(share)))
+                let end = self.arrived(length);
+                (end, with_order!(order, N => self.step().gap::<N>(&end, length, doubt)))
             },
         );
-        let doubt = self.piva.accuracy.doubt();
-        self.step().is_clear(&end, bend, doubt).then_some(end)
+        let contact = match gap {
+            Gap { clear: true, .. } => return Some(Glide { length, end, contact: None }),
+            Gap { near: true, .. } => Side::Near,
+            Gap { far: true, .. } => Side::Far,
+            _ => return None,
+        };
+        let (h, exact) = dispatched(
+            #[inline(always)]
+            || {
+                let far = contact == Side::Far;
+                with_order!(order, N => self.step().meeting::<N>(&end, length, far))
+            },
+        );
+        exact.then(|| Glide { length: h, end: self.arrival(h), contact: Some(contact) })
+    }
+
+    fn turns(&self, length: Real, end: &PivaState) -> Turns {
+        if !STRIDES || self.remainder.is_none() {
+            return Turns::Unknown;
+        }
+        let order = self.piva.accuracy.order;
+        let turning = dispatched(
+            #[inline(always)]
+            || with_order!(order, N => self.step().turning::<N>(end, length)),
+        );
+        match turning {
+            Turning { decided: false, .. } => Turns::Unknown,
+            Turning { turns: false, .. } => Turns::Never,
+            Turning { h, x, .. } => Turns::Once(h, x),
+        }
     }
 
     fn primary(&self, h: Real) -> Jet {

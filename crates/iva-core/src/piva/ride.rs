@@ -131,7 +131,7 @@ impl Motion for PivaRide<'_> {
         if factor == 0.0 {
             ZERO
         } else {
-            factor * square_integral(&self.u, self.share(h)) * self.step
+            factor * square_integral::<ORDER>(&self.u, self.share(h)) * self.step
         }
     }
 }

@@ -8,7 +8,8 @@ use crate::compensated::Sum;
 use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::polynomial::horners;
-use crate::real::{ONE, Real, ZERO};
+use crate::quintic::{monomials, root};
+use crate::real::{ONE, Real, ZERO, larger};
 use crate::taylor::{Pendulum, Row, Series, Swing, unrolled};
 
 /// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
@@ -74,26 +75,150 @@ impl Step<'_> {
         PivaState { time, primary, distance, w, cosine, released: false, ..*from }
     }
 
-    /// Bound on t² |y″| over a share t of the step.
+    /// Whether and where x turns round on the way to an end.
     #[inline(always)]
-    pub fn bend<const N: usize>(&self, t: Real) -> Real {
-        let mut sum = ZERO;
-        unrolled!(i < N - 1 => {
+    pub fn turning<const N: usize>(&self, end: &PivaState, h: Real) -> Turning {
+        let share = h / self.length;
+        let u = &self.series.u;
+        let Ahead { rate, bend, fourth } = Ahead::of::<N>(u, share);
+        let [v, v_end] = [u[0], end.primary.v.value];
+        let enclosure = Enclosure::new([v, v_end], [u[1], rate], share, fourth);
+        let off = (enclosure.low > 0.0) | (enclosure.high < 0.0);
+        let one_way = enclosure.rises(ZERO) | enclosure.falls(ZERO);
+        let turns = one_way & (v * v_end < 0.0);
+
+        // Close to the turn by the quintic between both ends, then by the series there.
+        let half_square = 0.5 * (share * share);
+        let begin = [v, share * u[1], half_square * (2.0 * u[2])];
+        let guess = share * root(&monomials(&begin, &[v_end, share * rate, half_square * bend]));
+        let mut x = ZERO;
+        unrolled!(i < N + 1 => x = x.mul_add(guess, self.series.x[N - i]));
+        let [v, half, third, fourth, fifth] = shifted::<N>(u, 0, guess);
+        // ẋ and x in powers of the time after the guess.
+        let (later, close) = root_close_by([v, half, third, fourth, fifth], share);
+        let mean =
+            v + later * (0.5 * half + later * ((1.0 / 3.0) * third + later * (0.25 * fourth)));
+        let turn = guess + later;
+        let close = close & (turn > 0.0) & (turn < share);
+        Turning {
+            decided: (off | one_way) & (close | !turns),
+            turns,
+            h: self.length * turn,
+            x: x + self.length * (later * mean),
+        }
+    }
+}
+
+/// Where x turns round: once or not at all if that is `decided`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turning {
+    pub decided: bool,
+    pub turns: bool,
+    pub h: Real,
+    pub x: Real,
+}
+
+/// What a polynomial of order N does at the end of [0, share], and on the way there.
+pub(super) struct Ahead {
+    /// f′ and f″ at the end.
+    pub rate: Real,
+    pub bend: Real,
+    /// Bound on |f⁗|.
+    pub fourth: Real,
+}
+
+impl Ahead {
+    #[inline(always)]
+    pub fn of<const N: usize>(f: &Row<Real>, share: Real) -> Self {
+        let [mut rate, mut bend, mut fourth] = [ZERO; 3];
+        unrolled!(i < N => {
             let k = N - i;
-            sum = sum.mul_add(t, (k * (k - 1)) as f64 * self.series.y[k].abs());
+            let first = k as f64 * f[k];
+            rate = rate.mul_add(share, first);
+            if k > 1 {
+                bend = bend.mul_add(share, (k * (k - 1)) as f64 * f[k]);
+            }
+            if k > 3 {
+                let factor = (k * (k - 1) * (k - 2) * (k - 3)) as f64;
+                fourth = fourth.mul_add(share, factor * f[k].abs());
+            }
         });
-        sum * (t * t)
+        Self { rate, bend, fourth }
+    }
+}
+
+/// Bounds on a function over a stretch and on its rate, from both at both ends and a bound on the fourth
+/// derivative: by the Bernstein coefficients of the cubic between them and its error, as in
+/// [`crate::roots`].
+pub(super) struct Enclosure {
+    pub low: Real,
+    pub high: Real,
+    slowest: Real,
+    fastest: Real,
+}
+
+impl Enclosure {
+    #[inline(always)]
+    pub fn new(values: [Real; 2], rates: [Real; 2], length: Real, fourth: Real) -> Self {
+        let ([begin, end], [rate, rate_end]) = (values, rates);
+        let third = length * (1.0 / 3.0);
+        let inner = [begin + third * rate, end - third * rate_end];
+        let middle = 3.0 * (end - begin) / length - (rate + rate_end);
+        let cube = fourth * (length * length * length);
+        // 1/384, and √3/216.
+        let (off, rate_off) = (cube * length * (1.0 / 384.0), cube * 8.1e-3);
+        let smallest = |a: Real, b: Real| -larger(-a, -b);
+        Self {
+            low: smallest(smallest(begin, end), smallest(inner[0], inner[1])) - off,
+            high: larger(larger(begin, end), larger(inner[0], inner[1])) + off,
+            slowest: smallest(smallest(rate, rate_end), middle) - rate_off,
+            fastest: larger(larger(rate, rate_end), middle) + rate_off,
+        }
     }
 
-    /// Whether no wall is met on the way to an end, whose `bend` is bounded, with a relative error of y.
+    /// True if it rises all the way, by more than the doubt about its rate.
     #[inline(always)]
-    pub fn is_clear(&self, end: &PivaState, bend: Real, doubt: Real) -> bool {
-        let d = self.from.clearance;
-        let slack = 0.125 * bend + doubt * d;
-        // Compared one by one: what is not a number is not clear.
-        let clear = |at: Real| (at > slack) & (at < 2.0 * d - slack);
-        clear(self.from.distance.value) & clear(end.distance.value)
+    pub fn rises(&self, doubt: Real) -> bool {
+        self.slowest > doubt
     }
+
+    /// True if it falls all the way.
+    #[inline(always)]
+    pub fn falls(&self, doubt: Real) -> bool {
+        self.fastest < -doubt
+    }
+}
+
+/// The first coefficients of a polynomial of order N in powers of the time after t, without those below
+/// tᵏ of order `from`.
+#[inline(always)]
+pub(super) fn shifted<const N: usize>(f: &Row<Real>, from: usize, t: Real) -> [Real; 5] {
+    let mut sums = [ZERO; 5];
+    unrolled!(i < N + 1 => {
+        if N - i >= from {
+            for j in (1..5).rev() {
+                sums[j] = sums[j].mul_add(t, sums[j - 1]);
+            }
+            sums[0] = sums[0].mul_add(t, f[N - i]);
+        }
+    });
+    sums
+}
+
+/// How close to its root, as a share of the way, five terms of a polynomial are enough: the sixth, of a
+/// function that turns once in a step or so, is some 10⁻¹⁵/120 of the first.
+const CLOSE: f64 = 1e-3;
+
+/// The root of a polynomial close to 0, and whether it is close enough.
+#[inline(always)]
+pub(super) fn root_close_by(f: [Real; 5], share: Real) -> (Real, bool) {
+    let mut t = -f[0] / f[1];
+    for _ in 0..2 {
+        let value = f[0] + t * (f[1] + t * (f[2] + t * (f[3] + t * f[4])));
+        let slope = f[1] + t * (2.0 * f[2] + t * (3.0 * f[3] + t * (4.0 * f[4])));
+        t -= value / slope;
+    }
+    (t, t.abs() <= CLOSE * share)
 }
 
 /// Σ f_k t^(k−2) over 2 ≤ k ≤ N of several series.

@@ -28,6 +28,11 @@ pub fn power_of_two(number: Real) -> Real {
     iva_core::real::power_of_two(f64::from(number)).into()
 }
 
+/// log₂ of a number > 0, at most 0.09 too large.
+pub fn log2_above(number: Real) -> f64 {
+    iva_core::real::log2_above(number.into())
+}
+
 /// Every stretch of flight is searched as if it were a hard one: a check of those that are not.
 pub const STRIDES: bool = false;
 
@@ -68,4 +73,10 @@ pub fn settled(h: Real, f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
     let [value, slope] = f(root);
     root.slopes = value.slopes.map(|moved| -moved / slope.value);
     Some(root)
+}
+
+/// The larger of two numbers, by one comparison: of a number and none the second.
+#[inline(always)]
+pub fn larger(a: Real, b: Real) -> Real {
+    if a > b { a } else { b }
 }

@@ -27,6 +27,11 @@ pub fn power_of_two(number: Real) -> Real {
     iva_core::real::power_of_two(f64::from(number)).into()
 }
 
+/// log₂ of a number > 0, at most 0.09 too large.
+pub fn log2_above(number: Real) -> f64 {
+    iva_core::real::log2_above(number.into())
+}
+
 /// Every stretch of flight is searched as if it were a hard one: a check of those that are not.
 pub const STRIDES: bool = false;
 
@@ -63,4 +68,10 @@ pub fn atan2(y: Real, x: Real) -> Real {
 /// The root of a function close to h: h itself.
 pub fn settled(_h: Real, _f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
     None
+}
+
+/// The larger of two numbers, by one comparison: of a number and none the second.
+#[inline(always)]
+pub fn larger(a: Real, b: Real) -> Real {
+    if a > b { a } else { b }
 }

@@ -1,10 +1,11 @@
 //! The flight of a SIVA: free in its gap.
 
-use super::stride::{root, turn, turning};
+use super::stride::{turn, turning};
 use super::{Siva, SivaState};
 use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Jet, Motion};
+use crate::flight::{Curve, GapPoint, Jet, Motion, Turns};
 use crate::oscillator::{Oscillator, Primary};
+use crate::quintic::root;
 use crate::real::{Real, STRIDES, dispatched};
 use crate::system::{System, Wall};
 
@@ -86,7 +87,10 @@ impl Motion for SivaFlight<'_> {
         )
     }
 
-    fn turning(&self, length: Real, end: &SivaState) -> Option<(Real, Real)> {
+    fn turns(&self, length: Real, end: &SivaState) -> Turns {
+        if !STRIDES || self.from.primary.v.value * end.primary.v.value >= 0.0 {
+            return Turns::Unknown;
+        }
         let (h, x, exact) = dispatched(
             #[inline(always)]
             || {
@@ -95,7 +99,7 @@ impl Motion for SivaFlight<'_> {
                 turning(free, &self.from, guess, length)
             },
         );
-        (STRIDES && exact).then_some((h, x))
+        if exact { Turns::Once(h, x) } else { Turns::Unknown }
     }
 }
 

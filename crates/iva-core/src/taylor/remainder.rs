@@ -26,7 +26,7 @@
 
 use super::{ORDER, Pendulum, Row, Series};
 use crate::force::Force;
-use crate::real::{self, ONE, Real, ZERO, dispatched};
+use crate::real::{self, ONE, Real, ZERO, dispatched, larger};
 
 /// Constants of the claim.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -51,16 +51,23 @@ pub struct Remainder {
 
 /// Ratios tried at most, each [`COARSER`] than the one before.
 const RATIOS: u32 = 100;
-const COARSER: f64 = 1.15;
-/// The first, over the decay of the coefficients.
-const FIRST: f64 = 1.45;
+pub(crate) const COARSER: f64 = 1.15;
+/// The first, over the decay of the coefficients: as often as not it is enough, and a larger one shortens
+/// steps.
+const fn first(order: usize) -> f64 {
+    match order {
+        ..12 => 1.8,
+        12..18 => 1.6,
+        _ => 1.45,
+    }
+}
 /// Smallest ratio tried.
 const FINEST: f64 = 0.03;
 /// Margin of the constants over what the known coefficients need: room for the inequalities to
 /// hold with, and for the rounding of the coefficients.
 const MARGIN: f64 = 2.0;
 /// Enlargements of the constants that are tried for each ratio.
-const ATTEMPTS: u32 = 6;
+pub(crate) const ATTEMPTS: usize = 6;
 /// The longest share of a step that a claim with ratio q is used for, times q.
 const WITHIN: f64 = 0.5;
 
@@ -94,7 +101,7 @@ impl Remainder {
             let mut tail = proof.first();
             for _ in 0..ATTEMPTS {
                 match proof.tried(&tail) {
-                    (true, _) => return Some(Remainder { order: N, ratio, tail }),
+                    (true, _) => return Some(Remainder::proven::<N>(ratio, tail)),
                     (false, larger) => tail = larger,
                 }
             }
@@ -103,18 +110,32 @@ impl Remainder {
         None
     }
 
+    /// The bounds that a proof has come to.
+    #[inline(always)]
+    pub(crate) fn proven<const N: usize>(ratio: Real, tail: Tail) -> Self {
+        Self { order: N, ratio, tail }
+    }
+
+    /// The order of the series.
+    #[inline(always)]
+    pub(crate) fn order(&self) -> usize {
+        self.order
+    }
+
     /// The longest share of the step, up to `most`, on which the bounds mean anything.
+    #[inline(always)]
     pub fn reach(&self, most: Real) -> Real {
-        (WITHIN / self.ratio).min(most)
+        -larger(-(WITHIN / self.ratio), -most)
     }
 
     /// Bounds on what is left out up to a share of the step: of primary (x, u) and gap (y, W).
+    #[inline(always)]
     pub fn left_out(&self, share: Real) -> [Real; 2] {
         let beyond = (self.order + 2) as f64;
         let p = self.ratio * share;
         let sum = power(p, self.order + 1) / (beyond * beyond * (1.0 - WITHIN));
         let Tail { x, u, y, w, .. } = self.tail;
-        [x.max(u) * sum, y.max(w) * sum]
+        [larger(x, u) * sum, larger(y, w) * sum]
     }
 
     /// Bound on the fourth derivative of the part of y that is left out, in steps.
@@ -130,37 +151,40 @@ impl Remainder {
 /// The first ratio to try.
 #[inline(always)]
 pub(crate) fn first_ratio<const N: usize>(series: &Series<Real>) -> Real {
-    (FIRST * decay::<N>(series)).max(FINEST)
+    larger(first(N) * decay::<N>(series), FINEST * ONE)
 }
 
 /// By what factor the coefficients fall from one to the next: the eighth root of eight of them.
 #[inline(always)]
 fn decay<const N: usize>(series: &Series<Real>) -> Real {
     let of = |row: &Row<Real>| {
-        let size = |k: usize| row[k].abs().max(row[k - 1].abs());
+        let size = |k: usize| larger(row[k].abs(), row[k - 1].abs());
         let (last, earlier) = (size(N), size(N - 8));
         if earlier > 0.0 { last / earlier } else { ZERO }
     };
-    let most = of(&series.x).max(of(&series.u)).max(of(&series.y)).max(of(&series.w));
+    let most = larger(larger(of(&series.x), of(&series.u)), larger(of(&series.y), of(&series.w)));
     most.sqrt().sqrt().sqrt()
 }
 
-/// pⁿ by multiplications alone.
-#[inline]
+/// pⁿ of an n < 256 by multiplications alone.
+#[inline(always)]
 fn power(p: Real, n: usize) -> Real {
-    let (mut product, mut square, mut left) = (ONE, p, n);
-    while left > 0 {
-        if left % 2 == 1 {
+    let (mut product, mut square) = (ONE, p);
+    for bit in 0..8 {
+        if n >> bit == 0 {
+            break;
+        }
+        if n >> bit & 1 == 1 {
             product *= square;
         }
         square *= square;
-        left /= 2;
     }
     product
 }
 
 impl Tail {
-    fn map(&self, other: &Tail, f: impl Fn(Real, Real) -> Real) -> Tail {
+    #[inline(always)]
+    pub fn map(&self, other: &Tail, f: impl Fn(Real, Real) -> Real) -> Tail {
         Tail {
             x: f(self.x, other.x),
             u: f(self.u, other.u),
@@ -173,21 +197,26 @@ impl Tail {
         }
     }
 
+    #[inline(always)]
     fn larger(&self, other: &Tail) -> Tail {
-        self.map(other, Real::max)
+        self.map(other, larger)
     }
 
+    #[inline(always)]
     fn times(&self, factor: f64) -> Tail {
         self.map(self, |value, _| value * factor)
     }
 
     /// False where anything is not finite.
+    #[inline(always)]
     fn within(&self, other: &Tail) -> bool {
         let Tail { x, u, y, c, w, a, r, s } = *self;
         let pairs = [x, u, y, c, w, a, r, s]
             .into_iter()
             .zip([other.x, other.u, other.y, other.c, other.w, other.a, other.r, other.s]);
-        pairs.into_iter().all(|(value, bound)| value <= bound && bound.is_finite())
+        pairs.into_iter().fold(true, |all, (value, bound)| {
+            all & (value <= bound) & (bound.abs() < Real::INFINITY)
+        })
     }
 }
 
@@ -284,7 +313,7 @@ impl<'a> Proof<'a> {
                 let powers = [k * k, k * k, k * k, k, k, k, k * k, k * k];
                 for ((most, size), power) in most.iter_mut().zip(sizes).zip(powers) {
                     let bound = size * power;
-                    *most = if bound > *most { bound } else { *most };
+                    *most = larger(bound, *most);
                 }
             }
             #[allow(unused_assignments)] // after the last

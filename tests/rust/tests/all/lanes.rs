@@ -7,24 +7,26 @@
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use iva_core::lanes::{Decay, Decayed, LANES, decays};
+use iva_core::force::{Acts, Force, Harmonic};
+use iva_core::lanes::{Decay, Decayed, LANES, SideBySide, decays};
 use iva_core::measures::{Measures, Wanted};
+use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, Outcome, simulate};
 use iva_core::siva::Siva;
-use iva_core::system::Start;
-use iva_tests::case::any_case;
+use iva_core::system::{Start, System};
+use iva_tests::case::{any_case, compound};
 use iva_tests::cases;
 use proptest::prelude::*;
 
-fn alone(decay: &Decay) -> String {
-    let mut measures = Measures::<Siva>::new(Wanted::ALL);
-    let tally = simulate(&decay.siva, &decay.start, &decay.limits, None, &mut measures).unwrap();
+fn alone<S: SideBySide>(decay: &Decay<S>) -> String {
+    let mut measures = Measures::<S>::new(Wanted::ALL);
+    let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut measures).unwrap();
     format!("{:?}", (tally, *measures.values()))
 }
 
-fn together(scenes: &[Decay]) -> Vec<String> {
+fn together<S: SideBySide>(scenes: &[Decay<S>]) -> Vec<String> {
     let mut found = vec![String::new(); scenes.len()];
-    decays(scenes, Wanted::ALL, None, &mut |i, decayed: &Decayed| {
+    decays(scenes, Wanted::ALL, None, &mut |i, decayed: &Decayed<S>| {
         assert!(found[i].is_empty(), "scene {i} came twice");
         found[i] = format!("{decayed:?}");
     })
@@ -32,16 +34,16 @@ fn together(scenes: &[Decay]) -> Vec<String> {
     found
 }
 
-fn scene(mu: f64, e: f64, clearance: f64, zeta: f64, periods: f64) -> Decay {
+fn scene(mu: f64, e: f64, clearance: f64, zeta: f64, periods: f64) -> Decay<Siva> {
     Decay {
-        siva: Siva::new(mu, e, clearance, zeta).unwrap(),
+        system: Siva::new(mu, e, clearance, zeta).unwrap(),
         start: Start { displacement: 1.0, ..Start::default() },
         limits: Limits::new(periods * TAU, clearance),
     }
 }
 
 /// Wide and narrow gaps, chatter, plastic and elastic impacts, light and heavy damping.
-fn grid() -> Vec<Decay> {
+fn grid() -> Vec<Decay<Siva>> {
     let mut scenes = Vec::new();
     for zeta in [0.0, 0.01, 0.3, 1.0, 2.0] {
         for clearance in [0.05, 0.3, 0.6, 1.1, 1.9, 2.0, 2.5] {
@@ -51,6 +53,71 @@ fn grid() -> Vec<Decay> {
         }
     }
     scenes
+}
+
+/// Pendulums that reach their walls often, seldom or never, hard and soft, with and without damped pivots.
+fn pendulums(tolerance: f64) -> Vec<Decay<Piva>> {
+    let mut scenes = Vec::new();
+    for (zeta, zeta_p) in [(0.0, 0.0), (0.02, 0.0), (0.02, 0.05), (1.2, 0.0)] {
+        for clearance in [0.05, 0.4, 0.8, 1.4, 1.95, 3.0] {
+            for e in [0.0, 0.4, 0.8, 1.0] {
+                let parameters = Parameters {
+                    frequency_ratio: 0.4 + 0.2 * e,
+                    pivot_damping_ratio: zeta_p,
+                    tolerance,
+                    ..Parameters::point_bob(0.12, e, clearance, zeta, 2.5)
+                };
+                scenes.push(Decay {
+                    system: Piva::new(parameters).unwrap(),
+                    start: Start { displacement: 1.0, ..Start::default() }.into(),
+                    limits: Limits::new(15.0 * TAU, clearance),
+                });
+            }
+        }
+    }
+    scenes
+}
+
+#[test]
+fn pendulums_are_the_same_side_by_side() {
+    // One for each order of the series.
+    for tolerance in [0.0, 1e-12, 1e-9, 1e-6] {
+        let scenes = pendulums(tolerance);
+        let found = together(&scenes);
+        for (scene, found) in scenes.iter().zip(&found) {
+            assert_eq!(*found, alone(scene), "{:?}", scene.system.parameters());
+        }
+        let backwards: Vec<Decay<Piva>> = scenes.iter().rev().cloned().collect();
+        assert!(together(&backwards).iter().rev().eq(&found));
+    }
+}
+
+#[test]
+fn pendulums_of_many_kinds_keep_apart() {
+    // Tolerances, small angles, a force: not all of these share lanes.
+    let mut scenes: Vec<Decay<Piva>> = [0.0, 1e-9]
+        .into_iter()
+        .flat_map(|tolerance| pendulums(tolerance).into_iter().step_by(5))
+        .collect();
+    for (i, scene) in scenes.iter_mut().enumerate() {
+        let angles = if i % 4 == 1 { Angles::Small } else { Angles::Large };
+        let system = Piva::new(Parameters { angles, ..scene.system.parameters().clone() }).unwrap();
+        let push = Harmonic { amplitude: 0.1, frequency: 0.9, phase: 0.2, acts: Acts::Primary };
+        let driven = i % 5 == 2;
+        scene.system =
+            if driven { system.under(Force::harmonic(vec![push]).unwrap()) } else { system };
+        let (max_impacts, max_work) =
+            ([3, 10, 10_000_000][i % 3], [23, 1000, 100_000_000][i / 3 % 3]);
+        let duration = [0.5, TAU, 2.0 * TAU, 2.0 * TAU + 1e-15, 9.0, 100.0][i % 6];
+        scene.limits = Limits { duration, max_impacts, max_work, ..scene.limits };
+    }
+    let found = together(&scenes);
+    for (scene, found) in scenes.iter().zip(&found) {
+        assert_eq!(*found, alone(scene), "{:?}", scene.system.parameters());
+    }
+    for outcome in ["Finished", "ImpactLimit", "WorkLimit"] {
+        assert!(found.iter().any(|run| run.contains(outcome)), "none is {outcome}");
+    }
 }
 
 #[test]
@@ -66,7 +133,7 @@ fn neighbours_change_nothing() {
     let scenes = grid();
     let whole = together(&scenes);
     // Backwards, and in groups of other sizes: other lanes, other neighbours.
-    let backwards: Vec<Decay> = scenes.iter().rev().cloned().collect();
+    let backwards: Vec<Decay<Siva>> = scenes.iter().rev().cloned().collect();
     assert!(together(&backwards).iter().rev().eq(&whole));
     for size in [1, 3, LANES, LANES + 1] {
         let parts = scenes.chunks(size).flat_map(together);
@@ -97,7 +164,7 @@ fn limits_stop_each_run_where_it_is() {
 #[test]
 fn cancelled_runs_come_back_as_they_are() {
     // Elastic and undamped: without the cancellation these would run for a long time.
-    let endless: Vec<Decay> =
+    let endless: Vec<Decay<Siva>> =
         (0..40).map(|i| scene(0.1, 1.0, 0.01 + 0.001 * f64::from(i), 0.0, 1e6)).collect();
     let cancel = AtomicBool::new(false);
     let mut found = Vec::new();
@@ -136,13 +203,39 @@ proptest! {
         all in prop::collection::vec(any_case(1.0, 60.0), 3 * LANES),
         zeta in prop_oneof![Just(0.0), 0.0..0.2, 0.0..3.0],
     ) {
-        let scenes: Vec<Decay> = all
+        let scenes: Vec<Decay<Siva>> = all
             .iter()
             .map(|case| Decay {
-                siva: Siva::new(case.mu, case.e, case.clearance, zeta).unwrap(),
+                system: Siva::new(case.mu, case.e, case.clearance, zeta).unwrap(),
                 start: case.start,
                 limits: case.limits(),
             })
+            .collect();
+        for (scene, found) in scenes.iter().zip(together(&scenes)) {
+            prop_assert_eq!(found, alone(scene));
+        }
+    }
+
+    /// Whatever the start and the pendulum.
+    #[test]
+    fn random_pendulums_are_the_same_side_by_side(
+        all in prop::collection::vec((compound(), any_case(1.0, 60.0), -3.1..3.1), 3 * LANES),
+        tolerance in prop_oneof![2 => Just(0.0), 1 => Just(1e-9), 1 => Just(1e-6)],
+    ) {
+        let scenes: Vec<Decay<Piva>> = all
+            .iter()
+            .map(|(parameters, case, angle)| {
+                let system = Piva::new(Parameters { tolerance, ..parameters.clone() }).unwrap();
+                let start = PivaStart::from(Start {
+                    gap_displacement: case.start.gap_displacement / case.clearance,
+                    ..case.start
+                });
+                let free = !system.stop_reachable();
+                let start = if free { PivaStart { place: Given::Angle(*angle), ..start } } else { start };
+                let limits = Limits::new(case.duration, system.clearance());
+                Decay { system, start, limits }
+            })
+            .filter(|scene| scene.system.check_start(&scene.start).is_ok())
             .collect();
         for (scene, found) in scenes.iter().zip(together(&scenes)) {
             prop_assert_eq!(found, alone(scene));

@@ -5,22 +5,20 @@
 
 use super::lane::{FAR, FULL, Lane, NEAR, SEARCH, STOP};
 use crate::compensated::Sum;
+use crate::lanes::pick;
+use crate::lanes::watch::{Passage, Stretch};
 use crate::oscillator::Oscillator;
+use crate::quintic::root;
 use crate::real::Real;
 use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::SivaState;
 use crate::siva::collided;
 use crate::siva::motion::arrived;
-use crate::siva::stride::{LOOKS, Quintic, at_wall, root, to_wall, turn, turning};
+use crate::siva::stride::{LOOKS, Quintic, at_wall, to_wall, turn, turning};
 
 /// A rebound this low against what presses, u/(A (1 − e)), may be one whose tail is summed: that is for
 /// the loop. (The estimated error of the sum is at least 4 times the cube of it.)
 const LOW: f64 = 1e-4;
-
-#[inline(always)]
-fn pick(which: bool, yes: Real, no: Real) -> Real {
-    if which { yes } else { no }
-}
 
 #[inline(always)]
 fn pick_sum(which: bool, yes: Sum, no: Sum) -> Sum {
@@ -134,17 +132,10 @@ fn strike(next: &mut Lane, lane: &Lane, hit: bool, touching: &SivaState, approac
     next.streak_loss = pick(fresh, 0.0, lane.streak_loss) + pick(hit, loss, 0.0);
 }
 
-/// A stretch of motion, cut where x turns round.
+/// A stretch of motion with where it begins.
 struct Span {
     origin: [Real; 3],
-    x: [Real; 3],
-    h: [Real; 3],
-    turns: bool,
-    loss: Real,
-    /// The end of the first half cycle, if one ends …
-    ends: bool,
-    /// … at the turn.
-    ends_at_turn: bool,
+    stretch: Stretch,
     simple: bool,
 }
 
@@ -161,37 +152,21 @@ impl Span {
         let turns = v * end.primary.v.value < 0.0;
         let (h_turn, x_turn, exact) = turning(free, from, turn, length);
         let (h_turn, x_turn) = (pick(turns, h_turn, 0.0), pick(turns, x_turn, x));
-        let x_end = end.primary.x.value;
-        let ends_at_turn = turns & (x_turn * lane.peak_sign < 0.0);
-        let sign = pick(ends_at_turn, -lane.peak_sign, lane.peak_sign);
-        let ends_at_end = x_end * sign < 0.0;
-        Self {
-            origin: [x, v, from.acceleration.value],
-            x: [x, x_turn, x_end],
-            h: [0.0, h_turn, length],
-            turns,
-            loss: free.viscous_loss_series(x, v, length),
-            ends: ends_at_turn | ends_at_end,
-            ends_at_turn,
-            simple: (exact | !turns) & !(ends_at_turn & ends_at_end),
-        }
+        let loss = free.viscous_loss_series(x, v, length);
+        let (x_end, h) = (end.primary.x.value, [0.0, h_turn, length]);
+        let stretch = Stretch { x: [x, x_turn, x_end], h, turns, loss };
+        let simple = (exact | !turns) & stretch.ends(lane.watch.peak_sign).simple();
+        Self { origin: [x, v, from.acceleration.value], stretch, simple }
     }
 
     /// Takes the span into the measures, if it is `done`.
     #[inline(always)]
     fn measure(&self, next: &mut Lane, lane: &Lane, done: bool) {
-        let viscous = Sum { value: lane.viscous, rest: lane.viscous_rest }.plus(self.loss);
-        next.viscous = pick(done, viscous.value, lane.viscous);
-        next.viscous_rest = pick(done, viscous.rest, lane.viscous_rest);
-        self.half_cycle(next, lane, done);
-        let largest = self.x[0].abs().max(self.x[1].abs()).max(self.x[2].abs());
-        let late = done & (lane.clock().minus(lane.late_from) >= 0.0);
-        let later = done & (lane.clock().minus(lane.later_from) >= 0.0);
-        next.late = pick(late, lane.late.max(largest), lane.late);
-        next.later = pick(later, lane.later.max(largest), lane.later);
+        next.watch = lane.watch.after(&self.stretch, lane.clock(), done);
         macro_rules! passage {
             ($share:expr, $level:ident, $x:ident, $v:ident, $a:ident, $time:ident, $rest:ident, $from:ident, $to:ident) => {
-                let (passes, from, to, level) = self.passage($share * lane.amplitude);
+                let Passage { passes, h: [from, to], level } =
+                    self.stretch.passage($share * lane.watch.amplitude);
                 let passes = passes & done;
                 next.$level = pick(passes, level, lane.$level);
                 next.$x = pick(passes, self.origin[0], lane.$x);
@@ -206,44 +181,5 @@ impl Span {
         passage!(0.10, level_1, x_1, v_1, a_1, time_1, time_rest_1, from_1, to_1);
         passage!(0.05, level_2, x_2, v_2, a_2, time_2, time_rest_2, from_2, to_2);
         passage!(0.02, level_3, x_3, v_3, a_3, time_3, time_rest_3, from_3, to_3);
-    }
-
-    /// The half cycle under way, and the peak of one that has ended.
-    #[inline(always)]
-    fn half_cycle(&self, next: &mut Lane, lane: &Lane, done: bool) {
-        let mut time = lane.peak_time;
-        let mut x = lane.peak_x;
-        let clock = lane.clock();
-        let ends_at = [self.ends_at_turn, self.ends & !self.ends_at_turn];
-        let (mut ended_time, mut ended_x) = (time, x);
-        for (i, ends) in ends_at.into_iter().enumerate() {
-            let there = clock.plus(self.h[i + 1]).value;
-            ended_time = pick(ends, time, ended_time);
-            ended_x = pick(ends, x, ended_x);
-            let larger = self.x[i + 1].abs() > x.abs();
-            let takes = ends | (larger & ((i == 1) | self.turns));
-            time = pick(takes, there, time);
-            x = pick(takes, self.x[i + 1], x);
-        }
-        let ends = self.ends & done;
-        next.peak_time = pick(done, time, lane.peak_time);
-        next.peak_x = pick(done, x, lane.peak_x);
-        next.peak_sign = pick(ends, -lane.peak_sign, lane.peak_sign);
-        next.half_cycles = lane.half_cycles + pick(ends, 1.0, 0.0);
-        next.ended_time = ended_time;
-        next.ended_x = ended_x;
-        next.peaked = pick(ends, 1.0, 0.0);
-    }
-
-    /// Whether |x| falls below the level, between which instants, and the level with the sign of x.
-    #[inline(always)]
-    fn passage(&self, level: Real) -> (bool, Real, Real, Real) {
-        let [x, x_turn, x_end] = self.x;
-        let first = self.turns & (x.abs() > level) & (x_turn.abs() <= level);
-        let second = (x_turn.abs() > level) & (x_end.abs() <= level);
-        let from = pick(second, self.h[1], 0.0);
-        let to = pick(second, self.h[2], self.h[1]);
-        let sign = pick(second, x_turn, x);
-        (first | second, from, to, pick(sign > 0.0, level, -level))
     }
 }

@@ -2,10 +2,11 @@
 
 use crate::compensated::Sum;
 use crate::impact;
-use crate::measures::{Measures, late};
+use crate::lanes::arrays::arrays;
+use crate::lanes::watch::{Watch, Watches};
+use crate::measures::Measures;
 use crate::oscillator::Primary;
-use crate::peaks::{HalfCycles, Peak};
-use crate::real::{Real, TURN};
+use crate::real::Real;
 use crate::settling::Crossing;
 use crate::simulate::wall::Streak;
 use crate::simulate::{Phase, Run, STOPS};
@@ -13,50 +14,22 @@ use crate::siva::{Siva, SivaState};
 use crate::system::{System, Wall};
 
 /// What to do at the end of the next stride.
-pub(super) const SEARCH: Real = 0.0;
+pub(in crate::lanes) const SEARCH: Real = 0.0;
 /// … close to the near wall,
-pub(super) const NEAR: Real = 1.0;
+pub(in crate::lanes) const NEAR: Real = 1.0;
 /// … or the far one.
-pub(super) const FAR: Real = 2.0;
+pub(in crate::lanes) const FAR: Real = 2.0;
 
 /// Why a lane has stopped: at a stop of the run,
-pub(super) const STOP: Real = 1.0;
+pub(in crate::lanes) const STOP: Real = 1.0;
 /// or at a limit.
-pub(super) const FULL: Real = 2.0;
+pub(in crate::lanes) const FULL: Real = 2.0;
 
-macro_rules! lanes {
-    ($($(#[$doc:meta])* $field:ident),* $(,)?) => {
-        /// The numbers of one run.
-        #[derive(Debug, Clone, Copy, Default)]
-        pub(super) struct Lane {
-            $($(#[$doc])* pub $field: Real,)*
-        }
-
-        /// Lanes side by side: of every number an array.
-        #[derive(Debug)]
-        pub(super) struct Lanes<const W: usize> {
-            $(pub $field: [Real; W],)*
-        }
-
-        impl<const W: usize> Lanes<W> {
-            pub const fn new() -> Self {
-                Self { $($field: [0.0; W],)* }
-            }
-
-            #[inline(always)]
-            pub fn get(&self, i: usize) -> Lane {
-                Lane { $($field: self.$field[i],)* }
-            }
-
-            #[inline(always)]
-            pub fn set(&mut self, i: usize, lane: &Lane) {
-                $(self.$field[i] = lane.$field;)*
-            }
-        }
-    };
-}
-
-lanes! {
+arrays! {
+    /// The numbers of one run.
+    Lane,
+    /// Lanes side by side: of every number an array.
+    Lanes:
     /// The state.
     x, x_rest, v, v_rest, a, a_rest, distance, distance_rest, rate, rate_rest, side,
     /// The clock, and the instant of the next stop.
@@ -72,16 +45,15 @@ lanes! {
     impacts, max_impacts, effective, work, max_work, losses, losses_rest,
     /// Impacts on one wall in a row.
     streak_side, streak_start, streak_listed, streak_loss,
-    /// Measures: the ledger; the half cycle; the largest |x| late in the run.
-    viscous, viscous_rest, peak_time, peak_x, peak_sign, half_cycles,
-    amplitude, late_from, later_from, late, later,
     /// The last passage of each level: the state and the clock at the begin of its flight, between
     /// which instants, and the level, signed; 0: none.
     level_1, x_1, v_1, a_1, time_1, time_rest_1, from_1, to_1,
     level_2, x_2, v_2, a_2, time_2, time_rest_2, from_2, to_2,
     level_3, x_3, v_3, a_3, time_3, time_rest_3, from_3, to_3,
-    /// What the loop is called for: a stretch that is no stride, a stop, a peak.
-    care, stopped, peaked, ended_time, ended_x,
+    /// What the loop is called for: a stretch that is no stride, a stop.
+    care, stopped;
+    /// Measures.
+    watch: Watch, Watches
 }
 
 impl Lane {
@@ -118,7 +90,7 @@ impl Lane {
         let never = Real::INFINITY;
         let at_rest = Lane { clearance: 1.0, distance: 1.0, side: 1.0, ..Lane::default() };
         let endless = Lane { stop: never, max_impacts: never, max_work: never, ..at_rest };
-        Lane { late_from: never, later_from: never, first: never, ..endless }
+        Lane { watch: Watch::idle(), first: never, ..endless }
     }
 
     /// True if the run has reached a limit.
@@ -156,7 +128,7 @@ impl Lane {
             lane.streak_listed = streak.listed_before as Real;
             lane.streak_loss = streak.energy_loss;
         }
-        lane.take_measures(&run.observer);
+        lane.watch = Watch::of(&run.observer);
         let remaining = -run.clock.minus(lane.stop);
         lane.first = first;
         lane.length = reach.min(remaining).min(first);
@@ -187,25 +159,8 @@ impl Lane {
         self.put_measures(&mut run.observer);
     }
 
-    fn take_measures(&mut self, measures: &Measures<Siva>) {
-        (self.viscous, self.viscous_rest) = (measures.viscous.value, measures.viscous.rest);
-        let HalfCycles { current, sign, ended } = measures.half_cycles;
-        (self.peak_time, self.peak_x) = (current.time, current.displacement);
-        (self.peak_sign, self.half_cycles) = (sign, ended as Real);
-        self.late_from = late(measures.duration, TURN[0]);
-        self.later_from = late(measures.duration, 0.5 * TURN[0]);
-        (self.late, self.later) = (measures.last_period, measures.last_half_period);
-        self.amplitude = measures.reference.amplitude;
-    }
-
     fn put_measures(&self, measures: &mut Measures<Siva>) {
-        measures.viscous = Sum { value: self.viscous, rest: self.viscous_rest };
-        measures.half_cycles = HalfCycles {
-            current: Peak { time: self.peak_time, displacement: self.peak_x },
-            sign: self.peak_sign,
-            ended: self.half_cycles as u64,
-        };
-        (measures.last_period, measures.last_half_period) = (self.late, self.later);
+        self.watch.put_back(measures);
         let passages = [
             [
                 self.level_1,
@@ -249,11 +204,5 @@ impl Lane {
                 last.passed(Crossing { origin, riding: false, start, h: [from, to], level });
             }
         }
-    }
-
-    /// The peak that a zero crossing has ended, and its index.
-    pub fn ended_peak(&self) -> (Peak, u64) {
-        let peak = Peak { time: self.ended_time, displacement: self.ended_x };
-        (peak, self.half_cycles as u64 - 1)
     }
 }

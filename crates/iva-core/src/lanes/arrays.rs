@@ -1,0 +1,56 @@
+//! A struct of numbers, and arrays of such.
+
+/// Declares a struct of numbers, one for each lane, and one of arrays of them. Parts are declared by the
+/// same macro.
+macro_rules! arrays {
+    (
+        $(#[$doc:meta])* $one:ident, $(#[$many_doc:meta])* $many:ident:
+        $($(#[$field_doc:meta])* $field:ident),* $(,)?
+        $(; $($(#[$part_doc:meta])* $part:ident: $part_one:ident, $part_many:ident),*)?
+    ) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, Default)]
+        pub(in crate::lanes) struct $one {
+            $($(#[$field_doc])* pub $field: $crate::real::Real,)*
+            $($($(#[$part_doc])* pub $part: $part_one,)*)?
+        }
+
+        impl $one {
+            /// One or another.
+            #[allow(dead_code)]
+            #[inline(always)]
+            pub fn if_else(&self, which: bool, other: &Self) -> Self {
+                Self {
+                    $($field: $crate::lanes::pick(which, self.$field, other.$field),)*
+                    $($($part: self.$part.if_else(which, &other.$part),)*)?
+                }
+            }
+        }
+
+        $(#[$many_doc])*
+        #[derive(Debug)]
+        #[repr(align(64))]
+        pub(in crate::lanes) struct $many<const W: usize> {
+            $(pub $field: [$crate::real::Real; W],)*
+            $($(pub $part: $part_many<W>,)*)?
+        }
+
+        impl<const W: usize> $many<W> {
+            pub const fn new() -> Self {
+                Self { $($field: [0.0; W],)* $($($part: $part_many::new(),)*)? }
+            }
+
+            #[inline(always)]
+            pub fn get(&self, i: usize) -> $one {
+                $one { $($field: self.$field[i],)* $($($part: self.$part.get(i),)*)? }
+            }
+
+            #[inline(always)]
+            pub fn set(&mut self, i: usize, one: &$one) {
+                $(self.$field[i] = one.$field;)*
+                $($(self.$part.set(i, &one.$part);)*)?
+            }
+        }
+    };
+}
+pub(in crate::lanes) use arrays;

@@ -1,0 +1,132 @@
+//! Steps of pendulums at large angles, side by side; they have one tolerance.
+//!
+//! A lane goes through a step of flight in which no wall is near. Everything else (a contact, a ride, the instants that
+//! measures look at) is for the event loop.
+
+mod lane;
+mod rows;
+mod step;
+
+use super::{Home, LANES, Lockstep};
+use crate::compensated::Sum;
+use crate::contact::Side;
+use crate::measures::Wanted;
+use crate::piva::Piva;
+use crate::real::Real;
+use crate::settling::Crossing;
+use crate::simulate::Phase;
+use lane::{FAR, Lane, Lanes, NEAR};
+use rows::Rows;
+
+/// Eight lanes whose series have the order N.
+#[derive(Debug)]
+pub(super) struct Steps<const N: usize> {
+    lanes: Lanes<LANES>,
+    rows: Rows<LANES>,
+    shared: Shared,
+}
+
+/// What all lanes have in common.
+#[derive(Debug, Clone, Copy)]
+struct Shared {
+    /// What a step may leave out.
+    tolerance: Real,
+    /// How long it may be, over the fastest time scale.
+    longest: Real,
+    /// What y may be off, relative to the clearance.
+    doubt: Real,
+    /// True if losses are asked for.
+    ledger: bool,
+    /// True if pivots are damped.
+    pivots: bool,
+}
+
+impl<const N: usize> Lockstep<Piva> for Steps<N> {
+    fn new(piva: &Piva, wanted: Wanted) -> Self {
+        let shared = Shared {
+            tolerance: piva.accuracy.tolerance,
+            longest: piva.accuracy.longest_step,
+            doubt: piva.accuracy.doubt(),
+            ledger: wanted.ledger,
+            pivots: piva.pendulum.pivot_damping != 0.0,
+        };
+        Self { lanes: Lanes::new(), rows: Rows::new(), shared }
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self) -> bool {
+        let Self { lanes, rows, shared } = self;
+        step::series::<LANES, N>(lanes, rows, shared);
+        step::prove::<LANES, N>(lanes, rows, shared);
+        step::arrive::<LANES, N>(lanes, rows, shared);
+        if any(&lanes.meets) {
+            step::meet::<LANES, N>(lanes, rows);
+        }
+        if shared.ledger {
+            step::lose::<LANES, N>(lanes, rows, shared.pivots);
+        }
+        any(&lanes.calls)
+    }
+
+    fn calls(&self, i: usize) -> bool {
+        self.lanes.calls[i] > 0.0
+    }
+
+    fn attend(&mut self, i: usize, run: &mut Home<'_, Piva>) -> bool {
+        let lanes = &self.lanes;
+        if lanes.watch.peaked[i] > 0.0 {
+            let (peak, index) = lanes.watch.get(i).ended_peak();
+            run.observer.peak(&peak, index);
+        }
+        let passages = [
+            (lanes.passed_1[i], [lanes.from_1[i], lanes.to_1[i]]),
+            (lanes.passed_2[i], [lanes.from_2[i], lanes.to_2[i]]),
+            (lanes.passed_3[i], [lanes.from_3[i], lanes.to_3[i]]),
+        ];
+        for (last, (level, h)) in run.observer.settling.iter_mut().zip(passages) {
+            if level != 0.0 {
+                let origin = lanes.origin.get(i).state();
+                let start = Sum { value: lanes.start_time[i], rest: lanes.start_time_rest[i] };
+                last.passed(Crossing { origin, riding: false, start, h, level });
+            }
+        }
+        if lanes.care[i] == 0.0 {
+            return true;
+        }
+        lanes.get(i).put_back(run);
+        let side = if lanes.met[i] == NEAR {
+            Side::Near
+        } else if lanes.met[i] == FAR {
+            Side::Far
+        } else {
+            return false;
+        };
+        run.meet(side);
+        self.take(i, run)
+    }
+
+    fn take(&mut self, i: usize, run: &Home<'_, Piva>) -> bool {
+        let Phase::Flight { first } = run.phase else { return false };
+        let settled = run.observer.reference.settled && run.observer.reference.amplitude > 0.0;
+        let lane = Lane::of(run, first);
+        let fits = settled && lane.work < lane.max_work && run.listed() < run.limits.max_impacts;
+        if fits {
+            self.lanes.set(i, &lane);
+        }
+        fits
+    }
+
+    fn put_back(&self, i: usize, run: &mut Home<'_, Piva>) {
+        self.lanes.get(i).put_back(run);
+    }
+
+    fn idle(&mut self, i: usize) {
+        self.lanes.set(i, &Lane::idle());
+    }
+}
+
+/// True if one of these is not 0; none is negative.
+#[inline(always)]
+fn any(flags: &[Real; LANES]) -> bool {
+    flags.iter().fold(0.0, |sum, flag| sum + flag) > 0.0
+}

@@ -1,0 +1,183 @@
+//! One lane: a pendulum's run reduced to the numbers that steps of flight change.
+
+use crate::compensated::Sum;
+use crate::lanes::arrays::arrays;
+use crate::lanes::watch::{Watch, Watches};
+use crate::measures::Measures;
+use crate::oscillator::Primary;
+use crate::piva::{Piva, PivaState};
+use crate::real::Real;
+use crate::simulate::{Phase, Run};
+use crate::system::Wall;
+use crate::taylor::Pendulum;
+
+/// No wall,
+pub(super) const NONE: Real = 0.0;
+/// the near one,
+pub(super) const NEAR: Real = 1.0;
+/// the far one.
+pub(super) const FAR: Real = 2.0;
+
+arrays! {
+    /// A state in flight.
+    Pose,
+    /// Many.
+    Poses:
+    x, x_rest, v, v_rest, side, clearance, distance, distance_rest, w, w_rest, cosine, released,
+    age, age_rest,
+}
+
+arrays! {
+    /// The numbers of one run.
+    Lane,
+    /// Lanes side by side: of every number an array.
+    Lanes:
+    /// The pendulum, and what its gap is measured against.
+    mass_ratio, damping_ratio, contact_distance, inertia_ratio, lever, coupling, frequency_squared,
+    pivot_damping, gap_size,
+    /// The fastest rate of both but for the swing.
+    fastest,
+    /// The clock, the instant of the next stop, how far to look first.
+    time, time_rest, stop, first,
+    work, max_work,
+    /// 1; of a lane without a run 0.
+    live,
+    /// Losses in the dampers of primary and pivot.
+    viscous, viscous_rest, pivot, pivot_rest,
+    /// The step: its length, how much of it is wanted, how much of it is proven.
+    step, most, reach,
+    /// Whether that is, with which ratio, and how often one was tried.
+    proved, ratio, tries,
+    /// The stretch that was looked at, and the distance at its end; where it meets a wall, and which.
+    length, end_distance, until, meets,
+    /// A step that is done: how much of it, 0 for one that is not; the wall at its end.
+    share, met,
+    /// The clock at its begin.
+    start_time, start_time_rest,
+    /// Levels that |x| has fallen below in it, with the sign of x, and between which instants; 0: none.
+    passed_1, from_1, to_1, passed_2, from_2, to_2, passed_3, from_3, to_3,
+    /// What the run is called for: something that is for the event loop; that or anything else.
+    care, calls;
+    /// Where the run is, and where the step began.
+    pose: Pose, Poses,
+    origin: Pose, Poses,
+    /// Measures.
+    watch: Watch, Watches
+}
+
+impl Pose {
+    #[inline(always)]
+    pub fn new(state: &PivaState) -> Self {
+        let PivaState { time, primary, wall, distance, clearance, w, cosine, released, .. } =
+            *state;
+        Self {
+            x: primary.x.value,
+            x_rest: primary.x.rest,
+            v: primary.v.value,
+            v_rest: primary.v.rest,
+            side: wall.sign(),
+            clearance,
+            distance: distance.value,
+            distance_rest: distance.rest,
+            w: w.value,
+            w_rest: w.rest,
+            cosine,
+            released: if released { 1.0 } else { 0.0 },
+            age: time.value,
+            age_rest: time.rest,
+        }
+    }
+
+    /// In free decay, where there are no impulses.
+    #[inline(always)]
+    pub fn state(&self) -> PivaState {
+        let sum = |value, rest| Sum { value, rest };
+        PivaState {
+            time: sum(self.age, self.age_rest),
+            kicks: 0,
+            primary: Primary { x: sum(self.x, self.x_rest), v: sum(self.v, self.v_rest) },
+            wall: if self.side > 0.0 { Wall::Plus } else { Wall::Minus },
+            distance: sum(self.distance, self.distance_rest),
+            clearance: self.clearance,
+            w: sum(self.w, self.w_rest),
+            cosine: self.cosine,
+            released: self.released > 0.0,
+        }
+    }
+}
+
+impl Lane {
+    #[inline(always)]
+    pub fn pendulum(&self) -> Pendulum {
+        Pendulum {
+            mass_ratio: self.mass_ratio,
+            damping_ratio: self.damping_ratio,
+            contact_distance: self.contact_distance,
+            inertia_ratio: self.inertia_ratio,
+            lever: self.lever,
+            coupling: self.coupling,
+            frequency_squared: self.frequency_squared,
+            pivot_damping: self.pivot_damping,
+            small_angles: false,
+        }
+    }
+
+    #[inline(always)]
+    pub fn clock(&self) -> Sum {
+        Sum { value: self.time, rest: self.time_rest }
+    }
+
+    /// A lane without a run: it never gets anywhere.
+    pub fn idle() -> Self {
+        let pose =
+            Pose { side: 1.0, clearance: 1.0, distance: 1.0, cosine: 1.0, ..Pose::default() };
+        let (never, one) = (Real::INFINITY, 1.0);
+        let still =
+            Self { contact_distance: one, inertia_ratio: one, lever: one, ..Self::default() };
+        let still = Self { coupling: one, frequency_squared: one, gap_size: one, ..still };
+        let endless = Self { stop: never, first: never, max_work: never, ..still };
+        Self { pose, watch: Watch::idle(), ..endless }
+    }
+
+    /// A run in flight.
+    pub fn of(run: &Run<'_, Piva, Measures<Piva>>, first: Real) -> Self {
+        let pendulum = run.system.pendulum;
+        Self {
+            mass_ratio: pendulum.mass_ratio,
+            damping_ratio: pendulum.damping_ratio,
+            contact_distance: pendulum.contact_distance,
+            inertia_ratio: pendulum.inertia_ratio,
+            lever: pendulum.lever,
+            coupling: pendulum.coupling,
+            frequency_squared: pendulum.frequency_squared,
+            pivot_damping: pendulum.pivot_damping,
+            gap_size: run.system.gap_size(),
+            fastest: pendulum.fastest(),
+            time: run.clock.value,
+            time_rest: run.clock.rest,
+            stop: run.stop(),
+            first,
+            live: 1.0,
+            work: run.tally.work as Real,
+            max_work: run.limits.max_work as Real,
+            viscous: run.observer.viscous.value,
+            viscous_rest: run.observer.viscous.rest,
+            pivot: run.observer.pivot.value,
+            pivot_rest: run.observer.pivot.rest,
+            pose: Pose::new(&run.tally.state),
+            watch: Watch::of(&run.observer),
+            ..Self::default()
+        }
+    }
+
+    /// Puts the numbers back into the run.
+    pub fn put_back(&self, run: &mut Run<'_, Piva, Measures<Piva>>) {
+        run.tally.state = self.pose.state();
+        run.tally.work = self.work as u64;
+        run.clock = self.clock();
+        run.phase = Phase::Flight { first: self.first };
+        self.watch.put_back(&mut run.observer);
+        run.observer.viscous = Sum { value: self.viscous, rest: self.viscous_rest };
+        run.observer.pivot = Sum { value: self.pivot, rest: self.pivot_rest };
+    }
+}

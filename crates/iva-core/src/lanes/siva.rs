@@ -1,0 +1,117 @@
+//! Strides of free masses, side by side; their primaries have one damping ratio.
+
+mod lane;
+mod step;
+
+use std::sync::Arc;
+
+use super::{Home, LANES, Lockstep};
+use crate::measures::Wanted;
+use crate::oscillator::Oscillator;
+use crate::real::TURN;
+use crate::simulate::{Phase, STOPS};
+use crate::siva::Siva;
+use crate::system::System;
+use lane::{Lane, Lanes, STOP};
+
+/// Eight lanes on one kind of primary.
+#[derive(Debug)]
+pub(super) struct Strides {
+    lanes: Lanes<LANES>,
+    /// By value: so the compiler knows that it is not one of the arrays.
+    free: Oscillator,
+    shared: Arc<Oscillator>,
+}
+
+impl Lockstep<Siva> for Strides {
+    fn new(siva: &Siva, _wanted: Wanted) -> Self {
+        Self { lanes: Lanes::new(), free: *siva.free(), shared: Arc::clone(siva.shared()) }
+    }
+
+    fn join(&self, siva: &Siva) {
+        siva.free.get_or_init(|| Arc::clone(&self.shared));
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self) -> bool {
+        evaluate(&mut self.lanes, &self.free)
+    }
+
+    fn calls(&self, i: usize) -> bool {
+        let lanes = &self.lanes;
+        lanes.care[i] + lanes.stopped[i] + lanes.watch.peaked[i] > 0.0
+    }
+
+    fn attend(&mut self, i: usize, run: &mut Home<'_, Siva>) -> bool {
+        let lanes = &mut self.lanes;
+        if lanes.watch.peaked[i] > 0.0 {
+            let (peak, index) = lanes.watch.get(i).ended_peak();
+            run.observer.peak(&peak, index);
+        }
+        if lanes.stopped[i] == STOP {
+            let mut lane = lanes.get(i);
+            if pass_stop(run, &mut lane, &self.free) {
+                lanes.set(i, &lane);
+                return true;
+            }
+        }
+        let goes_on = lanes.care[i] + lanes.stopped[i] == 0.0;
+        if !goes_on {
+            lanes.get(i).put_back(run);
+        }
+        goes_on
+    }
+
+    fn take(&mut self, i: usize, run: &Home<'_, Siva>) -> bool {
+        let Phase::Flight { first } = run.phase else { return false };
+        let settled = run.observer.reference.settled && run.observer.reference.amplitude > 0.0;
+        let low = run.streak.as_ref().is_some_and(|streak| streak.low > 0);
+        let ahead = -run.clock.minus(run.stop());
+        let lane = Lane::of(run, first, self.free.reach);
+        let fits = settled && !low && ahead > 0.0 && !lane.full();
+        if fits {
+            self.lanes.set(i, &lane);
+        }
+        fits
+    }
+
+    fn put_back(&self, i: usize, run: &mut Home<'_, Siva>) {
+        self.lanes.get(i).put_back(run);
+    }
+
+    fn idle(&mut self, i: usize) {
+        self.lanes.set(i, &Lane::idle());
+    }
+}
+
+/// One evaluation of each lane; true if one calls for its run.
+#[inline(always)]
+fn evaluate<const W: usize>(lanes: &mut Lanes<W>, free: &Oscillator) -> bool {
+    for i in 0..W {
+        let lane = step::step(free, &lanes.get(i));
+        lanes.set(i, &lane);
+    }
+    let mut calls = 0.0;
+    for i in 0..W {
+        calls += lanes.care[i] + lanes.stopped[i] + lanes.watch.peaked[i];
+    }
+    calls > 0.0
+}
+
+/// Goes on after a stop within the run; false: something else has ended it.
+fn pass_stop(run: &mut Home<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
+    if lane.stop == TURN[0] {
+        run.observer.one_period(run.system.energy(&lane.state()));
+    }
+    run.pass_stop();
+    if run.stopped == STOPS || lane.full() {
+        return false;
+    }
+    lane.stop = run.stop();
+    let remaining = -lane.clock().minus(lane.stop);
+    lane.length = free.reach.min(remaining).min(lane.first);
+    lane.h = lane.length;
+    lane.stopped = 0.0;
+    lane.watch.peaked = 0.0;
+    remaining > 0.0
+}

@@ -1,0 +1,94 @@
+//! Whether a step of flight meets a wall, where that is plain.
+//!
+//! Bounds from both ends show that a distance keeps off a wall, or that its rate keeps its sign: then the
+//! ends tell the rest. A flight that starts on a wall is judged by D/t, which is as exact there as it is
+//! elsewhere. What is not plain is for [`crate::contact`].
+
+use super::PivaState;
+use super::step::{Ahead, Enclosure, Step, root_close_by, shifted};
+use crate::quintic::{monomials, root};
+use crate::real::{Real, ZERO};
+
+/// What a stretch of flight comes to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Gap {
+    /// It meets no wall.
+    pub clear: bool,
+    /// It meets one once: the near one, or the far one.
+    pub near: bool,
+    pub far: bool,
+}
+
+impl Step<'_> {
+    /// What a flight of length h to an end comes to; `doubt` is what y may be off, over the clearance.
+    #[inline(always)]
+    pub fn gap<const N: usize>(&self, end: &PivaState, h: Real, doubt: Real) -> Gap {
+        let share = h / self.length;
+        let (y, side, wide) = (&self.series.y, self.from.wall.sign(), 2.0 * self.from.clearance);
+        let Ahead { rate, fourth, .. } = Ahead::of::<N>(y, share);
+        let (begin, end) = (self.from.distance.value, end.distance.value);
+        let rates = [-side * y[1], -side * rate];
+        let slack = doubt * self.from.clearance;
+        let distance = Enclosure::new([begin, end], rates, share, fourth);
+        // What is left out grows as tᴺ⁺¹ or faster, so that its rate is that much larger.
+        let steep = (N + 2) as f64 / share;
+        let (rises, falls) = (distance.rises(steep * slack), distance.falls(steep * slack));
+        let one_way = rises | falls;
+
+        // On a wall, G = D/t; |G⁗| is bounded by the terms of D⁗ from t on, over t.
+        let on_wall = begin == 0.0;
+        let slope = end / share;
+        let g_rates = [-side * y[2], (rates[1] - slope) / share];
+        let g_fourth = (fourth - 24.0 * y[4].abs()) / share;
+        let over_time = Enclosure::new([rates[0], slope], g_rates, share, g_fourth);
+        let g_slack = slack / share;
+        let leaves = over_time.low > g_slack;
+        let returns = (rates[0] > g_slack) & (end < -slack) & over_time.falls(steep * g_slack);
+
+        let within = |at: Real| (at > slack) & (at < wide - slack);
+        let off_near = (end > slack) & (begin > slack) & (one_way | (distance.low > slack));
+        let off_near = if on_wall { leaves } else { off_near };
+        let below = (end < wide - slack) & (begin < wide - slack);
+        let off_far = below & (one_way | (distance.high < wide - slack));
+        let down = within(begin) & falls & (end < -slack);
+        let near = if on_wall { returns & (distance.high < wide - slack) } else { down };
+        let far = (on_wall | within(begin)) & rises & (end > wide + slack);
+        Gap { clear: off_near & off_far, near, far }
+    }
+
+    /// When a flight of length h to an end meets a wall that it meets once, and whether that is exact.
+    #[inline(always)]
+    pub fn meeting<const N: usize>(&self, end: &PivaState, h: Real, far: bool) -> (Real, bool) {
+        let share = h / self.length;
+        let (y, side, distance) = (&self.series.y, self.from.wall.sign(), self.from.distance);
+        let wide = 2.0 * self.from.clearance;
+        let Ahead { rate, bend, .. } = Ahead::of::<N>(y, share);
+        let rates = [-side * y[1], -side * rate];
+        let bends = [-side * y[2], -side * (0.5 * bend)];
+        let (here, there) = (distance.value, end.distance.value);
+        let begin = if far { distance.minus(wide) } else { here };
+        let end = if far { there - wide } else { there };
+        let square = share * share;
+        let c = monomials(
+            &[begin, share * rates[0], square * bends[0]],
+            &[end, share * rates[1], square * bends[1]],
+        );
+        // On the wall, the root at the begin is divided out.
+        let returns = begin == 0.0;
+        let quintic: [Real; 6] = std::array::from_fn(|i| {
+            let next = if i < 5 { c[i + 1] } else { ZERO };
+            if returns { next } else { c[i] }
+        });
+        let guess = share * root(&quintic);
+        // D = begin − side · t q(t): q in powers of the time after the guess, then t q.
+        let q = shifted::<N>(y, 1, guess);
+        let off_wall = |j: usize| {
+            let before = if j > 0 { q[j - 1] } else { -side * begin };
+            -side * (guess * q[j] + before)
+        };
+        let near_guess = std::array::from_fn(|j| if returns { q[j] } else { off_wall(j) });
+        let (later, close) = root_close_by(near_guess, share);
+        let meeting = guess + later;
+        (self.length * meeting, close & (meeting > 0.0) & (meeting <= share))
+    }
+}
