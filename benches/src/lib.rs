@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 
 use iva_core::error::Invalid;
 use iva_core::lanes::Decay;
+use iva_core::piva::{Parameters, Piva};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
-use iva_core::system::Start;
+use iva_core::system::{Start, System};
 
 /// The start of all scenes here: displaced by 1, at rest.
 pub const START: Start =
@@ -32,4 +33,22 @@ pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Decay<Siva>>, Invalid> 
         }
     }
     Ok(scenes)
+}
+
+/// The same with pendulums, r 0.4 and L 10, of a tolerance.
+///
+/// # Errors
+/// [`Invalid`] for a clearance of 0 or less.
+pub fn swinging_decays(
+    masses: u32,
+    narrowest: f64,
+    tolerance: f64,
+) -> Result<Vec<Decay<Piva>>, Invalid> {
+    let pendulum = |Decay { system, limits, .. }: Decay<Siva>| {
+        let (mu, e) = (system.mass_ratio(), system.restitution());
+        let point_bob = Parameters::point_bob(mu, e, system.clearance(), 0.01, 10.0);
+        let system = Piva::new(Parameters { frequency_ratio: 0.4, tolerance, ..point_bob })?;
+        Ok(Decay { system, start: START.into(), limits })
+    };
+    decays(masses, narrowest)?.into_iter().map(pendulum).collect()
 }

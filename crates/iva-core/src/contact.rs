@@ -5,22 +5,13 @@
 //! the wall that the flight left, D = 0 is no contact: leaving is decided by the sign of the
 //! velocity, then acceleration, then jerk, without cool-down time or nudge.
 
-use crate::flight::{Curve, Jet};
+use crate::flight::{Curve, Jet, Side};
 use crate::real::{ONE, Real, ZERO};
 use crate::roots::{DOUBT, Node, Searched, highest_change};
 
 /// Half width of the band around a wall in which an extremum is undecided, in units of 2⁻⁵³ of the
 /// curve's magnitude (d for the gap).
 pub const UNDECIDED_BAND: f64 = 16.0;
-
-/// Which wall a contact is made with, seen from the wall last touched.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// The wall last touched.
-    Near,
-    /// The wall across the gap.
-    Far,
-}
 
 /// What a stretch of flight ends in.
 #[derive(Debug, Clone, Copy)]

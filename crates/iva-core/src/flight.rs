@@ -5,7 +5,6 @@
 //! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
 
 use crate::compensated::Sum;
-use crate::contact::Side;
 use crate::real::{Real, ZERO};
 use crate::system::Wall;
 
@@ -59,6 +58,15 @@ pub struct Rows<'a> {
     pub acceleration: &'a [Real],
     /// Acceleration a_g of the base.
     pub base: &'a [Real],
+}
+
+/// Which wall a contact is made with, seen from the wall last touched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// The wall last touched.
+    Near,
+    /// The wall across the gap.
+    Far,
 }
 
 /// A flight that was decided at a glance.

@@ -4,8 +4,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::contact::{Side, first_contact, first_release, free_stretch};
+use crate::contact::{first_contact, first_release, free_stretch};
 use crate::error::Invalid;
+use crate::flight::Side;
 use crate::flight::{Curve, Jet, Motion};
 use crate::observe::{Episode, Jump, Observer, Span};
 use crate::real::{Real, ZERO};

@@ -9,7 +9,7 @@ mod step;
 
 use super::{Home, LANES, Lockstep};
 use crate::compensated::Sum;
-use crate::contact::Side;
+use crate::flight::Side;
 use crate::measures::Wanted;
 use crate::piva::Piva;
 use crate::real::Real;

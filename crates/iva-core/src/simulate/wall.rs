@@ -2,7 +2,8 @@
 
 use super::{CANCEL_EVERY, Phase, Run, is_finite};
 use crate::chatter::Rebound;
-use crate::contact::{Side, first_contact};
+use crate::contact::first_contact;
+use crate::flight::Side;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
 use crate::observe::{Episode, Jump, Observer};

@@ -3,8 +3,8 @@
 
 use iva_core::{
     compensated::Sum,
-    contact::{Side, first_contact},
-    flight::{Curve, Jet, Motion},
+    contact::first_contact,
+    flight::{Curve, Jet, Motion, Side},
     piva::{Parameters, Piva},
     siva::Siva,
     system::{Start, System},

@@ -101,7 +101,7 @@ fn pendulums_of_many_kinds_keep_apart() {
         .collect();
     for (i, scene) in scenes.iter_mut().enumerate() {
         let angles = if i % 4 == 1 { Angles::Small } else { Angles::Large };
-        let system = Piva::new(Parameters { angles, ..scene.system.parameters().clone() }).unwrap();
+        let system = Piva::new(Parameters { angles, ..*scene.system.parameters() }).unwrap();
         let push = Harmonic { amplitude: 0.1, frequency: 0.9, phase: 0.2, acts: Acts::Primary };
         let driven = i % 5 == 2;
         scene.system =
@@ -225,7 +225,7 @@ proptest! {
         let scenes: Vec<Decay<Piva>> = all
             .iter()
             .map(|(parameters, case, angle)| {
-                let system = Piva::new(Parameters { tolerance, ..parameters.clone() }).unwrap();
+                let system = Piva::new(Parameters { tolerance, ..*parameters }).unwrap();
                 let start = PivaStart::from(Start {
                     gap_displacement: case.start.gap_displacement / case.clearance,
                     ..case.start
