@@ -25,6 +25,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from iva import theory
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
+    from iva.choosing import best, pareto, robust
     from iva.forces import Harmonic, Impulse, Recorded
     from iva.parameters import Piva, Primary, Siva, Start
     from iva.reading import read
@@ -52,7 +53,10 @@ __all__ = [
     "Units",
     "Verification",
     "__version__",
+    "best",
+    "pareto",
     "read",
+    "robust",
     "show_versions",
     "simulate",
     "sweep",
@@ -77,7 +81,10 @@ _HOMES = {
     "Units": "units",
     "Verification": "run_tables",
     "__version__": "_iva",
+    "best": "choosing",
+    "pareto": "choosing",
     "read": "reading",
+    "robust": "choosing",
     "show_versions": "versions",
     "simulate": "simulation",
     "sweep": "sweeping",

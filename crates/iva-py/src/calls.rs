@@ -5,6 +5,7 @@ use std::ffi::OsString;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use arrow_array::RecordBatch;
+use iva_cli::report::{Better, RANKED};
 use iva_sweep::Invalid;
 use iva_sweep::choices::Choices;
 use iva_sweep::columns::columns;
@@ -56,6 +57,13 @@ pub fn check(part: &str, values: Vec<(String, f64)>) -> PyResult<()> {
 pub fn check_choices(words: Vec<(String, String)>) -> PyResult<()> {
     let mut choices = Choices::default();
     words.iter().try_for_each(|(name, word)| choices.choose(name, word)).map_err(invalid)
+}
+
+/// The measures of which the larger is the better.
+#[pyfunction]
+pub fn larger_is_better() -> Vec<&'static str> {
+    let larger = RANKED.into_iter().filter(|(_, better)| *better == Better::Larger);
+    larger.map(|(name, _)| name).collect()
 }
 
 /// The sentence of the units that the fields of a primary system set.

@@ -23,8 +23,8 @@ mod _iva {
     use super::arrow_table::ArrowTable;
     #[pymodule_export]
     use super::calls::{
-        check, check_choices, column_units, fields, gradients, main, primary_units, simulate,
-        states, sweep, trajectory, verify,
+        check, check_choices, column_units, fields, gradients, larger_is_better, main,
+        primary_units, simulate, states, sweep, trajectory, verify,
     };
     #[pymodule_export]
     use super::errors::IvaError;

@@ -1,0 +1,299 @@
+"""The best points of a sweep, what they trade, and whether they stand up to small changes.
+
+All take the summary of a sweep as a polars frame, lazy or not, or a whole :class:`iva.Table`, and
+give back a frame of the same kind (of a table, a :class:`polars.DataFrame`). What is lazy stays so:
+``iva.best(pl.scan_parquet("results/summary/*.parquet"))`` reads only what it needs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, TypeVar, cast
+
+from iva import _iva
+from iva.sweeping import Table
+
+if TYPE_CHECKING:
+    import polars as pl
+
+    Frame = TypeVar("Frame", pl.DataFrame, pl.LazyFrame)
+
+#: The first column behind the swept ones.
+BEHIND_SWEPT = "outcome"
+
+
+def best(
+    table: Frame | Table,
+    by: str = "settling_time_5",
+    *,
+    where: pl.Expr | Sequence[pl.Expr] | None = None,
+    count: int = 10,
+) -> Frame:
+    """Return the best points of a sweep, the best first.
+
+    Parameters
+    ----------
+    table : polars.DataFrame, polars.LazyFrame or Table
+        Summary of a sweep, a row a point.
+    by : str
+        The column to rank by. Of damping ratios and `reduction` the largest is the best, of every
+        other the smallest. Points without a value (null: never settled) are left out.
+    where : polars expression or a sequence of them, optional
+        Only points of which these hold, for example ``pl.col("mass_ratio") < 0.1``.
+    count : int
+        So many points at most.
+
+    Returns
+    -------
+    polars.DataFrame or polars.LazyFrame
+        Rows of the table; of equal ones that which comes first.
+
+    Raises
+    ------
+    ValueError
+        If there is no such column, or `count` is below 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> table = iva.sweep(
+    ...     iva.Siva(mass_ratio=0.1, restitution=0.6),
+    ...     iva.Primary(damping_ratio=0.01),
+    ...     over={"relative_clearance": np.linspace(0.2, 1.4, 61)},
+    ...     start=iva.Start(displacement=1.0),
+    ...     periods=40,
+    ... )
+    >>> first = iva.best(table, "damping_ratio_3", count=3)
+    >>> first["damping_ratio_3"].is_sorted(descending=True)
+    True
+    """
+    import polars as pl
+
+    frame = _frame(table)
+    _check(frame, [by])
+    if count < 1:
+        raise ValueError(f"count = {count}: ask for at least one point")
+    chosen = frame.filter(pl.col(by).is_not_null() & pl.col(by).is_not_nan())
+    for condition in _conditions(where):
+        chosen = chosen.filter(condition)
+    larger = by in _iva.larger_is_better()
+    return cast("Frame", chosen.sort(by, descending=larger, maintain_order=True).head(count))
+
+
+def pareto(
+    table: Frame | Table,
+    by: Sequence[str],
+    *,
+    larger: Sequence[str] = (),
+    where: pl.Expr | Sequence[pl.Expr] | None = None,
+) -> Frame:
+    """Return the points that no other beats: better in one column and not worse in any.
+
+    Parameters
+    ----------
+    table : polars.DataFrame, polars.LazyFrame or Table
+        Summary of a sweep, a row a point.
+    by : sequence of str
+        The columns to weigh against each other, for example ``["settling_time_5", "mass_ratio"]``.
+        Points that lack one of these values are left out.
+    larger : sequence of str
+        Those of which the larger is the better; damping ratios and `reduction` always are.
+    where : polars expression or a sequence of them, optional
+        Only points of which these hold.
+
+    Returns
+    -------
+    polars.DataFrame or polars.LazyFrame
+        Rows of the table, sorted by the first of the columns, the best first. Points that are equal
+        in all of these columns are all there.
+
+    Raises
+    ------
+    ValueError
+        If a column does not exist, or none is given.
+
+    Notes
+    -----
+    The front is found by looking at these columns alone, which for a lazy frame are read at once.
+
+    Examples
+    --------
+    >>> import polars as pl
+    >>> points = pl.DataFrame({"cost": [1, 2, 3, 4], "time": [9.0, 9.0, 5.0, 6.0]})
+    >>> iva.pareto(points, ["cost", "time"])["cost"].to_list()
+    [1, 3]
+    """
+    import polars as pl
+
+    frame = _frame(table)
+    _check(frame, [*by, *larger])
+    if not by:
+        raise ValueError("by = []: name at least one column")
+    valued = frame.filter(*(pl.col(name).is_not_null() & pl.col(name).is_not_nan() for name in by))
+    for condition in _conditions(where):
+        valued = valued.filter(condition)
+    upwards = {*larger, *_iva.larger_is_better()}
+    signed = [-pl.col(name) if name in upwards else pl.col(name) for name in by]
+    left = valued.lazy().select(by).unique().sort(signed).collect()
+    beaten_by_none = []
+    # The first in this order is beaten by none; then whatever it does not beat is left.
+    while left.height:
+        first = left.head(1)
+        beaten_by_none.append(first)
+        row = first.row(0, named=True)
+        better = [
+            pl.col(name) > row[name] if name in upwards else pl.col(name) < row[name] for name in by
+        ]
+        left = left.filter(pl.any_horizontal(better))
+    front = pl.concat(beaten_by_none) if beaten_by_none else left
+    found = (
+        valued.lazy().join(front.lazy(), on=list(by), how="semi").sort(signed, maintain_order=True)
+    )
+    return cast("Frame", found if isinstance(frame, pl.LazyFrame) else found.collect())
+
+
+def robust(
+    table: Frame | Table,
+    by: str = "settling_time_5",
+    *,
+    within: Mapping[str, float],
+    quantiles: Sequence[float] = (0.5, 0.9),
+) -> Frame:
+    """Return what becomes of a measure where parameters are a little off.
+
+    For every point all points of the sweep are looked up whose parameters lie within the given
+    distances of its own and equal it in the other swept ones.
+
+    Parameters
+    ----------
+    table : polars.DataFrame, polars.LazyFrame or Table
+        Summary of a sweep, a row a point.
+    by : str
+        The measure.
+    within : mapping of str to float
+        Swept columns, and how far off each may be, in the unit of the column.
+    quantiles : sequence of float
+        Shares of the neighbours, in [0, 1], that are at least as good.
+
+    Returns
+    -------
+    polars.DataFrame or polars.LazyFrame
+        The table with the columns ``neighbours`` (their number, the point included), ``<by>_worst``
+        and for a quantile of 0.9 ``<by>_q90``. A value that is missing (null: never settled) counts
+        as worse than any other; where such a one is the worst, or the quantile, the result is null.
+
+    Raises
+    ------
+    ValueError
+        If a column does not exist or was not swept, a distance is not a number ≥ 0, or a quantile
+        lies outside [0, 1].
+
+    Notes
+    -----
+    Every pair of neighbours is a row in memory for a while: with ``n`` points and ``k`` neighbours
+    of each some 50 n k bytes.
+
+    Examples
+    --------
+    >>> import polars as pl
+    >>> points = pl.DataFrame(
+    ...     {
+    ...         "point": [0, 1, 2],
+    ...         "gap": [1.0, 2.0, 3.0],
+    ...         "outcome": ["finished"] * 3,
+    ...         "settling_time_5": [4.0, 1.0, None],
+    ...     }
+    ... )
+    >>> iva.robust(points, within={"gap": 1.0}, quantiles=[])["settling_time_5_worst"].to_list()
+    [4.0, None, None]
+    """
+    import polars as pl
+
+    frame = _frame(table)
+    names = _check(frame, [by, *within])
+    behind = names.index(BEHIND_SWEPT) if BEHIND_SWEPT in names else 0
+    swept = [name for name in names[:behind] if name != "point"]
+    for name, distance in within.items():
+        if name not in swept:
+            raise ValueError(
+                f"within: {name!r} was not swept; there is {', '.join(swept) or 'none'}"
+            )
+        if not distance >= 0:
+            raise ValueError(f"within: {name!r} = {distance}: give a number of 0 or more")
+    for share in quantiles:
+        if not 0 <= share <= 1:
+            raise ValueError(f"quantiles: {share} does not lie between 0 and 1")
+    larger = by in _iva.larger_is_better()
+    # The worst is last, what is missing behind it.
+    missing = float("inf")
+    badness = (-pl.col(by) if larger else pl.col(by)).cast(pl.Float64).fill_nan(None)
+    all_points = frame.lazy().with_row_index("_row")
+    others = all_points.select(
+        *(pl.col(name).alias(f"_{name}") for name in swept),
+        badness.fill_null(missing).alias("_bad"),
+    )
+    pairs = _neighbours(all_points.select("_row", *swept), others, swept, within)
+    bad = pl.col("_bad")
+
+    def shown(value: pl.Expr) -> pl.Expr:
+        finite = pl.when(value < missing).then(value)
+        return -finite if larger else finite
+
+    judged = pairs.group_by("_row").agg(
+        pl.len().alias("neighbours"),
+        shown(bad.max()).alias(f"{by}_worst"),
+        *(
+            shown(bad.quantile(share, "higher")).alias(f"{by}_q{100 * share:g}")
+            for share in quantiles
+        ),
+    )
+    found = all_points.join(judged, on="_row", how="left").sort("_row").drop("_row")
+    return cast("Frame", found if isinstance(frame, pl.LazyFrame) else found.collect())
+
+
+def _neighbours(
+    points: pl.LazyFrame, others: pl.LazyFrame, swept: Sequence[str], within: Mapping[str, float]
+) -> pl.LazyFrame:
+    """Return all pairs of points that lie close together; columns of the second begin with _."""
+    import polars as pl
+
+    def near(name: str) -> list[pl.Expr]:
+        # A step of the grid may be longer than the same distance by rounding.
+        reach = within[name] * (1 + 1e-9)
+        there = pl.col(f"_{name}")
+        return [there >= pl.col(name) - reach, there <= pl.col(name) + reach]
+
+    counts = points.select(pl.len(), *(pl.col(name).n_unique() for name in swept)).collect().row(0)
+    if math.prod(counts[1:]) > 2 * counts[0]:
+        same = [pl.col(name) == pl.col(f"_{name}") for name in swept if name not in within]
+        return points.join_where(
+            others, *same, *(condition for name in within for condition in near(name))
+        )
+    # On a grid what is near is looked up axis by axis.
+    for name in swept:
+        values = points.select(name).unique()
+        close = values.with_columns(pl.col(name).alias(f"_{name}"))
+        if name in within:
+            close = values.join_where(values.rename({name: f"_{name}"}), *near(name))
+        points = points.join(close, on=name)
+    return points.join(others, on=[f"_{name}" for name in swept])
+
+
+def _frame(table: Frame | Table) -> pl.DataFrame | pl.LazyFrame:
+    return table.summary if isinstance(table, Table) else table
+
+
+def _check(frame: pl.DataFrame | pl.LazyFrame, asked: Sequence[str]) -> list[str]:
+    """Return the names of the columns; ValueError if one that is asked for is missing."""
+    names = frame.lazy().collect_schema().names()
+    for name in asked:
+        if name not in names:
+            raise ValueError(f"there is no column {name!r}; there is {', '.join(names)}")
+    return names
+
+
+def _conditions(where: pl.Expr | Sequence[pl.Expr] | None) -> Sequence[pl.Expr]:
+    if where is None:
+        return ()
+    return where if isinstance(where, Sequence) else (where,)

@@ -1,0 +1,143 @@
+"""Best points, fronts and neighbourhoods, against definitions written out in plain Python."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import iva
+
+
+@pytest.fixture(scope="module")
+def table() -> iva.Table:
+    """Return a small map with points that never settle among them."""
+    return iva.sweep(
+        iva.Siva(mass_ratio=0.1, restitution=0.6),
+        iva.Primary(damping_ratio=0.01),
+        over={
+            "relative_clearance": np.linspace(0.2, 2.2, 21),
+            "mass_ratio": np.linspace(0.02, 0.2, 4),
+        },
+        start=iva.Start(displacement=1.0),
+        periods=25,
+    )
+
+
+def test_best_is_the_top_of_the_sorted_table(table: iva.Table) -> None:
+    settled = table.summary.drop_nulls("settling_time_5")
+    assert 0 < settled.height < table.summary.height
+    found = iva.best(table, count=7)
+    assert found.equals(settled.sort("settling_time_5", maintain_order=True).head(7))
+    damped = iva.best(table.summary, "damping_ratio_3", count=1)
+    assert damped["damping_ratio_3"].item() == table.summary["damping_ratio_3"].max()
+
+
+def test_conditions_narrow_the_choice(table: iva.Table) -> None:
+    light = pl.col("mass_ratio") < 0.1
+    found = iva.best(table, where=[light, pl.col("impacts") > 3])
+    assert found.height
+    assert found.filter(light & (pl.col("impacts") > 3)).equals(found)
+    assert iva.pareto(table, ["settling_time_5"], where=light)["mass_ratio"].item() < 0.1
+
+
+def test_lazy_frames_stay_lazy(table: iva.Table, tmp_path: Path) -> None:
+    table.summary.write_parquet(tmp_path / "part-0.parquet")
+    lazy = pl.scan_parquet(tmp_path / "*.parquet")
+    pairs = [
+        (iva.best(lazy), iva.best(table)),
+        (
+            iva.pareto(lazy, ["settling_time_5", "mass_ratio"]),
+            iva.pareto(table, ["settling_time_5", "mass_ratio"]),
+        ),
+        (
+            iva.robust(lazy, within={"mass_ratio": 0.06}),
+            iva.robust(table, within={"mass_ratio": 0.06}),
+        ),
+    ]
+    for late, now in pairs:
+        assert isinstance(late, pl.LazyFrame)
+        assert late.collect().equals(now)
+
+
+@given(
+    st.lists(st.tuples(*[st.one_of(st.none(), st.integers(0, 6).map(float))] * 3), max_size=40),
+    st.integers(1, 3),
+)
+def test_a_front_is_what_nothing_beats(rows: list[tuple[float | None, ...]], columns: int) -> None:
+    names = ["time", "damping_ratio_3", "cost"][:columns]
+    schema = dict.fromkeys(names, pl.Float64)
+    chosen = [row[:columns] for row in rows]
+    frame = pl.DataFrame(chosen, schema, orient="row").with_row_index("at")
+    # Of a damping ratio the larger is the better.
+    signs = [-1 if name.startswith("damping") else 1 for name in names]
+    points = [
+        (at, [sign * value for sign, value in zip(signs, row, strict=True)])
+        for at, *row in frame.rows()
+        if None not in row
+    ]
+
+    def beats(a: list[float], b: list[float]) -> bool:
+        return a != b and all(x <= y for x, y in zip(a, b, strict=True))
+
+    truth = {at for at, own in points if not any(beats(other, own) for _, other in points)}
+    found = iva.pareto(frame, names)
+    assert set(found["at"]) == truth
+    assert found[names[0]].is_sorted(descending=signs[0] < 0)
+
+
+def test_the_worst_and_quantiles_of_neighbours(table: iva.Table) -> None:
+    for by, larger in (("settling_time_5", False), ("damping_ratio_1", True)):
+        found = iva.robust(table, by, within={"relative_clearance": 0.2}, quantiles=[0.25])
+        assert found.drop("neighbours", f"{by}_worst", f"{by}_q25").equals(table.summary)
+        rows = table.summary.select("relative_clearance", "mass_ratio", by).rows()
+        for (d, mass, _), own in zip(rows, found.iter_rows(named=True), strict=True):
+            near = [v for c, m, v in rows if m == mass and abs(c - d) <= 0.2 + 1e-9]
+            bad = sorted(math.inf if v is None else (-v if larger else v) for v in near)
+            worst, quarter = bad[-1], bad[math.ceil(0.25 * (len(bad) - 1))]
+            for name, value in (("worst", worst), ("q25", quarter)):
+                shown = None if value == math.inf else (-value if larger else value)
+                assert own[f"{by}_{name}"] == shown
+            assert own["neighbours"] == len(near)
+
+
+def test_neighbours_in_two_directions(table: iva.Table) -> None:
+    found = iva.robust(table, within={"relative_clearance": 0.1, "mass_ratio": 0.06}, quantiles=())
+    counts = found["neighbours"].to_list()
+    inner = [[2 + (0 < i < 20), 2 + (0 < j < 3)] for i, j in itertools.product(range(21), range(4))]
+    assert counts == [a * b for a, b in inner]
+
+
+def test_neighbours_of_scattered_points() -> None:
+    rng = np.random.default_rng(3)
+    drawn = {"gap": rng.random(200), "mass": rng.random(200)}
+    value = rng.random(200)
+    points = pl.DataFrame({**drawn, "outcome": ["finished"] * 200, "residual_amplitude": value})
+    found = iva.robust(points, "residual_amplitude", within={"gap": 0.1, "mass": 0.2})
+    near = (abs(drawn["gap"][:, None] - drawn["gap"]) <= 0.1) & (
+        abs(drawn["mass"][:, None] - drawn["mass"]) <= 0.2
+    )
+    assert found["neighbours"].to_list() == near.sum(axis=1).tolist()
+    worst = np.where(near, value, 0).max(axis=1)
+    assert found["residual_amplitude_worst"].to_list() == worst.tolist()
+
+
+def test_bad_input_gets_one_sentence(table: iva.Table) -> None:
+    with pytest.raises(ValueError, match="there is no column 'settling_tme'; there is point, "):
+        iva.best(table, "settling_tme")
+    with pytest.raises(ValueError, match="count = 0: ask for at least one point"):
+        iva.best(table, count=0)
+    with pytest.raises(ValueError, match="name at least one column"):
+        iva.pareto(table, [])
+    with pytest.raises(ValueError, match="'impacts' was not swept; there is relative_clearance, "):
+        iva.robust(table, within={"impacts": 1})
+    with pytest.raises(ValueError, match="'mass_ratio' = nan: give a number of 0 or more"):
+        iva.robust(table, within={"mass_ratio": math.nan})
+    with pytest.raises(ValueError, match="quantiles: 90 does not lie between 0 and 1"):
+        iva.robust(table, within={"mass_ratio": 0.1}, quantiles=[90])
