@@ -68,7 +68,11 @@ impl SideBySide for Siva {
     }
 
     fn run(group: Group<'_, Self>) {
-        group.run::<siva::Strides>();
+        if group.wanted.ledger {
+            group.run::<siva::Strides<true>>();
+        } else {
+            group.run::<siva::Strides<false>>();
+        }
     }
 }
 

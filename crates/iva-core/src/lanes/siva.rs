@@ -14,16 +14,16 @@ use crate::siva::Siva;
 use crate::system::System;
 use lane::{Lane, Lanes, STOP};
 
-/// Eight lanes on one kind of primary.
+/// Eight lanes on one kind of primary, with its losses or without.
 #[derive(Debug)]
-pub(super) struct Strides {
+pub(super) struct Strides<const LEDGER: bool> {
     lanes: Lanes<LANES>,
     /// By value: so the compiler knows that it is not one of the arrays.
     free: Oscillator,
     shared: Arc<Oscillator>,
 }
 
-impl Lockstep<Siva> for Strides {
+impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
     fn new(siva: &Siva, _wanted: Wanted) -> Self {
         Self { lanes: Lanes::new(), free: *siva.free(), shared: Arc::clone(siva.shared()) }
     }
@@ -34,7 +34,7 @@ impl Lockstep<Siva> for Strides {
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        evaluate(&mut self.lanes, &self.free)
+        evaluate::<LANES, LEDGER>(&mut self.lanes, &self.free)
     }
 
     fn calls(&self, i: usize) -> bool {
@@ -86,9 +86,9 @@ impl Lockstep<Siva> for Strides {
 
 /// One evaluation of each lane; true if one calls for its run.
 #[inline(always)]
-fn evaluate<const W: usize>(lanes: &mut Lanes<W>, free: &Oscillator) -> bool {
+fn evaluate<const W: usize, const LEDGER: bool>(lanes: &mut Lanes<W>, free: &Oscillator) -> bool {
     for i in 0..W {
-        let lane = step::step(free, &lanes.get(i));
+        let lane = step::step::<LEDGER>(free, &lanes.get(i));
         lanes.set(i, &lane);
     }
     let mut calls = 0.0;

@@ -19,14 +19,22 @@ use iva_tests::cases;
 use proptest::prelude::*;
 
 fn alone<S: SideBySide>(decay: &Decay<S>) -> String {
-    let mut measures = Measures::<S>::new(Wanted::ALL);
+    alone_wanting(decay, Wanted::ALL)
+}
+
+fn alone_wanting<S: SideBySide>(decay: &Decay<S>, wanted: Wanted) -> String {
+    let mut measures = Measures::<S>::new(wanted);
     let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut measures).unwrap();
     format!("{:?}", (tally, *measures.values()))
 }
 
 fn together<S: SideBySide>(scenes: &[Decay<S>]) -> Vec<String> {
+    together_wanting(scenes, Wanted::ALL)
+}
+
+fn together_wanting<S: SideBySide>(scenes: &[Decay<S>], wanted: Wanted) -> Vec<String> {
     let mut found = vec![String::new(); scenes.len()];
-    decays(scenes, Wanted::ALL, None, &mut |i, decayed: &Decayed<S>| {
+    decays(scenes, wanted, None, &mut |i, decayed: &Decayed<S>| {
         assert!(found[i].is_empty(), "scene {i} came twice");
         found[i] = format!("{decayed:?}");
     })
@@ -126,6 +134,22 @@ fn a_grid_is_the_same_side_by_side() {
     for (scene, found) in scenes.iter().zip(together(&scenes)) {
         assert_eq!(found, alone(scene), "{:?}", scene.limits);
     }
+}
+
+#[test]
+fn losses_not_asked_for_change_nothing_else() {
+    let wanted = Wanted { ledger: false, ..Wanted::ALL };
+    let other = |run: &str| run.split("energy_initial").next().unwrap().to_owned();
+    fn check<S: SideBySide>(scenes: &[Decay<S>], wanted: Wanted, other: impl Fn(&str) -> String) {
+        for (scene, found) in scenes.iter().zip(together_wanting(scenes, wanted)) {
+            assert_eq!(found, alone_wanting(scene, wanted));
+            // Everything but the energies.
+            assert_eq!(other(&found), other(&alone(scene)));
+            assert!(found.contains("energy_viscous: 0.0, energy_pivot: 0.0,"));
+        }
+    }
+    check(&grid(), wanted, other);
+    check(&pendulums(1e-9), wanted, other);
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn pick_state(which: bool, yes: &SivaState, no: &SivaState) -> SivaState {
 
 /// The lane after one evaluation.
 #[inline(always)]
-pub(super) fn step(free: &Oscillator, lane: &Lane) -> Lane {
+pub(super) fn step<const LEDGER: bool>(free: &Oscillator, lane: &Lane) -> Lane {
     let from = lane.state();
     let near = arrived(free, &from, lane.h);
     let search = lane.aim == SEARCH;
@@ -81,7 +81,7 @@ pub(super) fn step(free: &Oscillator, lane: &Lane) -> Lane {
     let part = root(&std::array::from_fn(|i| pick(meets, meeting[i], turn[i])));
     let guess = lane.h * part;
     let good_guess = (guess > 0.0) & (guess <= lane.h);
-    let span = Span::of(free, lane, &from, &end, [length, length * part]);
+    let span = Span::of::<LEDGER>(free, lane, &from, &end, [length, length * part]);
     let passed = (search & proof.free) | hit;
     let clock = lane.clock().plus_parts(lane.h, later);
     let remaining = -clock.minus(lane.stop);
@@ -141,7 +141,7 @@ struct Span {
 
 impl Span {
     #[inline(always)]
-    fn of(
+    fn of<const LEDGER: bool>(
         free: &Oscillator,
         lane: &Lane,
         from: &SivaState,
@@ -152,7 +152,7 @@ impl Span {
         let turns = v * end.primary.v.value < 0.0;
         let (h_turn, x_turn, exact) = turning(free, from, turn, length);
         let (h_turn, x_turn) = (pick(turns, h_turn, 0.0), pick(turns, x_turn, x));
-        let loss = free.viscous_loss_series(x, v, length);
+        let loss = if LEDGER { free.viscous_loss_series(x, v, length) } else { 0.0 };
         let (x_end, h) = (end.primary.x.value, [0.0, h_turn, length]);
         let stretch = Stretch { x: [x, x_turn, x_end], h, turns, loss };
         let simple = (exact | !turns) & stretch.ends(lane.watch.peak_sign).simple();
