@@ -35,6 +35,7 @@ macro_rules! unrolled {
         })*
     }};
 }
+
 /// Runs code with an order of [`crate::piva`] as a constant.
 macro_rules! with_order {
     ($order:expr, $constant:ident => $body:expr) => {

@@ -1,6 +1,7 @@
 //! Steps of pendulums at large angles, side by side; they have one tolerance.
 //!
-//! A lane goes through a step of flight in which no wall is near. Everything else (a contact, a ride, the instants that
+//! A lane goes through steps of flight that meet no wall, or one in the simplest way: then it goes there in
+//! the next round, and its run strikes. Everything else (a hard search, a ride, a step across the instants that
 //! measures look at) is for the event loop.
 
 mod lane;

@@ -86,8 +86,8 @@ impl Step<'_> {
             let before = if j > 0 { q[j - 1] } else { -side * begin };
             -side * (guess * q[j] + before)
         };
-        let near_guess = std::array::from_fn(|j| if returns { q[j] } else { off_wall(j) });
-        let (later, close) = root_close_by(near_guess, share);
+        let terms = std::array::from_fn(|j| if returns { q[j] } else { off_wall(j) });
+        let (later, close) = root_close_by(terms, share);
         let meeting = guess + later;
         (self.length * meeting, close & (meeting > 0.0) & (meeting <= share))
     }

@@ -189,8 +189,8 @@ impl Enclosure {
     }
 }
 
-/// The first coefficients of a polynomial of order N in powers of the time after t, without those below
-/// tᵏ of order `from`.
+/// The first coefficients, in powers of the time after t, of the polynomial Σ f_k t^(k−from) over
+/// from ≤ k ≤ N.
 #[inline(always)]
 pub(super) fn shifted<const N: usize>(f: &Row<Real>, from: usize, t: Real) -> [Real; 5] {
     let mut sums = [ZERO; 5];
