@@ -13,10 +13,12 @@ use iva_core::error::Invalid;
 use iva_core::lanes::{Decay, decays};
 use iva_core::measures::Wanted;
 use iva_core::siva::Siva;
+use iva_sweep::axis::Axis;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
+use iva_sweep::sampling::Sampling;
 use iva_sweep::scene::Scene;
-use iva_sweep::study::{Axis, Study, Table};
+use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, SweepError, Workers, sweep};
 
 const ROUNDS: usize = 7;
@@ -36,7 +38,11 @@ fn study(side: u64) -> Result<Study, Invalid> {
         Axis::linspace("relative_clearance", 0.4, 1.3, side)?,
         Axis::linspace("restitution", 0.4, 0.85, side)?,
     ];
-    Ok(Study { axes, tables: vec![Table::Summary], ..Study::single(spec) })
+    Ok(Study {
+        sampling: Sampling::Grid(axes),
+        tables: vec![Table::Summary],
+        ..Study::single(spec)
+    })
 }
 
 fn scenes(study: &Study) -> Result<Vec<Decay<Siva>>, Invalid> {

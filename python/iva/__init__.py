@@ -23,15 +23,17 @@ Examples
 # What type checkers call typing.TYPE_CHECKING: typing itself takes 2 ms to import.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from iva import theory
+    from iva import sampling, theory
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
     from iva.choosing import best, pareto, robust
     from iva.forces import Harmonic, Impulse, Recorded
     from iva.parameters import Piva, Primary, Siva, Start
     from iva.reading import read
     from iva.run_tables import Gradient, Verification
+    from iva.scanning import Scan, scan
     from iva.simulation import Run, simulate
-    from iva.sweeping import Table, sweep
+    from iva.sweeping import sweep
+    from iva.tables import Table
     from iva.units import Units
     from iva.versions import show_versions
 
@@ -47,6 +49,7 @@ __all__ = [
     "Primary",
     "Recorded",
     "Run",
+    "Scan",
     "Siva",
     "Start",
     "Table",
@@ -57,6 +60,8 @@ __all__ = [
     "pareto",
     "read",
     "robust",
+    "sampling",
+    "scan",
     "show_versions",
     "simulate",
     "sweep",
@@ -75,9 +80,10 @@ _HOMES = {
     "Primary": "parameters",
     "Recorded": "forces",
     "Run": "simulation",
+    "Scan": "scanning",
     "Siva": "parameters",
     "Start": "parameters",
-    "Table": "sweeping",
+    "Table": "tables",
     "Units": "units",
     "Verification": "run_tables",
     "__version__": "_iva",
@@ -85,6 +91,8 @@ _HOMES = {
     "pareto": "choosing",
     "read": "reading",
     "robust": "choosing",
+    "sampling": "sampling",
+    "scan": "scanning",
     "show_versions": "versions",
     "simulate": "simulation",
     "sweep": "sweeping",

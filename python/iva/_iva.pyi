@@ -2,15 +2,17 @@
 
 from collections.abc import Callable, Sequence
 from os import PathLike
+from pathlib import Path
 from typing import Any, Final, final
 
 __all__ = [
-    "PART_POINTS",
     "SCHEMA_VERSION",
     "VERSION",
     "ArrowTable",
     "IvaError",
     "Record",
+    "Study",
+    "SweepFolder",
     "check",
     "check_choices",
     "column_units",
@@ -27,12 +29,11 @@ __all__ = [
     "simulate",
     "slow_manifold",
     "states",
-    "sweep",
+    "sweep_into",
     "trajectory",
     "verify",
 ]
 
-PART_POINTS: Final[int]
 SCHEMA_VERSION: Final[int]
 VERSION: Final[str]
 
@@ -64,6 +65,65 @@ class Record:
         self,
     ) -> tuple[type[Record], tuple[list[float], list[float], str, bool]]: ...
 
+@final
+class Study:
+    def __new__(
+        cls,
+        spec: _Spec,
+        sampling: tuple[Any, ...],
+        tables: Sequence[str],
+        measures: Sequence[str] | None = None,
+        errors: bool = False,
+        whole: tuple[int, int] | None = None,
+    ) -> Study: ...
+    @property
+    def points(self) -> int: ...
+    @property
+    def swept(self) -> list[str]: ...
+    def run(
+        self,
+        threads: int | None = None,
+        progress: Callable[[int, int, int], object] | None = None,
+        memory_limit: float | None = None,
+    ) -> dict[str, ArrowTable]: ...
+    def part(self, first: int, last: int) -> Study: ...
+    def part_points(self, memory_limit: float | None = None) -> int: ...
+    def values(self, first: int, last: int) -> list[tuple[str, list[float]]]: ...
+    def run_points(self, first: int, last: int) -> dict[str, ArrowTable]: ...
+    def run_part(self, first: int, last: int, folder: str | PathLike[str], style: str) -> str: ...
+    def __reduce__(self) -> tuple[type[Study], tuple[Any, ...]]: ...
+
+@final
+class SweepFolder:
+    @staticmethod
+    def open(
+        study: Study,
+        folder: str | PathLike[str],
+        style: str,
+        resume: bool,
+        overwrite: bool,
+        elsewhere: bool = False,
+    ) -> tuple[SweepFolder, list[str]]: ...
+    @property
+    def missing(self) -> list[tuple[int, int, int]]: ...
+    @property
+    def done(self) -> tuple[int, int]: ...
+    @property
+    def work(self) -> Path: ...
+    def take(self, part: int, staged: str) -> None: ...
+    def enter(self, part: int, staged: str) -> None: ...
+    def close(self) -> None: ...
+    def abandon(self) -> str: ...
+
+def sweep_into(
+    study: Study,
+    folder: str | PathLike[str],
+    style: str,
+    resume: bool,
+    overwrite: bool,
+    threads: int | None = None,
+    progress: Callable[[int, int, int], object] | None = None,
+) -> list[str]: ...
 def read_record(path: str | PathLike[str], kind: str | None = None) -> Record: ...
 def fields(part: str, kind: str) -> list[tuple[str, str, str]]: ...
 def check(part: str, values: Sequence[tuple[str, float]]) -> None: ...
@@ -86,15 +146,6 @@ def gradients(
     key: str,
     measures: Sequence[str] | None = None,
     tables: Sequence[str] | None = None,
-) -> dict[str, ArrowTable]: ...
-def sweep(
-    spec: _Spec,
-    axes: Sequence[tuple[str, Sequence[float]]],
-    tables: Sequence[str],
-    measures: Sequence[str] | None = None,
-    threads: int | None = None,
-    progress: Callable[[int, int], object] | None = None,
-    errors: bool = False,
 ) -> dict[str, ArrowTable]: ...
 def trajectory(spec: _Spec, samples_per_period: int) -> ArrowTable: ...
 def states(spec: _Spec, times: Sequence[float]) -> ArrowTable: ...

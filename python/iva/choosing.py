@@ -2,7 +2,7 @@
 
 All take the summary of a sweep as a polars frame, lazy or not, or a whole :class:`iva.Table`, and
 give back a frame of the same kind (of a table, a :class:`polars.DataFrame`). What is lazy stays so:
-``iva.best(pl.scan_parquet("results/summary/*.parquet"))`` reads only what it needs.
+of ``iva.best(iva.scan("results/map").summary)`` only what it needs is read.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from iva import _iva
-from iva.sweeping import Table
+from iva.tables import Table
 
 if TYPE_CHECKING:
     import polars as pl

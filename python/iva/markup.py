@@ -8,7 +8,7 @@ from html import escape
 from iva.forces import Force, listed, written
 from iva.parameters import Part
 from iva.simulation import Run
-from iva.sweeping import Table
+from iva.tables import Table
 
 
 def of_run(run: Run) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from iva import _iva
 from iva.frames import to_polars
+from iva.manifests import manifest_of
 
 if TYPE_CHECKING:
     import polars as pl
@@ -94,6 +95,23 @@ def frame(files: list[Path], table: _iva.ArrowTable | None = None) -> pl.DataFra
         raise _iva.IvaError(f"{files[0].parent} cannot be read: {sentence(error)}") from error
 
 
+def lazy(files: list[Path], table: _iva.ArrowTable | None = None) -> pl.LazyFrame:
+    """Return the rows of some parts of one table and format, to be read when they are needed.
+
+    `table` is that of :func:`metadata`.
+    """
+    import polars as pl
+
+    if files[0].suffix == ".parquet":
+        return pl.scan_parquet(files, glob=False, hive_partitioning=False)
+    if files[0].suffix == ".arrow":
+        return pl.concat(
+            [pl.scan_ipc(file) for file in files]
+        )  # polars 1.30 has no glob=False here
+    assert table is not None
+    return pl.concat([scan_of_csv(file, table) for file in files])
+
+
 def of_parquet(file: Path) -> dict[str, str]:
     """Return the metadata that a Parquet file carries."""
     import polars as pl
@@ -107,9 +125,12 @@ def of_parquet(file: Path) -> dict[str, str]:
 def of_csv(file: Path, table: _iva.ArrowTable) -> dict[str, str]:
     """Return what a Parquet file would carry, as far as a CSV file and its study tell."""
     first = head(file, table)[2].partition(",")[0]
-    found = table.metadata | {"iva.part_points": str(_iva.PART_POINTS)}
+    manifest = manifest_of(file.parent.parent)
+    points = int(table.metadata["iva.points"])
+    part_points = points if manifest is None else manifest.part_points
+    found = table.metadata | {"iva.part_points": str(part_points)}
     if first.isdecimal():  # else it has no rows
-        begin = int(first) // _iva.PART_POINTS * _iva.PART_POINTS
+        begin = int(first) // part_points * part_points
         summary = found["iva.table"] == "summary"
         found["iva.first_point"] = first if summary else str(begin)
     return found
@@ -129,6 +150,20 @@ def rows_of_csv(file: Path, table: _iva.ArrowTable) -> pl.DataFrame:
     )
     # polars 1.30 makes a row of nulls out of a skipped row with nothing below it.
     return rows.filter(pl.col("point").is_not_null())
+
+
+def scan_of_csv(file: Path, table: _iva.ArrowTable) -> pl.LazyFrame:
+    """Return the rows of a CSV file lazily, with the column types of its table."""
+    import polars as pl
+
+    columns, units, _ = head(file, table)
+    types = to_polars(table).schema
+    return pl.scan_csv(
+        file,
+        schema={name: types[name] for name in columns},
+        skip_rows_after_header=1 if units else 0,
+        glob=False,
+    ).filter(pl.col("point").is_not_null())
 
 
 def head(file: Path, table: _iva.ArrowTable) -> tuple[list[str], bool, str]:

@@ -5,16 +5,21 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import timedelta
+from time import perf_counter
 from typing import TypeAlias
 
 from iva.parameters import shown
 
+#: What a user gives: told (done, total).
 Progress: TypeAlias = Callable[[int, int], object]
+#: What the compiled part calls: told (done, total, failed).
+Report: TypeAlias = Callable[[int, int, int], object]
 
 
 @contextmanager
-def reporting(progress: bool | Progress) -> Iterator[Progress | None]:
-    """Give the function that is told (done, total), or None if nobody wants to know.
+def reporting(progress: bool | Progress) -> Iterator[Report | None]:
+    """Give the function that is told (done, total, failed), or None if nobody wants to know.
 
     Parameters
     ----------
@@ -28,7 +33,8 @@ def reporting(progress: bool | Progress) -> Iterator[Progress | None]:
         If `progress` is neither.
     """
     if callable(progress):
-        yield progress
+        told = progress
+        yield lambda done, total, _failed: told(done, total)
     elif not isinstance(progress, bool):
         raise TypeError(
             f"progress = {shown(progress)}: give True, False or a callable (done, total)"
@@ -47,7 +53,7 @@ def watched() -> bool:
 
 
 @contextmanager
-def drawing() -> Iterator[Progress]:
+def drawing() -> Iterator[Report]:
     """Give the function that draws the state of things; what it began is ended in any case."""
     try:
         from tqdm.auto import tqdm
@@ -57,9 +63,12 @@ def drawing() -> Iterator[Progress]:
         return
     bars: list[tqdm[object]] = []
 
-    def draw(done: int, total: int) -> None:
+    def draw(done: int, total: int, failed: int) -> None:
         if not bars:
-            bars.append(tqdm(total=total, unit="point", unit_scale=True))
+            # What was done before counts for neither rate nor time left.
+            bars.append(tqdm(total=total, initial=done, unit="point", unit_scale=True))
+        if failed:
+            bars[0].set_postfix_str(f"{failed} failed", refresh=False)
         bars[0].update(done - bars[0].n)
 
     try:
@@ -70,17 +79,34 @@ def drawing() -> Iterator[Progress]:
 
 
 @contextmanager
-def line() -> Iterator[Progress]:
+def line() -> Iterator[Report]:
     """Give the function that rewrites a line on stderr."""
-    begun = False
+    begun: list[tuple[float, int]] = []
+    longest = 0
 
-    def draw(done: int, total: int) -> None:
-        nonlocal begun
-        begun = True
-        print(f"\r{done} of {total} points", end="", file=sys.stderr, flush=True)
+    def draw(done: int, total: int, failed: int) -> None:
+        if not begun:
+            begun.append((perf_counter(), done))
+        text = f"{done} of {total} points{speed(begun[0], done, total)}"
+        if failed:
+            text += f", {failed} failed"
+        nonlocal longest
+        longest = max(longest, len(text))
+        print(f"\r{text:<{longest}}", end="", file=sys.stderr, flush=True)
 
     try:
         yield draw
     finally:
         if begun:
             print(file=sys.stderr)
+
+
+def speed(begun: tuple[float, int], done: int, total: int) -> str:
+    """Return the rate since the begin and the time left at it; nothing yet if it is too early."""
+    seconds = perf_counter() - begun[0]
+    more = done - begun[1]
+    if more <= 0 or seconds < 0.1:
+        return ""
+    rate = more / seconds
+    left = timedelta(seconds=round((total - done) / rate))
+    return f", {rate:.3g} a second, {left} left"

@@ -1,112 +1,40 @@
-"""Many runs over a grid of parameters."""
+"""Many runs: over a grid, or at points of any other choice."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from iva import _iva
 from iva.forces import Force
-from iva.frames import Frames, from_arrow
-from iva.parameters import Absorber, Primary, Start, numbers, shown
+from iva.frames import from_arrow
+from iva.manifests import manifest_of
+from iva.parameters import Absorber, Primary, Start, number, shown
 from iva.progress import Progress, reporting
+from iva.reading import read
+from iva.sampling import Sampling, points_of
 from iva.scenes import scene
 from iva.simulation import names, truth
-from iva.units import Units, from_metadata
+from iva.tables import Table
+from iva.units import from_metadata
 
 if TYPE_CHECKING:
     import polars as pl
 
-
-class Table:
-    """Result of :func:`sweep` or :func:`iva.read`: the tables of many runs.
-
-    Attributes of tables are polars frames, made on first use; all begin with ``point``, the index
-    into the grid (row-major, last axis fastest). `swept` are the keys of the axes, `units` names
-    the unit of every column. Tables can be copied, pickled and compared.
-    """
-
-    def __init__(self, swept: tuple[str, ...], units: Units, frames: Frames) -> None:
-        self.swept = swept
-        self.units = units
-        self._frames = frames
-
-    @property
-    def tables(self) -> tuple[str, ...]:
-        """Names of the tables that are there."""
-        return self._frames.names
-
-    @property
-    def summary(self) -> pl.DataFrame:
-        """One row a point: the swept parameters, then outcome, counts, measures, energies."""
-        return self._frame("summary")
-
-    @property
-    def impacts(self) -> pl.DataFrame:
-        """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
-        return self._frame("impacts")
-
-    @property
-    def episodes(self) -> pl.DataFrame:
-        """One row a chatter that ends in stick, a plastic stick, or a start at rest on a wall."""
-        return self._frame("episodes")
-
-    @property
-    def envelope(self) -> pl.DataFrame:
-        """One row a peak of the primary displacement."""
-        return self._frame("envelope")
-
-    @property
-    def stroboscope(self) -> pl.DataFrame:
-        """One row a cycle of the harmonic force (of several, the first), after `discard`."""
-        return self._frame("stroboscope")
-
-    @property
-    def trajectory(self) -> pl.DataFrame:
-        """The motion in time: only in a folder that ``iva run`` wrote."""
-        return self._frame("trajectory")
-
-    def _frame(self, name: str) -> pl.DataFrame:
-        if name not in self.tables:
-            there = ", ".join(self.tables)
-            advice = (
-                "simulate one run and call its trajectory()"
-                if name == "trajectory"
-                else f"ask for it with tables=(…, {name!r})"
-            )
-            raise AttributeError(f"no table {name!r}, only {there}: {advice}")
-        return self._frames[name]
-
-    def __eq__(self, other: object) -> bool:
-        """Compare axes, units and all tables."""
-        if not isinstance(other, Table):
-            return NotImplemented
-        return (
-            self.swept == other.swept
-            and self.units == other.units
-            and self._frames == other._frames
-        )
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __repr__(self) -> str:
-        """Show axes, tables and units."""
-        over = " × ".join(self.swept) or "no axis"
-        return f"Table over {over}: {', '.join(self.tables)}\n  {self.units}"
-
-    def _repr_html_(self) -> str:
-        """Show axes, outcomes, tables and units in a notebook; this reads the summary."""
-        from iva import markup
-
-        return markup.of_table(self)
+#: Default of `memory_limit` in bytes.
+MEMORY_LIMIT = 4e9
 
 
 def sweep(
     absorber: Absorber,
     primary: Primary,
     *,
-    over: Mapping[str, Iterable[float]],
+    over: Mapping[str, Any] | pl.DataFrame,
     start: Start,
+    sampling: Sampling | str = "grid",
     force: Force | Sequence[Force] | None = None,
     periods: float | None = None,
     duration: float | None = None,
@@ -119,21 +47,33 @@ def sweep(
     chatter_floor: float | None = None,
     tolerance: float | None = None,
     errors: bool = False,
+    out: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    format: str = "parquet",  # noqa: A002 (the word of the command)
+    memory_limit: float = MEMORY_LIMIT,
     threads: int | None = None,
+    executor: Executor | None = None,
+    client: Any = None,
     progress: bool | Progress = False,
 ) -> Table:
-    """Simulate every point of a grid, in parallel.
+    """Simulate many points, in parallel.
 
     Parameters
     ----------
     absorber, primary, start, force
         As in :func:`iva.simulate`; what is swept may be left out.
-    over : mapping of str to sequence of float
+    over : mapping of str to sequence of float, or polars.DataFrame
         The axes: field name (``"mass_ratio"``; ``"absorber.mass"`` where the bare name is not
         unique; ``"force.frequency"`` of a force, ``"force.0.frequency"`` of several) → values,
         shape (n,). The product of all axes is run, in the order of the mapping, the last axis
         fastest. A swept field replaces its alternatives, so that an axis over ``gap`` replaces a
-        given ``clearance``.
+        given ``clearance``. With `sampling` field name → distribution. Of a frame each row is a
+        point, its columns are named like axes.
+    sampling : {"grid", "zip"} or a sample of :mod:`iva.sampling`
+        ``"zip"`` reads the values of all axes in step. A sample
+        (:class:`iva.sampling.Sobol`, ``LatinHypercube``, ``Random``) draws points from
+        distributions.
     periods, duration, cycles, discard, measures, max_impacts, max_work, chatter_floor, tolerance
         As in :func:`iva.simulate`.
     errors : bool, default False
@@ -141,8 +81,27 @@ def sweep(
         the impacts, ``condition`` and ``digits`` of the summary. It takes about ten times as long.
     tables : iterable of str, default ("summary",)
         Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``, ``stroboscope``.
+    out : str or path, optional
+        Folder to write the tables into, part by part as they are done; memory stays small whatever
+        the number of points. Without it tables are gathered in memory. With `executor` or `client`
+        every worker must be able to write it under the same name, and it may also be a URL that
+        fsspec knows.
+    resume : bool, default False
+        Go on with the sweep that `out` holds: its complete parts are checked and kept, the others
+        are run. Where it holds none the sweep begins.
+    overwrite : bool, default False
+        Replace the tables that `out` holds, once the new ones are complete.
+    format : {"parquet", "arrow", "csv"}
+        What tables are written as into `out`.
+    memory_limit : float, default 4e9
+        Bytes that the tables may take in memory. A sweep that would take more is refused before it
+        begins; `out` has no such limit.
     threads : int, optional
         Worker threads, one a core by default. The result does not depend on it.
+    executor : concurrent.futures.Executor, optional
+        Runs the parts of the sweep, each on one thread of one of its workers, instead of `threads`.
+    client : dask.distributed.Client, optional
+        Runs the parts of the sweep on a cluster. A part whose worker dies is run by another.
     progress : bool or callable, default False
         True: a bar of tqdm where that is installed, else a line on stderr; neither where stderr
         is no terminal and Python runs in no notebook. A callable is called with (done, total) on
@@ -160,10 +119,14 @@ def sweep(
         If an argument is of the wrong type.
     ValueError
         If there is no axis, a key is unknown, an axis is empty, a value is out of range at any
-        point, or the grid has more than 2³² points.
+        point, there are more than 2³² points, the tables would exceed `memory_limit`, or `out`
+        holds something else.
+    iva.IvaError
+        If a file cannot be written; complete parts are kept.
     KeyboardInterrupt
-        On Ctrl-C, within about a second; nothing of the sweep comes back. Python hands the signal
-        to its main thread only: a sweep in another thread goes on to its end.
+        On Ctrl-C, within about a second. With `out` complete parts are kept, and ``resume=True``
+        goes on; else nothing of the sweep comes back. Python hands the signal to its main thread
+        only: a sweep in another thread goes on to its end.
 
     Examples
     --------
@@ -174,16 +137,6 @@ def sweep(
     >>> table.summary.height
     3
     """
-    if not isinstance(over, Mapping):
-        raise TypeError(f"over = {shown(over)}: give a mapping from field names to values")
-    for key in over:
-        if not isinstance(key, str):
-            raise TypeError(f"over has the key {shown(key)}: give field names")
-    if not over:
-        raise ValueError(
-            "over = {}: give at least one axis, for example {'mass_ratio': [0.05, 0.1]}, or call "
-            "iva.simulate for a single run"
-        )
     chosen = names("tables", tables)
     if chosen is None:
         raise TypeError("tables = None: give names")
@@ -203,17 +156,73 @@ def sweep(
             "tolerance": tolerance,
         },
     )
-    axes = [(key, numbers(f"sweep.{key}", values)) for key, values in over.items()]
+    study = _iva.Study(
+        spec,
+        points_of(over, sampling),
+        chosen,
+        names("measures", measures),
+        truth("errors", errors),
+    )
+    limit = number("memory_limit", memory_limit)
+    if out is None:
+        for name, asked in (("resume", resume), ("overwrite", overwrite)):
+            if truth(name, asked):
+                raise ValueError(f"{name} = True: it is about a folder; give out")
+        if format != "parquet":
+            raise ValueError(f"format = {shown(format)}: it is about a folder; give out")
     with reporting(progress) as report:
-        made = _iva.sweep(
-            spec,
-            axes,
-            chosen,
-            names("measures", measures),
-            threads,
-            report,
-            truth("errors", errors),
-        )
-    swept = tuple(key for key, _ in axes)
-    metadata = next(iter(made.values())).metadata
-    return Table(swept, from_metadata(metadata, swept), from_arrow(made))
+        pool = None
+        if executor is not None or client is not None:
+            from iva import distributed
+
+            pool = distributed.pool_of(executor, client)
+            if out is None:
+                return distributed.gathered(study, pool, limit, report)
+        if out is None:
+            made = study.run(threads, report, limit)
+            metadata = next(iter(made.values())).metadata
+            swept = tuple(study.swept)
+            return Table(swept, from_metadata(metadata, swept), from_arrow(made))
+        how = (format, truth("resume", resume), truth("overwrite", overwrite))
+        if isinstance(out, str) and "://" in out:
+            from iva import remote
+
+            if pool is None:
+                raise ValueError(f"out = {out!r}: a URL needs executor or client; give a folder")
+            table, damaged = remote.written(study, pool, out, *how, report)
+            warned(damaged)
+            return table
+        folder = Path(out)
+        if pool is not None:
+            warned(distributed.written(study, pool, folder, *how, report))
+        else:
+            try:
+                warned(_iva.sweep_into(study, folder, *how, threads, report))
+            except KeyboardInterrupt as interrupt:
+                interrupt.add_note(kept(folder, overwrite))
+                raise
+    return read(folder)
+
+
+def kept(folder: Path, overwrite: bool) -> str:
+    """Return a sentence on what is left of a sweep that was interrupted."""
+    new = folder / ".iva-new"
+    replaced = overwrite and new.is_dir()
+    try:
+        manifest = manifest_of(new if replaced else folder)
+    except _iva.IvaError as error:
+        return str(error)
+    if manifest is None or not manifest.parts:
+        return "nothing was finished, so nothing was written"
+    how = "overwrite=True, resume=True" if replaced else "resume=True"
+    done = f"{manifest.done} of {manifest.points} points are written to {folder}"
+    return f"{done}; go on with {how}"
+
+
+def warned(damaged: Sequence[str]) -> None:
+    """Warn of files that were not what was written, and have been computed again."""
+    if damaged:
+        import warnings
+
+        files = ", ".join(damaged)
+        warnings.warn(f"not what was written, and computed again: {files}", stacklevel=3)

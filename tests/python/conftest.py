@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import settings
 
 import iva
+
+# How long an example takes says nothing on a busy machine.
+settings.register_profile("iva", deadline=None)
+settings.load_profile("iva")
 
 
 @pytest.fixture

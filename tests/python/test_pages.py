@@ -101,7 +101,10 @@ def test_fences_are_closed_and_say_their_language() -> None:
         assert set(languages) <= {*RUNNABLE, "text"}, f"{page.name}: {languages}"
 
 
-@pytest.mark.parametrize("name", ["recipes.md", "reproducibility.md", "study-file.md"])
+WITH_CODE = ["large-sweeps.md", "recipes.md", "reproducibility.md", "study-file.md"]
+
+
+@pytest.mark.parametrize("name", WITH_CODE)
 def test_code_of_a_page(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "studies").symlink_to(DOCS.parent / "studies")
@@ -119,7 +122,7 @@ def test_pages_with_code_are_run() -> None:
     with_code = [
         page.name for page in PAGES if any(block.language in RUNNABLE for block in blocks(page))
     ]
-    assert with_code == ["recipes.md", "reproducibility.md", "study-file.md"]
+    assert with_code == WITH_CODE
 
 
 def test_links_lead_to_files() -> None:

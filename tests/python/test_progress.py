@@ -61,7 +61,7 @@ def test_what_was_begun_is_ended(monkeypatch: pytest.MonkeyPatch, tqdm: bool) ->
     def interrupted() -> None:
         with reporting(True) as tell:
             assert tell is not None
-            tell(1, 4)
+            tell(1, 4, 0)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import pickle
 import shutil
 from pathlib import Path
@@ -108,10 +109,10 @@ LARGE = (
     STUDY.replace("periods = 6", 'periods = 0.1\ntables = ["summary", "impacts"]')
     + """
 [sweep]
-restitution = {{ start = {start}, stop = 1.0, count = 140000 }}
+restitution = {{ start = {start}, stop = 1.0, count = 600000 }}
 """
 )
-PART_POINTS = 65_536  # points a part file covers
+PART_POINTS = 1 << 18  # points that a part of such short runs covers
 
 
 @pytest.fixture(scope="module")
@@ -144,20 +145,40 @@ def refuse(folder: Path, *pieces: str) -> None:
 
 
 def test_parts_of_one_run_make_one_table(folder: Path) -> None:
-    assert iva.read(folder).summary["point"].to_list() == list(range(140_000))
+    assert iva.read(folder).summary["point"].to_list() == list(range(600_000))
 
 
-def test_an_interrupted_sweep_can_be_read(folder: Path) -> None:
+def without(folder: Path, number: int) -> None:
+    """Take a part out of the manifest, as if the sweep had been interrupted before."""
+    file = folder / "manifest.json"
+    manifest = json.loads(file.read_text(encoding="utf-8"))
+    del manifest["parts"][str(number)]
+    file.write_text(json.dumps(manifest, indent=2), encoding="utf-8")
+
+
+@pytest.mark.parametrize("number", [0, 1, 2])
+@pytest.mark.parametrize("there", [False, True])
+def test_an_interrupted_sweep_can_be_read(folder: Path, number: int, there: bool) -> None:
+    without(folder, number)
     for name in ("summary", "impacts"):
-        (folder / name / part(2)).unlink()
-    assert iva.read(folder).summary.height == 2 * PART_POINTS
+        if not there:  # else killed before it was entered
+            (folder / name / part(number)).unlink()
+    points = iva.read(folder).summary["point"]
+    assert points.to_list() == iva.scan(folder).summary.collect()["point"].to_list()
+    gone = range(number * PART_POINTS, min(600_000, (number + 1) * PART_POINTS))
+    assert set(points) == set(range(600_000)) - set(gone)
+
+
+def test_a_manifest_that_cannot_be_read_is_named(folder: Path) -> None:
+    (folder / "manifest.json").write_text("{}", encoding="utf-8")
+    refuse(folder, "manifest.json", "no manifest of a sweep")
 
 
 def test_parts_state_what_they_cover(folder: Path) -> None:
     found = [pl.read_parquet_metadata(folder / "impacts" / part(number)) for number in range(3)]
-    assert [keys["iva.first_point"] for keys in found] == ["0", "65536", "131072"]
-    assert [keys["iva.part_points"] for keys in found] == ["65536", "65536", "8928"]
-    assert {keys["iva.points"] for keys in found} == {"140000"}
+    assert [keys["iva.first_point"] for keys in found] == ["0", "262144", "524288"]
+    assert [keys["iva.part_points"] for keys in found] == ["262144", "262144", "75712"]
+    assert {keys["iva.points"] for keys in found} == {"600000"}
 
 
 def test_a_missing_part_is_named(folder: Path) -> None:
@@ -194,7 +215,7 @@ def test_a_part_of_another_table_is_named(folder: Path) -> None:
 
 def test_a_renamed_part_is_named(folder: Path) -> None:
     shutil.copy(folder / "summary" / part(0), folder / "summary" / part(1))
-    refuse(folder, str(Path("summary", part(1))), "point 0", "point 65536")
+    refuse(folder, str(Path("summary", part(1))), "point 0", "point 262144")
 
 
 def test_a_strange_name_is_named(folder: Path) -> None:

@@ -110,7 +110,7 @@ def test_field_metadata_say_the_same(system: str, primary: dict[str, float]) -> 
         "run.periods": 1.0,
     }
     names = ["summary", "impacts", "episodes", "envelope"]
-    made = _iva.sweep(spec, [("relative_clearance", [0.5])], names)
+    made = _iva.Study(spec, ("grid", [("relative_clearance", [0.5])]), names).run()
     sentence, columns = _iva.column_units(system, ["relative_clearance"])
     for name in names:
         assert made[name].metadata["iva.units"] == system

@@ -53,10 +53,14 @@ pub enum Command {
                             then\n\n  \
                             iva sweep my.toml\n\n\
                             prints the best points and writes\n\n  \
-                            results/my/summary      a row a point\n  \
-                            results/my/impacts      a row an impact\n  \
-                            results/my/study.toml   the study, every default filled in")]
-    Sweep(RunArgs),
+                            results/my/summary         a row a point\n  \
+                            results/my/impacts         a row an impact\n  \
+                            results/my/study.toml      the study, every default filled in\n  \
+                            results/my/manifest.json   which parts are complete, with checksums\n\n\
+                            After Ctrl-C, a crash or a full disk\n\n  \
+                            iva sweep my.toml --resume\n\n\
+                            runs what is missing.")]
+    Sweep(SweepArgs),
     /// Run a study without a grid, or one point of it, and write every table
     #[command(
         max_term_width = 80,
@@ -82,9 +86,21 @@ pub enum Command {
     Run(RunPointArgs),
     /// Check a study, count its points, and estimate time and size
     #[command(after_help = "Example:\n\n  iva check studies/siva_clearance.toml\n\n\
-                            Nothing is written. A few points spread over the grid are run for the \
+                            Nothing is written. A few points spread over the study are run for the \
                             estimate.")]
     Check(CheckArgs),
+}
+
+/// Arguments of `iva sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// Go on with the sweep that the folder holds: its complete parts are checked and kept. Without
+    /// one it begins
+    #[arg(long)]
+    pub resume: bool,
+    /// Everything else.
+    #[command(flatten)]
+    pub run: RunArgs,
 }
 
 /// Arguments of `iva sweep` and `iva run`.

@@ -1,37 +1,37 @@
-//! The `[sweep]` section: its axes, in the order of the file, slowest first.
+//! The `[sweep]` section: what is swept, in the order of the file, and the values of axes.
 
 use std::ops::Range;
 
 use iva_sweep::Invalid;
-use iva_sweep::choices::Kind;
+use iva_sweep::axis::{Axis, MAX_VALUES};
 use iva_sweep::fields::{Allowed, Part};
+use iva_sweep::sampling::MAX_POINTS;
 use iva_sweep::slot::Slot;
-use iva_sweep::study::{Axis, MAX_POINTS, MAX_VALUES, distinct, fitting};
+
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
 use crate::source::{Source, shortened};
 use crate::value::{Key, Value, at, entries, number, table, whole_number};
 
-/// One axis as written, before its values are made.
-struct Entry<'a, 't> {
+/// What is swept as written, before its values are made.
+pub(crate) struct Entry<'a, 't> {
     /// The key as the user wrote it; `part.name` for the nested form.
-    key: String,
+    pub key: String,
     span: Range<usize>,
-    value: &'a Value<'t>,
+    /// What stands behind it.
+    pub value: &'a Value<'t>,
 }
 
-/// Reads the section.
+/// Reads the keys of the section.
 ///
 /// # Errors
-/// At the place of the first unknown or ambiguous key, wrong type, value out of range, or axis
-/// that sets the same quantity as an earlier one or that the kind of absorber does not have; also for an empty section and too many points.
-pub(crate) fn read(
+/// At the place of the first unknown or ambiguous key; also for an empty section.
+pub(crate) fn read<'a, 't>(
     source: &mut Source,
-    key: &Key<'_>,
-    value: &Value<'_>,
-    kind: Kind,
-) -> Result<Vec<Axis>, Error> {
+    key: &Key<'t>,
+    value: &'a Value<'t>,
+) -> Result<Vec<Entry<'a, 't>>, Error> {
     let section = table(source, "sweep", key, value)?;
     source.note("sweep".to_owned(), key.span());
     let entries = flatten(section);
@@ -43,18 +43,27 @@ pub(crate) fn read(
         ));
     }
     check_fields(source, &entries)?;
-    check_size(source, key.span(), &entries)?;
+    Ok(entries)
+}
+
+/// Makes the values of axes.
+///
+/// # Errors
+/// At the place of the first wrong type or value out of range.
+pub(crate) fn values(source: &mut Source, entries: &[Entry<'_, '_>]) -> Result<Vec<Axis>, Error> {
     let mut axes = Vec::with_capacity(entries.len());
-    for entry in &entries {
+    for entry in entries {
         let axis = read_axis(source, entry)?;
-        source.note(format!("sweep.{}", axis.key), entry.span.clone());
-        source.note_axis(axis.slot, entry.span.clone());
+        note(source, entry, axis.slot);
         axes.push(axis);
     }
-    distinct(&axes)
-        .and_then(|()| fitting(kind, &axes))
-        .map_err(|invalid| source.locate(&invalid))?;
     Ok(axes)
+}
+
+/// Notes where something swept stands.
+pub(crate) fn note(source: &mut Source, entry: &Entry<'_, '_>, slot: Slot) {
+    source.note(format!("sweep.{}", entry.key), entry.span.clone());
+    source.note_axis(slot, entry.span.clone());
 }
 
 /// `absorber.mass = …` is TOML for a table inside a table: gives it back as `absorber.mass`; so does
@@ -85,7 +94,10 @@ fn check_fields(source: &Source, entries: &[Entry<'_, '_>]) -> Result<(), Error>
 }
 
 /// The field that a key names.
-fn slot(source: &Source, entry: &Entry<'_, '_>) -> Result<Slot, Error> {
+///
+/// # Errors
+/// At the place of an unknown or ambiguous key.
+pub(crate) fn slot(source: &Source, entry: &Entry<'_, '_>) -> Result<Slot, Error> {
     Slot::from_key(&entry.key).map_err(|invalid| {
         let value = format!("`{}`", shortened(&entry.key));
         at(source, entry.span.clone(), &Invalid { value, ..invalid })
@@ -93,7 +105,14 @@ fn slot(source: &Source, entry: &Entry<'_, '_>) -> Result<Slot, Error> {
 }
 
 /// Refuses a grid that is too large before any of its values are made.
-fn check_size(source: &Source, span: Range<usize>, entries: &[Entry<'_, '_>]) -> Result<(), Error> {
+///
+/// # Errors
+/// At the place of the section.
+pub(crate) fn check_size(
+    source: &Source,
+    span: Range<usize>,
+    entries: &[Entry<'_, '_>],
+) -> Result<(), Error> {
     let lengths: Vec<f64> = entries.iter().filter_map(length).collect();
     let points: f64 = lengths.iter().product();
     if points <= MAX_POINTS as f64 {

@@ -4,8 +4,13 @@ use std::fmt::Write;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use iva_sweep::Invalid;
+use iva_sweep::axis::Axis;
+use iva_sweep::identity::Identity;
 use iva_sweep::motion::trajectory;
-use iva_sweep::study::Table;
+use iva_sweep::plan::{Plan, Trial, spread};
+use iva_sweep::sampling::{Rows, Sampling};
+use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, Workers, sweep};
 use iva_sweep::tables::schema;
 
@@ -13,7 +18,6 @@ use crate::args::CheckArgs;
 use crate::cell::duration;
 use crate::error::Error;
 use crate::layout::{first_upper, wrap};
-use crate::output::PART_POINTS;
 use crate::progress::Progress;
 use crate::report::counted;
 use crate::run_study::{size, without_trajectory};
@@ -21,8 +25,10 @@ use crate::scene::describe;
 use crate::study_file::{StudyFile, read_study};
 use crate::table_file::encoded_size;
 
-/// Points run for the estimate. A grid of up to twice as many is run whole.
-const SAMPLES: u64 = 48;
+/// Points run for the estimate. A study of up to twice as many is run whole.
+const SAMPLES: u64 = 1024;
+/// Points run at once, as many as side by side fill a worker's time well.
+const BATCH: usize = 64;
 /// No further sample is started after this time.
 const PATIENCE: Duration = Duration::from_secs(3);
 
@@ -44,11 +50,14 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let mut out = String::new();
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{} is valid.", args.study.display());
-    let lengths: Vec<String> =
-        file.study.axes.iter().map(|axis| format!("{} {}", axis.values.len(), axis.key)).collect();
-    let grid = match lengths.as_slice() {
-        [] => "Points: 1 (no [sweep]: for `iva run`)".to_owned(),
-        lengths => format!("Points: {points} ({})", lengths.join(" × ")),
+    let sampling = &file.study.sampling;
+    let grid = match sampling.is_empty() {
+        true => "Points: 1 (no [sweep]: for `iva run`)".to_owned(),
+        false => format!(
+            "Points: {points} ({sampling}), in {} of at most {}",
+            counted(estimate.plan.parts(), "part"),
+            counted(estimate.plan.part_points, "point")
+        ),
     };
     let _ = writeln!(out, "{}", wrap(&grid));
     let _ = writeln!(out, "{}", wrap(&format!("{}.", first_upper(units.sentence()))));
@@ -64,7 +73,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
         "Time and size are from a run of every point; nothing was written.".to_owned()
     } else {
         format!(
-            "Time and size are scaled up from {} spread over the grid; nothing was written.",
+            "Time and size are scaled up from {} spread over the study; nothing was written.",
             counted(estimate.samples, "point")
         )
     };
@@ -73,6 +82,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
 }
 
 struct Estimate {
+    plan: Plan,
     samples: u64,
     /// On one thread, for the whole study.
     seconds: f64,
@@ -85,30 +95,38 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     let located = |invalid| file.source.locate(&invalid);
     let cancel = AtomicBool::new(false);
     let workers = Workers::new(Some(1))?;
-    let control = Control { workers: &workers, chunk: None, cancel: &cancel, progress: &|_| {} };
+    let control =
+        Control { workers: &workers, chunk: Some(BATCH), cancel: &cancel, progress: &|_| {} };
     let wanted = samples_of(points);
+    let sampled = sampled(&study, wanted, points).map_err(located)?;
     let start = Instant::now();
-    let mut seconds = 0.0;
     let mut samples = 0;
     let mut batches = Vec::new();
-    for sample in 0..wanted {
-        let point = spread(sample, wanted, points);
-        let before = Instant::now();
+    while samples < wanted {
+        // As many as the time that is left allows, by those before.
+        let each = start.elapsed().as_secs_f64() / samples as f64;
+        let left = PATIENCE.saturating_sub(start.elapsed()).as_secs_f64();
+        let batch = if samples == 0 { 1 } else { ((left / each) as u64).clamp(1, BATCH as u64) };
+        let last = wanted.min(samples + batch);
         batches.push(
-            sweep(&study, point..point + 1, &control)
+            sweep(&sampled, samples..last, &control)
                 .map_err(|error| file.source.locate_sweep(error))?,
         );
-        seconds += before.elapsed().as_secs_f64();
-        samples += 1;
+        samples = last;
         if start.elapsed() > PATIENCE {
             break;
         }
     }
+    let mut seconds = start.elapsed().as_secs_f64();
     let factor = points as f64 / samples as f64;
-    let parts = points.div_ceil(PART_POINTS) as f64;
+    let located_sweep = |error| file.source.locate_sweep(error);
+    let trial = Trial::run(&study, &Workers::new(None)?, &cancel).map_err(located_sweep)?;
+    let plan = Plan::new(&study, &trial).map_err(located)?;
+    let parts = plan.parts() as f64;
+    let identity = Identity::of(&study).map_err(located)?;
     let mut sizes = Vec::new();
     for table in &study.tables {
-        let schema = schema(&study, *table).map_err(located)?;
+        let schema = schema(&study, *table, identity).map_err(located)?;
         let rows: Vec<_> = batches.iter().filter_map(|tables| tables.get(table).cloned()).collect();
         let empty = encoded_size(schema.clone(), &[])? as f64;
         let full = encoded_size(schema, &rows)? as f64;
@@ -119,38 +137,33 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
         let rows = trajectory(&file.study.spec, file.samples_per_period, &cancel)
             .map_err(|error| file.source.locate_sweep(error))?;
         seconds += before.elapsed().as_secs_f64();
-        let schema = schema(&file.study, Table::Trajectory).map_err(located)?;
+        let schema = schema(&file.study, Table::Trajectory, identity).map_err(located)?;
         sizes.push((Table::Trajectory, encoded_size(schema, &[rows])? as f64));
     }
-    Ok(Estimate { samples, seconds: seconds * factor, sizes })
+    Ok(Estimate { plan, samples, seconds: seconds * factor, sizes })
+}
+
+/// The study at points spread over it, in an order of which any begin is spread as well.
+fn sampled(study: &Study, wanted: u64, points: u64) -> Result<Study, Invalid> {
+    if study.sampling.is_empty() {
+        return Ok(study.clone());
+    }
+    let golden = (wanted as f64 * 0.618) as u64;
+    let coprime = |step: &u64| gcd(*step, wanted) == 1;
+    let step = (golden.max(1)..).find(coprime).unwrap_or(1);
+    let chosen = (0..wanted).map(|sample| spread(sample * step % wanted, wanted, points));
+    let rows: Vec<Vec<f64>> = chosen.map(|point| study.swept(point)).collect();
+    let columns = study.sampling.keys().enumerate().map(|(column, swept)| {
+        Axis::new(swept.key, rows.iter().map(|values| values[column]).collect())
+    });
+    let rows = Rows::new(columns.collect::<Result<_, _>>()?, 0)?;
+    Ok(Study { sampling: Sampling::Rows(rows), ..study.clone() })
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 fn samples_of(points: u64) -> u64 {
     if points <= 2 * SAMPLES { points } else { SAMPLES }
-}
-
-/// The point of a sample: spread evenly, but off the period of any axis, and never the same twice.
-fn spread(sample: u64, samples: u64, points: u64) -> u64 {
-    if samples == points {
-        return sample;
-    }
-    // A golden-ratio offset within each of the equal stretches of the grid.
-    let offset = (sample as f64 * 0.618_033_988_749_894_9).fract();
-    let stretch = points as f64 / samples as f64;
-    (((sample as f64 + offset) * stretch) as u64).min(points - 1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn samples_are_different_points_of_the_grid() {
-        for points in [1, 2, 48, 95, 96, 97, 98, 444, 1 << 32] {
-            let samples = samples_of(points);
-            let chosen: Vec<u64> = (0..samples).map(|i| spread(i, samples, points)).collect();
-            assert!(chosen.iter().all(|point| *point < points));
-            assert!(chosen.windows(2).all(|pair| pair[0] < pair[1]), "{points}: {chosen:?}");
-        }
-    }
 }

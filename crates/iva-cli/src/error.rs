@@ -49,15 +49,58 @@ pub enum Error {
         /// What went wrong.
         reason: Box<Error>,
         /// What is kept of the results.
-        kept: String,
+        kept: Kept,
     },
     /// Ctrl-C, with what became of the results.
     #[error("interrupted: {0}")]
-    Interrupted(String),
+    Interrupted(Kept),
     /// A fault of this program or of the machine: a table that cannot be built, threads that do
     /// not start.
     #[error("internal fault: {0}")]
     Internal(String),
+}
+
+/// What is kept of a sweep that ended early.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Kept {
+    /// The folder of the sweep.
+    pub dir: PathBuf,
+    /// Points of complete parts.
+    pub done: u64,
+    /// Points of the sweep.
+    pub points: u64,
+    /// It was to replace earlier tables.
+    pub replaced: bool,
+}
+
+impl Kept {
+    /// Nothing: no part was complete.
+    pub fn nothing() -> Self {
+        Self { dir: PathBuf::new(), done: 0, points: 0, replaced: false }
+    }
+
+    /// One sentence; `resume` says how to ask for the rest.
+    pub fn sentence(&self, resume: &str) -> String {
+        let Self { done, points, .. } = self;
+        let dir = self.dir.display();
+        match (*done, self.replaced) {
+            (0, _) => "nothing was finished, so nothing was written".to_owned(),
+            (_, false) => format!("{done} of {points} points are written to {dir}; {resume}"),
+            (_, true) => format!(
+                "the earlier tables in {dir} are as they were, {done} of {points} points of the new \
+                 ones are kept beside them; {resume}"
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Kept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.sentence(match self.replaced {
+            true => "go on with --overwrite --resume",
+            false => "go on with --resume",
+        }))
+    }
 }
 
 impl Error {

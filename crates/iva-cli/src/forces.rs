@@ -114,7 +114,7 @@ fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Record
 }
 
 /// A file that a study names stands beside the study, unless its name begins at the root.
-fn beside(study: &Path, file: &str) -> PathBuf {
+pub(crate) fn beside(study: &Path, file: &str) -> PathBuf {
     let path = study.parent().unwrap_or(Path::new("")).join(file);
     // The resolved study stands elsewhere.
     path.canonicalize().unwrap_or(path)

@@ -3,27 +3,40 @@
 //! [`main_with_args`] is the one command line that the native binary and the Python console script
 //! share. Below it, in the order of a run:
 //! [`args`] (what was asked) → [`study_file`] (TOML, with the place of every error) →
-//! [`iva_sweep`] (the runs) → [`table_file`] and [`output`] (staged, then moved into place) →
-//! [`report`] (the best points). [`resolved`] writes the study with every default filled in.
+//! [`run_sweep`] (part by part, by [`iva_sweep`]) → [`part_files`] and [`table_file`] →
+//! [`sweep_folder`] with its [`manifest`] ([`output`] of a single run) → [`report`] (the best points). [`resolved`] writes the study with every default filled in.
 
 pub mod args;
 mod axes;
 mod cell;
+mod changes;
 mod check;
+mod claim;
 pub mod error;
+mod folder;
 mod forces;
+mod inputs;
 mod interrupt;
 mod layout;
 mod log;
+pub mod manifest;
+mod moves;
 pub mod output;
+pub mod part_files;
+pub mod points_file;
 mod progress;
 pub mod record_file;
 pub mod report;
 pub mod resolved;
+mod run_command;
 mod run_study;
+pub mod run_sweep;
+pub mod sampling;
 pub mod scene;
 pub mod source;
 pub mod study_file;
+mod sweep_command;
+pub mod sweep_folder;
 pub mod table_file;
 #[cfg(test)]
 mod tests;
@@ -73,8 +86,8 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
         }
     };
     let (result, quiet) = match &cli.command {
-        Command::Sweep(args) => (run_study::sweep_command(args), args.quiet),
-        Command::Run(args) => (run_study::run_command(args), args.run.quiet),
+        Command::Sweep(args) => (sweep_command::sweep_command(args), args.run.quiet),
+        Command::Run(args) => (run_command::run_command(args), args.run.quiet),
         Command::Check(args) => (check::check_command(args), false),
     };
     match result {

@@ -1,7 +1,7 @@
 //! `--log FILE`: what a run does, as lines of JSON for machines that watch it.
 //!
 //! Every line is an object with `time` (seconds since 1970, UTC) and `event`: `start`, `checked`,
-//! `part`, and at the end `finished` or `failed`.
+//! `damaged`, `part`, and at the end `finished` or `failed`.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;

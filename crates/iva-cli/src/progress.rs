@@ -1,41 +1,79 @@
 //! A bar on standard error that tells how far a sweep is; silent unless that is a terminal.
 
+use std::fmt::Write;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use iva_sweep::done::Done;
 
 /// What is shown, in at most 80 columns.
-const TEMPLATE: &str = "{msg} {bar:24} {percent:>3} %  {pos}/{len}  {per_sec}  {eta} left";
+const TEMPLATE: &str = "{prefix} {bar:20} {percent:>3} %  {pos}/{len}  {rate}  {eta} left{msg}";
 /// How often the bar moves on by itself, so that long points show that time passes.
 const TICK: Duration = Duration::from_millis(200);
 
 /// Counts finished points and shows them from whatever thread finishes them.
-pub(crate) struct Progress(ProgressBar);
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    failed: AtomicU64,
+}
 
 impl Progress {
     /// Starts the clock; `doing` says what is done to the points.
     pub(crate) fn new(doing: &'static str, total: u64, quiet: bool) -> Self {
         let target =
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(total), target).with_message(doing);
+        let bar = ProgressBar::with_draw_target(Some(total), target).with_prefix(doing);
         if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
-            bar.set_style(style);
+            bar.set_style(style.with_key("rate", write_rate));
         }
         if !bar.is_hidden() {
             bar.enable_steady_tick(TICK);
         }
-        Self(bar)
+        Self { bar, failed: AtomicU64::new(0) }
+    }
+
+    /// Begins with points that were finished before; they count for neither rate nor time left.
+    pub(crate) fn begin_at(&self, points: u64, failed: u64) {
+        self.bar.set_position(points);
+        self.bar.reset_eta();
+        self.show_failed(failed);
     }
 
     /// Adds finished points.
     pub(crate) fn add(&self, points: u64) {
-        self.0.inc(points);
+        self.bar.inc(points);
+    }
+
+    /// Adds finished points, and says how many failed so far.
+    pub(crate) fn done(&self, done: Done) {
+        self.show_failed(done.failed);
+        self.add(done.points);
+    }
+
+    fn show_failed(&self, more: u64) {
+        let failed = more + self.failed.fetch_add(more, Ordering::Relaxed);
+        if more > 0 {
+            self.bar.set_message(format!("  {failed} failed"));
+        }
+    }
+
+    /// Prints a line above the bar.
+    pub(crate) fn say(&self, line: &str) {
+        self.bar.suspend(|| eprintln!("{line}"));
     }
 
     /// Removes the bar.
     pub(crate) fn clear(&self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
+}
+
+/// Points a second, without the decimals that the bar itself would show.
+fn write_rate(state: &ProgressState, to: &mut dyn Write) {
+    let decimals = if state.per_sec() < 10.0 { 1 } else { 0 };
+    // Nothing can be done about a terminal that takes no text.
+    let _ = write!(to, "{:.decimals$}/s", state.per_sec());
 }
 
 #[cfg(test)]

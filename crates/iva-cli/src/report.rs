@@ -115,8 +115,8 @@ impl BestPoints {
         })
     }
 
-    /// Takes rows of the summary table, whose first point is `first`.
-    pub fn add(&mut self, summary: &RecordBatch, first: u64) {
+    /// Takes rows of the summary table.
+    pub fn add(&mut self, summary: &RecordBatch) {
         for index in 0..summary.num_rows() {
             self.points += 1;
             let outcome = text(summary, "outcome", index).unwrap_or("finished");
@@ -131,7 +131,9 @@ impl BestPoints {
                 self.beside.iter().map(|column| number(summary, column.name, index)).collect();
             let impacts = number(summary, "impacts", index);
             self.idle += u64::from(impacts == Some(0.0));
-            self.rows.push(Row { point: first + index as u64, value, impacts, beside });
+            // A whole number below 2^32 is exact.
+            let point = number(summary, "point", index).map_or(0, |point| point as u64);
+            self.rows.push(Row { point, value, impacts, beside });
         }
         let better = self.better;
         // Nulls last, ties in the order of the points.
@@ -228,12 +230,11 @@ impl BestPoints {
         let mut table = TextTable::default();
         let numbers = self.rows.iter().map(|row| row.point.to_string()).collect();
         table.push_optional("point", "", numbers);
-        let indices: Vec<Vec<usize>> = self.rows.iter().map(|r| study.indices(r.point)).collect();
-        for (position, axis) in study.axes.iter().enumerate() {
-            let values: Vec<f64> =
-                indices.iter().map(|indices| axis.values[indices[position]]).collect();
-            let unit = short_unit(units, axis.slot.info().quantity);
-            table.push(&axis.key, unit, aligned(&values, 6));
+        let rows: Vec<Vec<f64>> = self.rows.iter().map(|row| study.swept(row.point)).collect();
+        for (position, swept) in study.sampling.keys().enumerate() {
+            let values: Vec<f64> = rows.iter().map(|values| values[position]).collect();
+            let unit = short_unit(units, swept.slot.info().quantity);
+            table.push(swept.key, unit, aligned(&values, 6));
         }
         let value = |value: Option<f64>, quantity| match value {
             None => "-".to_owned(),

@@ -2,11 +2,14 @@
 
 use std::fmt::Write;
 
+use iva_sweep::axis::Axis;
+use iva_sweep::cube::Method;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{Allowed, FieldId, Part};
 use iva_sweep::forces::ForceSpec;
+use iva_sweep::sampling::{Sample, Sampling};
 use iva_sweep::slot::Slot;
-use iva_sweep::study::{Axis, Table};
+use iva_sweep::study::Table;
 
 use crate::error::Error;
 use crate::layout::first_upper;
@@ -31,14 +34,14 @@ fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
     let mut resolved = file.clone();
     let choices = *file.study.spec.choices();
     let mut spec = Spec::new(choices);
-    let axes = &file.study.axes;
+    let sampling = &file.study.sampling;
     // A force may be made of axes alone.
     let forces = file.study.spec(0)?.forces().to_vec();
     for force in &forces {
         spec.add_force(ForceSpec::new(force.record.clone()));
     }
     for (slot, value) in file.study.spec.given() {
-        if !axes.iter().any(|axis| axis.slot.same_quantity(slot)) {
+        if !sampling.sets(slot) {
             spec.set(slot, value)?;
         }
     }
@@ -53,8 +56,8 @@ fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
             vec![field.into()]
         };
         for slot in slots {
-            let given = spec.given().any(|(other, _)| other.same_quantity(slot))
-                || axes.iter().any(|axis| axis.slot.same_quantity(slot));
+            let given =
+                spec.given().any(|(other, _)| other.same_quantity(slot)) || sampling.sets(slot);
             if !given {
                 spec.set(slot, value)?;
             }
@@ -100,12 +103,7 @@ fn text_of(file: &StudyFile, units: &str) -> String {
             write_run(&mut text, file);
         }
     }
-    if !file.study.axes.is_empty() {
-        text.push_str("\n[sweep]\n");
-        for axis in &file.study.axes {
-            write_axis(&mut text, axis);
-        }
-    }
+    write_sweep(&mut text, &file.study.sampling);
     text.push_str("\n[report]\n");
     if let Some(best_by) = file.report.best_by {
         let _ = writeln!(text, "best_by = \"{best_by}\"");
@@ -132,9 +130,9 @@ fn write_forces(text: &mut String, spec: &Spec) {
 
 fn write_run(text: &mut String, file: &StudyFile) {
     let study = &file.study;
-    let swept = |axis: &Axis| axis.slot.field == FieldId::ChatterFloor;
-    if study.spec.get(FieldId::ChatterFloor).is_none() && !study.axes.iter().any(swept) {
-        let _ = writeln!(text, "# chatter_floor: {}", FieldId::ChatterFloor.info().help);
+    let floor = FieldId::ChatterFloor;
+    if study.spec.get(floor).is_none() && !study.sampling.sets(floor.into()) {
+        let _ = writeln!(text, "# chatter_floor: {}", floor.info().help);
     }
     let _ = writeln!(text, "samples_per_period = {}", file.samples_per_period);
     let _ = writeln!(text, "errors = {}", study.errors);
@@ -147,9 +145,53 @@ fn write_run(text: &mut String, file: &StudyFile) {
     text.push_str("]\n");
 }
 
+fn write_sweep(text: &mut String, sampling: &Sampling) {
+    let axes = match sampling {
+        Sampling::Grid(axes) => axes.as_slice(),
+        Sampling::Rows(rows) => {
+            if let Some(file) = &rows.file {
+                let file = toml::Value::from(file.clone());
+                let _ = writeln!(text, "\n[sampling]\npoints = {file}");
+                return;
+            }
+            text.push_str("\n[sampling]\nmethod = \"zip\"\n");
+            rows.axes()
+        }
+        Sampling::Sample(sample) => return write_sample(text, sample),
+    };
+    if !axes.is_empty() {
+        text.push_str("\n[sweep]\n");
+    }
+    for axis in axes {
+        write_axis(text, axis);
+    }
+}
+
+fn write_sample(text: &mut String, sample: &Sample) {
+    let Sample { method, count, seed, .. } = sample;
+    let _ = writeln!(text, "\n[sampling]\nmethod = \"{}\"", method.name());
+    let _ = writeln!(text, "count = {count}\nseed = {seed}");
+    if *method == Method::Sobol {
+        let _ = writeln!(text, "scramble = {}", sample.scramble);
+    }
+    text.push_str("\n[sweep]\n");
+    for variable in sample.variables() {
+        let (name, numbers) = variable.given();
+        let numbers = numbers.iter().map(|(name, value)| format!("{name} = {value:?}"));
+        let given: Vec<String> =
+            std::iter::once(format!("distribution = \"{name}\"")).chain(numbers).collect();
+        let _ = writeln!(text, "{} = {{ {} }}", key_of(&variable.key), given.join(", "));
+    }
+}
+
+/// A key as TOML takes it.
+fn key_of(key: &str) -> String {
+    let plain = key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if plain { key.to_owned() } else { format!("\"{key}\"") }
+}
+
 fn write_axis(text: &mut String, axis: &Axis) {
-    let plain = axis.key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    let key = if plain { axis.key.clone() } else { format!("\"{}\"", axis.key) };
+    let key = key_of(&axis.key);
     let literal = |value: f64| literal(axis.slot.field, value);
     if let Some((start, stop)) = equidistant(axis) {
         let _ = writeln!(

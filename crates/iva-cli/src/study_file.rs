@@ -35,10 +35,10 @@ use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Workers, validate};
 use toml::de::DeTable;
 
-use crate::axes;
 use crate::error::Error;
 use crate::forces;
 use crate::report::{BEST_DECAY, BEST_DRIVEN, RANKED, Report};
+use crate::sampling;
 use crate::source::Source;
 use crate::value::{
     Key, Value, entries, name, names, number, one_of, table, truth, unknown_key, whole_number,
@@ -56,8 +56,8 @@ pub const SWEEP_TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 /// A study of more bytes is not one: a million values of an axis take some 20 MB.
 const MOST_BYTES: u64 = 64_000_000;
 
-const SECTIONS: [&str; 8] =
-    ["version", "primary", "absorber", "force", "start", "run", "sweep", "report"];
+const SECTIONS: [&str; 9] =
+    ["version", "primary", "absorber", "force", "start", "run", "sampling", "sweep", "report"];
 const SAMPLES_RANGE: (u64, u64) = (1, 1_000_000);
 const COUNT_RANGE: (u64, u64) = (1, 1_000_000);
 
@@ -141,13 +141,10 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
             None => {}
         }
     }
-    let axes = match root.get_key_value("sweep") {
-        Some((key, value)) => axes::read(&mut source, key, value, spec.choices().kind)?,
-        None => Vec::new(),
-    };
-    let tables = tables_or_default(&source, &settings, !axes.is_empty())?;
+    let sampling = sampling::read(&mut source, root, spec.choices().kind)?;
+    let tables = tables_or_default(&source, &settings, !sampling.is_empty())?;
     let measures = settings.measures.unwrap_or_else(Selection::all);
-    let study = Study { spec, axes, tables, measures, errors: settings.errors };
+    let study = Study { spec, sampling, tables, measures, errors: settings.errors };
     let driven = study.spec(0).is_ok_and(|spec| spec.is_driven());
     let report = match root.get_key_value("report") {
         Some((key, value)) => read_report(&source, key, value, measures, driven)?,
@@ -162,6 +159,14 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
 }
 
 impl StudyFile {
+    /// A study made in a program: what no file says has its default.
+    pub fn of(study: Study) -> Self {
+        let driven = study.spec(study.sampling.first()).is_ok_and(|spec| spec.is_driven());
+        let report = Report::new(study.measures, driven);
+        let source = Source::new(Path::new("study"), "");
+        Self { study, samples_per_period: SAMPLES_PER_PERIOD, report, source }
+    }
+
     /// Number of points of the grid, 1 without one.
     ///
     /// # Errors

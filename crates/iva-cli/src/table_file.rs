@@ -1,32 +1,47 @@
 //! One part of a table as a file: the same rows always give the same bytes.
 
-use std::collections::BTreeMap;
+mod read;
+
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
 use arrow_csv::WriterBuilder;
-use arrow_ipc::reader::read_footer_length;
-use arrow_ipc::root_as_footer;
 use arrow_ipc::writer::FileWriter;
-use arrow_schema::{ArrowError, FieldRef, Schema, SchemaRef};
+use arrow_schema::{ArrowError, DataType, FieldRef, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use parquet::schema::types::ColumnPath;
+
+use sha2::{Digest, Sha256};
 
 use crate::error::Error;
-use crate::output::PART_POINTS;
+
+pub use read::{metadata, read_rows};
 
 /// Rows of a row group: a constant, so that the bytes do not depend on the machine.
-const ROW_GROUP_ROWS: usize = 1 << 20;
+const ROW_GROUP_ROWS: usize = 1 << 16;
 
 /// What tables are written as.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    clap::ValueEnum,
+    serde::Serialize,
+    serde::Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
 pub enum Format {
     /// Parquet: small, typed, with units in its metadata
     #[default]
@@ -58,7 +73,7 @@ impl fmt::Display for Format {
 }
 
 /// How tables are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Style {
     /// The kind of file.
     pub format: Format,
@@ -68,14 +83,71 @@ pub struct Style {
 
 /// The schema of a part: that of its table, with `iva.first_point` and `iva.part_points`, the points
 /// that it covers.
-pub fn part_schema(schema: &Schema, part: u64) -> SchemaRef {
+pub fn part_schema(schema: &Schema, points: &Range<u64>) -> SchemaRef {
     let mut metadata = schema.metadata().clone();
-    let points = metadata.get("iva.points").and_then(|points| points.parse::<u64>().ok());
-    let first = part * PART_POINTS;
-    let count = points.map_or(0, |points| points.saturating_sub(first).min(PART_POINTS));
-    metadata.insert("iva.first_point".to_owned(), first.to_string());
-    metadata.insert("iva.part_points".to_owned(), count.to_string());
+    metadata.insert("iva.first_point".to_owned(), points.start.to_string());
+    metadata.insert("iva.part_points".to_owned(), (points.end - points.start).to_string());
     Arc::new(Schema::new_with_metadata(schema.fields().clone(), metadata))
+}
+
+/// What stands in a finished file.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Contents {
+    /// Rows of the table.
+    pub rows: u64,
+    /// Size of the file.
+    pub bytes: u64,
+    /// SHA-256 of its bytes in hexadecimal digits, as `sha256sum` prints it.
+    pub sha256: String,
+}
+
+impl Contents {
+    /// True if a file has the bytes that were written. `go_on` is called between pieces of it.
+    ///
+    /// # Errors
+    /// If it is there and cannot be read; [`io::ErrorKind::Interrupted`] if `go_on` returned false.
+    pub fn are_in(&self, path: &Path, go_on: &dyn Fn() -> bool) -> io::Result<bool> {
+        let mut file = match File::open(path) {
+            Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(false),
+            other => other?,
+        };
+        if file.metadata()?.len() != self.bytes {
+            return Ok(false);
+        }
+        let mut hash = Sha256::new();
+        let mut piece = vec![0; 1 << 20];
+        loop {
+            match file.read(&mut piece)? {
+                0 => return Ok(hexadecimal(hash) == self.sha256),
+                _ if !go_on() => return Err(io::ErrorKind::Interrupted.into()),
+                read => hash.update(&piece[..read]),
+            }
+        }
+    }
+}
+
+fn hexadecimal(hash: Sha256) -> String {
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A file that hashes and counts the bytes that go into it.
+struct Hashing {
+    file: File,
+    hash: Sha256,
+    bytes: u64,
+}
+
+impl Write for Hashing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.hash.update(&bytes[..written]);
+        self.bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 /// A file being written.
@@ -83,12 +155,13 @@ pub struct TableFile {
     path: PathBuf,
     schema: SchemaRef,
     writer: Writer,
+    rows: u64,
 }
 
 enum Writer {
-    Parquet(Box<ArrowWriter<File>>),
-    Arrow(Box<FileWriter<BufWriter<File>>>),
-    Csv(Box<arrow_csv::Writer<BufWriter<File>>>),
+    Parquet(Box<ArrowWriter<Hashing>>),
+    Arrow(Box<FileWriter<BufWriter<Hashing>>>),
+    Csv(Box<arrow_csv::Writer<BufWriter<Hashing>>>),
 }
 
 impl TableFile {
@@ -98,6 +171,7 @@ impl TableFile {
     /// [`Error::Io`] if the file cannot be created or written.
     pub fn create(path: &Path, schema: SchemaRef, style: Style) -> Result<Self, Error> {
         let file = File::create_new(path).map_err(|reason| Error::io("create", path, reason))?;
+        let file = Hashing { file, hash: Sha256::new(), bytes: 0 };
         let writer = match style.format {
             Format::Parquet => {
                 let writer = parquet_writer(file, schema.clone());
@@ -114,7 +188,7 @@ impl TableFile {
                 Writer::Csv(Box::new(WriterBuilder::new().with_header(false).build(file)))
             }
         };
-        Ok(Self { path: path.to_owned(), schema, writer })
+        Ok(Self { path: path.to_owned(), schema, writer, rows: 0 })
     }
 
     /// Appends rows.
@@ -122,7 +196,8 @@ impl TableFile {
     /// # Errors
     /// [`Error::Io`] if they cannot be written.
     pub fn append(&mut self, rows: &RecordBatch) -> Result<(), Error> {
-        let Self { path, schema, writer } = self;
+        let Self { path, schema, writer, rows: count } = self;
+        *count += rows.num_rows() as u64;
         // The same columns, with the metadata of the part.
         let rows = rows.clone().with_schema(schema.clone()).map_err(|e| arrow_fault(path, e))?;
         match writer {
@@ -132,15 +207,16 @@ impl TableFile {
         }
     }
 
-    /// Completes the file and sees it onto the disk; returns its size in bytes.
+    /// Completes the file and sees it onto the disk; returns what is in it.
     ///
     /// # Errors
     /// [`Error::Io`] if that fails.
-    pub fn finish(self) -> Result<u64, Error> {
-        let Self { path, writer, .. } = self;
+    pub fn finish(self) -> Result<Contents, Error> {
+        let Self { path, writer, rows, .. } = self;
         let failed = |reason| Error::io("write", &path, reason);
-        let unbuffered =
-            |file: BufWriter<File>| file.into_inner().map_err(|error| failed(error.into_error()));
+        let unbuffered = |file: BufWriter<Hashing>| {
+            file.into_inner().map_err(|error| failed(error.into_error()))
+        };
         let file = match writer {
             Writer::Parquet(writer) => {
                 writer.into_inner().map_err(|error| parquet_fault(&path, error))?
@@ -150,45 +226,9 @@ impl TableFile {
             }
             Writer::Csv(writer) => unbuffered(writer.into_inner())?,
         };
-        file.sync_all().and_then(|()| file.metadata()).map(|found| found.len()).map_err(failed)
+        file.file.sync_all().map_err(failed)?;
+        Ok(Contents { rows, bytes: file.bytes, sha256: hexadecimal(file.hash) })
     }
-}
-
-/// The metadata of an Arrow file, which few readers of its columns show.
-///
-/// # Errors
-/// [`Error::Io`] if it cannot be read or is no Arrow file.
-pub fn metadata(path: &Path) -> Result<BTreeMap<String, String>, Error> {
-    let read = || {
-        let bytes = footer(path)?;
-        // The reader of the library would also build the schema, and panic over a broken one.
-        let footer = root_as_footer(&bytes).map_err(|_| io::ErrorKind::InvalidData)?;
-        let pairs = footer.schema().and_then(|schema| schema.custom_metadata());
-        let text = |value: Option<&str>| value.unwrap_or_default().to_owned();
-        let pairs = pairs.into_iter().flatten();
-        Ok(pairs.map(|pair| (text(pair.key()), text(pair.value()))).collect())
-    };
-    read().map_err(|reason: io::Error| {
-        use io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
-        let broken = matches!(reason.kind(), InvalidData | InvalidInput | UnexpectedEof);
-        let said = "it is not an Arrow file, or not all of it";
-        Error::io("read", path, if broken { io::Error::other(said) } else { reason })
-    })
-}
-
-/// The end of an Arrow file, which describes the rest.
-fn footer(path: &Path) -> io::Result<Vec<u8>> {
-    // A length of four bytes, and the six letters of the format.
-    const END: usize = 10;
-    let mut file = File::open(path)?;
-    let mut end = [0; END];
-    file.seek(SeekFrom::End(-(END as i64)))?;
-    file.read_exact(&mut end)?;
-    let length = read_footer_length(end).map_err(|_| io::ErrorKind::InvalidData)?;
-    file.seek(SeekFrom::End(-((END + length) as i64)))?;
-    let mut footer = vec![0; length];
-    file.read_exact(&mut footer)?;
-    Ok(footer)
 }
 
 /// Bytes that rows take as a Parquet file; used for estimates.
@@ -209,13 +249,20 @@ fn parquet_writer<W: Write + Send>(
     sink: W,
     schema: SchemaRef,
 ) -> Result<ArrowWriter<W>, ParquetError> {
-    let properties = WriterProperties::builder()
+    let mut properties = WriterProperties::builder()
         .set_created_by(concat!("iva-dynamics ", env!("CARGO_PKG_VERSION")).to_owned())
         .set_compression(Compression::SNAPPY)
         .set_max_row_group_row_count(Some(ROW_GROUP_ROWS))
-        .set_key_value_metadata(Some(key_values(&schema)))
-        .build();
-    ArrowWriter::try_new(sink, schema, Some(properties))
+        .set_key_value_metadata(Some(key_values(&schema)));
+    let swept = schema.metadata().get("iva.swept").map_or("", String::as_str);
+    for field in schema.fields().iter().filter(|field| *field.data_type() == DataType::Float64) {
+        // A dictionary pays for the few values of an axis, not for results that are all different.
+        if !swept.split(',').any(|key| key == field.name()) {
+            let column = ColumnPath::new(vec![field.name().clone()]);
+            properties = properties.set_column_dictionary_enabled(column, false);
+        }
+    }
+    ArrowWriter::try_new(sink, schema, Some(properties.build()))
 }
 
 /// The schema metadata once more as Parquet keys, for readers that know no Arrow; sorted.

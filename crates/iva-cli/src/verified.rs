@@ -21,7 +21,7 @@ use crate::table_file::{TableFile, part_schema};
 pub(crate) fn write_errors(output: &mut Output, verification: &Verification) -> Result<(), Error> {
     for (table, errors) in &verification.errors {
         let path = output.stage_errors(*table)?;
-        let schema = part_schema(&errors.schema(), 0);
+        let schema = part_schema(&errors.schema(), &(0..1));
         let mut file = TableFile::create(&path, schema, output.style())?;
         file.append(errors)?;
         file.finish()?;

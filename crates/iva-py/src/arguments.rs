@@ -1,16 +1,22 @@
 //! From Python arguments to a study.
 
+use std::collections::BTreeMap;
+
+use iva_sweep::axis::Axis;
 use iva_sweep::choices::Choices;
 use iva_sweep::columns::{SUMMARY, Selection};
+use iva_sweep::cube::Method;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part, nearest};
 use iva_sweep::forces::ForceSpec;
+use iva_sweep::sampling::{Rows, Sample, Sampling};
 use iva_sweep::slot::Slot;
-use iva_sweep::study::{Axis, Study, Table};
+use iva_sweep::study::{Study, Table};
+use iva_sweep::variable::Variable;
 use iva_sweep::{Invalid, number};
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyString};
+use pyo3::types::{PyBool, PyDict, PyString, PyTuple};
 
 use crate::errors::invalid;
 use crate::record::PyRecord;
@@ -112,29 +118,69 @@ pub fn check(part: Part, values: &[(String, f64)]) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// A study from a spec, named axes, table names and measure names (`None`: all).
+/// A study from a spec, points, table names and measure names (`None`: all).
 ///
 /// # Errors
-/// `ValueError` for an unknown name, an empty axis, or a value out of range.
+/// `ValueError` for an unknown name, or points that are none.
 pub fn study(
     spec: Spec,
-    axes: Vec<(String, Vec<f64>)>,
+    sampling: Sampling,
     tables: &[String],
     measures: Option<&[String]>,
     errors: bool,
 ) -> PyResult<Study> {
-    let axes = axes
-        .into_iter()
-        .map(|(key, values)| Axis::new(&key, values))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(invalid)?;
     Ok(Study {
         spec,
-        axes,
+        sampling,
         tables: self::tables(tables).map_err(invalid)?,
         measures: self::measures(measures).map_err(invalid)?,
         errors,
     })
+}
+
+/// Keys with the values of each.
+type Columns = Vec<(String, Vec<f64>)>;
+
+/// The points of `("grid", columns)`, `("rows", columns, number of the first point)` or
+/// `("sample", variables, method, count, seed, scramble)`; a variable is key, distribution and its
+/// numbers.
+///
+/// # Errors
+/// `ValueError` for an unknown key, no values, a value out of range, columns of unequal lengths, or
+/// what makes no distribution or sample.
+pub fn sampling(sampling: &Bound<'_, PyTuple>) -> PyResult<Sampling> {
+    let kind: String = sampling.get_item(0)?.extract()?;
+    let axes = |item: Bound<'_, PyAny>| -> PyResult<Vec<Axis>> {
+        let columns: Columns = item.extract()?;
+        let axes = columns.into_iter().map(|(key, values)| Axis::new(&key, values));
+        axes.collect::<Result<Vec<_>, _>>().map_err(invalid)
+    };
+    match kind.as_str() {
+        "grid" => Ok(Sampling::Grid(axes(sampling.get_item(1)?)?)),
+        "rows" => {
+            let first = sampling.get_item(2)?.extract()?;
+            Ok(Sampling::Rows(Rows::new(axes(sampling.get_item(1)?)?, first).map_err(invalid)?))
+        }
+        "sample" => {
+            let given: Vec<(String, String, BTreeMap<String, f64>)> =
+                sampling.get_item(1)?.extract()?;
+            let variables =
+                given.iter().map(|(key, name, numbers)| Variable::new(key, name, numbers));
+            let variables = variables.collect::<Result<Vec<_>, _>>().map_err(invalid)?;
+            let name: String = sampling.get_item(2)?.extract()?;
+            let method = Method::from_name(&name).ok_or_else(|| {
+                invalid(one_of("sampling", &name, &Method::ALL.map(Method::name)))
+            })?;
+            let (count, seed, scramble) = (
+                sampling.get_item(3)?.extract()?,
+                sampling.get_item(4)?.extract()?,
+                sampling.get_item(5)?.extract()?,
+            );
+            let sample = Sample::new(method, count, seed, scramble, variables);
+            Ok(Sampling::Sample(sample.map_err(invalid)?))
+        }
+        other => Err(invalid(one_of("sampling", other, &["grid", "rows", "sample"]))),
+    }
 }
 
 fn tables(names: &[String]) -> Result<Vec<Table>, Invalid> {

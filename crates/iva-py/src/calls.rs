@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use arrow_array::RecordBatch;
 use iva_cli::report::{Better, RANKED};
@@ -13,6 +13,7 @@ use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::gradients as slopes;
 use iva_sweep::motion as paths;
+use iva_sweep::sampling::Sampling;
 use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{self as engine, SweepError};
@@ -24,9 +25,10 @@ use pyo3::types::PyDict;
 use crate::arguments;
 use crate::arrow_table::ArrowTable;
 use crate::errors::invalid;
-use crate::worker::{self, Progress};
+use crate::worker;
 
-type Tables = BTreeMap<&'static str, ArrowTable>;
+/// Tables by name.
+pub(crate) type Tables = BTreeMap<&'static str, ArrowTable>;
 type Units = BTreeMap<String, String>;
 
 /// The numbers of a part that a kind of absorber has: (name, allowed values in words, help) in the
@@ -119,7 +121,7 @@ pub fn simulate(
     let study = single(spec, measures, tables, errors)?;
     match worker::at_once(py, || engine::brief(&study, BRIEF))? {
         Some(tables) => Ok(named(tables)),
-        None => run(py, study, Some(1), None),
+        None => run(py, study),
     }
 }
 
@@ -138,7 +140,7 @@ fn single(
     let mut names = tables.unwrap_or_else(all);
     names.push(Table::Summary.name().to_owned());
     let spec = arguments::spec(spec)?;
-    arguments::study(spec, Vec::new(), &names, measures.as_deref(), errors)
+    arguments::study(spec, Sampling::default(), &names, measures.as_deref(), errors)
 }
 
 /// A finding: table, rows, rows of the exact run, rows alike, largest error and its column.
@@ -178,51 +180,22 @@ pub fn gradients(
     worker::run(py, None, move |shared| slopes::gradients(&study, &key, &shared.cancel)).map(named)
 }
 
-fn named(tables: engine::Tables) -> Tables {
+pub(crate) fn named(tables: engine::Tables) -> Tables {
     tables.into_iter().map(|(table, batch)| (table.name(), ArrowTable(batch))).collect()
 }
 
-/// Runs a grid; returns the asked tables by name.
-#[pyfunction]
-#[pyo3(signature = (spec, axes, tables, measures = None, threads = None, progress = None, errors = false))]
-#[allow(clippy::too_many_arguments)] // those of `iva.sweep`
-pub fn sweep(
-    py: Python<'_>,
-    spec: &Bound<'_, PyDict>,
-    axes: Vec<(String, Vec<f64>)>,
-    tables: Vec<String>,
-    measures: Option<Vec<String>>,
-    threads: Option<&Bound<'_, PyAny>>,
-    progress: Option<&Bound<'_, PyAny>>,
-    errors: bool,
-) -> PyResult<Tables> {
-    let spec = arguments::spec(spec)?;
-    let study = arguments::study(spec, axes, &tables, measures.as_deref(), errors)?;
-    let threads = threads.map(|n| arguments::whole("threads", n, 1024)).transpose()?;
-    run(py, study, threads.map(|n| n as usize), progress)
-}
-
-fn run(
-    py: Python<'_>,
-    study: Study,
-    threads: Option<usize>,
-    progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Tables> {
-    let total = study.points().map_err(invalid)?;
-    let progress = progress.map(|callback| Progress { callback, total });
-    let tables = worker::run(py, progress.as_ref(), move |shared| {
-        let workers = engine::Workers::new(threads)?;
-        // A bad point is said at once, not after the good ones before it.
+/// Runs a study of one point that takes more than a moment.
+fn run(py: Python<'_>, study: Study) -> PyResult<Tables> {
+    let tables = worker::run(py, None, move |shared| {
+        let workers = engine::Workers::new(Some(1))?;
         engine::validate(&study, &workers, &shared.cancel, &|_| {})?;
         let control = engine::Control {
             workers: &workers,
             chunk: None,
             cancel: &shared.cancel,
-            progress: &|points| {
-                shared.done.fetch_add(points, Ordering::Relaxed);
-            },
+            progress: &|_| {},
         };
-        engine::sweep(&study, 0..total, &control)
+        engine::sweep(&study, 0..1, &control)
     })?;
     Ok(named(tables))
 }

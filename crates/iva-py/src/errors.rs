@@ -31,6 +31,23 @@ pub fn unreadable(error: iva_cli::Error) -> PyErr {
     IvaError::new_err(error.to_string())
 }
 
+/// A sweep into a folder that did not come to its end, in the words of Python.
+pub fn refused(error: iva_cli::Error) -> PyErr {
+    use iva_cli::Error as E;
+    let sentence = match &error {
+        E::Study(error) => error.message.clone(),
+        other => other.to_string(),
+    };
+    let sentence = sentence
+        .replace("with --out", "as out")
+        .replace("--overwrite", "overwrite=True")
+        .replace("--resume", "resume=True");
+    match error.exit_code() {
+        2 => PyValueError::new_err(sentence),
+        _ => IvaError::new_err(sentence),
+    }
+}
+
 /// A defect of the program, with what is known of it.
 pub fn internal(what: &str) -> PyErr {
     IvaError::new_err(format!("internal error, please report it: {what}"))

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use arrow_array::RecordBatch;
 use iva_cli::table_file;
+use iva_sweep::identity::Identity;
 use iva_sweep::study::Table;
 use iva_sweep::tables::schema;
 use pyo3::prelude::*;
@@ -22,8 +23,10 @@ pub fn metadata(path: PathBuf) -> PyResult<BTreeMap<String, String>> {
 #[pyfunction]
 pub fn empty_tables(path: PathBuf) -> PyResult<BTreeMap<&'static str, ArrowTable>> {
     let file = iva_cli::read_study(&path).map_err(unreadable)?;
+    let identity =
+        Identity::of(&file.study).map_err(|invalid| unreadable(file.source.locate(&invalid)))?;
     let empty = |table: Table| {
-        let schema = schema(&file.study, table)
+        let schema = schema(&file.study, table, identity)
             .map_err(|invalid| unreadable(file.source.locate(&invalid)))?;
         Ok((table.name(), ArrowTable(RecordBatch::new_empty(schema))))
     };

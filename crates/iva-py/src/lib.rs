@@ -10,7 +10,9 @@ mod arrow_table;
 mod calls;
 mod errors;
 mod files;
+mod folder;
 mod record;
+mod study;
 mod theory;
 mod worker;
 
@@ -24,20 +26,20 @@ mod _iva {
     #[pymodule_export]
     use super::calls::{
         check, check_choices, column_units, fields, gradients, larger_is_better, main,
-        primary_units, simulate, states, sweep, trajectory, verify,
+        primary_units, simulate, states, trajectory, verify,
     };
     #[pymodule_export]
     use super::errors::IvaError;
     #[pymodule_export]
     use super::files::{empty_tables, metadata};
     #[pymodule_export]
+    use super::folder::{PySweepFolder, sweep_into};
+    #[pymodule_export]
     use super::record::{PyRecord, read_record};
     #[pymodule_export]
-    use super::theory::{masri_caughey, on_slow_manifold, slow_manifold};
-
-    /// Points that a part file covers.
+    use super::study::PyStudy;
     #[pymodule_export]
-    const PART_POINTS: u64 = iva_cli::output::PART_POINTS;
+    use super::theory::{masri_caughey, on_slow_manifold, slow_manifold};
 
     /// The newest table layout that this version writes and reads.
     #[pymodule_export]

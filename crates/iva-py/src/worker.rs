@@ -13,6 +13,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
+use iva_sweep::done::Done;
 use iva_sweep::sweep::SweepError;
 use pyo3::prelude::*;
 
@@ -20,7 +21,7 @@ use crate::errors::{failed, internal};
 
 const WAKE: Duration = Duration::from_millis(50);
 /// Work that ignores its cancellation for longer is left to end by itself.
-const PATIENCE: Duration = Duration::from_millis(500);
+const PATIENCE: Duration = Duration::from_millis(900);
 
 /// What the work and the calling thread share.
 #[derive(Default)]
@@ -29,9 +30,19 @@ pub struct Shared {
     pub cancel: AtomicBool,
     /// Points finished so far.
     pub done: AtomicU64,
+    /// Those with another outcome than `finished`.
+    pub failed: AtomicU64,
 }
 
-/// Reports (done, total) to a Python callable, once for every change.
+impl Shared {
+    /// Adds what was done.
+    pub fn add(&self, done: Done) {
+        self.failed.fetch_add(done.failed, Ordering::Relaxed);
+        self.done.fetch_add(done.points, Ordering::Relaxed);
+    }
+}
+
+/// Reports (done, total, failed) to a Python callable, once for every change.
 pub struct Progress<'a, 'py> {
     /// The callable.
     pub callback: &'a Bound<'py, PyAny>,
@@ -48,6 +59,18 @@ pub fn run<T: Send + 'static>(
     progress: Option<&Progress<'_, '_>>,
     work: impl FnOnce(&Shared) -> Result<T, SweepError> + Send + 'static,
 ) -> PyResult<T> {
+    run_any(py, progress, work)?.map_err(failed)
+}
+
+/// As [`run`], with an error of any kind, which is handed back.
+///
+/// # Errors
+/// `IvaError` for a panic, and what handler or callback raised.
+pub fn run_any<T: Send + 'static, E: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Progress<'_, '_>>,
+    work: impl FnOnce(&Shared) -> Result<T, E> + Send + 'static,
+) -> PyResult<Result<T, E>> {
     let shared = Arc::new(Shared::default());
     let (sender, mut receiver) = channel();
     let theirs = Arc::clone(&shared);
@@ -69,7 +92,8 @@ pub fn run<T: Send + 'static>(
         let attended = py.check_signals().and_then(|()| match progress {
             Some(progress) if done != reported => {
                 reported = done;
-                progress.callback.call1((done, progress.total)).map(drop)
+                let failed = shared.failed.load(Ordering::Relaxed);
+                progress.callback.call1((done, progress.total, failed)).map(drop)
             }
             _ => Ok(()),
         });
@@ -81,7 +105,7 @@ pub fn run<T: Send + 'static>(
             return Err(raised);
         }
         match message {
-            Ok(Ok(result)) => return result.map_err(failed),
+            Ok(Ok(result)) => return Ok(result),
             Ok(Err(panic)) => return Err(internal(words(&*panic))),
             Err(RecvTimeoutError::Disconnected) => return Err(internal("a thread vanished")),
             Err(RecvTimeoutError::Timeout) => {}
@@ -103,8 +127,8 @@ pub fn at_once<T: Send>(
     }
 }
 
-type Message<T> = Result<thread::Result<Result<T, SweepError>>, RecvTimeoutError>;
-type Mailbox<T> = Receiver<thread::Result<Result<T, SweepError>>>;
+type Message<T> = Result<thread::Result<T>, RecvTimeoutError>;
+type Mailbox<T> = Receiver<thread::Result<T>>;
 
 fn wait<T>(receiver: Mailbox<T>, time: Duration) -> (Mailbox<T>, Message<T>) {
     let message = receiver.recv_timeout(time);

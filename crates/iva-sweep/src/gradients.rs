@@ -55,7 +55,7 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
     let content = Content::Derivatives { by: slot, key: key.to_owned() };
     let mut builders = Vec::new();
     for &table in study.tables.iter().filter(|table| Table::SWEEP.contains(table)) {
-        builders.push((table, TableBuilder::new(schema_of(study, table, &content)?)));
+        builders.push((table, TableBuilder::new(schema_of(study, table, &content)?, 1)));
     }
     run(study, 0, &design, &request, cancel, grazings, &mut |table, cells| {
         if let Some((_, builder)) = builders.iter_mut().find(|it| it.0 == table) {

@@ -2,7 +2,7 @@
 //!
 //! From what a user gives to Arrow tables:
 //! [`fields`] (every number a user can give) → [`design`] (one point, alternatives settled, in
-//! natural units; [`scene`] is what runs) → [`study`] (grid and outputs) → [`sweep`] (rayon over the points) → [`tables`]
+//! natural units; [`scene`] is what runs) → [`study`] (points, by [`sampling`], and outputs) → [`sweep`] (rayon over the points) → [`tables`]
 //! (Arrow). No files, no Python.
 //!
 //! **One source, three kinds of number.** What stands in the folder `engine` (from the fields of one run
@@ -11,8 +11,11 @@
 //! [`verify`]) and in numbers with a derivative ([`dual`], for [`gradients`]). In it `super::core` is the
 //! core of that number and `Real` the number.
 
+pub mod axis;
 pub mod choices;
 pub mod columns;
+pub mod cube;
+pub mod done;
 #[allow(clippy::duplicate_mod)] // see `engine`
 pub mod doubles;
 #[allow(clippy::duplicate_mod)]
@@ -20,7 +23,10 @@ pub mod dual;
 pub mod fields;
 pub mod forces;
 pub mod gradients;
+pub mod identity;
 pub mod motion;
+pub mod plan;
+pub mod sampling;
 mod side_by_side;
 pub mod slot;
 mod spec;
@@ -31,6 +37,7 @@ pub mod theory;
 #[allow(clippy::duplicate_mod)]
 pub mod twofold;
 pub mod units;
+pub mod variable;
 pub mod verify;
 
 pub use doubles::{design, scene};

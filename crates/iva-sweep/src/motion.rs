@@ -116,7 +116,7 @@ fn table<'a>(
     states: impl Iterator<Item = (f64, Option<&'a State>)>,
 ) -> Result<RecordBatch, SweepError> {
     let schema = schema_in(&Study::single(spec.clone()), Table::Trajectory, design.units);
-    let mut builder = TableBuilder::new(schema);
+    let mut builder = TableBuilder::new(schema, 1);
     for (time, state) in states {
         builder.row(row(time, state, design));
     }

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::lanes::{Decay, Decayed, SideBySide, decays};
 
+use crate::done::Done;
 use crate::doubles::design::Design;
 use crate::doubles::point::Request;
 use crate::doubles::rows::{self, Cell};
@@ -22,7 +23,7 @@ pub(crate) struct Asked<'a> {
 
 type Take<'a> = &'a mut dyn FnMut(&mut dyn Iterator<Item = Cell>);
 
-/// Runs points and hands out their rows of `summary`, in order; returns how many. `None`: these points
+/// Runs points and hands out their rows of `summary`, in order; returns what they came to. `None`: these points
 /// are to be run one by one.
 ///
 /// # Errors
@@ -31,7 +32,7 @@ pub(crate) fn summaries(
     asked: &Asked<'_>,
     points: Range<u64>,
     take: Take<'_>,
-) -> Result<Option<u64>, Invalid> {
+) -> Result<Option<Done>, Invalid> {
     let Request { summary, impacts, episodes, envelope, steady, .. } = *asked.request;
     let more = impacts || episodes || envelope || steady.strobes || asked.study.errors;
     if more || !summary || points.is_empty() {
@@ -58,7 +59,7 @@ fn together<S: SideBySide>(
     points: Range<u64>,
     take: Take<'_>,
     decay: impl Fn(&Design) -> Option<Decay<S>>,
-) -> Result<Option<u64>, Invalid> {
+) -> Result<Option<Done>, Invalid> {
     let Asked { study, request, cancel } = *asked;
     let (mut designs, mut scenes) = (Vec::new(), Vec::new());
     for point in points.clone() {
@@ -70,12 +71,12 @@ fn together<S: SideBySide>(
     let mut results: Vec<Option<Decayed<S>>> = vec![None; scenes.len()];
     let keep = &mut |index: usize, decayed: &Decayed<S>| results[index] = Some(*decayed);
     decays(&scenes, request.wanted, Some(cancel), keep)?;
-    let mut done = 0;
+    let mut done = Done::default();
     let mut row = Vec::new();
     // After a cancellation the points before the first that was not begun.
     for (point, (design, result)) in points.zip(designs.iter().zip(&results)) {
         let Some((tally, values)) = result else { break };
-        let swept = study.swept(point).map(Cell::Number);
+        let swept = study.swept(point).into_iter().map(Cell::Number);
         let estimated = [Cell::Null, Cell::Null];
         let cells = rows::summary(tally, values, None, estimated, study.measures, design);
         // Points are counted below 2^32 by `Study::points`.
@@ -83,7 +84,7 @@ fn together<S: SideBySide>(
         row.extend(swept);
         row.extend(cells);
         take(&mut row.drain(..));
-        done += 1;
+        done += Done::run(tally.outcome.name(), tally.work);
     }
     Ok(Some(done))
 }

@@ -5,7 +5,7 @@ use crate::doubles::design::Design;
 use crate::doubles::given::Given;
 use crate::error::{Invalid, number};
 use crate::fields::{FIELD_COUNT, FieldId, Part};
-use crate::forces::ForceSpec;
+use crate::forces::{ForceSpec, Recorded};
 use crate::slot::Slot;
 use crate::units::UnitSystem;
 
@@ -46,6 +46,11 @@ impl Spec {
     /// The forces given.
     pub fn forces(&self) -> &[ForceSpec] {
         &self.forces
+    }
+
+    /// The records of forces, to be named.
+    pub fn records_mut(&mut self) -> impl Iterator<Item = &mut Recorded> {
+        self.forces.iter_mut().filter_map(|force| force.record.as_mut())
     }
 
     /// True if a harmonic or recorded force drives it.

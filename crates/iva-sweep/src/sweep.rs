@@ -15,12 +15,13 @@ use iva_core::propagation::{Differentiable, Errors};
 use iva_core::simulate::Outcome;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use crate::done::Done;
 use crate::doubles::design::Design;
 use crate::doubles::point::{Estimates, Request, run};
 use crate::doubles::rows::Cell;
 use crate::doubles::scale::Scale;
 use crate::side_by_side::{Asked, summaries};
-use crate::study::{Study, Table, distinct, fitting};
+use crate::study::{Study, Table};
 use crate::tables::{TableBuilder, schema_in};
 use crate::units::UnitSystem;
 
@@ -55,6 +56,15 @@ impl Workers {
         }
         Ok(Self(rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?))
     }
+
+    pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.0.install(work)
+    }
+
+    /// Number of threads.
+    pub fn count(&self) -> usize {
+        self.0.current_num_threads()
+    }
 }
 
 /// How a sweep runs; nothing here changes a row.
@@ -66,8 +76,8 @@ pub struct Control<'a> {
     /// Set to stop early: a point under way comes back with outcome `cancelled`, points not begun
     /// are left out.
     pub cancel: &'a AtomicBool,
-    /// Called with the number of points finished since the last call, from any worker.
-    pub progress: &'a (dyn Fn(u64) + Sync),
+    /// Called with what was done since the last call, from any worker.
+    pub progress: &'a (dyn Fn(Done) + Sync),
 }
 
 impl Control<'_> {
@@ -82,7 +92,7 @@ const CHUNK: u64 = 256;
 const CHECKED: u64 = 4096;
 
 /// Checks every point of a study without running it; a cancelled check ends early. `progress` is
-/// called as in [`Control`].
+/// called with the number of points checked since the last call.
 ///
 /// # Errors
 /// Axes over the same quantity, too many points, or the first invalid point.
@@ -107,15 +117,14 @@ pub fn validate(
         fault
     };
     let chunks = points.div_ceil(CHECKED);
-    let fault = workers.0.install(|| (0..chunks).into_par_iter().find_map_first(first_fault));
+    let fault = workers.install(|| (0..chunks).into_par_iter().find_map_first(first_fault));
     fault.flatten().map_or(Ok(()), Err)
 }
 
 /// Checks what a study says as a whole.
 fn checked(study: &Study) -> Result<(), Invalid> {
     study.spec.distinct()?;
-    distinct(&study.axes)?;
-    fitting(study.spec.choices().kind, &study.axes)
+    study.sampling.check(study.spec.choices().kind)
 }
 
 /// Runs a range of points and builds the tables of the study over them.
@@ -130,9 +139,9 @@ pub fn sweep(
     let units = study.units()?;
     let length = points.end.saturating_sub(points.start);
     // Some chunks a worker, so that a small grid keeps all of them busy.
-    let share = length.div_ceil(8 * control.workers.0.current_num_threads() as u64);
+    let share = length.div_ceil(8 * control.workers.count() as u64);
     let chunk = control.chunk.map_or(CHUNK.min(share), |chunk| chunk as u64).max(1);
-    let parts: Vec<Result<Tables, SweepError>> = control.workers.0.install(|| {
+    let parts: Vec<Result<Tables, SweepError>> = control.workers.install(|| {
         (0..length.div_ceil(chunk))
             .into_par_iter()
             .map(|index| {
@@ -166,31 +175,35 @@ fn run_chunk(
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
     let request = Request::new(study);
-    let mut builders = builders(study, units);
-    let begun = points.start;
-    let mut end = begun;
+    let rows = (points.end - points.start) as usize;
+    let mut builders = builders(study, units, rows);
     let mut row = |cells: &mut dyn Iterator<Item = Cell>| {
         if let Some(builder) = builders.get_mut(&Table::Summary) {
             builder.row(cells);
         }
     };
     let asked = Asked { study, request: &request, cancel: control.cancel };
-    let together = summaries(&asked, points.clone(), &mut row)?;
-    end += together.unwrap_or(0);
-    while together.is_none() && end < points.end && !control.cancelled() {
-        let design = study.design(end)?;
-        run_point(study, end, &design, &request, control.cancel, &mut builders)?;
-        end += 1;
-    }
-    (control.progress)(end - begun);
+    let done = match summaries(&asked, points.clone(), &mut row)? {
+        Some(done) => done,
+        None => {
+            let mut done = Done::default();
+            for point in points.take_while(|_| !control.cancelled()) {
+                let design = study.design(point)?;
+                done += run_point(study, point, &design, &request, control.cancel, &mut builders)?;
+            }
+            done
+        }
+    };
+    (control.progress)(done);
     finish(builders)
 }
 
 type Builders = BTreeMap<Table, TableBuilder>;
 
-fn builders(study: &Study, units: UnitSystem) -> Builders {
+/// Empty tables, each with room for so many rows.
+fn builders(study: &Study, units: UnitSystem, rows: usize) -> Builders {
     let tables = study.tables.iter().filter(|table| Table::SWEEP.contains(table));
-    tables.map(|&table| (table, TableBuilder::new(schema_in(study, table, units)))).collect()
+    tables.map(|&table| (table, TableBuilder::new(schema_in(study, table, units), rows))).collect()
 }
 
 fn finish(builders: Builders) -> Result<Tables, SweepError> {
@@ -211,7 +224,7 @@ pub fn brief(study: &Study, work: u64) -> Result<Option<Tables>, SweepError> {
     }
     let cut = design.limits.max_work > work;
     design.limits.max_work = design.limits.max_work.min(work);
-    let mut builders = builders(study, study.units()?);
+    let mut builders = builders(study, study.units()?, 1);
     let request = Request::new(study);
     run_point(study, 0, &design, &request, &AtomicBool::new(false), &mut builders)?;
     let tables = finish(builders)?;
@@ -229,14 +242,13 @@ fn run_point(
     request: &Request,
     cancel: &AtomicBool,
     builders: &mut Builders,
-) -> Result<(), SweepError> {
+) -> Result<Done, SweepError> {
     let estimates = study.errors.then(Errors::default);
-    run(study, point, design, request, cancel, estimates, &mut |table, cells| {
+    Ok(run(study, point, design, request, cancel, estimates, &mut |table, cells| {
         if let Some(builder) = builders.get_mut(&table) {
             builder.row(cells);
         }
-    })?;
-    Ok(())
+    })?)
 }
 
 impl<S: Differentiable> Estimates<S> for Option<Errors> {

@@ -12,9 +12,9 @@ use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use iva_core::error::Invalid;
 
-use crate::choices::CHOICES;
 use crate::columns::{SCHEMA_VERSION, columns};
-use crate::fields::{FieldId, Quantity};
+use crate::fields::Quantity;
+use crate::identity::Identity;
 use crate::slot::Slot;
 use crate::study::{Study, Table};
 use crate::units::UnitSystem;
@@ -35,57 +35,13 @@ pub const SIGN_CONVENTIONS: &str = "displacement: primary system, positive in th
 /// different ones are of different studies), `iva.points` (points of the whole study).
 ///
 /// # Errors
-/// As [`Study::units`] and [`Study::points`].
-pub fn schema(study: &Study, table: Table) -> Result<SchemaRef, Invalid> {
+/// As [`Study::units`].
+pub fn schema(study: &Study, table: Table, identity: Identity) -> Result<SchemaRef, Invalid> {
     let schema = schema_in(study, table, study.units()?);
     let mut metadata = schema.metadata().clone();
-    metadata.insert("iva.study".to_owned(), format!("{:016x}", digest(study)?));
-    metadata.insert("iva.points".to_owned(), study.points()?.to_string());
+    metadata.insert("iva.study".to_owned(), identity.to_string());
+    metadata.insert("iva.points".to_owned(), identity.points.to_string());
     Ok(Arc::new(Schema::new_with_metadata(schema.fields().clone(), metadata)))
-}
-
-/// The 64-bit FNV-1a hash of all that decides the values of a study: given fields, axes, measures.
-///
-/// A default counts the same whether it was written or left out.
-fn digest(study: &Study) -> Result<u64, Invalid> {
-    let mut hash = 0xcbf2_9ce4_8422_2325;
-    let mut add = |bytes: &[u8]| {
-        for byte in bytes {
-            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    };
-    for (name, word) in study.spec.choices().words() {
-        if CHOICES.iter().all(|choice| (choice.name, choice.words[0]) != (name, word)) {
-            add(word.as_bytes());
-        }
-    }
-    let spec = study.spec(0)?;
-    let standard_gravity = spec.standard_gravity()?;
-    for (slot, value) in spec.given() {
-        let swept = study.axes.iter().any(|axis| axis.slot.same_quantity(slot));
-        let gravity = slot.field == FieldId::Gravity;
-        let default = if gravity { standard_gravity } else { slot.field.default() };
-        // The same quantity under another name (displacement_mm) may be 0 as well.
-        if !swept && value != 0.0 && default != Some(value) {
-            add(slot.path().as_bytes());
-            add(&value.to_le_bytes());
-        }
-    }
-    for recorded in spec.forces().iter().filter_map(|force| force.record.as_ref()) {
-        add(recorded.kind.name().as_bytes());
-        let numbers = recorded.history.times().iter().chain(recorded.history.values());
-        numbers.for_each(|number| add(&number.to_le_bytes()));
-    }
-    for axis in &study.axes {
-        add(axis.key.as_bytes());
-        add(&(axis.values.len() as u64).to_le_bytes());
-        axis.values.iter().for_each(|value| add(&value.to_le_bytes()));
-    }
-    study.measures.names().for_each(|name| add(name.as_bytes()));
-    if study.errors {
-        add(b"errors");
-    }
-    Ok(hash)
 }
 
 /// What stands in the places of the numbers of a table.
@@ -150,15 +106,14 @@ pub(crate) fn schema_of(
 }
 
 pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> SchemaRef {
-    let mut fields = vec![
-        Field::new("point", DataType::UInt32, false)
-            .with_metadata(field_metadata("1", "row-major index over the axes, last fastest")),
-    ];
+    let mut fields = vec![Field::new("point", DataType::UInt32, false).with_metadata(
+        field_metadata("1", "number of the point; of a grid row-major, last axis fastest"),
+    )];
     if table == Table::Summary {
-        for axis in &study.axes {
-            let info = axis.slot.info();
+        for swept in study.sampling.keys() {
+            let info = swept.slot.info();
             fields.push(
-                Field::new(&axis.key, DataType::Float64, false)
+                Field::new(swept.key, DataType::Float64, false)
                     .with_metadata(field_metadata(units.unit(info.quantity), info.help)),
             );
         }
@@ -169,7 +124,7 @@ pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> Schem
                 .with_metadata(field_metadata(units.unit(column.quantity), column.help)),
         );
     }
-    let swept: Vec<&str> = study.axes.iter().map(|axis| axis.key.as_str()).collect();
+    let swept: Vec<&str> = study.sampling.keys().map(|swept| swept.key).collect();
     let metadata = [
         ("iva.schema_version", SCHEMA_VERSION.to_string()),
         ("iva.version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -229,14 +184,14 @@ enum Builder {
 }
 
 impl Builder {
-    fn new(data_type: &DataType) -> Self {
+    fn new(data_type: &DataType, rows: usize) -> Self {
         match data_type {
-            DataType::UInt32 => Self::Point(UInt32Builder::new()),
-            DataType::Int64 => Self::Count(Int64Builder::new()),
-            DataType::Int8 => Self::Side(Int8Builder::new()),
-            DataType::Utf8 => Self::Text(StringBuilder::new()),
-            DataType::Boolean => Self::Flag(BooleanBuilder::new()),
-            _ => Self::Number(Float64Builder::new()),
+            DataType::UInt32 => Self::Point(UInt32Builder::with_capacity(rows)),
+            DataType::Int64 => Self::Count(Int64Builder::with_capacity(rows)),
+            DataType::Int8 => Self::Side(Int8Builder::with_capacity(rows)),
+            DataType::Utf8 => Self::Text(StringBuilder::with_capacity(rows, 8 * rows)),
+            DataType::Boolean => Self::Flag(BooleanBuilder::with_capacity(rows)),
+            _ => Self::Number(Float64Builder::with_capacity(rows)),
         }
     }
 
@@ -292,9 +247,10 @@ pub(crate) struct TableBuilder {
 }
 
 impl TableBuilder {
-    pub fn new(schema: SchemaRef) -> Self {
-        let builders =
-            schema.fields().iter().map(|field| Builder::new(field.data_type())).collect();
+    /// An empty table with room for so many rows.
+    pub fn new(schema: SchemaRef, rows: usize) -> Self {
+        let builder = |field: &Arc<Field>| Builder::new(field.data_type(), rows);
+        let builders = schema.fields().iter().map(builder).collect();
         Self { schema, builders }
     }
 

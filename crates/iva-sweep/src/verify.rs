@@ -59,7 +59,7 @@ pub fn verify(study: &Study, cancel: &AtomicBool) -> Result<Verification, SweepE
     let second = in_twofold(study, cancel)?;
     let mut verification = Verification { errors: Tables::new(), findings: Vec::new() };
     for &table in study.tables.iter().filter(|table| Table::SWEEP.contains(table)) {
-        let mut builder = TableBuilder::new(schema_of(study, table, &Content::Errors)?);
+        let mut builder = TableBuilder::new(schema_of(study, table, &Content::Errors)?, 1);
         let first: Vec<_> = first.iter().filter(|row| row.0 == table).map(|row| &row.1).collect();
         let second: Vec<_> = second.iter().filter(|row| row.0 == table).map(|row| &row.1).collect();
         let same = first.iter().zip(&second).take_while(|(a, b)| alike(a, b)).count();

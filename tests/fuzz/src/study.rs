@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use iva_cli::resolved::{resolve, write};
 use iva_cli::scene::describe;
 use iva_cli::{Error, StudyFile, parse_study};
+use iva_sweep::identity::Identity;
 use iva_sweep::study::Table;
 use iva_sweep::sweep::Workers;
 use iva_sweep::tables::schema;
@@ -49,8 +50,9 @@ fn check(file: &StudyFile) -> Result<(), Error> {
             file.study.design(point).map_err(|invalid| file.source.locate(&invalid))?;
         }
     }
+    let identity = Identity::of(&file.study)?;
     for table in Table::ALL {
-        schema(&file.study, table)?;
+        schema(&file.study, table, identity)?;
     }
     let text = describe(&file.study, points, file.study.units()?);
     let printable = |c: char| c == '\n' || !c.is_control();

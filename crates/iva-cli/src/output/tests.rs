@@ -1,7 +1,9 @@
 use std::collections::BTreeMap;
 
 use super::*;
+use crate::folder::is_part;
 use crate::resolved::HEADER;
+use crate::table_file::Format;
 
 /// Every file below a folder with its text; hidden leftovers would show up too.
 fn contents(dir: &Path) -> BTreeMap<String, String> {
@@ -24,7 +26,7 @@ fn contents(dir: &Path) -> BTreeMap<String, String> {
 fn stage_all(output: &mut Output, tables: &[Table], text: &str) {
     output.stage_study(&format!("{HEADER}: {text}")).unwrap();
     for table in tables {
-        let path = output.stage_part(*table, 0).unwrap();
+        let path = output.stage_table(*table).unwrap();
         fs::write(path, format!("{table} {text}")).unwrap();
     }
 }
@@ -126,7 +128,7 @@ fn a_commit_that_fails_midway_is_undone() {
     let mut output = Output::prepare(dir, true, Style::default()).unwrap();
     stage_all(&mut output, &TABLES, "new");
     // The last staged file has vanished: the moves before it have succeeded by then.
-    let vanished = output.stage_part(Table::Episodes, 0).unwrap();
+    let vanished = output.stage_table(Table::Episodes).unwrap();
     assert!(!vanished.exists());
     let error = output.commit().unwrap_err();
     assert_eq!(error.exit_code(), 1, "{error}");
@@ -145,7 +147,11 @@ fn tables_that_appear_meanwhile_are_not_replaced() {
     let root = tempfile::tempdir().unwrap();
     let mut slow = Output::prepare(root.path(), false, Style::default()).unwrap();
     stage_all(&mut slow, &TABLES, "slow");
-    write_run(root.path(), &TABLES, "fast");
+    let message = refusal(Output::prepare(root.path(), true, Style::default()));
+    assert!(message.contains("another process is writing into"), "{message}");
+    // Not by this program, which would have seen the lock.
+    fs::create_dir(root.path().join("summary")).unwrap();
+    fs::write(root.path().join("summary/part-00000.parquet"), "summary fast").unwrap();
     let error = slow.commit().unwrap_err();
     assert_eq!(error.exit_code(), 2, "{error}");
     assert!(error.to_string().contains("--overwrite"), "{error}");

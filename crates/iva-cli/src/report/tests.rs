@@ -1,9 +1,10 @@
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float64Array, StringArray, UInt64Array};
+use arrow_array::{ArrayRef, Float64Array, StringArray, UInt32Array, UInt64Array};
+use iva_sweep::axis::Axis;
 use iva_sweep::columns::Selection;
 use iva_sweep::design::Spec;
-use iva_sweep::study::Axis;
+use iva_sweep::sampling::Sampling;
 
 use super::*;
 
@@ -11,15 +12,21 @@ const FINISHED: &str = "finished";
 
 fn study() -> Study {
     let mut study = Study::single(Spec::default());
-    study.axes = vec![
+    study.sampling = Sampling::Grid(vec![
         Axis::linspace("relative_clearance", 0.1, 0.4, 4).unwrap(),
         Axis::new("mass_ratio", vec![0.1, 0.2]).unwrap(),
-    ];
+    ]);
     study
 }
 
 fn rows(name: &str, values: &[Option<f64>], outcomes: &[&str]) -> RecordBatch {
-    let columns: [(&str, ArrayRef); 3] = [
+    rows_from(0, name, values, outcomes)
+}
+
+fn rows_from(first: u32, name: &str, values: &[Option<f64>], outcomes: &[&str]) -> RecordBatch {
+    let points = UInt32Array::from_iter_values((first..).take(values.len()));
+    let columns: [(&str, ArrayRef); 4] = [
+        ("point", Arc::new(points)),
         ("outcome", Arc::new(StringArray::from(outcomes.to_vec()))),
         (name, Arc::new(Float64Array::from(values.to_vec()))),
         ("impacts", Arc::new(UInt64Array::from(vec![12; values.len()]))),
@@ -41,7 +48,7 @@ fn settling_times_rise_and_damping_ratios_fall() {
         ("damping_ratio_3", [0, 3, 1, 2]),
     ] {
         let mut best = best(name, 10);
-        best.add(&rows(name, &values, &[FINISHED; 4]), 0);
+        best.add(&rows(name, &values, &[FINISHED; 4]));
         assert_eq!(best.points().collect::<Vec<_>>(), order, "{name}");
     }
 }
@@ -51,10 +58,10 @@ fn batches_do_not_change_the_order_and_ties_keep_it() {
     let name = "settling_time_5";
     let values = [5.0, 4.0, 4.0, 1.0, 4.0, 0.5, 9.0, 1.0].map(Some);
     let mut whole = best(name, 5);
-    whole.add(&rows(name, &values, &[FINISHED; 8]), 0);
+    whole.add(&rows(name, &values, &[FINISHED; 8]));
     let mut parts = best(name, 5);
-    parts.add(&rows(name, &values[..3], &[FINISHED; 3]), 0);
-    parts.add(&rows(name, &values[3..], &[FINISHED; 5]), 3);
+    parts.add(&rows(name, &values[..3], &[FINISHED; 3]));
+    parts.add(&rows_from(3, name, &values[3..], &[FINISHED; 5]));
     let order: Vec<u64> = whole.points().collect();
     assert_eq!(order, [5, 3, 7, 1, 2]);
     assert_eq!(parts.points().collect::<Vec<_>>(), order);
@@ -66,7 +73,7 @@ fn what_is_not_ranked_is_said() {
     let mut best = best(name, 2);
     let values = [Some(3.0), None, Some(0.1), Some(2.0), None];
     let outcomes = [FINISHED, FINISHED, "impact_limit", FINISHED, "work_limit"];
-    best.add(&rows(name, &values, &outcomes), 0);
+    best.add(&rows(name, &values, &outcomes));
     assert_eq!(best.points().collect::<Vec<_>>(), [3, 0]);
     let text = best.print(&study(), UnitSystem::Natural);
     assert!(text.contains("Best 2 of 5 points by settling_time_5 (smallest first)"), "{text}");
@@ -90,7 +97,7 @@ fn points_without_any_impact_are_pointed_out() {
         ("impacts", Arc::new(UInt64Array::from(vec![0, 7, 0]))),
     ];
     let mut best = best(name, 2);
-    best.add(&RecordBatch::try_from_iter(columns).unwrap(), 0);
+    best.add(&RecordBatch::try_from_iter(columns).unwrap());
     let text = best.print(&study(), UnitSystem::Natural);
     assert!(text.contains("At 1 point of these the absorber never touches a wall"), "{text}");
 }
@@ -105,7 +112,7 @@ fn a_missing_value_is_explained_by_its_measure() {
         ("settling_time_2", "not settled by the end"),
     ] {
         let mut best = best(name, 2);
-        best.add(&rows(name, &[None, Some(1.0)], &[FINISHED; 2]), 0);
+        best.add(&rows(name, &[None, Some(1.0)], &[FINISHED; 2]));
         let text = best.print(&study(), UnitSystem::Natural).replace('\n', " ");
         assert!(text.contains(why), "{name}: {text}");
     }
@@ -114,7 +121,7 @@ fn a_missing_value_is_explained_by_its_measure() {
 #[test]
 fn a_sweep_without_any_value_says_so() {
     let mut best = best("settling_time_5", 3);
-    best.add(&rows("settling_time_5", &[None, None], &["not_finite"; 2]), 0);
+    best.add(&rows("settling_time_5", &[None, None], &["not_finite"; 2]));
     let text = best.print(&study(), UnitSystem::Si);
     assert!(text.contains("2 points did not finish"), "{text}");
     assert!(!text.contains("Best"), "{text}");

@@ -1,10 +1,14 @@
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use iva_sweep::choices::{CHOICES, Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection};
 use iva_sweep::design::Spec;
+use iva_sweep::identity::Identity;
+use iva_sweep::sampling::Rows;
 use iva_sweep::study::Study;
 use iva_sweep::tables::schema;
+use iva_sweep::variable::Variable;
 use proptest::prelude::*;
 
 use super::*;
@@ -78,6 +82,54 @@ fn axes(kind: Kind) -> impl Strategy<Value = Vec<Axis>> {
     })
 }
 
+/// All ways to choose points, of axes that fit.
+fn sampling(kind: Kind) -> impl Strategy<Value = Sampling> {
+    let seeds = (1..=1_000_000_u64, 0..=1_u64 << 53, any::<bool>());
+    (axes(kind), 0..5_usize, seeds).prop_map(|(mut axes, way, (count, seed, scramble))| {
+        if axes.is_empty() || way == 0 {
+            return Sampling::Grid(axes);
+        }
+        if way == 1 {
+            let least = axes.iter().map(|axis| axis.values.len()).min().unwrap();
+            axes.iter_mut().for_each(|axis| axis.values.truncate(least));
+            return Sampling::Rows(Rows::new(axes, 0).unwrap());
+        }
+        let method = Method::ALL[way - 2];
+        let variable = |axis: &Axis| {
+            let (low, high) = (axis.values[0], (2.0 * axis.values[0].abs() + 1.0).min(1e30));
+            let bounds = |names: [(&str, f64); 4]| {
+                names.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+            };
+            let (name, mut given): (&str, BTreeMap<String, f64>) = match axis.values.len() % 3 {
+                0 => (
+                    "normal",
+                    bounds([("mean", low), ("deviation", 0.5), ("low", low), ("high", high)]),
+                ),
+                1 => (
+                    "lognormal",
+                    bounds([("median", 0.5), ("sigma", 0.1), ("low", low), ("high", high)]),
+                ),
+                _ => ("uniform", BTreeMap::from([("low".into(), low), ("high".into(), high)])),
+            };
+            if scramble && name != "uniform" {
+                given.remove("low");
+            }
+            Variable::new(&axis.key, name, &given).ok()
+        };
+        let variables: Option<Vec<Variable>> = axes.iter().map(variable).collect();
+        // A subnormal damping ratio is one, but no number of a distribution.
+        let Some(variables) = variables else { return Sampling::Grid(axes) };
+        let scramble = scramble || method != Method::Sobol;
+        let sample = Sample::new(method, count, seed, scramble, variables).unwrap();
+        let slots: Vec<Slot> = sample.variables().iter().map(|variable| variable.slot).collect();
+        let sampling = Sampling::Sample(sample);
+        // The first point must be one.
+        let fits =
+            slots.iter().zip(sampling.values(0)).all(|(slot, value)| slot.check(value).is_ok());
+        if fits { sampling } else { Sampling::Grid(axes) }
+    })
+}
+
 fn spec(choices: Choices) -> impl Strategy<Value = Spec> {
     let fields = fields(choices.kind);
     prop::sample::subsequence(fields, 0..12)
@@ -102,10 +154,17 @@ fn study_file() -> impl Strategy<Value = StudyFile> {
     let measures = prop::sample::subsequence(names, 0..=SUMMARY.len())
         .prop_map(|names| Selection::from_names(names).unwrap());
     let report = (prop::sample::select(RANKED.to_vec()), 1..1000_usize);
-    let model = choices().prop_flat_map(|choices| (spec(choices), axes(choices.kind)));
+    let model = choices().prop_flat_map(|choices| (spec(choices), sampling(choices.kind)));
     (model, tables, measures, report, 1..=1_000_000_u32, any::<bool>()).prop_map(
-        |((spec, axes), tables, measures, ((best_by, _), count), samples_per_period, errors)| {
-            let study = Study { spec, axes, tables, measures, errors };
+        |(
+            (spec, sampling),
+            tables,
+            measures,
+            ((best_by, _), count),
+            samples_per_period,
+            errors,
+        )| {
+            let study = Study { spec, sampling, tables, measures, errors };
             let driven = study.spec(0).unwrap().is_driven();
             StudyFile {
                 report: Report {
@@ -181,7 +240,10 @@ fn the_designs_are_the_same_before_and_after() {
         let text = write(&resolve(&file).unwrap()).unwrap();
         let read = parse_study(Path::new("study.toml"), &text).unwrap();
         let of = |file: &StudyFile| {
-            schema(&file.study, Table::Summary).unwrap().metadata()["iva.study"].clone()
+            schema(&file.study, Table::Summary, Identity::of(&file.study).unwrap())
+                .unwrap()
+                .metadata()["iva.study"]
+                .clone()
         };
         assert_eq!(of(&file), of(&read), "{text}");
         assert!(text.contains("gravity = 9.80665") == text.contains("piva"), "{text}");

@@ -2,6 +2,7 @@ use std::path::Path;
 
 use iva_sweep::columns::Selection;
 use iva_sweep::fields::FieldId;
+use iva_sweep::sampling::Sampling;
 use iva_sweep::study::Table;
 
 use super::*;
@@ -51,13 +52,15 @@ fn without_sweep() -> &'static str {
 }
 
 #[test]
+#[allow(clippy::panic)]
 fn the_example_reads() {
     let file = good(GOOD);
     let study = &file.study;
     assert_eq!(study.points().unwrap(), 444);
-    assert_eq!(study.axes[0].key, "relative_clearance");
-    assert_eq!(study.axes[0].values[110], 1.2);
-    assert_eq!(study.axes[1].values, [0.05, 0.1, 0.15, 0.2]);
+    let Sampling::Grid(axes) = &study.sampling else { panic!("{}", study.sampling) };
+    assert_eq!(axes[0].key, "relative_clearance");
+    assert_eq!(axes[0].values[110], 1.2);
+    assert_eq!(axes[1].values, [0.05, 0.1, 0.15, 0.2]);
     assert_eq!(study.tables, [Table::Summary, Table::Impacts]);
     assert_eq!(study.measures, Selection::all());
     assert_eq!(study.spec.get(FieldId::Periods), Some(60.0));
@@ -83,7 +86,7 @@ fn axes_keep_the_order_of_the_file() {
         ),
     ] {
         let file = good(&format!("{}[sweep]\n{sweep}\n", without_sweep()));
-        let read: Vec<&str> = file.study.axes.iter().map(|axis| axis.key.as_str()).collect();
+        let read: Vec<&str> = file.study.sampling.keys().map(|swept| swept.key).collect();
         assert_eq!(read, keys);
     }
 }

@@ -82,7 +82,7 @@ fn a_sweep_interrupted_in_its_first_part_writes_nothing() {
     for signal in ["-INT", "-TERM"] {
         let dir = tempfile::tempdir().unwrap();
         let child = start(dir.path(), &study(dir.path(), 6000.0), &[]);
-        wait_for(|| staged(dir.path()) == 1);
+        wait_for(|| staged(dir.path()) >= 1);
         let (output, time) = interrupt(child, signal);
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(130), "{said}");
@@ -93,22 +93,30 @@ fn a_sweep_interrupted_in_its_first_part_writes_nothing() {
     }
 }
 
+/// The complete parts of a table.
+fn complete(dir: &Path) -> usize {
+    fs::read_dir(dir.join("summary")).into_iter().flatten().count()
+}
+
 #[test]
 fn finished_parts_are_kept() {
     let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("out");
     let child = start(dir.path(), &study(dir.path(), 20.0), &[]);
-    wait_for(|| staged(dir.path()) >= 3);
-    let (output, _) = interrupt(child, "-INT");
+    wait_for(|| complete(&out) >= 2);
+    let (output, time) = interrupt(child, "-INT");
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(130), "{said}");
-    let written = files(&dir.path().join("out"));
-    assert!(written.contains(&PathBuf::from("study.toml")));
-    let parts = written.len() - 1;
-    assert!(parts >= 2, "{written:?}");
-    assert!(said.contains(&format!("the first {} points are written", parts * 65_536)), "{said}");
-    for part in 0..parts {
-        assert!(written.contains(&PathBuf::from(format!("summary/part-{part:05}.parquet"))));
+    assert!(time < Duration::from_secs(5), "{time:?}");
+    let parts = complete(&out);
+    assert!(parts >= 2);
+    let written = files(&out);
+    assert_eq!(written.len(), parts + 2, "{written:?}");
+    for name in ["study.toml", "manifest.json"] {
+        assert!(written.contains(&PathBuf::from(name)), "{written:?}");
     }
+    let kept = "of 1000000 points are written to out; go on with --resume";
+    assert!(said.contains(kept), "{said}");
 }
 
 #[test]
@@ -121,13 +129,21 @@ fn earlier_tables_survive_an_interrupted_overwrite() {
     let table = dir.path().join("out/summary/part-00000.parquet");
     let before = fs::read(&table).unwrap();
     let child = start(dir.path(), &study(dir.path(), 20.0), &["--overwrite"]);
-    wait_for(|| staged(dir.path()) >= 3);
+    let new = dir.path().join("out/.iva-new");
+    wait_for(|| complete(&new) >= 2);
     let (output, _) = interrupt(child, "-INT");
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(130), "{said}");
     assert!(said.contains("the earlier tables in out are as they were"), "{said}");
+    assert!(said.contains("go on with --overwrite --resume"), "{said}");
     assert_eq!(fs::read(&table).unwrap(), before);
-    assert_eq!(files(&dir.path().join("out")).len(), 2);
+    let kept = complete(&new);
+    assert!(kept >= 2);
+    let again = start(dir.path(), &study(dir.path(), 20.0), &["--overwrite", "--resume"]);
+    assert!(again.wait_with_output().unwrap().status.success());
+    assert_ne!(fs::read(&table).unwrap(), before);
+    assert!(!new.exists());
+    assert_eq!(files(&dir.path().join("out")).len(), complete(&dir.path().join("out")) + 2);
 }
 
 #[test]
@@ -139,7 +155,7 @@ fn an_interrupt_while_points_are_checked_is_heard() {
     fs::write(&huge, text.replace("400 }", "400000 }")).unwrap();
     let child = start(dir.path(), &huge, &[]);
     sleep(Duration::from_secs(1));
-    assert!(!dir.path().join("out").exists(), "the check was over too soon");
+    assert!(!dir.path().join("out/manifest.json").exists(), "the check was over too soon");
     let (output, time) = interrupt(child, "-INT");
     assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(time < Duration::from_secs(5), "{time:?}");

@@ -4,3 +4,4 @@ mod exit_codes;
 mod full_disk;
 mod interrupt;
 mod output_folder;
+mod resume;

@@ -74,11 +74,13 @@ fn vanish(dir: &Path, parts: usize) {
     let mut child = start(dir);
     let begin = Instant::now();
     let out = dir.join("out");
-    let staged = || {
-        let hidden = fs::read_dir(&out).ok()?.next()?.ok()?.path();
-        Some(fs::read_dir(hidden.join("new/summary")).ok()?.count())
+    let begun = || {
+        let complete = fs::read_dir(out.join("summary")).into_iter().flatten().count();
+        let hidden = fs::read_dir(out.join(".iva-work")).into_iter().flatten();
+        let staged = hidden.flatten().filter(|entry| entry.path().is_dir()).count();
+        complete + staged
     };
-    while staged().unwrap_or(0) < parts {
+    while begun() < parts {
         assert!(begin.elapsed() < Duration::from_secs(60), "nothing happened for a minute");
         assert_eq!(child.try_wait().unwrap(), None, "the run was over too soon");
         sleep(Duration::from_millis(2));
@@ -103,6 +105,6 @@ fn a_folder_that_vanishes_in_the_first_part_is_told() {
 #[test]
 fn a_folder_that_vanishes_in_a_later_part_is_told() {
     let dir = tempfile::tempdir().unwrap();
-    study(dir.path(), 60.0, 200_000);
-    vanish(dir.path(), 2);
+    study(dir.path(), 60.0, 400_000);
+    vanish(dir.path(), 4);
 }

@@ -15,6 +15,7 @@ use super::design::Design;
 use super::rows::{self, Cell};
 use super::scale::Scale;
 use super::scene::Scene;
+use crate::done::Done;
 use crate::error::Invalid;
 use crate::study::{Study, Table};
 
@@ -78,7 +79,7 @@ pub(crate) trait Estimates<S: System>: Observer<S> {
     fn of_run(&self) -> [Cell; 2];
 }
 
-/// Runs a point and hands out its rows, table by table.
+/// Runs a point and hands out its rows, table by table; returns how it ended and what it took.
 ///
 /// # Errors
 /// [`Invalid`] if the core refuses the design.
@@ -90,7 +91,7 @@ pub(crate) fn run<E: Estimates<Siva> + Estimates<Piva>>(
     cancel: &AtomicBool,
     estimates: E,
     take: &mut dyn FnMut(Table, &mut dyn Iterator<Item = Cell>),
-) -> Result<(), Invalid> {
+) -> Result<Done, Invalid> {
     let point = Point { study, point, design, request, cancel };
     match &design.scene {
         Scene::Siva { system, start } => point.run(system, start, estimates, take),
@@ -123,7 +124,7 @@ impl Point<'_> {
         start: &S::Start,
         estimates: E,
         take: &mut dyn FnMut(Table, &mut dyn Iterator<Item = Cell>),
-    ) -> Result<(), Invalid> {
+    ) -> Result<Done, Invalid> {
         let Self { study, design, request, cancel, .. } = *self;
         let mut observers = (
             (request.impacts || request.episodes).then(Events::default),
@@ -139,12 +140,13 @@ impl Point<'_> {
             ),
         );
         let tally = simulate(system, start, &design.limits, Some(cancel), &mut observers)?;
+        let done = Done::run(tally.outcome.name(), tally.work);
         let (events, (envelope, (measures, (steady, estimates)))) = observers;
         let seen = Seen { tally, events, envelope, measures, steady, estimates };
         for table in &study.tables {
             self.rows(*table, system, &seen, take)?;
         }
-        Ok(())
+        Ok(done)
     }
 
     fn rows<S: System, E: Estimates<S>>(
@@ -205,7 +207,7 @@ impl Point<'_> {
     ) -> Result<(), Invalid> {
         let Self { study, point, design, request, cancel } = *self;
         let Some(measures) = &seen.measures else { return Ok(()) };
-        let swept = study.swept(point).map(|value| Cell::Number(given(value, false)));
+        let swept = study.swept(point).into_iter().map(|value| Cell::Number(given(value, false)));
         let bare = match request.reduction && system.is_driven() {
             true => design.amplitude_without_absorber(cancel)?,
             false => None,

@@ -9,14 +9,16 @@ use arrow_array::types::{Float64Type, UInt32Type};
 use arrow_array::{Array, RecordBatch};
 use iva_core::simulate::{Limits, simulate};
 use iva_core::system::System;
+use iva_sweep::axis::Axis;
 use iva_sweep::choices::{Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection, columns};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
 use iva_sweep::forces::ForceSpec;
+use iva_sweep::sampling::Sampling;
 use iva_sweep::scene::Scene;
 use iva_sweep::slot::Slot;
-use iva_sweep::study::{Axis, Study, Table};
+use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, Tables, Workers, brief, sweep, validate};
 
 fn spec() -> Spec {
@@ -59,10 +61,10 @@ fn shaken() -> Spec {
 /// The grid of `studies/siva_clearance.toml`, with every table.
 fn clearance_study() -> Study {
     Study {
-        axes: vec![
+        sampling: Sampling::Grid(vec![
             Axis::linspace("relative_clearance", 0.1, 1.2, 111).unwrap(),
             Axis::new("mass_ratio", vec![0.05, 0.1, 0.15, 0.2]).unwrap(),
-        ],
+        ]),
         ..Study::single(spec())
     }
 }
@@ -78,8 +80,8 @@ fn run(study: &Study, threads: usize, chunk: Option<usize>, cancel: bool) -> (Ta
             workers: &workers,
             chunk,
             cancel: &AtomicBool::new(cancel),
-            progress: &|count| {
-                done.fetch_add(count, Ordering::Relaxed);
+            progress: &|more| {
+                done.fetch_add(more.points, Ordering::Relaxed);
             },
         },
     );
@@ -210,7 +212,7 @@ fn points_not_begun_when_cancelled_are_left_out() {
 #[test]
 fn a_point_under_way_when_cancelled_says_so() {
     let mut study = clearance_study();
-    study.axes = vec![Axis::new("periods", vec![1.0, 1e7, 1.0]).unwrap()];
+    study.sampling = Sampling::Grid(vec![Axis::new("periods", vec![1.0, 1e7, 1.0]).unwrap()]);
     let workers = Workers::new(Some(2)).unwrap();
     let cancel = AtomicBool::new(false);
     let tables = sweep(
@@ -246,7 +248,8 @@ fn a_bad_point_is_named_before_anything_runs() {
 #[test]
 fn two_axes_over_one_quantity_are_refused() {
     let mut study = clearance_study();
-    study.axes.push(Axis::new("gap", vec![1.0]).unwrap());
+    let Sampling::Grid(axes) = &mut study.sampling else { unreachable!() };
+    axes.push(Axis::new("gap", vec![1.0]).unwrap());
     let message = refusal(&study);
     assert!(message.contains("sweep.gap") && message.contains("sweep.relative_clearance"));
 }
@@ -255,10 +258,10 @@ fn two_axes_over_one_quantity_are_refused() {
 fn too_many_points_are_refused_without_allocating() {
     let many = vec![0.5; 70_000];
     let study = Study {
-        axes: vec![
+        sampling: Sampling::Grid(vec![
             Axis::new("relative_clearance", many.clone()).unwrap(),
             Axis::new("mass_ratio", many).unwrap(),
-        ],
+        ]),
         ..Study::single(spec())
     };
     let message = refusal(&study);

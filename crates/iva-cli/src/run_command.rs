@@ -1,0 +1,142 @@
+//! `iva run`: one run, every table of it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use arrow_array::RecordBatch;
+use iva_sweep::identity::Identity;
+use iva_sweep::motion::trajectory;
+use iva_sweep::sampling::Sampling;
+use iva_sweep::study::Table;
+use iva_sweep::sweep::{Control, Tables, Workers, sweep};
+use iva_sweep::tables::schema;
+use iva_sweep::verify::{Verification, verify};
+use serde_json::json;
+
+use crate::args::RunPointArgs;
+use crate::error::{Error, Kept};
+use crate::interrupt;
+use crate::log::Log;
+use crate::manifest::Total;
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::report::print_run;
+use crate::resolved::{resolve, write};
+use crate::run_study::{choose_tables, folder, log_start, print_written, without_trajectory};
+use crate::study_file::{StudyFile, read_study};
+use crate::table_file::{TableFile, part_schema};
+use crate::verified::{print_verified, write_errors};
+
+/// Runs a study without a sweep, or one point of one; returns what is to be printed.
+///
+/// # Errors
+/// Anything [`read_study`], [`StudyFile::validate`] and [`Output`] refuse; a study with `[sweep]`
+/// without `--point`; a fault while writing.
+pub(crate) fn run_command(args: &RunPointArgs) -> Result<String, Error> {
+    let log = Log::open(args.run.log.as_deref())?;
+    let result = run(args, &log);
+    log.end(&result);
+    result
+}
+
+fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
+    let RunPointArgs { point, verify: verified, run: args } = all;
+    let mut file = read_study(&args.study)?;
+    if let Some(point) = *point {
+        single_out(&mut file, point)?;
+    } else if !file.study.sampling.is_empty() {
+        return Err(Error::Refused(format!(
+            "{} has a [sweep] section; use `iva sweep`, or give --point N for one of its points",
+            args.study.display()
+        )));
+    }
+    choose_tables(&mut file, args)?;
+    let style = args.style()?;
+    let located = |invalid| file.source.locate(&invalid);
+    let units = file.study.units().map_err(located)?;
+    log_start(log, args, &file)?;
+    let workers = Workers::new(args.threads.map(usize::from))?;
+    let cancel = interrupt::listen();
+    file.validate(&workers, cancel, &|_| {})?;
+    log.event("checked", json!({}));
+    let text = write(&resolve(&file)?)?;
+    let dir = folder(args);
+    let mut output = Output::prepare(&dir, args.overwrite, style)?;
+    output.stage_study(&text)?;
+    let progress = Progress::new("running", 1, args.quiet);
+    let tables = compute(&file, &workers, cancel);
+    progress.clear();
+    let tables = tables?;
+    let mut written = Vec::new();
+    for (table, rows) in &tables {
+        written.push(write_table(&file, &mut output, *table, rows)?);
+    }
+    let mut verification: Option<Verification> = None;
+    if *verified {
+        let found = verify(&without_trajectory(&file.study), cancel)
+            .map_err(|error| file.source.locate_sweep(error))?;
+        write_errors(&mut output, &found)?;
+        verification = Some(found);
+    }
+    if cancel.load(Ordering::Relaxed) {
+        return Err(Error::Interrupted(Kept::nothing()));
+    }
+    output.commit()?;
+    let mut out = String::new();
+    if let Some(summary) = tables.get(&Table::Summary) {
+        out.push_str(&print_run(summary, &file.study, units));
+    }
+    out.push_str(&print_written(&dir, &written));
+    if let Some(verification) = &verification {
+        out.push_str(&print_verified(verification, units, &dir));
+    }
+    Ok(out)
+}
+
+/// The tables that are asked for, the trajectory among them.
+fn compute(file: &StudyFile, workers: &Workers, cancel: &AtomicBool) -> Result<Tables, Error> {
+    let located = |error| file.source.locate_sweep(error);
+    let study = without_trajectory(&file.study);
+    let control = Control { workers, chunk: None, cancel, progress: &|_| {} };
+    let mut tables = match study.tables.is_empty() {
+        true => Tables::new(),
+        false => sweep(&study, 0..1, &control).map_err(located)?,
+    };
+    if file.study.tables.contains(&Table::Trajectory) {
+        let rows = trajectory(&file.study.spec, file.samples_per_period, cancel);
+        tables.insert(Table::Trajectory, rows.map_err(located)?);
+    }
+    Ok(tables)
+}
+
+fn write_table(
+    file: &StudyFile,
+    output: &mut Output,
+    table: Table,
+    rows: &RecordBatch,
+) -> Result<(String, Total), Error> {
+    let located = |invalid| file.source.locate(&invalid);
+    let identity = Identity::of(&file.study).map_err(located)?;
+    let schema = part_schema(&*schema(&file.study, table, identity).map_err(located)?, &(0..1));
+    let path = output.stage_table(table)?;
+    let mut part = TableFile::create(&path, schema, output.style())?;
+    part.append(rows)?;
+    let contents = part.finish()?;
+    let total = Total { files: 1, rows: contents.rows, bytes: contents.bytes };
+    Ok((table.name().to_owned(), total))
+}
+
+/// Makes a study of one point of a grid.
+fn single_out(file: &mut StudyFile, point: u64) -> Result<(), Error> {
+    let points = file.points()?;
+    if file.study.sampling.is_empty() || point >= points {
+        let allowed = match points {
+            1 => "the study has no [sweep]; leave --point out".to_owned(),
+            _ => format!("give a number from 0 to {}", points - 1),
+        };
+        return Err(Error::Refused(format!("--point {point}: {allowed}")));
+    }
+    file.study.spec = file.study.spec(point).map_err(|invalid| file.source.locate(&invalid))?;
+    file.study.sampling = Sampling::default();
+    file.study.tables = Table::ALL.to_vec();
+    Ok(())
+}

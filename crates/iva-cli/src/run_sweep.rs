@@ -1,0 +1,363 @@
+//! A sweep into a folder: checked, divided into parts, run and written part by part.
+//!
+//! Two parts or more are under way at a time, each with a thread that drives and writes it, so that the
+//! workers have points to run while files are encoded and synced.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+
+use arrow_array::RecordBatch;
+use iva_sweep::done::Done;
+use iva_sweep::identity::Identity;
+use iva_sweep::plan::{Plan, Trial};
+use iva_sweep::study::{Study, Table};
+use iva_sweep::sweep::{Control, Tables, Workers, sweep};
+use iva_sweep::tables::schema;
+
+use crate::claim::Claim;
+use crate::error::{Error, Kept};
+use crate::folder::{MANIFEST_FILE, holds_tables, part_name, refuse_conflicts, vanished};
+use crate::inputs::{Input, named};
+use crate::manifest::Manifest;
+use crate::moves::{beside, put_in_place, remove_folder};
+use crate::part_files::{PartFiles, Staged};
+use crate::resolved::{resolve, write};
+use crate::study_file::StudyFile;
+use crate::sweep_folder::{SweepFolder, earlier, study_text};
+use crate::table_file::{Style, part_schema, read_rows};
+
+/// Points computed and held in memory at once by one driver: a constant, so that the rows reach the files
+/// in the same portions on every machine.
+const BATCH_POINTS: u64 = 16_384;
+/// Workers that one driver keeps busy, beyond the first two drivers.
+const WORKERS_PER_DRIVER: usize = 8;
+
+/// What to run, and where its tables go.
+pub struct Sweep<'a> {
+    /// The study.
+    pub file: &'a StudyFile,
+    /// The folder.
+    pub dir: &'a Path,
+    /// How tables are written.
+    pub style: Style,
+    /// Go on with what the folder holds of the same sweep.
+    pub resume: bool,
+    /// Replace the tables that the folder holds, once the new ones are complete.
+    pub overwrite: bool,
+    /// The parts are not in the folder, which holds only study and manifest.
+    pub elsewhere: bool,
+    /// Who does the work.
+    pub workers: &'a Workers,
+    /// Set to stop: parts under way are dropped.
+    pub cancel: &'a AtomicBool,
+}
+
+/// Who is told what happens; from any thread.
+pub trait Watch: Sync {
+    /// So many more points were found valid.
+    fn checked(&self, _points: u64) {}
+    /// The parts are known; what an earlier process left is in the manifest.
+    fn planned(&self, _manifest: &Manifest) {}
+    /// Parts of an earlier process that are not what the manifest says, and are computed again.
+    fn damaged(&self, _files: &[String]) {}
+    /// So much more was done.
+    fn done(&self, _done: Done) {}
+    /// A part is complete.
+    fn part(&self, _number: u64, _manifest: &Manifest) {}
+    /// True if [`Watch::rows`] is to be called.
+    fn wants_rows(&self) -> bool {
+        false
+    }
+    /// Rows of the summary, each once, in any order.
+    fn rows(&self, _summary: &RecordBatch) {}
+}
+
+/// A sweep whose folder is ready for the parts that are missing.
+pub struct Opened {
+    /// The folder that is filled.
+    pub folder: SweepFolder,
+    /// The folder of the result; another one than `folder` if earlier tables are to be replaced.
+    dir: PathBuf,
+}
+
+impl Opened {
+    /// Ends the sweep: what is complete stays, what is unfinished goes, and a complete sweep takes the
+    /// place of earlier tables. Returns the manifest.
+    ///
+    /// # Errors
+    /// [`Error::Incomplete`] if `failure` says why parts are missing, else [`Error::Interrupted`];
+    /// [`Error::NotMoved`] if earlier tables could not be replaced.
+    pub fn close(self, failure: Option<Error>) -> Result<Manifest, Error> {
+        let Self { mut folder, dir } = self;
+        let manifest = folder.manifest().clone();
+        let root = folder.root().to_owned();
+        let replaced = root != dir;
+        let kept =
+            || Kept { dir: dir.clone(), done: manifest.done(), points: manifest.points, replaced };
+        let names = folder.close();
+        if let Some(Error::Interrupted(_)) = failure {
+            return Err(Error::Interrupted(kept()));
+        }
+        if let Some(reason) = failure {
+            return Err(Error::Incomplete { reason: Box::new(reason), kept: kept() });
+        }
+        if !manifest.is_complete() {
+            return Err(Error::Interrupted(kept()));
+        }
+        let names = names?;
+        if replaced {
+            put_in_place(&dir, &names)?;
+        }
+        Ok(manifest)
+    }
+}
+
+impl Sweep<'_> {
+    /// Runs it; returns the manifest of the complete sweep.
+    ///
+    /// # Errors
+    /// As [`Sweep::open`] before anything is run; then as [`Opened::close`].
+    pub fn run(&self, watch: &dyn Watch) -> Result<Manifest, Error> {
+        let mut opened = self.open(watch)?;
+        let ran = self
+            .read_complete(&opened.folder, watch)
+            .and_then(|()| self.run_parts(&mut opened.folder, watch));
+        opened.close(ran.err())
+    }
+
+    /// Checks the study and the folder, and makes the folder ready.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] and [`Error::Study`] for what the user can mend, with no result touched;
+    /// [`Error::Interrupted`] if it was cancelled.
+    pub fn open(&self, watch: &dyn Watch) -> Result<Opened, Error> {
+        refuse_conflicts(self.dir, self.overwrite || self.resume)?;
+        let (file, inputs) = named(self.file, self.dir);
+        let text = write(&resolve(&file)?)?;
+        let claim = Claim::take(self.dir)?;
+        // What it holds may have changed before it was ours.
+        refuse_conflicts(self.dir, self.overwrite || self.resume)?;
+        let root = self.root(&text)?;
+        let folder = self.prepare(claim, &root, (&text, &inputs), watch)?;
+        watch.planned(folder.manifest());
+        Ok(Opened { folder, dir: self.dir.to_owned() })
+    }
+
+    /// The folder to fill: that of the result, or one in it where earlier tables stay until the end.
+    fn root(&self, text: &str) -> Result<PathBuf, Error> {
+        let new = beside(self.dir);
+        let has_tables = holds_tables(self.dir);
+        if self.overwrite && (has_tables || new.join(MANIFEST_FILE).exists()) {
+            return Ok(new);
+        }
+        if self.resume && has_tables && !self.dir.join(MANIFEST_FILE).exists() {
+            // Nothing says that they are complete: they stay until the new ones are.
+            if study_text(self.dir) == text {
+                return Ok(new);
+            }
+            return Err(Error::Refused(format!(
+                "{} holds tables of another study and no {MANIFEST_FILE} to go on from; choose another \
+                 folder with --out, or give --overwrite to replace them",
+                self.dir.display()
+            )));
+        }
+        Ok(self.dir.to_owned())
+    }
+
+    /// The folder, ready for the first missing part.
+    fn prepare(
+        &self,
+        claim: Claim,
+        root: &Path,
+        study_and_inputs: (&str, &[Input]),
+        watch: &dyn Watch,
+    ) -> Result<SweepFolder, Error> {
+        let (text, inputs) = study_and_inputs;
+        let study = &self.file.study;
+        let located = |invalid| self.file.source.locate(&invalid);
+        let identity = Identity::of(study).map_err(located)?;
+        if self.resume {
+            let undivided = Plan { points: identity.points, part_points: 1 };
+            let now = Manifest::new(study, identity, undivided, self.style);
+            // With no part complete there is nothing to go on with, and the plan is made anew.
+            let found = earlier(root, &now, text)?.filter(|found| !found.parts.is_empty());
+            if let Some(found) = found {
+                let kept = self.kept(root, &found);
+                let go_on = || !self.cancel.load(Ordering::Relaxed);
+                let elsewhere = self.elsewhere;
+                let resumed =
+                    SweepFolder::resume(root, claim, found, study_and_inputs, elsewhere, &go_on)?;
+                let Some((folder, damaged)) = resumed else { return Err(Error::Interrupted(kept)) };
+                watch.damaged(&damaged);
+                return Ok(folder);
+            }
+        }
+        self.file.validate(self.workers, self.cancel, &|points| watch.checked(points))?;
+        self.nothing_if_cancelled()?;
+        let trial = Trial::run(study, self.workers, self.cancel)
+            .map_err(|error| self.file.source.locate_sweep(error))?;
+        self.nothing_if_cancelled()?;
+        let plan = Plan::new(study, &trial).map_err(located)?;
+        if root != self.dir {
+            remove_folder(root)?;
+        }
+        let manifest = Manifest::new(study, identity, plan, self.style);
+        SweepFolder::begin(root, claim, manifest, text, inputs)
+    }
+
+    fn kept(&self, root: &Path, manifest: &Manifest) -> Kept {
+        Kept {
+            dir: self.dir.to_owned(),
+            done: manifest.done(),
+            points: manifest.points,
+            replaced: root != self.dir,
+        }
+    }
+
+    fn nothing_if_cancelled(&self) -> Result<(), Error> {
+        match self.cancel.load(Ordering::Relaxed) {
+            true => Err(Error::Interrupted(Kept::nothing())),
+            false => Ok(()),
+        }
+    }
+
+    /// Hands out the summaries of complete parts.
+    fn read_complete(&self, folder: &SweepFolder, watch: &dyn Watch) -> Result<(), Error> {
+        let manifest = folder.manifest();
+        if !watch.wants_rows() || !self.file.study.tables.contains(&Table::Summary) {
+            return Ok(());
+        }
+        let schema = schema(&self.file.study, Table::Summary, manifest.identity())?;
+        for number in manifest.parts.keys() {
+            let name = part_name(*number, self.style.format);
+            let path = folder.root().join(Table::Summary.name()).join(name);
+            let schema = part_schema(&schema, &manifest.plan().range(*number));
+            read_rows(&path, schema, self.style, &mut |rows| watch.rows(rows))?;
+            if self.cancel.load(Ordering::Relaxed) {
+                return Err(Error::Interrupted(self.kept(folder.root(), manifest)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs the missing parts, until all are complete, one fails, or the sweep is cancelled.
+    fn run_parts(&self, folder: &mut SweepFolder, watch: &dyn Watch) -> Result<(), Error> {
+        let missing: Vec<u64> = folder.manifest().missing().collect();
+        let drivers = 2 + self.workers.count() / WORKERS_PER_DRIVER;
+        let (folder, next) = (Mutex::new(folder), AtomicUsize::new(0));
+        let failure: Mutex<Option<Error>> = Mutex::new(None);
+        let failed = || lock(&failure).is_some();
+        let drive = || {
+            while let Some(part) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if self.cancel.load(Ordering::Relaxed) || failed() {
+                    break;
+                }
+                // A panic ends the sweep like any other fault, with what is complete kept.
+                let ran = catch_unwind(AssertUnwindSafe(|| self.run_part(*part, &folder, watch)));
+                let panicked = |_| Err(Error::Internal("a part ended in a panic".to_owned()));
+                if let Err(reason) = ran.unwrap_or_else(panicked) {
+                    let (root, work) = {
+                        let folder = lock(&folder);
+                        (folder.root().to_owned(), folder.work())
+                    };
+                    let gone = !root.is_dir() || !work.is_dir();
+                    let reason = if gone { vanished(&root) } else { reason };
+                    lock(&failure).get_or_insert(reason);
+                }
+            }
+        };
+        thread::scope(|scope| {
+            for _ in 1..drivers.min(missing.len()) {
+                scope.spawn(drive);
+            }
+            drive();
+        });
+        failure.into_inner().ok().flatten().map_or(Ok(()), Err)
+    }
+
+    /// Runs and writes a part; if the sweep is cancelled midway nothing of it stays.
+    fn run_part(
+        &self,
+        part: u64,
+        folder: &Mutex<&mut SweepFolder>,
+        watch: &dyn Watch,
+    ) -> Result<(), Error> {
+        let study = &self.file.study;
+        let files = lock(folder).stage(study, part)?;
+        let points = lock(folder).manifest().plan().range(part);
+        let rows = |rows: &RecordBatch| {
+            if watch.wants_rows() {
+                watch.rows(rows);
+            }
+        };
+        let work = PartWork { study, workers: self.workers, cancel: self.cancel };
+        let staged =
+            work.run(points, files, &|done| watch.done(done), &rows).map_err(
+                |error| match error {
+                    Error::Invalid(invalid) => self.file.source.locate(&invalid),
+                    other => other,
+                },
+            )?;
+        if let Some(staged) = staged {
+            let mut folder = lock(folder);
+            folder.take(part, staged)?;
+            watch.part(part, folder.manifest());
+        }
+        Ok(())
+    }
+}
+
+/// How a part is run.
+pub struct PartWork<'a> {
+    /// The study, with the points of the part at least.
+    pub study: &'a Study,
+    /// Who does the work.
+    pub workers: &'a Workers,
+    /// Set to stop.
+    pub cancel: &'a AtomicBool,
+}
+
+impl PartWork<'_> {
+    /// Runs the points of a part and writes its files; `None` if it was cancelled.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if they cannot be written, [`Error::Invalid`] for an invalid point.
+    pub fn run(
+        &self,
+        points: std::ops::Range<u64>,
+        mut files: PartFiles,
+        progress: &(dyn Fn(Done) + Sync),
+        rows: &dyn Fn(&RecordBatch),
+    ) -> Result<Option<Staged>, Error> {
+        let failed = Mutex::new(0);
+        let count = |done: Done| {
+            *lock(&failed) += done.failed;
+            progress(done);
+        };
+        let Self { study, workers, cancel } = *self;
+        let control = Control { workers, chunk: None, cancel, progress: &count };
+        let mut first = points.start;
+        while first < points.end {
+            let last = points.end.min(first + BATCH_POINTS);
+            let tables: Tables = sweep(study, first..last, &control)?;
+            if cancel.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            files.append(&tables)?;
+            if let Some(summary) = tables.get(&Table::Summary) {
+                rows(summary);
+            }
+            first = last;
+        }
+        files.failed = *lock(&failed);
+        files.finish().map(Some)
+    }
+}
+
+/// What a mutex holds; a thread that panicked with it ends the sweep anyway.
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}

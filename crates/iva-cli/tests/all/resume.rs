@@ -1,0 +1,372 @@
+//! Sweeps that end in any way and go on: the same files, nothing twice, nothing broken.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// 10⁶ points in some ten parts.
+const MILLION: &str = "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\nkind = \"siva\"\n\
+    restitution = 0.5\n[start]\ndisplacement = 1.0\n[run]\nperiods = 20\n\
+    tables = [\"summary\"]\n[sweep]\n\
+    relative_clearance = { start = 0.3, stop = 1.2, count = 400 }\n\
+    mass_ratio = { start = 0.05, stop = 0.2, count = 2500 }\n";
+
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new(study: &str) -> Self {
+        let place = Self(tempfile::tempdir().unwrap());
+        place.write(study);
+        place
+    }
+
+    fn write(&self, study: &str) {
+        fs::write(self.0.path().join("my.toml"), study).unwrap();
+    }
+
+    fn out(&self) -> PathBuf {
+        self.0.path().join("out")
+    }
+
+    fn command(&self, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_iva"));
+        command.current_dir(self.0.path()).args(["sweep", "my.toml", "--out", "out"]).args(more);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    fn start(&self, more: &[&str]) -> Child {
+        self.command(more).spawn().unwrap()
+    }
+
+    fn sweep(&self, more: &[&str]) -> Output {
+        self.command(more).output().unwrap()
+    }
+
+    fn succeed(&self, more: &[&str]) -> String {
+        let output = self.sweep(more);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{said}");
+        said
+    }
+
+    /// Runs it again; nothing may have changed. Returns what was said.
+    fn refused(&self, more: &[&str]) -> String {
+        let before = files(&self.out());
+        let output = self.sweep(more);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+        assert!(files(&self.out()) == before, "something was touched");
+        said
+    }
+}
+
+/// Every file below a folder with its bytes.
+fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![dir.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            match entry.path() {
+                path if path.is_dir() => folders.push(path),
+                path => {
+                    let name = path.strip_prefix(dir).unwrap().to_owned();
+                    found.insert(name, fs::read(path).unwrap());
+                }
+            }
+        }
+    }
+    found
+}
+
+fn parts(dir: &Path) -> usize {
+    fs::read_dir(dir.join("summary")).into_iter().flatten().count()
+}
+
+fn wait_for(what: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !what() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing happened for a minute");
+        sleep(Duration::from_millis(2));
+    }
+}
+
+/// Uniform numbers below 1 after Knuth's 64-bit linear congruential generator.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+#[test]
+fn killed_at_twenty_random_moments_a_sweep_of_a_million_points_gives_the_same_files() {
+    let whole = Place::new(MILLION);
+    let begin = Instant::now();
+    whole.succeed(&["--quiet"]);
+    let time = begin.elapsed();
+    let expected = files(&whole.out());
+    assert!(parts(&whole.out()) > 8, "{} parts", parts(&whole.out()));
+
+    let place = Place::new(MILLION);
+    let mut random = Random(20_261_122);
+    let mut kept = Vec::new();
+    let mut kills = 0;
+    while kills < 20 {
+        let mut child = place.start(&["--quiet", "--resume"]);
+        // Long enough for a part now and then, so that kills fall on every stage of the sweep.
+        sleep(time.mul_f64(0.25 * random.next()));
+        kills += usize::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let now = parts(&place.out());
+        assert!(kept.last().is_none_or(|before| now >= *before), "{kept:?}, {now}");
+        kept.push(now);
+        if now == expected.len() - 2 {
+            fs::remove_dir_all(place.out()).unwrap();
+            kept.clear();
+        }
+    }
+    place.succeed(&["--quiet", "--resume"]);
+    let found = files(&place.out());
+    assert!(found.keys().eq(expected.keys()), "{:?}", found.keys());
+    assert!(found == expected, "the same names, other bytes");
+}
+
+#[test]
+fn a_part_that_was_cut_off_altered_or_removed_is_found_and_computed_again() {
+    for format in ["parquet", "csv"] {
+        let place = Place::new(&MILLION.replace("2500 }", "1250 }"));
+        let format_args = ["--format", format];
+        place.succeed(&[&["--quiet"][..], &format_args].concat());
+        let expected = files(&place.out());
+        let part = |number: usize| place.out().join(format!("summary/part-{number:05}.{format}"));
+        let bytes = fs::read(part(0)).unwrap();
+        fs::write(part(0), &bytes[..bytes.len() / 2]).unwrap();
+        let mut bytes = fs::read(part(2)).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        fs::write(part(2), bytes).unwrap();
+        fs::remove_file(part(3)).unwrap();
+        let said = place.succeed(&[&["--resume"][..], &format_args].concat());
+        for number in [0, 2, 3] {
+            let name = format!("summary/part-{number:05}.{format} is not what was written");
+            assert!(said.contains(&name), "{said}");
+        }
+        assert!(!said.contains("part-00001"), "{said}");
+        assert!(files(&place.out()) == expected, "{format}");
+    }
+}
+
+#[test]
+fn best_points_are_those_of_all_parts() {
+    let place = Place::new(&MILLION.replace("2500 }", "500 }"));
+    let whole = String::from_utf8(place.sweep(&[]).stdout).unwrap();
+    for format in ["parquet", "arrow", "csv"] {
+        let format_args = ["--overwrite", "--format", format];
+        place.succeed(&[&["--quiet"][..], &format_args].concat());
+        fs::remove_file(place.out().join(format!("summary/part-00001.{format}"))).unwrap();
+        let output = place.sweep(&["--resume", "--format", format]);
+        let resumed = String::from_utf8(output.stdout).unwrap();
+        let table = |text: &str| text.split("\nWritten to").next().unwrap().to_owned();
+        assert!(whole.starts_with("Best 10 of 200000 points"), "{whole}");
+        assert_eq!(table(&resumed), table(&whole));
+    }
+}
+
+#[test]
+fn a_sweep_that_cannot_write_keeps_its_parts_and_goes_on() {
+    let whole = Place::new(MILLION);
+    whole.succeed(&["--quiet"]);
+    let place = Place::new(MILLION);
+    // Files may not grow beyond a limit that is set while the sweep runs: every write fails then, as on
+    // a full disk.
+    let script = "trap '' XFSZ; exec \"$0\" sweep my.toml --out out --quiet";
+    let child = Command::new("sh")
+        .current_dir(place.0.path())
+        .args(["-c", script, env!("CARGO_BIN_EXE_iva")])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_for(|| parts(&place.out()) >= 2);
+    let limit = Command::new("prlimit")
+        .args(["--fsize=100000", "--pid", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(limit.success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("File too large"), "{said}");
+    assert!(said.contains("points are written to out; go on with --resume"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    let kept = files(&place.out());
+    assert!(kept.keys().all(|name| !name.starts_with(".iva-work")), "{:?}", kept.keys());
+    place.succeed(&["--quiet", "--resume"]);
+    assert!(files(&place.out()) == files(&whole.out()));
+}
+
+fn small(periods: u32) -> String {
+    MILLION
+        .replace("400 }", "4 }")
+        .replace("2500 }", "5 }")
+        .replace("periods = 20", &format!("periods = {periods}"))
+}
+
+#[test]
+fn another_sweep_is_refused_with_what_changed() {
+    let place = Place::new(&small(20));
+    place.succeed(&["--quiet"]);
+    place.write(&small(21));
+    let said = place.refused(&["--resume"]);
+    assert!(said.contains("out holds another sweep: run.periods was 20.0, is 21.0;"), "{said}");
+    assert!(said.contains("--overwrite without --resume"), "{said}");
+    place.write(&small(20));
+    let said = place.refused(&["--resume", "--tables", "summary,impacts"]);
+    assert!(said.contains("the list of tables was summary, is summary, impacts"), "{said}");
+    let said = place.refused(&["--resume", "--format", "csv"]);
+    assert!(said.contains("the format was parquet, is csv"), "{said}");
+    let said = place.refused(&[]);
+    assert!(!said.contains("--resume"), "it is complete: {said}");
+    // What is only printed does not count.
+    place.write(&format!("{}[report]\ncount = 3\n", small(20)));
+    place.succeed(&["--resume"]);
+    let manifest = place.out().join("manifest.json");
+    let text = fs::read_to_string(&manifest).unwrap();
+    let version = format!("\"iva\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    fs::write(&manifest, text.replace(&version, "\"iva\": \"0.0.1\"")).unwrap();
+    let said = place.refused(&["--resume"]);
+    assert!(said.contains("the version of iva-dynamics was 0.0.1"), "{said}");
+}
+
+#[test]
+fn a_folder_of_which_nothing_is_known_begins_or_is_refused() {
+    let place = Place::new(&small(20));
+    // No folder at all.
+    place.succeed(&["--quiet", "--resume"]);
+    let expected = files(&place.out());
+    // Without a manifest, with tables of the same study.
+    fs::remove_file(place.out().join("manifest.json")).unwrap();
+    place.succeed(&["--quiet", "--resume"]);
+    assert!(files(&place.out()) == expected);
+    // Without a manifest, with tables of another one.
+    fs::remove_file(place.out().join("manifest.json")).unwrap();
+    place.write(&small(21));
+    let said = place.refused(&["--resume"]);
+    assert!(said.contains("holds tables of another study and no manifest.json"), "{said}");
+    // Unfinished files alone.
+    fs::remove_dir_all(place.out()).unwrap();
+    fs::create_dir_all(place.out().join(".iva-work/part-abc")).unwrap();
+    fs::write(place.out().join(".iva-work/part-abc/summary.parquet"), "half").unwrap();
+    place.succeed(&["--quiet", "--resume"]);
+    assert_eq!(files(&place.out()).len(), 3);
+    // A manifest that is none.
+    let whole = fs::read_to_string(place.out().join("manifest.json")).unwrap();
+    for (text, said) in [
+        ("{\n  \"manifest\": 1", "it is no manifest of a sweep"),
+        ("{\n  \"manifest\": 99}", "it is no manifest of a sweep"),
+        (&whole.replace("\"summary\": {", "\"impacts\": {"), "its parts do not fit"),
+        ("mine", "manifest.json is no manifest of a sweep and would be replaced"),
+    ] {
+        fs::write(place.out().join("manifest.json"), text).unwrap();
+        let refused = place.refused(&["--resume"]);
+        assert!(refused.contains(said), "{refused}");
+    }
+}
+
+#[test]
+fn two_sweeps_never_write_into_one_folder() {
+    let place = Place::new(MILLION);
+    let mut first = place.start(&["--quiet"]);
+    wait_for(|| parts(&place.out()) >= 1);
+    let output = place.sweep(&["--resume"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("another process is writing into out"), "{said}");
+    let output = place.sweep(&["--overwrite"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(first.wait().unwrap().success());
+    assert!(parts(&place.out()) > 8);
+}
+
+#[test]
+fn an_interrupt_while_parts_are_checked_changes_nothing() {
+    // Enough to read that the signal may fall into it: 50 MB.
+    let place = Place::new(&MILLION.replace("2500 }", "1000 }"));
+    place.succeed(&["--quiet"]);
+    let expected = files(&place.out());
+    let mut random = Random(7);
+    for _ in 0..8 {
+        let mut child = place.start(&["--quiet", "--resume"]);
+        sleep(Duration::from_secs_f64(0.15 * random.next()));
+        let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        let status = child.wait().unwrap();
+        assert!(!sent.success() || [Some(0), Some(130), None].contains(&status.code()), "{status}");
+        let mut found = files(&place.out());
+        found.retain(|name, _| !name.starts_with(".iva-work"));
+        assert!(found == expected, "{:?}", found.keys());
+    }
+}
+
+#[test]
+fn an_exchange_that_was_killed_is_ended_by_the_next_process() {
+    let place = Place::new(&small(20));
+    place.succeed(&["--quiet", "--tables", "summary,impacts"]);
+    let old = files(&place.out());
+    let other = Place::new(&small(21));
+    other.succeed(&["--quiet"]);
+    let new = files(&other.out());
+    let put = |dir: &Path, files: &BTreeMap<PathBuf, Vec<u8>>| {
+        for (name, bytes) in files {
+            fs::create_dir_all(dir.join(name).parent().unwrap()).unwrap();
+            fs::write(dir.join(name), bytes).unwrap();
+        }
+    };
+    let order = |files: &BTreeMap<PathBuf, Vec<u8>>| {
+        let mut names: Vec<PathBuf> = files.keys().cloned().collect();
+        names.sort_by_key(|name| (name.components().count() == 1, name.clone()));
+        names
+    };
+    let moves = order(&old).len() + order(&new).len();
+    for done in 0..=moves {
+        fs::remove_dir_all(place.out()).unwrap();
+        let beside = place.out().join(".iva-new");
+        let (mut here, mut gathered, mut aside) = (old.clone(), new.clone(), BTreeMap::new());
+        for name in order(&old).iter().take(done) {
+            aside.insert(name.clone(), here.remove(name).unwrap());
+        }
+        for name in order(&new).iter().take(done.saturating_sub(old.len())) {
+            here.insert(name.clone(), gathered.remove(name).unwrap());
+        }
+        put(&place.out(), &here);
+        put(&beside, &gathered);
+        fs::create_dir_all(beside.join("earlier")).unwrap();
+        put(&beside.join("earlier"), &aside);
+        place.write(&small(21));
+        place.succeed(&["--quiet", "--overwrite", "--resume"]);
+        assert!(files(&place.out()) == new, "after {done} of {moves} moves");
+    }
+}
+
+#[test]
+fn a_kept_overwrite_survives_a_study_that_is_refused() {
+    let place = Place::new(&small(20));
+    place.succeed(&["--quiet"]);
+    place.write(MILLION);
+    let mut child = place.start(&["--quiet", "--overwrite"]);
+    wait_for(|| parts(&place.out().join(".iva-new")) >= 1);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    place.write(&small(20).replace("displacement = 1.0", "displacement = 0.0"));
+    assert_eq!(place.sweep(&["--overwrite"]).status.code(), Some(2));
+    assert!(parts(&place.out().join(".iva-new")) >= 1);
+}

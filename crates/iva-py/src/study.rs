@@ -1,0 +1,249 @@
+//! A study as Python holds it: what is to be run, and running it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use iva_cli::part_files::PartFiles;
+use iva_cli::run_sweep::PartWork;
+use iva_sweep::Invalid;
+use iva_sweep::cube::Method;
+use iva_sweep::done::Done;
+use iva_sweep::identity::Identity;
+use iva_sweep::plan::{Plan, Trial, memory};
+use iva_sweep::sampling::Sampling;
+use iva_sweep::study::{Study, Table};
+use iva_sweep::sweep::{Control, SweepError, Workers, sweep, validate};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple, PyType};
+
+use crate::arguments;
+use crate::calls::{Tables, named};
+use crate::errors::{internal, invalid, refused};
+use crate::worker::{self, Progress, Shared};
+
+/// Points of a sweep that fit into memory whatever their tables are.
+const FEW: u64 = 4096;
+
+/// What is run at many points: scene, points, tables. Studies can be pickled.
+#[pyclass(frozen, module = "iva._iva", name = "Study")]
+pub struct PyStudy {
+    pub study: Arc<Study>,
+    pub identity: Identity,
+    given: Given,
+}
+
+/// The arguments of the constructor.
+struct Given {
+    spec: Py<PyDict>,
+    sampling: Py<PyTuple>,
+    tables: Vec<String>,
+    measures: Option<Vec<String>>,
+    errors: bool,
+}
+
+type Arguments<'py> =
+    (Bound<'py, PyDict>, Bound<'py, PyTuple>, Vec<String>, Option<Vec<String>>, bool, (u64, u64));
+
+#[pymethods]
+impl PyStudy {
+    /// `whole` is digest and number of points of the study that this is a piece of.
+    #[new]
+    #[pyo3(signature = (spec, sampling, tables, measures = None, errors = false, whole = None))]
+    fn new(
+        spec: &Bound<'_, PyDict>,
+        sampling: &Bound<'_, PyTuple>,
+        tables: Vec<String>,
+        measures: Option<Vec<String>>,
+        errors: bool,
+        whole: Option<(u64, u64)>,
+    ) -> PyResult<Self> {
+        let points = arguments::sampling(sampling)?;
+        let scene = arguments::spec(spec)?;
+        let study = arguments::study(scene, points, &tables, measures.as_deref(), errors)?;
+        let identity = match whole {
+            Some((digest, points)) => Identity { digest, points },
+            None => {
+                study.sampling.check(study.spec.choices().kind).map_err(invalid)?;
+                Identity::of(&study).map_err(invalid)?
+            }
+        };
+        let (spec, sampling) = (spec.clone().unbind(), sampling.clone().unbind());
+        let given = Given { spec, sampling, tables, measures, errors };
+        Ok(Self { study: Arc::new(study), identity, given })
+    }
+
+    /// Number of points.
+    #[getter]
+    fn points(&self) -> u64 {
+        self.identity.points
+    }
+
+    /// Keys of what is swept.
+    #[getter]
+    fn swept(&self) -> Vec<String> {
+        self.study.sampling.keys().map(|swept| swept.key.to_owned()).collect()
+    }
+
+    /// Runs all points; returns the tables by name. Refused if these would take more than
+    /// `memory_limit` bytes.
+    #[pyo3(signature = (threads = None, progress = None, memory_limit = None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        threads: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+        memory_limit: Option<f64>,
+    ) -> PyResult<Tables> {
+        let threads = count(threads)?;
+        let (study, points) = (Arc::clone(&self.study), self.identity.points);
+        let progress = progress.map(|callback| Progress { callback, total: points });
+        let tables = worker::run(py, progress.as_ref(), move |shared| {
+            let workers = Workers::new(threads)?;
+            if let Some(limit) = memory_limit {
+                refuse_too_large(&study, limit, &workers, &shared.cancel)?;
+            }
+            // A bad point is said at once, not after the good ones before it.
+            validate(&study, &workers, &shared.cancel, &|_| {})?;
+            let progress = |done| shared.add(done);
+            let (chunk, cancel) = (None, &shared.cancel);
+            let control = Control { workers: &workers, chunk, cancel, progress: &progress };
+            sweep(&study, 0..points, &control)
+        })?;
+        Ok(named(tables))
+    }
+
+    /// The study with the points from `first` to below `last`, as small as it can be sent elsewhere.
+    fn part(&self, py: Python<'_>, first: u64, last: u64) -> PyResult<Self> {
+        let Identity { digest, points } = self.identity;
+        let Given { spec, sampling, tables, measures, errors } = &self.given;
+        let sampling = if self.is_short(last - first) {
+            sampling.bind(py).clone()
+        } else {
+            ("rows", self.values(first, last), first).into_pyobject(py)?
+        };
+        let whole = Some((digest, points));
+        Self::new(spec.bind(py), &sampling, tables.clone(), measures.clone(), *errors, whole)
+    }
+
+    /// Runs the points from `first` to below `last` on one thread; returns the tables by name.
+    fn run_points(&self, py: Python<'_>, first: u64, last: u64) -> PyResult<Tables> {
+        let study = Arc::clone(&self.study);
+        let tables = worker::run(py, None, move |shared| {
+            let workers = Workers::new(Some(1))?;
+            let (chunk, cancel) = (None, &shared.cancel);
+            let progress = |done| shared.add(done);
+            let control = Control { workers: &workers, chunk, cancel, progress: &progress };
+            sweep(&study, first..last, &control)
+        })?;
+        Ok(named(tables))
+    }
+
+    /// Points of a part. Refused as in [`PyStudy::run`], and for an invalid point.
+    #[pyo3(signature = (memory_limit = None))]
+    fn part_points(&self, py: Python<'_>, memory_limit: Option<f64>) -> PyResult<u64> {
+        let study = Arc::clone(&self.study);
+        worker::run(py, None, move |shared| {
+            let workers = Workers::new(None)?;
+            if let Some(limit) = memory_limit {
+                refuse_too_large(&study, limit, &workers, &shared.cancel)?;
+            }
+            validate(&study, &workers, &shared.cancel, &|_| {})?;
+            let trial = Trial::run(&study, &workers, &shared.cancel)?;
+            Ok(Plan::new(&study, &trial)?.part_points)
+        })
+    }
+
+    /// The points from `first` to below `last`: keys with their values.
+    fn values(&self, first: u64, last: u64) -> Vec<(String, Vec<f64>)> {
+        let mut columns: Vec<(String, Vec<f64>)> =
+            self.study.sampling.keys().map(|swept| (swept.key.to_owned(), vec![])).collect();
+        for point in first..last {
+            for (column, value) in columns.iter_mut().zip(self.study.swept(point)) {
+                column.1.push(value);
+            }
+        }
+        columns
+    }
+
+    /// Runs the points from `first` to below `last` on one thread and writes their files into a folder;
+    /// returns what they hold as JSON, for [`crate::folder::PySweepFolder::take`].
+    fn run_part(
+        &self,
+        py: Python<'_>,
+        first: u64,
+        last: u64,
+        folder: PathBuf,
+        style: &str,
+    ) -> PyResult<String> {
+        let style = crate::folder::style(style)?;
+        let (study, identity) = (Arc::clone(&self.study), self.identity);
+        let staged = worker::run_any(py, None, move |shared: &Shared| {
+            let workers = Workers::new(Some(1))?;
+            let files = PartFiles::create(&folder, &study, identity, first..last, style)?;
+            let work = PartWork { study: &study, workers: &workers, cancel: &shared.cancel };
+            work.run(first..last, files, &|_: Done| {}, &|_| {})
+        })?;
+        let staged = staged.map_err(refused)?.ok_or_else(|| internal("a part was cancelled"))?;
+        serde_json::to_string(&staged).map_err(|error| internal(&error.to_string()))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, Arguments<'py>) {
+        let py = slf.py();
+        let Self { given, identity, .. } = slf.get();
+        let whole = (identity.digest, identity.points);
+        let spec = given.spec.bind(py).clone();
+        let sampling = given.sampling.bind(py).clone();
+        let (tables, measures) = (given.tables.clone(), given.measures.clone());
+        (slf.get_type(), (spec, sampling, tables, measures, given.errors, whole))
+    }
+}
+
+impl PyStudy {
+    /// True if the points are described in fewer numbers than those of so many of them.
+    fn is_short(&self, points: u64) -> bool {
+        match &self.study.sampling {
+            Sampling::Grid(axes) => {
+                let numbers: usize = axes.iter().map(|axis| axis.values.len()).sum();
+                numbers as u64 <= points * axes.len() as u64
+            }
+            Sampling::Rows(rows) => {
+                rows.axes().iter().all(|axis| axis.values.len() as u64 <= points)
+            }
+            // A Latin hypercube would have to be laid out anew for each part.
+            Sampling::Sample(sample) => sample.method != Method::LatinHypercube,
+        }
+    }
+}
+
+/// Refuses a sweep whose tables would not fit.
+fn refuse_too_large(
+    study: &Study,
+    limit: f64,
+    workers: &Workers,
+    cancel: &AtomicBool,
+) -> Result<(), SweepError> {
+    let points = study.points()?;
+    let known = points <= FEW || study.tables == [Table::Summary];
+    let trial = if known { Trial::default() } else { Trial::run(study, workers, cancel)? };
+    let bytes = memory(study, &trial)?;
+    if bytes <= limit {
+        return Ok(());
+    }
+    Err(Invalid::new(
+        "sweep",
+        format!("{points} points"),
+        format!(
+            "the tables would take some {:.1} GB in memory, more than memory_limit = {:.1} GB; give \
+             out= a folder to write them to, ask for fewer tables or points, or raise memory_limit",
+            bytes / 1e9,
+            limit / 1e9
+        ),
+    )
+    .into())
+}
+
+/// A number of threads; `None`: one a core.
+pub fn count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
+    Ok(threads.map(|n| arguments::whole("threads", n, 1024)).transpose()?.map(|n| n as usize))
+}

@@ -1,0 +1,311 @@
+//! Which points a study runs: the quantities it sweeps, and the values that they take together.
+
+use std::fmt;
+use std::sync::Arc;
+
+use iva_core::error::Invalid;
+
+use crate::axis::Axis;
+use crate::choices::{Kind, only};
+use crate::cube::{Cube, CubeError, Method};
+use crate::slot::Slot;
+use crate::variable::Variable;
+
+/// More points than this are refused: `point` is a 32-bit column.
+pub const MAX_POINTS: u64 = 1 << 32;
+
+/// The points of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Sampling {
+    /// All combinations of the values of some axes, the last running fastest; one point without
+    /// axes.
+    Grid(Vec<Axis>),
+    /// The values of some axes of one length read in step, a point a row.
+    Rows(Rows),
+    /// Points drawn from distributions.
+    Sample(Sample),
+}
+
+/// Points given one by one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    /// A column for each swept quantity.
+    axes: Vec<Axis>,
+    /// Number of the first point: not 0 where others hold the rows before it.
+    first: u64,
+    /// The file they were read from, if any, as a study file can name it.
+    pub file: Option<String>,
+}
+
+impl Rows {
+    /// The rows of some columns; the first is that of point `first`.
+    ///
+    /// # Errors
+    /// [`Invalid`] if there is no column, or they are not of one length.
+    pub fn new(axes: Vec<Axis>, first: u64) -> Result<Self, Invalid> {
+        let Some((one, others)) = axes.split_first() else {
+            return Err(Invalid::new("sweep", "", "give at least one column"));
+        };
+        if let Some(other) = others.iter().find(|axis| axis.values.len() != one.values.len()) {
+            return Err(Invalid::new(
+                format!("sweep.{}", other.key),
+                format!("{} values", other.values.len()),
+                format!(
+                    "sweep.{} has {}: what is read in step must be of one length",
+                    one.key,
+                    one.values.len()
+                ),
+            ));
+        }
+        Ok(Self { axes, first, file: None })
+    }
+
+    /// The columns.
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    fn length(&self) -> u64 {
+        self.axes.first().map_or(0, |axis| axis.values.len() as u64)
+    }
+}
+
+/// Points drawn from distributions: a sample of the unit cube, carried to each quantity by its
+/// quantiles.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// How the points are laid out.
+    pub method: Method,
+    /// Number of points.
+    pub count: u64,
+    /// Seed of all that is random in it.
+    pub seed: u64,
+    /// Sobol points are scrambled.
+    pub scramble: bool,
+    variables: Vec<Variable>,
+    cube: Arc<Cube>,
+}
+
+impl PartialEq for Sample {
+    // The cube follows from the rest.
+    fn eq(&self, other: &Self) -> bool {
+        let settings = |it: &Self| (it.method, it.count, it.seed, it.scramble);
+        settings(self) == settings(other) && self.variables == other.variables
+    }
+}
+
+impl Sample {
+    /// Lays out the points.
+    ///
+    /// # Errors
+    /// [`Invalid`] for no variables or too many, no points or too many, or plain Sobol points, of
+    /// which the first has only zeros, of a distribution that does not end.
+    pub fn new(
+        method: Method,
+        count: u64,
+        seed: u64,
+        scramble: bool,
+        variables: Vec<Variable>,
+    ) -> Result<Self, Invalid> {
+        let cube = Cube::new(method, count, seed, scramble, variables.len()).map_err(|error| {
+            let (field, value) = match error {
+                CubeError::Count { count, .. } => ("sampling.count", count.to_string()),
+                CubeError::Axes { axes, .. } => ("sweep", format!("{axes} variables")),
+            };
+            let rule = match error {
+                CubeError::Count { most, .. } => format!("give a whole number from 1 to {most}"),
+                CubeError::Axes { most, .. } => format!("{} takes 1 to {most}", method.name()),
+            };
+            Invalid::new(field, value, rule)
+        })?;
+        let endless = |variable: &&Variable| !variable.distribution.quantile(0.0).is_finite();
+        if let Some(variable) =
+            variables.iter().find(|it| method == Method::Sobol && !scramble && endless(it))
+        {
+            return Err(Invalid::new(
+                format!("sweep.{}.low", variable.key),
+                "",
+                "the first of the plain Sobol points has only zeros, for which this distribution has \
+                 no value; give low, or leave scramble at true",
+            ));
+        }
+        Ok(Self { method, count, seed, scramble, variables, cube: Arc::new(cube) })
+    }
+
+    /// What is drawn, in the order of the columns of the summary.
+    pub fn variables(&self) -> &[Variable] {
+        &self.variables
+    }
+
+    fn values(&self, point: u64) -> Vec<f64> {
+        let variables = self.variables.iter().enumerate();
+        let value = |(axis, variable): (usize, &Variable)| {
+            variable.distribution.quantile(self.cube.coordinate(point, axis))
+        };
+        variables.map(value).collect()
+    }
+}
+
+/// A quantity that is swept.
+#[derive(Debug, Clone, Copy)]
+pub struct Swept<'a> {
+    /// The key as the user wrote it: the name of its column in the summary.
+    pub key: &'a str,
+    /// The field it sets.
+    pub slot: Slot,
+    /// What it is given as, for messages.
+    given: Given,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Given {
+    Values(usize),
+    Distribution(&'static str),
+}
+
+impl Swept<'_> {
+    fn refused(&self, allowed: String) -> Invalid {
+        let value = match self.given {
+            Given::Values(count) => format!("{count} values"),
+            Given::Distribution(name) => format!("\"{name}\""),
+        };
+        Invalid::new(format!("sweep.{}", self.key), value, allowed)
+    }
+}
+
+impl<'a> From<&'a Axis> for Swept<'a> {
+    fn from(axis: &'a Axis) -> Self {
+        Self { key: &axis.key, slot: axis.slot, given: Given::Values(axis.values.len()) }
+    }
+}
+
+impl<'a> From<&'a Variable> for Swept<'a> {
+    fn from(variable: &'a Variable) -> Self {
+        let given = Given::Distribution(variable.given().0);
+        Self { key: &variable.key, slot: variable.slot, given }
+    }
+}
+
+impl Default for Sampling {
+    fn default() -> Self {
+        Sampling::Grid(Vec::new())
+    }
+}
+
+impl Sampling {
+    /// True if nothing is swept: a single run.
+    pub fn is_empty(&self) -> bool {
+        self.keys().next().is_none()
+    }
+
+    /// What is swept, in the order of the columns of the summary.
+    pub fn keys(&self) -> impl Iterator<Item = Swept<'_>> {
+        let (axes, variables): (&[Axis], &[Variable]) = match self {
+            Sampling::Grid(axes) | Sampling::Rows(Rows { axes, .. }) => (axes, &[]),
+            Sampling::Sample(sample) => (&[], &sample.variables),
+        };
+        axes.iter().map(Swept::from).chain(variables.iter().map(Swept::from))
+    }
+
+    /// True if a quantity is swept, under this or another name.
+    pub fn sets(&self, slot: Slot) -> bool {
+        self.keys().any(|swept| swept.slot.same_quantity(slot))
+    }
+
+    /// Number of the first point.
+    pub fn first(&self) -> u64 {
+        match self {
+            Sampling::Rows(rows) => rows.first,
+            Sampling::Grid(_) | Sampling::Sample(_) => 0,
+        }
+    }
+
+    /// Number of points, those before [`Sampling::first`] among them.
+    ///
+    /// # Errors
+    /// [`Invalid`] beyond 2³² points.
+    pub fn points(&self) -> Result<u64, Invalid> {
+        let product = |axes: &[Axis]| {
+            axes.iter().try_fold(1u64, |all, axis| all.checked_mul(axis.values.len() as u64))
+        };
+        let points = match self {
+            Sampling::Grid(axes) => product(axes),
+            Sampling::Rows(rows) => rows.first.checked_add(rows.length()),
+            Sampling::Sample(sample) => Some(sample.count),
+        };
+        points.filter(|points| *points <= MAX_POINTS).ok_or_else(|| {
+            let lengths: Vec<String> = match self {
+                Sampling::Grid(axes) => axes.iter().map(|it| it.values.len().to_string()).collect(),
+                Sampling::Rows(rows) => vec![rows.length().to_string()],
+                Sampling::Sample(sample) => vec![sample.count.to_string()],
+            };
+            Invalid::new("sweep", lengths.join(" × "), "a sweep has at most 2^32 points")
+        })
+    }
+
+    /// The swept values of a point, in the order of [`Sampling::keys`].
+    pub fn values(&self, point: u64) -> Vec<f64> {
+        match self {
+            Sampling::Grid(axes) => combination(axes, point),
+            Sampling::Rows(rows) => {
+                let row = (point - rows.first) as usize;
+                rows.axes.iter().map(|axis| axis.values[row]).collect()
+            }
+            Sampling::Sample(sample) => sample.values(point),
+        }
+    }
+
+    /// Checks that no two axes sweep the same quantity, for the later would silently replace the
+    /// earlier, and that the kind of absorber has what is swept.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming the axis, the later of two.
+    pub fn check(&self, kind: Kind) -> Result<(), Invalid> {
+        for (index, swept) in self.keys().enumerate() {
+            let mut before = self.keys().take(index);
+            if let Some(earlier) = before.find(|it| it.slot.same_quantity(swept.slot)) {
+                let key = earlier.key;
+                return Err(
+                    swept.refused(format!("sweep.{key} sets the same quantity; give one of them"))
+                );
+            }
+        }
+        for swept in self.keys() {
+            if let Some(other) = swept.slot.info().kind.filter(|other| *other != kind) {
+                return Err(swept.refused(only(other)));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How many values of what, on one line.
+impl fmt::Display for Sampling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words: Vec<String> = match self {
+            Sampling::Grid(axes) => {
+                axes.iter().map(|axis| format!("{} {}", axis.values.len(), axis.key)).collect()
+            }
+            _ => self.keys().map(|swept| swept.key.to_owned()).collect(),
+        };
+        match self {
+            Sampling::Grid(_) => f.write_str(&words.join(" × ")),
+            Sampling::Rows(_) => write!(f, "{} row by row", words.join(", ")),
+            Sampling::Sample(sample) => {
+                write!(f, "{} sample of {}", sample.method.name(), words.join(", "))
+            }
+        }
+    }
+}
+
+/// The values of a point of a grid; the last axis runs fastest.
+fn combination(axes: &[Axis], point: u64) -> Vec<f64> {
+    let mut rest = point;
+    let mut values = vec![0.0; axes.len()];
+    for (value, axis) in values.iter_mut().zip(axes).rev() {
+        let length = axis.values.len() as u64;
+        *value = axis.values[(rest % length) as usize];
+        rest /= length;
+    }
+    values
+}

@@ -1,0 +1,94 @@
+"""The tables of many runs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from iva.frames import Frames
+from iva.units import Units
+
+if TYPE_CHECKING:
+    import polars as pl
+
+
+class Table:
+    """Result of :func:`sweep` or :func:`iva.read`: the tables of many runs.
+
+    Attributes of tables are polars frames, made on first use; all begin with ``point``, the number
+    of the point (of a grid row-major, last axis fastest). `swept` are the keys of the axes, `units`
+    names the unit of every column. Tables can be copied, pickled and compared.
+    """
+
+    def __init__(self, swept: tuple[str, ...], units: Units, frames: Frames) -> None:
+        self.swept = swept
+        self.units = units
+        self._frames = frames
+
+    @property
+    def tables(self) -> tuple[str, ...]:
+        """Names of the tables that are there."""
+        return self._frames.names
+
+    @property
+    def summary(self) -> pl.DataFrame:
+        """One row a point: the swept parameters, then outcome, counts, measures, energies."""
+        return self._frame("summary")
+
+    @property
+    def impacts(self) -> pl.DataFrame:
+        """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
+        return self._frame("impacts")
+
+    @property
+    def episodes(self) -> pl.DataFrame:
+        """One row a chatter that ends in stick, a plastic stick, or a start at rest on a wall."""
+        return self._frame("episodes")
+
+    @property
+    def envelope(self) -> pl.DataFrame:
+        """One row a peak of the primary displacement."""
+        return self._frame("envelope")
+
+    @property
+    def stroboscope(self) -> pl.DataFrame:
+        """One row a cycle of the harmonic force (of several, the first), after `discard`."""
+        return self._frame("stroboscope")
+
+    @property
+    def trajectory(self) -> pl.DataFrame:
+        """The motion in time: only in a folder that ``iva run`` wrote."""
+        return self._frame("trajectory")
+
+    def _frame(self, name: str) -> pl.DataFrame:
+        if name not in self.tables:
+            there = ", ".join(self.tables)
+            advice = (
+                "simulate one run and call its trajectory()"
+                if name == "trajectory"
+                else f"ask for it with tables=(…, {name!r})"
+            )
+            raise AttributeError(f"no table {name!r}, only {there}: {advice}")
+        return self._frames[name]
+
+    def __eq__(self, other: object) -> bool:
+        """Compare axes, units and all tables."""
+        if not isinstance(other, Table):
+            return NotImplemented
+        return (
+            self.swept == other.swept
+            and self.units == other.units
+            and self._frames == other._frames
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        """Show axes, tables and units."""
+        over = " × ".join(self.swept) or "no axis"
+        return f"Table over {over}: {', '.join(self.tables)}\n  {self.units}"
+
+    def _repr_html_(self) -> str:
+        """Show axes, outcomes, tables and units in a notebook; this reads the summary."""
+        from iva import markup
+
+        return markup.of_table(self)

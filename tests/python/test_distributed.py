@@ -1,0 +1,268 @@
+"""Sweeps on executors and on a real cluster of processes."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from distributed import Client, LocalCluster
+
+import iva
+from iva import distributed
+from iva.sampling import LatinHypercube, Uniform
+
+# Runs of 10 ms each: parts are small, so that there are many of them.
+SCENE: dict[str, Any] = {
+    "start": iva.Start(displacement=1.0),
+    "periods": 3000,
+    "over": {
+        "relative_clearance": np.linspace(0.5, 1.2, 60),
+        "restitution": np.linspace(0.7, 0.95, 25),
+    },
+}
+
+
+def sweep(**more: Any) -> iva.Table:
+    return iva.sweep(
+        iva.Piva(mass_ratio=0.1, frequency_ratio=0.4, length=10.0),
+        iva.Primary(damping_ratio=0.001),
+        **(SCENE | more),
+    )
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Return every file below a folder, hidden ones too."""
+    files = (file for file in folder.rglob("*") if file.is_file())
+    return {str(file.relative_to(folder)): file.read_bytes() for file in files}
+
+
+@pytest.fixture(scope="module")
+def local(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of the sweep as one process writes it."""
+    folder = tmp_path_factory.mktemp("local") / "out"
+    sweep(out=folder)
+    assert len(list((folder / "summary").iterdir())) > 8
+    return folder
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[LocalCluster]:
+    """Return a cluster of two processes."""
+    with LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, processes=True
+    ) as cluster:  # fmt: skip
+        yield cluster
+
+
+@pytest.fixture
+def client(cluster: LocalCluster) -> Iterator[Client]:
+    with Client(cluster) as client:
+        yield client
+
+
+def processes() -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn"))
+
+
+def test_a_cluster_writes_the_same_bytes(local: Path, tmp_path: Path, client: Client) -> None:
+    reports: list[tuple[int, int]] = []
+    table = sweep(client=client, out=tmp_path / "out", progress=lambda *it: reports.append(it))
+    assert contents(tmp_path / "out") == contents(local)
+    assert table == iva.read(local)
+    assert reports[-1] == (1500, 1500)
+
+
+def test_a_cluster_gathers_the_same_tables(local: Path, client: Client) -> None:
+    assert sweep(client=client) == iva.read(local)
+
+
+def test_a_killed_worker_costs_no_rows(local: Path, tmp_path: Path, client: Client) -> None:
+    out = tmp_path / "out"
+    killed: list[int] = []
+
+    def progress(done: int, _total: int) -> None:
+        if done > 300 and not killed:
+            pid = next(iter(client.run(os.getpid).values()))
+            os.kill(pid, signal.SIGKILL)
+            killed.append(pid)
+
+    sweep(client=client, out=out, progress=progress)
+    assert len(killed) == 1
+    assert contents(out) == contents(local)
+
+
+@pytest.mark.parametrize("pool", [processes, lambda: ThreadPoolExecutor(3)])
+def test_an_executor_does_as_well(local: Path, tmp_path: Path, pool: Any) -> None:
+    with pool() as executor:
+        sweep(executor=executor, out=tmp_path / "out")
+        assert contents(tmp_path / "out") == contents(local)
+        assert sweep(executor=executor) == iva.read(local)
+
+
+@pytest.mark.parametrize("kind", ["latin", "frame"])
+def test_points_travel_with_the_parts(kind: str, tmp_path: Path) -> None:
+    over: Any = {"relative_clearance": Uniform(0.5, 1.2), "restitution": Uniform(0.7, 0.95)}
+    sampling: Any = LatinHypercube(400, seed=2)
+    if kind == "frame":
+        over = iva.sampling.points(over, sampling).drop("point")
+        sampling = "grid"
+    with ThreadPoolExecutor(2) as executor:
+        sweep(executor=executor, over=over, sampling=sampling, out=tmp_path / "out")
+    sweep(over=over, sampling=sampling, out=tmp_path / "local")
+    assert contents(tmp_path / "out") == contents(tmp_path / "local")
+
+
+def test_a_broken_pool_keeps_what_is_done_and_the_sweep_goes_on(
+    local: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    with processes() as executor:
+
+        def progress(done: int, _total: int) -> None:
+            if done > 300:
+                for process in list(executor._processes.values()):
+                    process.kill()
+
+        with pytest.raises(Exception, match="terminated abruptly") as caught:
+            sweep(executor=executor, out=out, progress=progress)
+    assert "resume=True" in caught.value.__notes__[0]
+    assert iva.read(out).summary.height >= 300
+    sweep(out=out, resume=True)
+    assert contents(out) == contents(local)
+
+
+INTERRUPTED = """
+import os, signal, sys, threading
+import numpy as np
+import iva
+from distributed import Client
+
+def progress(done, total):
+    if done > 300:
+        os.kill(os.getpid(), signal.SIGINT)
+
+if __name__ == "__main__":
+    with Client(sys.argv[1]) as client:
+        try:
+            iva.sweep(
+                iva.Piva(mass_ratio=0.1, frequency_ratio=0.4, length=10.0),
+                iva.Primary(damping_ratio=0.001),
+                over={
+                    "relative_clearance": np.linspace(0.5, 1.2, 60),
+                    "restitution": np.linspace(0.7, 0.95, 25),
+                },
+                start=iva.Start(displacement=1.0),
+                periods=3000,
+                client=client,
+                out=sys.argv[2],
+                progress=progress,
+            )
+        except KeyboardInterrupt as interrupt:
+            print(*interrupt.__notes__)
+            sys.exit(130)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal to one process")
+def test_ctrl_c_ends_a_sweep_on_a_cluster_and_leaves_it_to_go_on(
+    local: Path, tmp_path: Path, cluster: LocalCluster, client: Client
+) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(INTERRUPTED, encoding="utf-8")
+    out = tmp_path / "out"
+    job = subprocess.run(
+        [sys.executable, str(script), cluster.scheduler_address, str(out)],
+        stdout=subprocess.PIPE,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert job.returncode == 130, job.stdout
+    assert "go on with resume=True" in job.stdout
+    # The cluster has nothing left to do for the one that went.
+    deadline = time.monotonic() + 30
+    while any(client.processing().values()) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert not any(client.processing().values())
+    sweep(client=client, out=out, resume=True)
+    assert contents(out) == contents(local)
+
+
+def test_what_is_no_executor_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match=r"executor = 5: give a concurrent\.futures\.Executor"):
+        sweep(executor=5)
+    with pytest.raises(TypeError, match=r"client = 5: give a dask\.distributed\.Client"):
+        sweep(client=5)
+    with ThreadPoolExecutor(1) as executor:
+        with pytest.raises(ValueError, match="give one of them"):
+            sweep(executor=executor, client=5)
+        with pytest.raises(ValueError, match="memory_limit"):
+            sweep(executor=executor, memory_limit=1000.0)
+        with pytest.raises(ValueError, match="restitution"):
+            sweep(executor=executor, over={"restitution": [1.5]}, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_url_takes_the_same_bytes_and_goes_on(local: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    url = f"file://{out}"
+
+    def stop(done: int, _total: int) -> None:
+        if done > 300:
+            raise RuntimeError("enough")
+
+    with ThreadPoolExecutor(2) as executor:
+        with pytest.raises(RuntimeError, match="enough") as caught:
+            sweep(executor=executor, out=url, progress=stop)
+        assert caught.value.__notes__[0].endswith("go on with resume=True")
+        with pytest.raises(ValueError, match="already holds a sweep"):
+            sweep(executor=executor, out=url)
+        with pytest.raises(ValueError, match=r"run\.periods was 3000\.0, is 3001\.0"):
+            sweep(executor=executor, out=url, resume=True, periods=3001)
+        damaged = out / "summary" / "part-00000.parquet"
+        damaged.write_bytes(damaged.read_bytes()[:-1])
+        with pytest.warns(UserWarning, match=r"computed again: summary/part-00000\.parquet"):
+            table = sweep(executor=executor, out=url, resume=True)
+        assert table == iva.read(local)
+        with pytest.raises(ValueError, match="nothing else is safe"):
+            sweep(executor=executor, out=url, overwrite=True)
+        with pytest.raises(ValueError, match="nosuch"):
+            sweep(executor=executor, out="nosuch://out")
+    assert contents(out) == contents(local)
+    with pytest.raises(ValueError, match="a URL needs executor or client"):
+        sweep(out=url)
+
+
+def test_csv_behind_a_url_has_the_types_of_its_table(tmp_path: Path) -> None:
+    over = {"relative_clearance": [0.5, 0.6], "restitution": [0.7]}
+    with ThreadPoolExecutor(2) as executor:
+        table = sweep(executor=executor, over=over, out=f"file://{tmp_path}/out", format="csv")
+    assert table == sweep(over=over)
+
+
+def test_few_parts_wait_at_a_time() -> None:
+    most = 0
+    release = threading.Event()
+
+    def submit(_part: Any) -> Any:
+        return pool.submit(release.wait, 20)
+
+    with ThreadPoolExecutor(2) as pool:
+        parts = [(number, number, number + 1) for number in range(100)]
+        found = distributed.results(pool, parts, submit)
+        threading.Timer(1.0, release.set).start()
+        next(found)
+        most = pool._work_queue.qsize() + 2
+        found.close()  # type: ignore[attr-defined]
+    assert most <= 2 * distributed.AHEAD
