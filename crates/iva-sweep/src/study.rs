@@ -104,6 +104,11 @@ impl Study {
         self.sampling.values(point)
     }
 
+    /// True if a column of the summary is a swept parameter already; then it is not there twice.
+    pub fn sweeps(&self, column: &str) -> bool {
+        self.sampling.keys().any(|swept| swept.key == column)
+    }
+
     /// The fields of a point: those of the study with the swept ones in place.
     ///
     /// # Errors

@@ -29,7 +29,7 @@ pub const SIGN_CONVENTIONS: &str = "displacement: primary system, positive in th
 /// The Arrow schema of a table of a study, as its files carry it.
 ///
 /// Columns: `point`, in the summary the swept parameters by the names of the study, then
-/// [`columns`]. Field metadata: `unit`, `description`. Schema metadata: `iva.schema_version`,
+/// [`columns`], without one that is swept. Field metadata: `unit`, `description`. Schema metadata: `iva.schema_version`,
 /// `iva.version`, `iva.table`, `iva.units` (si, seconds or natural), `iva.units_sentence`,
 /// `iva.sign_conventions`, `iva.swept` (comma-separated keys), `iva.study` (a digest: files with
 /// different ones are of different studies), `iva.points` (points of the whole study).
@@ -118,7 +118,8 @@ pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> Schem
             );
         }
     }
-    for column in columns(table) {
+    let there = |name| table == Table::Summary && study.sweeps(name);
+    for column in columns(table).iter().filter(|column| !there(column.name)) {
         fields.push(
             Field::new(column.name, data_type(column.quantity), true)
                 .with_metadata(field_metadata(units.unit(column.quantity), column.help)),

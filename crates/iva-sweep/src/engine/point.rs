@@ -15,6 +15,7 @@ use super::design::Design;
 use super::rows::{self, Cell};
 use super::scale::Scale;
 use super::scene::Scene;
+use crate::columns::columns;
 use crate::done::Done;
 use crate::error::Invalid;
 use crate::study::{Study, Table};
@@ -225,6 +226,8 @@ impl Point<'_> {
             study.measures,
             design,
         );
+        let columns = columns(Table::Summary).iter().zip(cells);
+        let cells = columns.filter(|(column, _)| !study.sweeps(column.name)).map(|(_, cell)| cell);
         row(&mut std::iter::once(Cell::Point(number)).chain(swept).chain(cells));
         Ok(())
     }

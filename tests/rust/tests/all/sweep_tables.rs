@@ -175,6 +175,19 @@ fn rows_fit_their_columns() {
 }
 
 /// Columns that are not asked for are null, the others keep their bits.
+/// Gravity is a parameter and a column: swept, it is there once, with the values of the axis.
+#[test]
+fn a_swept_parameter_is_no_column_besides() {
+    let axis = Axis::new("gravity", vec![0.2, 0.20000000001]).unwrap();
+    let study = Study { sampling: Sampling::Grid(vec![axis]), ..Study::single(pendulum()) };
+    let (tables, _) = run(&study, 1, None, false);
+    let summary = &tables[&Table::Summary];
+    assert_eq!(summary.num_columns(), 1 + SUMMARY.len());
+    assert_eq!(numbers(summary, "gravity"), [Some(0.2), Some(0.20000000001)]);
+    // The column after it has its own values still.
+    assert_eq!(numbers(summary, "energy_work"), [Some(0.0); 2]);
+}
+
 #[test]
 fn measures_not_asked_for_are_null() {
     for (spec, foreign) in [
