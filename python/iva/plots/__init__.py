@@ -1,0 +1,57 @@
+"""Pictures of runs and sweeps, with matplotlib.
+
+Each function takes a run or the tables of a sweep and, as ``ax=…``, axes to draw on; without them
+it makes its own, one column wide (:func:`style`). It returns the axes, so that everything can be
+changed afterwards. Every axis has its symbol and unit; colours are those of Okabe and Ito, which
+everybody can tell apart.
+
+Needs matplotlib: ``pip install 'iva-dynamics[plots]'``.
+
+Examples
+--------
+>>> import matplotlib.pyplot as plt
+>>> run = iva.simulate(
+...     iva.Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5),
+...     iva.Primary(damping_ratio=0.01),
+...     start=iva.Start(displacement=1.0),
+...     periods=6,
+... )
+>>> with iva.plots.style():
+...     figure, (above, below) = plt.subplots(2, figsize=(3.35, 4.0), layout="constrained")
+...     above = iva.plots.decay(run, ax=above)
+...     below = iva.plots.energy(run, ax=below)
+>>> below.get_ylabel()
+'energy E/E(0)'
+>>> plt.close(figure)
+"""
+
+try:
+    import matplotlib as _matplotlib  # noqa: F401 (only whether it is there)
+except ModuleNotFoundError as _missing:
+    if _missing.name != "matplotlib":
+        raise
+    raise ImportError("iva.plots needs matplotlib: pip install 'iva-dynamics[plots]'") from None
+
+from iva.plots.energy_split import energy
+from iva.plots.frequency_response import forced_response
+from iva.plots.histories import decay, velocities
+from iva.plots.impact_raster import raster
+from iva.plots.maps import heatmap
+from iva.plots.moving_pictures import animate, animation
+from iva.plots.parameter_curves import curves
+from iva.plots.phase_plane import phase
+from iva.plots.styles import style
+
+__all__ = [
+    "animate",
+    "animation",
+    "curves",
+    "decay",
+    "energy",
+    "forced_response",
+    "heatmap",
+    "phase",
+    "raster",
+    "style",
+    "velocities",
+]

@@ -1,0 +1,155 @@
+"""What functions are given: runs, tables and columns, each refused with one sentence."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from iva.parameters import number, shown
+from iva.simulation import Run
+from iva.tables import Table
+
+Numbers = NDArray[np.float64]
+
+
+def checked_run(run: object, field: str = "run") -> Run:
+    """Return a run.
+
+    Raises
+    ------
+    TypeError
+        If it is none.
+    """
+    if not isinstance(run, Run):
+        raise TypeError(f"{field} = {shown(run)}: give an iva.Run, of iva.simulate")
+    return run
+
+
+def checked_table(table: object) -> Table:
+    """Return the tables of a sweep.
+
+    Raises
+    ------
+    TypeError
+        If it is something else.
+    """
+    if not isinstance(table, Table):
+        raise TypeError(f"table = {shown(table)}: give an iva.Table, of iva.sweep or iva.read")
+    return table
+
+
+def frame_of(result: Run | Table, name: str) -> pl.DataFrame:
+    """Return a table of a result.
+
+    Raises
+    ------
+    ValueError
+        If it was not asked for.
+    """
+    try:
+        frame: pl.DataFrame = getattr(result, name)
+    except AttributeError as error:
+        raise ValueError(str(error)) from None
+    return frame
+
+
+def limit(until: float | None) -> float:
+    """Return the last instant to draw; infinite for ``None``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no number greater than 0.
+    """
+    if until is None:
+        return math.inf
+    end = number("until", until)
+    if not end > 0.0:
+        raise ValueError(f"until = {shown(until)}: give a time greater than 0")
+    return end
+
+
+def motion_of(run: Run, until: float | None) -> tuple[Mapping[str, Numbers], float]:
+    """Return the columns of the motion up to an instant, and the last instant to draw.
+
+    Both states of every impact are among them.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `until` is no number greater than 0.
+    """
+    motion = run.trajectory()
+    end = min(limit(until), float(motion["time"][-1]))
+    part = motion.filter(pl.col("time") <= end)
+    return {name: values_of(part[name]) for name in part.columns}, end
+
+
+def values_of(column: pl.Series) -> Numbers:
+    """Return numbers, NaN where there is none."""
+    return column.cast(pl.Float64).fill_null(math.nan).to_numpy()
+
+
+def numeric(frame: pl.DataFrame, field: str, name: object) -> Numbers:
+    """Return a column of numbers, NaN where there is none.
+
+    Raises
+    ------
+    TypeError
+        If the name is no text.
+    ValueError
+        If there is no such column, or it has no numbers.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"{field} = {shown(name)}: give the name of a column")
+    if name not in frame.columns:
+        there = ", ".join(key for key, kind in frame.schema.items() if kind.is_numeric())
+        raise ValueError(f"{field} = {name!r}: no such column, only {there}")
+    kind = frame.schema[name]
+    if not kind.is_numeric() and kind != pl.Null:
+        raise ValueError(f"{field} = {name!r}: it holds {kind}, give a column of numbers")
+    values = values_of(frame[name])
+    if not np.isfinite(values).any():
+        raise ValueError(f"{field} = {name!r}: it is null at every point")
+    return values
+
+
+def swept_key(table: Table, field: str, name: object, taken: object = None) -> str:
+    """Return the column that was named, else the first swept key that is not taken.
+
+    Raises
+    ------
+    TypeError
+        If the name is no text.
+    ValueError
+        If nothing is left.
+    """
+    if name is None:
+        left = [key for key in table.swept if key != taken]
+        if not left:
+            swept = ", ".join(table.swept) or "nothing"
+            raise ValueError(f"{field} = None: the table is swept over {swept} only; name a column")
+        return left[0]
+    if not isinstance(name, str):
+        raise TypeError(f"{field} = {shown(name)}: give the name of a column")
+    return name
+
+
+def once(rows: int, distinct: int, table: Table, axes: str) -> None:
+    """Check that no two points fall on the same place.
+
+    Raises
+    ------
+    ValueError
+        If some do.
+    """
+    if rows > distinct:
+        swept = ", ".join(table.swept)
+        raise ValueError(
+            f"{rows} points have {distinct} different values of {axes}: the table is swept over "
+            f"{swept}; sweep no more axes than are drawn"
+        )

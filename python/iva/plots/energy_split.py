@@ -1,0 +1,235 @@
+"""Where the energy is, and where it has gone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from iva.forces import Impulse, listed
+from iva.plots.arguments import Numbers, checked_run, values_of
+from iva.plots.design import Design, design_of
+from iva.plots.labels import labelled
+from iva.plots.styles import BLACK, ORANGE, PURPLE, SKY_BLUE, VERMILLION, drawing_on, legend_above
+from iva.simulation import Run
+
+COLOURS = {
+    "structure": SKY_BLUE,
+    "absorber": ORANGE,
+    "damper": "#B3B3B3",
+    "impacts": VERMILLION,
+    "pivot": PURPLE,
+}
+
+#: Samples in the shortest time scale of the motion: the losses are integrals over them.
+SAMPLES = 200
+MOST_SAMPLES = 10_000
+#: How far the integrals may be off what the run itself says, relative to all energy.
+TOLERANCE = 1e-4
+
+Motion = dict[str, Numbers]
+
+
+def energy(run: Run, *, ax: Axes | None = None) -> Axes:
+    """Draw how the energy splits over time: what the masses have, and what each loss has taken.
+
+    From below: structure (kinetic, and of its spring), absorber (kinetic, and a pendulum's in
+    gravity), then what has been lost in the damper, in impacts (in steps) and in a pendulum's
+    pivot. In free decay everything is relative to the initial energy and fills the height up to 1.
+    Under forces energies are drawn in their unit, and the upper edge is the initial energy plus the
+    work done so far.
+
+    Parameters
+    ----------
+    run : Run
+        The run; it needs no tables.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If the run has no energy; if impacts of the law as printed have added energy, which no stack
+        can show; or if the motion is too fast for its losses to be drawn.
+
+    Notes
+    -----
+    Energies follow from the states and the parameters; without a mass of the structure they are per
+    unit of it, which a share does not feel. If the base moves they are those of the motion relative
+    to it. The losses of impacts are the steps of the energy, those of a chatter among them. Losses
+    of damper and pivot are integrals over the motion by Simpson's rule, each held against what the
+    run itself says (`energy_viscous`, `energy_pivot`).
+
+    Examples
+    --------
+    >>> run = iva.simulate(
+    ...     iva.Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5),
+    ...     iva.Primary(damping_ratio=0.01),
+    ...     start=iva.Start(displacement=1.0),
+    ...     periods=6,
+    ... )
+    >>> axes = energy(run)
+    >>> [layer.get_label() for layer in axes.collections]
+    ['structure', 'absorber', 'damper', 'impacts']
+    """
+    split = split_of(checked_run(run))
+    units = run.units
+    driven = bool(listed(run.force))
+    scale = 1.0 if driven else split.total[0]
+    if split.total.max() == 0.0:
+        raise ValueError("nothing moves in this run: there is no energy to split")
+    with drawing_on(ax) as axes:
+        axes.stackplot(
+            split.time,
+            [layer / scale for layer in split.layers.values()],
+            labels=list(split.layers),
+            colors=[COLOURS[name] for name in split.layers],
+            linewidth=0.0,
+        )
+        axes.plot(
+            split.time,
+            (split.layers["structure"] + split.layers["absorber"]) / scale,
+            color=BLACK,
+            linewidth=0.6,
+            label="_in the system",
+        )
+        axes.set_xlim(0.0, split.time[-1])
+        axes.set_ylim(0.0, split.total.max() / scale)
+        axes.set_xlabel(labelled("time", "t", units["trajectory"]["time"]))
+        if driven:
+            axes.set_ylabel(labelled("energy", "E", units["summary"]["energy_initial"]))
+        else:
+            axes.set_ylabel("energy E/E(0)")
+        legend_above(axes, 4 if len(split.layers) == 4 else 3)
+    return axes
+
+
+@dataclass(frozen=True)
+class Split:
+    """Energies over time, each of shape (n,), in the unit of the run."""
+
+    time: Numbers
+    layers: dict[str, Numbers]
+
+    @property
+    def total(self) -> Numbers:
+        """All of them together: the initial energy plus the work done."""
+        return sum(self.layers.values(), start=np.zeros_like(self.time))
+
+
+def split_of(run: Run) -> Split:
+    """Return where the energy of a run is at every instant, and where it has gone.
+
+    Raises
+    ------
+    ValueError
+        If impacts have added energy, or an integral is off what the run itself says.
+    """
+    design = design_of(run)
+    motion = finely(run, design)
+    time = motion["time"]
+    structure, absorber = energies(design, motion)
+    system = structure + absorber
+    steps = np.diff(time)
+    layers = {"structure": structure, "absorber": absorber}
+    inside = values_between(run, time)
+    for name, power in (("damper", damper_power), ("pivot", pivot_power)):
+        ends, middle = power(design, motion), power(design, inside)
+        loss = steps / 6.0 * (ends[:-1] + 4.0 * middle + ends[1:])
+        # There is no middle at the impact that ended a run early.
+        layers[name] = cumulative(np.where(steps > 0.0, loss, 0.0))
+    # Where time stands still only an impact can have taken energy.
+    layers["impacts"] = cumulative(np.where(steps == 0.0, -np.diff(system), 0.0))
+    whole = float(Split(time, layers).total.max())
+    if layers["impacts"].min() < -1e-9 * whole:
+        raise ValueError("impacts add energy in this run: its energy cannot be split into losses")
+    row = run.summary.row(0, named=True)
+    for name, column in (("damper", "energy_viscous"), ("pivot", "energy_pivot")):
+        truth = row[column]
+        if truth is not None and abs(layers[name][-1] - truth) > TOLERANCE * whole:
+            raise ValueError(
+                f"the loss in the {name} changes too fast to be drawn: {layers[name][-1]:.6g} "
+                f"instead of {column} = {truth:.6g}"
+            )
+    names = ["structure", "absorber", "damper", "impacts"]
+    if design.pendulum is not None and design.pendulum.damping_ratio > 0.0:
+        names.append("pivot")
+    return Split(time, {name: layers[name] for name in names})
+
+
+def cumulative(parts: Numbers) -> Numbers:
+    """Return the running sum of what happens between instants, 0 at the first."""
+    return np.concatenate([[0.0], np.cumsum(parts)])
+
+
+def finely(run: Run, design: Design) -> Motion:
+    """Return the motion with enough samples, and both states of every impact and impulse."""
+    ratio = 0.0 if design.pendulum is None else design.pendulum.frequency / design.natural_frequency
+    fastest = max(1.0, 2.0 * design.damping_ratio, ratio)
+    rows = run.trajectory(int(min(SAMPLES * fastest, MOST_SAMPLES)))
+    kicks = [force.time or 0.0 for force in listed(run.force) if isinstance(force, Impulse)]
+    inside = [time for time in kicks if 0.0 < time < rows["time"][-1]]
+    if inside:
+        both = run.at([at for time in inside for at in (np.nextafter(time, 0.0), time)])
+        rows = rows.vstack(both).sort("time", maintain_order=True)
+    return {name: values_of(rows[name]) for name in rows.columns}
+
+
+def values_between(run: Run, time: Numbers) -> Motion:
+    """Return the motion halfway between all instants; where time stands still any will do."""
+    rows = run.at(time[:-1] + 0.5 * np.diff(time))
+    return {name: values_of(rows[name]) for name in rows.columns}
+
+
+def energies(design: Design, motion: Motion) -> tuple[Numbers, Numbers]:
+    """Return the energies of structure and absorber."""
+    velocity = motion["velocity"]
+    stiffness = design.mass * design.natural_frequency**2
+    structure = 0.5 * (design.mass * velocity**2 + stiffness * motion["displacement"] ** 2)
+    mass = design.mass_ratio * design.mass
+    pendulum = design.pendulum
+    if pendulum is None:
+        return structure, 0.5 * mass * (velocity + motion["gap_velocity"]) ** 2
+    # L θ̇ of the centre of mass along its arc, and its horizontal part.
+    swing = arc_velocity(design, motion)
+    across = pendulum.lever * motion["gap_velocity"]
+    kinetic = velocity**2 + 2.0 * velocity * across + pendulum.inertia_ratio * swing**2
+    # g L (1 − cos θ), with g = κ L ωp²; of small angles g L θ²/2.
+    if pendulum.small:
+        height = 0.5 * (pendulum.lever * motion["gap_displacement"]) ** 2
+    else:
+        assert pendulum.length is not None
+        height = 2.0 * (pendulum.length * np.sin(0.5 * motion["angle"])) ** 2
+    gravity = pendulum.inertia_ratio * pendulum.frequency**2 * height
+    return structure, mass * (0.5 * kinetic + gravity)
+
+
+def arc_velocity(design: Design, motion: Motion) -> Numbers:
+    """Return L θ̇ of a pendulum."""
+    pendulum = design.pendulum
+    assert pendulum is not None
+    if pendulum.small or pendulum.length is None:
+        return pendulum.lever * motion["gap_velocity"]
+    return pendulum.length * motion["angular_velocity"]
+
+
+def damper_power(design: Design, motion: Motion) -> Numbers:
+    """Return c ẋ²."""
+    damping = 2.0 * design.damping_ratio * design.natural_frequency * design.mass
+    return damping * motion["velocity"] ** 2
+
+
+def pivot_power(design: Design, motion: Motion) -> Numbers:
+    """Return 2 ζp ωp κ m (L θ̇)²; 0 for a free mass."""
+    pendulum = design.pendulum
+    if pendulum is None:
+        return np.zeros_like(motion["time"])
+    rate = 2.0 * pendulum.damping_ratio * pendulum.frequency * pendulum.inertia_ratio
+    return rate * design.mass_ratio * design.mass * arc_velocity(design, motion) ** 2

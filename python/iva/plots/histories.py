@@ -1,0 +1,244 @@
+"""Motion over time: the decay of the structure, and the velocities of both masses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from iva.forces import Impulse, listed
+from iva.parameters import numbers, shown
+from iva.plots.arguments import checked_run, frame_of, motion_of, values_of
+from iva.plots.design import design_of
+from iva.plots.labels import labelled
+from iva.plots.styles import ABSORBER, GREY, STRUCTURE, WALLS, drawing_on, legend_above
+from iva.simulation import Run, truth
+
+#: Levels in percent whose settling times the summary has.
+SETTLED = (10.0, 5.0, 2.0)
+
+
+def decay(
+    run: Run,
+    *,
+    bare: Run | None = None,
+    relative: bool = True,
+    until: float | None = None,
+    settle: Sequence[float] = (10, 5, 2),
+    impacts: bool = True,
+    envelope: bool = True,
+    label: str | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw the displacement of the structure over time, with its envelope and all impacts.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    bare : Run, optional
+        A run of the same structure without absorber (or with a gap that it never closes), drawn
+        thinly behind; in the same units.
+    relative : bool, default True
+        Draw x/A₀, A₀ = |x(0)| (the first peak where x(0) = 0), instead of x in its unit.
+    until : float, optional
+        Last instant to draw, in the unit of time of the run; all of it by default.
+    settle : sequence of float, default (10, 5, 2)
+        Levels in percent of A₀ at which to draw lines; where the run settles to 10, 5 or 2 % there
+        is a dot. Left out under a lasting force, for there nothing settles.
+    impacts : bool, default True
+        Draw a tick for every impact: wall + at the upper edge, wall − at the lower one. The run
+        needs its table ``impacts``.
+    envelope : bool, default True
+        Draw lines through the peaks. The run needs its table ``envelope``.
+    label : str, optional
+        What the legend calls the curve.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If a value is out of range, a table is missing, `bare` has other units, or there is no A₀ to
+        relate to: under a lasting force, or where nothing moves.
+
+    Examples
+    --------
+    >>> run = iva.simulate(
+    ...     iva.Siva(mass_ratio=0.15, relative_clearance=0.6, restitution=0.5),
+    ...     iva.Primary(damping_ratio=0.01),
+    ...     start=iva.Start(displacement=1.0),
+    ...     periods=6,
+    ... )
+    >>> axes = decay(run)
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('time ωₙt', 'displacement x/A₀')
+    """
+    motion, end = motion_of(checked_run(run), until)
+    for field, value in (("relative", relative), ("impacts", impacts), ("envelope", envelope)):
+        truth(field, value)
+    units = run.units["trajectory"]
+    if bare is not None and checked_run(bare, "bare").units.system != run.units.system:
+        raise ValueError(f"bare is in other units ({bare.units}): give a run in {run.units}")
+    lasting = any(not isinstance(force, Impulse) for force in listed(run.force))
+    if relative and lasting:
+        raise ValueError("relative = True: nothing decays under a lasting force; give False")
+    levels = [] if lasting else numbers("settle", settle)
+    for level in levels:
+        if not 0.0 < level < 100.0:
+            raise ValueError(f"settle has {shown(level)} in it: give percentages from 0 to 100")
+    reference = reference_amplitude(run) if relative or levels else 1.0
+    scale = reference if relative else 1.0
+    peaks = frame_of(run, "envelope") if envelope else None
+    hits = frame_of(run, "impacts") if impacts else None
+    with drawing_on(ax) as axes:
+        if bare is not None:
+            behind, _ = motion_of(bare, until)
+            axes.plot(
+                behind["time"],
+                behind["displacement"] / scale,
+                color=GREY,
+                linewidth=0.6,
+                label="without absorber",
+            )
+        axes.plot(
+            motion["time"],
+            motion["displacement"] / scale,
+            color=STRUCTURE,
+            label=label or ("with absorber" if bare is not None else "structure"),
+        )
+        if peaks is not None:
+            drawn = peaks.filter(peaks["time"] <= end)
+            times, sizes = drawn["time"].to_numpy(), drawn["amplitude"].to_numpy() / scale
+            for sign, name in ((1.0, "envelope"), (-1.0, "_lower envelope")):
+                axes.plot(
+                    times, sign * sizes, "--", color=GREY, linewidth=0.7, label=name, dashes=(4, 2)
+                )
+        settle_lines(axes, run, levels, reference, scale, end)
+        if hits is not None:
+            for wall, edge, name in ((1, 1.0, "wall +"), (-1, 0.0, "wall −")):
+                side = hits.filter((hits["wall"] == wall) & (hits["time"] <= end))
+                axes.plot(
+                    side["time"].to_numpy(),
+                    np.full(side.height, edge),
+                    linestyle="none",
+                    marker="|",
+                    markersize=6,
+                    markeredgewidth=0.7,
+                    color=WALLS[wall],
+                    transform=axes.get_xaxis_transform(),
+                    label=f"impacts, {name}",
+                )
+        axes.set_xlim(0.0, end)
+        axes.margins(y=0.08)
+        axes.set_xlabel(labelled("time", "t", units["time"]))
+        unit = "1" if relative else units["displacement"]
+        axes.set_ylabel(labelled("displacement", "x/A₀" if relative else "x", unit))
+        legend_above(axes, 2)
+    return axes
+
+
+def settle_lines(
+    axes: Axes, run: Run, levels: Sequence[float], reference: float, scale: float, end: float
+) -> None:
+    """Draw the levels on both sides of rest, and dots where the run settles to them."""
+    summary = run.summary.row(0, named=True)
+    for level in levels:
+        size = level / 100.0 * reference / scale
+        for height in (-size, size):
+            axes.axhline(height, color=GREY, linewidth=0.4, linestyle=":", zorder=1)
+        time = summary[f"settling_time_{level:g}"] if level in SETTLED else None
+        if time is not None and time <= end:
+            height = values_of(run.at([time])["displacement"]).item() / scale
+            axes.plot(
+                time, height, "o", color=STRUCTURE, markersize=3, label=f"_settled to {level:g} %"
+            )
+    if levels:
+        text = ", ".join(f"{level:g}" for level in levels)
+        axes.annotate(
+            f"±{text} %",
+            (1.0, 0.0),
+            (3, 0),
+            xycoords=axes.get_yaxis_transform(),
+            textcoords="offset points",
+            rotation=90,
+            va="center",
+            fontsize="small",
+            color="0.35",
+        )
+
+
+def reference_amplitude(run: Run) -> float:
+    """Return A₀ = |x(0)|, or the first peak where x(0) = 0.
+
+    Raises
+    ------
+    ValueError
+        If nothing moves.
+    """
+    start = abs(float(run.at([0.0])["displacement"].item()))
+    if start == 0.0:
+        start = float(frame_of(run, "envelope")["amplitude"][0])
+    if start == 0.0:
+        raise ValueError("nothing moves in this run: there is no A₀ to relate displacements to")
+    return start
+
+
+def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) -> Axes:
+    """Draw the velocities of structure and absorber, which jump at every impact.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    until : float, optional
+        Last instant to draw, in the unit of time of the run; all of it by default.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If `until` is not greater than 0.
+
+    Notes
+    -----
+    That of the absorber is ẋ₁ = ẋ + w; of a pendulum ẋ + (L/b) w, the horizontal velocity of its
+    centre of mass. Jumps are vertical: both velocities of every impact are points of the line.
+
+    Examples
+    --------
+    >>> run = iva.simulate(
+    ...     iva.Siva(mass=0.3, restitution=0.6, gap_mm=5.0),
+    ...     iva.Primary(mass=3.0, stiffness=12_000.0),
+    ...     start=iva.Start(displacement_mm=4.0),
+    ...     duration=1.0,
+    ... )
+    >>> axes = velocities(run, until=0.5)
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('time t (s)', 'velocity ẋ, ẋ₁ (m/s)')
+    """
+    motion, end = motion_of(checked_run(run), until)
+    absorber = motion["velocity"] + design_of(run).lever * motion["gap_velocity"]
+    units = run.units["trajectory"]
+    with drawing_on(ax) as axes:
+        axes.plot(motion["time"], absorber, color=ABSORBER, linewidth=0.8, label="absorber ẋ₁")
+        axes.plot(motion["time"], motion["velocity"], color=STRUCTURE, label="structure ẋ")
+        axes.set_xlim(0.0, end)
+        axes.set_xlabel(labelled("time", "t", units["time"]))
+        axes.set_ylabel(labelled("velocity", "ẋ, ẋ₁", units["velocity"]))
+        legend_above(axes, 2)
+    return axes

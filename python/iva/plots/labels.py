@@ -1,0 +1,154 @@
+"""What axes say: a name, a symbol and a unit for every column and every parameter."""
+
+from __future__ import annotations
+
+import re
+
+#: Name of a column or of a swept parameter → words and symbol.
+NAMES = {
+    "point": ("point", ""),
+    "impacts": ("number of impacts", ""),
+    "effective_impacts": ("number of effective impacts", ""),
+    "episodes": ("stays on a wall", ""),
+    "undecided": ("undecided contacts", ""),
+    "time_stuck": ("time stuck", "t"),
+    "damping_ratio_1": ("damping ratio, 1 cycle,", "ζ₁"),
+    "damping_ratio_3": ("damping ratio, 3 cycles,", "ζ₃"),
+    "damping_ratio_10": ("damping ratio, 10 cycles,", "ζ₁₀"),
+    "damping_ratio_fit": ("damping ratio, fitted,", "ζ"),
+    "damping_ratio_energy": ("damping ratio, by energy,", "ζ"),
+    "settling_time_10": ("10 % settling time", "t₁₀"),
+    "settling_time_5": ("5 % settling time", "t₅"),
+    "settling_time_2": ("2 % settling time", "t₂"),
+    "residual_amplitude": ("residual amplitude over", "A₀"),
+    "energy_initial": ("initial energy", "E"),
+    "energy_impacts": ("energy lost in impacts", "E"),
+    "energy_viscous": ("energy lost in the damper", "E"),
+    "energy_pivot": ("energy lost in the pivot", "E"),
+    "energy_final": ("final energy", "E"),
+    "energy_work": ("work of the force", "W"),
+    "energy_residual": ("residual of the energies", "E"),
+    "amplitude_max": ("amplitude", "max |x|"),
+    "amplitude_rms": ("rms amplitude", "x"),
+    "reduction": ("reduction of the amplitude", ""),
+    "transmissibility": ("transmissibility", ""),
+    "impacts_per_cycle": ("impacts per cycle", ""),
+    "condition": ("condition", ""),
+    "digits": ("digits", ""),
+    "mass_ratio": ("mass ratio", "μ = m/M"),
+    "restitution": ("restitution", "e"),
+    "relative_clearance": ("relative clearance", "γ = d/x₀"),
+    "clearance": ("clearance", "d"),
+    "clearance_mm": ("clearance", "d"),
+    "gap": ("total play", "2d"),
+    "gap_mm": ("total play", "2d"),
+    "frequency_ratio": ("frequency ratio", "r = ωₚ/ωₙ"),
+    "length": ("length", "L"),
+    "gravity": ("gravity", "g"),
+    "inertia_ratio": ("inertia ratio", "κ"),
+    "contact_distance": ("contact distance", "b"),
+    "pivot_damping_ratio": ("pivot damping ratio", "ζₚ"),
+    "absorber.mass": ("absorber mass", "m"),
+    "primary.mass": ("primary mass", "M"),
+    "damping_ratio": ("damping ratio", "ζ"),
+    "damping": ("damping", "c"),
+    "stiffness": ("stiffness", "k"),
+    "natural_frequency": ("natural frequency", "ωₙ"),
+    "primary.frequency_hz": ("natural frequency", "fₙ"),
+    "force.amplitude": ("force over mass", "F/M"),
+    "force.force": ("force", "F"),
+    "force.base_acceleration": ("base acceleration", "a"),
+    "force.frequency": ("force frequency", "Ω"),
+    "force.relative_frequency": ("force frequency", "Ω/ωₙ"),
+    "force.frequency_hz": ("force frequency", "Ω/2π"),
+    "force.phase": ("phase of the force", "φ"),
+    "force.velocity": ("impulse over mass", "P/M"),
+    "force.impulse": ("impulse", "P"),
+    "force.time": ("time of the impulse", "t"),
+    "force.scale": ("scale of the record", ""),
+    "displacement": ("start displacement", "x₀"),
+    "displacement_mm": ("start displacement", "x₀"),
+    "velocity": ("start velocity", "ẋ₀"),
+    "gap_displacement": ("start gap displacement", "y₀"),
+    "gap_velocity": ("start gap velocity", "w₀"),
+    "angle": ("start angle", "θ₀"),
+    "angular_velocity": ("start angular velocity", "θ̇₀"),
+    "chatter_floor": ("chatter floor", "w"),
+}
+
+
+def unit_text(unit: str) -> str:
+    """Return the unit of a column as it is drawn.
+
+    Examples
+    --------
+    >>> unit_text("length of displacement · ωn")
+    'unit of x₀ · ωₙ'
+    """
+    return unit.replace("length of displacement", "unit of x₀").replace("ωn", "ωₙ")
+
+
+def labelled(words: str, symbol: str, unit: str) -> str:
+    """Return words, symbol and unit; dimensionless quantities say so by their symbol.
+
+    Examples
+    --------
+    >>> labelled("time", "t", "s"), labelled("time", "t", "1/ωn"), labelled("restitution", "e", "1")
+    ('time t (s)', 'time ωₙt', 'restitution e')
+    """
+    if unit == "1/ωn" and symbol:
+        return f"{words} ωₙ{symbol}"
+    if unit == "ωn" and symbol:
+        return f"{words} {symbol}/ωₙ"
+    name = f"{words} {symbol}" if symbol else words
+    return name if unit in ("", "1") else f"{name} ({unit_text(unit)})"
+
+
+def of_column(name: str, unit: str) -> str:
+    """Return the label of a column of the summary.
+
+    Examples
+    --------
+    >>> of_column("relative_clearance", "1"), of_column("force.0.frequency_hz", "Hz")
+    ('relative clearance γ = d/x₀', 'force frequency Ω/2π (Hz)')
+    """
+    words, symbol = named(name)
+    return labelled(words, symbol, unit)
+
+
+def symbol_of(name: str, unit: str) -> str:
+    """Return what stands above the entries of a legend: the symbol alone, or the words.
+
+    Examples
+    --------
+    >>> symbol_of("mass_ratio", "1"), symbol_of("gap_mm", "mm"), symbol_of("digits", "1")
+    ('μ', '2d (mm)', 'digits')
+    """
+    return labelled(short(name), "", unit)
+
+
+def valued(name: str, unit: str, value: float) -> str:
+    """Return the entry of a legend: a parameter with its value.
+
+    Examples
+    --------
+    >>> valued("displacement_mm", "mm", 10.0), valued("mass_ratio", "1", 0.05)
+    ('x₀ = 10 mm', 'μ = 0.05')
+    """
+    return f"{short(name)} = {value:g}" + ("" if unit in ("", "1") else f" {unit_text(unit)}")
+
+
+def short(name: str) -> str:
+    """Return the symbol of a column, or its words if it has none."""
+    words, symbol = named(name)
+    return symbol.partition(" = ")[0] or words
+
+
+def named(name: str) -> tuple[str, str]:
+    """Return words and symbol of a column."""
+    # Of several forces: force.0.frequency; elsewhere the part may stand before a unique name.
+    plain = re.sub(r"^force\.\d+\.", "force.", name)
+    for key in (plain, plain.partition(".")[2]):
+        if key in NAMES:
+            return NAMES[key]
+    return name.replace("_", " "), ""

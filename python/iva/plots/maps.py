@@ -1,0 +1,169 @@
+"""A column of the summary over two swept parameters, as a map."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from matplotlib import patheffects
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from iva import _iva
+from iva.parameters import shown
+from iva.plots.arguments import (
+    Numbers,
+    checked_table,
+    frame_of,
+    numeric,
+    once,
+    swept_key,
+)
+from iva.plots.labels import of_column, symbol_of
+from iva.plots.styles import drawing_on, figure_of
+from iva.tables import Table
+
+#: Begins of the names of columns of which the smallest is the best.
+SMALL = ("settling_time_", "residual_amplitude", "amplitude_")
+
+
+def heatmap(
+    table: Table,
+    value: str,
+    *,
+    x: str | None = None,
+    y: str | None = None,
+    best: Literal["max", "min", "none"] | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw a column of the summary over two swept parameters, with the ridge of the optimum.
+
+    Parameters
+    ----------
+    table : Table
+        Tables of a grid over two parameters.
+    value : str
+        The column to draw. Where it is null the map is hatched in grey.
+    x, y : str, optional
+        The parameters across and up; the two swept ones by default, the first across.
+    best : {"max", "min", "none"}, optional
+        Whether the ridge joins, for each x, the y of the largest or of the smallest value; "none"
+        for no ridge. By default the column decides: of damping ratios and `reduction` the largest
+        is the best, of settling times, `residual_amplitude` and amplitudes the smallest, and others
+        have no ridge.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If there is no such column of numbers, it is null everywhere, or the points are no grid over
+        `x` and `y`.
+
+    Examples
+    --------
+    >>> table = iva.sweep(
+    ...     iva.Siva(restitution=0.5),
+    ...     iva.Primary(damping_ratio=0.01),
+    ...     over={"mass_ratio": [0.05, 0.1, 0.15], "relative_clearance": [0.2, 0.4, 0.6, 0.8]},
+    ...     start=iva.Start(displacement=1.0),
+    ...     periods=20,
+    ... )
+    >>> axes = heatmap(table, "damping_ratio_3")
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('mass ratio μ = m/M', 'relative clearance γ = d/x₀')
+    """
+    summary = frame_of(checked_table(table), "summary")
+    x = swept_key(table, "x", x, taken=y)
+    y = swept_key(table, "y", y, taken=x)
+    across, up, values = (
+        numeric(summary, field, name) for field, name in (("x", x), ("y", y), ("value", value))
+    )
+    direction = direction_of(value, best)
+    columns, column = np.unique(across, return_inverse=True)
+    rows, row = np.unique(up, return_inverse=True)
+    once(summary.height, columns.size * rows.size, table, f"{x} and {y}")
+    if summary.height < columns.size * rows.size:
+        raise ValueError(
+            f"{summary.height} points are no grid of {columns.size} values of {x} and {rows.size} "
+            f"of {y}: sweep a grid"
+        )
+    grid = np.full((rows.size, columns.size), np.nan)
+    grid[row, column] = values
+    units = table.units["summary"]
+    with drawing_on(ax) as axes:
+        entries: list[Line2D | Patch] = []
+        mesh = axes.pcolormesh(
+            columns,
+            rows,
+            np.ma.masked_invalid(grid),
+            shading="nearest",
+            cmap="viridis",
+            rasterized=True,
+        )
+        if np.isnan(grid).any():
+            axes.patch.set(facecolor="0.85", edgecolor="0.55", hatch="/////")
+            entries.append(
+                Patch(facecolor="0.85", edgecolor="0.55", hatch="/////", label="no value (null)")
+            )
+        figure_of(axes).colorbar(mesh, ax=axes, label=of_column(value, units.get(value, "")))
+        if direction is not None:
+            word = "smallest" if direction == "min" else "largest"
+            outline = [patheffects.withStroke(linewidth=2.4, foreground="white")]
+            entries += axes.plot(
+                columns,
+                ridge(rows, grid, direction),
+                color="black",
+                linewidth=1.0,
+                marker=".",
+                markersize=2,
+                path_effects=outline,
+                label=f"{word} at each {symbol_of(x, units.get(x, ''))}",
+            )
+        axes.set_xlabel(of_column(x, units.get(x, "")))
+        axes.set_ylabel(of_column(y, units.get(y, "")))
+        if entries:
+            axes.legend(
+                handles=entries,
+                loc="lower center",
+                bbox_to_anchor=(0.5, 1.0),
+                ncols=2,
+                borderaxespad=0.3,
+            )
+    return axes
+
+
+def direction_of(value: str, best: object) -> Literal["max", "min"] | None:
+    """Return what is best of a column, as chosen or by its name.
+
+    Raises
+    ------
+    ValueError
+        If the choice is unknown.
+    """
+    if best is None:
+        if value in _iva.larger_is_better():
+            return "max"
+        return "min" if value.startswith(SMALL) else None
+    if best == "max":
+        return "max"
+    if best == "min":
+        return "min"
+    if best == "none":
+        return None
+    raise ValueError(f"best = {shown(best)}: give 'max', 'min' or 'none'")
+
+
+def ridge(rows: Numbers, grid: Numbers, direction: Literal["max", "min"]) -> Numbers:
+    """Return for each column of a grid the row of its best value, NaN where it has none."""
+    worst = -np.inf if direction == "max" else np.inf
+    filled = np.where(np.isnan(grid), worst, grid)
+    index = filled.argmax(axis=0) if direction == "max" else filled.argmin(axis=0)
+    return np.where(np.isnan(grid).all(axis=0), np.nan, rows[index])

@@ -1,0 +1,270 @@
+"""Animations: the mass in its gap, the pendulum between its stops."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import polars as pl
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from iva.forces import file_name
+from iva.parameters import number, shown
+from iva.plots.arguments import Numbers, checked_run, frame_of, limit, motion_of, values_of
+from iva.plots.design import design_of
+from iva.plots.labels import labelled
+from iva.plots.scenery import scenery
+from iva.plots.styles import GREY, STRUCTURE, WALLS, style
+from iva.simulation import Run
+
+#: A wall that was hit goes dark again in so many frames.
+FLASH = 5
+#: Megabytes that an HTML page may hold; matplotlib drops frames beyond.
+MOST = 2_000.0
+FIGURE: dict[str, Any] = {"figsize": (3.35, 2.3), "dpi": 160, "layout": "constrained"}
+#: Height of x(t) in inches, its labels with it.
+TRACE = 1.5
+#: What stands on the buttons, instead of an icon font from elsewhere.
+BUTTONS = {
+    "minus": "−",
+    "fast-backward": "⏮",
+    "step-backward": "‹",
+    "play fa-flip-horizontal": "◀",
+    "pause": "❚❚",
+    "play": "▶",
+    "step-forward": "›",
+    "fast-forward": "⏭",
+    "plus": "+",
+}
+
+
+def animation(
+    run: Run, *, until: float | None = None, frames: int = 200, fps: int = 25
+) -> FuncAnimation:
+    """Make an animation of a run: the scene to scale, and x(t) below it.
+
+    Displacements, play and arm are to scale; the size of the masses, which nobody has given, is
+    not. Of a pendulum at small angles without length the arm is drawn 4 times as long as it swings
+    wide. A wall that is hit lights up in the colour of its impacts, and glows while the absorber
+    sticks to it.
+
+    Parameters
+    ----------
+    run : Run
+        The run, with its table ``impacts``.
+    until : float, optional
+        Last instant to show, in the unit of time of the run; all of it by default.
+    frames : int, default 200
+        Number of pictures, equidistant in time.
+    fps : int, default 25
+        Pictures a second, up to 50.
+
+    Returns
+    -------
+    matplotlib.animation.FuncAnimation
+        Keep it as long as it is to run. In a notebook ``HTML(animation(run).to_jshtml())`` shows
+        it; :func:`animate` writes it.
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If a value is out of range, or the table is missing.
+
+    Examples
+    --------
+    >>> moving = animation(run)  # doctest: +SKIP
+    """
+    checked(run, until, frames, fps)
+    # Only here, for it chooses a backend.
+    import matplotlib.pyplot as plt
+
+    with style():
+        figure = plt.figure(**FIGURE)
+        try:
+            return moving(figure, run, until, frames, fps)
+        except BaseException:
+            plt.close(figure)
+            raise
+
+
+def checked(run: Run, until: float | None, frames: int, fps: int) -> None:
+    """Check what an animation is made of.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If something cannot be used.
+    """
+    frame_of(checked_run(run), "impacts")
+    limit(until)
+    for field, value, least, most in (("frames", frames, 2, 100_000), ("fps", fps, 1, 50)):
+        given = number(field, value)
+        if not least <= given <= most or not given.is_integer():
+            raise ValueError(
+                f"{field} = {shown(value)}: give a whole number from {least} to {most}"
+            )
+
+
+def moving(figure: Figure, run: Run, until: float | None, frames: int, fps: int) -> FuncAnimation:
+    """Draw the first picture on a figure, and return what draws the others."""
+    motion, end = motion_of(run, until)
+    instants = np.linspace(0.0, end, int(frames))
+    # Of a run that ended early the last instant is not in it any more.
+    rows = run.at(instants).fill_null(strategy="forward")
+    states = {name: values_of(rows[name]) for name in rows.columns}
+    hits = frame_of(run, "impacts").filter(pl.col("time") <= end)
+    glow = {wall: brightness(instants, states["wall"], hits, wall) for wall in WALLS}
+    design = design_of(run)
+    above, below = figure.subplots(2)
+    largest, reach = (
+        float(np.abs(motion[name]).max()) for name in ("displacement", "gap_displacement")
+    )
+    scene = scenery(above, design, largest, reach)
+    height = scene_height(above)
+    figure.set_figheight(height + TRACE)
+    grid = above.get_gridspec()
+    assert grid is not None
+    grid.set_height_ratios((height, TRACE))
+    past, now = trace(below, run, motion, hits, end)
+
+    def show(index: int) -> list[Artist]:
+        time, x, y, angle = (
+            float(states[name][index])
+            for name in ("time", "displacement", "gap_displacement", "angle")
+        )
+        scene.move(x, y, angle)
+        for wall, strength in glow.items():
+            scene.light(wall, float(strength[index]))
+        passed = motion["time"] <= time
+        past.set_data(
+            np.append(motion["time"][passed], time), np.append(motion["displacement"][passed], x)
+        )
+        now.set_data([time], [x])
+        return [past, now]
+
+    show(0)
+    # Laid out once: nothing should tremble from picture to picture.
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return FuncAnimation(figure, show, frames=int(frames), interval=1e3 / fps)
+
+
+def scene_height(axes: Axes) -> float:
+    """Return the height in inches that a scene to scale needs, within limits."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    return min(max(3.2 * (top - bottom) / (right - left), 0.5), 2.8)
+
+
+def trace(
+    axes: Axes, run: Run, motion: Mapping[str, Numbers], hits: pl.DataFrame, end: float
+) -> tuple[Line2D, Line2D]:
+    """Draw x(t) with all impacts; return the lines of what has passed, and of now."""
+    axes.plot(motion["time"], motion["displacement"], color=GREY, linewidth=0.5)
+    for wall, edge in ((1, 1.0), (-1, 0.0)):
+        side = hits.filter(pl.col("wall") == wall)
+        axes.plot(
+            side["time"].to_numpy(),
+            np.full(side.height, edge),
+            linestyle="none",
+            marker="|",
+            markersize=6,
+            color=WALLS[wall],
+            transform=axes.get_xaxis_transform(),
+        )
+    (past,) = axes.plot([], [], color=STRUCTURE)
+    (now,) = axes.plot([], [], "o", color=STRUCTURE, markersize=4)
+    units = run.units["trajectory"]
+    axes.set_xlim(0.0, end)
+    axes.margins(y=0.08)
+    axes.set_xlabel(labelled("time", "t", units["time"]))
+    axes.set_ylabel(labelled("x", "", units["displacement"]))
+    return past, now
+
+
+def brightness(instants: Numbers, stuck: Numbers, hits: pl.DataFrame, wall: int) -> Numbers:
+    """Return for every picture how much a wall is lit: 1 at an impact, fading, ½ while stuck."""
+    times = hits.filter(pl.col("wall") == wall)["time"].to_numpy()
+    step = instants[1] - instants[0]
+    count = np.searchsorted(times, instants, side="right")
+    since = instants - np.concatenate([[-np.inf], times])[count]
+    fading: Numbers = np.clip(1.0 - since / (FLASH * step), 0.0, 1.0)
+    return np.where(stuck == wall, np.maximum(fading, 0.5), fading)
+
+
+def animate(
+    run: Run,
+    path: str | os.PathLike[str],
+    *,
+    until: float | None = None,
+    frames: int = 200,
+    fps: int = 25,
+) -> Path:
+    """Write an animation of a run: a GIF, or an HTML page that needs no other file.
+
+    Parameters
+    ----------
+    run : Run
+        The run, with its table ``impacts``.
+    path : path-like
+        The file, with the suffix .gif or .html.
+    until, frames, fps
+        As in :func:`animation`.
+
+    Returns
+    -------
+    pathlib.Path
+        The file.
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If a value is out of range, the suffix is another one, or the table is missing.
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> animate(run, "decay.gif", until=20.0)  # doctest: +SKIP
+    """
+    file = Path(file_name(path))
+    suffix = file.suffix.lower()
+    if suffix not in (".gif", ".html"):
+        raise ValueError(f"path = {shown(str(file))}: give a name that ends in .gif or .html")
+    checked(run, until, frames, fps)
+    # Of its own, not of pyplot: nobody is to see it.
+    with style(), mpl.rc_context({"animation.embed_limit": MOST}):
+        drawn = moving(Figure(**FIGURE), run, until, frames, fps)
+        if suffix == ".gif":
+            drawn.save(file, writer=PillowWriter(fps=fps))
+        else:
+            file.write_text(page(drawn.to_jshtml(fps=fps), file.stem), encoding="utf-8")
+    return file
+
+
+def page(player: str, title: str) -> str:
+    """Return a whole page around the player of matplotlib, which needs nothing from elsewhere."""
+    alone = re.sub(r"<link\b[^>]*>", "", player)
+    named = re.sub(r'<i class="fa fa-([^"]*)"></i>', button, alone)
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f"<title>{escape(title)}</title>\n</head>\n<body>\n{named}\n</body>\n</html>\n"
+    )
+
+
+def button(icon: re.Match[str]) -> str:
+    """Return what stands on a button instead of an icon."""
+    return BUTTONS.get(icon[1], icon[1])
