@@ -14,6 +14,8 @@ from iva.units import Units, from_metadata
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
+    from os import PathLike
+
     import polars as pl
 
     from iva.parameters import Spec
@@ -73,8 +75,7 @@ class Run(RunTables):
         polars.DataFrame
             ``time``, ``displacement``, ``velocity``, ``gap_displacement``, ``gap_velocity``,
             ``wall`` (0 in flight, ±1 stuck), ``angle`` and ``angular_velocity`` (null for a free
-            mass). Besides the samples, an impact appears twice:
-            just before and just after.
+            mass). Besides the samples, an impact appears twice: just before and just after.
 
         Raises
         ------
@@ -121,6 +122,63 @@ class Run(RunTables):
         [-0.989992, 1.0]
         """
         return to_polars(_iva.states(self._spec, numbers("times", times)))
+
+    def write_mat(self, path: str | PathLike[str], *, samples_per_period: int = 200) -> None:
+        """Write all tables and the trajectory into a file for MATLAB and Octave; needs SciPy.
+
+        As :meth:`Table.write_mat`; in MATLAB ``T = struct2table(load("run.mat").trajectory)``.
+
+        Parameters
+        ----------
+        path : str or path
+            The file, usually ``*.mat``. It is written whole or not at all.
+        samples_per_period : int, default 200
+            Of the trajectory, as in :meth:`trajectory`.
+
+        Raises
+        ------
+        ImportError, TypeError, ValueError, iva.IvaError
+            As :meth:`Table.write_mat` and :meth:`trajectory`.
+        """
+        from iva import exports
+
+        trajectory = self.trajectory(samples_per_period)
+        exports.write_mat(path, self._frames, self.units, trajectory)
+
+    def write_uff(
+        self,
+        path: str | PathLike[str],
+        *,
+        samples_per_period: float | None = None,
+        samples_per_second: float | None = None,
+        binary: bool = True,
+    ) -> None:
+        """Write the motion into a universal file, which software of test rigs reads; needs pyuff.
+
+        Time responses (dataset 58, +X): displacement and velocity of the structure (node 1) and of
+        the absorber (node 2; of a pendulum its centre of mass), relative to the base if that moves.
+        Dataset 164 says SI units, axes say others. No acceleration: no sample shows its impulses.
+
+        Parameters
+        ----------
+        path : str or path
+            The file, usually ``*.uff``. It is written whole or not at all.
+        samples_per_period : float, optional
+            Samples a period 2π/ωn of the bare primary system; 200 by default. The format has six
+            digits for the step: it is rounded to these, and the samples are exact where it says.
+        samples_per_second : float, optional
+            The same as a rate in Hz, where the run has seconds.
+        binary : bool, default True
+            Values to the last bit (dataset 58b). False writes text with 12 digits.
+
+        Raises
+        ------
+        ImportError, TypeError, ValueError, iva.IvaError
+            As :meth:`Table.write_mat`; also if a number of samples is out of range.
+        """
+        from iva import exports
+
+        exports.write_uff(path, self, samples_per_period, samples_per_second, binary)
 
     def __eq__(self, other: object) -> bool:
         """Compare the scene and all tables."""
@@ -195,15 +253,13 @@ def simulate(
         What drives it; free decay without. A list is a sum. Under harmonic and recorded forces
         damping ratios and settling times are null; steady states have columns of their own.
     periods : float, optional
-        Length of the run in periods 2π/ωn of the bare primary system. This, `duration` or
-        `cycles`.
+        Length in periods 2π/ωn of the bare primary system. This, `duration` or `cycles`.
     duration : float, optional
         Length of the run as a time.
     cycles : float, optional
         Length of the run in cycles 2π/Ω of the harmonic force (of several, the first).
     discard : float, optional
-        Cycles of transient at the begin that the steady-state columns and the stroboscope leave
-        out; 0 by default.
+        Cycles that the steady-state columns and the stroboscope leave out at the begin, or 0.
     measures : iterable of str, optional
         Summary columns to compute, the others are null; all by default.
     tables : iterable of str, optional

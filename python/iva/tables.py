@@ -8,6 +8,8 @@ from iva.frames import Frames
 from iva.units import Units
 
 if TYPE_CHECKING:
+    from os import PathLike
+
     import polars as pl
 
 
@@ -69,6 +71,41 @@ class Table:
             )
             raise AttributeError(f"no table {name!r}, only {there}: {advice}")
         return self._frames[name]
+
+    def write_mat(self, path: str | PathLike[str]) -> None:
+        """Write all tables into a file for MATLAB and Octave; needs SciPy.
+
+        In MATLAB::
+
+            S = load("clearance.mat");
+            summary = struct2table(S.summary);
+            plot(summary.relative_clearance, summary.settling_time_5)
+            S.units.summary.settling_time_5
+
+        Octave reads the file too, but has no ``struct2table``: use ``S.summary.settling_time_5``.
+
+        Every table is a struct of columns. Numbers are doubles, with NaN for null; flags are
+        logical, or doubles if one of them is null; words are cell arrays, with '' for null. A dot
+        in a name becomes ``_``: ``force_frequency``. The struct ``units`` names the unit of every
+        column, ``iva_version`` is the version of iva.
+
+        Parameters
+        ----------
+        path : str or path
+            The file, usually ``*.mat`` (MAT files of version 7). It is written whole or not at all.
+
+        Raises
+        ------
+        ImportError
+            Without SciPy (``pip install 'iva-dynamics[export]'``).
+        TypeError, ValueError
+            If `path` is not a file in a folder that exists, or a table takes more than 2.1 GB.
+        iva.IvaError
+            If the file cannot be written.
+        """
+        from iva import exports
+
+        exports.write_mat(path, self._frames, self.units)
 
     def __eq__(self, other: object) -> bool:
         """Compare axes, units and all tables."""
