@@ -23,6 +23,8 @@ Examples
 # What type checkers call typing.TYPE_CHECKING: typing itself takes 2 ms to import.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from iva import paper as paper
+    from iva import plots as plots
     from iva import sampling, theory
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
     from iva.choosing import best, pareto, robust
@@ -69,7 +71,8 @@ __all__ = [
 ]
 
 # Where each name is defined. It is imported when first asked for, so that the command ``iva``,
-# which needs none of them, starts at once.
+# which needs none of them, starts at once. ``paper`` and ``plots`` are not in `__all__`: they need
+# matplotlib, and ``from iva import *`` must work without.
 _HOMES = {
     "SCHEMA_VERSION": "_iva",
     "Gradient": "run_tables",
@@ -88,7 +91,9 @@ _HOMES = {
     "Verification": "run_tables",
     "__version__": "_iva",
     "best": "choosing",
+    "paper": "paper",
     "pareto": "choosing",
+    "plots": "plots",
     "read": "reading",
     "robust": "choosing",
     "sampling": "sampling",
@@ -118,4 +123,4 @@ if not TYPE_CHECKING:  # checkers would believe in every name
 
 def __dir__() -> list[str]:
     """Return the names that are there and those that can be imported."""
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *_HOMES})

@@ -1,5 +1,6 @@
 //! The command line of `iva`.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -35,7 +36,7 @@ pub struct Cli {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Run every point of the study's grid and write the tables
+    /// Run every point of the study and write the tables
     #[command(after_help = "Example: damping over clearance and mass ratio. In my.toml\n\n  \
                             version = 1\n  \
                             [primary]\n  \
@@ -61,7 +62,7 @@ pub enum Command {
                             iva sweep my.toml --resume\n\n\
                             runs what is missing.")]
     Sweep(SweepArgs),
-    /// Run a study without a grid, or one point of it, and write every table
+    /// Run a study without [sweep], or one point of one with it, and write every table
     #[command(
         max_term_width = 80,
         after_help = "Example: one decay, its motion sampled 500 times a period. In one.toml\n\n  \
@@ -89,6 +90,9 @@ pub enum Command {
                             Nothing is written. A few points spread over the study are run for the \
                             estimate.")]
     Check(CheckArgs),
+    /// Draw the figures of the paper anew; needs Python: pip install 'iva-dynamics[plots]'
+    #[command(disable_help_flag = true)]
+    Reproduce(ReproduceArgs),
 }
 
 /// Arguments of `iva sweep`.
@@ -180,6 +184,14 @@ pub struct CheckArgs {
     /// The study file (TOML)
     #[arg(value_name = "STUDY.toml")]
     pub study: PathBuf,
+}
+
+/// Arguments of `iva reproduce`, which only the Python package understands: anything.
+#[derive(Debug, Args)]
+pub struct ReproduceArgs {
+    /// What to draw; `iva reproduce --help` of the Python package lists it
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
+    pub arguments: Vec<OsString>,
 }
 
 fn table(name: &str) -> Result<Table, String> {

@@ -64,6 +64,10 @@ pub const EXIT_BAD_INPUT: i32 = 2;
 /// Interrupted by Ctrl-C or a request to terminate.
 pub const EXIT_INTERRUPTED: i32 = 130;
 
+/// The answer to `iva reproduce` where there is no Python.
+const NO_PLOTS: &str = "reproduce draws with Python: pip install 'iva-dynamics[plots]', then run iva \
+                        reproduce from there";
+
 /// Runs the command line; `args` begins with the program's name. Prints results on standard
 /// output, errors and progress on standard error, and returns the exit code: 0 done, 1 I/O or
 /// internal fault, 2 bad input, 130 interrupted. Never exits the process itself.
@@ -89,6 +93,8 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
         Command::Sweep(args) => (sweep_command::sweep_command(args), args.run.quiet),
         Command::Run(args) => (run_command::run_command(args), args.run.quiet),
         Command::Check(args) => (check::check_command(args), false),
+        // The console script of the Python package does this itself before it comes here.
+        Command::Reproduce(_) => (Err(Error::Refused(NO_PLOTS.to_owned())), false),
     };
     match result {
         Ok(_) if quiet => EXIT_OK,

@@ -125,7 +125,7 @@ fn write_table(
     Ok((table.name().to_owned(), total))
 }
 
-/// Makes a study of one point of a grid.
+/// Makes a study without a sweep of one of its points.
 fn single_out(file: &mut StudyFile, point: u64) -> Result<(), Error> {
     let points = file.points()?;
     if file.study.sampling.is_empty() || point >= points {

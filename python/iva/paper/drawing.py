@@ -1,0 +1,169 @@
+"""How the paper's figures are drawn: with :mod:`iva.plots`, a panel for each run or measure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import iva
+from iva import plots
+from iva.paper.measures import FIRST, FIT, TEN, THREE, TO_5, TO_10
+from iva.plots.styles import BLACK, BLUE, CURVES, GREEN, GREY, ORANGE, VERMILLION
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from iva.paper.table1 import Fit
+
+#: What the panels of damping show, in their order.
+PANELS = (FIRST, THREE, TEN, FIT, TO_10, TO_5)
+
+#: Swept parameters as axes call them.
+AXES = {
+    "relative_clearance": "relative clearance γ = d/x₀",
+    "frequency_ratio": "frequency ratio r = ωp/ωₙ",
+    "mass_ratio": "mass ratio μ = m/M",
+}
+#: Two columns of a page; one of them.
+WIDE, NARROW = 7.0, 3.35
+
+
+def motions(runs: Mapping[str, iva.Run]) -> pl.DataFrame:
+    """Return the trajectories of several runs in one table, told apart by ``curve``."""
+    return pl.concat(
+        [
+            run.trajectory(60).drop("point").insert_column(0, pl.lit(name).alias("curve"))
+            for name, run in runs.items()
+        ]
+    )
+
+
+def decays(runs: Mapping[str, iva.Run], without: iva.Run, until: float) -> Figure:
+    """Draw a panel for each run, the structure alone in grey behind it."""
+    with plots.style():
+        figure = Figure(figsize=(WIDE, 0.5 + 1.25 * len(runs)), layout="constrained")
+        panels = figure.subplots(len(runs), sharex=True, sharey=True)
+        for axes, (name, run) in zip(listed(panels), runs.items(), strict=True):
+            plots.decay(run, bare=without, envelope=False, settle=(5,), until=until, ax=axes)
+            legend = axes.get_legend()
+            if legend:
+                legend.remove()
+            axes.set_title(name, loc="left")
+            axes.label_outer()
+    return figure
+
+
+def velocities(run: iva.Run) -> Figure:
+    """Draw the velocities of both masses."""
+    with plots.style():
+        figure = Figure(figsize=(WIDE, 2.4), layout="constrained")
+        plots.velocities(run, ax=figure.subplots())
+    return figure
+
+
+def phase(run: iva.Run) -> Figure:
+    """Draw the phase plane of the structure and that of the gap."""
+    with plots.style():
+        figure = Figure(figsize=(WIDE, 3.1), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        plots.phase(run, ax=left)
+        plots.phase(run, relative=True, ax=right)
+    return figure
+
+
+def impact_curves(summary: pl.DataFrame, by: str, symbol: str) -> Figure:
+    """Draw the number of impacts over the clearance, a curve for each value of a parameter."""
+    with plots.style():
+        figure = Figure(figsize=(NARROW, 2.6), layout="constrained")
+        axes = figure.subplots()
+        lines(axes, summary, "relative_clearance", by, symbol, summary["impacts_until_5"])
+        axes.set_yscale("log")
+        axes.set_ylabel("impacts until 5 %")
+        axes.legend(ncols=2)
+    return figure
+
+
+def damping_panels(summary: pl.DataFrame, x: str, by: str, symbol: str) -> Figure:
+    """Draw the damping over a parameter, a panel for each measure."""
+    with plots.style():
+        figure = Figure(figsize=(WIDE, 4.2), layout="constrained")
+        panels = figure.subplots(2, 3, sharex=True)
+        for axes, measure in zip(panels.flat, PANELS, strict=True):
+            damping = pl.Series(measure.of(summary)).fill_nan(None)
+            lines(axes, summary, x, by, symbol, damping)
+            axes.set_title(measure.label, loc="left")
+            axes.set_ylim(bottom=0.0)
+        for axes in panels[:, 0]:
+            axes.set_ylabel("damping ratio")
+        for axes in panels[0]:
+            axes.set_xlabel("")
+        handles, labels = panels[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return figure
+
+
+def lines(
+    axes: Axes, summary: pl.DataFrame, x: str, by: str, symbol: str, values: pl.Series
+) -> None:
+    """Draw a curve for each value of a parameter."""
+    drawn = summary.select(x, by).with_columns(values.alias("value"))
+    # Starts of different size give nearly the same curve: each is seen below the next.
+    widths = (2.6, 1.6, 0.6) if by == "gravity" else 2 * len(CURVES) * (0.9,)
+    for color, width, (value, curve) in zip(
+        CURVES * 2, widths, drawn.group_by(by, maintain_order=True), strict=False
+    ):
+        label = f"{symbol} = {value[0]:g}"
+        axes.plot(curve[x], curve["value"], color=color, linewidth=width, label=label)
+    axes.set_xlabel(AXES[x])
+
+
+def table1(
+    printed: Sequence[tuple[float, float, float, float]], best: Fit, fits: Sequence[Fit]
+) -> Figure:
+    """Draw the eight rows beside the best fit, and how far every fit is off."""
+    with plots.style():
+        figure = Figure(figsize=(WIDE, 2.9), layout="constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(1, 1.2))
+        at = range(len(printed))
+        left.plot(at, [row[2] for row in printed], "o", color=BLACK, label="experiment, printed")
+        left.plot(at, [row[3] for row in printed], "_", color=GREY, label="simulation, printed")
+        left.plot(at, best.rows, "x", color=VERMILLION, label="this model, fitted")
+        left.set_xticks(at, [f"{row[0]:g}\n{row[1]:g}" for row in printed])
+        left.set_xlabel("relative clearance γ, mass ratio μ")
+        left.set_ylabel("“damping ratio” of Table 1")
+        left.set_ylim(bottom=0.0)
+        left.legend()
+        spread(right, fits)
+    return figure
+
+
+def spread(axes: Axes, fits: Sequence[Fit]) -> None:
+    """Draw the root mean square difference of every fit."""
+    kinds = {
+        ("logarithmic decrement", "consistent"): (BLUE, "o"),
+        ("logarithmic decrement", "printed"): (ORANGE, "s"),
+        ("damping ratio", "consistent"): (GREEN, "^"),
+        ("damping ratio", "printed"): (VERMILLION, "v"),
+    }
+    measures = list(dict.fromkeys(fit.measure.label for fit in fits))
+    for (reading, law), (color, marker) in kinds.items():
+        chosen = [fit for fit in fits if (fit.reading, fit.impact_law) == (reading, law)]
+        axes.plot(
+            [fit.rms for fit in chosen],
+            [measures.index(fit.measure.label) for fit in chosen],
+            marker,
+            color=color,
+            label=f"{reading}, {law} law",
+        )
+    axes.set_yticks(range(len(measures)), measures)
+    axes.invert_yaxis()
+    axes.set_xlim(left=0.0)
+    axes.set_xlabel("r.m.s. difference from the experiment, best ζ and e")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+
+
+def listed(panels: object) -> list[Axes]:
+    """Return the axes that ``subplots`` made, whether one or many."""
+    return [panels] if isinstance(panels, Axes) else list(panels.flat)  # type: ignore[attr-defined]

@@ -1,0 +1,229 @@
+"""Run the studies behind figures, and write what they give."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+import polars as pl
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from iva import _iva
+from iva.paper import page
+from iva.paper.assumptions import Assumptions
+from iva.paper.figures import ITEMS, Item
+from iva.paper.made import Made
+from iva.paper.verdicts import Finding
+from iva.parameters import shown
+
+#: Told what is begun: how many are done, of how many, and the name of the next.
+Told = Callable[[int, int, str], object]
+
+
+@dataclass(frozen=True)
+class Report:
+    """What :func:`reproduce` found.
+
+    Parameters
+    ----------
+    assumptions : Assumptions
+        What was taken for the parameters that the paper does not give.
+    items : mapping of str to Made
+        The studies by name: ``fig3`` to ``fig22``, ``table1``; each has `parameters`, `tables`,
+        `findings` and ``draw()``, which makes a matplotlib figure.
+    drawn : tuple of str
+        The names of those whose figures were asked for.
+    """
+
+    assumptions: Assumptions
+    items: Mapping[str, Made]
+    drawn: tuple[str, ...]
+
+    @property
+    def findings(self) -> list[Finding]:
+        """The findings of all items, in their order."""
+        return [finding for made in self.items.values() for finding in made.findings]
+
+    @property
+    def claims(self) -> pl.DataFrame:
+        """The claims: ``claim``, ``figure``, ``paper``, ``model``, ``verdict``, ``measures``."""
+        found = self.findings
+        return pl.DataFrame(
+            {
+                "claim": [finding.claim for finding in found],
+                "figure": [finding.figure for finding in found],
+                "paper": [finding.paper for finding in found],
+                "model": [finding.model for finding in found],
+                "verdict": [finding.verdict.value for finding in found],
+                "measures": [finding.measures for finding in found],
+            },
+            schema=dict.fromkeys(
+                ("claim", "figure", "paper", "model", "verdict", "measures"), pl.String
+            ),
+        )
+
+    def __repr__(self) -> str:
+        """Say what there is, and count the verdicts."""
+        counts = ", ".join(f"{n} × {verdict}" for verdict, n in page.counted(self.findings))
+        return (
+            f"Report: {' '.join(self.items)}; {page.number_of(self.findings)}: {counts or 'none'}"
+        )
+
+    def _repr_html_(self) -> str:
+        """Show the table of claims in a notebook."""
+        return page.claims_table(self.findings)
+
+
+def reproduce(
+    *what: str,
+    out: str | os.PathLike[str] | None = None,
+    assumptions: Assumptions | None = None,
+    overwrite: bool = False,
+    told: Told | None = None,
+) -> Report:
+    """Run the studies behind figures of the paper, and judge what it says.
+
+    Parameters
+    ----------
+    *what : str
+        ``fig3`` to ``fig22``, ``table1``, ``claims`` (all studies, nothing drawn) or ``all``, which
+        is what is done without any.
+    out : path, optional
+        Folder to write to: for each study ``figNN.png``, ``figNN.svg`` and its tables as
+        ``figNN-….parquet``; ``claims.parquet`` and ``report.html``, a page that needs no other
+        file. Without it nothing is written.
+    assumptions : Assumptions, optional
+        What to take for the parameters that the paper does not give.
+    overwrite : bool, default False
+        Write into a folder that holds something.
+    told : callable, optional
+        Called with (done, total, name) before each study.
+
+    Returns
+    -------
+    Report
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong type.
+    ValueError
+        If a name is unknown, or `out` holds something.
+    iva.IvaError
+        If a file cannot be written; those written before are kept.
+
+    Examples
+    --------
+    >>> report = iva.paper.reproduce("fig18")
+    >>> report.claims["claim"].to_list()
+    ['C1']
+    """
+    if assumptions is None:
+        assumptions = Assumptions()
+    elif not isinstance(assumptions, Assumptions):
+        raise TypeError(f"assumptions = {shown(assumptions)}: give an iva.paper.Assumptions")
+    chosen, drawn = choice(what)
+    folder = None if out is None else prepared(Path(out), overwrite)
+    items: dict[str, Made] = {}
+    pictures: dict[str, bytes] = {}
+    for number, item in enumerate(chosen):
+        if told is not None:
+            told(number, len(chosen), item.name)
+        made = item.study(assumptions)
+        items[item.name] = made
+        if folder is not None:
+            write_tables(folder, item.name, made)
+            if item.name in drawn:
+                pictures[item.name] = write_figure(folder, item.name, made.draw())
+    report = Report(assumptions, items, drawn)
+    if folder is not None:
+        with writing(folder):
+            report.claims.write_parquet(folder / "claims.parquet")
+            text = page.written(report.assumptions, items, pictures)
+            (folder / "report.html").write_text(text, encoding="utf-8")
+    return report
+
+
+def choice(what: Sequence[str]) -> tuple[list[Item], tuple[str, ...]]:
+    """Return what is to be run, in the order of the paper, and the names of what is to be drawn.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If something is no text, or unknown.
+    """
+    known = [item.name for item in ITEMS]
+    for name in what:
+        if not isinstance(name, str):
+            raise TypeError(f"what = {shown(name)}: give names such as 'fig7'")
+    what = [name.replace("fig0", "fig") for name in what]
+    for name in what:
+        if name not in (*known, "claims", "all"):
+            near = get_close_matches(name, [*known, "claims", "all"], n=1)
+            hint = f"; do you mean {near[0]!r}?" if near and name not in ("fig1", "fig2") else ""
+            raise ValueError(
+                f"what = {name!r}: give fig3 to fig22, table1, claims or all (Figs 1 and 2 are "
+                f"drawings){hint}"
+            )
+    everything = not what or "all" in what
+    run = known if everything or "claims" in what else list(what)
+    drawn = known if everything else [name for name in known if name in what]
+    return [item for item in ITEMS if item.name in run], tuple(drawn)
+
+
+def prepared(folder: Path, overwrite: bool) -> Path:
+    """Return a folder that can be written to.
+
+    Raises
+    ------
+    ValueError
+        If it holds something that was not to be overwritten.
+    iva.IvaError
+        If it cannot be made or written to.
+    """
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        if not overwrite and any(folder.iterdir()):
+            raise ValueError(
+                f"out = {str(folder)!r}: it holds something; choose another folder, or overwrite"
+            )
+        probe = folder / ".iva-probe"
+        probe.touch()
+        probe.unlink()
+    return folder
+
+
+class writing:  # noqa: N801 (reads as what it is: with writing(folder))
+    """Turn faults of files into an error that names the folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __enter__(self) -> None:
+        """Begin."""
+
+    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
+        """Say what could not be written, and why."""
+        if isinstance(error, OSError):
+            reason = error.strerror or str(error)
+            raise _iva.IvaError(f"cannot write to {self.folder}: {reason}") from error
+
+
+def write_tables(folder: Path, name: str, made: Made) -> None:
+    """Write the tables of a study."""
+    with writing(folder):
+        for table, frame in made.tables.items():
+            frame.write_parquet(folder / f"{page.stem(name)}-{table}.parquet")
+
+
+def write_figure(folder: Path, name: str, figure: Figure) -> bytes:
+    """Write a figure as PNG and SVG; return the PNG. Both are the same for the same figure."""
+    with writing(folder), rc_context({"svg.hashsalt": name, "svg.fonttype": "none"}):
+        figure.savefig(folder / f"{page.stem(name)}.svg", metadata={"Date": None})
+        png = folder / f"{page.stem(name)}.png"
+        figure.savefig(png, dpi=200, metadata={"Software": None})
+        return png.read_bytes()
