@@ -167,6 +167,23 @@ def test_trajectory_and_at_agree(run: iva.Run) -> None:
         assert np.allclose(smooth[column], exact[column], rtol=0, atol=1e-13)
 
 
+@pytest.mark.parametrize("stiffness", [12_000.0, 7_919.3, 1.3e5])
+def test_at_an_impact_is_after_it(stiffness: float) -> None:
+    # Times of the table are rounded to seconds, and come back as ωn t.
+    run = iva.simulate(
+        iva.Siva(mass=0.3, restitution=0.6, gap_mm=5.0),
+        iva.Primary(mass=3.0, stiffness=stiffness, damping=2.0),
+        start=iva.Start(displacement_mm=4.0),
+        duration=2.0,
+    )
+    impacts = run.impacts
+    states = run.at(impacts["time"])
+    after = impacts["absorber_velocity_after"] - impacts["velocity_after"]
+    assert impacts.height > 20
+    assert (states["gap_velocity"] - after).abs().max() < 1e-12
+    assert (states["velocity"] - impacts["velocity_after"]).abs().max() < 1e-12
+
+
 def test_at_keeps_the_order_of_the_times(run: iva.Run) -> None:
     times = [5.0, 0.0, 2.5, 5.0]
     states = run.at(times)

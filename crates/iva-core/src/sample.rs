@@ -26,6 +26,10 @@ pub struct State {
     pub angle: Option<Angle>,
 }
 
+/// An instant this close to an event, relative to it, is that of the event: times of tables have been
+/// rounded to the user's unit, and come back through it.
+const SLACK: f64 = 4.0 * f64::EPSILON;
+
 /// Samples a run at increasing instants; at an impact the state after it counts.
 #[derive(Debug, Clone)]
 pub struct Sampler {
@@ -61,7 +65,7 @@ impl<S: System> Observer<S> for Sampler {
         while let Some(time) = self.times.get(self.next).copied() {
             let h = -span.start.minus(time);
             let last = time >= self.duration && span_ends(&span.start, span.length, self.duration);
-            if h >= span.length && !last {
+            if h >= span.length - SLACK * time && !last {
                 break;
             }
             let h = h.clamp(0.0, span.length);
