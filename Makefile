@@ -19,7 +19,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz wheel clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz wheel clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -90,10 +90,18 @@ bench-start: wheel ## measure how long the command takes to start
 	$(CARGO) build --locked --release -p iva-cli
 	$(BIN)/python benches/start_up.py target/release/iva $(BIN)/iva $(BIN)/python
 
+docs: wheel ## build the site of documentation into target/docs/html
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --nitpicky --quiet --fresh-env \
+		--doctree-dir target/docs/doctrees docs target/docs/html
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --release --no-deps --package iva-core --package iva-sweep
+	rm -rf target/docs/html/rust
+	cp -r target/doc target/docs/html/rust
+	@echo "open file://$(CURDIR)/target/docs/html/index.html"
+
 wheel: $(VENV)/.installed ## build the release wheel and install it into .venv
 
 clean: ## remove the environment, builds and caches
-	rm -rf $(VENV) target .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf $(VENV) target docs/_made .hypothesis .mypy_cache .pytest_cache .ruff_cache
 
 $(VENV)/.tools: pyproject.toml .ci/requirements.py
 	test -x $(BIN)/python || $(PYTHON) -m venv --without-pip $(VENV)

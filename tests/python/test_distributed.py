@@ -235,6 +235,12 @@ def test_a_url_takes_the_same_bytes_and_goes_on(local: Path, tmp_path: Path) -> 
         with pytest.warns(UserWarning, match=r"computed again: summary/part-00000\.parquet"):
             table = sweep(executor=executor, out=url, resume=True)
         assert table == iva.read(local)
+        altered = out / "summary" / "part-00001.parquet"
+        content = bytearray(altered.read_bytes())
+        content[len(content) // 2] ^= 1
+        altered.write_bytes(content)
+        with pytest.warns(UserWarning, match=r"computed again: summary/part-00001\.parquet"):
+            sweep(executor=executor, out=url, resume=True)
         with pytest.raises(ValueError, match="nothing else is safe"):
             sweep(executor=executor, out=url, overwrite=True)
         with pytest.raises(ValueError, match="nosuch"):

@@ -1,28 +1,48 @@
 """The pages in docs: their code runs, they leave out no key and no column, their links lead on.
 
 What there is to describe is asked of the program: numbers from its table of fields, the other keys
-from a resolved study, columns from the units of a result, metadata from a written file.
+from a resolved study, columns from the units of a result, metadata from a written file, names from
+the package. Pages are found and run by docs/pages.py, as by the build of the site.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import re
-import shlex
+import shutil
+import subprocess
+import sys
 import tomllib
-from dataclasses import dataclass
+import types
 from pathlib import Path
 
+import matplotlib as mpl
 import polars as pl
 import pytest
 
 import iva
 from iva import _iva
 
-DOCS = Path(__file__).parents[2] / "docs"
-PAGES = sorted(DOCS.glob("*.md"))
-RUNNABLE = ("python", "sh", "toml")
-FENCE = re.compile(r"^```(?P<language>\w*)\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
-REMARK = re.compile(r"<!-- (?P<key>not run|file): (?P<value>.+) -->\n\Z")
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+README = ROOT / "README.md"
+
+
+def module_of_docs(name: str) -> types.ModuleType:
+    """Return a module of docs, which is no package."""
+    spec = importlib.util.spec_from_file_location(name, DOCS / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # as its dataclasses want
+    spec.loader.exec_module(module)
+    return module
+
+
+pages = module_of_docs("pages")
+PAGES: list[Path] = pages.pages()
+WITH_CODE = [page for page in [*PAGES, README] if any(block.runs for block in pages.blocks(page))]
+LINK = re.compile(r"(?<!!)\[[^\]]*\]\((?P<file>[^)#:\s]*)(?P<anchor>#[^)\s]+)?\)")
 
 STUDY = """
 version = 1
@@ -40,27 +60,6 @@ mass_ratio = [0.05, 0.1]
 """
 
 
-@dataclass(frozen=True)
-class Block:
-    """A fenced block of a page, and what the comment just before it says."""
-
-    language: str
-    code: str
-    line: int
-    remark: dict[str, str]
-
-
-def blocks(page: Path) -> list[Block]:
-    text = page.read_text(encoding="utf-8")
-    found = []
-    for match in FENCE.finditer(text):
-        remark = REMARK.search(text, 0, match.start())
-        said = {remark["key"]: remark["value"]} if remark else {}
-        line = text.count("\n", 0, match.start()) + 2
-        found.append(Block(match["language"], match["code"], line, said))
-    return found
-
-
 def section(page: str, begin: str, end: str) -> str:
     """Return the rows of tables between a heading and the next of its kind."""
     text = (DOCS / page).read_text(encoding="utf-8")
@@ -69,66 +68,132 @@ def section(page: str, begin: str, end: str) -> str:
     return "\n".join(line for line in body.splitlines() if line.startswith("|"))
 
 
-def run_commands(code: str, place: str) -> None:
-    """Run lines of `iva …`; a comment `# exit code N` says what is expected, else 0."""
-    for line in code.splitlines():
-        words = shlex.split(line, comments=True)
-        assert words[0] == "iva", f"{place}: only iva is run here, not {line!r}"
-        expected = re.search(r"# exit code (\d+)$", line)
-        assert _iva.main(words) == (int(expected[1]) if expected else 0), f"{place}: {line}"
+def names_of(page: Path) -> str:
+    """Return the name of a page, from docs; of the front page of the project just its name."""
+    return page.name if page == README else page.relative_to(DOCS).as_posix()
 
 
-def run_block(block: Block, page: Path, names: dict[str, object]) -> None:
-    place = f"{page.name}:{block.line}"
-    if block.language == "python":
-        # Empty lines before it, so that a traceback shows the line of the page.
-        source = "\n" * (block.line - 1) + block.code
-        exec(compile(source, str(page), "exec"), names)
-    elif block.language == "sh":
-        run_commands(block.code, place)
-    else:
-        assert block.code.startswith("version"), f"{place}: not a whole study"
-        file = Path(block.remark.get("file", "study.toml"))
-        file.write_text(block.code, encoding="utf-8")
-        assert _iva.main(["iva", "check", str(file)]) == 0, f"{place}: the study is refused"
+def test_counts_of_the_paper_are_those_of_the_run() -> None:
+    from iva.paper import Verdict, reproduce
+
+    verdicts = [finding.verdict for finding in reproduce("claims").findings]
+    holds, partly, does_not = (
+        verdicts.count(verdict)
+        for verdict in (Verdict.HOLDS, Verdict.UNDER_A_MEASURE, Verdict.DOES_NOT_HOLD)
+    )
+    said = (
+        f"Of {len(verdicts)} claims {holds} hold, {partly} hold under a stated measure, "
+        f"{does_not} do not hold."
+    )
+    assert said in (DOCS / "paper.md").read_text(encoding="utf-8")
 
 
 def test_fences_are_closed_and_say_their_language() -> None:
+    known = {*pages.RUNNABLE, *pages.DIRECTIVES, "text"}
     for page in PAGES:
         fences = page.read_text(encoding="utf-8").count("\n```")
-        languages = [block.language for block in blocks(page)]
+        languages = [block.language for block in pages.blocks(page)]
         assert fences == 2 * len(languages), f"{page.name} has a fence without its pair"
-        assert set(languages) <= {*RUNNABLE, "text"}, f"{page.name}: {languages}"
+        assert set(languages) <= known, f"{page.name}: {languages}"
 
 
-WITH_CODE = ["large-sweeps.md", "recipes.md", "reproducibility.md", "study-file.md"]
+def test_most_pages_have_code() -> None:
+    named = {names_of(page) for page in WITH_CODE}
+    assert named >= {
+        "design-a-damper.md",
+        "earthquake.md",
+        "getting-started.md",
+        "large-sweeps.md",
+        "physics.md",
+        "recipes.md",
+        "reproducibility.md",
+        "study-file.md",
+        "tolerance-study.md",
+    }
 
 
-@pytest.mark.parametrize("name", WITH_CODE)
-def test_code_of_a_page(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("page", WITH_CODE, ids=names_of)
+def test_code_of_a_page(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pyplot = pytest.importorskip("matplotlib.pyplot")
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "studies").symlink_to(DOCS.parent / "studies")
-    page = DOCS / name
-    names: dict[str, object] = {"__name__": "__main__"}
-    ran = 0
-    for block in blocks(page):
-        if block.language in RUNNABLE and "not run" not in block.remark:
-            run_block(block, page, names)
-            ran += 1
-    assert ran > 0
+    with mpl.rc_context():
+        pyplot.switch_backend("agg")
+        try:
+            assert pages.run_page(page, tmp_path) > 0
+        finally:
+            pyplot.close("all")
+    # The build takes pictures from here; others are drawings, or kept.
+    drawings = module_of_docs("drawings").DRAWINGS
+    for shown in pages.pictures(page):
+        name = shown.removeprefix(pages.MADE)
+        assert name in drawings or any(
+            (folder / name).is_file() for folder in (tmp_path, page.parent)
+        ), f"{page.name} shows {shown}, and its code does not save it"
 
 
-def test_pages_with_code_are_run() -> None:
-    with_code = [
-        page.name for page in PAGES if any(block.language in RUNNABLE for block in blocks(page))
-    ]
-    assert with_code == WITH_CODE
+def test_a_page_must_print_what_it_says(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    text = "```python\nprint(2 + 2, 'or so')\n```\n\n<!-- printed -->\n```text\n{}\n```\n"
+    page.write_text(text.format("4 ..."), encoding="utf-8")
+    assert pages.run_page(page, tmp_path) == 1
+    page.write_text(text.format("5 ..."), encoding="utf-8")
+    with pytest.raises(AssertionError, match=r"page.md:7: printed was\n4 or so"):
+        pages.run_page(page, tmp_path)
 
 
-def test_links_lead_to_files() -> None:
+def test_links_lead_to_files_and_headings() -> None:
+    for page in [*PAGES, README]:
+        for match in LINK.finditer(page.read_text(encoding="utf-8")):
+            target = (page.parent / match["file"]).resolve() if match["file"] else page
+            assert target.is_file(), f"{page.name} links to {match['file']}"
+            if match["anchor"]:
+                there = anchors(target)
+                assert match["anchor"][1:] in there, f"{page.name}: {match[0]}, of {there}"
+
+
+def anchors(page: Path) -> list[str]:
+    """Return the anchors of the headings of a page, as GitHub and the site make them."""
+    text = pages.FENCE.sub("", page.read_text(encoding="utf-8"))
+    headings = re.findall(r"^#+ (.+)$", text, flags=re.MULTILINE)
+    words = (re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings)
+    return [heading.replace(" ", "-") for heading in words]
+
+
+def test_every_page_is_in_the_navigation() -> None:
+    entries: list[str] = []
     for page in PAGES:
-        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
-            assert (page.parent / target).is_file(), f"{page.name} links to {target}"
+        for block in pages.blocks(page):
+            if block.language == "{toctree}":
+                lines = [line for line in block.code.splitlines() if line and line[0] != ":"]
+                entries += [re.sub(r".*<(.+)>", r"\1", line) for line in lines]
+    assert sorted(entries) == sorted({names_of(page)[:-3] for page in PAGES} - {"index"})
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    text = (DOCS / "python.md").read_text(encoding="utf-8")
+    described = set(re.findall(r"^\.\. auto\w+:: (\S+)$", text, flags=re.MULTILINE))
+    missing = [name for name in iva.__all__ if f"iva.{name}" not in described]
+    assert missing == []
+
+
+def test_the_rust_example_prints_what_its_page_says() -> None:
+    page = DOCS / "rust.md"
+    blocks = pages.blocks(page)
+    number, code = next(
+        (number, block)
+        for number, block in enumerate(blocks)
+        if block.language == "{literalinclude}"
+    )
+    example = (page.parent / code.argument).resolve()
+    told = blocks[number + 1].code
+    cargo = shutil.which("cargo")
+    if cargo is None:
+        pytest.skip("no cargo")
+    words = [cargo, "run", "--quiet", "--locked", "--release", "--package", "iva-core"]
+    words += ["--example", example.stem]
+    ran = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    assert ran.stdout == told
 
 
 @pytest.fixture(scope="module")

@@ -4,12 +4,12 @@
 //! runs go in step, each in its lane, and every operation is done for all of them by the vector
 //! instructions of the machine. Three things make that possible:
 //!
-//! * **A stretch has no branches.** The strides of a free mass ([`siva`]) and the steps of a pendulum
-//!   ([`piva`]) are the code of one lane, written for one number; a loop over
+//! * **A stretch has no branches.** The strides of a free mass (`lanes/siva.rs`) and the steps of a pendulum
+//!   (`lanes/piva.rs`) are the code of one lane, written for one number; a loop over
 //!   arrays of numbers becomes vector code by itself, for AVX-512, AVX2 or the baseline, whichever the
 //!   machine has. Each lane does all that any may need, and picks.
 //! * **What is not simple goes to the event loop.** Each lane is at home in a
-//!   [`Run`](crate::simulate::Run). What is not decided at a glance, a low rebound, a stick, the end: the numbers
+//!   run of the event loop. What is not decided at a glance, a low rebound, a stick, the end: the numbers
 //!   are put back there, the loop does its work, and the lane goes on.
 //! * **The same operations in the same order.** The parts of a stretch are the functions that the
 //!   event loop uses as well. So a run has the same bits here, there, on every machine, and whatever runs

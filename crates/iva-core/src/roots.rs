@@ -1,6 +1,6 @@
 //! The first zero of a smooth function, with a certificate.
 //!
-//! [`first_zero`] walks through exclude → isolate → refine → classify. Every decision rests on the
+//! [`Searched::first_zero`] walks through exclude → isolate → refine → classify. Every decision rests on the
 //! function's exact values and derivatives at the ends of an interval of length L and on a bound
 //! m₄ ≥ |f⁗| in between:
 //!

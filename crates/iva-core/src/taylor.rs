@@ -11,7 +11,7 @@
 //! with β = b/(κL), λ = L/b, r² = g/(κL), ν = 2ζp r (physics: Lagrange's equations of the paper's
 //! Eqs. 4 and 5, with their misprints mended, for a compound bob). The last equation is momentum: with
 //! ÿ = (c W)˙ it is linear in the newest coefficient of a, so that each order costs three
-//! convolutions and no division ([`recurrence`]).
+//! convolutions and no division (`taylor/recurrence.rs`).
 //!
 //! Coefficients are those of powers of t/h: the step ends at 1. [`Remainder`] bounds what the
 //! truncation leaves out.

@@ -96,7 +96,7 @@ const LARGEST: f64 = 1e30;
 /// The set of numbers a field accepts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Allowed {
-    /// 0, or of a size from [`SMALLEST`] to [`LARGEST`], of either sign.
+    /// 0, or of a size from 1e-30 to 1e30, of either sign.
     Size,
     /// The same, and greater than 0.
     Positive,

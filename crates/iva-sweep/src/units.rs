@@ -1,7 +1,7 @@
 //! Units of inputs and results, in three cases that never mix.
 //!
 //! The core computes with time in 1/ωn and energy per primary mass; a
-//! [`Scale`](crate::doubles::scale::Scale) turns its numbers into the user's. Lengths are never rescaled.
+//! [`Scale`] turns its numbers into the user's. Lengths are never rescaled.
 
 use crate::fields::Quantity;
 
