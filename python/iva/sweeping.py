@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from iva import _iva
 from iva.forces import Force
 from iva.frames import from_arrow
-from iva.manifests import manifest_of
+from iva.manifests import FILE, manifest_of
 from iva.parameters import Absorber, Primary, Start, number, shown
 from iva.progress import Progress, reporting
 from iva.reading import read
@@ -196,25 +196,35 @@ def sweep(
         if pool is not None:
             warned(distributed.written(study, pool, folder, *how, report))
         else:
+            replaces = overwrite and (folder / FILE).exists()
             try:
                 warned(_iva.sweep_into(study, folder, *how, threads, report))
             except KeyboardInterrupt as interrupt:
-                interrupt.add_note(kept(folder, overwrite))
+                interrupt.add_note(kept(folder, replaces))
                 raise
     return read(folder)
 
 
-def kept(folder: Path, overwrite: bool) -> str:
-    """Return a sentence on what is left of a sweep that was interrupted."""
+def kept(folder: Path, replaces: bool) -> str:
+    """Return a sentence on what is left of a sweep that was interrupted.
+
+    Parameters
+    ----------
+    folder : Path
+        Where it wrote to.
+    replaces : bool
+        It was to replace tables that the folder holds; new ones grow in a hidden folder.
+    """
     new = folder / ".iva-new"
-    replaced = overwrite and new.is_dir()
+    if replaces and not new.is_dir():
+        return f"nothing was finished; {folder} is as it was"
     try:
-        manifest = manifest_of(new if replaced else folder)
+        manifest = manifest_of(new if replaces else folder)
     except _iva.IvaError as error:
         return str(error)
     if manifest is None or not manifest.parts:
         return "nothing was finished, so nothing was written"
-    how = "overwrite=True, resume=True" if replaced else "resume=True"
+    how = "overwrite=True, resume=True" if replaces else "resume=True"
     done = f"{manifest.done} of {manifest.points} points are written to {folder}"
     return f"{done}; go on with {how}"
 

@@ -10,7 +10,8 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ import pytest
 from distributed import Client, LocalCluster
 
 import iva
-from iva import distributed
+from iva import distributed, sweeping
 from iva.sampling import LatinHypercube, Uniform
 
 # Runs of 10 ms each: parts are small, so that there are many of them.
@@ -246,6 +247,7 @@ def test_a_url_takes_the_same_bytes_and_goes_on(local: Path, tmp_path: Path) -> 
         with pytest.raises(ValueError, match="nosuch"):
             sweep(executor=executor, out="nosuch://out")
     assert contents(out) == contents(local)
+    assert not (out / ".iva-work").exists()
     with pytest.raises(ValueError, match="a URL needs executor or client"):
         sweep(out=url)
 
@@ -257,18 +259,35 @@ def test_csv_behind_a_url_has_the_types_of_its_table(tmp_path: Path) -> None:
     assert table == sweep(over=over)
 
 
-def test_few_parts_wait_at_a_time() -> None:
-    most = 0
+def test_few_parts_wait_at_a_time_and_none_after_the_end() -> None:
     release = threading.Event()
+    futures: list[Future[bool]] = []
 
-    def submit(_part: Any) -> Any:
-        return pool.submit(release.wait, 20)
+    def submit(part: Any) -> Future[bool]:
+        # The first ends at once, the others wait for us.
+        futures.append(pool.submit(release.wait, 0.0 if part[0] == 0 else 20.0))
+        return futures[-1]
 
     with ThreadPoolExecutor(2) as pool:
         parts = [(number, number, number + 1) for number in range(100)]
         found = distributed.results(pool, parts, submit)
-        threading.Timer(1.0, release.set).start()
         next(found)
-        most = pool._work_queue.qsize() + 2
+        assert len(futures) == 2 * distributed.AHEAD
         found.close()  # type: ignore[attr-defined]
-    assert most <= 2 * distributed.AHEAD
+        # One is done, two may be running.
+        assert sum(future.cancelled() for future in futures) >= len(futures) - 3 > 0
+        release.set()
+
+
+def test_points_that_failed_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[tuple[int, int, int]] = []
+
+    @contextmanager
+    def reporting(_progress: object) -> Iterator[Any]:
+        yield lambda *now: said.append(now)
+
+    monkeypatch.setattr(sweeping, "reporting", reporting)
+    over = {"restitution": [0.7, 0.8], "relative_clearance": [0.5, 1e6]}
+    with ThreadPoolExecutor(2) as executor:
+        sweep(executor=executor, over=over, max_impacts=3, periods=30)
+    assert said[-1] == (4, 4, 2)  # without impacts nothing fails

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from polars.testing import assert_frame_equal
 
 import iva
 from iva import _iva
+from iva.sweeping import kept
 
 
 def sweep(count: int = 12, **more: Any) -> iva.Table:
@@ -189,6 +191,30 @@ def test_ctrl_c_keeps_the_complete_parts_and_says_how_to_go_on(tmp_path: Path) -
     points = iva.read(out).summary.height
     assert 0 < points < 1_000_000
     assert f"{points} of" in said
+
+
+def test_what_is_kept_of_an_interrupted_overwrite_is_said(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    sweep(out=out)
+    before = iva.read(out)
+
+    def stop(_done: int, _total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        sweep(600, out=out, overwrite=True, periods=3000, threads=1, progress=stop)
+    (note,) = caught.value.__notes__
+    assert note == f"nothing was finished; {out} is as it was" or note.endswith(
+        "go on with overwrite=True, resume=True"
+    )
+    assert iva.read(out) == before
+    # What an interrupt in a later part leaves.
+    new = out / ".iva-new"
+    shutil.rmtree(new, ignore_errors=True)
+    sweep(out=tmp_path / "other")
+    (tmp_path / "other").rename(new)
+    assert kept(out, replaces=True).endswith("go on with overwrite=True, resume=True")
+    assert kept(out, replaces=False).endswith("go on with resume=True")
 
 
 # Not ru_maxrss: it begins with the size of the process that started this one.

@@ -27,9 +27,12 @@ class Made:
         The claims that the figure carries.
     draw : callable
         Makes the matplotlib figure.
+    shown : mapping of str to polars.DataFrame
+        Small tables for the report, by their headings.
     """
 
     parameters: str
     tables: Mapping[str, pl.DataFrame]
     findings: Sequence[Finding]
     draw: Callable[[], Figure] = field(repr=False)
+    shown: Mapping[str, pl.DataFrame] = field(default_factory=dict)

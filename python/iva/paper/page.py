@@ -13,6 +13,10 @@ from iva.paper.figures import ITEMS
 from iva.paper.made import Made
 from iva.paper.verdicts import Finding, Verdict
 
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    import polars as pl
+
 PAPER = (
     "Numerical Modelling and Experimental Investigation of a Single and a Compound Pendulum Impact "
     "Dynamic Vibration Absorbers"
@@ -35,10 +39,11 @@ img { max-width: 100%; height: auto; display: block; margin: 1rem 0; }
 table { border-collapse: collapse; width: 100%; margin: 1rem 0; }
 th, td { text-align: left; vertical-align: top; padding: .35rem .6rem;
          border-bottom: 1px solid #ddd; }
-th { font-weight: 600; } td.number { text-align: right; font-variant-numeric: tabular-nums; }
+th { font-weight: 600; } .number { text-align: right; font-variant-numeric: tabular-nums; }
 .verdict { white-space: nowrap; font-weight: 600; padding: .1rem .5rem; border-radius: .3rem; }
 .holds { background: #d5efe3; } .partly { background: #fdf0c4; }
 .not { background: #f8d9c9; } .open { background: #e6e6e6; }
+.wide { overflow-x: auto; }
 .note { color: #555; } details { margin: .4rem 0; } summary { cursor: pointer; color: #0059a3; }
 td small { color: #555; } td.said { width: 55%; } a { color: #0059a3; }
 @media print { details { display: none; } h2 { break-before: auto; } }
@@ -154,8 +159,33 @@ def section(name: str, title: str, made: Made, picture: bytes | None) -> str:
     return (
         f"<h2 id='{name}'>{heading}. {escape(title)}</h2>"
         f"<p><strong>Parameters:</strong> {escape(made.parameters)}.</p>{image}"
-        f"<p class='note'>Data: {files}.</p>" + "".join(map(finding, made.findings))
+        + "".join(
+            f"<h3>{escape(heading)}</h3>{rows(frame)}" for heading, frame in made.shown.items()
+        )
+        + f"<p class='note'>Data: {files}.</p>"
+        + "".join(map(finding, made.findings))
     )
+
+
+def rows(frame: pl.DataFrame) -> str:
+    """Return a small table; numbers to the right, an empty cell for null."""
+    head = "".join(
+        f"<th{' class=number' if kind.is_float() else ''}>{escape(name)}</th>"
+        for name, kind in frame.schema.items()
+    )
+    body = "".join(
+        "<tr>"
+        + "".join(
+            f"<td class='number'>{value:g}</td>"
+            if isinstance(value, float)
+            else f"<td>{escape('' if value is None else str(value))}</td>"
+            for value in row
+        )
+        + "</tr>"
+        for row in frame.rows()
+    )
+    made = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f"<div class='wide'>{made}</div>"
 
 
 def finding(found: Finding) -> str:

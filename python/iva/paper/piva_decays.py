@@ -24,8 +24,11 @@ def under_both_laws(claim: Callable[[Assumptions], Finding], a: Assumptions) -> 
     if a.impact_law == "printed":
         return found
     printed = claim(replace(a, impact_law="printed"))
-    where = f" ({printed.measures})" if printed.measures else ""
-    said = f"{found.model} With Eqs. 16 and 17 as printed: {printed.verdict.value}{where}."
+    holds = sum(view.holds is True for view in printed.views)
+    said = (
+        f"{found.model} With Eqs. 16 and 17 as printed: {printed.verdict.value} "
+        f"({holds} of {len(printed.views)} views)."
+    )
     return replace(found, model=said)
 
 

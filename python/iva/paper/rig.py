@@ -6,7 +6,7 @@ ratios, on two rigs: one assumed, one fitted to Table 1 (see :mod:`iva.paper.tab
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -129,7 +129,7 @@ def response(a: Assumptions, cases: list[tuple[float, float]], name: str) -> Mad
 
 def found(made: Made, findings: list[Finding]) -> Made:
     """Return a study with its findings."""
-    return Made(made.parameters, made.tables, findings, made.draw)
+    return replace(made, findings=findings)
 
 
 def fig19(a: Assumptions) -> Made:
