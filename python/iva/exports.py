@@ -15,8 +15,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from iva import _iva
+from iva.design import design_of
 from iva.forces import file_name, listed, written
-from iva.parameters import Piva, Primary, number, shown
+from iva.parameters import number, shown
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -260,7 +261,7 @@ def instants(
     if samples_per_second is None:
         field = "samples_per_period"
         given = 200 if samples_per_period is None else samples_per_period
-        step = 2.0 * math.pi / (natural_frequency(run.primary) * positive(field, given))
+        step = 2.0 * math.pi / (design_of(run).natural_frequency * positive(field, given))
     else:
         field, given = "samples_per_second", samples_per_second
         if samples_per_period is not None:
@@ -299,24 +300,13 @@ def positive(field: str, value: object) -> float:
     return found
 
 
-def natural_frequency(primary: Primary) -> float:
-    """Return ωn of the bare structure in the unit of the run; 1 if nothing sets it."""
-    if primary.natural_frequency is not None:
-        return primary.natural_frequency
-    if primary.frequency_hz is not None:
-        return 2.0 * math.pi * primary.frequency_hz
-    if primary.stiffness is not None and primary.mass is not None:
-        return math.sqrt(primary.stiffness / primary.mass)
-    return 1.0
-
-
 def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[str, Any]]:
     """Return the datasets of a universal file: in SI units 164, then one 58 a measured motion."""
     import polars as pl
 
     states = run.at(times).filter(pl.col("displacement").is_finite())
     x, v = states["displacement"].to_numpy(), states["velocity"].to_numpy()
-    reach = centre_over_contact(run)
+    reach = design_of(run).lever
     y, w = reach * states["gap_displacement"].to_numpy(), reach * states["gap_velocity"].to_numpy()
     system = run.units.system
     si = system == "si"
@@ -359,14 +349,6 @@ def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[st
             }
         )
     return made
-
-
-def centre_over_contact(run: Run) -> float:
-    """Return L/b of a pendulum, which turns y and w into those of its centre of mass; 1 else."""
-    absorber = run.absorber
-    if not isinstance(absorber, Piva) or absorber.contact_distance is None:
-        return 1.0
-    return (absorber.length or absorber.contact_distance) / absorber.contact_distance
 
 
 def line(text: str) -> str:

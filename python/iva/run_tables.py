@@ -24,7 +24,7 @@ class RunTables:
 
     @property
     def summary(self) -> pl.DataFrame:
-        """One row: outcome, counts, damping measures, energy ledger.
+        """Outcome, counts, damping measures and energy ledger, in one row.
 
         ``outcome`` is ``finished``, ``impact_limit``, ``work_limit`` or ``not_finite``. A measure
         that is not defined for the run, or was not asked for, is null.
@@ -33,7 +33,7 @@ class RunTables:
 
     @property
     def impacts(self) -> pl.DataFrame:
-        """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
+        """Time, wall (±1), both states, energy loss and ``effective``, a row an impact."""
         return self._frame("impacts")
 
     @property

@@ -77,7 +77,9 @@ class Sobol(Sample):
 
     Parameters
     ----------
-    count, seed
+    count : int
+        As in :class:`Sample`.
+    seed : int, default 0
         As in :class:`Sample`.
     scramble : bool, default True
         Scramble the digits after Owen, by the seed: points then are unbiased. Without it they are
@@ -134,8 +136,10 @@ class Uniform(Distribution):
 
     Parameters
     ----------
-    low, high : float
-        Bounds, in the unit of the parameter.
+    low : float
+        Lower bound, in the unit of the parameter.
+    high : float
+        Upper bound.
     """
 
     _name: ClassVar[str] = "uniform"
@@ -148,12 +152,19 @@ class Uniform(Distribution):
 class Normal(Distribution):
     """Normal, truncated where bounds are given.
 
+    Truncated: nothing is drawn outside the bounds, and between them the density has the shape of
+    the normal one, multiplied by a constant so that the whole has probability 1.
+
     Parameters
     ----------
-    mean, deviation : float
-        Mean and standard deviation before truncation, in the unit of the parameter.
-    low, high : float, optional
-        Bounds: what they leave keeps its density, scaled to probability 1.
+    mean : float
+        Mean before truncation, in the unit of the parameter.
+    deviation : float
+        Standard deviation before truncation, in the same unit.
+    low : float, optional
+        Lower bound.
+    high : float, optional
+        Upper bound.
     """
 
     _name: ClassVar[str] = "normal"
@@ -166,7 +177,7 @@ class Normal(Distribution):
 
 @dataclass(frozen=True)
 class LogNormal(Distribution):
-    """Its logarithm is normal; truncated where bounds are given.
+    """Its logarithm is normal; truncated where bounds are given, as :class:`Normal` is.
 
     Parameters
     ----------
@@ -174,8 +185,10 @@ class LogNormal(Distribution):
         Median before truncation, in the unit of the parameter.
     sigma : float
         Standard deviation of the logarithm: 0.1 is a scatter of some 10 %.
-    low, high : float, optional
-        Bounds.
+    low : float, optional
+        Lower bound.
+    high : float, optional
+        Upper bound.
     """
 
     _name: ClassVar[str] = "lognormal"
@@ -195,7 +208,9 @@ def points(over: Over, sampling: Sampling = "grid") -> pl.DataFrame:
 
     Parameters
     ----------
-    over, sampling
+    over : mapping or polars.DataFrame
+        As in :func:`iva.sweep`.
+    sampling : str or Sample, default "grid"
         As in :func:`iva.sweep`.
 
     Returns

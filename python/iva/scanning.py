@@ -33,12 +33,12 @@ class Scan:
 
     @property
     def summary(self) -> pl.LazyFrame:
-        """One row a point: the swept parameters, then outcome, counts, measures, energies."""
+        """Swept parameters, then outcome, counts, measures and energies, a row a point."""
         return self._lazy("summary")
 
     @property
     def impacts(self) -> pl.LazyFrame:
-        """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
+        """Time, wall (±1), both states, energy loss and ``effective``, a row an impact."""
         return self._lazy("impacts")
 
     @property

@@ -99,9 +99,9 @@ class Run(RunTables):
         Returns
         -------
         polars.DataFrame
-            n rows in the order of `times`, columns as in :meth:`trajectory`. At an impact it is
-            the state just after it. For instants after an early end of the run (an outcome other
-            than ``finished``) all columns but ``point`` and ``time`` are null.
+            n rows in the order of `times`, columns as in :meth:`trajectory`. At an impact, to four
+            rounding units of the time, it is the state just after it. After an early end of the run
+            (an outcome other than ``finished``) all columns but ``point`` and ``time`` are null.
 
         Raises
         ------

@@ -33,12 +33,12 @@ class Table:
 
     @property
     def summary(self) -> pl.DataFrame:
-        """One row a point: the swept parameters, then outcome, counts, measures, energies."""
+        """Swept parameters, then outcome, counts, measures and energies, a row a point."""
         return self._frame("summary")
 
     @property
     def impacts(self) -> pl.DataFrame:
-        """One row an impact: time, wall (±1), both states, energy loss, ``effective``."""
+        """Time, wall (±1), both states, energy loss and ``effective``, a row an impact."""
         return self._frame("impacts")
 
     @property
@@ -58,7 +58,7 @@ class Table:
 
     @property
     def trajectory(self) -> pl.DataFrame:
-        """The motion in time: only in a folder that ``iva run`` wrote."""
+        """The motion in time, only in a folder that ``iva run`` wrote."""
         return self._frame("trajectory")
 
     def _frame(self, name: str) -> pl.DataFrame:

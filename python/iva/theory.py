@@ -31,8 +31,10 @@ class Orbit:
         Phase of the force (argument of its cosine) at the impact on wall +, in (−π, π] rad.
     displacement : float
         Displacement of the primary at that impact.
-    velocity_before, velocity_after : float
-        Its velocity just before and just after.
+    velocity_before : float
+        Velocity of the primary just before that impact.
+    velocity_after : float
+        Velocity of the primary just after it.
     approach_speed : float
         Speed of approach of every impact, 2s(1 + μ)/(1 + e).
     amplitude : float
@@ -42,7 +44,7 @@ class Orbit:
         formulas describe no motion.
     multipliers : tuple of complex, length 4
         What a small change of the state is multiplied by in half a cycle, seen in the mirror;
-        largest first. Their product is e² exp(−2ζπ/Ω).
+        largest first. Their product is e² exp(−2πζωn/Ω).
     stable : bool
         All multipliers are smaller than 1.
     start : Start
@@ -82,7 +84,7 @@ class MasriCaughey:
 
     @property
     def stable(self) -> Orbit | None:
-        """The admissible and stable motion: what a run may settle to. ``None`` without one."""
+        """The admissible and stable motion, to which a run may settle; ``None`` without one."""
         found = (orbit for orbit in self.orbits if orbit and orbit.admissible and orbit.stable)
         return next(found, None)
 
@@ -152,8 +154,9 @@ def orbit(fields: dict[str, Any] | None) -> Orbit | None:
 class SlowManifold:
     """The slow invariant manifold of a vibro-impact energy sink, to first order in μ.
 
-    θ is the amplitude of the absorber's own motion over the clearance d, ξ that of the primary;
-    ξ² = (θ − 1)² + ρ²θ².
+    Two amplitudes over the clearance d: θ is that of the absolute displacement of the absorber, a
+    zigzag of speed (2/π) θ d ωn between the walls (not the angle of a pendulum), ξ that of the
+    displacement of the primary. On the manifold ξ² = (θ − 1)² + ρ²θ².
 
     Parameters
     ----------

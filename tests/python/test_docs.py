@@ -19,7 +19,8 @@ MODULES = ["iva"] + [
 WITHOUT = {
     f"iva.{name}"
     for name in (
-        "distributed frames manifests markup parts progress reading remote scanning scenes tables"
+        "design distributed frames manifests markup parts progress reading remote scanning scenes "
+        "tables"
     ).split()
 }
 

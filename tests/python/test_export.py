@@ -194,6 +194,20 @@ SCENES = {
         duration=1.0,
     ),
     "pendulum": iva.simulate(PIVA, HEAVY, start=iva.Start(displacement_mm=50.0), duration=10.0),
+    # The same, its length by gravity and frequency: g = κ L ωp².
+    "length of gravity": iva.simulate(
+        iva.Piva(
+            mass=20.0,
+            frequency_ratio=9.80665**0.5 / (0.75**0.5 * 80.0**0.5),
+            gravity=9.80665,
+            contact_distance=0.6,
+            restitution=0.5,
+            gap_mm=140.0,
+        ),
+        HEAVY,
+        start=iva.Start(displacement_mm=50.0),
+        duration=10.0,
+    ),
     "seconds": iva.simulate(
         iva.Siva(mass_ratio=0.1, restitution=0.6, clearance=0.5),
         iva.Primary(frequency_hz=7.0),
@@ -231,7 +245,7 @@ def test_a_run_as_uff(tmp_path: Path, name: str, binary: bool) -> None:
     run.write_uff(tmp_path / "run.uff", samples_per_period=77, binary=binary)
     units, responses = read_uff(tmp_path / "run.uff")
     # With L/b for the centre of mass of the pendulum.
-    reach = 0.75 / 0.6 if name == "pendulum" else 1.0
+    reach = 0.75 / 0.6 if isinstance(run.absorber, iva.Piva) else 1.0
     expected = []
     for response in responses:
         assert response["binary"] == binary
@@ -260,7 +274,7 @@ def test_a_run_as_uff(tmp_path: Path, name: str, binary: bool) -> None:
     kinds = [one["ordinate_spec_data_type"] for one in responses]
     labels = [one["ordinate_axis_units_lab"] for one in responses]
     time = {(one["abscissa_spec_data_type"], one["abscissa_axis_units_lab"]) for one in responses}
-    if name in {"si", "pendulum"}:
+    if name in {"si", "pendulum", "length of gravity"}:
         assert [(one["type"], one["units_code"], one["length"]) for one in units] == [(164, 1, 1.0)]
         assert (kinds, labels, time) == ([8, 11, 8, 11], ["m", "m/s"] * 2, {(17, "s")})
     elif name == "natural":

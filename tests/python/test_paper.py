@@ -7,11 +7,15 @@ one but with an ODE solver, its impact times within 3e-9 of a tight solution; ro
 from __future__ import annotations
 
 import os
+import pickle
 import re
+import signal
 import subprocess
 import sys
+import time
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import polars as pl
@@ -120,9 +124,8 @@ def test_pendulum_with_the_gap_kept() -> None:
 
 
 def test_decrement_over_any_cycles(table: iva.Table) -> None:
-    assert np.array_equal(decrement(table, 3), THREE.of(table.summary), equal_nan=True) or (
-        np.allclose(decrement(table, 3), THREE.of(table.summary), rtol=1e-14, atol=0.0)
-    )
+    assert np.allclose(decrement(table, 3), THREE.of(table.summary), rtol=1e-14, atol=0.0)
+    assert np.isfinite(decrement(table, 3)).all()
     assert np.isnan(decrement(table, 40)).all()
 
 
@@ -133,12 +136,12 @@ def test_settling_as_a_damping_ratio() -> None:
     assert TO_10.of(summary)[0] == pytest.approx(0.02, abs=0.02 * np.pi / time)
 
 
-# What another simulator and another reader made of the claims. "Partly", "direction only" and the
-# like are put into these words by what they say of sizes.
+# What the claims were found to be. Another reader with another simulator found the same where words
+# allow to compare ("partly" and "direction only" are not among the four); where not, it is said.
 VERDICTS = {
     "S1": Verdict.UNDER_A_MEASURE,
     "S2": Verdict.HOLDS,
-    "S3": Verdict.HOLDS,
+    "S3": Verdict.UNDER_A_MEASURE,  # there until 5 % alone, where it holds
     "S4": Verdict.UNDER_A_MEASURE,
     "S5": Verdict.UNDER_A_MEASURE,
     "S6": Verdict.HOLDS,
@@ -152,8 +155,8 @@ VERDICTS = {
     "P3": Verdict.HOLDS,
     "P4": Verdict.UNDER_A_MEASURE,
     "P5": Verdict.UNDER_A_MEASURE,
-    "P6": Verdict.DOES_NOT_HOLD,
-    "P7": Verdict.UNDER_A_MEASURE,
+    "P6": Verdict.UNDER_A_MEASURE,  # there by decrements alone, where it does not
+    "P7": Verdict.DOES_NOT_HOLD,  # half of it, "first half yes, second not"
     "P8": Verdict.DOES_NOT_HOLD,
     "C1": Verdict.UNDER_A_MEASURE,
     "E1": Verdict.UNDER_A_MEASURE,
@@ -173,15 +176,16 @@ def test_verdicts(claims: dict[str, dict[str, str]], claim: str, verdict: Verdic
     assert claims[claim]["verdict"] == verdict.value
 
 
-def test_every_claim_is_judged_once(claims: dict[str, dict[str, str]]) -> None:
-    assert set(claims) == set(VERDICTS)
+def test_every_claim_is_judged_once(folder: Path) -> None:
+    found = pl.read_parquet(folder / "claims.parquet")["claim"].to_list()
+    assert sorted(found) == sorted(VERDICTS)
 
 
 def test_optima_of_the_free_mass_need_a_long_memory(claims: dict[str, dict[str, str]]) -> None:
     measures = claims["S4"]["measures"]
     for label in ("decrement, 8 cycles, μ = 0.1", "decrement, 10 cycles, μ = 0.1"):
         assert label in measures
-    assert "decrement, 1 cycle" not in measures.replace("decrement, 10", "")
+    assert "decrement, 1 cycle," not in measures
 
 
 def test_the_law_as_printed_changes_the_best_clearance(claims: dict[str, dict[str, str]]) -> None:
@@ -200,7 +204,8 @@ def test_table_1_is_no_damping_ratio(folder: Path) -> None:
     by_reading = dict(best.iter_rows())
     # Another fit of this model, by decrement: 0.017 to 0.020 from the two columns.
     assert by_reading["logarithmic decrement"] < 0.0215
-    assert by_reading["damping ratio"] > 0.09
+    # No better than a constant: the eight numbers spread by 0.049.
+    assert by_reading["damping ratio"] > 0.049
     assert fits.group_by("measure", "reading", "impact_law").len()["len"].unique().to_list() == [8]
     residual = fits["model"] - fits["experiment"]
     assert np.allclose(residual.to_numpy(), fits["residual"].to_numpy(), equal_nan=True)
@@ -232,9 +237,10 @@ def test_the_report_needs_no_other_file(folder: Path) -> None:
     assert page.open == []
     pictures = [source for source in page.sources if source.startswith("data:image/png;base64,")]
     links = [source for source in page.sources if source.startswith("#")]
-    assert (len(pictures), len(links)) == (len(ITEMS), len(VERDICTS))
+    # S2, S9, P2 and P3 are said of two figures each.
+    assert (len(pictures), len(links)) == (len(ITEMS), len(VERDICTS) + 4)
     assert len(page.sources) == len(pictures) + len(links)
-    assert "http" not in re.sub(r'src="data:[^"]*"', "", text)
+    assert "http" not in re.sub(r"src='data:[^']*'", "", text)
     for link in links:
         assert text.count(f"id='{link[1:]}'") == 1
 
@@ -284,6 +290,38 @@ def test_progress_is_told() -> None:
     assert said == [(0, 2, "fig4"), (1, 2, "fig13")]
 
 
+# At the ends of what is allowed: gaps that are never closed, structures that never settle.
+EXTREMES: list[dict[str, Any]] = [
+    {"damping_ratio": 0.0, "restitution": 1.0},
+    {"gravity": 0.1, "relative_clearance": 5.0},
+    {"impact_law": "printed", "damping_ratio": 0.02},
+]
+
+
+@pytest.mark.parametrize("changed", EXTREMES, ids=str)
+def test_where_there_is_no_number_nothing_is_said(changed: dict[str, Any]) -> None:
+    report = reproduce("claims", assumptions=Assumptions(**changed))
+    for finding in report.findings:
+        said = " ".join([finding.model, *(f"{view.name} {view.value}" for view in finding.views)])
+        assert not re.search(r"\b(nan|inf|None)\b", said), said
+    by_claim = {finding.claim: finding for finding in report.findings}
+    if changed.get("relative_clearance") == 5.0:  # no impact at all
+        assert by_claim["P2"].verdict is Verdict.UNDECIDED
+        assert by_claim["P3"].verdict is Verdict.UNDECIDED
+
+
+def test_the_law_is_told() -> None:
+    report = reproduce("fig12", assumptions=Assumptions(impact_law="printed"))
+    assert "law of impact as printed" in report.items["fig12"].parameters
+    assert "With the consistent law: holds" in report.findings[0].model
+
+
+def test_reports_can_be_pickled() -> None:
+    report = reproduce("fig3", "fig18")
+    again = pickle.loads(pickle.dumps(report))
+    assert again.claims.equals(report.claims)
+
+
 @pytest.mark.parametrize(
     ("name", "value", "error", "allowed"),
     [
@@ -315,6 +353,8 @@ def test_unknown_names(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> No
     assert code == 2
     assert text.startswith("error: WHAT = 'fig99': give fig3 to fig22, table1, claims or all")
     assert "drawings" in said(capsys, "fig1", "--out", out)[1]
+    assert "drawings" in said(capsys, "fig007x", "--out", out)[1]
+    assert "do you mean 'fig7'" in said(capsys, "FIG7", "--out", out)[1]
     assert "do you mean 'table1'" in said(capsys, "table", "--out", out)[1]
     assert said(capsys, "fig3", "--damping-ratio", "lots")[0] == 2
     assert "--damping-ratio = 3.0" in said(capsys, "fig3", "--damping-ratio", "3")[1]
@@ -334,6 +374,7 @@ def test_a_folder_that_cannot_be_written(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
+    assert "this is a file" in said(capsys, "fig5", "--out", str(tmp_path / "file"))[1]
     code, text = said(capsys, "fig5", "--out", str(tmp_path / "file" / "below"))
     assert code == 1
     assert text.startswith(f"error: cannot write to {tmp_path / 'file' / 'below'}: ")
@@ -364,3 +405,63 @@ def test_without_matplotlib(tmp_path: Path) -> None:
     assert done.returncode == 1
     expected = "error: iva.paper needs matplotlib: pip install 'iva-dynamics[plots]'\n"
     assert done.stderr == expected
+
+
+def command(*arguments: str, **more: Any) -> subprocess.CompletedProcess[str]:
+    paths = {"PYTHONPATH": str(Path(iva.__file__).parents[1])}
+    return subprocess.run(
+        [sys.executable, "-m", "iva", "reproduce", *arguments],
+        text=True,
+        timeout=120,
+        env=os.environ | paths | more.pop("env", {}),
+        **({"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | more),
+    )
+
+
+def test_terminals_without_symbols(tmp_path: Path) -> None:
+    plain = {"PYTHONIOENCODING": "ascii"}
+    done = command("fig18", "--out", str(tmp_path / "out"), env=plain)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "C1" in done.stdout
+    assert command("--help", env=plain).returncode == 0
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux has a full device")
+def test_output_that_cannot_be_printed(tmp_path: Path) -> None:
+    with Path("/dev/full").open("w") as full:
+        done = command("fig18", "--out", str(tmp_path / "out"), stdout=full)
+    assert done.returncode == 1
+    assert done.stderr == "error: cannot print: No space left on device\n"
+    assert (tmp_path / "out" / "report.html").is_file()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
+def test_a_disk_that_is_full(tmp_path: Path) -> None:
+    import resource
+
+    def limit() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
+
+    done = command("fig5", "--out", str(tmp_path / "out"), preexec_fn=limit)
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"error: cannot write to {tmp_path / 'out'}: ")
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal to one process")
+@pytest.mark.parametrize("after", [0.3, 2.5])
+def test_ctrl_c(tmp_path: Path, after: float) -> None:
+    paths = {"PYTHONPATH": str(Path(iva.__file__).parents[1])}
+    with subprocess.Popen(
+        [sys.executable, "-m", "iva", "reproduce", "--out", str(tmp_path / "out")],
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | paths,
+    ) as job:
+        time.sleep(after)
+        job.send_signal(signal.SIGINT)
+        _, text = job.communicate(timeout=60)
+    assert job.returncode == 130
+    assert text.startswith("error: interrupted; ")
+    assert "Traceback" not in text

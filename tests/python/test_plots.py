@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import iva
-from iva import plots, theory
-from iva.plots import design, energy_split, styles
+from iva import design, plots, theory
+from iva.plots import energy_split, styles
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

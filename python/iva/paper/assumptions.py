@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from iva.parameters import shown
+from iva.parameters import number, shown
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -15,13 +15,14 @@ class Assumptions:
     Parameters
     ----------
     damping_ratio : float, default 0.01
-        ζ of the structure without absorber.
+        ζ of the structure without absorber, Figs 3 to 18.
     restitution : float, default 0.5
-        e where a figure does not say it: Figs 3, 6, 7, 12, 15, 16, 18. The paper recommends 0.5.
+        e where a figure does not say it: Figs 3, 6, 7, 15, 16, 18, and the rig of Figs 19 to 22 in
+        the counterpart that is not fitted. The paper recommends 0.5.
     mass_ratio : float, default 0.1
-        μ where a figure does not say it: Figs 3, 8, 9, 12, 15, 16, 18. The paper recommends 0.1.
+        μ where a figure does not say it: Figs 8, 9, 15, 16, 18. The paper recommends 0.1.
     frequency_ratio : float, default 0.4
-        r of the pendulum where a figure does not say it: Figs 15, 17 to 22, Table 1.
+        r of the pendulum where a figure does not say it: Figs 15, 17, 19 to 22, Table 1.
     relative_clearance : float, default 1.4
         γ of the pendulum where a figure does not say it: Figs 12 to 14, 16, 17.
     gravity : float, default 10.0
@@ -49,15 +50,20 @@ class Assumptions:
     def __post_init__(self) -> None:
         """Check each value."""
         for name, (low, high) in RANGES.items():
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise TypeError(f"{name} = {shown(value)}: give a number")
+            value = number(name, getattr(self, name))
             if not low <= value <= high:
                 raise ValueError(f"{name} = {value}: give a number from {low:g} to {high:g}")
+            object.__setattr__(self, name, value)
         if self.impact_law not in ("consistent", "printed"):
             raise ValueError(
                 f"impact_law = {shown(self.impact_law)}: give 'consistent' or 'printed'"
             )
+
+    @property
+    def dampings(self) -> tuple[float, float, float]:
+        """Three dampings of the structure, where a claim may hang on it."""
+        zeta = self.damping_ratio
+        return (0.5 * zeta, zeta, 2.0 * zeta) if zeta > 0.0 else (0.0, 0.005, 0.01)
 
 
 #: What each number may be: where the figures still show something.

@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import fields
+from io import TextIOWrapper
 from time import perf_counter
 
 from iva._iva import IvaError
@@ -66,6 +67,9 @@ def parser() -> Parser:
 def main(arguments: Sequence[str]) -> int:
     """Run the command; return its exit code: 0 done, 1 fault, 2 bad input, 130 interrupted."""
     begun = perf_counter()
+    # Symbols that a terminal cannot show become question marks.
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")
     try:
         given = parser().parse_args(arguments)
         named = {field.name: getattr(given, field.name) for field in fields(Assumptions)}
@@ -88,8 +92,11 @@ def main(arguments: Sequence[str]) -> int:
         clear()
         try:
             print(summary(report, given.out, perf_counter() - begun))
+            sys.stdout.flush()
         except BrokenPipeError:
             return DONE
+        except OSError as error:
+            return failed(FAULT, f"cannot print: {error.strerror or error}")
     return DONE
 
 

@@ -45,7 +45,7 @@ def decays(runs: Mapping[str, iva.Run], without: iva.Run, until: float) -> Figur
     with plots.style():
         figure = Figure(figsize=(WIDE, 0.5 + 1.25 * len(runs)), layout="constrained")
         panels = figure.subplots(len(runs), sharex=True, sharey=True)
-        for axes, (name, run) in zip(listed(panels), runs.items(), strict=True):
+        for axes, (name, run) in zip(panels_of(panels), runs.items(), strict=True):
             plots.decay(run, bare=without, envelope=False, settle=(5,), until=until, ax=axes)
             legend = axes.get_legend()
             if legend:
@@ -164,6 +164,6 @@ def spread(axes: Axes, fits: Sequence[Fit]) -> None:
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
 
 
-def listed(panels: object) -> list[Axes]:
+def panels_of(panels: object) -> list[Axes]:
     """Return the axes that ``subplots`` made, whether one or many."""
     return [panels] if isinstance(panels, Axes) else list(panels.flat)  # type: ignore[attr-defined]

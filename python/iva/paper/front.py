@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 
 import iva
 from iva import plots
+from iva.design import design_of
 from iva.paper import scenes
 from iva.paper.assumptions import Assumptions
-from iva.plots.design import design_of
 from iva.plots.scenery import Body, scenery
 from iva.plots.styles import GREY
 

@@ -14,6 +14,7 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from iva.simulation import Run
 from iva.tables import Table
 
 Curve = NDArray[np.float64]
@@ -55,8 +56,45 @@ def smoothed(curve: Curve, window: int = 5) -> Curve:
 
 
 def best(at: Curve, curve: Curve) -> float:
-    """Return where a curve is highest, NaN without any value."""
-    return float("nan") if np.isnan(curve).all() else float(at[int(np.nanargmax(curve))])
+    """Return where a curve is highest, NaN where it has no value above 0."""
+    known = np.where(np.isnan(curve), 0.0, curve)
+    return float(at[int(np.argmax(known))]) if known.max() > 0.0 else float("nan")
+
+
+def within(value: float, low: float, high: float) -> bool | None:
+    """Tell whether a number lies between two others; ``None`` if it is NaN."""
+    return None if np.isnan(value) else bool(low <= value <= high)
+
+
+def less(one: float, other: float) -> bool | None:
+    """Tell whether a number is less than another; ``None`` if one is NaN, or both are infinite."""
+    if np.isnan(one) or np.isnan(other) or (np.isinf(one) and np.isinf(other)):
+        return None
+    return bool(one < other)
+
+
+def worse(one: float, other: float) -> bool | None:
+    """Tell whether a damping is less than another; ``None`` if both are 0, or one undefined."""
+    return None if one == other == 0.0 else less(one, other)
+
+
+def mean_over(values: Curve) -> Curve:
+    """Return the mean along the last axis, without NaN; NaN where there is nothing else."""
+    known = ~np.isnan(values)
+    count = known.sum(axis=-1)
+    total = np.where(known, values, 0.0).sum(axis=-1)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def shown(value: float, digits: int) -> str:
+    """Return a number with some decimals, a dash where there is none."""
+    return f"{value:.{digits}f}" if np.isfinite(value) else "–"
+
+
+def until_settled(run: Run) -> pl.DataFrame:
+    """Return the impacts until |x| stays below 5 %, all if it does not."""
+    settled = run.summary["settling_time_5"].item()
+    return run.impacts if settled is None else run.impacts.filter(pl.col("time") <= settled)
 
 
 def decrement(table: Table, cycles: int) -> Curve:
@@ -84,11 +122,11 @@ def by_measure(table: Table, cycles: Sequence[int]) -> dict[str, Curve]:
 
 
 def mean_size(values: pl.Series) -> float:
-    """Return the mean of the sizes of some values, 0 without any."""
+    """Return the mean of the sizes of some values, NaN without any."""
     sizes = values.abs().to_numpy()
-    return float(sizes.mean()) if sizes.size else 0.0
+    return float(sizes.mean()) if sizes.size else float("nan")
 
 
 def percent(ratio: float) -> str:
     """Return a ratio in per cent, without decimals."""
-    return f"{100.0 * ratio:.0f} %"
+    return f"{100.0 * ratio:.0f} %" if np.isfinite(ratio) else "–"

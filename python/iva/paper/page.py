@@ -54,16 +54,17 @@ def written(
     assumptions: Assumptions, items: Mapping[str, Made], pictures: Mapping[str, bytes]
 ) -> str:
     """Return the page of some studies, with the pictures in it."""
-    findings = [finding for made in items.values() for finding in made.findings]
+    findings = distinct(items)
     titles = {item.name: item.title for item in ITEMS}
+    there: set[str] = set()
     sections = "".join(
-        section(name, titles[name], made, pictures.get(name)) for name, made in items.items()
+        section(name, titles[name], made, pictures.get(name), there) for name, made in items.items()
     )
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>The paper, reproduced</title><style>{STYLE}</style></head><body>"
-        f"<h1>The paper, reproduced</h1>{introduction(findings)}"
+        f"<h1>The paper, reproduced</h1>{introduction(findings, assumptions)}"
         f"<h2 id='claims'>The claims</h2>{claims_table(findings)}"
         f"<h2 id='assumptions'>What is assumed</h2>{assumed(assumptions)}"
         f"{sections}"
@@ -73,19 +74,30 @@ def written(
     )
 
 
-def introduction(findings: Sequence[Finding]) -> str:
+def distinct(items: Mapping[str, Made]) -> list[Finding]:
+    """Return the findings in the order of the items; one that two figures carry is there once."""
+    by_claim = {found.claim: found for made in items.values() for found in made.findings}
+    return list(by_claim.values())
+
+
+def introduction(findings: Sequence[Finding], assumptions: Assumptions) -> str:
     """Say what this is, and how verdicts are made."""
     counts = ", ".join(f"{number} × {escape(name)}" for name, number in counted(findings))
+    law = (
+        "the misprints of its Eqs. 4 to 6 and 15 to 17 mended"
+        if assumptions.impact_law == "consistent"
+        else "the misprints of its Eqs. 4 to 6 mended and the law of impact as printed"
+    )
     return (
         f"<p>Source: <cite>{PAPER}</cite>. Each figure was computed anew from the model of the "
-        "paper, with the misprints of its Eqs. 4 to 6 and 15 to 17 mended, and each claim put to "
-        "it.</p><p>The paper speaks of a damping ratio and a settling time without saying how "
-        "they are measured, and does not give all parameters. So a claim is judged in several "
-        "views: by every measure that the words may mean and, where it matters, for several "
-        "values. It <em>holds</em> if it does in all views, <em>holds under a stated "
-        "measure</em> if in some, <em>does not hold</em> if in none, and <em>cannot be "
-        "decided</em> if the model has no number for "
-        f"any.</p><p><strong>{number_of(findings)}</strong>: {counts or 'none'}.</p>"
+        f"paper, with {law}, and each claim put to it.</p>"
+        "<p>The paper speaks of a damping ratio and a settling time without saying how they are "
+        "measured, and does not give all parameters. So a claim is judged in several views: by "
+        "every measure that the words may mean and, where it matters, for several values. It "
+        "<em>holds</em> if it does in all views that the model has a number for, <em>holds under "
+        "a stated measure</em> if in some, <em>does not hold</em> if in none, and <em>cannot be "
+        "decided</em> if there is no such view.</p>"
+        f"<p><strong>{number_of(findings)}</strong>: {counts or 'none'}.</p>"
     )
 
 
@@ -111,14 +123,14 @@ def claims_table(findings: Iterable[Finding]) -> str:
     rows = "".join(
         f"<tr><th><a href='#{finding.claim}'>{finding.claim}</a></th>"
         f"<td class='said'>{escape(finding.paper)} <small>{escape(finding.figure)}</small></td>"
-        f"<td>{badge(finding.verdict)}"
+        f"<td>{badge(finding.verdict)} <small>{finding.share}</small>"
         + (f"<br><small>{escape(finding.measures)}</small>" if finding.measures else "")
         + "</td></tr>"
         for finding in sorted(findings, key=lambda finding: rank(finding.claim))
     )
     return (
-        "<table><thead><tr><th></th><th>The paper says</th><th>Verdict</th></tr></thead>"
-        f"<tbody>{rows}</tbody></table>"
+        "<table><thead><tr><th></th><th>The paper says</th><th>Verdict, in how many "
+        f"views</th></tr></thead><tbody>{rows}</tbody></table>"
     )
 
 
@@ -148,8 +160,8 @@ def stem(name: str) -> str:
     return f"fig{int(name[3:]):02}" if name.startswith("fig") else name
 
 
-def section(name: str, title: str, made: Made, picture: bytes | None) -> str:
-    """Return a figure with its parameters, findings and views."""
+def section(name: str, title: str, made: Made, picture: bytes | None, there: set[str]) -> str:
+    """Return a figure with its parameters, findings and views; `there` are claims told before."""
     heading = name.replace("fig", "Fig. ").replace("table", "Table ")
     image = ""
     if picture is not None:
@@ -163,7 +175,7 @@ def section(name: str, title: str, made: Made, picture: bytes | None) -> str:
             f"<h3>{escape(heading)}</h3>{rows(frame)}" for heading, frame in made.shown.items()
         )
         + f"<p class='note'>Data: {files}.</p>"
-        + "".join(map(finding, made.findings))
+        + "".join(finding(found, there) for found in made.findings)
     )
 
 
@@ -188,8 +200,12 @@ def rows(frame: pl.DataFrame) -> str:
     return f"<div class='wide'>{made}</div>"
 
 
-def finding(found: Finding) -> str:
+def finding(found: Finding, there: set[str]) -> str:
     """Return what the paper says, what the model says, the verdict, and all views."""
+    if found.claim in there:
+        link = f"<a href='#{found.claim}'>{found.claim}</a>"
+        return f"<p>{link} {badge(found.verdict)} {escape(found.paper)}</p>"
+    there.add(found.claim)
     views = "".join(
         f"<tr><td>{escape(view.name)}</td><td class='number'>{escape(view.value)}</td>"
         f"<td>{ {True: 'holds', False: 'does not', None: 'no number'}[view.holds] }</td></tr>"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -19,6 +20,7 @@ from iva.paper.figures import ITEMS, Item
 from iva.paper.made import Made
 from iva.paper.verdicts import Finding
 from iva.parameters import shown
+from iva.simulation import truth
 
 #: Told what is begun: how many are done, of how many, and the name of the next.
 Told = Callable[[int, int, str], object]
@@ -45,12 +47,12 @@ class Report:
 
     @property
     def findings(self) -> list[Finding]:
-        """The findings of all items, in their order."""
-        return [finding for made in self.items.values() for finding in made.findings]
+        """The findings of all items, in their order, each once."""
+        return page.distinct(self.items)
 
     @property
     def claims(self) -> pl.DataFrame:
-        """The claims: ``claim``, ``figure``, ``paper``, ``model``, ``verdict``, ``measures``."""
+        """Claims with ``claim``, ``figure``, ``paper``, ``model``, ``verdict`` and ``measures``."""
         found = self.findings
         return pl.DataFrame(
             {
@@ -127,7 +129,7 @@ def reproduce(
     elif not isinstance(assumptions, Assumptions):
         raise TypeError(f"assumptions = {shown(assumptions)}: give an iva.paper.Assumptions")
     chosen, drawn = choice(what)
-    folder = None if out is None else prepared(Path(out), overwrite)
+    folder = None if out is None else prepared(out, overwrite)
     items: dict[str, Made] = {}
     pictures: dict[str, bytes] = {}
     for number, item in enumerate(chosen):
@@ -160,13 +162,14 @@ def choice(what: Sequence[str]) -> tuple[list[Item], tuple[str, ...]]:
     for name in what:
         if not isinstance(name, str):
             raise TypeError(f"what = {shown(name)}: give names such as 'fig7'")
-    what = [name.replace("fig0", "fig") for name in what]
-    for name in what:
+    given, what = what, [re.sub(r"^fig0+(?=\d)", "fig", name) for name in what]
+    for name, as_given in zip(what, given, strict=True):
         if name not in (*known, "claims", "all"):
-            near = get_close_matches(name, [*known, "claims", "all"], n=1)
-            hint = f"; do you mean {near[0]!r}?" if near and name not in ("fig1", "fig2") else ""
+            words = ["table1", "claims", "all"]
+            near = get_close_matches(name, words, n=1) or [n for n in known if n == name.lower()]
+            hint = f"; do you mean {near[0]!r}?" if near else ""
             raise ValueError(
-                f"what = {name!r}: give fig3 to fig22, table1, claims or all (Figs 1 and 2 are "
+                f"what = {as_given!r}: give fig3 to fig22, table1, claims or all (Figs 1 and 2 are "
                 f"drawings){hint}"
             )
     everything = not what or "all" in what
@@ -175,21 +178,30 @@ def choice(what: Sequence[str]) -> tuple[list[Item], tuple[str, ...]]:
     return [item for item in ITEMS if item.name in run], tuple(drawn)
 
 
-def prepared(folder: Path, overwrite: bool) -> Path:
+def prepared(out: str | os.PathLike[str], overwrite: bool) -> Path:
     """Return a folder that can be written to.
 
     Raises
     ------
-    ValueError
-        If it holds something that was not to be overwritten.
+    TypeError, ValueError
+        If it is no folder, or holds something that was not to be overwritten.
     iva.IvaError
         If it cannot be made or written to.
     """
+    if not isinstance(out, (str, os.PathLike)):
+        raise TypeError(f"out = {shown(out)}: give the path of a folder")
+    if not str(out) or "\0" in str(out):
+        raise ValueError(f"out = {shown(out)}: give the path of a folder")
+    truth("overwrite", overwrite)
+    # Absolute, for polars would read a ~ of its own.
+    folder = Path(out).absolute()
+    if folder.exists() and not folder.is_dir():
+        raise ValueError(f"out = {str(out)!r}: this is a file, give a folder")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         if not overwrite and any(folder.iterdir()):
             raise ValueError(
-                f"out = {str(folder)!r}: it holds something; choose another folder, or overwrite"
+                f"out = {str(out)!r}: it holds something; choose another folder, or overwrite"
             )
         probe = folder / ".iva-probe"
         probe.touch()
@@ -208,8 +220,8 @@ class writing:  # noqa: N801 (reads as what it is: with writing(folder))
 
     def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
         """Say what could not be written, and why."""
-        if isinstance(error, OSError):
-            reason = error.strerror or str(error)
+        if isinstance(error, (OSError, pl.exceptions.PolarsError)):
+            reason = getattr(error, "strerror", None) or str(error)
             raise _iva.IvaError(f"cannot write to {self.folder}: {reason}") from error
 
 

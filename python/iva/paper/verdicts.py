@@ -66,13 +66,19 @@ class Finding:
 
     @property
     def verdict(self) -> Verdict:
-        """All views, some, none; or no view that the model has a number for."""
+        """True in all views that the model has a number for, in some, in none, or no such view."""
         decided = [view.holds for view in self.views if view.holds is not None]
         if not decided:
             return Verdict.UNDECIDED
         if all(decided):
             return Verdict.HOLDS
         return Verdict.UNDER_A_MEASURE if any(decided) else Verdict.DOES_NOT_HOLD
+
+    @property
+    def share(self) -> str:
+        """In how many of the views that the model has a number for it holds, as ``8 of 36``."""
+        decided = [view.holds for view in self.views if view.holds is not None]
+        return f"{sum(decided)} of {len(decided)}"
 
     @property
     def measures(self) -> str:

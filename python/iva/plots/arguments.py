@@ -126,7 +126,7 @@ def swept_key(table: Table, field: str, name: object, taken: object = None) -> s
     TypeError
         If the name is no text.
     ValueError
-        If nothing is left.
+        If nothing is left, or it is taken.
     """
     if name is None:
         left = [key for key in table.swept if key != taken]
@@ -136,6 +136,8 @@ def swept_key(table: Table, field: str, name: object, taken: object = None) -> s
         return left[0]
     if not isinstance(name, str):
         raise TypeError(f"{field} = {shown(name)}: give the name of a column")
+    if name == taken:
+        raise ValueError(f"{field} = {name!r}: it is on the other axis; name another column")
     return name
 
 

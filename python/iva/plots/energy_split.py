@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 
+from iva.design import Design, design_of
 from iva.forces import Impulse, listed
 from iva.plots.arguments import Numbers, checked_run, values_of
-from iva.plots.design import Design, design_of
 from iva.plots.labels import labelled
 from iva.plots.styles import BLACK, ORANGE, PURPLE, SKY_BLUE, VERMILLION, drawing_on, legend_above
 from iva.simulation import Run
@@ -177,7 +177,9 @@ def finely(run: Run, design: Design) -> Motion:
     kicks = [force.time or 0.0 for force in listed(run.force) if isinstance(force, Impulse)]
     inside = [time for time in kicks if 0.0 < time < rows["time"][-1]]
     if inside:
-        both = run.at([at for time in inside for at in (np.nextafter(time, 0.0), time)])
+        # Within some rounding units of an impulse the state is that after it.
+        before = 1.0 - 16.0 * np.finfo(float).eps
+        both = run.at([at for time in inside for at in (before * time, time)])
         rows = rows.vstack(both).sort("time", maintain_order=True)
     return {name: values_of(rows[name]) for name in rows.columns}
 

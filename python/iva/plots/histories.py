@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
+from iva.design import design_of
 from iva.forces import Impulse, listed
 from iva.parameters import numbers, shown
 from iva.plots.arguments import checked_run, frame_of, motion_of, values_of
-from iva.plots.design import design_of
 from iva.plots.labels import labelled
 from iva.plots.styles import ABSORBER, GREY, STRUCTURE, WALLS, drawing_on, legend_above
 from iva.simulation import Run, truth

@@ -45,8 +45,10 @@ def heatmap(
         Tables of a grid over two parameters.
     value : str
         The column to draw. Where it is null the map is hatched in grey.
-    x, y : str, optional
-        The parameters across and up; the two swept ones by default, the first across.
+    x : str, optional
+        The parameter across; by default that of the two swept ones which comes first.
+    y : str, optional
+        The parameter up; by default the other one.
     best : {"max", "min", "none"}, optional
         Whether the ridge joins, for each x, the y of the largest or of the smallest value; "none"
         for no ridge. By default the column decides: of damping ratios and `reduction` the largest

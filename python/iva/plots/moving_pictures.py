@@ -18,10 +18,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from iva.design import design_of
 from iva.forces import file_name
 from iva.parameters import number, shown
 from iva.plots.arguments import Numbers, checked_run, frame_of, limit, motion_of, values_of
-from iva.plots.design import design_of
 from iva.plots.labels import labelled
 from iva.plots.scenery import scenery
 from iva.plots.styles import GREY, STRUCTURE, WALLS, style

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
+from iva.design import design_of
 from iva.plots.arguments import checked_run, motion_of
-from iva.plots.design import design_of
 from iva.plots.labels import labelled
 from iva.plots.styles import STRUCTURE, VERMILLION, drawing_on, legend_above
 from iva.simulation import Run, truth

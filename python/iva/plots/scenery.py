@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.patches import Circle, Rectangle
 
+from iva.design import Design, Pendulum
 from iva.plots.arguments import Numbers
-from iva.plots.design import Design, Pendulum
 from iva.plots.styles import ABSORBER, WALLS
 
 #: Of the structure, and of a wall that nothing has hit for a while.
