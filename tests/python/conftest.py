@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+import numpy as np
 import pytest
 from hypothesis import settings
 
 import iva
+from axes_seen import DRIVEN, MAST, STRUCTURE, decaying
 
 # How long an example takes says nothing on a busy machine.
 settings.register_profile("iva", deadline=None)
@@ -36,4 +40,57 @@ def table(siva: iva.Siva) -> iva.Table:
         start=iva.Start(displacement=1.0),
         periods=6,
         tables=("summary", "impacts", "episodes", "envelope"),
+    )
+
+
+@pytest.fixture
+def pictures_are_closed() -> Iterator[None]:
+    """Close all figures after a test, and see that no setting was changed for everybody else."""
+    mpl = pytest.importorskip("matplotlib")
+    plt = pytest.importorskip("matplotlib.pyplot")
+    before = dict(mpl.rcParams)
+    yield
+    plt.close("all")
+    assert dict(mpl.rcParams) == before, "settings of everybody else"
+
+
+@pytest.fixture
+def metric() -> iva.Run:
+    """Return a decay in SI units."""
+    return iva.simulate(
+        iva.Siva(mass=0.3, restitution=0.6, gap_mm=6.0),
+        STRUCTURE,
+        start=iva.Start(displacement_mm=4.0),
+        duration=1.0,
+    )
+
+
+@pytest.fixture
+def pendulum() -> iva.Run:
+    """Return a decay with a pendulum."""
+    return iva.simulate(
+        iva.Piva(mass=20.0, length=0.75, restitution=0.5, gap_mm=140.0),
+        MAST,
+        start=iva.Start(displacement_mm=50.0),
+        duration=5.0,
+    )
+
+
+@pytest.fixture
+def chattering() -> iva.Run:
+    """Return a decay with chatter and stick."""
+    return decaying(iva.Siva(mass_ratio=0.15, relative_clearance=0.1, restitution=0.5))
+
+
+@pytest.fixture(scope="module")
+def response() -> iva.Table:
+    """Return a sweep over the frequency of a force."""
+    return iva.sweep(
+        DRIVEN[0],
+        DRIVEN[1],
+        force=DRIVEN[2],
+        over={"force.relative_frequency": np.linspace(0.95, 1.05, 11)},
+        start=iva.Start(),
+        cycles=300,
+        discard=250,
     )

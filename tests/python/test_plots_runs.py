@@ -1,0 +1,154 @@
+"""Pictures of a run: the numbers of its tables, with their symbols and units."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import pkgutil
+import subprocess
+import sys
+
+import matplotlib as mpl
+import numpy as np
+import polars as pl
+import pytest
+from matplotlib.collections import LineCollection
+
+import iva
+from axes_seen import decaying, line
+from iva import plots
+
+mpl.use("Agg")
+
+pytestmark = pytest.mark.usefixtures("pictures_are_closed")
+
+
+@pytest.mark.parametrize(
+    "module", [module.name for module in pkgutil.iter_modules(plots.__path__, "iva.plots.")]
+)
+def test_examples(module: str) -> None:
+    found = doctest.testmod(importlib.import_module(module), extraglobs={"iva": iva})
+    assert found.failed == 0
+
+
+def test_without_matplotlib() -> None:
+    program = (
+        "import sys; sys.modules['matplotlib'] = None\n"
+        "from iva import *\n"
+        "import iva\n"
+        "try: iva.plots\n"
+        "except ImportError as error: print(error)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "iva.plots needs matplotlib: pip install 'iva-dynamics[plots]'\n"
+    assert "plots" in dir(iva)
+
+
+def test_importing_chooses_no_backend() -> None:
+    program = "import sys, iva; iva.plots; print('matplotlib.pyplot' in sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "False\n"
+
+
+def test_decay_shows_states_peaks_and_impacts(run: iva.Run) -> None:
+    bare = decaying(iva.Siva(mass_ratio=0.15, clearance=50.0, restitution=0.5))
+    axes = plots.decay(run, bare=bare)
+    motion = run.trajectory()
+    time, x = line(axes, "with absorber")
+    assert time.tolist() == motion["time"].to_list()
+    assert x.tolist() == motion["displacement"].to_list()
+    assert line(axes, "without absorber")[1].tolist() == bare.trajectory()["displacement"].to_list()
+    assert line(axes, "envelope")[1].tolist() == run.envelope["amplitude"].to_list()
+    assert line(axes, "_lower envelope")[1].tolist() == (-run.envelope["amplitude"]).to_list()
+    for wall, label, edge in ((1, "impacts, wall +", 1.0), (-1, "impacts, wall −", 0.0)):
+        ticks, heights = line(axes, label)
+        side = run.impacts.filter(pl.col("wall") == wall)
+        assert ticks.tolist() == side["time"].to_list()
+        assert set(heights.tolist()) == {edge}
+    assert axes.get_xlabel() == "time ωₙt"
+    assert axes.get_ylabel() == "displacement x/A₀"
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    assert figure.get_size_inches()[0] == 3.35
+
+
+def test_decay_is_relative_to_the_reference_amplitude(metric: iva.Run) -> None:
+    motion = metric.trajectory()
+    axes = plots.decay(metric, label="gap 6 mm")
+    assert line(axes, "gap 6 mm")[1] == pytest.approx(motion["displacement"] / 0.004, rel=1e-15)
+    time = metric.summary["settling_time_10"].item()
+    assert line(axes, "_settled to 10 %")[0].tolist() == [time]
+    assert abs(line(axes, "_settled to 10 %")[1].item()) == pytest.approx(0.1, abs=1e-9)
+    levels = sorted(
+        float(np.asarray(one.get_ydata())[0]) for one in axes.lines if one.get_linestyle() == ":"
+    )
+    assert levels == pytest.approx([-0.1, -0.05, -0.02, 0.02, 0.05, 0.1])
+    assert "±10, 5, 2 %" in [text.get_text() for text in axes.texts]
+    axes = plots.decay(metric, relative=False, settle=(), impacts=False, envelope=False)
+    assert line(axes, "structure")[1].tolist() == motion["displacement"].to_list()
+    assert len(axes.lines) == 1
+    assert axes.get_xlabel() == "time t (s)"
+    assert axes.get_ylabel() == "displacement x (m)"
+
+
+def test_a_start_without_displacement_relates_to_the_first_peak() -> None:
+    run = decaying(
+        iva.Siva(mass_ratio=0.15, clearance=0.6, restitution=0.5), start=iva.Start(velocity=2.0)
+    )
+    first = run.envelope["amplitude"][0]
+    drawn = line(plots.decay(run), "structure")[1]
+    assert drawn == pytest.approx(run.trajectory()["displacement"] / first, rel=1e-15)
+
+
+def test_until_cuts(run: iva.Run) -> None:
+    axes = plots.decay(run, until=10.0)
+    assert line(axes, "structure")[0].max() <= 10.0
+    ticks = sum(len(line(axes, f"impacts, wall {side}")[0]) for side in "+−")
+    assert ticks == run.impacts.filter(pl.col("time") <= 10.0).height > 0
+    assert axes.get_xlim() == (0.0, 10.0)
+
+
+@pytest.mark.parametrize("scene", ["run", "metric", "pendulum"])
+def test_velocities_jump(scene: str, request: pytest.FixtureRequest) -> None:
+    run: iva.Run = request.getfixturevalue(scene)
+    axes = plots.velocities(run)
+    for label, name in (("structure ẋ", "velocity"), ("absorber ẋ₁", "absorber_velocity")):
+        time, velocity = line(axes, label)
+        for row in run.impacts.iter_rows(named=True):
+            at = np.flatnonzero(time == row["time"])
+            assert velocity[at[0]] == pytest.approx(row[f"{name}_before"], abs=1e-12)
+            assert velocity[at[1]] == pytest.approx(row[f"{name}_after"], abs=1e-12)
+    unit = "(unit of x₀ · ωₙ)" if scene == "run" else "(m/s)"
+    assert axes.get_ylabel() == f"velocity ẋ, ẋ₁ {unit}"
+
+
+@pytest.mark.parametrize("scene", ["run", "metric", "pendulum"])
+@pytest.mark.parametrize("relative", [False, True])
+def test_phase_plane(scene: str, relative: bool, request: pytest.FixtureRequest) -> None:
+    run: iva.Run = request.getfixturevalue(scene)
+    axes = plots.phase(run, relative=relative)
+    (jumps,) = [one for one in axes.collections if isinstance(one, LineCollection)]
+    segments = np.array(jumps.get_segments())
+    assert segments.shape == (run.impacts.height, 2, 2)
+    assert (segments[:, 0, 0] == segments[:, 1, 0]).all(), "vertical"
+    x, y = line(axes, "flight")
+    assert np.isnan(x).sum() == run.impacts.height, "lifted at impacts"
+    motion = run.trajectory()
+    if relative:
+        assert segments[:, 0, 1].tolist() == run.impacts["approach_velocity"].to_list()
+        assert y[~np.isnan(y)].tolist() == motion["gap_velocity"].to_list()
+        clearance = {"run": 0.6, "metric": 0.003, "pendulum": 0.07}[scene]
+        assert line(axes, "walls")[0].tolist() == pytest.approx([clearance] * 2)
+        assert np.abs(segments[:, 0, 0]) == pytest.approx(clearance, rel=1e-9)
+        assert axes.get_ylabel().startswith("gap velocity w (")
+    else:
+        assert segments[:, 0, 1].tolist() == run.impacts["velocity_before"].to_list()
+        assert segments[:, 1, 1].tolist() == run.impacts["velocity_after"].to_list()
+        assert x[~np.isnan(x)].tolist() == motion["displacement"].to_list()
+    unit = "unit of x₀" if scene == "run" else "m"
+    words = "gap displacement y" if relative else "displacement x"
+    assert axes.get_xlabel() == f"{words} ({unit})"
