@@ -95,4 +95,5 @@ def compared(name: str, siva: float, piva: float) -> View:
     if np.isinf(siva):
         return View(name, None, "–")
     ratio = float(piva / siva)
-    return View(name, within(ratio, 0.35, 0.65), shown(ratio, 2))
+    value = "not settled" if np.isinf(ratio) else shown(ratio, 2)
+    return View(name, within(ratio, 0.35, 0.65), value)

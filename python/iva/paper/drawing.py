@@ -52,6 +52,11 @@ def decays(runs: Mapping[str, iva.Run], without: iva.Run, until: float) -> Figur
                 legend.remove()
             axes.set_title(name, loc="left")
             axes.label_outer()
+        figure.suptitle(
+            "grey: without absorber; ticks: impacts on either wall; dot: below 5 % from here on",
+            fontsize=7,
+            color=GREY,
+        )
     return figure
 
 
