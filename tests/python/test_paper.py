@@ -313,7 +313,7 @@ def test_where_there_is_no_number_nothing_is_said(changed: dict[str, Any]) -> No
 def test_the_law_is_told() -> None:
     report = reproduce("fig12", assumptions=Assumptions(impact_law="printed"))
     assert "law of impact as printed" in report.items["fig12"].parameters
-    assert "With the consistent law: holds" in report.findings[0].model
+    assert "With the consistent law: holds (6 of 6 views)" in report.findings[0].model
 
 
 def test_reports_can_be_pickled() -> None:
