@@ -173,7 +173,7 @@ def run_commands(code: str, place: str) -> None:
 
     for line in code.splitlines():
         words = shlex.split(line, comments=True)
-        if words[0] in ("make", "source"):
+        if words[0] in ("make", "source") and place.startswith("README.md:"):
             continue
         assert words[0] == "iva", f"{place}: only iva is run here, not {line!r}"
         expected = re.search(r"# exit code (\d+)$", line)

@@ -13,6 +13,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -449,17 +450,32 @@ def test_a_disk_that_is_full(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal to one process")
-@pytest.mark.parametrize("after", [0.3, 2.5])
-def test_ctrl_c(tmp_path: Path, after: float) -> None:
+def importing(job: subprocess.Popen[str], _out: Path) -> bool:
+    """Tell whether a process is at its imports: it has those of matplotlib, which come late."""
+    return "ft2font" in Path(f"/proc/{job.pid}/maps").read_text(encoding="utf-8")
+
+
+def writing(_job: subprocess.Popen[str], out: Path) -> bool:
+    """Tell whether a process has written something."""
+    return out.is_dir() and any(out.glob("*.png"))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+@pytest.mark.parametrize("moment", [importing, writing])
+def test_ctrl_c(tmp_path: Path, moment: Callable[[subprocess.Popen[str], Path], bool]) -> None:
     paths = {"PYTHONPATH": str(Path(iva.__file__).parents[1])}
+    out = tmp_path / "out"
     with subprocess.Popen(
-        [sys.executable, "-m", "iva", "reproduce", "--out", str(tmp_path / "out")],
+        [sys.executable, "-m", "iva", "reproduce", "--out", str(out)],
         stderr=subprocess.PIPE,
         text=True,
         env=os.environ | paths,
     ) as job:
-        time.sleep(after)
+        begun = time.monotonic()
+        while not moment(job, out):
+            assert job.poll() is None, "it was over too soon"
+            assert time.monotonic() - begun < 60.0, "nothing happened for a minute"
+            time.sleep(0.005)
         job.send_signal(signal.SIGINT)
         _, text = job.communicate(timeout=60)
     assert job.returncode == 130
