@@ -187,6 +187,23 @@ def test_at_an_impact_is_after_it(stiffness: float) -> None:
         assert np.abs((computed - listed).to_numpy()).max() < 1e-12
 
 
+@pytest.mark.parametrize("k", range(3, 25))
+def test_a_sample_that_falls_on_an_impact_keeps_the_order(k: int) -> None:
+    # ζ = 0: the first impact is at τ = arccos(1 − γ), here a sample to rounding.
+    run = iva.simulate(
+        iva.Siva(
+            mass_ratio=0.1, restitution=0.5, clearance=1.0 - math.cos(2.0 * math.pi * k / 100)
+        ),
+        iva.Primary(),
+        start=iva.Start(displacement=1.0),
+        periods=1,
+    )
+    rows = run.trajectory(100).filter((pl.col("time") - run.impacts["time"][0]).abs() < 1e-9)
+    opening = (rows["gap_velocity"] < 0.0).to_list()
+    assert rows.height == 3
+    assert opening == sorted(opening)
+
+
 def test_at_keeps_the_order_of_the_times(run: iva.Run) -> None:
     times = [5.0, 0.0, 2.5, 5.0]
     states = run.at(times)

@@ -65,7 +65,9 @@ impl<S: System> Observer<S> for Sampler {
         while let Some(time) = self.times.get(self.next).copied() {
             let h = -span.start.minus(time);
             let last = time >= self.duration && span_ends(&span.start, span.length, self.duration);
-            if h >= span.length - SLACK * time && !last {
+            // Beside the states of the impacts themselves a sample keeps its own place.
+            let slack = if self.events { 0.0 } else { SLACK };
+            if h >= span.length - slack * time && !last {
                 break;
             }
             let h = h.clamp(0.0, span.length);
