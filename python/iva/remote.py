@@ -111,8 +111,10 @@ def run_part(study: _iva.Study, part: Part, url: str, style: str) -> str:
     remote = Remote(url)
     with tempfile.TemporaryDirectory() as folder:
         staged = study.run_part(first, last, folder, style)
-        for table, file in json.loads(staged)["paths"].items():
-            remote.put(Path(file), part_name(table, number, style))
+        made = json.loads(staged)
+        for table in made["contents"]:
+            file = Path(folder) / made["folder"] / f"{table}.{style}"
+            remote.put(file, part_name(table, number, style))
     return staged
 
 

@@ -1,21 +1,25 @@
 //! A folder taken by one process: as long as a claim lives, no other process writes results into it.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io;
-use std::path::{Path, PathBuf};
+use std::fs::{File, TryLockError};
+use std::io::{self, Write};
+use std::path::Path;
 
+use crate::created::CreatedFolders;
+use crate::directory::Directory;
 use crate::error::Error;
-use crate::folder::{STAGING_PREFIX, unwritable};
-use crate::moves::{CreatedFolders, finish_exchange};
+use crate::exchange;
+use crate::folder::unwritable;
+use crate::hidden::{MARK, MARK_FILE, empty, remove_work_folder, work_folder};
 
 /// A folder that is ours, with a place for unfinished files. When it is let go the unfinished files go,
 /// and so do folders that were made and hold nothing.
 #[derive(Debug)]
 pub(crate) struct Claim {
-    dir: PathBuf,
+    dir: Directory,
+    work: Directory,
     // Dropped in this order: the lock is held until all is removed.
     _created: CreatedFolders,
-    _lock: File,
+    lock: File,
 }
 
 impl Claim {
@@ -23,79 +27,103 @@ impl Claim {
     ///
     /// # Errors
     /// [`Error::Refused`] if it cannot be written, or another process has it.
-    pub(crate) fn take(dir: &Path) -> Result<Self, Error> {
-        let unwritable = |reason: io::Error| unwritable(dir, &reason);
-        let created = CreatedFolders::create(dir).map_err(unwritable)?;
-        let work = work_folder(dir);
-        fs::create_dir_all(&work).map_err(unwritable)?;
-        let lock = lock(dir, &work)?;
-        finish_exchange(dir)?;
-        let claim = Self { dir: dir.to_owned(), _created: created, _lock: lock };
-        claim.clear()?;
+    pub(crate) fn take(path: &Path) -> Result<Self, Error> {
+        let unwritable = |reason: io::Error| unwritable(path, &reason);
+        let created = CreatedFolders::create(path).map_err(unwritable)?;
+        let dir = Directory::open(path).map_err(unwritable)?;
+        let work = work_folder(&dir).map_err(|error| refused(path, error))?;
+        let lock = lock(path, &work)?;
+        let claim = Self { dir, work, _created: created, lock };
+        claim.mark()?;
+        empty(&claim.work)?;
+        exchange::finish(&claim.dir)?;
         Ok(claim)
     }
 
-    /// Where unfinished files are.
-    pub(crate) fn work(&self) -> PathBuf {
-        work_folder(&self.dir)
+    /// Writes the mark into the locked file, which must stay the one that it is.
+    fn mark(&self) -> Result<(), Error> {
+        let name = Path::new(MARK_FILE);
+        if self.work.read(name, MARK.len() as u64)?.as_deref() == Some(MARK) {
+            return Ok(());
+        }
+        let mut lock = &self.lock;
+        let written = lock.set_len(0).and_then(|()| lock.write_all(MARK));
+        written.map_err(|reason| Error::io("write", &self.work.path().join(name), reason))
     }
 
-    /// Removes what an earlier process left unfinished.
-    fn clear(&self) -> Result<(), Error> {
-        let work = self.work();
-        let failed = |reason| Error::io("remove", &work, reason);
-        for entry in fs::read_dir(&work).map_err(failed)? {
-            let path = entry.map_err(failed)?.path();
-            if path.is_dir() {
-                fs::remove_dir_all(&path).map_err(failed)?;
-            }
-        }
-        Ok(())
+    /// The folder.
+    pub(crate) fn dir(&self) -> &Directory {
+        &self.dir
+    }
+
+    /// Where unfinished files are.
+    pub(crate) fn work(&self) -> &Directory {
+        &self.work
     }
 }
 
 impl Drop for Claim {
     fn drop(&mut self) {
         // What cannot be removed now is removed by the next process that takes the folder.
-        let _ = fs::remove_dir_all(self.work());
+        let _ = remove_work_folder(&self.dir);
     }
 }
 
-fn work_folder(dir: &Path) -> PathBuf {
-    dir.join(format!("{STAGING_PREFIX}work"))
+/// Ends an exchange of tables in a folder that a killed process began, if there is one.
+///
+/// # Errors
+/// As [`Claim::take`], if there is one.
+pub(crate) fn end_exchange(path: &Path) -> Result<(), Error> {
+    match Directory::find(path)? {
+        Some(dir) if exchange::is_begun(&dir)? => Claim::take(path).map(drop),
+        _ => Ok(()),
+    }
 }
 
-/// Locks a file, until this process ends, however it ends. Where the file system knows no locks the
-/// folder is taken on trust.
-fn lock(dir: &Path, work: &Path) -> Result<File, Error> {
-    let path = work.join("lock");
-    let mut options = OpenOptions::new();
-    options.create(true).truncate(false).write(true);
+/// A failure to write is the user's to mend: another folder can be chosen.
+fn refused(path: &Path, error: Error) -> Error {
+    match error {
+        Error::Io { source, .. } => unwritable(path, &source),
+        other => other,
+    }
+}
+
+/// Locks the mark of the folder of unfinished files, until this process ends, however it ends. Where the
+/// file system knows no locks the folder is taken on trust.
+fn lock(path: &Path, work: &Directory) -> Result<File, Error> {
     let taken = || {
         Error::Refused(format!(
             "another process is writing into {}; wait for its end, or choose another folder with --out",
-            dir.display()
+            path.display()
         ))
     };
-    let file = options.open(&path).map_err(|reason| unwritable(dir, &reason))?;
+    let name = Path::new(MARK_FILE);
+    let file = match work.open_or_create_file(name) {
+        // The process that had it has just removed the folder.
+        Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+            return Err(taken());
+        }
+        other => other.map_err(|error| refused(path, error))?,
+    };
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(taken()),
         // Between opening and locking the process that had it may have removed it.
-        _ if is_still(&file, &path) => Ok(file),
+        _ if is_still(&file, work)? => Ok(file),
         _ => Err(taken()),
     }
 }
 
 #[cfg(unix)]
-fn is_still(file: &File, path: &Path) -> bool {
+fn is_still(file: &File, work: &Directory) -> Result<bool, Error> {
     use std::os::unix::fs::MetadataExt;
-    match (file.metadata(), fs::metadata(path)) {
-        (Ok(ours), Ok(there)) => (ours.dev(), ours.ino()) == (there.dev(), there.ino()),
+    let there = work.open_file(Path::new(MARK_FILE))?.map(|there| there.metadata());
+    Ok(match (file.metadata(), there) {
+        (Ok(ours), Some(Ok(there))) => (ours.dev(), ours.ino()) == (there.dev(), there.ino()),
         _ => false,
-    }
+    })
 }
 
 #[cfg(not(unix))]
-fn is_still(_file: &File, path: &Path) -> bool {
-    path.exists()
+fn is_still(_file: &File, work: &Directory) -> Result<bool, Error> {
+    Ok(work.kind(Path::new(MARK_FILE))?.is_some())
 }

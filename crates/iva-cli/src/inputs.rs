@@ -2,21 +2,35 @@
 //! beside the tables, so that the resolved study can name them.
 
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
 use iva_sweep::forces::History;
 use iva_sweep::sampling::{Rows, Sampling};
 
+use crate::directory::Directory;
 use crate::error::Error;
 use crate::points_file::write_points;
 use crate::study_file::StudyFile;
 
 /// The folder of inputs below that of the result.
 pub(crate) const INPUTS: &str = "inputs";
+/// The file of points in it.
+const POINTS_FILE: &str = "points.parquet";
 /// More points than this are not written out in the study.
 const FEW: usize = 1000;
+
+/// True of a name that an input has, relative to the folder of the result.
+pub(crate) fn is_input_name(name: &str) -> bool {
+    let Some(file) = name.strip_prefix(INPUTS).and_then(|rest| rest.strip_prefix('/')) else {
+        return false;
+    };
+    let number = file.strip_prefix("record-").and_then(|rest| rest.strip_suffix(".csv"));
+    let is_number = |digits: &str| {
+        (1..=9).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    file == POINTS_FILE || number.is_some_and(is_number)
+}
 
 /// A file to be written.
 pub(crate) struct Input {
@@ -51,7 +65,7 @@ pub(crate) fn named(file: &StudyFile, dir: &Path) -> (StudyFile, Vec<Input>) {
         && unnamed(&rows.file)
         && rows.axes().iter().any(|axis| axis.values.len() > FEW)
     {
-        let name = format!("{INPUTS}/points.parquet");
+        let name = format!("{INPUTS}/{POINTS_FILE}");
         inputs.push(Input { name: name.clone(), content: Content::Points(rows.clone()) });
         rows.file = Some(name);
     }
@@ -64,20 +78,18 @@ impl Input {
         &self.name
     }
 
-    /// Writes the file below a folder.
+    /// Writes the file below a folder: first aside, in a folder of unfinished files, then into place.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
-    pub(crate) fn write(&self, root: &Path) -> Result<(), Error> {
-        let path = root.join(&self.name);
-        let folder = root.join(INPUTS);
-        fs::create_dir_all(&folder).map_err(|reason| Error::io("create", &folder, reason))?;
+    pub(crate) fn write(&self, work: &Directory, root: &Directory) -> Result<(), Error> {
+        let aside = Path::new("input");
+        work.remove_file(aside)?;
         match &self.content {
-            Content::Points(rows) => write_points(&path, rows),
-            Content::Record(history) => fs::write(&path, record(history))
-                .and_then(|()| fs::File::open(&path)?.sync_all())
-                .map_err(|reason| Error::io("write", &path, reason)),
+            Content::Points(rows) => write_points(work, aside, rows)?,
+            Content::Record(history) => work.write_new(aside, record(history).as_bytes())?,
         }
+        work.replace(aside, root, Path::new(&self.name))
     }
 }
 

@@ -12,15 +12,18 @@ mod cell;
 mod changes;
 mod check;
 mod claim;
+mod created;
+mod directory;
 pub mod error;
+mod exchange;
 mod folder;
 mod forces;
+mod hidden;
 mod inputs;
 mod interrupt;
 mod layout;
 mod log;
 pub mod manifest;
-mod moves;
 pub mod output;
 pub mod part_files;
 pub mod points_file;
@@ -89,13 +92,12 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
             };
         }
     };
-    let (result, quiet) = match &cli.command {
-        Command::Sweep(args) => (sweep_command::sweep_command(args), args.run.quiet),
-        Command::Run(args) => (run_command::run_command(args), args.run.quiet),
-        Command::Check(args) => (check::check_command(args), false),
-        // The console script of the Python package does this itself before it comes here.
-        Command::Reproduce(_) => (Err(Error::Refused(NO_PLOTS.to_owned())), false),
+    let quiet = match &cli.command {
+        Command::Sweep(args) => args.run.quiet,
+        Command::Run(args) => args.run.quiet,
+        Command::Check(_) | Command::Reproduce(_) => false,
     };
+    let result = run_command_line(&cli.command);
     match result {
         Ok(_) if quiet => EXIT_OK,
         Ok(text) => print(&text),
@@ -104,6 +106,17 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
             let _ = writeln!(anstream::stderr(), "{}", error.report());
             error.exit_code()
         }
+    }
+}
+
+/// Does what was asked; returns what is to be printed.
+fn run_command_line(command: &Command) -> Result<String, Error> {
+    match command {
+        Command::Sweep(args) => sweep_command::sweep_command(args),
+        Command::Run(args) => run_command::run_command(args),
+        Command::Check(args) => check::check_command(args),
+        // The console script of the Python package does this itself before it comes here.
+        Command::Reproduce(_) => Err(Error::Refused(NO_PLOTS.to_owned())),
     }
 }
 

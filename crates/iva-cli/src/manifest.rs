@@ -1,20 +1,26 @@
-//! `manifest.json`: what a sweep is, and which of its parts are complete.
+//! `manifest.json`: what a result is, and which of its parts are complete.
 //!
-//! It is written anew, aside and then renamed, after every part. A part that it lists is complete and
+//! A sweep writes it anew, aside and then renamed, after every part. A part that it lists is complete and
 //! has the checksums that it states; a part that it does not list is not there, whatever the folder
-//! holds.
+//! holds. A single run has one part. A manifest may come from anywhere, so nothing in it is used before
+//! [`Manifest::parse`] has checked all of it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 
 use iva_sweep::identity::Identity;
-use iva_sweep::plan::Plan;
+use iva_sweep::plan::{MAX_PART_POINTS, Plan};
 use iva_sweep::study::{Study, Table};
 use serde::{Deserialize, Serialize};
 
+use crate::folder::{errors_folder, part_name};
+use crate::inputs::is_input_name;
 use crate::table_file::{Contents, Style};
 
 /// Version of the manifest's layout.
 pub const MANIFEST_VERSION: u32 = 1;
+/// Most parts that a manifest may speak of: even one of a second each takes half a year.
+const MOST_PARTS: u64 = 1 << 24;
 
 /// The manifest of a folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,6 +59,9 @@ pub struct Part {
     pub failed: u64,
     /// Its files by the name of the table.
     pub tables: BTreeMap<String, Contents>,
+    /// The files of errors of a verified run by the name of the table.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub errors: BTreeMap<String, Contents>,
 }
 
 impl Manifest {
@@ -72,31 +81,96 @@ impl Manifest {
         }
     }
 
+    /// The manifest of a single run, of which one part holds all that was written.
+    pub fn of_run(study: &Study, identity: Identity, style: Style, part: Part) -> Self {
+        let tables = part.tables.keys().cloned().collect();
+        let plan = Plan { points: 1, part_points: 1 };
+        let parts = BTreeMap::from([(0, part)]);
+        Self { tables, parts, ..Self::new(study, identity, plan, style) }
+    }
+
     /// Reads the text of a manifest.
     ///
     /// # Errors
     /// A sentence that says what is wrong with it.
     pub fn parse(text: &str) -> Result<Self, String> {
         let found: Self = serde_json::from_str(text)
-            .map_err(|reason| format!("it is no manifest of a sweep ({reason})"))?;
+            .map_err(|reason| format!("it is no manifest of a result ({reason})"))?;
         if found.manifest != MANIFEST_VERSION {
             return Err(format!(
                 "it has layout {}, this version of iva reads {MANIFEST_VERSION}",
                 found.manifest
             ));
         }
-        let plan = found.plan();
-        let fits = plan.part_points > 0
-            && found.parts.iter().all(|(number, part)| {
-                *number < plan.parts()
-                    && part
-                        .first_point
-                        .checked_add(part.points)
-                        .is_some_and(|end| plan.range(*number) == (part.first_point..end))
-                    && part.tables.len() == found.tables.len()
-                    && found.tables.iter().all(|table| part.tables.contains_key(table))
-            });
-        if fits { Ok(found) } else { Err("its parts do not fit its points".to_owned()) }
+        match found.fault() {
+            None => Ok(found),
+            Some(fault) => Err(fault.to_owned()),
+        }
+    }
+
+    /// The same manifest with one part alone.
+    pub(crate) fn with_only(&self, number: u64, part: Part) -> Self {
+        Self {
+            manifest: self.manifest,
+            iva: self.iva.clone(),
+            study: self.study.clone(),
+            swept: self.swept.clone(),
+            points: self.points,
+            part_points: self.part_points,
+            tables: self.tables.clone(),
+            inputs: self.inputs.clone(),
+            style: self.style,
+            parts: BTreeMap::from([(number, part)]),
+        }
+    }
+
+    /// What a manifest says that none of this program says.
+    pub(crate) fn fault(&self) -> Option<&'static str> {
+        let plan = self.plan();
+        let plain =
+            |text: &str| text.len() <= 64 && text.bytes().all(|byte| byte.is_ascii_graphic());
+        let is_digest = |digits: &str, count| {
+            digits.len() == count && digits.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'))
+        };
+        if !plain(&self.iva) || !is_digest(&self.study, 16) {
+            return Some("its version of iva or its digest of the study is none");
+        }
+        let tables: BTreeSet<&str> = self.tables.iter().map(String::as_str).collect();
+        if tables.len() != self.tables.len()
+            || tables.iter().any(|it| Table::from_name(it).is_none())
+        {
+            return Some("its tables are not those of a result");
+        }
+        let inputs: BTreeSet<&String> = self.inputs.iter().collect();
+        if inputs.len() != self.inputs.len() || !inputs.iter().all(|name| is_input_name(name)) {
+            return Some("its inputs are not those of a result");
+        }
+        let divisible = (1..=MAX_PART_POINTS).contains(&plan.part_points);
+        if !divisible || plan.points == 0 || plan.parts() > MOST_PARTS {
+            return Some("its points cannot be divided as it says");
+        }
+        let fits = |(number, part): (&u64, &Part)| {
+            let end = part.first_point.checked_add(part.points);
+            let mut contents = part.tables.values().chain(part.errors.values());
+            *number < plan.parts()
+                && end.is_some_and(|end| plan.range(*number) == (part.first_point..end))
+                && part.failed <= part.points
+                && part.tables.keys().map(String::as_str).eq(tables.iter().copied())
+                && part.errors.keys().all(|table| tables.contains(table.as_str()))
+                && contents.all(|contents| is_digest(&contents.sha256, 64))
+        };
+        (!self.parts.iter().all(fits)).then_some("its parts do not fit its points")
+    }
+
+    /// The files of the complete parts, relative to the folder.
+    pub(crate) fn files(&self) -> impl Iterator<Item = (PathBuf, &Contents)> {
+        let format = self.style.format;
+        self.parts.iter().flat_map(move |(number, part)| {
+            let name = part_name(*number, format);
+            let errors = part.errors.iter().map(|(table, it)| (errors_folder(table), it));
+            let tables = part.tables.iter().map(|(table, it)| (Path::new(table).to_owned(), it));
+            tables.chain(errors).map(move |(folder, contents)| (folder.join(&name), contents))
+        })
     }
 
     /// The text of the file.

@@ -1,34 +1,38 @@
-//! The tables of a single run: written into a hidden folder inside DIR first, and moved into place when
-//! all of it is complete. Tables of an earlier run are moved aside, not deleted, until then, and moved
-//! back if anything fails.
+//! The tables of a single run: written aside first, and moved into place when all of it is complete. Tables
+//! of an earlier run stay until then, and come back if anything fails.
 
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::Path;
 
-use iva_sweep::study::Table;
-use tempfile::TempDir;
+use arrow_array::RecordBatch;
+use arrow_schema::SchemaRef;
+use iva_sweep::identity::Identity;
+use iva_sweep::study::{Study, Table};
 
-use crate::claim::Claim;
+use crate::claim::{Claim, end_exchange};
+use crate::directory::Directory;
 use crate::error::Error;
+use crate::exchange;
 use crate::folder::{
-    STAGING_PREFIX, STUDY_FILE, errors_folder, part_name, refuse_conflicts,
-    remove_empty_table_folders, unwritable, vanished,
+    MANIFEST_FILE, NEW, STUDY_FILE, errors_folder, part_name, refuse_conflicts, vanished,
 };
-use crate::moves::exchange;
-use crate::table_file::Style;
+use crate::hidden::{mark, remove_new_folder};
+use crate::manifest::{Manifest, Part};
+use crate::table_file::{Contents, Style, TableFile};
 
-/// An output folder that was found usable, with a staging area inside.
+/// The folder of the new result in that of unfinished files.
+const STAGED: &str = "result";
+
+/// An output folder that was found usable, and what has been written for it so far.
 #[derive(Debug)]
 pub struct Output {
-    dir: PathBuf,
     overwrite: bool,
     style: Style,
-    staging: TempDir,
-    /// Files staged so far, relative to the folder.
-    staged: Vec<PathBuf>,
-    /// After `staging` in drop order.
-    _claim: Claim,
+    staged: Directory,
+    tables: BTreeMap<String, Contents>,
+    errors: BTreeMap<String, Contents>,
+    /// After `staged` in drop order.
+    claim: Claim,
 }
 
 impl Output {
@@ -38,89 +42,101 @@ impl Output {
     /// [`Error::Refused`] if the folder holds tables (unless `overwrite`), holds a `study.toml`
     /// that is not `iva`'s own, or cannot be written.
     pub fn prepare(dir: &Path, overwrite: bool, style: Style) -> Result<Self, Error> {
+        end_exchange(dir)?;
         refuse_conflicts(dir, overwrite)?;
-        let unwritable = |reason: io::Error| unwritable(dir, &reason);
         let claim = Claim::take(dir)?;
+        // What it holds may have changed before it was ours.
         refuse_conflicts(dir, overwrite)?;
-        let staging =
-            tempfile::Builder::new().prefix(STAGING_PREFIX).tempdir_in(dir).map_err(unwritable)?;
-        Ok(Self {
-            dir: dir.to_owned(),
-            overwrite,
-            style,
-            staging,
-            staged: Vec::new(),
-            _claim: claim,
-        })
+        let staged = claim.work().make_folder(Path::new(STAGED))?;
+        mark(&staged)?;
+        let (tables, errors) = (BTreeMap::new(), BTreeMap::new());
+        Ok(Self { overwrite, style, staged, tables, errors, claim })
     }
 
-    /// How its tables are written.
-    pub fn style(&self) -> Style {
-        self.style
-    }
-
-    /// Where to write a table for now; the caller creates the file.
-    ///
-    /// # Errors
-    /// [`Error::Io`] if its folder cannot be made.
-    pub fn stage_table(&mut self, table: Table) -> Result<PathBuf, Error> {
-        self.stage(Path::new(table.name()).join(part_name(0, self.style.format)))
-    }
-
-    /// Where to write the errors of a table for now; the caller creates the file.
-    ///
-    /// # Errors
-    /// [`Error::Io`] if its folder cannot be made.
-    pub fn stage_errors(&mut self, table: Table) -> Result<PathBuf, Error> {
-        self.stage(errors_folder(table).join(part_name(0, self.style.format)))
-    }
-
-    /// Writes the resolved study, for now aside.
+    /// Writes a table aside; returns what is in its file.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
-    pub fn stage_study(&mut self, text: &str) -> Result<(), Error> {
-        let path = self.stage(PathBuf::from(STUDY_FILE))?;
-        fs::write(&path, text)
-            .and_then(|()| fs::File::open(&path)?.sync_all())
-            .map_err(|reason| Error::io("write", &path, reason))
+    pub fn write_table(
+        &mut self,
+        table: Table,
+        schema: SchemaRef,
+        rows: &RecordBatch,
+    ) -> Result<Contents, Error> {
+        let contents = self.write(Path::new(table.name()), schema, rows)?;
+        self.tables.insert(table.name().to_owned(), contents.clone());
+        Ok(contents)
     }
 
-    fn stage(&mut self, name: PathBuf) -> Result<PathBuf, Error> {
-        if !self.staging.path().is_dir() {
-            return Err(vanished(&self.dir));
-        }
-        let path = self.staging.path().join("new").join(&name);
-        if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder).map_err(|reason| Error::io("create", folder, reason))?;
-        }
-        self.staged.push(name);
-        Ok(path)
+    /// Writes the errors of a table aside.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if they cannot be written.
+    pub fn write_errors(
+        &mut self,
+        table: Table,
+        schema: SchemaRef,
+        rows: &RecordBatch,
+    ) -> Result<(), Error> {
+        let contents = self.write(&errors_folder(table.name()), schema, rows)?;
+        self.errors.insert(table.name().to_owned(), contents);
+        Ok(())
     }
 
-    /// Moves everything into place: the earlier tables go aside, the new files come in, and on any
-    /// failure each move is undone and the new files are kept where they were staged.
+    fn write(
+        &self,
+        folder: &Path,
+        schema: SchemaRef,
+        rows: &RecordBatch,
+    ) -> Result<Contents, Error> {
+        self.is_there()?;
+        let folder = self.staged.make_folder(folder)?;
+        let name = part_name(0, self.style.format);
+        let mut file = TableFile::create(&folder, Path::new(&name), schema, self.style)?;
+        file.append(rows)?;
+        file.finish()
+    }
+
+    fn is_there(&self) -> Result<(), Error> {
+        match self.staged.is_in_place() {
+            true => Ok(()),
+            false => Err(vanished(self.claim.dir().path())),
+        }
+    }
+
+    /// Writes study and manifest, and moves everything into place: the earlier tables go, the new ones
+    /// come. `text` is the resolved study, `failed` the number of runs that were not finished.
     ///
     /// # Errors
     /// [`Error::NotMoved`] if tables have appeared in the folder meanwhile or a file cannot be
-    /// moved; [`Error::Io`] if the staged files are gone.
-    pub fn commit(self) -> Result<(), Error> {
-        if !self.staging.path().is_dir() {
-            return Err(vanished(&self.dir));
+    /// moved; [`Error::Io`] if something cannot be written or the staged files are gone.
+    pub fn commit(
+        self,
+        study: &Study,
+        identity: Identity,
+        text: &str,
+        failed: u64,
+    ) -> Result<(), Error> {
+        self.is_there()?;
+        let Self { overwrite, style, staged, tables, errors, claim } = self;
+        let part = Part { first_point: 0, points: 1, failed, tables, errors };
+        let manifest = Manifest::of_run(study, identity, style, part);
+        staged.write_new(Path::new(STUDY_FILE), text.as_bytes())?;
+        staged.write_new(Path::new(MANIFEST_FILE), manifest.text().as_bytes())?;
+        let dir = claim.dir();
+        let ready =
+            refuse_conflicts(dir.path(), overwrite).and_then(|()| exchange::prepare(dir, &staged));
+        let moved = remove_new_folder(dir)
+            .and_then(|()| claim.work().rename(Path::new(STAGED), dir, Path::new(NEW)));
+        match (ready, moved) {
+            (Ok(()), Ok(())) => exchange::finish(dir),
+            (Err(reason), Ok(())) => Err(Error::NotMoved {
+                reason: Box::new(reason),
+                what: "the new tables",
+                kept: dir.path().join(NEW),
+            }),
+            (_, Err(reason)) => Err(reason),
         }
-        let staging = self.staging.path();
-        let moved = refuse_conflicts(&self.dir, self.overwrite)
-            .map_err(|reason| (reason, "the new tables"))
-            .and_then(|()| {
-                exchange(&self.dir, &staging.join("new"), &self.staged, &staging.join("old"))
-            });
-        remove_empty_table_folders(&self.dir);
-        // Better a leftover folder than lost tables.
-        moved.map_err(|(reason, what)| Error::NotMoved {
-            reason: Box::new(reason),
-            what,
-            kept: self.staging.keep(),
-        })
     }
 }
 

@@ -1,7 +1,6 @@
 //! The files of one part, one for each table, as they are written.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -10,17 +9,17 @@ use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::Tables;
 use iva_sweep::tables::schema;
 use serde::{Deserialize, Serialize};
-use tempfile::TempDir;
 
+use crate::directory::Directory;
 use crate::error::Error;
 use crate::manifest::sweep_tables;
-use crate::table_file::{Contents, Style, TableFile, part_schema};
+use crate::table_file::{Contents, Format, Style, TableFile, part_schema};
 
 /// Files that are being written; removed unless they are finished.
 pub struct PartFiles {
     // Closed before the folder is removed.
-    files: Vec<(Table, PathBuf, TableFile)>,
-    folder: TempDir,
+    files: Vec<(Table, TableFile)>,
+    folder: Unfinished,
     /// Points that failed.
     pub failed: u64,
 }
@@ -30,37 +29,72 @@ pub struct PartFiles {
 pub struct Staged {
     /// Version of the program that made them.
     pub iva: String,
-    /// Where they are, by the name of the table.
-    pub paths: BTreeMap<String, PathBuf>,
+    /// The name of their folder, in the folder of unfinished files.
+    pub folder: String,
     /// What is in them, by the name of the table.
     pub contents: BTreeMap<String, Contents>,
     /// Points that failed.
     pub failed: u64,
-    folder: PathBuf,
+}
+
+/// A folder of unfinished files, removed with all that is in it unless it is kept.
+struct Unfinished {
+    work: Directory,
+    name: String,
+    kept: bool,
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if !self.kept {
+            // What cannot be removed now is removed with all unfinished files.
+            let _ = self.work.remove_folder(Path::new(&self.name));
+        }
+    }
+}
+
+/// File name of a table of a part that is not in its place yet.
+pub(crate) fn staged_name(table: &str, format: Format) -> PathBuf {
+    PathBuf::from(format!("{table}.{format}"))
 }
 
 impl PartFiles {
-    /// Makes the files in a folder of their own below `work`.
+    /// Makes the files in a folder of their own below `work`, a folder that the user or the process that
+    /// divides the sweep named.
     ///
     /// # Errors
     /// [`Error::Io`] if they cannot be made, [`Error::Invalid`] for a study without units.
-    pub fn create(
+    pub fn create_in(
         work: &Path,
         study: &Study,
         identity: Identity,
         points: Range<u64>,
         style: Style,
     ) -> Result<Self, Error> {
-        let failed = |reason| Error::io("create", work, reason);
-        let folder = tempfile::Builder::new().prefix("part-").tempdir_in(work).map_err(failed)?;
+        let work = Directory::open(work).map_err(|reason| Error::io("create", work, reason))?;
+        Self::create(&work, study, identity, points, style)
+    }
+
+    /// As [`PartFiles::create_in`], in an open folder.
+    ///
+    /// # Errors
+    /// As there.
+    pub(crate) fn create(
+        work: &Directory,
+        study: &Study,
+        identity: Identity,
+        points: Range<u64>,
+        style: Style,
+    ) -> Result<Self, Error> {
+        let (name, folder) = work.make_new_folder(&format!("part-of-{}", points.start))?;
+        let kept = Unfinished { work: work.itself()?, name, kept: false };
         let mut files = Vec::new();
         for table in sweep_tables(study) {
             let schema = part_schema(&*schema(study, table, identity)?, &points);
-            let path = folder.path().join(format!("{table}.{}", style.format));
-            let file = TableFile::create(&path, schema, style)?;
-            files.push((table, path, file));
+            let name = staged_name(table.name(), style.format);
+            files.push((table, TableFile::create(&folder, &name, schema, style)?));
         }
-        Ok(Self { folder, files, failed: 0 })
+        Ok(Self { folder: kept, files, failed: 0 })
     }
 
     /// Appends rows.
@@ -68,7 +102,7 @@ impl PartFiles {
     /// # Errors
     /// [`Error::Io`] if they cannot be written.
     pub fn append(&mut self, tables: &Tables) -> Result<(), Error> {
-        for (table, _, file) in &mut self.files {
+        for (table, file) in &mut self.files {
             if let Some(rows) = tables.get(table) {
                 file.append(rows)?;
             }
@@ -81,21 +115,13 @@ impl PartFiles {
     /// # Errors
     /// [`Error::Io`] if that fails.
     pub fn finish(self) -> Result<Staged, Error> {
-        let mut paths = BTreeMap::new();
+        let Self { files, mut folder, failed } = self;
         let mut contents = BTreeMap::new();
-        for (table, path, file) in self.files {
+        for (table, file) in files {
             contents.insert(table.name().to_owned(), file.finish()?);
-            paths.insert(table.name().to_owned(), path);
         }
+        folder.kept = true;
         let iva = env!("CARGO_PKG_VERSION").to_owned();
-        Ok(Staged { iva, paths, contents, failed: self.failed, folder: self.folder.keep() })
-    }
-}
-
-impl Staged {
-    /// Removes the folder that held the files.
-    pub(crate) fn remove_folder(&self) {
-        // It is empty, and what remains of it is removed with all unfinished work.
-        let _ = fs::remove_dir(&self.folder);
+        Ok(Staged { iva, folder: folder.name.clone(), contents, failed })
     }
 }

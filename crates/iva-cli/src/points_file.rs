@@ -20,6 +20,7 @@ use iva_sweep::sampling::{MAX_POINTS, Rows};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
+use crate::directory::Directory;
 use crate::error::Error;
 use crate::table_file::metadata;
 
@@ -126,18 +127,19 @@ fn first_line(text: &str) -> String {
     text.lines().next().unwrap_or_default().to_owned()
 }
 
-/// Writes points as a Parquet file.
+/// Writes points as a new Parquet file.
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be written.
-pub(crate) fn write_points(path: &Path, rows: &Rows) -> Result<(), Error> {
-    let failed = |reason: std::io::Error| Error::io("write", path, reason);
+pub(crate) fn write_points(folder: &Directory, name: &Path, rows: &Rows) -> Result<(), Error> {
+    let path = folder.path().join(name);
+    let failed = |reason: std::io::Error| Error::io("write", &path, reason);
     let fields: Vec<Field> =
         rows.axes().iter().map(|axis| Field::new(&axis.key, DataType::Float64, false)).collect();
     let schema = Arc::new(Schema::new(fields));
     let column = |values: &Vec<f64>| Arc::new(Float64Array::from(values.clone())) as ArrayRef;
     let columns = rows.axes().iter().map(|axis| column(&axis.values)).collect();
-    let file = File::create(path).map_err(failed)?;
+    let file = folder.create_file(name)?;
     let write = || {
         let mut writer = ArrowWriter::try_new(file, schema.clone(), None)?;
         writer.write(&RecordBatch::try_new(schema.clone(), columns)?)?;

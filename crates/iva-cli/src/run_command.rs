@@ -1,8 +1,9 @@
 //! `iva run`: one run, every table of it.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use arrow_array::RecordBatch;
+use iva_sweep::done::Done;
 use iva_sweep::identity::Identity;
 use iva_sweep::motion::trajectory;
 use iva_sweep::sampling::Sampling;
@@ -23,7 +24,7 @@ use crate::report::print_run;
 use crate::resolved::{resolve, write};
 use crate::run_study::{choose_tables, folder, log_start, print_written, without_trajectory};
 use crate::study_file::{StudyFile, read_study};
-use crate::table_file::{TableFile, part_schema};
+use crate::table_file::part_schema;
 use crate::verified::{print_verified, write_errors};
 
 /// Runs a study without a sweep, or one point of one; returns what is to be printed.
@@ -61,14 +62,14 @@ fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
     let text = write(&resolve(&file)?)?;
     let dir = folder(args);
     let mut output = Output::prepare(&dir, args.overwrite, style)?;
-    output.stage_study(&text)?;
     let progress = Progress::new("running", 1, args.quiet);
-    let tables = compute(&file, &workers, cancel);
+    let computed = compute(&file, &workers, cancel);
     progress.clear();
-    let tables = tables?;
+    let (tables, failed) = computed?;
+    let identity = Identity::of(&file.study).map_err(located)?;
     let mut written = Vec::new();
     for (table, rows) in &tables {
-        written.push(write_table(&file, &mut output, *table, rows)?);
+        written.push(write_table(&file, &mut output, identity, *table, rows)?);
     }
     let mut verification: Option<Verification> = None;
     if *verified {
@@ -80,7 +81,7 @@ fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
     if cancel.load(Ordering::Relaxed) {
         return Err(Error::Interrupted(Kept::nothing()));
     }
-    output.commit()?;
+    output.commit(&file.study, identity, &text, failed)?;
     let mut out = String::new();
     if let Some(summary) = tables.get(&Table::Summary) {
         out.push_str(&print_run(summary, &file.study, units));
@@ -92,11 +93,19 @@ fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
     Ok(out)
 }
 
-/// The tables that are asked for, the trajectory among them.
-fn compute(file: &StudyFile, workers: &Workers, cancel: &AtomicBool) -> Result<Tables, Error> {
+/// The tables that are asked for, the trajectory among them, and the number of runs that were not finished.
+fn compute(
+    file: &StudyFile,
+    workers: &Workers,
+    cancel: &AtomicBool,
+) -> Result<(Tables, u64), Error> {
     let located = |error| file.source.locate_sweep(error);
     let study = without_trajectory(&file.study);
-    let control = Control { workers, chunk: None, cancel, progress: &|_| {} };
+    let failed = AtomicU64::new(0);
+    let count = |done: Done| {
+        failed.fetch_add(done.failed, Ordering::Relaxed);
+    };
+    let control = Control { workers, chunk: None, cancel, progress: &count };
     let mut tables = match study.tables.is_empty() {
         true => Tables::new(),
         false => sweep(&study, 0..1, &control).map_err(located)?,
@@ -105,22 +114,19 @@ fn compute(file: &StudyFile, workers: &Workers, cancel: &AtomicBool) -> Result<T
         let rows = trajectory(&file.study.spec, file.samples_per_period, cancel);
         tables.insert(Table::Trajectory, rows.map_err(located)?);
     }
-    Ok(tables)
+    Ok((tables, failed.into_inner()))
 }
 
 fn write_table(
     file: &StudyFile,
     output: &mut Output,
+    identity: Identity,
     table: Table,
     rows: &RecordBatch,
 ) -> Result<(String, Total), Error> {
-    let located = |invalid| file.source.locate(&invalid);
-    let identity = Identity::of(&file.study).map_err(located)?;
-    let schema = part_schema(&*schema(&file.study, table, identity).map_err(located)?, &(0..1));
-    let path = output.stage_table(table)?;
-    let mut part = TableFile::create(&path, schema, output.style())?;
-    part.append(rows)?;
-    let contents = part.finish()?;
+    let schema =
+        schema(&file.study, table, identity).map_err(|invalid| file.source.locate(&invalid))?;
+    let contents = output.write_table(table, part_schema(&schema, &(0..1)), rows)?;
     let total = Total { files: 1, rows: contents.rows, bytes: contents.bytes };
     Ok((table.name().to_owned(), total))
 }

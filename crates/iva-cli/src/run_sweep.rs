@@ -4,7 +4,7 @@
 //! workers have points to run while files are encoded and synced.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
@@ -17,16 +17,20 @@ use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, Tables, Workers, sweep};
 use iva_sweep::tables::schema;
 
-use crate::claim::Claim;
+use crate::claim::{Claim, end_exchange};
+use crate::directory::Directory;
 use crate::error::{Error, Kept};
-use crate::folder::{MANIFEST_FILE, holds_tables, part_name, refuse_conflicts, vanished};
+use crate::exchange;
+use crate::folder::{
+    MANIFEST_FILE, holds_tables, part_name, refuse_conflicts, study_text, vanished,
+};
+use crate::hidden::{holds_kept_sweep, make_new_folder, new_folder, remove_new_folder};
 use crate::inputs::{Input, named};
 use crate::manifest::Manifest;
-use crate::moves::{beside, put_in_place, remove_folder};
 use crate::part_files::{PartFiles, Staged};
 use crate::resolved::{resolve, write};
 use crate::study_file::StudyFile;
-use crate::sweep_folder::{SweepFolder, earlier, study_text};
+use crate::sweep_folder::{SweepFolder, earlier};
 use crate::table_file::{Style, part_schema, read_rows};
 
 /// Points computed and held in memory at once by one driver: a constant, so that the rows reach the files
@@ -77,10 +81,8 @@ pub trait Watch: Sync {
 
 /// A sweep whose folder is ready for the parts that are missing.
 pub struct Opened {
-    /// The folder that is filled.
+    /// The folder that is filled: that of the result, or one in it if earlier tables are to be replaced.
     pub folder: SweepFolder,
-    /// The folder of the result; another one than `folder` if earlier tables are to be replaced.
-    dir: PathBuf,
 }
 
 impl Opened {
@@ -91,13 +93,13 @@ impl Opened {
     /// [`Error::Incomplete`] if `failure` says why parts are missing, else [`Error::Interrupted`];
     /// [`Error::NotMoved`] if earlier tables could not be replaced.
     pub fn close(self, failure: Option<Error>) -> Result<Manifest, Error> {
-        let Self { mut folder, dir } = self;
+        let Self { mut folder } = self;
         let manifest = folder.manifest().clone();
-        let root = folder.root().to_owned();
-        let replaced = root != dir;
+        let dir = folder.dir().path().to_owned();
+        let replaced = folder.root() != dir;
         let kept =
             || Kept { dir: dir.clone(), done: manifest.done(), points: manifest.points, replaced };
-        let names = folder.close();
+        let closed = folder.close();
         if let Some(Error::Interrupted(_)) = failure {
             return Err(Error::Interrupted(kept()));
         }
@@ -107,9 +109,10 @@ impl Opened {
         if !manifest.is_complete() {
             return Err(Error::Interrupted(kept()));
         }
-        let names = names?;
+        closed?;
         if replaced {
-            put_in_place(&dir, &names)?;
+            exchange::prepare(folder.dir(), folder.directory())?;
+            exchange::finish(folder.dir())?;
         }
         Ok(manifest)
     }
@@ -134,29 +137,29 @@ impl Sweep<'_> {
     /// [`Error::Refused`] and [`Error::Study`] for what the user can mend, with no result touched;
     /// [`Error::Interrupted`] if it was cancelled.
     pub fn open(&self, watch: &dyn Watch) -> Result<Opened, Error> {
+        end_exchange(self.dir)?;
         refuse_conflicts(self.dir, self.overwrite || self.resume)?;
         let (file, inputs) = named(self.file, self.dir);
         let text = write(&resolve(&file)?)?;
         let claim = Claim::take(self.dir)?;
         // What it holds may have changed before it was ours.
         refuse_conflicts(self.dir, self.overwrite || self.resume)?;
-        let root = self.root(&text)?;
-        let folder = self.prepare(claim, &root, (&text, &inputs), watch)?;
+        let replaces = self.replaces(claim.dir(), &text)?;
+        let folder = self.prepare(claim, replaces, (&text, &inputs), watch)?;
         watch.planned(folder.manifest());
-        Ok(Opened { folder, dir: self.dir.to_owned() })
+        Ok(Opened { folder })
     }
 
-    /// The folder to fill: that of the result, or one in it where earlier tables stay until the end.
-    fn root(&self, text: &str) -> Result<PathBuf, Error> {
-        let new = beside(self.dir);
-        let has_tables = holds_tables(self.dir);
-        if self.overwrite && (has_tables || new.join(MANIFEST_FILE).exists()) {
-            return Ok(new);
+    /// True if the sweep is to gather in `.iva-new`, with the tables of the folder as they are until the end.
+    fn replaces(&self, dir: &Directory, text: &str) -> Result<bool, Error> {
+        let has_tables = holds_tables(dir)?;
+        if self.overwrite && (has_tables || holds_kept_sweep(dir)?) {
+            return Ok(true);
         }
-        if self.resume && has_tables && !self.dir.join(MANIFEST_FILE).exists() {
+        if self.resume && has_tables && dir.kind(Path::new(MANIFEST_FILE))?.is_none() {
             // Nothing says that they are complete: they stay until the new ones are.
-            if study_text(self.dir) == text {
-                return Ok(new);
+            if study_text(dir)?.as_deref() == Some(text) {
+                return Ok(true);
             }
             return Err(Error::Refused(format!(
                 "{} holds tables of another study and no {MANIFEST_FILE} to go on from; choose another \
@@ -164,14 +167,14 @@ impl Sweep<'_> {
                 self.dir.display()
             )));
         }
-        Ok(self.dir.to_owned())
+        Ok(false)
     }
 
     /// The folder, ready for the first missing part.
     fn prepare(
         &self,
         claim: Claim,
-        root: &Path,
+        replaces: bool,
         study_and_inputs: (&str, &[Input]),
         watch: &dyn Watch,
     ) -> Result<SweepFolder, Error> {
@@ -179,13 +182,18 @@ impl Sweep<'_> {
         let study = &self.file.study;
         let located = |invalid| self.file.source.locate(&invalid);
         let identity = Identity::of(study).map_err(located)?;
-        if self.resume {
+        let found = match (self.resume, replaces) {
+            (false, _) => None,
+            (true, false) => Some(claim.dir().itself()?),
+            (true, true) => new_folder(claim.dir())?,
+        };
+        if let Some(root) = found {
             let undivided = Plan { points: identity.points, part_points: 1 };
             let now = Manifest::new(study, identity, undivided, self.style);
             // With no part complete there is nothing to go on with, and the plan is made anew.
-            let found = earlier(root, &now, text)?.filter(|found| !found.parts.is_empty());
+            let found = earlier(&root, &now, text)?.filter(|found| !found.parts.is_empty());
             if let Some(found) = found {
-                let kept = self.kept(root, &found);
+                let kept = self.kept(replaces, &found);
                 let go_on = || !self.cancel.load(Ordering::Relaxed);
                 let elsewhere = self.elsewhere;
                 let resumed =
@@ -201,20 +209,18 @@ impl Sweep<'_> {
             .map_err(|error| self.file.source.locate_sweep(error))?;
         self.nothing_if_cancelled()?;
         let plan = Plan::new(study, &trial).map_err(located)?;
-        if root != self.dir {
-            remove_folder(root)?;
-        }
+        let root = if replaces {
+            remove_new_folder(claim.dir())?;
+            make_new_folder(claim.dir())?
+        } else {
+            claim.dir().itself()?
+        };
         let manifest = Manifest::new(study, identity, plan, self.style);
         SweepFolder::begin(root, claim, manifest, text, inputs)
     }
 
-    fn kept(&self, root: &Path, manifest: &Manifest) -> Kept {
-        Kept {
-            dir: self.dir.to_owned(),
-            done: manifest.done(),
-            points: manifest.points,
-            replaced: root != self.dir,
-        }
+    fn kept(&self, replaced: bool, manifest: &Manifest) -> Kept {
+        Kept { dir: self.dir.to_owned(), done: manifest.done(), points: manifest.points, replaced }
     }
 
     fn nothing_if_cancelled(&self) -> Result<(), Error> {
@@ -237,7 +243,8 @@ impl Sweep<'_> {
             let schema = part_schema(&schema, &manifest.plan().range(*number));
             read_rows(&path, schema, self.style, &mut |rows| watch.rows(rows))?;
             if self.cancel.load(Ordering::Relaxed) {
-                return Err(Error::Interrupted(self.kept(folder.root(), manifest)));
+                let replaced = folder.root() != self.dir;
+                return Err(Error::Interrupted(self.kept(replaced, manifest)));
             }
         }
         Ok(())
@@ -259,12 +266,9 @@ impl Sweep<'_> {
                 let ran = catch_unwind(AssertUnwindSafe(|| self.run_part(*part, &folder, watch)));
                 let panicked = |_| Err(Error::Internal("a part ended in a panic".to_owned()));
                 if let Err(reason) = ran.unwrap_or_else(panicked) {
-                    let (root, work) = {
-                        let folder = lock(&folder);
-                        (folder.root().to_owned(), folder.work())
-                    };
-                    let gone = !root.is_dir() || !work.is_dir();
-                    let reason = if gone { vanished(&root) } else { reason };
+                    let folder = lock(&folder);
+                    let gone = !folder.is_in_place();
+                    let reason = if gone { vanished(folder.root()) } else { reason };
                     lock(&failure).get_or_insert(reason);
                 }
             }

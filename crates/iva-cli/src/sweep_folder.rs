@@ -1,9 +1,9 @@
 //! The folder of a sweep: parts are written aside, synced, renamed into place and then entered in the
 //! manifest, so that at any instant everything that the manifest lists is there and complete.
 
-use std::collections::HashSet;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::collections::{BTreeMap, HashSet};
+use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -11,15 +11,16 @@ use iva_sweep::study::Study;
 
 use crate::changes::changes;
 use crate::claim::Claim;
+use crate::directory::Directory;
 use crate::error::Error;
 use crate::folder::{
-    MANIFEST_FILE, STUDY_FILE, inputs_of, manifest_text, part_name, parts_in,
-    remove_empty_table_folders, unwritable, vanished, written_by_iva,
+    MANIFEST_FILE, STUDY_FILE, in_the_way, inputs_of, manifest_text, our_parts, part_name,
+    remove_empty_table_folders, study_text, vanished,
 };
+use crate::hidden::remove_new_folder;
 use crate::inputs::Input;
 use crate::manifest::{Manifest, Part};
-use crate::moves::sync_folder;
-use crate::part_files::{PartFiles, Staged};
+use crate::part_files::{PartFiles, Staged, staged_name};
 use crate::table_file::Style;
 
 /// Parts up to which the manifest is written after every one of them.
@@ -28,7 +29,7 @@ const FEW_PARTS: usize = 256;
 /// A folder that a sweep fills part by part.
 #[derive(Debug)]
 pub struct SweepFolder {
-    root: PathBuf,
+    root: Directory,
     manifest: Manifest,
     /// Of the folder of the result, which `root` is or is in.
     claim: Claim,
@@ -47,9 +48,9 @@ struct Written {
 pub(crate) type Resumed = (SweepFolder, Vec<String>);
 
 impl SweepFolder {
-    fn new(root: &Path, manifest: Manifest, claim: Claim) -> Self {
+    fn new(root: Directory, manifest: Manifest, claim: Claim) -> Self {
         let written = Written { at: Instant::now(), took: Duration::ZERO, stale: false };
-        Self { root: root.to_owned(), manifest, claim, written }
+        Self { root, manifest, claim, written }
     }
 
     /// Begins a sweep in a folder without tables.
@@ -58,22 +59,16 @@ impl SweepFolder {
     /// [`Error::Refused`] if a file that is not `iva`'s stands where an input must go; [`Error::Io`] if
     /// something cannot be written.
     pub(crate) fn begin(
-        root: &Path,
+        root: Directory,
         claim: Claim,
         mut manifest: Manifest,
         study: &str,
         inputs: &[Input],
     ) -> Result<Self, Error> {
-        fs::create_dir_all(root).map_err(|reason| unwritable(root, &reason))?;
-        let known = inputs_of(root);
-        for input in inputs {
-            let path = root.join(input.name());
-            if path.exists() && !known.iter().any(|name| name == Path::new(input.name())) {
-                return Err(Error::Refused(format!(
-                    "{} was not written by iva and would be replaced; move it or choose another folder \
-                     with --out",
-                    path.display()
-                )));
+        let known = inputs_of(&root)?;
+        for name in inputs.iter().map(|input| Path::new(input.name())) {
+            if root.kind(name)?.is_some() && !known.iter().any(|known| known == name) {
+                return Err(in_the_way(&root, name, "was not written by iva"));
             }
         }
         manifest.inputs = inputs.iter().map(|input| input.name().to_owned()).collect();
@@ -96,7 +91,7 @@ impl SweepFolder {
     /// # Errors
     /// [`Error::Io`] if a part is there and cannot be read, or something cannot be written.
     pub(crate) fn resume(
-        root: &Path,
+        root: Directory,
         claim: Claim,
         manifest: Manifest,
         (study, inputs): (&str, &[Input]),
@@ -112,6 +107,8 @@ impl SweepFolder {
         if !bad.is_empty() {
             folder.write_manifest()?;
         }
+        // They were listed until now; what is in them need not say that they are ours.
+        bad.iter().try_for_each(|name| folder.root.remove_file(Path::new(name)))?;
         folder.write_study(study, inputs)?;
         folder.remove_unlisted()?;
         Ok(Some((folder, bad)))
@@ -124,6 +121,21 @@ impl SweepFolder {
 
     /// The folder.
     pub fn root(&self) -> &Path {
+        self.root.path()
+    }
+
+    /// True if the folders that are written into still are where they were.
+    pub(crate) fn is_in_place(&self) -> bool {
+        self.root.is_in_place() && self.claim.work().is_in_place()
+    }
+
+    /// The folder of the result: the one that is filled, or the one whose tables it is to replace.
+    pub(crate) fn dir(&self) -> &Directory {
+        self.claim.dir()
+    }
+
+    /// The folder that is filled.
+    pub(crate) fn directory(&self) -> &Directory {
         &self.root
     }
 
@@ -132,17 +144,22 @@ impl SweepFolder {
     /// # Errors
     /// [`Error::Io`] if they cannot be made.
     pub fn stage(&self, study: &Study, part: u64) -> Result<PartFiles, Error> {
-        if !self.root.is_dir() {
-            return Err(vanished(&self.root));
-        }
+        self.is_there()?;
         let plan = self.manifest.plan();
         let identity = self.manifest.identity();
-        PartFiles::create(&self.work(), study, identity, plan.range(part), self.style())
+        PartFiles::create(self.claim.work(), study, identity, plan.range(part), self.style())
+    }
+
+    fn is_there(&self) -> Result<(), Error> {
+        match self.root.is_in_place() {
+            true => Ok(()),
+            false => Err(vanished(self.root.path())),
+        }
     }
 
     /// Where unfinished files go.
     pub fn work(&self) -> PathBuf {
-        self.claim.work()
+        self.claim.work().path().to_owned()
     }
 
     /// How tables are written.
@@ -155,45 +172,80 @@ impl SweepFolder {
     /// # Errors
     /// [`Error::Io`] if they cannot be moved.
     pub fn take(&mut self, part: u64, staged: Staged) -> Result<(), Error> {
-        if !self.root.is_dir() {
-            return Err(vanished(&self.root));
+        self.is_there()?;
+        let (format, work) = (self.style().format, self.claim.work());
+        let name = part_name(part, format);
+        for table in staged.contents.keys() {
+            let from = Path::new(&staged.folder).join(staged_name(table, format));
+            let folder = self.root.make_folder(Path::new(table))?;
+            work.rename(&from, &folder, Path::new(&name))?;
+            folder.sync()?;
         }
-        let name = part_name(part, self.style().format);
-        for (table, from) in &staged.paths {
-            let folder = self.root.join(table);
-            let failed = |reason| Error::io("write", &folder, reason);
-            match fs::create_dir(&folder) {
-                Err(reason) if reason.kind() != io::ErrorKind::AlreadyExists => {
-                    Err(failed(reason))?
-                }
-                _ => {}
-            }
-            fs::rename(from, folder.join(&name)).map_err(failed)?;
-            sync_folder(&folder).map_err(failed)?;
-        }
-        staged.remove_folder();
+        // It is empty, and what remains of it is removed with all unfinished files.
+        work.remove_if_empty(Path::new(&staged.folder));
         self.enter(part, staged)
+    }
+
+    /// As [`SweepFolder::take`], of a part that another process ran: nothing that it says is believed
+    /// before the files have been found to be what it says.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if they are not; as [`SweepFolder::take`].
+    pub fn receive(&mut self, part: u64, staged: Staged) -> Result<(), Error> {
+        self.check(part, &staged)?;
+        let refused =
+            || Error::Refused(format!("the files of part {part} are not what its worker said"));
+        for (table, contents) in &staged.contents {
+            let name = Path::new(&staged.folder).join(staged_name(table, self.style().format));
+            let file = self.claim.work().open_file(&name)?.ok_or_else(refused)?;
+            let path = self.claim.work().path().join(&name);
+            let whole = contents.are_in(file, &|| true);
+            if !whole.map_err(|reason| Error::io("read", &path, reason))? {
+                return Err(refused());
+            }
+        }
+        self.take(part, staged)
+    }
+
+    /// As [`SweepFolder::enter`], of a part that another process ran.
+    ///
+    /// # Errors
+    /// [`Error::Refused`] if what it says does not fit the sweep; as [`SweepFolder::enter`].
+    pub fn receive_entry(&mut self, part: u64, staged: Staged) -> Result<(), Error> {
+        self.check(part, &staged)?;
+        self.enter(part, staged)
+    }
+
+    /// Checks what another process says of a part.
+    fn check(&self, part: u64, staged: &Staged) -> Result<(), Error> {
+        if staged.iva != self.manifest.iva {
+            return Err(Error::Refused(format!(
+                "a worker runs iva-dynamics {:?}, this is {}: install the same version on all of them",
+                staged.iva, self.manifest.iva
+            )));
+        }
+        let plan = self.manifest.plan();
+        let fits = || {
+            let part_alone = self.manifest.with_only(part, entry(plan.range(part), staged));
+            part_alone.fault().is_none()
+        };
+        let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-';
+        let plain = !staged.folder.is_empty() && staged.folder.bytes().all(is_plain);
+        match part < plan.parts() && plain && fits() {
+            true => Ok(()),
+            false => Err(Error::Refused(format!(
+                "what a worker said of part {part} does not fit the sweep"
+            ))),
+        }
     }
 
     /// Enters a part in the manifest whose files are in place already, here or elsewhere.
     ///
     /// # Errors
-    /// [`Error::Io`] if the manifest cannot be written, [`Error::Refused`] for a part that another version
-    /// of the program ran.
-    pub fn enter(&mut self, part: u64, staged: Staged) -> Result<(), Error> {
-        if staged.iva != self.manifest.iva {
-            return Err(Error::Refused(format!(
-                "a worker runs iva-dynamics {}, this is {}: install the same version on all of them",
-                staged.iva, self.manifest.iva
-            )));
-        }
+    /// [`Error::Io`] if the manifest cannot be written.
+    fn enter(&mut self, part: u64, staged: Staged) -> Result<(), Error> {
         let points = self.manifest.plan().range(part);
-        let entry = Part {
-            first_point: points.start,
-            points: points.end - points.start,
-            failed: staged.failed,
-            tables: staged.contents,
-        };
+        let entry = entry(points, &staged);
         self.manifest.parts.insert(part, entry);
         self.written.stale = true;
         // A manifest of thousands of parts is not written anew for each: a tenth of the time is enough.
@@ -210,57 +262,37 @@ impl SweepFolder {
     }
 
     /// Brings manifest and folder to one state; of a sweep without a complete part everything is removed.
-    /// Returns the files of the sweep, relative to the folder.
     ///
     /// # Errors
     /// [`Error::Io`] if a file cannot be written or removed.
-    pub(crate) fn close(&mut self) -> Result<Vec<PathBuf>, Error> {
-        if !self.root.is_dir() {
-            return Ok(Vec::new());
+    pub(crate) fn close(&mut self) -> Result<(), Error> {
+        if !self.root.is_in_place() {
+            return Ok(());
         }
         if self.written.stale {
             self.write_manifest()?;
         }
         self.remove_unlisted()?;
         if self.manifest.parts.is_empty() {
-            let inputs = inputs_of(&self.root);
+            let inputs = inputs_of(&self.root)?;
             for name in inputs.into_iter().chain([MANIFEST_FILE, STUDY_FILE].map(PathBuf::from)) {
-                self.remove(&name)?;
+                self.root.remove_file(&name)?;
             }
             remove_empty_table_folders(&self.root);
-            // Fails, as it should, where files are left.
-            let _ = fs::remove_dir(&self.root);
-            return Ok(Vec::new());
-        }
-        Ok(written_by_iva(&self.root))
-    }
-
-    fn remove(&self, name: &Path) -> Result<(), Error> {
-        let path = self.root.join(name);
-        match fs::remove_file(&path) {
-            Err(reason) if reason.kind() != io::ErrorKind::NotFound => {
-                Err(Error::io("remove", &path, reason))
+            if self.root.path() != self.dir().path() {
+                remove_new_folder(self.dir())?;
             }
-            _ => Ok(()),
         }
+        Ok(())
     }
 
     /// Removes parts that the manifest does not list: a process was killed before it entered them.
     fn remove_unlisted(&self) -> Result<(), Error> {
-        let format = self.manifest.style.format;
-        let listed: HashSet<PathBuf> = self
-            .manifest
-            .parts
-            .iter()
-            .flat_map(|(number, part)| {
-                let name = part_name(*number, format);
-                part.tables.keys().map(move |table| Path::new(table).join(&name))
-            })
-            .collect();
-        parts_in(&self.root)
+        let listed: HashSet<PathBuf> = self.manifest.files().map(|(name, _)| name).collect();
+        our_parts(&self.root)?
             .iter()
             .filter(|name| !listed.contains(*name))
-            .try_for_each(|name| self.remove(name))
+            .try_for_each(|name| self.root.remove_file(name))
     }
 
     /// Takes parts out of the manifest that are not what it says; `None` if the look was ended early.
@@ -269,15 +301,21 @@ impl SweepFolder {
         for (number, part) in &self.manifest.parts {
             let name = part_name(*number, self.manifest.style.format);
             for (table, contents) in &part.tables {
-                let path = self.root.join(table).join(&name);
-                match contents.are_in(&path, go_on) {
+                let name = Path::new(table).join(&name);
+                let whole = match self.root.open_file(&name)? {
+                    Some(file) => contents.are_in(file, go_on),
+                    None => Ok(false),
+                };
+                match whole {
                     Ok(true) => {}
                     Ok(false) => {
-                        bad.push(format!("{table}/{name}"));
+                        bad.push(format!("{table}/{}", part_name(*number, self.style().format)));
                         numbers.push(*number);
                     }
                     Err(reason) if reason.kind() == io::ErrorKind::Interrupted => return Ok(None),
-                    Err(reason) => return Err(Error::io("read", &path, reason)),
+                    Err(reason) => {
+                        return Err(Error::io("read", &self.root.path().join(name), reason));
+                    }
                 }
             }
         }
@@ -296,22 +334,33 @@ impl SweepFolder {
 
     /// Writes the study and its inputs; on resumption anew, for nothing vouches for those that are there.
     fn write_study(&self, study: &str, inputs: &[Input]) -> Result<(), Error> {
-        inputs.iter().try_for_each(|input| input.write(&self.root))?;
+        inputs.iter().try_for_each(|input| input.write(self.claim.work(), &self.root))?;
         self.write_aside(STUDY_FILE, study.as_bytes())
     }
 
     /// Writes a file of the folder aside, syncs it and renames it.
     fn write_aside(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
-        let path = self.root.join(name);
-        let aside = self.work().join(name);
-        File::create(&aside)
-            .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-            .and_then(|()| fs::rename(&aside, &path))
-            .and_then(|()| sync_folder(&self.root))
-            .map_err(|reason| match self.root.is_dir() {
-                true => Error::io("write", &path, reason),
-                false => vanished(&self.root),
-            })
+        let (name, work) = (Path::new(name), self.claim.work());
+        let written = work
+            .remove_file(name)
+            .and_then(|()| work.write_new(name, bytes))
+            .and_then(|()| work.replace(name, &self.root, name))
+            .and_then(|()| self.root.sync());
+        match written {
+            Err(_) if !self.root.is_in_place() => Err(vanished(self.root.path())),
+            other => other,
+        }
+    }
+}
+
+/// The entry of a part in the manifest.
+fn entry(points: Range<u64>, staged: &Staged) -> Part {
+    Part {
+        first_point: points.start,
+        points: points.end - points.start,
+        failed: staged.failed,
+        tables: staged.contents.clone(),
+        errors: BTreeMap::new(),
     }
 }
 
@@ -319,15 +368,19 @@ impl SweepFolder {
 ///
 /// # Errors
 /// [`Error::Refused`] if it holds another sweep.
-pub(crate) fn earlier(root: &Path, now: &Manifest, study: &str) -> Result<Option<Manifest>, Error> {
+pub(crate) fn earlier(
+    root: &Directory,
+    now: &Manifest,
+    study: &str,
+) -> Result<Option<Manifest>, Error> {
     let Some(text) = manifest_text(root)? else { return Ok(None) };
     let found = Manifest::parse(&text).map_err(|reason| {
-        let path = root.join(MANIFEST_FILE);
+        let path = root.path().join(MANIFEST_FILE);
         Error::Refused(format!("{}: {reason}; give --overwrite to begin anew", path.display()))
     })?;
     let mut differences = found.differences(now);
     if found.study != now.study || found.points != now.points {
-        differences.extend(changes(&study_text(root), study));
+        differences.extend(changes(&study_text(root)?.unwrap_or_default(), study));
     }
     if differences.is_empty() {
         return Ok(Some(found));
@@ -335,12 +388,7 @@ pub(crate) fn earlier(root: &Path, now: &Manifest, study: &str) -> Result<Option
     Err(Error::Refused(format!(
         "{} holds another sweep: {}; choose another folder with --out, or give --overwrite without \
          --resume to replace it",
-        root.display(),
+        root.path().display(),
         differences.join("; ")
     )))
-}
-
-/// The resolved study of a folder; nothing if there is none.
-pub(crate) fn study_text(root: &Path) -> String {
-    fs::read_to_string(root.join(STUDY_FILE)).unwrap_or_default()
 }

@@ -22,6 +22,7 @@ use parquet::schema::types::ColumnPath;
 
 use sha2::{Digest, Sha256};
 
+use crate::directory::Directory;
 use crate::error::Error;
 
 pub use read::{metadata, read_rows};
@@ -105,12 +106,8 @@ impl Contents {
     /// True if a file has the bytes that were written. `go_on` is called between pieces of it.
     ///
     /// # Errors
-    /// If it is there and cannot be read; [`io::ErrorKind::Interrupted`] if `go_on` returned false.
-    pub fn are_in(&self, path: &Path, go_on: &dyn Fn() -> bool) -> io::Result<bool> {
-        let mut file = match File::open(path) {
-            Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(false),
-            other => other?,
-        };
+    /// If it cannot be read; [`io::ErrorKind::Interrupted`] if `go_on` returned false.
+    pub fn are_in(&self, mut file: File, go_on: &dyn Fn() -> bool) -> io::Result<bool> {
         if file.metadata()?.len() != self.bytes {
             return Ok(false);
         }
@@ -165,12 +162,18 @@ enum Writer {
 }
 
 impl TableFile {
-    /// Creates the file; without any rows it holds its schema only.
+    /// Creates the file in a folder; without any rows it holds its schema only.
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be created or written.
-    pub fn create(path: &Path, schema: SchemaRef, style: Style) -> Result<Self, Error> {
-        let file = File::create_new(path).map_err(|reason| Error::io("create", path, reason))?;
+    pub(crate) fn create(
+        folder: &Directory,
+        name: &Path,
+        schema: SchemaRef,
+        style: Style,
+    ) -> Result<Self, Error> {
+        let path = &folder.path().join(name);
+        let file = folder.create_file(name)?;
         let file = Hashing { file, hash: Sha256::new(), bytes: 0 };
         let writer = match style.format {
             Format::Parquet => {

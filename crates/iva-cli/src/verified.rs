@@ -12,7 +12,7 @@ use crate::cell::significant;
 use crate::error::Error;
 use crate::layout::wrap;
 use crate::output::Output;
-use crate::table_file::{TableFile, part_schema};
+use crate::table_file::part_schema;
 
 /// Writes a table of errors for each table of the run.
 ///
@@ -20,11 +20,7 @@ use crate::table_file::{TableFile, part_schema};
 /// [`Error::Io`] if one cannot be written.
 pub(crate) fn write_errors(output: &mut Output, verification: &Verification) -> Result<(), Error> {
     for (table, errors) in &verification.errors {
-        let path = output.stage_errors(*table)?;
-        let schema = part_schema(&errors.schema(), &(0..1));
-        let mut file = TableFile::create(&path, schema, output.style())?;
-        file.append(errors)?;
-        file.finish()?;
+        output.write_errors(*table, part_schema(&errors.schema(), &(0..1)), errors)?;
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 
 use iva_cli::manifest::Manifest;
+use iva_cli::part_files::Staged;
 use iva_cli::run_sweep::{Opened, Sweep, Watch};
 use iva_cli::study_file::StudyFile;
 use iva_cli::table_file::{Format, Style};
@@ -189,14 +190,14 @@ impl PySweepFolder {
 
     /// Takes the files of a part, as [`PyStudy::run_part`] describes them.
     fn take(&self, py: Python<'_>, part: u64, staged: &str) -> PyResult<()> {
-        let staged = serde_json::from_str(staged).map_err(|error| internal(&error.to_string()))?;
-        py.detach(|| self.with(|opened| opened.folder.take(part, staged).map_err(refused)))
+        let staged = received(part, staged)?;
+        py.detach(|| self.with(|opened| opened.folder.receive(part, staged).map_err(refused)))
     }
 
     /// Enters a part whose files are in place elsewhere.
     fn enter(&self, py: Python<'_>, part: u64, staged: &str) -> PyResult<()> {
-        let staged = serde_json::from_str(staged).map_err(|error| internal(&error.to_string()))?;
-        py.detach(|| self.with(|opened| opened.folder.enter(part, staged).map_err(refused)))
+        let staged = received(part, staged)?;
+        py.detach(|| self.with(|opened| opened.folder.receive_entry(part, staged).map_err(refused)))
     }
 
     /// Ends a sweep of which all parts are complete.
@@ -217,6 +218,14 @@ impl PySweepFolder {
             Ok(_) => "every part is complete".to_owned(),
         }
     }
+}
+
+/// Reads what a worker said of the part that it ran.
+fn received(part: u64, staged: &str) -> PyResult<Staged> {
+    serde_json::from_str(staged).map_err(|_| {
+        let reason = format!("what a worker said of part {part} does not fit the sweep");
+        refused(iva_cli::Error::Refused(reason))
+    })
 }
 
 impl PySweepFolder {

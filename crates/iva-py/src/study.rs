@@ -180,7 +180,7 @@ impl PyStudy {
         let (study, identity) = (Arc::clone(&self.study), self.identity);
         let staged = worker::run_any(py, None, move |shared: &Shared| {
             let workers = Workers::new(Some(1))?;
-            let files = PartFiles::create(&folder, &study, identity, first..last, style)?;
+            let files = PartFiles::create_in(&folder, &study, identity, first..last, style)?;
             let work = PartWork { study: &study, workers: &workers, cancel: &shared.cancel };
             work.run(first..last, files, &|_: Done| {}, &|_| {})
         })?;

@@ -1,12 +1,20 @@
 use std::collections::BTreeMap;
+use std::fs;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use arrow_array::Int32Array;
+use arrow_schema::{DataType, Field, Schema};
+use iva_sweep::columns::SCHEMA_VERSION;
 
 use super::*;
 use crate::folder::is_part;
 use crate::resolved::HEADER;
+use crate::study_file::parse_study;
 use crate::table_file::Format;
 
-/// Every file below a folder with its text; hidden leftovers would show up too.
-fn contents(dir: &Path) -> BTreeMap<String, String> {
+/// Every file below a folder with its bytes; hidden leftovers would show up too.
+fn contents(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
     let mut folders = vec![dir.to_owned()];
     while let Some(folder) = folders.pop() {
@@ -16,25 +24,48 @@ fn contents(dir: &Path) -> BTreeMap<String, String> {
                 folders.push(path);
             } else {
                 let name = path.strip_prefix(dir).unwrap().display().to_string();
-                files.insert(name, fs::read_to_string(&path).unwrap());
+                files.insert(name, fs::read(path).unwrap());
             }
         }
     }
     files
 }
 
-fn stage_all(output: &mut Output, tables: &[Table], text: &str) {
-    output.stage_study(&format!("{HEADER}: {text}")).unwrap();
+/// A table of one number, with the mark that all of ours have.
+fn table(value: i32) -> (SchemaRef, RecordBatch) {
+    let mark = [("iva.schema_version".to_owned(), SCHEMA_VERSION.to_string())];
+    let fields = vec![Field::new("value", DataType::Int32, false)];
+    let schema = Arc::new(Schema::new_with_metadata(fields, mark.into()));
+    let rows = RecordBatch::try_new(schema.clone(), vec![Arc::new(Int32Array::from(vec![value]))]);
+    (schema, rows.unwrap())
+}
+
+fn write_all(output: &mut Output, tables: &[Table], value: i32) {
+    let (schema, rows) = table(value);
     for table in tables {
-        let path = output.stage_table(*table).unwrap();
-        fs::write(path, format!("{table} {text}")).unwrap();
+        output.write_table(*table, schema.clone(), &rows).unwrap();
     }
 }
 
-fn write_run(dir: &Path, tables: &[Table], text: &str) {
+fn commit(output: Output, value: i32) -> Result<(), Error> {
+    let text = "version = 1\n[absorber]\nkind = \"siva\"\nmass_ratio = 0.1\nrestitution = 0.5\n\
+                relative_clearance = 0.6\n[start]\ndisplacement = 1.0\n[run]\nperiods = 1\n";
+    let study = parse_study(Path::new("my.toml"), text).unwrap().study;
+    let identity = Identity::of(&study).unwrap();
+    output.commit(&study, identity, &format!("{HEADER}: {value}"), 0)
+}
+
+fn write_run(dir: &Path, tables: &[Table], value: i32) {
     let mut output = Output::prepare(dir, true, Style::default()).unwrap();
-    stage_all(&mut output, tables, text);
-    output.commit().unwrap();
+    write_all(&mut output, tables, value);
+    commit(output, value).unwrap();
+}
+
+/// The files that a run makes in a folder of its own.
+fn expected(tables: &[Table], value: i32) -> BTreeMap<String, Vec<u8>> {
+    let root = tempfile::tempdir().unwrap();
+    write_run(root.path(), tables, value);
+    contents(root.path())
 }
 
 fn refusal(result: Result<Output, Error>) -> String {
@@ -53,16 +84,17 @@ fn kept(error: Error) -> PathBuf {
 const TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 
 #[test]
-fn a_new_folder_gets_the_layout_and_nothing_else() {
+fn nothing_is_there_until_the_commit() {
     let root = tempfile::tempdir().unwrap();
-    let dir = root.path().join("results/deep/one");
+    let dir = root.path().join("out");
     let mut output = Output::prepare(&dir, false, Style::default()).unwrap();
-    stage_all(&mut output, &TABLES, "new");
-    let before = contents(&dir);
-    assert!(before.keys().all(|name| name.starts_with(STAGING_PREFIX)), "{before:?}");
-    output.commit().unwrap();
+    write_all(&mut output, &TABLES, 1);
+    let before: Vec<String> = contents(&dir).into_keys().collect();
+    assert!(before.iter().all(|name| name.starts_with(".iva-")), "{before:?}");
+    commit(output, 1).unwrap();
     let names: Vec<String> = contents(&dir).into_keys().collect();
-    assert_eq!(names, ["impacts/part-00000.parquet", "study.toml", "summary/part-00000.parquet"]);
+    let parts = ["impacts/part-00000.parquet", "manifest.json", "study.toml"];
+    assert_eq!(names, [&parts[..], &["summary/part-00000.parquet"]].concat());
 }
 
 #[test]
@@ -72,20 +104,19 @@ fn a_folder_with_other_files_is_accepted_and_they_are_left_alone() {
     fs::write(dir.join("notes.txt"), "mine").unwrap();
     fs::create_dir(dir.join("summary")).unwrap();
     fs::write(dir.join("summary/plot.py"), "mine too").unwrap();
-    for text in ["first", "second"] {
-        write_run(dir, &TABLES, text);
-        let found = contents(dir);
-        assert_eq!(found["notes.txt"], "mine");
-        assert_eq!(found["summary/plot.py"], "mine too");
-        assert_eq!(found["summary/part-00000.parquet"], format!("summary {text}"));
-        assert_eq!(found.len(), 5, "{found:?}");
+    for value in [1, 2] {
+        write_run(dir, &TABLES, value);
+        let mut found = contents(dir);
+        assert_eq!(found.remove("notes.txt").unwrap(), b"mine");
+        assert_eq!(found.remove("summary/plot.py").unwrap(), b"mine too");
+        assert_eq!(found, expected(&TABLES, value));
     }
 }
 
 #[test]
 fn a_folder_with_tables_needs_overwrite() {
     let root = tempfile::tempdir().unwrap();
-    write_run(root.path(), &TABLES, "old");
+    write_run(root.path(), &TABLES, 1);
     let before = contents(root.path());
     let message = refusal(Output::prepare(root.path(), false, Style::default()));
     assert!(message.contains("--overwrite"), "{message}");
@@ -97,47 +128,57 @@ fn a_folder_with_tables_needs_overwrite() {
 fn overwriting_leaves_no_table_of_the_earlier_run() {
     let root = tempfile::tempdir().unwrap();
     let dir = root.path();
-    write_run(dir, &Table::ALL, "old");
-    fs::write(dir.join("summary/part-00001.parquet"), "old").unwrap();
-    write_run(dir, &TABLES, "new");
-    let found = contents(dir);
-    assert!(found.values().all(|text| text.ends_with("new")), "{found:?}");
-    assert_eq!(found.len(), 3);
+    write_run(dir, &Table::ALL, 1);
+    // A part that no manifest lists says by its content that it is ours.
+    fs::copy(dir.join("summary/part-00000.parquet"), dir.join("summary/part-00001.parquet"))
+        .unwrap();
+    write_run(dir, &TABLES, 2);
+    assert_eq!(contents(dir), expected(&TABLES, 2));
     assert!(!dir.join("envelope").exists());
+}
+
+#[test]
+fn a_file_that_only_has_the_name_of_a_part_is_not_ours() {
+    for name in ["summary/part-00001.parquet", "summary/part-00000.csv", "impacts/part-00007.arrow"]
+    {
+        let root = tempfile::tempdir().unwrap();
+        let dir = root.path();
+        write_run(dir, &TABLES, 1);
+        fs::write(dir.join(name), "name,value\nmine,1\n").unwrap();
+        let before = contents(dir);
+        let message = refusal(Output::prepare(dir, true, Style::default()));
+        assert!(message.contains(&format!("{name} was not written by iva")), "{message}");
+        assert_eq!(contents(dir), before);
+    }
 }
 
 #[test]
 fn until_the_commit_the_old_tables_stay() {
     let root = tempfile::tempdir().unwrap();
-    write_run(root.path(), &TABLES, "old");
+    write_run(root.path(), &TABLES, 1);
     let before = contents(root.path());
     let mut output = Output::prepare(root.path(), true, Style::default()).unwrap();
-    stage_all(&mut output, &Table::ALL, "new");
+    write_all(&mut output, &Table::ALL, 2);
     // As when writing fails midway.
     drop(output);
     assert_eq!(contents(root.path()), before);
 }
 
 #[test]
-fn a_commit_that_fails_midway_is_undone() {
+fn a_commit_without_all_its_files_moves_none() {
     let root = tempfile::tempdir().unwrap();
     let dir = root.path();
-    write_run(dir, &TABLES, "old");
+    write_run(dir, &TABLES, 1);
     fs::write(dir.join("notes.txt"), "mine").unwrap();
     let before = contents(dir);
     let mut output = Output::prepare(dir, true, Style::default()).unwrap();
-    stage_all(&mut output, &TABLES, "new");
-    // The last staged file has vanished: the moves before it have succeeded by then.
-    let vanished = output.stage_table(Table::Episodes).unwrap();
-    assert!(!vanished.exists());
-    let error = output.commit().unwrap_err();
+    write_all(&mut output, &TABLES, 2);
+    fs::remove_file(dir.join(".iva-work/result/impacts/part-00000.parquet")).unwrap();
+    let error = commit(output, 2).unwrap_err();
     assert_eq!(error.exit_code(), 1, "{error}");
-    assert!(!dir.join("episodes").exists());
     let kept = kept(error);
-    assert_eq!(
-        fs::read_to_string(kept.join("new/summary/part-00000.parquet")).unwrap(),
-        "summary new"
-    );
+    let summary = "summary/part-00000.parquet";
+    assert_eq!(fs::read(kept.join(summary)).unwrap(), expected(&TABLES, 2)[summary]);
     fs::remove_dir_all(kept).unwrap();
     assert_eq!(contents(dir), before);
 }
@@ -146,20 +187,22 @@ fn a_commit_that_fails_midway_is_undone() {
 fn tables_that_appear_meanwhile_are_not_replaced() {
     let root = tempfile::tempdir().unwrap();
     let mut slow = Output::prepare(root.path(), false, Style::default()).unwrap();
-    stage_all(&mut slow, &TABLES, "slow");
+    write_all(&mut slow, &TABLES, 1);
     let message = refusal(Output::prepare(root.path(), true, Style::default()));
     assert!(message.contains("another process is writing into"), "{message}");
     // Not by this program, which would have seen the lock.
     fs::create_dir(root.path().join("summary")).unwrap();
-    fs::write(root.path().join("summary/part-00000.parquet"), "summary fast").unwrap();
-    let error = slow.commit().unwrap_err();
+    fs::write(root.path().join("summary/part-00000.parquet"), "fast").unwrap();
+    let error = commit(slow, 1).unwrap_err();
     assert_eq!(error.exit_code(), 2, "{error}");
     assert!(error.to_string().contains("--overwrite"), "{error}");
     let kept = kept(error);
-    assert_eq!(contents(&kept.join("new")).len(), 3);
+    let mut found = contents(&kept);
+    found.retain(|name, _| !name.starts_with("lock"));
+    assert_eq!(found, expected(&TABLES, 1));
     fs::remove_dir_all(kept).unwrap();
     let found = contents(root.path());
-    assert!(found.values().all(|text| text.ends_with("fast")), "{found:?}");
+    assert!(found.values().all(|bytes| bytes == b"fast"), "{found:?}");
 }
 
 #[test]

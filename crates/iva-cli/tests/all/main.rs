@@ -2,6 +2,7 @@
 
 mod exit_codes;
 mod full_disk;
+mod hostile;
 mod interrupt;
 mod output_folder;
 mod resume;

@@ -16,6 +16,9 @@ const MILLION: &str = "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\
     relative_clearance = { start = 0.3, stop = 1.2, count = 400 }\n\
     mass_ratio = { start = 0.05, stop = 0.2, count = 2500 }\n";
 
+/// The text that marks the hidden folders of iva.
+const MARK: &str = "Made by iva-dynamics for unfinished files; iva removes it.\n";
+
 struct Place(tempfile::TempDir);
 
 impl Place {
@@ -266,16 +269,17 @@ fn a_folder_of_which_nothing_is_known_begins_or_is_refused() {
     // Unfinished files alone.
     fs::remove_dir_all(place.out()).unwrap();
     fs::create_dir_all(place.out().join(".iva-work/part-abc")).unwrap();
+    fs::write(place.out().join(".iva-work/lock"), MARK).unwrap();
     fs::write(place.out().join(".iva-work/part-abc/summary.parquet"), "half").unwrap();
     place.succeed(&["--quiet", "--resume"]);
     assert_eq!(files(&place.out()).len(), 3);
     // A manifest that is none.
     let whole = fs::read_to_string(place.out().join("manifest.json")).unwrap();
     for (text, said) in [
-        ("{\n  \"manifest\": 1", "it is no manifest of a sweep"),
-        ("{\n  \"manifest\": 99}", "it is no manifest of a sweep"),
+        ("{\n  \"manifest\": 1", "it is no manifest of a result"),
+        ("{\n  \"manifest\": 99}", "it is no manifest of a result"),
         (&whole.replace("\"summary\": {", "\"impacts\": {"), "its parts do not fit"),
-        ("mine", "manifest.json is no manifest of a sweep and would be replaced"),
+        ("mine", "manifest.json is no manifest of a result and would be replaced"),
     ] {
         fs::write(place.out().join("manifest.json"), text).unwrap();
         let refused = place.refused(&["--resume"]);
@@ -331,28 +335,36 @@ fn an_exchange_that_was_killed_is_ended_by_the_next_process() {
             fs::write(dir.join(name), bytes).unwrap();
         }
     };
-    let order = |files: &BTreeMap<PathBuf, Vec<u8>>| {
+    // The manifest is the last to go and the first to come.
+    let order = |files: &BTreeMap<PathBuf, Vec<u8>>, comes: bool| {
         let mut names: Vec<PathBuf> = files.keys().cloned().collect();
-        names.sort_by_key(|name| (name.components().count() == 1, name.clone()));
+        names.sort_by_key(|name| (name == Path::new("manifest.json")) != comes);
         names
     };
-    let moves = order(&old).len() + order(&new).len();
+    let (out, into) = (order(&old, false), order(&new, true));
+    let journal = serde_json::json!({ "exchange": 1, "out": out, "in": into }).to_string();
+    let moves = out.len() + into.len();
     for done in 0..=moves {
         fs::remove_dir_all(place.out()).unwrap();
         let beside = place.out().join(".iva-new");
         let (mut here, mut gathered, mut aside) = (old.clone(), new.clone(), BTreeMap::new());
-        for name in order(&old).iter().take(done) {
+        for name in out.iter().take(done) {
             aside.insert(name.clone(), here.remove(name).unwrap());
         }
-        for name in order(&new).iter().take(done.saturating_sub(old.len())) {
+        for name in into.iter().take(done.saturating_sub(out.len())) {
             here.insert(name.clone(), gathered.remove(name).unwrap());
         }
         put(&place.out(), &here);
         put(&beside, &gathered);
         fs::create_dir_all(beside.join("earlier")).unwrap();
         put(&beside.join("earlier"), &aside);
+        fs::write(beside.join("lock"), MARK).unwrap();
+        fs::write(beside.join("exchange.json"), &journal).unwrap();
         place.write(&small(21));
-        place.succeed(&["--quiet", "--overwrite", "--resume"]);
+        // Whatever the next command is, it ends the exchange, even if it is refused itself.
+        assert_eq!(place.sweep(&[]).status.code(), Some(2));
+        assert!(files(&place.out()) == new, "after {done} of {moves} moves");
+        place.succeed(&["--quiet", "--overwrite"]);
         assert!(files(&place.out()) == new, "after {done} of {moves} moves");
     }
 }
