@@ -20,7 +20,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz wheel clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz wheel sdist clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -101,6 +101,9 @@ docs: wheel ## build the site of documentation into target/docs/html
 	@echo "open file://$(CURDIR)/target/docs/html/index.html"
 
 wheel: $(VENV)/.installed ## build the release wheel and install it into .venv
+
+sdist: $(VENV)/.tools ## build the source distribution, install from it, try what was installed
+	$(PYTHON) .ci/sdist.py $(BIN)/maturin
 
 clean: ## remove the environment, builds and caches
 	rm -rf $(VENV) target docs/_made .hypothesis .mypy_cache .pytest_cache .ruff_cache
