@@ -13,13 +13,14 @@ SIBLINGS := iva-core-dual iva-core-twofold
 CARGO_FUZZ := 0.13.2
 FUZZ ?= -max_total_time=60
 SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o -name '*.pyi' \
-	-o -name 'py.typed' -o -name Cargo.toml \)) Cargo.toml Cargo.lock pyproject.toml README.md
+	-o -name 'py.typed' -o -name Cargo.toml \)) Cargo.toml Cargo.lock pyproject.toml README.md \
+	LICENSE-APACHE LICENSE-MIT THIRD-PARTY-NOTICES.txt
 
 # One interpreter for every cargo call, so that switching between targets rebuilds nothing.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz wheel clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz wheel sdist clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -35,7 +36,7 @@ test-rust: $(VENV)/.tools ## the Rust half of `make test`
 test-python: wheel ## the Python half of `make test`
 	$(BIN)/python -m pytest
 
-lint: lint-rust lint-python ## formats, clippy, ruff, types, stubs, layers
+lint: lint-rust lint-python ## formats, clippy, ruff, types, stubs, layers, licences
 
 lint-rust: $(VENV)/.tools
 	$(CARGO) fmt --all --check
@@ -43,6 +44,7 @@ lint-rust: $(VENV)/.tools
 	$(CARGO) clippy --locked --release --workspace --all-targets $(SIBLINGS:%=--exclude %) -- -D warnings
 	$(CARGO) clippy --locked --release $(SIBLINGS:%=--package %) -- -D warnings
 	$(PYTHON) .ci/layers.py
+	$(PYTHON) .ci/notices.py
 
 lint-python: wheel
 	$(BIN)/ruff check
@@ -99,6 +101,9 @@ docs: wheel ## build the site of documentation into target/docs/html
 	@echo "open file://$(CURDIR)/target/docs/html/index.html"
 
 wheel: $(VENV)/.installed ## build the release wheel and install it into .venv
+
+sdist: $(VENV)/.tools ## build the source distribution, install from it, try what was installed
+	$(PYTHON) .ci/sdist.py $(BIN)/maturin
 
 clean: ## remove the environment, builds and caches
 	rm -rf $(VENV) target docs/_made .hypothesis .mypy_cache .pytest_cache .ruff_cache

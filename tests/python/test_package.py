@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import pickle
 import subprocess
 import sys
@@ -57,3 +58,14 @@ def test_the_command_loads_what_it_needs() -> None:
 def test_a_run_loads_no_more_than_it_needs() -> None:
     heavy = {"importlib.metadata", "pathlib", "platform", "polars", "typing"}
     assert not heavy & loaded("import iva; iva.simulate")
+
+
+def test_the_licences_of_what_the_wheel_links_come_with_it() -> None:
+    installed = importlib.metadata.distribution("iva-dynamics")
+    named = {path.name: path for path in installed.files or () if "licenses" in path.parts}
+    assert set(named) == {"LICENSE-APACHE", "LICENSE-MIT", "THIRD-PARTY-NOTICES.txt"}
+    assert all(".dist-info/licenses/" in path.as_posix() for path in named.values())
+    notices = named["THIRD-PARTY-NOTICES.txt"].read_text()
+    for package in ("arrow-array", "parquet", "pyo3", "zstd-sys"):
+        assert f"\n{package} " in notices
+    assert "Rust standard library" in notices

@@ -3,7 +3,7 @@
 //! The core is written for *a* real number. The same source is compiled again with
 //! [`Twofold`](crate::twofold::Twofold) in its place, to verify a run (crate `iva-core-twofold`), and
 //! with [`Dual`](crate::dual::Dual), to differentiate it (crate `iva-core-dual`). Each has a module
-//! like this one and a crate root beside this one's.
+//! like this one and a list of modules beside this crate's root.
 
 pub use libm::{asin, atan2, sincos};
 
