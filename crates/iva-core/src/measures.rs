@@ -214,7 +214,7 @@ impl<S: System> Observer<S> for Measures<S> {
             self.work = self.work.plus(span.motion.work(span.length));
         }
         let to_period = -span.start.minus(TURN[0]);
-        if to_period == span.length {
+        if (to_period - span.length).abs() <= CLOSE * TURN[0] {
             self.one_period(system.energy(span.end));
         } else if to_period > CLOSE * TURN[0] && to_period < span.length {
             self.one_period(system.energy(&span.motion.state(to_period)));
@@ -249,7 +249,7 @@ impl<S: System> Observer<S> for Measures<S> {
             [values.settling_time_10, values.settling_time_5, values.settling_time_2] =
                 std::array::from_fn(|i| self.settling[i].time(system, late, amplitude));
         }
-        if whole && self.wanted.residual && self.duration >= TURN[0] && !driven {
+        if whole && self.wanted.residual && self.duration >= TURN[0] * (1.0 - CLOSE) && !driven {
             values.residual_amplitude = Some(self.last_period / amplitude);
         }
         values.energy_viscous = self.viscous.value;

@@ -28,7 +28,7 @@ pub struct State {
 
 /// An instant this close to an event, relative to it, is that of the event: times of tables have been
 /// rounded to the user's unit, and come back through it.
-const SLACK: f64 = 4.0 * f64::EPSILON;
+pub(crate) const SLACK: f64 = 4.0 * f64::EPSILON;
 
 /// Samples a run at increasing instants; at an impact the state after it counts.
 #[derive(Debug, Clone)]

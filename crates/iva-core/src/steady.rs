@@ -13,7 +13,7 @@ use crate::impact::Impact;
 use crate::observe::{Observer, Span};
 use crate::polynomial::{largest, square_integral};
 use crate::real::{Real, ZERO};
-use crate::sample::span_ends;
+use crate::sample::{SLACK, span_ends};
 use crate::simulate::{Outcome, Tally};
 use crate::system::{System, Wall};
 use crate::taylor::with_order;
@@ -200,7 +200,7 @@ impl Steady {
 /// A number of cycles that is whole but for rounding.
 fn whole(cycles: Real) -> Real {
     let near = cycles.round();
-    if (cycles - near).abs() <= 16.0 * Real::EPSILON * near { near } else { cycles }
+    if (cycles - near).abs() <= 16.0 * f64::EPSILON * near { near } else { cycles }
 }
 
 impl<S: System> Observer<S> for Steady {
@@ -216,15 +216,14 @@ impl<S: System> Observer<S> for Steady {
         while let Some(instant) = self.window.instant(self.next).filter(|_| strobed) {
             let at = (instant - span.start).value;
             let beyond = (instant.value - self.duration) / self.duration;
-            let last = beyond.abs() <= 4.0 * Real::EPSILON
-                && span_ends(&span.start, span.length, self.duration);
+            let last = beyond.abs() <= SLACK && span_ends(&span.start, span.length, self.duration);
             // At an impact the state after it counts.
             if at >= span.length && !last {
                 break;
             }
             let at = at.clamp(0.0, span.length);
             // The window may begin at a strobe, but for rounding.
-            if instant.value >= self.window.from * (1.0 - 4.0 * Real::EPSILON) {
+            if instant.value >= self.window.from * (1.0 - SLACK) {
                 if at > h {
                     self.stretch(&rows, [h, at]);
                     h = at;

@@ -89,6 +89,35 @@ fn free_masses_reproduce_the_references() {
     }
 }
 
+/// A run of n whole periods ends at a strobe, and at an instant that measures look at, but for the rounding
+/// of its duration: that is no difference in what happens.
+#[test]
+fn runs_of_whole_periods_agree_to_their_very_end() {
+    let never = AtomicBool::new(false);
+    for (n, omega) in (1..=30).flat_map(|n| [1.0, 1.3, 7.7].map(|omega| (n, omega))) {
+        for amplitude in [None, Some(0.3)] {
+            let mut spec = Spec::default();
+            let fields = [
+                (F::MassRatio, 0.1),
+                (F::Restitution, 0.5),
+                (F::Clearance, 0.5),
+                (F::DampingRatio, 0.05),
+                (F::NaturalFrequency, omega),
+                (F::Displacement, 1.0),
+                (F::Duration, f64::from(n) * std::f64::consts::TAU / omega),
+            ];
+            let force = amplitude.map(|it| [(F::Amplitude, it), (F::ForceFrequency, omega)]);
+            for (field, value) in fields.into_iter().chain(force.into_iter().flatten()) {
+                spec.set(field, value).unwrap();
+            }
+            let found = verify(&Study::single(spec), &never).unwrap();
+            for finding in &found.findings {
+                assert!(finding.agrees(), "{n} periods at {omega}, {amplitude:?}: {finding:?}");
+            }
+        }
+    }
+}
+
 fn pendulum(given: &BTreeMap<String, Dd>) -> Piva {
     let key = |name: &str| twofold(given[name]);
     let [mass_ratio, restitution, clearance] = ["mu", "e", "gamma"].map(key);
