@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from iva import _iva
 from iva.parts import lazy
 from iva.reading import Found, found_in
 from iva.units import Units
@@ -77,7 +78,7 @@ class Scan:
         )
 
 
-def scan(folder: str | os.PathLike[str]) -> Scan:
+def scan(folder: str | os.PathLike[str], *, check: bool = False) -> Scan:
     """Open the tables of a folder without reading them.
 
     Parameters
@@ -85,6 +86,10 @@ def scan(folder: str | os.PathLike[str]) -> Scan:
     folder : str or path
         As in :func:`iva.read`; also one that a sweep is filling just now, of which the complete
         parts are seen.
+    check : bool, default False
+        Compare all files with the SHA-256 that ``manifest.json`` holds of them, now: every byte is
+        read once for that. Without it only sizes and metadata are checked, and what changed in a
+        file since it was written may be read without a word, or end a query in an error of polars.
 
     Returns
     -------
@@ -103,5 +108,6 @@ def scan(folder: str | os.PathLike[str]) -> Scan:
     ...     engine="streaming"
     ... )  # doctest: +SKIP
     """
-    found = found_in(folder)
+    found = found_in(folder, check=check)
+    _iva.check_files([sum_ for sums in found.sums.values() for sum_ in sums])
     return Scan(os.fspath(folder), found)

@@ -8,10 +8,12 @@
 
 pub mod args;
 mod axes;
+mod caught;
 mod cell;
 mod changes;
 mod check;
 mod claim;
+mod claims;
 pub mod error;
 mod folder;
 mod forces;
@@ -26,6 +28,7 @@ pub mod part_files;
 pub mod points_file;
 mod progress;
 pub mod record_file;
+mod regular_file;
 pub mod report;
 pub mod resolved;
 mod run_command;
@@ -42,6 +45,7 @@ pub mod table_file;
 mod tests;
 mod value;
 mod verified;
+mod visible;
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
@@ -52,6 +56,7 @@ use clap::Parser;
 pub use error::Error;
 pub use iva_sweep::columns::SCHEMA_VERSION;
 pub use study_file::{STUDY_VERSION, StudyFile, parse_study, read_study};
+pub use visible::visible;
 
 use args::{Cli, Command};
 
@@ -78,7 +83,12 @@ pub fn main_with_args(args: Vec<OsString>) -> i32 {
 }
 
 fn parse_and_run(args: Vec<OsString>) -> i32 {
-    let cli = match Cli::try_parse_from(args) {
+    // What is said of wrong arguments quotes them.
+    let shown: Vec<OsString> =
+        args.iter().map(|arg| visible(&arg.to_string_lossy()).into()).collect();
+    let parsed = Cli::try_parse_from(args)
+        .map_err(|usage| Cli::try_parse_from(shown).err().unwrap_or(usage));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(usage) => {
             // Help and version come this way too, with exit code 0.
@@ -110,7 +120,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
 /// Prints a report. A reader that went away (`iva sweep … | head`) is no fault.
 fn print(text: &str) -> i32 {
     let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout.write_all(visible(text).as_bytes()).and_then(|()| stdout.flush()) {
         Ok(()) => EXIT_OK,
         Err(reason) if reason.kind() == ErrorKind::BrokenPipe => EXIT_OK,
         Err(reason) => {

@@ -2,12 +2,15 @@
 
 mod read;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread;
 
 use arrow_array::RecordBatch;
 use arrow_csv::WriterBuilder;
@@ -23,8 +26,10 @@ use parquet::schema::types::ColumnPath;
 use sha2::{Digest, Sha256};
 
 use crate::error::Error;
+use crate::regular_file;
 
-pub use read::{metadata, read_rows};
+pub(crate) use read::footer;
+pub use read::{metadata, read_rows, read_table};
 
 /// Rows of a row group: a constant, so that the bytes do not depend on the machine.
 const ROW_GROUP_ROWS: usize = 1 << 16;
@@ -107,7 +112,7 @@ impl Contents {
     /// # Errors
     /// If it is there and cannot be read; [`io::ErrorKind::Interrupted`] if `go_on` returned false.
     pub fn are_in(&self, path: &Path, go_on: &dyn Fn() -> bool) -> io::Result<bool> {
-        let mut file = match File::open(path) {
+        let mut file = match regular_file::open(path) {
             Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(false),
             other => other?,
         };
@@ -123,6 +128,46 @@ impl Contents {
                 read => hash.update(&piece[..read]),
             }
         }
+    }
+}
+
+/// The first of some files that has not the bytes that were written, as its number in the list. Files
+/// are read on as many threads as there are cores; `go_on` is called between pieces of them.
+///
+/// # Errors
+/// As [`Contents::are_in`], for the file of that number.
+pub fn first_damaged(
+    files: &[(PathBuf, Contents)],
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<usize>, (usize, io::Error)> {
+    let next = AtomicUsize::new(0);
+    let found: Mutex<BTreeMap<usize, Option<io::Error>>> = Mutex::default();
+    let clean = || found.lock().is_ok_and(|found| found.is_empty());
+    let check = || {
+        // Files are taken in order: none before the first that is found is left out.
+        while clean() {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some((path, contents)) = files.get(number) else { break };
+            let fault = match contents.are_in(path, go_on) {
+                Ok(true) => continue,
+                Ok(false) => None,
+                Err(reason) => Some(reason),
+            };
+            if let Ok(mut found) = found.lock() {
+                found.insert(number, fault);
+            }
+        }
+    };
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(files.len());
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            scope.spawn(check);
+        }
+        check();
+    });
+    match found.into_inner().unwrap_or_default().pop_first() {
+        Some((number, Some(reason))) => Err((number, reason)),
+        other => Ok(other.map(|(number, _)| number)),
     }
 }
 
