@@ -32,7 +32,7 @@ def read(folder: str | os.PathLike[str], *, check: bool = True) -> Table:
     check : bool, default True
         Compare every file with the SHA-256 that ``manifest.json`` holds of it: the one that says
         what is swept and in which units at once, the others when their table is read. This takes a
-        second for some two gigabytes a core where the processor has instructions for SHA-256. A
+        second for about a gigabyte a core where the processor has instructions for SHA-256. A
         folder of ``iva run`` has no manifest, so that changed numbers in it are not noticed; of its
         files only the structure is checked. Neither are changes in ``study.toml`` noticed unless
         they concern the values.

@@ -60,7 +60,7 @@ class Scan:
     def _lazy(self, name: str) -> pl.LazyFrame:
         if name not in self.tables:
             raise AttributeError(
-                f"no table {name!r} in {self.folder}, only {', '.join(self.tables)}"
+                f"no table {name!r} in {self.folder!r}, only {', '.join(self.tables)}"
             )
         return lazy(self._found.parts[name], self._found.tables.get(name))
 
@@ -72,7 +72,7 @@ class Scan:
         """Show folder, axes, tables and units."""
         over = " × ".join(self.swept) or "no axis"
         files = max(len(files) for files in self._found.parts.values())
-        return (
+        return _iva.visible(
             f"Scan of {self.folder} over {over}: {', '.join(self.tables)}; {files} parts\n"
             f"  {self.units}"
         )

@@ -32,7 +32,7 @@ const SAMPLES: u64 = 1024;
 /// Points run at once, as many as side by side fill a worker's time well.
 const BATCH: usize = 64;
 /// Samples that are not done after this time are dropped.
-const PATIENCE: Duration = Duration::from_millis(600);
+const PATIENCE: Duration = Duration::from_millis(500);
 /// So long may it take to find out into how many parts the study is divided.
 const PLAN_PATIENCE: Duration = Duration::from_secs(3);
 /// Of more points only some are checked, as many as take a moment.
@@ -61,7 +61,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
         true => "Points: 1 (no [sweep]: for `iva run`)".to_owned(),
         false => format!(
             "Points: {points} ({sampling}), in {}",
-            estimate.plan.map_or("parts that take long".to_owned(), |plan| format!(
+            estimate.plan.map_or("parts of a few points".to_owned(), |plan| format!(
                 "{} of at most {}",
                 counted(plan.parts(), "part"),
                 counted(plan.part_points, "point")
@@ -77,8 +77,12 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let _ = writeln!(out, "{}", wrap(&format!("{}.", first_upper(units.sentence()))));
     out.push_str(&describe(&file.study, points, units));
     let seconds = estimate.seconds / threads as f64;
-    let (more, about) = if estimate.cut { ("more than ", "more than") } else { ("", "about") };
-    let _ = writeln!(out, "Time: {more}{} on {}", duration(seconds), counted(threads, "thread"));
+    let about = if estimate.cut { "more than" } else { "about" };
+    let time = match duration(seconds) {
+        time if estimate.cut => format!("{about} {}", time.trim_start_matches("about ")),
+        time => time,
+    };
+    let _ = writeln!(out, "Time: {time} on {}", counted(threads, "thread"));
     let total: f64 = estimate.sizes.iter().map(|(_, bytes)| bytes).sum();
     let _ = writeln!(out, "Size: {about} {} as Parquet", size(total));
     for (table, bytes) in &estimate.sizes {
@@ -144,7 +148,6 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     let study = without_trajectory(&file.study);
     let located = |invalid| file.source.locate(&invalid);
     let cancel = alarm(PATIENCE);
-    let planned = alarm(PLAN_PATIENCE);
     let workers = Workers::new(Some(1))?;
     let control =
         Control { workers: &workers, chunk: Some(BATCH), cancel: &cancel, progress: &|_| {} };
@@ -176,13 +179,16 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     let cut = is_over() && samples == 1;
     let factor = points as f64 / samples as f64;
     let located_sweep = |error| file.source.locate_sweep(error);
-    // A single run has no parts.
     let plan = if study.sampling.is_empty() {
         Some(Plan { points: 1, part_points: 1 })
+    } else if cut {
+        // Points of a part would be run to see what one takes.
+        None
     } else {
-        let trial = Trial::run(&study, &Workers::new(None)?, &planned).map_err(located_sweep)?;
+        let stop = alarm(PLAN_PATIENCE);
+        let trial = Trial::run(&study, &Workers::new(None)?, &stop).map_err(located_sweep)?;
         let plan = Plan::new(&study, &trial).map_err(located)?;
-        Some(plan).filter(|_| !planned.load(Ordering::Relaxed))
+        Some(plan).filter(|_| !stop.load(Ordering::Relaxed))
     };
     let parts = plan.map_or(1, |plan| plan.parts()) as f64;
     let identity = Identity::of(&study).map_err(located)?;

@@ -26,3 +26,22 @@ fn refuse(found: &fs::Metadata) -> io::Result<()> {
     };
     Err(io::Error::new(ErrorKind::InvalidInput, what))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_regular_files_are_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        assert_eq!(open(&file).unwrap_err().kind(), ErrorKind::NotFound);
+        fs::write(&file, "text").unwrap();
+        assert!(open(&file).is_ok());
+        assert!(open(folder.path()).unwrap_err().to_string().contains("it is a folder"));
+        if cfg!(unix) {
+            let said = open(Path::new("/dev/null")).unwrap_err().to_string();
+            assert!(said.contains("give a regular file"), "{said}");
+        }
+    }
+}

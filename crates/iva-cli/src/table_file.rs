@@ -348,3 +348,28 @@ fn parquet_fault(path: &Path, error: ParquetError) -> Error {
         other => Error::Internal(format!("{}: {other}", path.display())),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_damaged_file_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        // SHA-256 of "abc", from FIPS 180-2, appendix B.1.
+        let sha256 = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad".to_owned();
+        let contents = Contents { rows: 0, bytes: 3, sha256 };
+        let files: Vec<_> =
+            (0..20).map(|n| (folder.path().join(n.to_string()), contents.clone())).collect();
+        for (path, _) in &files {
+            std::fs::write(path, "abc").unwrap();
+        }
+        assert_eq!(first_damaged(&files, &|| true).unwrap(), None);
+        std::fs::write(&files[17].0, "abd").unwrap();
+        std::fs::remove_file(&files[5].0).unwrap();
+        assert_eq!(first_damaged(&files, &|| true).unwrap(), Some(5));
+        std::fs::create_dir(&files[5].0).unwrap();
+        assert_eq!(first_damaged(&files, &|| true).unwrap_err().0, 5);
+        assert_eq!(first_damaged(&files, &|| false).unwrap_err().0, 0);
+    }
+}
