@@ -26,6 +26,7 @@ use crate::run_study::{size, without_trajectory};
 use crate::scene::describe;
 use crate::study_file::{StudyFile, read_study};
 use crate::table_file::encoded_size;
+use crate::threads;
 
 /// Points run for the estimate. A study of up to twice as many is run whole.
 const SAMPLES: u64 = 1024;
@@ -107,7 +108,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
 fn check_points(file: &StudyFile, points: u64) -> Result<(), Error> {
     if points <= CHECKED {
         let progress = Progress::new("checking", points, false);
-        let workers = Workers::new(None)?;
+        let workers = threads::workers(None)?;
         file.validate(&workers, &AtomicBool::new(false), &|count| progress.add(count))?;
         progress.clear();
         return Ok(());
@@ -186,7 +187,7 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
         None
     } else {
         let stop = alarm(PLAN_PATIENCE);
-        let trial = Trial::run(&study, &Workers::new(None)?, &stop).map_err(located_sweep)?;
+        let trial = Trial::run(&study, &threads::workers(None)?, &stop).map_err(located_sweep)?;
         let plan = Plan::new(&study, &trial).map_err(located)?;
         Some(plan).filter(|_| !stop.load(Ordering::Relaxed))
     };

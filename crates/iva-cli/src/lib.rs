@@ -43,6 +43,7 @@ pub mod sweep_folder;
 pub mod table_file;
 #[cfg(test)]
 mod tests;
+pub mod threads;
 mod value;
 mod verified;
 mod visible;

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use arrow_array::RecordBatch;
 use iva_cli::part_files::PartFiles;
 use iva_cli::run_sweep::PartWork;
+use iva_cli::threads::workers;
 use iva_sweep::Invalid;
 use iva_sweep::cube::Method;
 use iva_sweep::done::Done;
@@ -104,7 +105,7 @@ impl PyStudy {
         let (study, points) = (Arc::clone(&self.study), self.identity.points);
         let progress = progress.map(|callback| Progress { callback, total: points });
         let tables = worker::run(py, progress.as_ref(), move |shared| {
-            let workers = Workers::new(threads)?;
+            let workers = workers(threads)?;
             if let Some(limit) = memory_limit {
                 refuse_too_large(&study, limit, &workers, &shared.cancel)?;
             }
@@ -164,7 +165,7 @@ impl PyStudy {
     fn part_points(&self, py: Python<'_>, memory_limit: Option<f64>) -> PyResult<u64> {
         let study = Arc::clone(&self.study);
         worker::run(py, None, move |shared| {
-            let workers = Workers::new(None)?;
+            let workers = workers(None)?;
             if let Some(limit) = memory_limit {
                 refuse_too_large(&study, limit, &workers, &shared.cancel)?;
             }

@@ -50,20 +50,18 @@ pub const MAX_THREADS: usize = 1024;
 pub struct Workers(rayon::ThreadPool);
 
 impl Workers {
-    /// Starts `threads` workers; `None`: as many as the variable `RAYON_NUM_THREADS` of the environment
-    /// says, else one a core.
+    /// Starts `threads` workers; `None`: one a core.
     ///
     /// # Errors
     /// [`SweepError`] for a count of zero or beyond [`MAX_THREADS`], or threads that do not start.
     pub fn new(threads: Option<usize>) -> Result<Self, SweepError> {
-        let threads = match threads {
-            Some(0) => {
-                return Err(Invalid::new("threads", 0, "give a whole number, 1 or greater").into());
-            }
-            Some(threads) => at_most("threads", threads)?,
-            None => default_threads()?,
-        };
-        // Without a number rayon would read its variable itself, and start any number of threads.
+        // Without a number rayon would ask the environment, and start any number of threads.
+        let cores = || thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
+        let threads = threads.unwrap_or_else(cores);
+        if !(1..=MAX_THREADS).contains(&threads) {
+            let allowed = format!("give a whole number, 1 or greater, at most {MAX_THREADS}");
+            return Err(Invalid::new("threads", threads, allowed).into());
+        }
         Ok(Self(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?))
     }
 
@@ -74,22 +72,6 @@ impl Workers {
     /// Number of threads.
     pub fn count(&self) -> usize {
         self.0.current_num_threads()
-    }
-}
-
-fn at_most(field: &str, threads: usize) -> Result<usize, Invalid> {
-    if threads <= MAX_THREADS {
-        return Ok(threads);
-    }
-    Err(Invalid::new(field, threads, format!("give a whole number from 1 to {MAX_THREADS}")))
-}
-
-fn default_threads() -> Result<usize, Invalid> {
-    const NAME: &str = "RAYON_NUM_THREADS";
-    let wanted = std::env::var(NAME).ok().and_then(|text| text.trim().parse().ok());
-    match wanted.filter(|threads| *threads > 0) {
-        Some(threads) => at_most(NAME, threads),
-        None => Ok(thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS)),
     }
 }
 
