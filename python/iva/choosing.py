@@ -8,10 +8,12 @@ of ``iva.best(iva.scan("results/map").summary)`` only what it needs is read.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from numbers import Integral
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from iva import _iva
+from iva.parameters import number, shown
 from iva.tables import Table
 
 if TYPE_CHECKING:
@@ -51,6 +53,9 @@ def best(
 
     Raises
     ------
+    TypeError
+        If `table` is no table, `by` no column of numbers, `count` no whole number, or something in
+        `where` no expression.
     ValueError
         If there is no such column, or `count` is below 1.
 
@@ -72,8 +77,7 @@ def best(
 
     frame = _frame(table)
     _check(frame, [by])
-    if count < 1:
-        raise ValueError(f"count = {count}: ask for at least one point")
+    _check_count(count)
     chosen = frame.filter(pl.col(by).is_not_null() & pl.col(by).is_not_nan())
     for condition in _conditions(where):
         chosen = chosen.filter(condition)
@@ -110,6 +114,9 @@ def pareto(
 
     Raises
     ------
+    TypeError
+        If `table` is no table, `by` or `larger` not a list of columns of numbers, or something in
+        `where` no expression.
     ValueError
         If a column does not exist, or none is given.
 
@@ -127,6 +134,8 @@ def pareto(
     import polars as pl
 
     frame = _frame(table)
+    for field, columns in (("by", by), ("larger", larger)):
+        _check_list(field, columns, "columns")
     _check(frame, [*by, *larger])
     if not by:
         raise ValueError("by = []: name at least one column")
@@ -185,6 +194,8 @@ def robust(
 
     Raises
     ------
+    TypeError
+        If `table` is no table, `by` no column of numbers, or a distance or quantile no number.
     ValueError
         If a column does not exist or was not swept, a distance is not a number ≥ 0, or a quantile
         lies outside [0, 1].
@@ -211,7 +222,9 @@ def robust(
     import polars as pl
 
     frame = _frame(table)
-    names = _check(frame, [by, *within])
+    if not isinstance(within, Mapping):
+        raise TypeError(f"within = {shown(within)}: give a mapping of columns to distances")
+    names = _check(frame, [by], within)
     behind = names.index(BEHIND_SWEPT) if BEHIND_SWEPT in names else 0
     swept = [name for name in names[:behind] if name != "point"]
     for name, distance in within.items():
@@ -219,10 +232,11 @@ def robust(
             raise ValueError(
                 f"within: {name!r} was not swept; there is {', '.join(swept) or 'none'}"
             )
-        if not distance >= 0:
+        if not number(f"within[{name!r}]", distance) >= 0:
             raise ValueError(f"within: {name!r} = {distance}: give a number of 0 or more")
+    _check_list("quantiles", quantiles, "numbers from 0 to 1")
     for share in quantiles:
-        if not 0 <= share <= 1:
+        if not 0 <= number("quantiles", share) <= 1:
             raise ValueError(f"quantiles: {share} does not lie between 0 and 1")
     larger = by in _iva.larger_is_better()
     # The worst is last, what is missing behind it.
@@ -236,15 +250,15 @@ def robust(
     pairs = _neighbours(all_points.select("_row", *swept), others, swept, within)
     bad = pl.col("_bad")
 
-    def shown(value: pl.Expr) -> pl.Expr:
+    def judged_by(value: pl.Expr) -> pl.Expr:
         finite = pl.when(value < missing).then(value)
         return -finite if larger else finite
 
     judged = pairs.group_by("_row").agg(
         pl.len().alias("neighbours"),
-        shown(bad.max()).alias(f"{by}_worst"),
+        judged_by(bad.max()).alias(f"{by}_worst"),
         *(
-            shown(bad.quantile(share, "higher")).alias(f"{by}_q{100 * share:g}")
+            judged_by(bad.quantile(share, "higher")).alias(f"{by}_q{100 * share:g}")
             for share in quantiles
         ),
     )
@@ -281,19 +295,57 @@ def _neighbours(
 
 
 def _frame(table: Frame | Table) -> pl.DataFrame | pl.LazyFrame:
-    return table.summary if isinstance(table, Table) else table
+    import polars as pl
+
+    found = table.summary if isinstance(table, Table) else table
+    if not isinstance(found, (pl.DataFrame, pl.LazyFrame)):
+        raise TypeError(f"table = {shown(table)}: give an iva.Table or a polars frame")
+    return found
 
 
-def _check(frame: pl.DataFrame | pl.LazyFrame, asked: Sequence[str]) -> list[str]:
-    """Return the names of the columns; ValueError if one that is asked for is missing."""
-    names = frame.lazy().collect_schema().names()
-    for name in asked:
-        if name not in names:
-            raise ValueError(f"there is no column {name!r}; there is {', '.join(names)}")
-    return names
+def _check(
+    frame: pl.DataFrame | pl.LazyFrame, ranked: Sequence[str], others: Iterable[str] = ()
+) -> list[str]:
+    """Return the names of the columns, after a check of those that are asked for.
+
+    Raises
+    ------
+    TypeError
+        If one is no text, or one of `ranked` is a column that is not of numbers.
+    ValueError
+        If there is no such column.
+    """
+    schema = frame.lazy().collect_schema()
+    for name in (*ranked, *others):
+        if not isinstance(name, str):
+            raise TypeError(f"{shown(name)} is no name of a column: give a text")
+        if name not in schema:
+            raise ValueError(f"there is no column {name!r}; there is {', '.join(schema)}")
+    for name in ranked:
+        if not schema[name].is_numeric():
+            raise TypeError(f"the column {name!r} is of {schema[name]}: give one of numbers")
+    return schema.names()
+
+
+def _check_count(count: object) -> None:
+    if not isinstance(count, Integral) or isinstance(count, bool):
+        raise TypeError(f"count = {shown(count)}: give a whole number, 1 or greater")
+    if int(count) < 1:
+        raise ValueError(f"count = {shown(count)}: ask for at least one point")
+
+
+def _check_list(field: str, values: object, of: str) -> None:
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise TypeError(f"{field} = {shown(values)}: give a list of {of}")
 
 
 def _conditions(where: pl.Expr | Sequence[pl.Expr] | None) -> Sequence[pl.Expr]:
     if where is None:
         return ()
-    return where if isinstance(where, Sequence) else (where,)
+    import polars as pl
+
+    conditions = where if isinstance(where, Sequence) else (where,)
+    for condition in conditions:
+        if not isinstance(condition, pl.Expr):
+            raise TypeError(f"where = {shown(condition)}: give expressions of polars")
+    return conditions

@@ -12,10 +12,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from stat import S_IFREG, S_ISDIR, S_ISREG
 from tempfile import TemporaryDirectory
 
 from iva import _iva
 from iva.design import design_of
+from iva.faults import fault
 from iva.forces import file_name, listed, written
 from iva.parameters import number, shown
 
@@ -43,20 +45,29 @@ UFF_LIMIT = 10_000_000
 def aside(path: object) -> Iterator[Path]:
     """Give a file beside `path` to write to, and move it there once it is complete.
 
+    Of a symbolic link it is what the link leads to that is written, as any program does.
+
     Raises
     ------
     TypeError
         If `path` is not the name of a file.
     ValueError
-        If it is a folder, or in one that does not exist.
+        If it is a folder, a pipe or a device, or in a folder that does not exist.
     iva.IvaError
         If it cannot be written; what `path` held before is then as it was.
     """
-    target = Path(file_name(path))
-    if target.is_dir():
-        raise ValueError(f"path = {str(target)!r}: this is a folder, give the name of a file")
+    name = file_name(path)
+    try:
+        target = Path(name).resolve()
+        kind = target.stat().st_mode if target.exists() else S_IFREG
+    except (OSError, ValueError, RuntimeError) as error:  # too long, with a zero, a loop of links
+        raise ValueError(f"path = {shown(name)}: {error}; give the name of a file") from error
+    if S_ISDIR(kind):
+        raise ValueError(f"path = {name!r}: this is a folder, give the name of a file")
+    if not S_ISREG(kind):
+        raise ValueError(f"path = {name!r}: this is a pipe or a device, give the name of a file")
     if not target.parent.is_dir():
-        raise ValueError(f"path = {str(target)!r}: there is no folder {str(target.parent)!r}")
+        raise ValueError(f"path = {name!r}: there is no folder {str(Path(name).parent)!r}")
     try:
         with TemporaryDirectory(prefix=".iva-", dir=target.parent) as folder:
             made = Path(folder) / "made"
@@ -64,7 +75,7 @@ def aside(path: object) -> Iterator[Path]:
             made.replace(target)
     except OSError as error:
         reason = error.strerror or error
-        raise _iva.IvaError(f"{target} cannot be written: {reason}") from error
+        raise fault(f"{name} cannot be written: {reason}") from error
 
 
 def field_name(column: str) -> str:

@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from stat import S_ISREG
 from typing import Any
 
-from iva import _iva
+from iva.faults import fault
 
 FILE = "manifest.json"
 
@@ -25,11 +26,14 @@ class Manifest:
     parts : mapping of int to mapping
         The complete parts by number; each has ``points``, ``failed`` and ``tables``, by the name of
         the table ``rows``, ``bytes`` and ``sha256`` of its file.
+    study : str
+        Digest of all that decides the values, as files carry it under ``iva.study``.
     """
 
     points: int
     part_points: int
     parts: Mapping[int, Mapping[str, Any]]
+    study: str = ""
 
     @property
     def done(self) -> int:
@@ -50,6 +54,8 @@ def manifest_of(folder: Path) -> Manifest | None:
         state = file.stat()
     except OSError:
         return None
+    if not S_ISREG(state.st_mode):
+        raise fault(f"{file} cannot be read: it is no regular file")
     return parsed(file, state.st_mtime_ns, state.st_size)
 
 
@@ -57,6 +63,12 @@ def bytes_of(part: Mapping[str, Any], table: str) -> int | None:
     """Return the size that the file of a table in a part has; None if there is no such table."""
     found = part["tables"].get(table)
     return None if found is None else int(found["bytes"])
+
+
+def sum_of(part: Mapping[str, Any], table: str) -> str:
+    """Return the SHA-256 that the file of a table in a part has; "" if there is no such table."""
+    found = part["tables"].get(table)
+    return "" if found is None else str(found["sha256"])
 
 
 @lru_cache(maxsize=8)
@@ -68,6 +80,17 @@ def parsed(file: Path, _changed: int, _size: int) -> Manifest:
         for part in parts.values():
             int(part["points"]), int(part["failed"])
             [(int(it["rows"]), int(it["bytes"]), it["sha256"]) for it in part["tables"].values()]
-        return Manifest(found["points"], found["part_points"], dict(sorted(parts.items())))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise _iva.IvaError(f"{file} cannot be read: it is no manifest of a sweep") from error
+        points, part_points = int(found["points"]), int(found["part_points"])
+        if part_points < 1:
+            raise ValueError("a part has no points")
+        return Manifest(points, part_points, dict(sorted(parts.items())), str(found["study"]))
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        AttributeError,
+        OverflowError,
+        RecursionError,
+    ) as error:
+        raise fault(f"{file} cannot be read: it is no manifest of a sweep") from error

@@ -6,15 +6,20 @@ of the resolved study in the same folder.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from iva import _iva
+from iva.faults import fault
 from iva.frames import to_polars
 from iva.manifests import manifest_of
 
 if TYPE_CHECKING:
     import polars as pl
+
+#: A file with its size in bytes and its SHA-256.
+Sum: TypeAlias = "tuple[Path, int, str]"
 
 FORMATS = ("parquet", "arrow", "csv")
 
@@ -39,7 +44,7 @@ def tables_of_study(file: Path) -> dict[str, _iva.ArrowTable]:
         return {}
     study = file.parent.parent / "study.toml"
     if not study.is_file():
-        raise _iva.IvaError(f"{study} is missing: CSV files cannot be read without the study")
+        raise fault(f"{study} is missing: CSV files cannot be read without the study")
     return _iva.empty_tables(study)
 
 
@@ -58,41 +63,54 @@ def metadata(file: Path, table: _iva.ArrowTable | None = None) -> dict[str, str]
     iva.IvaError
         If it cannot.
     """
-    if table is not None:
-        found = of_csv(file, table)
-    else:
-        found = of_parquet(file) if file.suffix == ".parquet" else _iva.metadata(file)
+    found = _iva.metadata(file) if table is None else of_csv(file, table)
     version = found.get("iva.schema_version", "")
     points = found.get("iva.part_points", "0")
     if not version.isdecimal() or not points.isdecimal() or "iva.units" not in found:
-        raise _iva.IvaError(f"{file} was not written by iva: its metadata lack the table layout")
+        raise fault(f"{file} was not written by iva: its metadata lack the table layout")
     if int(version) > _iva.SCHEMA_VERSION:
-        raise _iva.IvaError(
+        raise fault(
             f"{file} has table layout {version}, this version of iva reads up to "
             f"{_iva.SCHEMA_VERSION}: install a newer iva-dynamics"
         )
     return found
 
 
-def frame(files: list[Path], table: _iva.ArrowTable | None = None) -> pl.DataFrame:
-    """Return all rows of some parts of one table and format; `table` as in :func:`metadata`.
+def frame(
+    files: list[Path], table: _iva.ArrowTable | None = None, sums: Sequence[Sum] | None = None
+) -> pl.DataFrame:
+    """Return all rows of some parts of one table and format.
+
+    Parameters
+    ----------
+    files : list of Path
+        The parts.
+    table : ArrowTable, optional
+        As in :func:`metadata`.
+    sums : sequence of (path, bytes, SHA-256), optional
+        What each of the files must be; without it nothing says that they are as they were written.
 
     Raises
     ------
     iva.IvaError
-        If one cannot be read.
+        If one is not what `sums` says, or cannot be read.
     """
     import polars as pl
 
+    if sums is not None:
+        _iva.check_files(sums)
     try:
         if table is not None:
             return pl.concat([rows_of_csv(file, table) for file in files])
+        if sums is None:
+            # polars would panic over some damaged files, and print where.
+            return pl.concat([to_polars(_iva.read_table(file)) for file in files])
         if files[0].suffix == ".parquet":
             return pl.read_parquet(files, glob=False, hive_partitioning=False)
         # Of a path polars would take [ and * for a pattern, and map the file into memory.
         return pl.concat([pl.read_ipc(file.read_bytes()) for file in files])
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise _iva.IvaError(f"{files[0].parent} cannot be read: {sentence(error)}") from error
+    except (OSError, pl.exceptions.PolarsError, pl.exceptions.PanicException) as error:
+        raise fault(f"{files[0].parent} cannot be read: {sentence(error)}") from error
 
 
 def lazy(files: list[Path], table: _iva.ArrowTable | None = None) -> pl.LazyFrame:
@@ -110,16 +128,6 @@ def lazy(files: list[Path], table: _iva.ArrowTable | None = None) -> pl.LazyFram
         )  # polars 1.30 has no glob=False here
     assert table is not None
     return pl.concat([scan_of_csv(file, table) for file in files])
-
-
-def of_parquet(file: Path) -> dict[str, str]:
-    """Return the metadata that a Parquet file carries."""
-    import polars as pl
-
-    try:
-        return pl.read_parquet_metadata(file)
-    except (OSError, pl.exceptions.PolarsError) as error:
-        raise _iva.IvaError(f"{file} cannot be read: {sentence(error)}") from error
 
 
 def of_csv(file: Path, table: _iva.ArrowTable) -> dict[str, str]:
@@ -178,7 +186,7 @@ def head(file: Path, table: _iva.ArrowTable) -> tuple[list[str], bool, str]:
         with file.open(encoding="utf-8") as lines:
             names, first, second = (lines.readline().rstrip("\n") for _ in range(3))
     except (OSError, UnicodeDecodeError) as error:
-        raise _iva.IvaError(f"{file} cannot be read: {sentence(error)}") from error
+        raise fault(f"{file} cannot be read: {sentence(error)}") from error
     columns = names.split(",")
     known = table.units
     needed = ["point"]
@@ -188,7 +196,7 @@ def head(file: Path, table: _iva.ArrowTable) -> tuple[list[str], bool, str]:
     strange += [name for name in needed if name not in columns]
     if strange or len(set(columns)) < len(columns):
         name = strange[0] if strange else "one column twice"
-        raise _iva.IvaError(
+        raise fault(
             f"{file} does not fit the study beside it: in the table {table.metadata['iva.table']} "
             f"of study.toml the columns differ, by {name!r}"
         )
@@ -197,6 +205,6 @@ def head(file: Path, table: _iva.ArrowTable) -> tuple[list[str], bool, str]:
     return columns, units, second if units else first
 
 
-def sentence(error: Exception) -> str:
+def sentence(error: BaseException) -> str:
     """Return the first line of what an error says: polars adds advice to programmers below it."""
     return str(error).partition("\n")[0]

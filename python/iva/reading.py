@@ -8,17 +8,19 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
+from stat import S_ISREG
 
 from iva import _iva
+from iva.faults import fault
 from iva.frames import NAMES, Frames
-from iva.manifests import Manifest, bytes_of, manifest_of
+from iva.manifests import FILE, Manifest, bytes_of, manifest_of, sum_of
 from iva.parameters import shown
-from iva.parts import frame, metadata, part_files, tables_of_study
+from iva.parts import Sum, frame, metadata, part_files, tables_of_study
 from iva.tables import Table
 from iva.units import Units, from_metadata
 
 
-def read(folder: str | os.PathLike[str]) -> Table:
+def read(folder: str | os.PathLike[str], *, check: bool = True) -> Table:
     """Open the tables of a folder that ``iva sweep`` or ``iva run`` wrote.
 
     Parameters
@@ -27,6 +29,13 @@ def read(folder: str | os.PathLike[str]) -> Table:
         The folder, with ``<table>/part-*.parquet`` in it, or ``.arrow`` or ``.csv``. A table is
         read when first asked for. CSV files need the ``study.toml`` that was written with them:
         types, units and axes stand there.
+    check : bool, default True
+        Compare every file with the SHA-256 that ``manifest.json`` holds of it: the one that says
+        what is swept and in which units at once, the others when their table is read. This takes a
+        second for about a gigabyte a core where the processor has instructions for SHA-256. A
+        folder of ``iva run`` has no manifest, so that changed numbers in it are not noticed; of its
+        files only the structure is checked. Neither are changes in ``study.toml`` noticed unless
+        they concern the values.
 
     Returns
     -------
@@ -36,22 +45,26 @@ def read(folder: str | os.PathLike[str]) -> Table:
     Raises
     ------
     TypeError
-        If `folder` is not a path.
+        If `folder` is not a path, or `check` neither True nor False.
     ValueError
         If there is no such folder, or no table in it.
     iva.IvaError
-        If a file cannot be read, was written by a newer version with another layout, is missing
-        between others, belongs to another run or table, or is of another format than the rest (a
-        CSV file of another run shows only by its columns and points). Of an interrupted sweep the
+        If a file is not what was written, cannot be read, was written by a newer version with
+        another layout, is missing between others, belongs to another run or table, or is of another
+        format than the rest (a CSV file of another run shows only by its columns and points, and by
+        its SHA-256). Of an interrupted sweep the
         parts that were complete can be read.
 
     Examples
     --------
     >>> iva.read("results/siva_clearance").summary  # doctest: +SKIP
     """
-    found = found_in(folder)
+    found = found_in(folder, check=check)
     frames = Frames(
-        {name: partial(frame, files, found.tables.get(name)) for name, files in found.parts.items()}
+        {
+            name: partial(frame, files, found.tables.get(name), found.sums.get(name))
+            for name, files in found.parts.items()
+        }
     )
     return Table(found.swept, found.units, frames)
 
@@ -70,16 +83,21 @@ class Found:
         Keys of the axes.
     units : Units
         Units of the columns.
+    sums : mapping of str to list of (path, bytes, SHA-256)
+        What the files of each table must be; empty if that is not to be checked, or not known.
     """
 
     parts: Mapping[str, list[Path]]
     tables: Mapping[str, _iva.ArrowTable]
     swept: tuple[str, ...]
     units: Units
+    sums: Mapping[str, list[Sum]]
 
 
-def found_in(folder: str | os.PathLike[str]) -> Found:
+def found_in(folder: str | os.PathLike[str], *, check: bool) -> Found:
     """Return what is in a folder, after a check that it belongs together.
+
+    With `check` the file that says what is swept is compared with its SHA-256.
 
     Raises
     ------
@@ -88,6 +106,8 @@ def found_in(folder: str | os.PathLike[str]) -> Found:
     """
     if not isinstance(folder, (str, os.PathLike)):
         raise TypeError(f"folder = {shown(folder)}: give a path")
+    if not isinstance(check, bool):
+        raise TypeError(f"check = {shown(check)}: give True or False")
     path = Path(folder)
     if not path.is_dir():
         raise ValueError(f"folder = {str(path)!r}: give a folder that `iva sweep` wrote")
@@ -95,10 +115,31 @@ def found_in(folder: str | os.PathLike[str]) -> Found:
     parts = {name: listed(files, manifest) for name in NAMES if (files := part_files(path / name))}
     if not any(parts.values()):
         raise ValueError(f"folder = {str(path)!r}: {instead(path)}")
+    sums = sums_of(parts, manifest) if check else {}
     tables = described(parts)
     common = checked(parts, tables, manifest)
+    if sums:
+        _iva.check_files(sums[longest(parts)][:1])
     swept = tuple(key for key in common.get("iva.swept", "").split(",") if key)
-    return Found(parts, tables, swept, from_metadata(common, swept))
+    return Found(parts, tables, swept, from_metadata(common, swept), sums)
+
+
+def longest(parts: Mapping[str, list[Path]]) -> str:
+    """Return the table with the most parts: the first of them says what all have in common."""
+    return max(parts, key=lambda name: len(parts[name]))
+
+
+def sums_of(parts: Mapping[str, list[Path]], manifest: Manifest | None) -> dict[str, list[Sum]]:
+    """Return what the files of each table must be by the manifest; nothing without one."""
+    if manifest is None:
+        return {}
+    return {
+        name: [
+            (file, bytes_of(part, name) or 0, sum_of(part, name))
+            for file, part in zip(files, manifest.parts.values(), strict=False)
+        ]
+        for name, files in parts.items()
+    }
 
 
 def listed(files: list[Path], manifest: Manifest | None) -> list[Path]:
@@ -120,7 +161,7 @@ def instead(folder: Path) -> str:
     try:
         inner = sorted(entry for entry in folder.iterdir() if entry.is_dir())
     except OSError as error:
-        raise _iva.IvaError(f"{folder} cannot be read: {error}") from error
+        raise fault(f"{folder} cannot be read: {error}") from error
     results = [entry.name for entry in inner if any(part_files(entry / name) for name in NAMES)]
     if not results:
         return "no tables in it, give one with <table>/part-*.parquet"
@@ -143,7 +184,7 @@ def described(parts: Mapping[str, list[Path]]) -> dict[str, _iva.ArrowTable]:
     first, *others = chain.from_iterable(parts.values())
     for file in others:
         if file.suffix != first.suffix:
-            raise _iva.IvaError(f"{first} and {file} are of two formats: keep the files of one run")
+            raise fault(f"{first} and {file} are of two formats: keep the files of one run")
     return tables_of_study(first)
 
 
@@ -168,43 +209,60 @@ def checked(
     iva.IvaError
         If one does not, or one is missing. Metadata that older files lack are not missed.
     """
-    longest = max(parts.values(), key=len)
-    first = longest[0]
+    most = parts[longest(parts)]
+    first = most[0]
     common = metadata(first, tables.get(first.parent.name))
-    numbers = range(len(longest)) if manifest is None else list(manifest.parts)
+    numbers = range(len(most)) if manifest is None else list(manifest.parts)
+    if manifest is not None and common.get("iva.study", manifest.study) != manifest.study:
+        raise fault(f"{first} is of another study than {FILE} beside it: iva.study differs")
     for name in next(iter(manifest.parts.values()))["tables"] if manifest else ():
         if name not in parts:
-            raise _iva.IvaError(
-                f"{first.parent.parent / name} is missing, but the manifest lists it"
-            )
+            raise fault(f"{first.parent.parent / name} is missing, but the manifest lists it")
     for name, files in parts.items():
         for index, number in enumerate(numbers):
             expected = first.parent.parent / name / f"part-{number:05}{first.suffix}"
             if index >= len(files):
-                beside = "the manifest lists it" if manifest else f"{longest[index]} is there"
-                raise _iva.IvaError(f"{expected} is missing, but {beside}")
+                beside = "the manifest lists it" if manifest else f"{most[index]} is there"
+                raise fault(f"{expected} is missing, but {beside}")
             if files[index] != expected:
-                raise _iva.IvaError(f"{expected} is missing, but {files[index].name} is there")
+                raise fault(f"{expected} is missing, but {files[index].name} is there")
         begin = 0
         for number, file in zip(numbers, files, strict=False):
             found = metadata(file, tables.get(name))
             if found.get("iva.table", name) != name:
-                raise _iva.IvaError(f"{file} is a part of the table {found['iva.table']}")
+                raise fault(f"{file} is a part of the table {found['iva.table']}")
             for key in COMMON:
                 if found.get(key) != common.get(key):
-                    raise _iva.IvaError(f"{file} is not of the same run as {first}: {key} differs")
+                    raise fault(f"{file} is not of the same run as {first}: {key} differs")
             begin = begin if manifest is None else number * manifest.part_points
             if found.get("iva.first_point", str(begin)) != str(begin):
-                raise _iva.IvaError(
+                raise fault(
                     f"{file} begins with point {found['iva.first_point']}, but point {begin} is due"
                 )
-            size = file.stat().st_size
+            size = size_of(file)
             if manifest is not None and size != bytes_of(manifest.parts[number], name):
-                raise _iva.IvaError(
+                raise fault(
                     f"{file} is not what was written: its size is not that of the manifest; "
                     "resume the sweep to compute it again"
                 )
             begin += int(found.get("iva.part_points", "0"))
         if len(files) > len(numbers):
-            raise _iva.IvaError(f"{files[len(numbers)]} is no part of this sweep")
+            raise fault(f"{files[len(numbers)]} is no part of this sweep")
     return common
+
+
+def size_of(file: Path) -> int:
+    """Return the size of a file in bytes.
+
+    Raises
+    ------
+    iva.IvaError
+        If it is no regular file, or cannot be looked at.
+    """
+    try:
+        state = file.stat()
+    except OSError as error:
+        raise fault(f"{file} cannot be read: {error.strerror}") from error
+    if not S_ISREG(state.st_mode):
+        raise fault(f"{file} cannot be read: it is no regular file")
+    return state.st_size

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
+from iva import _iva
 from iva.parts import lazy
 from iva.reading import Found, found_in
 from iva.units import Units
@@ -59,7 +60,7 @@ class Scan:
     def _lazy(self, name: str) -> pl.LazyFrame:
         if name not in self.tables:
             raise AttributeError(
-                f"no table {name!r} in {self.folder}, only {', '.join(self.tables)}"
+                f"no table {name!r} in {self.folder!r}, only {', '.join(self.tables)}"
             )
         return lazy(self._found.parts[name], self._found.tables.get(name))
 
@@ -71,13 +72,13 @@ class Scan:
         """Show folder, axes, tables and units."""
         over = " × ".join(self.swept) or "no axis"
         files = max(len(files) for files in self._found.parts.values())
-        return (
+        return _iva.visible(
             f"Scan of {self.folder} over {over}: {', '.join(self.tables)}; {files} parts\n"
             f"  {self.units}"
         )
 
 
-def scan(folder: str | os.PathLike[str]) -> Scan:
+def scan(folder: str | os.PathLike[str], *, check: bool = False) -> Scan:
     """Open the tables of a folder without reading them.
 
     Parameters
@@ -85,6 +86,10 @@ def scan(folder: str | os.PathLike[str]) -> Scan:
     folder : str or path
         As in :func:`iva.read`; also one that a sweep is filling just now, of which the complete
         parts are seen.
+    check : bool, default False
+        Compare all files with the SHA-256 that ``manifest.json`` holds of them, now: every byte is
+        read once for that. Without it only sizes and metadata are checked, and what changed in a
+        file since it was written may be read without a word, or end a query in an error of polars.
 
     Returns
     -------
@@ -103,5 +108,6 @@ def scan(folder: str | os.PathLike[str]) -> Scan:
     ...     engine="streaming"
     ... )  # doctest: +SKIP
     """
-    found = found_in(folder)
+    found = found_in(folder, check=check)
+    _iva.check_files([sum_ for sums in found.sums.values() for sum_ in sums])
     return Scan(os.fspath(folder), found)

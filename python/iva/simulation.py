@@ -80,7 +80,7 @@ class Run(RunTables):
         Raises
         ------
         TypeError, ValueError
-            If `samples_per_period` is not a whole number, 1 or greater.
+            If `samples_per_period` is not a whole number, 1 or greater, or makes more than 3e7.
 
         Examples
         --------

@@ -200,7 +200,7 @@ def sweep(
             try:
                 warned(_iva.sweep_into(study, folder, *how, threads, report))
             except KeyboardInterrupt as interrupt:
-                interrupt.add_note(kept(folder, replaces))
+                interrupt.add_note(_iva.visible(kept(folder, replaces)))
                 raise
     return read(folder)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from iva._iva import visible
 from iva.frames import Frames
 from iva.units import Units
 
@@ -122,7 +123,7 @@ class Table:
     def __repr__(self) -> str:
         """Show axes, tables and units."""
         over = " × ".join(self.swept) or "no axis"
-        return f"Table over {over}: {', '.join(self.tables)}\n  {self.units}"
+        return visible(f"Table over {over}: {', '.join(self.tables)}\n  {self.units}")
 
     def _repr_html_(self) -> str:
         """Show axes, outcomes, tables and units in a notebook; this reads the summary."""

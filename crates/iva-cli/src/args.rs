@@ -6,12 +6,10 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use iva_sweep::fields::nearest;
 use iva_sweep::study::Table;
+use iva_sweep::sweep::MAX_THREADS;
 
 use crate::error::Error;
 use crate::table_file::{Format, Style};
-
-/// Largest `--threads`.
-const MAX_THREADS: i64 = 1024;
 
 /// What was asked for.
 #[derive(Debug, Parser)]
@@ -134,7 +132,7 @@ pub struct RunArgs {
     #[arg(long)]
     pub units_row: bool,
     /// Worker threads [default: one a core]; the results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MAX_THREADS as i64))]
     pub threads: Option<u16>,
     /// Add lines of JSON to this file: what was run, each part written, how it ended
     #[arg(long, value_name = "FILE")]

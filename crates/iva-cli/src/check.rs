@@ -1,13 +1,15 @@
 //! `iva check`: is the study valid, how large is it, how long will it take?
 
 use std::fmt::Write;
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use iva_sweep::Invalid;
 use iva_sweep::axis::Axis;
 use iva_sweep::identity::Identity;
-use iva_sweep::motion::trajectory;
+use iva_sweep::motion::{samples as samples_of_motion, trajectory};
 use iva_sweep::plan::{Plan, Trial, spread};
 use iva_sweep::sampling::{Rows, Sampling};
 use iva_sweep::study::{Study, Table};
@@ -24,13 +26,20 @@ use crate::run_study::{size, without_trajectory};
 use crate::scene::describe;
 use crate::study_file::{StudyFile, read_study};
 use crate::table_file::encoded_size;
+use crate::threads;
 
 /// Points run for the estimate. A study of up to twice as many is run whole.
 const SAMPLES: u64 = 1024;
 /// Points run at once, as many as side by side fill a worker's time well.
 const BATCH: usize = 64;
-/// No further sample is started after this time.
-const PATIENCE: Duration = Duration::from_secs(3);
+/// Samples that are not done after this time are dropped.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// So long may it take to find out into how many parts the study is divided.
+const PLAN_PATIENCE: Duration = Duration::from_secs(3);
+/// Of more points only some are checked, as many as take a moment.
+const CHECKED: u64 = 1 << 19;
+/// Samples of a trajectory that is made to see what one takes.
+const TRAJECTORY_SAMPLES: f64 = 1e5;
 
 /// Returns what is to be printed.
 ///
@@ -40,9 +49,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let file = read_study(&args.study)?;
     let located = |invalid| file.source.locate(&invalid);
     let points = file.study.points().map_err(located)?;
-    let progress = Progress::new("checking", points, false);
-    file.validate(&Workers::new(None)?, &AtomicBool::new(false), &|count| progress.add(count))?;
-    progress.clear();
+    check_points(&file, points)?;
     let units = file.study.units().map_err(located)?;
     let estimate = estimate(&file, points)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -54,22 +61,38 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     let grid = match sampling.is_empty() {
         true => "Points: 1 (no [sweep]: for `iva run`)".to_owned(),
         false => format!(
-            "Points: {points} ({sampling}), in {} of at most {}",
-            counted(estimate.plan.parts(), "part"),
-            counted(estimate.plan.part_points, "point")
+            "Points: {points} ({sampling}), in {}",
+            estimate.plan.map_or("parts of a few points".to_owned(), |plan| format!(
+                "{} of at most {}",
+                counted(plan.parts(), "part"),
+                counted(plan.part_points, "point")
+            ))
         ),
     };
     let _ = writeln!(out, "{}", wrap(&grid));
+    if points > CHECKED {
+        let said = "Values are checked one by one, their combinations at some points; `iva sweep` checks \
+                    every point before it runs any.";
+        let _ = writeln!(out, "{}", wrap(said));
+    }
     let _ = writeln!(out, "{}", wrap(&format!("{}.", first_upper(units.sentence()))));
     out.push_str(&describe(&file.study, points, units));
     let seconds = estimate.seconds / threads as f64;
-    let _ = writeln!(out, "Time: {} on {}", duration(seconds), counted(threads, "thread"));
+    let about = if estimate.cut { "more than" } else { "about" };
+    let time = match duration(seconds) {
+        time if estimate.cut => format!("{about} {}", time.trim_start_matches("about ")),
+        time => time,
+    };
+    let _ = writeln!(out, "Time: {time} on {}", counted(threads, "thread"));
     let total: f64 = estimate.sizes.iter().map(|(_, bytes)| bytes).sum();
-    let _ = writeln!(out, "Size: about {} as Parquet", size(total));
+    let _ = writeln!(out, "Size: {about} {} as Parquet", size(total));
     for (table, bytes) in &estimate.sizes {
         let _ = writeln!(out, "  {:12} {}", format!("{table}/"), size(*bytes));
     }
-    let basis = if estimate.samples == points {
+    let basis = if estimate.cut {
+        "Time and size are those of a run that was stopped before its end; nothing was written."
+            .to_owned()
+    } else if estimate.samples == points {
         "Time and size are from a run of every point; nothing was written.".to_owned()
     } else {
         format!(
@@ -81,9 +104,41 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     Ok(out)
 }
 
+/// Checks every point of a study, or of many points some that are spread over it.
+fn check_points(file: &StudyFile, points: u64) -> Result<(), Error> {
+    if points <= CHECKED {
+        let progress = Progress::new("checking", points, false);
+        let workers = threads::workers(None)?;
+        file.validate(&workers, &AtomicBool::new(false), &|count| progress.add(count))?;
+        progress.clear();
+        return Ok(());
+    }
+    let located = |invalid| file.source.locate(&invalid);
+    file.study.spec.distinct().map_err(located)?;
+    let chosen = (0..CHECKED).map(|sample| spread(sample, CHECKED, points));
+    for point in chosen.chain([points - 1]) {
+        file.study.design(point).map_err(located)?;
+    }
+    Ok(())
+}
+
+/// A flag that is set after some time.
+fn alarm(after: Duration) -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let set = Arc::clone(&flag);
+    thread::spawn(move || {
+        thread::sleep(after);
+        set.store(true, Ordering::Relaxed);
+    });
+    flag
+}
+
 struct Estimate {
-    plan: Plan,
+    /// `None` if it takes long to tell.
+    plan: Option<Plan>,
     samples: u64,
+    /// The only run was stopped: time and sizes are too small.
+    cut: bool,
     /// On one thread, for the whole study.
     seconds: f64,
     /// Bytes of each table.
@@ -93,14 +148,15 @@ struct Estimate {
 fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     let study = without_trajectory(&file.study);
     let located = |invalid| file.source.locate(&invalid);
-    let cancel = AtomicBool::new(false);
+    let cancel = alarm(PATIENCE);
     let workers = Workers::new(Some(1))?;
     let control =
         Control { workers: &workers, chunk: Some(BATCH), cancel: &cancel, progress: &|_| {} };
+    let is_over = || cancel.load(Ordering::Relaxed);
     let wanted = samples_of(points);
     let sampled = sampled(&study, wanted, points).map_err(located)?;
     let start = Instant::now();
-    let mut samples = 0;
+    let (mut samples, mut seconds) = (0, 0.0);
     let mut batches = Vec::new();
     while samples < wanted {
         // As many as the time that is left allows, by those before.
@@ -108,21 +164,34 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
         let left = PATIENCE.saturating_sub(start.elapsed()).as_secs_f64();
         let batch = if samples == 0 { 1 } else { ((left / each) as u64).clamp(1, BATCH as u64) };
         let last = wanted.min(samples + batch);
-        batches.push(
-            sweep(&sampled, samples..last, &control)
-                .map_err(|error| file.source.locate_sweep(error))?,
-        );
+        let tables = sweep(&sampled, samples..last, &control)
+            .map_err(|error| file.source.locate_sweep(error))?;
+        if is_over() && samples > 0 {
+            // The last of them may have been stopped.
+            break;
+        }
+        batches.push(tables);
         samples = last;
-        if start.elapsed() > PATIENCE {
+        seconds = start.elapsed().as_secs_f64();
+        if is_over() {
             break;
         }
     }
-    let mut seconds = start.elapsed().as_secs_f64();
+    let cut = is_over() && samples == 1;
     let factor = points as f64 / samples as f64;
     let located_sweep = |error| file.source.locate_sweep(error);
-    let trial = Trial::run(&study, &Workers::new(None)?, &cancel).map_err(located_sweep)?;
-    let plan = Plan::new(&study, &trial).map_err(located)?;
-    let parts = plan.parts() as f64;
+    let plan = if study.sampling.is_empty() {
+        Some(Plan { points: 1, part_points: 1 })
+    } else if cut {
+        // Points of a part would be run to see what one takes.
+        None
+    } else {
+        let stop = alarm(PLAN_PATIENCE);
+        let trial = Trial::run(&study, &threads::workers(None)?, &stop).map_err(located_sweep)?;
+        let plan = Plan::new(&study, &trial).map_err(located)?;
+        Some(plan).filter(|_| !stop.load(Ordering::Relaxed))
+    };
+    let parts = plan.map_or(1, |plan| plan.parts()) as f64;
     let identity = Identity::of(&study).map_err(located)?;
     let mut sizes = Vec::new();
     for table in &study.tables {
@@ -133,14 +202,21 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
         sizes.push((*table, parts * empty + factor * (full - empty)));
     }
     if file.study.tables.contains(&Table::Trajectory) {
+        // A long one is made of fewer samples.
+        let wanted = file.samples_per_period;
+        let duration = file.study.spec.design().map_err(located)?.limits.duration;
+        let count = samples_of_motion(duration, wanted).map_err(located)? as f64;
+        let taken = (f64::from(wanted) * (TRAJECTORY_SAMPLES / count).min(1.0)).ceil();
+        let more = f64::from(wanted) / taken;
+        let stop = alarm(PATIENCE);
         let before = Instant::now();
-        let rows = trajectory(&file.study.spec, file.samples_per_period, &cancel)
+        let rows = trajectory(&file.study.spec, taken as u32, &stop)
             .map_err(|error| file.source.locate_sweep(error))?;
-        seconds += before.elapsed().as_secs_f64();
+        seconds += before.elapsed().as_secs_f64() * more;
         let schema = schema(&file.study, Table::Trajectory, identity).map_err(located)?;
-        sizes.push((Table::Trajectory, encoded_size(schema, &[rows])? as f64));
+        sizes.push((Table::Trajectory, encoded_size(schema, &[rows])? as f64 * more));
     }
-    Ok(Estimate { plan, samples, seconds: seconds * factor, sizes })
+    Ok(Estimate { plan, samples, cut, seconds: seconds * factor, sizes })
 }
 
 /// The study at points spread over it, in an order of which any begin is spread as well.

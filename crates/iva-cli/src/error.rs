@@ -10,6 +10,7 @@ use iva_sweep::Invalid;
 use iva_sweep::sweep::SweepError;
 
 use crate::layout::WIDTH;
+use crate::visible::visible;
 
 /// Everything the command can fail with. `Display` is the message a user reads.
 #[derive(Debug, thiserror::Error)]
@@ -118,7 +119,7 @@ impl Error {
     pub fn report(&self) -> String {
         match self {
             Error::Study(error) => error.picture(),
-            other => format!("error: {other}"),
+            other => format!("error: {}", visible(&other.to_string())),
         }
     }
 
@@ -155,16 +156,17 @@ pub struct Place {
 impl StudyError {
     /// The message with the line it is about, the place underlined; with terminal colours.
     fn picture(&self) -> String {
-        let path = self.path.display().to_string();
+        let path = visible(&self.path.display().to_string());
+        let message = visible(&self.message);
         let Some(place) = &self.place else {
-            let title = format!("{path}: {}", self.message);
+            let title = format!("{path}: {message}");
             return picture(&[Group::with_title(Level::ERROR.primary_title(title))]);
         };
         let snippet = Snippet::source(&place.text)
             .line_start(place.line)
             .path(path)
             .annotation(AnnotationKind::Primary.span(place.span.clone()));
-        picture(&[Level::ERROR.primary_title(self.message.as_str()).element(snippet)])
+        picture(&[Level::ERROR.primary_title(message.as_str()).element(snippet)])
     }
 }
 

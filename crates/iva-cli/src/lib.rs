@@ -8,10 +8,12 @@
 
 pub mod args;
 mod axes;
+mod caught;
 mod cell;
 mod changes;
 mod check;
 mod claim;
+mod claims;
 mod created;
 mod directory;
 pub mod error;
@@ -29,6 +31,7 @@ pub mod part_files;
 pub mod points_file;
 mod progress;
 pub mod record_file;
+mod regular_file;
 pub mod report;
 pub mod resolved;
 mod run_command;
@@ -43,8 +46,10 @@ pub mod sweep_folder;
 pub mod table_file;
 #[cfg(test)]
 mod tests;
+pub mod threads;
 mod value;
 mod verified;
+mod visible;
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
@@ -55,6 +60,7 @@ use clap::Parser;
 pub use error::Error;
 pub use iva_sweep::columns::SCHEMA_VERSION;
 pub use study_file::{STUDY_VERSION, StudyFile, parse_study, read_study};
+pub use visible::visible;
 
 use args::{Cli, Command};
 
@@ -81,7 +87,12 @@ pub fn main_with_args(args: Vec<OsString>) -> i32 {
 }
 
 fn parse_and_run(args: Vec<OsString>) -> i32 {
-    let cli = match Cli::try_parse_from(args) {
+    // What is said of wrong arguments quotes them.
+    let shown: Vec<OsString> =
+        args.iter().map(|arg| visible(&arg.to_string_lossy()).into()).collect();
+    let parsed = Cli::try_parse_from(args)
+        .map_err(|usage| Cli::try_parse_from(shown).err().unwrap_or(usage));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(usage) => {
             // Help and version come this way too, with exit code 0.
@@ -123,7 +134,7 @@ fn run_command_line(command: &Command) -> Result<String, Error> {
 /// Prints a report. A reader that went away (`iva sweep … | head`) is no fault.
 fn print(text: &str) -> i32 {
     let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout.write_all(visible(text).as_bytes()).and_then(|()| stdout.flush()) {
         Ok(()) => EXIT_OK,
         Err(reason) if reason.kind() == ErrorKind::BrokenPipe => EXIT_OK,
         Err(reason) => {

@@ -26,6 +26,13 @@ impl Log {
     /// [`Error::Refused`] if it cannot be written.
     pub(crate) fn open(path: Option<&Path>) -> Result<Self, Error> {
         let open = |path: &Path| {
+            if path.exists() && !path.is_file() {
+                // A pipe without a reader would not even open.
+                return Err(Error::Refused(format!(
+                    "cannot write the log file {}: give a regular file",
+                    path.display()
+                )));
+            }
             OpenOptions::new().create(true).append(true).open(path).map_err(|reason| {
                 Error::Refused(format!("cannot write the log file {}: {reason}", path.display()))
             })

@@ -16,50 +16,124 @@ use arrow_csv::reader::Format as CsvFormat;
 use arrow_csv::{ReaderBuilder, reader::BufReader as CsvReader};
 use arrow_ipc::reader::FileReader;
 use arrow_schema::{ArrowError, DataType, Field, Schema};
-use iva_sweep::sampling::{MAX_POINTS, Rows};
+use iva_sweep::sampling::Rows;
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::errors::ParquetError;
 
+use crate::caught::{DAMAGED, caught};
+use crate::claims::{self, check_rows};
 use crate::directory::Directory;
 use crate::error::Error;
-use crate::table_file::metadata;
+use crate::regular_file;
+
+/// Columns of a file: more quantities than a study has.
+const MOST_COLUMNS: usize = 1000;
 
 /// Keys with a value for each point.
 pub type Columns = Vec<(String, Vec<f64>)>;
 
-/// Reads the points of a file.
+type Batches = Box<dyn Iterator<Item = Result<RecordBatch, ArrowError>>>;
+
+/// Reads the points of a file. What the file claims to hold is checked before room is made for it, and
+/// a decoder that panics over it is an error like any other.
 ///
 /// # Errors
-/// A sentence for a file that cannot be read or is of another kind, that has no rows or two columns of
-/// one name, and for a cell that is no number.
+/// A sentence for a file that is no regular one, cannot be read, is damaged or of another kind, that has
+/// no rows, more than fit into 4 GB, or two columns of one name, and for a cell that is no number.
 pub fn read_points(path: &Path) -> Result<Columns, String> {
+    caught(|| read(path)).unwrap_or_else(|| Err(DAMAGED.to_owned()))
+}
+
+fn read(path: &Path) -> Result<Columns, String> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-    let broken = |reason: ArrowError| match reason {
-        ArrowError::ParseError(reason) | ArrowError::CsvError(reason) => first_line(&reason),
-        other => first_line(&other.to_string()),
-    };
-    let open = || File::open(path).map_err(|reason| format!("it cannot be read: {reason}"));
-    type Batches = Box<dyn Iterator<Item = Result<RecordBatch, ArrowError>>>;
-    let batches: Batches = match ending {
-        "parquet" => Box::new(
-            ParquetRecordBatchReaderBuilder::try_new(open()?)
-                .and_then(|builder| builder.build())
-                .map_err(|reason| first_line(&reason.to_string()))?,
-        ),
-        "arrow" if metadata(path).is_err() && open().is_ok() => {
-            return Err("it is not an Arrow file, or not all of it".to_owned());
+    let open = || regular_file::open(path).map_err(|reason| format!("it cannot be read: {reason}"));
+    let (schema, rows, batches): (_, _, Batches) = match ending {
+        "parquet" => {
+            let mut file = open()?;
+            let refused = |reason: ParquetError| first_line(&reason.to_string());
+            let builder = ParquetRecordBatchReaderBuilder::try_new(file.try_clone().map_err(said)?)
+                .map_err(refused)?;
+            let schema = builder.schema().clone();
+            check_columns(&schema)?;
+            let rows =
+                claims::parquet::check(&mut file, builder.metadata(), schema.fields().len())?;
+            (schema, Some(rows), Box::new(builder.build().map_err(refused)?))
         }
-        "arrow" => Box::new(FileReader::try_new_buffered(open()?, None).map_err(broken)?),
-        "csv" => Box::new(csv(open()?).map_err(broken)?),
+        "arrow" => {
+            let mut file = open()?;
+            let schema = claims::arrow::schema(&mut file)?;
+            check_columns(&schema)?;
+            let rows = claims::arrow::check(&mut file, schema.fields().len())?;
+            file.rewind().map_err(said)?;
+            let reader = FileReader::try_new_buffered(file, None).map_err(broken)?;
+            (Arc::new(schema), Some(rows), Box::new(reader))
+        }
+        "csv" => {
+            let reader = csv(open()?).map_err(broken)?;
+            let schema = reader.schema();
+            check_columns(&schema)?;
+            (schema, None, Box::new(reader))
+        }
         _ => return Err("give a file whose name ends in .parquet, .arrow or .csv".to_owned()),
     };
     let mut columns = Columns::new();
+    for field in schema.fields() {
+        let mut values = Vec::new();
+        if let Some(rows) = rows {
+            values.try_reserve_exact(rows as usize).map_err(|_| no_room(rows))?;
+        }
+        columns.push((field.name().clone(), values));
+    }
     for batch in batches {
         append(&mut columns, &batch.map_err(broken)?)?;
     }
     match columns.first() {
+        Some((_, values)) if rows.is_some_and(|rows| rows != values.len() as u64) => {
+            Err(format!("it claims {} rows, but {} are in it", rows.unwrap_or(0), values.len()))
+        }
         Some((_, values)) if !values.is_empty() => Ok(columns),
         _ => Err("it has no rows: a row is a point, a column a quantity".to_owned()),
+    }
+}
+
+/// Checks that every column is of numbers, and has a name of its own.
+///
+/// # Errors
+/// A sentence that names the first that is not.
+fn check_columns(schema: &Schema) -> Result<(), String> {
+    let fields = schema.fields();
+    if fields.len() > MOST_COLUMNS {
+        return Err(format!("it has {} columns; give at most {MOST_COLUMNS}", fields.len()));
+    }
+    for (index, field) in fields.iter().enumerate() {
+        let name = field.name();
+        if fields[..index].iter().any(|other| other.name() == name) {
+            return Err(format!("it has two columns `{name}`"));
+        }
+        if !is_number(field.data_type()) {
+            return Err(format!("the column `{name}` is of {}, not of numbers", field.data_type()));
+        }
+    }
+    Ok(())
+}
+
+fn is_number(kind: &DataType) -> bool {
+    kind.is_integer() || matches!(kind, DataType::Float32 | DataType::Float64)
+}
+
+fn no_room(rows: u64) -> String {
+    format!("there is not enough memory for its {rows} rows")
+}
+
+fn said(reason: std::io::Error) -> String {
+    format!("it cannot be read: {reason}")
+}
+
+fn broken(reason: ArrowError) -> String {
+    match reason {
+        ArrowError::ParseError(reason) | ArrowError::CsvError(reason) => first_line(&reason),
+        other => first_line(&other.to_string()),
     }
 }
 
@@ -74,26 +148,18 @@ fn csv(mut file: File) -> Result<CsvReader<BufReader<File>>, ArrowError> {
 }
 
 fn append(columns: &mut Columns, rows: &RecordBatch) -> Result<(), String> {
-    let schema = rows.schema();
-    if columns.is_empty() {
-        for field in schema.fields() {
-            if columns.iter().any(|(name, _)| name == field.name()) {
-                return Err(format!("it has two columns `{}`", field.name()));
-            }
-            columns.push((field.name().clone(), Vec::new()));
-        }
-    }
+    let count = columns.len();
     for ((name, values), array) in columns.iter_mut().zip(rows.columns()) {
         let before = values.len();
-        if before as u64 + rows.num_rows() as u64 > MAX_POINTS {
-            return Err("it has more than 2^32 rows".to_owned());
-        }
+        // What is read counts, whatever was claimed.
+        check_rows(before as u64 + array.len() as u64, count)?;
         let numbers = numbers(array).ok_or_else(|| {
             format!("the column `{name}` is of {}, not of numbers", array.data_type())
         })?;
         if let Some(row) = (0..numbers.len()).find(|row| numbers.is_null(*row)) {
             return Err(format!("the column `{name}` has no number in row {}", before + row + 1));
         }
+        values.try_reserve(numbers.len()).map_err(|_| no_room((before + numbers.len()) as u64))?;
         values.extend_from_slice(numbers.values());
     }
     Ok(())

@@ -7,12 +7,12 @@
 mod at2;
 mod columns;
 
-use std::fs::File;
 use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
 use crate::error::Error;
+use crate::regular_file;
 use crate::source::{Source, shortened};
 
 /// A file of more bytes is refused: a minute at a kilohertz takes some 1 MB.
@@ -45,11 +45,11 @@ pub enum RecordUnit {
 /// [`Error::Study`] with line and column for anything in it that cannot be used.
 pub fn read_record(path: &Path) -> Result<RecordFile, Error> {
     let fault = |reason| Error::io("read", path, reason);
-    let file = File::open(path).map_err(fault)?;
+    let file = regular_file::open(path).map_err(fault)?;
     let mut size = file.metadata().map_err(fault)?.len();
     let mut bytes = Vec::new();
     if size <= MOST_BYTES {
-        // What is no plain file has no size beforehand.
+        // It may grow meanwhile.
         file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(fault)?;
         size = bytes.len() as u64;
     }

@@ -12,8 +12,9 @@ use iva_sweep::slot::Slot;
 use iva_sweep::study::Table;
 
 use crate::error::Error;
+use crate::folder::STUDY_FILE;
 use crate::layout::first_upper;
-use crate::study_file::{STUDY_VERSION, StudyFile};
+use crate::study_file::{MOST_BYTES, STUDY_VERSION, StudyFile};
 
 /// How the first line of every resolved study begins; a `study.toml` without it is the user's.
 pub const HEADER: &str = "# Resolved by iva-dynamics";
@@ -70,10 +71,19 @@ fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
 /// The text of a study, after [`resolve`]: the same study reads the same bytes, always.
 ///
 /// # Errors
-/// If the first point of the study is invalid.
+/// If the first point of the study is invalid, or the text is larger than what is read.
 pub fn write(file: &StudyFile) -> Result<String, Error> {
     let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
-    Ok(text_of(file, units.sentence()))
+    let text = text_of(file, units.sentence());
+    if text.len() as u64 <= MOST_BYTES {
+        return Ok(text);
+    }
+    Err(Error::Refused(format!(
+        "the values of the sweep would take {:.1} MB in {STUDY_FILE}, and a study file has at most {} MB: \
+         give the points one by one, as a frame or a file of points",
+        text.len() as f64 / 1e6,
+        MOST_BYTES / 1_000_000
+    )))
 }
 
 fn text_of(file: &StudyFile, units: &str) -> String {

@@ -25,6 +25,7 @@ use crate::resolved::{resolve, write};
 use crate::run_study::{choose_tables, folder, log_start, print_written, without_trajectory};
 use crate::study_file::{StudyFile, read_study};
 use crate::table_file::part_schema;
+use crate::threads::workers;
 use crate::verified::{print_verified, write_errors};
 
 /// Runs a study without a sweep, or one point of one; returns what is to be printed.
@@ -55,7 +56,7 @@ fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
     let located = |invalid| file.source.locate(&invalid);
     let units = file.study.units().map_err(located)?;
     log_start(log, args, &file)?;
-    let workers = Workers::new(args.threads.map(usize::from))?;
+    let workers = workers(args.threads.map(usize::from))?;
     let cancel = interrupt::listen();
     file.validate(&workers, cancel, &|_| {})?;
     log.event("checked", json!({}));

@@ -49,7 +49,8 @@ pub(crate) fn log_start(log: &Log, args: &RunArgs, file: &StudyFile) -> Result<(
         "start",
         json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "study": args.study,
+            // A name need not be UTF-8.
+            "study": args.study.to_string_lossy(),
             "points": file.points()?,
             "threads": args.threads,
             "format": args.format.name(),

@@ -21,8 +21,7 @@
 //! The fields of `[primary]`, `[absorber]`, `[force]`, `[start]` and `[run]` and their ranges are those of
 //! [`iva_sweep::fields::FIELDS`]; every error names file, line and column.
 
-use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -37,6 +36,7 @@ use toml::de::DeTable;
 
 use crate::error::Error;
 use crate::forces;
+use crate::regular_file;
 use crate::report::{BEST_DECAY, BEST_DRIVEN, RANKED, Report};
 use crate::sampling;
 use crate::source::Source;
@@ -53,8 +53,8 @@ pub const SAMPLES_PER_PERIOD: u32 = 200;
 /// The tables of a sweep if the study names none.
 pub const SWEEP_TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 
-/// A study of more bytes is not one: a million values of an axis take some 20 MB.
-const MOST_BYTES: u64 = 64_000_000;
+/// A study of more bytes is not one: its text takes some 70 times as much in memory while it is read.
+pub(crate) const MOST_BYTES: u64 = 10_000_000;
 
 const SECTIONS: [&str; 9] =
     ["version", "primary", "absorber", "force", "start", "run", "sampling", "sweep", "report"];
@@ -77,17 +77,26 @@ pub struct StudyFile {
 /// Reads a study file. Points of a grid are not checked here, see [`StudyFile::validate`].
 ///
 /// # Errors
-/// [`Error::Refused`] if the file cannot be read, [`Error::Study`] with line and column for
+/// [`Error::Refused`] if the file cannot be read, is no regular file or too large, [`Error::Study`] with line and column for
 /// anything in it that cannot be used.
 pub fn read_study(path: &Path) -> Result<StudyFile, Error> {
+    let failed = |reason: io::Error| {
+        Error::Refused(format!("cannot read the study file {}: {reason}", path.display()))
+    };
+    let file = regular_file::open(path).map_err(failed)?;
+    let mut size = file.metadata().map_err(failed)?.len();
     let mut bytes = Vec::new();
-    File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes)).map_err(
-        |reason| Error::Refused(format!("cannot read the study file {}: {reason}", path.display())),
-    )?;
-    if bytes.len() as u64 > MOST_BYTES {
+    if size <= MOST_BYTES {
+        // It may grow meanwhile.
+        file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
+        size = bytes.len() as u64;
+    }
+    if size > MOST_BYTES {
         return Err(Error::Refused(format!(
-            "{} is larger than 64 MB; give a study file",
-            path.display()
+            "{} has {:.1} MB; a study file has at most {} MB: give many points as a file of points",
+            path.display(),
+            size as f64 / 1e6,
+            MOST_BYTES / 1_000_000
         )));
     }
     let text = String::from_utf8(bytes).map_err(|error| {

@@ -5,7 +5,6 @@ use std::sync::Mutex;
 use arrow_array::RecordBatch;
 use iva_sweep::done::Done;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::sweep::Workers;
 use serde_json::{Map, Value, json};
 
 use crate::args::SweepArgs;
@@ -17,6 +16,7 @@ use crate::progress::Progress;
 use crate::report::BestPoints;
 use crate::run_study::{folder, load, log_start, print_written};
 use crate::run_sweep::{Sweep, Watch};
+use crate::threads::workers;
 
 /// Runs the points of a study; returns what is to be printed.
 ///
@@ -58,7 +58,7 @@ fn run(all: &SweepArgs, log: &Log) -> Result<String, Error> {
         resume: *resume,
         overwrite: args.overwrite,
         elsewhere: false,
-        workers: &Workers::new(args.threads.map(usize::from))?,
+        workers: &workers(args.threads.map(usize::from))?,
         cancel: interrupt::listen(),
     };
     let ran = sweep.run(&watch);

@@ -2,12 +2,15 @@
 
 mod read;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread;
 
 use arrow_array::RecordBatch;
 use arrow_csv::WriterBuilder;
@@ -24,8 +27,10 @@ use sha2::{Digest, Sha256};
 
 use crate::directory::Directory;
 use crate::error::Error;
+use crate::regular_file;
 
-pub use read::{metadata, read_rows};
+pub(crate) use read::footer;
+pub use read::{metadata, read_rows, read_table};
 
 /// Rows of a row group: a constant, so that the bytes do not depend on the machine.
 const ROW_GROUP_ROWS: usize = 1 << 16;
@@ -120,6 +125,50 @@ impl Contents {
                 read => hash.update(&piece[..read]),
             }
         }
+    }
+}
+
+/// The first of some files that has not the bytes that were written, as its number in the list. Files
+/// are read on as many threads as there are cores; `go_on` is called between pieces of them.
+///
+/// # Errors
+/// If a file is there and cannot be opened, and as [`Contents::are_in`], for the file of that number.
+pub fn first_damaged(
+    files: &[(PathBuf, Contents)],
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<usize>, (usize, io::Error)> {
+    let next = AtomicUsize::new(0);
+    let found: Mutex<BTreeMap<usize, Option<io::Error>>> = Mutex::default();
+    let clean = || found.lock().is_ok_and(|found| found.is_empty());
+    let check = || {
+        // Files are taken in order: none before the first that is found is left out.
+        while clean() {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some((path, contents)) = files.get(number) else { break };
+            let whole = match regular_file::open(path) {
+                Err(reason) if reason.kind() == io::ErrorKind::NotFound => Ok(false),
+                other => other.and_then(|file| contents.are_in(file, go_on)),
+            };
+            let fault = match whole {
+                Ok(true) => continue,
+                Ok(false) => None,
+                Err(reason) => Some(reason),
+            };
+            if let Ok(mut found) = found.lock() {
+                found.insert(number, fault);
+            }
+        }
+    };
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(files.len());
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            scope.spawn(check);
+        }
+        check();
+    });
+    match found.into_inner().unwrap_or_default().pop_first() {
+        Some((number, Some(reason))) => Err((number, reason)),
+        other => Ok(other.map(|(number, _)| number)),
     }
 }
 
@@ -304,5 +353,30 @@ fn parquet_fault(path: &Path, error: ParquetError) -> Error {
             Err(source) => Error::Internal(format!("{}: {source}", path.display())),
         },
         other => Error::Internal(format!("{}: {other}", path.display())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_damaged_file_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        // SHA-256 of "abc", from FIPS 180-2, appendix B.1.
+        let sha256 = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad".to_owned();
+        let contents = Contents { rows: 0, bytes: 3, sha256 };
+        let files: Vec<_> =
+            (0..20).map(|n| (folder.path().join(n.to_string()), contents.clone())).collect();
+        for (path, _) in &files {
+            std::fs::write(path, "abc").unwrap();
+        }
+        assert_eq!(first_damaged(&files, &|| true).unwrap(), None);
+        std::fs::write(&files[17].0, "abd").unwrap();
+        std::fs::remove_file(&files[5].0).unwrap();
+        assert_eq!(first_damaged(&files, &|| true).unwrap(), Some(5));
+        std::fs::create_dir(&files[5].0).unwrap();
+        assert_eq!(first_damaged(&files, &|| true).unwrap_err().0, 5);
+        assert_eq!(first_damaged(&files, &|| false).unwrap_err().0, 0);
     }
 }

@@ -59,17 +59,18 @@ pub(crate) fn whole_number(
     value: &Value<'_>,
     (least, most): (u64, u64),
 ) -> Result<u64, Error> {
-    as_number(value.get_ref())
-        .filter(|number| number.fract() == 0.0)
-        .filter(|number| (least as f64..=most as f64).contains(number))
-        .map(|number| number as u64)
-        .ok_or_else(|| {
-            source.bad_value(
-                field,
-                value.span(),
-                &format!("give a whole number from {least} to {most}"),
-            )
-        })
+    let number = match value.get_ref() {
+        // A double would round what lies beyond 2⁵³.
+        DeValue::Integer(integer) => u64::from_str_radix(integer.as_str(), integer.radix()).ok(),
+        other => as_number(other)
+            .filter(|number| number.fract() == 0.0)
+            .filter(|number| (least as f64..=most as f64).contains(number))
+            .map(|number| number as u64),
+    };
+    number.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
+        let allowed = format!("give a whole number from {least} to {most}");
+        source.bad_value(field, value.span(), &allowed)
+    })
 }
 
 /// `true` or `false`.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::{RecordBatch, RecordBatchIterator};
+use arrow_schema::SchemaRef;
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
@@ -11,23 +12,38 @@ use pyo3::types::PyCapsule;
 ///
 /// `polars.DataFrame(table)` is such a reader.
 #[pyclass(frozen, module = "iva._iva")]
-pub struct ArrowTable(pub RecordBatch);
+pub struct ArrowTable {
+    schema: SchemaRef,
+    /// One below the other: to join them would take the memory of the table twice.
+    batches: Vec<RecordBatch>,
+}
+
+impl ArrowTable {
+    /// Rows one below the other, all of one schema.
+    pub fn new(schema: SchemaRef, batches: Vec<RecordBatch>) -> Self {
+        Self { schema, batches }
+    }
+}
+
+impl From<RecordBatch> for ArrowTable {
+    fn from(rows: RecordBatch) -> Self {
+        Self { schema: rows.schema(), batches: vec![rows] }
+    }
+}
 
 #[pymethods]
 impl ArrowTable {
     /// Schema metadata: layout and package version, units, sign conventions.
     #[getter]
     fn metadata(&self) -> BTreeMap<String, String> {
-        let schema = self.0.schema();
-        let entries = schema.metadata().iter();
+        let entries = self.schema.metadata().iter();
         entries.map(|(k, v)| (k.clone(), v.clone())).collect()
     }
 
     /// Unit of every column, as its field metadata states it.
     #[getter]
     fn units(&self) -> BTreeMap<String, String> {
-        let schema = self.0.schema();
-        let fields = schema.fields().iter();
+        let fields = self.schema.fields().iter();
         fields
             .filter_map(|field| {
                 let unit = field.metadata().get("unit")?;
@@ -44,7 +60,8 @@ impl ArrowTable {
         requested_schema: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
         let _ = requested_schema;
-        let batches = RecordBatchIterator::new([Ok(self.0.clone())], self.0.schema());
+        let batches: Vec<_> = self.batches.iter().cloned().map(Ok).collect();
+        let batches = RecordBatchIterator::new(batches, self.schema.clone());
         // The capsule frees the stream when nobody took it; who takes it marks it as released.
         let stream = FFI_ArrowArrayStream::new(Box::new(batches));
         PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
@@ -53,8 +70,8 @@ impl ArrowTable {
     fn __repr__(&self) -> String {
         format!(
             "<iva._iva.ArrowTable: {} rows, {} columns>",
-            self.0.num_rows(),
-            self.0.num_columns()
+            self.batches.iter().map(RecordBatch::num_rows).sum::<usize>(),
+            self.schema.fields().len()
         )
     }
 }

@@ -181,7 +181,7 @@ pub fn gradients(
 }
 
 pub(crate) fn named(tables: engine::Tables) -> Tables {
-    tables.into_iter().map(|(table, batch)| (table.name(), ArrowTable(batch))).collect()
+    tables.into_iter().map(|(table, batch)| (table.name(), batch.into())).collect()
 }
 
 /// Runs a study of one point that takes more than a moment.
@@ -223,7 +223,7 @@ fn motion(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> Result<RecordBatch, SweepError> + Send + 'static,
 ) -> PyResult<ArrowTable> {
-    worker::run(py, None, move |shared| work(&shared.cancel)).map(ArrowTable)
+    worker::run(py, None, move |shared| work(&shared.cancel)).map(ArrowTable::from)
 }
 
 /// The command `iva`: takes the whole argument list, returns the exit code.

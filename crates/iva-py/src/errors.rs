@@ -1,5 +1,6 @@
 //! Which Python exception a failure becomes.
 
+use iva_cli::visible;
 use iva_sweep::Invalid;
 use iva_sweep::sweep::SweepError;
 use pyo3::PyErr;
@@ -15,20 +16,26 @@ create_exception!(
 
 /// A value that cannot be used: `ValueError` with field, value and what is allowed.
 pub fn invalid(error: Invalid) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    PyValueError::new_err(visible(&error.to_string()))
 }
 
 /// A run that could not be made: `ValueError` where the user can mend it, else `IvaError`.
 pub fn failed(error: SweepError) -> PyErr {
     match error {
         SweepError::Invalid(error) => invalid(error),
-        fault => IvaError::new_err(fault.to_string()),
+        fault => IvaError::new_err(visible(&fault.to_string())),
     }
 }
 
 /// A file of a result that cannot be read.
 pub fn unreadable(error: iva_cli::Error) -> PyErr {
-    IvaError::new_err(error.to_string())
+    let sentence = match &error {
+        iva_cli::Error::Io { action: "read", path, source } => {
+            format!("{} cannot be read: {source}", path.display())
+        }
+        other => other.to_string(),
+    };
+    IvaError::new_err(visible(&sentence))
 }
 
 /// A sweep into a folder that did not come to its end, in the words of Python.
@@ -38,7 +45,7 @@ pub fn refused(error: iva_cli::Error) -> PyErr {
         E::Study(error) => error.message.clone(),
         other => other.to_string(),
     };
-    let sentence = sentence
+    let sentence = visible(&sentence)
         .replace("with --out", "as out")
         .replace("--overwrite", "overwrite=True")
         .replace("--resume", "resume=True");

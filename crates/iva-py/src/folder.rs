@@ -8,10 +8,10 @@ use iva_cli::part_files::Staged;
 use iva_cli::run_sweep::{Opened, Sweep, Watch};
 use iva_cli::study_file::StudyFile;
 use iva_cli::table_file::{Format, Style};
+use iva_cli::threads::workers;
 use iva_sweep::Invalid;
 use iva_sweep::done::Done;
 use iva_sweep::study::Study;
-use iva_sweep::sweep::Workers;
 use pyo3::prelude::*;
 
 use crate::errors::{internal, invalid, refused};
@@ -94,7 +94,7 @@ impl Asked {
         shared: &Shared,
         work: impl FnOnce(&Sweep<'_>) -> Result<T, iva_cli::Error>,
     ) -> Result<T, iva_cli::Error> {
-        let workers = Workers::new(self.threads)?;
+        let workers = workers(self.threads)?;
         work(&Sweep {
             file: &self.file,
             dir: &self.dir,

@@ -31,7 +31,7 @@ mod _iva {
     #[pymodule_export]
     use super::errors::IvaError;
     #[pymodule_export]
-    use super::files::{empty_tables, metadata};
+    use super::files::{check_files, empty_tables, metadata, read_table, visible};
     #[pymodule_export]
     use super::folder::{PySweepFolder, sweep_into};
     #[pymodule_export]

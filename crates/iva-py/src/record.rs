@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use iva_cli::record_file::{RecordUnit, read_record as read};
+use iva_cli::visible;
 use iva_sweep::Invalid;
 use iva_sweep::forces::{History, RecordKind, Recorded};
 use pyo3::exceptions::PyValueError;
@@ -11,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 
 use crate::errors::{invalid, unreadable};
+use crate::worker;
 
 /// Increasing times with a value each, and what the values are.
 #[pyclass(frozen, eq, module = "iva._iva", name = "Record")]
@@ -68,11 +70,13 @@ impl PyRecord {
 /// The record of a file; of an AT2 file the kind is known.
 #[pyfunction]
 #[pyo3(signature = (path, kind = None))]
-pub fn read_record(path: PathBuf, kind: Option<&str>) -> PyResult<PyRecord> {
+pub fn read_record(py: Python<'_>, path: PathBuf, kind: Option<&str>) -> PyResult<PyRecord> {
     let kind = kind.map(kind_of).transpose()?;
-    let file = read(&path).map_err(|error| match error {
+    // A large file takes seconds: other threads may use Python meanwhile.
+    let read = worker::run_any(py, None, move |_| read(&path))?;
+    let file = read.map_err(|error| match error {
         iva_cli::Error::Io { .. } => unreadable(error),
-        other => PyValueError::new_err(other.to_string()),
+        other => PyValueError::new_err(visible(&other.to_string())),
     })?;
     let is_metric = file.unit == RecordUnit::MetresPerSecondSquared;
     let known = if is_metric { RecordKind::BaseAcceleration } else { RecordKind::Force };

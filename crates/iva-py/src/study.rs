@@ -1,29 +1,35 @@
 //! A study as Python holds it: what is to be run, and running it.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use arrow_array::RecordBatch;
 use iva_cli::part_files::PartFiles;
 use iva_cli::run_sweep::PartWork;
+use iva_cli::threads::workers;
 use iva_sweep::Invalid;
 use iva_sweep::cube::Method;
 use iva_sweep::done::Done;
 use iva_sweep::identity::Identity;
-use iva_sweep::plan::{Plan, Trial, memory};
+use iva_sweep::plan::{MAX_PART_POINTS, Plan, Trial, memory};
 use iva_sweep::sampling::Sampling;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::sweep::{Control, SweepError, Workers, sweep, validate};
+use iva_sweep::sweep::{Control, MAX_THREADS, SweepError, Workers, sweep, validate};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 
 use crate::arguments;
+use crate::arrow_table::ArrowTable;
 use crate::calls::{Tables, named};
 use crate::errors::{internal, invalid, refused};
 use crate::worker::{self, Progress, Shared};
 
 /// Points of a sweep that fit into memory whatever their tables are.
 const FEW: u64 = 4096;
+/// Bytes of the tables that are joined at once.
+const BATCH_BYTES: f64 = 1e8;
 
 /// What is run at many points: scene, points, tables. Studies can be pickled.
 #[pyclass(frozen, module = "iva._iva", name = "Study")]
@@ -99,18 +105,33 @@ impl PyStudy {
         let (study, points) = (Arc::clone(&self.study), self.identity.points);
         let progress = progress.map(|callback| Progress { callback, total: points });
         let tables = worker::run(py, progress.as_ref(), move |shared| {
-            let workers = Workers::new(threads)?;
+            let workers = workers(threads)?;
             if let Some(limit) = memory_limit {
                 refuse_too_large(&study, limit, &workers, &shared.cancel)?;
             }
             // A bad point is said at once, not after the good ones before it.
             validate(&study, &workers, &shared.cancel, &|_| {})?;
+            let batch = batch_points(&study, &workers, &shared.cancel)?;
             let progress = |done| shared.add(done);
             let (chunk, cancel) = (None, &shared.cancel);
             let control = Control { workers: &workers, chunk, cancel, progress: &progress };
-            sweep(&study, 0..points, &control)
+            // Joined batch by batch: to join all at once would take the memory of the tables twice.
+            let mut made: BTreeMap<Table, Vec<RecordBatch>> = BTreeMap::new();
+            let mut first = 0;
+            while first < points && !shared.cancel.load(Ordering::Relaxed) {
+                let last = points.min(first + batch);
+                for (table, rows) in sweep(&study, first..last, &control)? {
+                    made.entry(table).or_default().push(rows);
+                }
+                first = last;
+            }
+            Ok(made)
         })?;
-        Ok(named(tables))
+        let table = |(table, batches): (Table, Vec<RecordBatch>)| {
+            let schema = batches.first()?.schema();
+            Some((table.name(), ArrowTable::new(schema, batches)))
+        };
+        Ok(tables.into_iter().filter_map(table).collect())
     }
 
     /// The study with the points from `first` to below `last`, as small as it can be sent elsewhere.
@@ -144,7 +165,7 @@ impl PyStudy {
     fn part_points(&self, py: Python<'_>, memory_limit: Option<f64>) -> PyResult<u64> {
         let study = Arc::clone(&self.study);
         worker::run(py, None, move |shared| {
-            let workers = Workers::new(None)?;
+            let workers = workers(None)?;
             if let Some(limit) = memory_limit {
                 refuse_too_large(&study, limit, &workers, &shared.cancel)?;
             }
@@ -216,6 +237,18 @@ impl PyStudy {
     }
 }
 
+/// Points that are run and joined at once: so many that they take little beside all tables.
+fn batch_points(study: &Study, workers: &Workers, cancel: &AtomicBool) -> Result<u64, SweepError> {
+    let each = memory(study, &tried(study, workers, cancel)?)? / study.points()? as f64;
+    Ok((BATCH_BYTES / each).clamp(FEW as f64, MAX_PART_POINTS as f64) as u64)
+}
+
+/// Some points of a study where it takes them to know how large its tables are.
+fn tried(study: &Study, workers: &Workers, cancel: &AtomicBool) -> Result<Trial, SweepError> {
+    let known = study.points()? <= FEW || study.tables == [Table::Summary];
+    if known { Ok(Trial::default()) } else { Trial::run(study, workers, cancel) }
+}
+
 /// Refuses a sweep whose tables would not fit.
 fn refuse_too_large(
     study: &Study,
@@ -224,9 +257,7 @@ fn refuse_too_large(
     cancel: &AtomicBool,
 ) -> Result<(), SweepError> {
     let points = study.points()?;
-    let known = points <= FEW || study.tables == [Table::Summary];
-    let trial = if known { Trial::default() } else { Trial::run(study, workers, cancel)? };
-    let bytes = memory(study, &trial)?;
+    let bytes = memory(study, &tried(study, workers, cancel)?)?;
     if bytes <= limit {
         return Ok(());
     }
@@ -245,5 +276,8 @@ fn refuse_too_large(
 
 /// A number of threads; `None`: one a core.
 pub fn count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
-    Ok(threads.map(|n| arguments::whole("threads", n, 1024)).transpose()?.map(|n| n as usize))
+    Ok(threads
+        .map(|n| arguments::whole("threads", n, MAX_THREADS as u64))
+        .transpose()?
+        .map(|n| n as usize))
 }

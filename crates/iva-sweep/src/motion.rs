@@ -15,8 +15,8 @@ use crate::study::{Study, Table};
 use crate::sweep::SweepError;
 use crate::tables::{Cell, TableBuilder, schema_in};
 
-/// More samples than this are refused: 72 bytes each.
-pub const MAX_SAMPLES: f64 = 1e8;
+/// More samples than this are refused: while a table is made of them they take some 4 GB.
+pub const MAX_SAMPLES: f64 = 3e7;
 
 /// Whole sampling steps in a run of this duration (in 1/ωn).
 ///
@@ -58,9 +58,13 @@ pub fn trajectory(
     }
     let mut sampler = Sampler::with_events(times);
     watch(&design, cancel, &mut sampler)?;
-    let mut states = sampler.states;
+    let mut states = std::mem::take(&mut sampler.states);
+    // The times, which are large too.
+    drop(sampler);
     // The listed rebounds of a summed tail lie within the ride that follows it.
-    states.sort_by(|a, b| a.time.total_cmp(&b.time));
+    if !states.is_sorted_by(|a, b| a.time.total_cmp(&b.time).is_le()) {
+        states.sort_by(|a, b| a.time.total_cmp(&b.time));
+    }
     let rows = states.iter().map(|state| (design.scale.time(state.time), Some(state)));
     table(spec, &design, rows)
 }
@@ -113,10 +117,10 @@ fn watch(design: &Design, cancel: &AtomicBool, sampler: &mut Sampler) -> Result<
 fn table<'a>(
     spec: &Spec,
     design: &Design,
-    states: impl Iterator<Item = (f64, Option<&'a State>)>,
+    states: impl ExactSizeIterator<Item = (f64, Option<&'a State>)>,
 ) -> Result<RecordBatch, SweepError> {
     let schema = schema_in(&Study::single(spec.clone()), Table::Trajectory, design.units);
-    let mut builder = TableBuilder::new(schema, 1);
+    let mut builder = TableBuilder::new(schema, states.len());
     for (time, state) in states {
         builder.row(row(time, state, design));
     }

@@ -166,9 +166,11 @@ fn part_points(wanted: f64) -> u64 {
 /// Bytes that a row of a table takes in memory.
 fn row_bytes(study: &Study, table: Table) -> u64 {
     let swept = if table == Table::Summary { study.sampling.keys().count() } else { 0 };
-    // Eight bytes a number, and a bit that says if it is there; texts and flags take about as much.
+    // Eight bytes a number, and a bit that says if it is there; flags and small numbers take less.
     let columns = columns(table).len() as u64 + swept as u64;
-    4 + columns * 8 + columns.div_ceil(8)
+    // Polars keeps 16 bytes for each of the few words of a row beside those of the table.
+    let words = if table == Table::Summary { 32 } else { 0 };
+    4 + columns * 8 + columns.div_ceil(8) + words
 }
 
 /// Bytes that the tables of a study take in memory, by what a trial took.

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 use arrow_array::{Array, RecordBatch, StringArray};
 use arrow_schema::ArrowError;
@@ -42,6 +43,9 @@ pub enum SweepError {
     Table(#[from] ArrowError),
 }
 
+/// Most worker threads.
+pub const MAX_THREADS: usize = 1024;
+
 /// The worker threads of one or more sweeps.
 pub struct Workers(rayon::ThreadPool);
 
@@ -49,12 +53,16 @@ impl Workers {
     /// Starts `threads` workers; `None`: one a core.
     ///
     /// # Errors
-    /// [`SweepError`] for a count of zero or threads that do not start.
+    /// [`SweepError`] for a count of zero or beyond [`MAX_THREADS`], or threads that do not start.
     pub fn new(threads: Option<usize>) -> Result<Self, SweepError> {
-        if threads == Some(0) {
-            return Err(Invalid::new("threads", 0, "give a whole number, 1 or greater").into());
+        // Without a number rayon would ask the environment, and start any number of threads.
+        let cores = || thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
+        let threads = threads.unwrap_or_else(cores);
+        if !(1..=MAX_THREADS).contains(&threads) {
+            let allowed = format!("give a whole number, 1 or greater, at most {MAX_THREADS}");
+            return Err(Invalid::new("threads", threads, allowed).into());
         }
-        Ok(Self(rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build()?))
+        Ok(Self(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?))
     }
 
     pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {

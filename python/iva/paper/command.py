@@ -9,7 +9,7 @@ from dataclasses import fields
 from io import TextIOWrapper
 from time import perf_counter
 
-from iva._iva import IvaError
+from iva._iva import IvaError, visible
 from iva.paper.assumptions import MEANINGS, Assumptions
 from iva.paper.page import SIGNS, counted, number_of
 from iva.paper.reproducing import Report, reproduce
@@ -91,7 +91,7 @@ def main(arguments: Sequence[str]) -> int:
     if not given.quiet:
         clear()
         try:
-            print(summary(report, given.out, perf_counter() - begun))
+            print(visible(summary(report, given.out, perf_counter() - begun)))
             sys.stdout.flush()
         except BrokenPipeError:
             return DONE
@@ -125,7 +125,7 @@ def clear() -> None:
 def failed(code: int, text: str) -> int:
     """Say what is wrong; return the code."""
     clear()
-    print(f"error: {text}", file=sys.stderr)
+    print(f"error: {visible(text)}", file=sys.stderr)
     return code
 
 

@@ -13,7 +13,7 @@ import polars as pl
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from iva import _iva
+from iva.faults import fault
 from iva.paper import page
 from iva.paper.assumptions import Assumptions
 from iva.paper.figures import ITEMS, Item
@@ -222,7 +222,7 @@ class writing:  # noqa: N801 (reads as what it is: with writing(folder))
         """Say what could not be written, and why."""
         if isinstance(error, (OSError, pl.exceptions.PolarsError)):
             reason = getattr(error, "strerror", None) or str(error)
-            raise _iva.IvaError(f"cannot write to {self.folder}: {reason}") from error
+            raise fault(f"cannot write to {self.folder}: {reason}") from error
 
 
 def write_tables(folder: Path, name: str, made: Made) -> None:

@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from iva.design import design_of
+from iva.exports import aside
 from iva.forces import file_name
 from iva.parameters import number, shown
 from iva.plots.arguments import Numbers, checked_run, frame_of, limit, motion_of, values_of
@@ -218,7 +219,7 @@ def animate(
     run : Run
         The run, with its table ``impacts``.
     path : path-like
-        The file, with the suffix .gif or .html.
+        The file, with the suffix .gif or .html. It is written whole or not at all.
     until, frames, fps
         As in :func:`animation`.
 
@@ -232,8 +233,9 @@ def animate(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If a value is out of range, the suffix is another one, or the table is missing.
-    OSError
+        If a value is out of range, the suffix is another one, the table is missing, or `path` is
+        not a file in a folder that exists.
+    iva.IvaError
         If the file cannot be written.
 
     Examples
@@ -246,12 +248,15 @@ def animate(
         raise ValueError(f"path = {shown(str(file))}: give a name that ends in .gif or .html")
     checked(run, until, frames, fps)
     # Of its own, not of pyplot: nobody is to see it.
-    with style(), mpl.rc_context({"animation.embed_limit": MOST}):
+    with aside(file) as made, style(), mpl.rc_context({"animation.embed_limit": MOST}):
         drawn = moving(Figure(**FIGURE), run, until, frames, fps)
         if suffix == ".gif":
-            drawn.save(file, writer=PillowWriter(fps=fps))
+            # Of a name without an ending the writer would not know the format.
+            animated = made.with_suffix(suffix)
+            drawn.save(animated, writer=PillowWriter(fps=fps))
+            animated.rename(made)
         else:
-            file.write_text(page(drawn.to_jshtml(fps=fps), file.stem), encoding="utf-8")
+            made.write_text(page(drawn.to_jshtml(fps=fps), file.stem), encoding="utf-8")
     return file
 
 

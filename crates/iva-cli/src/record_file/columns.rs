@@ -81,9 +81,15 @@ fn cells(line: &str) -> impl Iterator<Item = &str> {
         .filter(move |cell| separator.is_some() || !cell.is_empty())
 }
 
-/// True if a line is words throughout.
+/// True if a line is names throughout. A number that cannot be read is none: left out, it would be missed.
 fn is_header(line: &str) -> bool {
-    decimal_comma(line, line).is_none() && cells(line).all(|cell| number(cell).is_none())
+    let opening = |c: char| "\"'([{".contains(c);
+    let begins = |cell: &str| {
+        let first = cell.trim_start_matches(opening).chars().next();
+        first.is_some_and(|c| c.is_alphabetic() || c == '_')
+    };
+    decimal_comma(line, line).is_none()
+        && cells(line).all(|cell| number(cell).is_none() && begins(cell))
 }
 
 /// The fault of a number with a decimal comma, if a line that cannot be read seems to have one.
@@ -93,7 +99,8 @@ fn decimal_comma(text: &str, line: &str) -> Option<Fault> {
         let pointed = format!("{whole}.{decimals}");
         let digits = whole.ends_with(|c: char| c.is_ascii_digit())
             && decimals.starts_with(|c: char| c.is_ascii_digit());
-        (digits && number(&pointed).is_some()).then(|| {
+        let readable = number(&pointed).is_some_and(f64::is_finite);
+        (digits && readable).then(|| {
             let message = format!(
                 "\"{}\" seems to have a decimal comma; write a decimal point: {}",
                 shortened(word),

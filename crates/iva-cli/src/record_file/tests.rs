@@ -123,7 +123,11 @@ fn the_record_of_the_repository_reads() {
 fn faults_of_columns() {
     for (text, expected) in [
         ("", " the file is empty; give times and values"),
-        (" \r\n\u{feff}", " no numbers in it; a record needs at least 2 points"),
+        // What is no name is no header.
+        (" \r\n\u{feff}", "2:1: 1 column; give two, a time and a value with decimal points"),
+        ("1.O,2\n1,2\n2,3\n", "1:1: \"1.O\" is not a number; give finite numbers"),
+        ("--,--\n1,2\n2,3\n", "1:1: \"--\" is not a number; give finite numbers"),
+        ("0,1e400\n1,2\n", "1:3: \"1e400\" is not finite; give finite numbers"),
         ("# only this\n", " no numbers in it; a record needs at least 2 points"),
         ("time,value\n", " no numbers in it; a record needs at least 2 points"),
         ("dt = 0.1\n", " no numbers in it; a record needs at least 2 points"),

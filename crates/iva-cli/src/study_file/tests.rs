@@ -278,7 +278,7 @@ fn a_trajectory_with_too_many_samples_is_refused_before_the_run() {
         Err(Error::Study(error)) => error,
         other => panic!("{other:?}"),
     };
-    assert!(error.message.contains("1e12 samples, at most 1e8"), "{error}");
+    assert!(error.message.contains("1e12 samples, at most 3e7"), "{error}");
     assert!(error.message.starts_with("run.samples_per_period = 1000000"), "{error}");
 }
 
