@@ -67,7 +67,7 @@ fuzz: ## any text, bytes and bits as input, a minute a target (needs a C++ compi
 		|| $(CARGO) install --locked --force cargo-fuzz@$(CARGO_FUZZ)
 	$(CARGO) clippy --locked --release --manifest-path tests/fuzz/Cargo.toml --target-dir target/fuzz \
 		-- -D warnings
-	for target in study tables record simulate; do \
+	for target in study tables record manifest simulate; do \
 		mkdir -p target/fuzz/corpus/$$target; \
 		$(CARGO) fuzz run --sanitizer none --fuzz-dir tests/fuzz --target-dir target/fuzz $$target \
 			target/fuzz/corpus/$$target tests/fuzz/corpus/$$target -- -timeout=20 $(FUZZ) || exit 1; \

@@ -19,6 +19,9 @@ from iva.parts import Sum, frame, metadata, part_files, tables_of_study
 from iva.tables import Table
 from iva.units import Units, from_metadata
 
+#: There while new tables take the place of earlier ones.
+EXCHANGE = Path(".iva-new") / "exchange.json"
+
 
 def read(folder: str | os.PathLike[str], *, check: bool = True) -> Table:
     """Open the tables of a folder that ``iva sweep`` or ``iva run`` wrote.
@@ -32,10 +35,9 @@ def read(folder: str | os.PathLike[str], *, check: bool = True) -> Table:
     check : bool, default True
         Compare every file with the SHA-256 that ``manifest.json`` holds of it: the one that says
         what is swept and in which units at once, the others when their table is read. This takes a
-        second for about a gigabyte a core where the processor has instructions for SHA-256. A
-        folder of ``iva run`` has no manifest, so that changed numbers in it are not noticed; of its
-        files only the structure is checked. Neither are changes in ``study.toml`` noticed unless
-        they concern the values.
+        second for about a gigabyte a core where the processor has instructions for SHA-256. Of a
+        folder without a manifest only the structure of the files is checked. Changes in
+        ``study.toml`` are not noticed unless they concern the values.
 
     Returns
     -------
@@ -111,6 +113,11 @@ def found_in(folder: str | os.PathLike[str], *, check: bool) -> Found:
     path = Path(folder)
     if not path.is_dir():
         raise ValueError(f"folder = {str(path)!r}: give a folder that `iva sweep` wrote")
+    if (path / EXCHANGE).exists():
+        raise fault(
+            f"{path} cannot be read: a process was killed while it replaced the tables there; run "
+            "any iva sweep or iva run into that folder to finish it"
+        )
     manifest = manifest_of(path)
     parts = {name: listed(files, manifest) for name in NAMES if (files := part_files(path / name))}
     if not any(parts.values()):

@@ -67,6 +67,31 @@ class Remote:
         """Return the full name of a file."""
         return f"{self.root}/{name}"
 
+    def refuse_links(self) -> None:
+        """Refuse a folder in which something of ours is a symbolic link.
+
+        Raises
+        ------
+        ValueError
+            Where what is written would go to another place.
+        """
+        inputs = self.path("inputs")
+        names = [FILE, STUDY, WORK, "inputs", *NAMES]
+        found = [self.path(name) for name in names]
+        if self.fs.isdir(inputs):
+            found += self.fs.ls(inputs, detail=False)
+        for path in found:
+            # Only file systems with links tell of them; a link to nothing does not "exist".
+            try:
+                info = self.fs.info(path)
+            except (FileNotFoundError, NotADirectoryError):
+                continue
+            if info.get("islink") or info.get("type") == "link":
+                raise ValueError(
+                    f"out = {self.url!r}: {_iva.visible(path)} is a symbolic link, and iva writes "
+                    "through none"
+                )
+
     def put(self, file: Path, name: str) -> None:
         """Copy a file there under another name, then move it."""
         aside = self.path(f"{WORK}/{uuid.uuid4().hex}")
@@ -155,6 +180,7 @@ def written(
         raise ValueError(
             f"overwrite = True: remove what is at {url} yourself, nothing else is safe"
         )
+    remote.refuse_links()
     begun = remote.fs.exists(remote.path(FILE))
     if begun and not resume:
         raise ValueError(

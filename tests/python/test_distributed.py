@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 import os
 import signal
@@ -257,6 +258,64 @@ def test_csv_behind_a_url_has_the_types_of_its_table(tmp_path: Path) -> None:
     with ThreadPoolExecutor(2) as executor:
         table = sweep(executor=executor, over=over, out=f"file://{tmp_path}/out", format="csv")
     assert table == sweep(over=over)
+
+
+def test_links_behind_a_url_are_refused(tmp_path: Path) -> None:
+    precious = tmp_path / "precious"
+    (precious / "folder").mkdir(parents=True)
+    (precious / "folder" / "file").write_text("mine")
+    over = {"relative_clearance": [0.5, 0.6], "restitution": [0.7]}
+    for name in (".iva-work", "summary", "inputs", "inputs/points.parquet", "study.toml"):
+        out = tmp_path / name.replace("/", " ")
+        (out / name).parent.mkdir(parents=True)
+        (out / name).symlink_to(precious)
+        with (
+            ThreadPoolExecutor(2) as executor,
+            pytest.raises(ValueError, match="is a symbolic link"),
+        ):
+            sweep(executor=executor, over=over, out=f"file://{out}")
+        assert contents(precious) == {"folder/file": b"mine"}
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [
+        {"folder": "../../precious"},
+        {"folder": "/etc"},
+        {"folder": ""},
+        {"contents": {}},
+        {"contents": {"../precious": {"rows": 1, "bytes": 4, "sha256": "0" * 64}}},
+        {"failed": 10**6},
+        {"failed": -1},
+        {"sha256": "0" * 64},
+        {"bytes": 1},
+        {"rows": -1},
+        {"iva": "0.0.1"},
+        {"iva": None},
+    ],
+)
+def test_what_a_worker_says_is_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lie: dict[str, Any]
+) -> None:
+    (tmp_path / "precious").mkdir()
+    (tmp_path / "precious" / "summary.parquet").write_text("mine")
+    honest = distributed.run_part
+
+    def lying(*arguments: Any) -> str:
+        staged = json.loads(honest(*arguments))
+        for key, value in lie.items():
+            (staged if key in staged else staged["contents"]["summary"])[key] = value
+        return json.dumps(staged)
+
+    monkeypatch.setattr(distributed, "run_part", lying)
+    over = {"relative_clearance": [0.5, 0.6], "restitution": [0.7]}
+    out = tmp_path / "out"
+    with ThreadPoolExecutor(2) as executor, pytest.raises((ValueError, iva.IvaError)) as caught:
+        sweep(executor=executor, over=over, out=out)
+    assert "worker" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert (tmp_path / "precious" / "summary.parquet").read_text() == "mine"
+    assert not out.exists()
 
 
 def test_few_parts_wait_at_a_time_and_none_after_the_end() -> None:

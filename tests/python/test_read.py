@@ -259,3 +259,20 @@ def test_folders_without_tables(tmp_path: Path) -> None:
         iva.read(tmp_path)
     with pytest.raises(ValueError, match="nowhere"):
         iva.read(tmp_path / "nowhere")
+
+
+def test_a_folder_in_the_middle_of_an_exchange_is_not_read(tmp_path: Path) -> None:
+    # As a process leaves it that is killed while it replaces tables.
+    folder = tmp_path / "out"
+    iva.sweep(
+        iva.Siva(mass_ratio=0.1, restitution=0.5),
+        iva.Primary(damping_ratio=0.01),
+        start=iva.Start(displacement=1.0),
+        periods=2,
+        over={"relative_clearance": [0.5, 0.6]},
+        out=folder,
+    )
+    (folder / ".iva-new").mkdir()
+    (folder / ".iva-new" / "exchange.json").write_text("{}")
+    with pytest.raises(iva.IvaError, match="a process was killed while it replaced the tables"):
+        iva.read(folder)
