@@ -11,6 +11,6 @@ def fault(message: str) -> _iva.IvaError:
     Examples
     --------
     >>> print(fault("results/\x1b[31m is missing"))
-    results/\\u{1b}[31m is missing
+    results/\u{1b}[31m is missing
     """
     return _iva.IvaError(_iva.visible(message))
