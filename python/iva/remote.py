@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 from iva import _iva
 from iva.distributed import Part, results
+from iva.faults import fault
 from iva.frames import NAMES, Frames, to_polars
-from iva.manifests import FILE, manifest_of
+from iva.manifests import FILE, manifest_of, sum_of
 from iva.progress import Report
 from iva.tables import Table
 from iva.units import from_metadata
@@ -230,10 +231,15 @@ def written(
 def opened(study: _iva.Study, remote: Remote, mirror: Path, style: str) -> Table:
     """Return the tables behind a URL, each read when first asked for."""
     manifest = manifest_of(mirror)
-    numbers = list(manifest.parts) if manifest else []
+    parts = manifest.parts if manifest else {}
     empty = study.run_points(0, 0)
     sources: dict[str, Callable[[], pl.DataFrame]] = {
-        table: partial(rows, remote, [part_name(table, number, style) for number in numbers], made)
+        table: partial(
+            rows,
+            remote,
+            {part_name(table, number, style): sum_of(it, table) for number, it in parts.items()},
+            made,
+        )
         for table, made in empty.items()
     }
     swept = tuple(study.swept)
@@ -241,8 +247,14 @@ def opened(study: _iva.Study, remote: Remote, mirror: Path, style: str) -> Table
     return Table(swept, from_metadata(metadata, swept), Frames(sources))
 
 
-def rows(remote: Remote, names: list[str], table: _iva.ArrowTable) -> pl.DataFrame:
-    """Return the rows of some files; `table` has their columns and no rows."""
+def rows(remote: Remote, sums: dict[str, str], table: _iva.ArrowTable) -> pl.DataFrame:
+    """Return the rows of some files, each with its SHA-256; `table` has their columns and no rows.
+
+    Raises
+    ------
+    iva.IvaError
+        If a file is not what was written.
+    """
     import polars as pl
 
     schema = to_polars(table).schema
@@ -252,7 +264,13 @@ def rows(remote: Remote, names: list[str], table: _iva.ArrowTable) -> pl.DataFra
         "csv": partial(pl.read_csv, schema=schema),
     }
     frames = []
-    for name in names:
+    for name, expected in sums.items():
         with remote.fs.open(remote.path(name), "rb") as file:
-            frames.append(readers[name.rpartition(".")[2]](file.read()))
+            content = file.read()
+        if hashlib.sha256(content).hexdigest() != expected:
+            raise fault(
+                f"{remote.url}/{name} is not what was written: its SHA-256 is not that of the "
+                "manifest; resume the sweep to compute it again"
+            )
+        frames.append(readers[name.rpartition(".")[2]](content))
     return pl.concat(frames)

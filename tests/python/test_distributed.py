@@ -260,6 +260,16 @@ def test_csv_behind_a_url_has_the_types_of_its_table(tmp_path: Path) -> None:
     assert table == sweep(over=over)
 
 
+def test_a_file_behind_a_url_that_was_altered_is_not_read(tmp_path: Path) -> None:
+    over = {"relative_clearance": [0.5, 0.6], "restitution": [0.7]}
+    with ThreadPoolExecutor(2) as executor:
+        table = sweep(executor=executor, over=over, out=f"file://{tmp_path}/out", format="csv")
+    part = tmp_path / "out" / "summary" / "part-00000.csv"
+    part.write_text(part.read_text().replace("finished", "finishes"))
+    with pytest.raises(iva.IvaError, match=r"part-00000\.csv is not what was written"):
+        _ = table.summary
+
+
 def test_links_behind_a_url_are_refused(tmp_path: Path) -> None:
     precious = tmp_path / "precious"
     (precious / "folder").mkdir(parents=True)

@@ -4,7 +4,9 @@
 //! share. Below it, in the order of a run:
 //! [`args`] (what was asked) → [`study_file`] (TOML, with the place of every error) →
 //! [`run_sweep`] (part by part, by [`iva_sweep`]) → [`part_files`] and [`table_file`] →
-//! [`sweep_folder`] with its [`manifest`] ([`output`] of a single run) → [`report`] (the best points). [`resolved`] writes the study with every default filled in.
+//! [`sweep_folder`] with its [`manifest`] ([`output`] of a single run) → [`report`] (the best points).
+//! [`resolved`] writes the study with every default filled in. `directory` holds a folder by a handle that
+//! follows no link, `folder` says what in it is ours, `exchange` replaces one result by another.
 
 pub mod args;
 mod axes;
