@@ -88,7 +88,7 @@ fn outside(home: &Home) -> BTreeMap<PathBuf, String> {
                 found.insert(path.clone(), "a folder".to_owned());
                 folders.push(path);
             } else {
-                let text = fs::read_to_string(&path).unwrap();
+                let text = String::from_utf8_lossy(&fs::read(&path).unwrap()).into_owned();
                 found.insert(path, text);
             }
         }
