@@ -159,7 +159,7 @@ impl Piva {
             distance: if touching { Sum::ZERO } else { distance },
             clearance,
             w,
-            cosine: if touching { self.wall_cosine } else { Sum::new(cosine) },
+            cosine: if touching { self.wall_cosine } else { cosine },
             released: false,
         };
         (state, touching)
