@@ -14,7 +14,8 @@
 //! D⁗, are below rounding ([`NEGLIGIBLE`]). That is an estimate, not an enclosure. Where the absorber then sticks, the common
 //! velocity follows from momentum, and the ride starts at the switch: the centre of mass obeys the
 //! equation of the ride through the whole tail up to terms of third order (rebounds are internal
-//! forces), so the motion after it is as exact.
+//! forces), so the motion after it is as exact. Rebounds of the printed law take momentum as well; what that
+//! does to the ride, to second order, is in `piva/impact_law.rs`.
 
 use crate::real::{NEGLIGIBLE, Real};
 

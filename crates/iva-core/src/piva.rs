@@ -23,6 +23,7 @@ pub use start::{Given, PivaStart};
 use accuracy::Accuracy;
 pub(crate) use accuracy::Sizes;
 use impact_law::Law;
+pub(crate) use step::STEEP;
 
 pub(crate) mod accuracy;
 mod gap;
@@ -39,7 +40,7 @@ pub struct Piva {
     pub(crate) parameters: Parameters,
     pub(crate) pendulum: Pendulum,
     /// cosθ at the walls.
-    wall_cosine: Real,
+    wall_cosine: Sum,
     pub(crate) law: Law,
     /// See [`System::pressure_gain`].
     pressure_gain: Real,
@@ -79,7 +80,7 @@ impl Piva {
             pivot_damping: 2.0 * pivot_damping_ratio * frequency_ratio,
             small_angles: angles == Angles::Small,
         };
-        let wall_cosine = pendulum.cosine(clearance);
+        let wall_cosine = pendulum.precise_cosine(Sum::new(clearance));
         let law = Law::new(&parameters, &pendulum, wall_cosine);
         Ok(Self {
             parameters,
@@ -119,7 +120,16 @@ impl Piva {
     pub fn wall_angle(&self) -> Real {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
         let sine = clearance / contact_distance;
-        if self.pendulum.small_angles { sine } else { real::asin(sine.min(1.0)) }
+        let small = self.pendulum.small_angles;
+        if small { sine } else { real::atan2(sine, self.wall_cosine.value) }
+    }
+
+    /// True if the walls are so close to the horizontal that cosθ tells better than y how far they are:
+    /// y hardly changes with the angle there.
+    pub(crate) fn has_steep_walls(&self) -> bool {
+        let Parameters { clearance, contact_distance, .. } = self.parameters;
+        let near = STEEP * contact_distance <= clearance && clearance < contact_distance;
+        near && !self.pendulum.small_angles
     }
 
     /// Acceleration of gravity g = κ L r², in ωn² × length.
@@ -135,7 +145,7 @@ impl Piva {
             u: state.primary.v.value,
             y: state.y().value,
             w: state.w.value,
-            c: state.cosine,
+            c: state.cosine.value,
         }
     }
 
@@ -200,7 +210,7 @@ pub struct PivaState {
     /// W = b θ̇.
     pub(crate) w: Sum,
     /// cosθ.
-    pub(crate) cosine: Real,
+    pub(crate) cosine: Sum,
     /// Just released: W and Ẇ are exactly 0.
     pub(crate) released: bool,
 }
@@ -212,9 +222,18 @@ impl PivaState {
         Sum::new(s * self.clearance).plus_parts(-s * self.distance.value, -s * self.distance.rest)
     }
 
+    /// Distance to a wall.
+    fn distance_to(&self, wall: Wall) -> Real {
+        if wall == self.wall {
+            self.distance.value
+        } else {
+            -self.distance.minus(2.0 * self.clearance)
+        }
+    }
+
     /// Gap velocity ẏ = c W.
     fn gap_velocity(&self) -> Real {
-        self.cosine * self.w.value
+        self.cosine.value * self.w.value
     }
 }
 
@@ -261,13 +280,12 @@ impl System for Piva {
     }
 
     fn touch(&self, state: &PivaState, wall: Wall) -> (PivaState, Real) {
-        let left = if wall == state.wall {
-            state.distance.value
+        let Series { u, w, y, c, .. } = self.beginning::<3>(state.time, state);
+        let later = if self.has_steep_walls() {
+            delay((state.cosine - self.wall_cosine).value, c[1], 2.0 * c[2])
         } else {
-            -state.distance.minus(2.0 * state.clearance)
+            delay(state.distance_to(wall), -wall.sign() * state.gap_velocity(), 2.0 * y[2])
         };
-        let Series { u, w, y, .. } = self.beginning::<3>(state.time, state);
-        let later = delay(left, -wall.sign() * state.gap_velocity(), 2.0 * y[2]);
         let Primary { x, v } = state.primary;
         let touching = PivaState {
             time: state.time.plus(later),
@@ -285,7 +303,7 @@ impl System for Piva {
         let v = state.primary.v;
         let gained = self.law.impact(state.w);
         let primary = Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary };
-        let w = state.w.times(-self.law.ratio);
+        let w = state.w.times_sum(-self.law.rebound);
         let after = PivaState { primary, w, released: false, ..*state };
         let restitution = self.parameters.restitution;
         let impact = Impact {
@@ -305,8 +323,11 @@ impl System for Piva {
     fn stick(&self, state: &PivaState) -> (PivaState, Real) {
         let v = state.primary.v;
         let gained = self.law.stick(state.w);
+        let Parameters { mass_ratio, damping_ratio, .. } = self.parameters;
+        let damping = 2.0 * damping_ratio / (1.0 + mass_ratio);
+        let [farther, faster] = self.law.surplus_of_tail(state.w, &self.distance(state), damping);
         let stuck = PivaState {
-            primary: Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary },
+            primary: Primary { x: state.primary.x.plus(farther), v: (v + gained).plus(faster) },
             distance: Sum::ZERO,
             w: Sum::ZERO,
             ..*state
@@ -315,15 +336,7 @@ impl System for Piva {
     }
 
     fn release(&self, state: &PivaState) -> (PivaState, Real) {
-        // Written into x, the pressure is 0 but for rounding.
-        let Primary { x, v } = state.primary;
-        let spring = v.times(-2.0 * self.parameters.damping_ratio).plus(self.driven(state.time));
-        let released = -(1.0 + self.parameters.mass_ratio) * self.release_acceleration(state.wall);
-        let primary = Primary { x: spring.plus(released), v };
-        // Under a force the pressure changes with the force as well, and much faster: what is written
-        // into x says nothing of the instant then.
-        let left = if self.force.lasts() { ZERO } else { (x - primary.x).value };
-        let later = delay(left, v.value, ZERO);
+        let (primary, later) = self.without_pressure(state);
         let (distance, w) = (Sum::ZERO, Sum::ZERO);
         let time = state.time.plus(later);
         (PivaState { time, primary, distance, w, released: true, ..*state }, later)
@@ -337,7 +350,7 @@ impl System for Piva {
         let Point { x, v } = self.primary(state);
         let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
         let Pendulum { lever, contact_distance, .. } = self.pendulum;
-        let (y, w, c) = (state.y().value, state.w.value, state.cosine);
+        let (y, w, c) = (state.y().value, state.w.value, state.cosine.value);
         let sine = y / contact_distance;
         // 1 − cosθ without cancellation (θ²/2 where angles count as small).
         let rise = if c > 0.0 { sine * sine / (1.0 + c) } else { 1.0 - c };
@@ -372,7 +385,7 @@ impl System for Piva {
             return PivaState { kicks, primary, released: false, ..*state };
         }
         let gained = Sum::new(velocity).over_sum(self.pendulum.inertia(state.y()));
-        let swing = gained.times(-coupling).times(state.cosine);
+        let swing = gained.times(-coupling).times_sum(state.cosine);
         PivaState {
             kicks,
             primary: state.primary.faster_by(gained),
@@ -385,27 +398,14 @@ impl System for Piva {
     fn angle(&self, state: &PivaState) -> Option<Angle> {
         let sine = state.y().value / self.pendulum.contact_distance;
         let small = self.pendulum.small_angles;
-        let value = if small { sine } else { real::atan2(sine, state.cosine) };
+        let value = if small { sine } else { real::atan2(sine, state.cosine.value) };
         Some(Angle { value, rate: state.w.value / self.pendulum.contact_distance })
     }
 
     fn impact_angles(&self, impact: &Impact) -> Option<[Angle; 2]> {
         let value = impact.wall.sign() * self.wall_angle();
-        let lever = self.wall_cosine * self.pendulum.contact_distance;
+        let lever = self.wall_cosine.value * self.pendulum.contact_distance;
         let angle = |w: Real| Angle { value, rate: w / lever };
         Some([impact.gap_velocity_before, impact.gap_velocity_after].map(angle))
-    }
-}
-
-impl Piva {
-    /// f/M at an instant.
-    fn driven(&self, time: Clock) -> Real {
-        self.force.drive::<1>(time, time, ONE).primary[0]
-    }
-
-    /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.
-    fn release_acceleration(&self, wall: Wall) -> Real {
-        let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
-        -wall.sign() * frequency_squared * self.parameters.clearance / (coupling * self.wall_cosine)
     }
 }

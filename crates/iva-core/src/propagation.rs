@@ -47,6 +47,14 @@ pub trait Differentiable: System {
     fn impact_matrix(&self) -> Matrix4<f64>;
     /// Derivative of the state at the end of a chatter by that after one of its rebounds.
     fn stick_matrix(&self) -> Matrix4<f64>;
+    /// What a rounding of the place is worth in y at a state: 1, or cosθ where that tells the place.
+    fn sharpness(&self, _state: &Self::State) -> f64 {
+        1.0
+    }
+    /// How fast the place changes: |ẏ|, of a pendulum |W|.
+    fn turning(&self, state: &Self::State) -> f64 {
+        self.rates(state)[2].abs()
+    }
     /// What a segment may leave out of its series, of x and ẋ and of y and ẏ.
     fn truncation(&self, _from: &Self::State) -> [f64; 2] {
         [0.0; 2]
@@ -156,8 +164,9 @@ impl Errors {
         (self.covariance[(i, i)] + self.alike[0].row(i).norm_squared()).sqrt()
     }
 
-    /// An impact on the wall that was hit before, or on another, where other numbers are rounded.
-    fn meet(&mut self, wall: Wall) {
+    /// An impact on the wall that was hit before, or on another, where other numbers are rounded; the gap
+    /// itself is rounded by `gap`.
+    fn meet(&mut self, wall: Wall, gap: f64) {
         let [before, since] = self.alike;
         let again = self.wall == Some(wall);
         self.alike = [if again { before + since } else { Matrix4::zeros() }, Matrix4::zeros()];
@@ -165,15 +174,14 @@ impl Errors {
             self.covariance += before * before.transpose();
         }
         if !again && self.wall.is_some() {
-            // The gap itself is rounded.
-            self.add(Vector4::new(0.0, 0.0, UNIT * self.clearance, 0.0));
+            self.add(Vector4::new(0.0, 0.0, gap, 0.0));
         }
         self.wall = Some(wall);
     }
 
     fn impact<S: Differentiable>(&mut self, system: &S, before: &S::State, after: &S::State) {
         let (wall, f) = (system.wall(before), system.rates(before));
-        self.meet(wall);
+        self.meet(wall, UNIT * self.clearance * system.sharpness(before));
         let approach = f[2].abs();
         let curvature = system.distance(before).curvature.abs();
         let distance = DEVIATIONS * self.deviation(2);
@@ -206,7 +214,7 @@ impl Errors {
         let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
         let speed = self.deviation(3) / leave.rate;
         let pressure = (self.deviation(0) + self.deviation(1)) / leave.curvature.abs();
-        let more = DEVIATIONS * whole * (speed + pressure);
+        let more = DEVIATIONS * whole * system.sharpness(after) * (speed + pressure);
         time + if more.is_finite() { more } else { 0.0 }
     }
 }
@@ -230,19 +238,24 @@ impl<S: Differentiable> Observer<S> for Errors {
         let map =
             if M::RIDING { system.ride_tangent(from, h) } else { system.flight_tangent(from, h) };
         self.carry(&map);
-        let rates = system.rates(from).abs().sup(&system.rates(&end).abs());
+        let sharpness = system.sharpness(&end);
+        let mut rates = system.rates(from).abs().sup(&system.rates(&end).abs());
+        if sharpness < 1.0 {
+            rates[2] = sharpness * system.turning(from).max(system.turning(&end));
+        }
         let mut errors = UNIT * ROUNDING * h * rates;
-        errors += Vector4::new(primary * h, primary, gap * h, gap);
+        errors += Vector4::new(primary * h, primary, gap * h * sharpness, gap);
         if M::RIDING {
             (errors[2], errors[3]) = (0.0, 0.0);
         }
         self.add(errors);
         if !M::RIDING {
-            let wrong = UNIT * ALIKE * h * system.sizes(from);
+            let mut wrong = UNIT * ALIKE * h * system.sizes(from);
+            wrong[2] = wrong[2].min(UNIT * ALIKE * h * rates[2]);
             self.alike[1] += Matrix4::from_diagonal(&wrong);
             // A wrong acceleration displaces as well.
             self.alike[1][(0, 1)] += 0.5 * h * wrong[1];
-            self.alike[1][(2, 3)] += 0.5 * h * wrong[3];
+            self.alike[1][(2, 3)] += 0.5 * h * sharpness * wrong[3];
         }
     }
 

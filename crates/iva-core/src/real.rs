@@ -5,7 +5,7 @@
 //! with [`Dual`](crate::dual::Dual), to differentiate it (crate `iva-core-dual`). Each has a module
 //! like this one and a list of modules beside this crate's root.
 
-pub use libm::{asin, atan2, sincos};
+pub use libm::{atan2, sincos};
 
 /// A real number.
 pub type Real = f64;

@@ -205,9 +205,20 @@ impl Pendulum {
     /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.
     #[inline]
     pub fn cosine(&self, y: Real) -> Real {
-        let sine = y / self.contact_distance;
-        let cosine = ((1.0 - sine) * (1.0 + sine)).max(0.0).sqrt();
+        let b = self.contact_distance;
+        // b − y is exact close to the horizontal, where 1 − sinθ would be lost in the rounding of sinθ.
+        let cosine = ((b - y) * (b + y)).max(0.0).sqrt() / b;
         if self.small_angles { ONE } else { cosine }
+    }
+
+    /// The same to twice the precision.
+    pub fn precise_cosine(&self, y: Sum) -> Sum {
+        let cosine = self.cosine(y.value);
+        if self.small_angles {
+            Sum::new(ONE)
+        } else {
+            refined_cosine(y.over(self.contact_distance), cosine)
+        }
     }
 
     /// 1 + μ − (μ/κ) cos²θ, what a force on the primary moves: written as 1 + (μ/κ)(κ − 1 + sin²θ), in
@@ -270,6 +281,15 @@ impl Pendulum {
         }
         recurrence.series
     }
+}
+
+/// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
+#[inline(always)]
+pub(crate) fn refined_cosine(sine: Sum, cosine: Real) -> Sum {
+    let c = Sum::new(cosine);
+    let square = Sum::new(ONE) - sine * sine;
+    let precise = c + (square - c * c) / c.times(2.0);
+    if cosine == 0.0 { Sum::ZERO } else { precise }
 }
 
 /// A polynomial by Horner's rule.

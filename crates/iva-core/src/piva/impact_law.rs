@@ -3,6 +3,7 @@
 
 use super::parameters::{ImpactLaw, Parameters};
 use crate::compensated::Sum;
+use crate::flight::Jet;
 use crate::impact::primary_share;
 use crate::real::{ONE, Real, ZERO};
 use crate::taylor::Pendulum;
@@ -21,28 +22,34 @@ pub(crate) struct Law {
     cosine: Real,
     /// W⁺ = −ratio · W⁻: e, or 2μe/(1 + μ) as printed in Eq. 17.
     pub ratio: Real,
+    /// The same with its rounding rest.
+    pub rebound: Sum,
     /// Velocity that the primary gains at an impact, per W⁻.
     impact_gain: Sum,
     /// The same over a whole tail of rebounds, from the last one on.
     stick_gain: Sum,
+    /// Velocity of the centre of mass that the printed law takes over a whole tail, per W of the last
+    /// rebound; 0 where momentum is conserved.
+    surplus: Sum,
     /// 1 − e² and the like vanish exactly where they should only for the consistent law.
     printed: bool,
 }
 
 impl Law {
-    pub fn new(p: &Parameters, pendulum: &Pendulum, cosine: Real) -> Self {
+    pub fn new(p: &Parameters, pendulum: &Pendulum, wall_cosine: Sum) -> Self {
         let (mu, lever, e) = (p.mass_ratio, pendulum.lever, p.restitution);
         let share = |e| primary_share(mu, e).times(lever);
-        let common = share(ZERO).times(cosine);
-        let (ratio, impact_gain, stick_gain) = match p.impact_law {
-            ImpactLaw::Consistent => (e, share(e).times(cosine), common),
+        let (rebound, impact_gain, surplus) = match p.impact_law {
+            ImpactLaw::Consistent => (Sum::new(e), share(e).times_sum(wall_cosine), Sum::ZERO),
             ImpactLaw::Printed => {
                 // Each rebound leaves some momentum over; the tail begins with −W.
-                let ratio = 2.0 * mu * e / (1.0 + mu);
-                let over = ((1.0 + e) - cosine * (1.0 + ratio)) / (1.0 - ratio);
-                (ratio, share(e), common.plus(-share(ZERO).value * over))
+                let one = Sum::new(ONE);
+                let ratio = Sum::new(2.0 * mu).times(e).over_sum(one.plus(mu));
+                let over = one.plus(e) - wall_cosine * (one + ratio);
+                (ratio, share(e), share(ZERO) * over / (one - ratio))
             }
         };
+        let cosine = wall_cosine.value;
         // Written so that nothing cancels, however heavy the absorber: κ − cos²θ is exact.
         let sine = if pendulum.small_angles { ZERO } else { p.clearance / p.contact_distance };
         let free = (p.inertia_ratio - 1.0) + if cosine > 0.0 { sine * sine } else { ONE };
@@ -53,9 +60,11 @@ impl Law {
             pull: mu * lever,
             inertia: mu * p.inertia_ratio * (lever * lever),
             cosine,
-            ratio,
+            ratio: rebound.value,
+            rebound,
             impact_gain,
-            stick_gain,
+            stick_gain: share(ZERO).times_sum(wall_cosine) - surplus,
+            surplus,
             printed: p.impact_law == ImpactLaw::Printed,
         }
     }
@@ -78,6 +87,20 @@ impl Law {
     /// Velocity gained by the primary until the rebounds that begin with W have died out.
     pub fn stick(&self, w: Sum) -> Sum {
         w.times_sum(self.stick_gain)
+    }
+
+    /// How much farther and faster than that the primary is after the rebounds that begin with W, to second
+    /// order in W: the printed law takes momentum bit by bit, and not all at once as a stick does.
+    ///
+    /// A rebound of speed u lasts 2u/A, while which the surplus of it and of all that follow is still there,
+    /// and returns with u (1 − ⅔ J u/A²) (see [`crate::chatter`]); `damping` acts on the way.
+    pub fn surplus_of_tail(&self, w: Sum, leave: &Jet, damping: Real) -> [Real; 2] {
+        if self.surplus.value == 0.0 || w.value == 0.0 {
+            return [ZERO; 2];
+        }
+        let (pressure, squares) = (-leave.curvature, (1.0 - self.ratio) * (1.0 + self.ratio));
+        let farther = self.surplus.value * w.value * (2.0 * leave.rate / (pressure * squares));
+        [farther, farther * (leave.jerk / (3.0 * pressure) - damping)]
     }
 
     /// Energy lost in an impact with W at primary velocity v.

@@ -2,7 +2,7 @@
 
 use super::accuracy::share_kept;
 use super::gap::Gap;
-use super::step::{Step, Turning, precise_cosine};
+use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Glide, Jet, Motion, Rows, Side, Turns};
@@ -301,11 +301,7 @@ impl Curve for PivaFlight<'_> {
     fn precise(&self, h: Real) -> Sum {
         let from = &self.from;
         let order = self.piva.accuracy.order;
-        let cosine = if self.piva.pendulum.small_angles {
-            Sum::new(ONE)
-        } else {
-            precise_cosine(from.y().over(self.piva.parameters.contact_distance), from.cosine)
-        };
+        let cosine = self.step().precise_cosine();
         let mut series: Series<Sum> = self.precise_series(cosine, self.step, order);
         if from.released {
             (series.w[1], series.y[2]) = (Sum::ZERO, Sum::ZERO);

@@ -9,11 +9,12 @@ use super::{Parameters, Piva, PivaState};
 use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
 use crate::force::Drive;
+use crate::impact::delay;
 use crate::oscillator::Primary;
 use crate::polynomial::square_integral;
 use crate::real::{ONE, Real, ZERO};
 use crate::system::{Clock, Wall};
-use crate::taylor::{ORDER, Row, horner};
+use crate::taylor::{ORDER, Pendulum, Row, horner};
 
 /// Longest step, over the fastest rate of oscillator and force.
 const LONGEST: f64 = 0.75;
@@ -66,12 +67,44 @@ impl<'a> PivaRide<'a> {
 
     /// How much of A presses on the wall.
     fn leverage(&self) -> Real {
-        self.piva.pendulum.coupling * self.piva.wall_cosine
+        self.piva.pendulum.coupling * self.piva.wall_cosine.value
     }
 
     /// Gravity, which pulls off the wall.
     fn weight(&self) -> Real {
         self.piva.pendulum.frequency_squared * self.piva.parameters.clearance
+    }
+}
+
+impl Piva {
+    /// The primary where the wall stops pressing, from a state that is there but for rounding, and how much
+    /// later it is.
+    pub(super) fn without_pressure(&self, state: &PivaState) -> (Primary, Real) {
+        let Primary { x, v } = state.primary;
+        let damping = 2.0 * self.parameters.damping_ratio;
+        let acceleration = self.release_acceleration(state.wall);
+        let mass = Sum::new(ONE).plus(self.parameters.mass_ratio);
+        let rest = Sum::new(self.driven(state.time)) - acceleration * mass;
+        let balanced = |v: Sum| rest - v.times(damping);
+        // Under a force the pressure changes with the force as well, and much faster: what is written
+        // into x says nothing of the instant then.
+        let left = if self.force.lasts() { ZERO } else { (x - balanced(v)).value };
+        let rate = v.value + damping * acceleration.value;
+        let later = delay(left, rate, acceleration.value);
+        let v = v.plus(acceleration.value * later);
+        (Primary { x: balanced(v), v }, later)
+    }
+
+    /// f/M at an instant.
+    fn driven(&self, time: Clock) -> Real {
+        self.force.drive::<1>(time, time, ONE).primary[0]
+    }
+
+    /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.
+    fn release_acceleration(&self, wall: Wall) -> Sum {
+        let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
+        let pull = Sum::new(-wall.sign() * frequency_squared).times(self.parameters.clearance);
+        pull.over_sum(self.wall_cosine.times(coupling))
     }
 }
 

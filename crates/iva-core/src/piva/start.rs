@@ -49,7 +49,7 @@ struct Pose {
     /// Gap displacement.
     y: Real,
     /// cosθ.
-    cosine: Real,
+    cosine: Sum,
     /// W = b θ̇.
     w: Real,
 }
@@ -59,17 +59,17 @@ impl Piva {
         let b = self.parameters.contact_distance;
         let small = self.pendulum.small_angles;
         let (y, cosine) = match start.place {
-            Given::Gap(y) => (y, self.pendulum.cosine(y)),
-            Given::Angle(angle) if small => (b * angle, ONE),
+            Given::Gap(y) => (y, self.pendulum.precise_cosine(Sum::new(y))),
+            Given::Angle(angle) if small => (b * angle, Sum::new(ONE)),
             Given::Angle(angle) => {
                 let (sine, cosine) = real::sincos(angle);
-                (b * sine, cosine)
+                (b * sine, Sum::new(cosine))
             }
         };
         #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
         let w = match start.rate {
             Given::Gap(w) if w == 0.0 => ZERO,
-            Given::Gap(w) => w / cosine,
+            Given::Gap(w) => w / cosine.value,
             Given::Angle(rate) => b * rate,
         };
         Pose { y, cosine, w }
@@ -83,7 +83,7 @@ impl Piva {
         range::size("start.displacement", start.displacement)?;
         range::size("start.velocity", start.velocity)?;
         let Pose { y, cosine, w } = self.pose(start);
-        self.check_place(start.place, y, cosine)?;
+        self.check_place(start.place, y, cosine.value)?;
         let (field, rate) = match start.rate {
             Given::Gap(w) => ("start.gap_velocity", w),
             Given::Angle(rate) => ("start.angular_velocity", rate),
@@ -144,11 +144,14 @@ impl Piva {
             .unwrap_or(ONE);
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
         let clearance = self.parameters.clearance;
-        let distance = Sum::new(clearance).plus(-wall.sign() * y);
+        let distance = match start.place {
+            Given::Angle(_) if self.has_steep_walls() => self.height(cosine, wall.sign() * y),
+            _ => Sum::new(clearance).plus(-wall.sign() * y),
+        };
         let touching = distance.value <= ON_WALL_ULPS * Real::EPSILON * clearance;
         #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
         let w = match start.rate {
-            Given::Gap(rate) if w != 0.0 => Sum::new(rate).over(cosine),
+            Given::Gap(rate) if w != 0.0 => Sum::new(rate).over_sum(cosine),
             _ => Sum::new(w),
         };
         let state = PivaState {
@@ -163,5 +166,13 @@ impl Piva {
             released: false,
         };
         (state, touching)
+    }
+
+    /// Distance d − y to a wall of an angle with this cosine: b² (cos²θ − cos² at the wall)/(d + y), which
+    /// knows it better than y does close to the horizontal.
+    fn height(&self, cosine: Sum, y: Real) -> Sum {
+        let b = self.parameters.contact_distance;
+        let over = (cosine - self.wall_cosine) * (cosine + self.wall_cosine);
+        over.times(b).times(b).over_sum(Sum::new(self.parameters.clearance).plus(y))
     }
 }

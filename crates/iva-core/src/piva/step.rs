@@ -9,11 +9,11 @@ use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::polynomial::horners;
 use crate::quintic::{monomials, root};
-use crate::real::{ONE, Real, ZERO, larger};
-use crate::taylor::{Pendulum, Row, Series, Swing, unrolled};
+use crate::real::{Real, ZERO, larger};
+use crate::taylor::{Pendulum, Row, Series, Swing, refined_cosine, unrolled};
 
 /// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
-const STEEP: f64 = 0.7;
+pub(crate) const STEEP: f64 = 0.7;
 
 /// A series in powers of t over `length`, from a state.
 #[derive(Debug, Clone, Copy)]
@@ -33,18 +33,14 @@ impl Step<'_> {
         let [x, u, y, w, c] = horners(rows.map(|row| &row[1..=N]), t).map(|beyond| t * beyond);
         let primary = Primary { x: from.primary.x.plus(x), v: from.primary.v.plus(u) };
         let distance = from.distance.plus(-from.wall.sign() * y);
-        self.reached(h, primary, distance, from.w.plus(w), series.c[0] + c)
+        self.reached(h, primary, distance, from.w.plus(w), from.cosine.plus(c))
     }
 
     /// The same, the linear terms to twice the precision, which leaves the rounding of those from h² on.
     #[inline(always)]
     pub fn arrival<const N: usize>(&self, h: Real, drive: Option<&Drive<Sum, 2>>) -> PivaState {
         let (t, from, series) = (h / self.length, self.from, self.series);
-        let sine = from.y().over(self.pendulum.contact_distance);
-        // Where the angle is steep the carried cosine knows it better than y does.
-        let steep = self.pendulum.small_angles || sine.value.abs() >= STEEP;
-        let precise = precise_cosine(sine, from.cosine);
-        let cosine = if steep { Sum::new(from.cosine) } else { precise };
+        let cosine = self.precise_cosine();
         let start =
             Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
         let first: Series<Sum, 2> = self.pendulum.beginning(&start, drive);
@@ -59,17 +55,28 @@ impl Step<'_> {
         let towards = -from.wall.sign();
         let Sum { value, rest } = increment(first.y[1], y);
         let distance = from.distance.plus_parts(towards * value, towards * rest);
-        let own = series.c[0] + t * (series.c[1] + t * c);
+        let own = cosine + increment(first.c[1], c);
         self.reached(h, primary, distance, from.w + increment(pull, w), own)
+    }
+
+    /// cosθ where the step begins, to twice the precision.
+    #[inline(always)]
+    pub fn precise_cosine(&self) -> Sum {
+        let (pendulum, from) = (self.pendulum, self.from);
+        let sine = from.y().over(pendulum.contact_distance);
+        // Where the angle is steep the carried cosine knows it better than y does.
+        let steep = pendulum.small_angles || sine.value.abs() >= STEEP;
+        let precise = refined_cosine(sine, from.cosine.value);
+        if steep { from.cosine } else { precise }
     }
 
     /// The state at h, with its angle from the distance; `own`: the cosine from its own series.
     #[inline(always)]
-    fn reached(&self, h: Real, primary: Primary, distance: Sum, w: Sum, own: Real) -> PivaState {
+    fn reached(&self, h: Real, primary: Primary, distance: Sum, w: Sum, own: Sum) -> PivaState {
         let from = self.from;
         let y = PivaState { distance, ..*from }.y().value;
         let sine = y / self.pendulum.contact_distance;
-        let exact = self.pendulum.cosine(y).copysign(own);
+        let exact = Sum::new(self.pendulum.cosine(y).copysign(own.value));
         let cosine = if sine.abs() < STEEP { exact } else { own };
         let time = from.time.plus(h);
         PivaState { time, primary, distance, w, cosine, released: false, ..*from }
@@ -231,13 +238,4 @@ fn from_two<const N: usize, const K: usize>(rows: [&Row<Real>; K], t: Real) -> [
         }
     });
     sums
-}
-
-/// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
-#[inline(always)]
-pub(super) fn precise_cosine(sine: Sum, cosine: Real) -> Sum {
-    let c = Sum::new(cosine);
-    let square = Sum::new(ONE) - sine * sine;
-    let precise = c + (square - c * c) / c.times(2.0);
-    if cosine == 0.0 { Sum::ZERO } else { precise }
 }

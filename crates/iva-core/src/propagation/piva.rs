@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::Differentiable;
 use crate::dual::Dual;
 use crate::force::Drive;
-use crate::piva::{Piva, PivaState, Sizes};
+use crate::piva::{Piva, PivaState, STEEP, Sizes};
 use crate::taylor::{ORDER, Pendulum, Series, Swing, horner};
 
 impl Differentiable for Piva {
@@ -17,7 +17,7 @@ impl Differentiable for Piva {
     fn sizes(&self, state: &PivaState) -> Vector4<f64> {
         let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, .. } = self.pendulum;
         let Pendulum { coupling, frequency_squared, pivot_damping, .. } = self.pendulum;
-        let cosine = state.cosine.abs().min(1.0);
+        let cosine = state.cosine.value.abs().min(1.0);
         let driven = self.drive::<3>(state.time, state, 1.0).as_ref().map_or(0.0, Drive::size);
         let (y, w) = (state.y().value.abs(), state.w.value.abs());
         let (x, u) = (state.primary.x.value.abs(), state.primary.v.value.abs());
@@ -26,17 +26,29 @@ impl Differentiable for Piva {
         let on_primary = driven + x + 2.0 * damping_ratio * u;
         let primary = (on_primary + mass_ratio * lever * (turning + swing))
             / self.pendulum.inertia(state.y().value);
-        // The cosine of a steep angle is worth less than y, which it follows from.
-        let steep = if cosine > 0.0 { 1.0 / (cosine * cosine) } else { 1.0 };
+        // A cosine is worth less than y, which it follows from as long as the angle is not steep.
+        let sine = y / b;
+        let follows = sine < STEEP && !self.pendulum.small_angles;
+        let steep = if follows { 1.0 / (1.0 - sine * sine) } else { 1.0 };
         Vector4::new(u, primary, cosine * w, coupling * primary * steep + swing)
+    }
+
+    fn sharpness(&self, state: &PivaState) -> f64 {
+        let steep = state.y().value.abs() >= STEEP * self.parameters.contact_distance;
+        let cosine = state.cosine.value.abs().min(1.0);
+        if steep && !self.pendulum.small_angles { cosine } else { 1.0 }
+    }
+
+    fn turning(&self, state: &PivaState) -> f64 {
+        state.w.value.abs()
     }
 
     fn flight_tangent(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
         let y = from.y().value;
-        let mut cosine = Dual::constant(from.cosine);
-        if !self.pendulum.small_angles && from.cosine != 0.0 {
+        let mut cosine = Dual::constant(from.cosine.value);
+        if !self.pendulum.small_angles && from.cosine.value != 0.0 {
             let b = self.parameters.contact_distance;
-            cosine.slopes[2] = -y / (b * b * from.cosine);
+            cosine.slopes[2] = -y / (b * b * from.cosine.value);
         }
         let start = Swing {
             x: Dual::variable(from.primary.x.value, 0),

@@ -56,11 +56,6 @@ pub fn sincos(angle: Real) -> (Real, Real) {
     angle.sincos()
 }
 
-/// Angle of a sine.
-pub fn asin(sine: Real) -> Real {
-    sine.asin()
-}
-
 /// Angle of the point (x, y) from the x axis.
 pub fn atan2(y: Real, x: Real) -> Real {
     y.atan2(x)

@@ -11,7 +11,7 @@ use arrow_array::types::Float64Type;
 use iva_core::{
     force::{Acts, Force, Harmonic},
     observe::Events,
-    piva::{Parameters, Piva},
+    piva::{Angles, ImpactLaw, Parameters, Piva},
     propagation::{Differentiable, Errors},
     simulate::{Limits, simulate},
     system::Start,
@@ -56,6 +56,8 @@ fn impacts<S: Differentiable>(
 struct Ratios {
     all: Vec<f64>,
     too_small: usize,
+    /// The largest true error over its estimate.
+    worst: f64,
     flagged: usize,
 }
 
@@ -68,21 +70,23 @@ impl Ratios {
         }
         let error = (Dd::from(time) - truth).value().abs();
         self.too_small += usize::from(error > estimate);
+        self.worst = self.worst.max(error / estimate);
         self.all.push(estimate / error.max(1e-18));
     }
 
-    /// Never small but in one row of 10⁴, and not idle.
+    /// Never small but in one row of 10⁴, and then not by more than twice, and not idle.
     fn assert_good(mut self, name: &str) {
         self.all.sort_by(f64::total_cmp);
         let rows = self.all.len();
         let share = |share: f64| self.all[((rows - 1) as f64 * share) as usize];
         let (median, high) = (share(0.5), share(0.95));
-        let Self { too_small, flagged, .. } = self;
+        let Self { too_small, flagged, worst, .. } = self;
         println!(
-            "{name}: {rows} rows, {flagged} flagged, {too_small} too small, median {median:.1}, \
-             95 % {high:.0}"
+            "{name}: {rows} rows, {flagged} flagged, {too_small} too small, worst {worst:.2}, \
+             median {median:.1}, 95 % {high:.0}"
         );
         assert!(too_small <= 1 + rows / 10_000, "{too_small} of {rows}");
+        assert!(worst <= 2.0, "{worst}");
         assert!(median <= 30.0 && high <= 1000.0, "{median} {high}");
     }
 }
@@ -148,11 +152,38 @@ fn estimates_hold_on_random_decays() {
     }
 }
 
+/// What is out of the ordinary about a random pendulum.
+#[derive(Debug, Clone, Copy, Default)]
+struct Twist {
+    impact_law: ImpactLaw,
+    angles: Angles,
+    /// The walls are at d = b (1 − 10⁻ᵏ).
+    horizontal: Option<i32>,
+}
+
+impl Twist {
+    /// Of every second pendulum something.
+    fn random(rng: &mut Rng) -> Self {
+        let printed = rng.unit() < 0.25;
+        let small = rng.unit() < 0.1;
+        let horizontal = (rng.unit() < 0.25).then(|| rng.range(1.0, 13.0) as i32);
+        Self {
+            impact_law: if printed { ImpactLaw::Printed } else { ImpactLaw::Consistent },
+            angles: if small { Angles::Small } else { Angles::Large },
+            horizontal,
+        }
+    }
+}
+
 /// A random scene, of moderate numbers: free masses and pendulums, free and forced.
-fn scene(rng: &mut Rng) -> Spec {
+fn scene(rng: &mut Rng, twist: Twist) -> Spec {
     let kind = if rng.unit() < 0.5 { Kinds::Siva } else { Kinds::Piva };
-    let mut choices = Choices::default();
-    choices.choose("kind", kind.name()).unwrap();
+    let mut choices = Choices { kind, ..Choices::default() };
+    if kind == Kinds::Piva {
+        (choices.impact_law, choices.angles) = (twist.impact_law, twist.angles);
+    }
+    // Walls near the horizontal are met by violent motions only.
+    let most = if twist.horizontal.is_some() { 3.0 } else { 1.0 };
     let mut spec = Spec::new(choices);
     let clearance = rng.log_range(0.05, 1.5);
     let mut fields = vec![
@@ -160,14 +191,15 @@ fn scene(rng: &mut Rng) -> Spec {
         (F::Restitution, rng.pick(&[0.0, 0.3, 0.5, 0.7, 0.9, 0.99, 1.0])),
         (F::Clearance, clearance),
         (F::DampingRatio, rng.pick(&[0.0, 0.01, 0.1, 0.7])),
-        (F::Displacement, rng.range(-1.0, 1.0)),
-        (F::Velocity, rng.range(-1.0, 1.0)),
+        (F::Displacement, most * rng.range(-1.0, 1.0)),
+        (F::Velocity, most * rng.range(-1.0, 1.0)),
         (F::GapDisplacement, clearance * rng.pick(&[0.0, 0.5, -1.0])),
         (F::Periods, rng.range(1.0, 8.0)),
         (F::ChatterFloor, 1e-9),
     ];
     if kind == Kinds::Piva {
-        let length = clearance * rng.log_range(1.05, 30.0);
+        let usual = clearance * rng.log_range(1.05, 30.0);
+        let length = twist.horizontal.map_or(usual, |k| clearance / (1.0 - 10f64.powi(-k)));
         fields.extend([
             (F::FrequencyRatio, rng.range(0.1, 1.3)),
             (F::Length, length),
@@ -220,11 +252,13 @@ const SEED: u64 = 641;
 
 #[test]
 fn estimates_hold_on_random_scenes_of_every_kind() {
-    let (mut rng, mut ratios) = (Rng::new(SEED), Ratios::default());
+    let (mut rng, mut twists) = (Rng::new(SEED), Rng::new(SEED + 1));
+    let mut ratios = Ratios::default();
     // SCENES=10000 takes two minutes.
     let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
     for _ in 0..count {
-        compare_with_twofold(scene(&mut rng), &mut ratios);
+        let twist = Twist::random(&mut twists);
+        compare_with_twofold(scene(&mut rng, twist), &mut ratios);
     }
     ratios.assert_good("every kind");
 }
@@ -236,13 +270,77 @@ fn estimates_hold_on_random_scenes_of_every_kind() {
 fn estimates_hold_where_every_rebound_rounds_alike() {
     let (mut rng, mut ratios) = (Rng::new(SEED), Ratios::default());
     for number in 0..10_000 {
-        let spec = scene(&mut rng);
+        let spec = scene(&mut rng, Twist::default());
         if [1460, 3227, 5004, 8586, 9564, 9850].contains(&number) {
             compare_with_twofold(spec, &mut ratios);
         }
     }
     let (rows, too_small) = (ratios.all.len(), ratios.too_small);
     assert!(rows > 1900 && too_small <= 2, "{too_small} of {rows}");
+}
+
+/// A pendulum in free decay from x = 3, with d/b = `ratio`.
+fn pendulum(ratio: f64, impact_law: ImpactLaw) -> Spec {
+    let choices = Choices { kind: Kinds::Piva, impact_law, ..Choices::default() };
+    let mut spec = Spec::new(choices);
+    for (field, value) in [
+        (F::MassRatio, 0.1),
+        (F::Restitution, 0.6),
+        (F::Clearance, ratio),
+        (F::Length, 1.0),
+        (F::FrequencyRatio, 0.5),
+        (F::DampingRatio, 0.01),
+        (F::Displacement, 3.0),
+        (F::Periods, 4.0),
+        (F::ChatterFloor, 1e-9),
+    ] {
+        spec.set(field, value).unwrap();
+    }
+    spec
+}
+
+/// Instants of impacts and their errors.
+fn true_errors(spec: Spec) -> Vec<[f64; 2]> {
+    let never = AtomicBool::new(false);
+    let study = Study { tables: vec![Table::Impacts], ..Study::single(spec) };
+    let found = verify(&study, &never).unwrap();
+    assert!(found.findings[0].agrees());
+    let workers = Workers::new(Some(1)).unwrap();
+    let control = Control { workers: &workers, chunk: None, cancel: &never, progress: &|_| {} };
+    let run = sweep(&study, 0..1, &control).unwrap();
+    let times = |table: &RecordBatch| -> Vec<f64> {
+        let column = table.column_by_name("time").unwrap();
+        column.as_primitive::<Float64Type>().values().to_vec()
+    };
+    let errors = times(&found.errors[&Table::Impacts]);
+    times(&run[&Table::Impacts]).into_iter().zip(errors).map(|(time, it)| [time, it]).collect()
+}
+
+/// There sinθ hardly changes with the angle. Measured by it, the first impact was off by 100 rounding units
+/// at d/b = 1 − 10⁻⁶ and by 30 000 at 1 − 10⁻¹².
+#[test]
+fn walls_near_the_horizontal_are_met_as_exactly_as_others() {
+    for k in 1..=12 {
+        let errors = true_errors(pendulum(1.0 - 10f64.powi(-k), ImpactLaw::Consistent));
+        assert!(errors.len() >= 8, "{k}: {}", errors.len());
+        for [time, error] in &errors[..3] {
+            let units = error.abs() / (0.5 * f64::EPSILON * (1.0 + time));
+            assert!(units <= 2.0, "{k}: {units} at {time}");
+        }
+    }
+}
+
+/// The printed law takes momentum at every rebound. Taken all at once, where the rest of a chatter is summed,
+/// it put the primary aside by some hundred rounding units.
+#[test]
+fn chatters_of_the_printed_law_are_summed_as_exactly_as_others() {
+    for ratio in [0.05, 0.1, 0.2, 0.4] {
+        let mut ratios = Ratios::default();
+        compare_with_twofold(pendulum(ratio, ImpactLaw::Printed), &mut ratios);
+        let Ratios { all, too_small, worst, .. } = ratios;
+        println!("d/b = {ratio}: {} rows, worst {worst:.2}", all.len());
+        assert!(all.len() > 40 && too_small == 0, "{ratio}: {too_small} of {}", all.len());
+    }
 }
 
 #[test]

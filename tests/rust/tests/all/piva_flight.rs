@@ -57,6 +57,31 @@ fn pendulum_periods_are_those_of_the_arithmetic_geometric_mean() {
     }
 }
 
+/// A bob so light that the primary stands still, without gravity: it turns at a steady rate, and its angle says
+/// when it is at the wall. There y = b sinθ tells the angle to 10⁻¹⁰ at best.
+#[test]
+fn a_start_by_its_angle_is_as_far_from_a_wall_near_the_horizontal_as_the_angle_says() {
+    for k in [3, 6, 9, 12] {
+        let clearance = 1.0 - 10f64.powi(-k);
+        let parameters = Parameters {
+            frequency_ratio: 0.0,
+            ..Parameters::point_bob(1e-15, 0.5, clearance, 0.0, 1.0)
+        };
+        let piva = Piva::new(parameters).unwrap();
+        let angle = piva.wall_angle() - 1e-7;
+        let start = PivaStart {
+            place: Given::Angle(angle),
+            rate: Given::Angle(0.5),
+            ..Start::default().into()
+        };
+        let impact = run(&piva, &start, &Limits::new(1e-6, clearance)).unwrap().impacts[0];
+        let truth = (piva.wall_angle() - angle) / 0.5;
+        // The angle of the wall is rounded to a double.
+        let allowed = 2.0 * f64::EPSILON * piva.wall_angle() / 0.5;
+        assert!((impact.time - truth).abs() < allowed, "{k}: {:e}", impact.time - truth);
+    }
+}
+
 #[test]
 fn a_slow_pendulum_on_a_long_rod_is_a_free_mass() {
     // r → 0: only the curvature of the path is left, and its effect falls as 1/L².

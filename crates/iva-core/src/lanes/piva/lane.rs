@@ -23,8 +23,8 @@ arrays! {
     Pose,
     /// Many.
     Poses:
-    x, x_rest, v, v_rest, side, clearance, distance, distance_rest, w, w_rest, cosine, released,
-    age, age_rest,
+    x, x_rest, v, v_rest, side, clearance, distance, distance_rest, w, w_rest, cosine, cosine_rest,
+    released, age, age_rest,
 }
 
 arrays! {
@@ -81,7 +81,8 @@ impl Pose {
             distance_rest: distance.rest,
             w: w.value,
             w_rest: w.rest,
-            cosine,
+            cosine: cosine.value,
+            cosine_rest: cosine.rest,
             released: if released { 1.0 } else { 0.0 },
             age: time.value,
             age_rest: time.rest,
@@ -100,7 +101,7 @@ impl Pose {
             distance: sum(self.distance, self.distance_rest),
             clearance: self.clearance,
             w: sum(self.w, self.w_rest),
-            cosine: self.cosine,
+            cosine: sum(self.cosine, self.cosine_rest),
             released: self.released > 0.0,
         }
     }

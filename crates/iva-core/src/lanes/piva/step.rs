@@ -37,7 +37,7 @@ pub(super) fn series<const W: usize, const N: usize>(
             u: state.primary.v.value,
             y: state.y().value,
             w: state.w.value,
-            c: state.cosine,
+            c: state.cosine.value,
         };
         let mut series: Series<Real> =
             pendulum.series_to::<Real, { ORDER + 1 }, N>(&swing, None, step);
