@@ -178,22 +178,24 @@ impl Steady {
     }
 
     fn strobe<M: Motion>(&mut self, motion: &M, h: Real, time: Real) {
-        let (primary, gap) = (motion.primary(h), motion.gap(h));
-        self.strobes.push_back(Strobe {
-            cycle: self.next,
-            time,
-            displacement: primary.value,
-            velocity: primary.rate,
-            gap_displacement: gap.y,
-            gap_velocity: gap.w,
-            amplitude: self.current.max(primary.value.abs()),
-            impacts: self.impacts,
-        });
+        if self.wanted.regime || self.wanted.strobes {
+            let (primary, gap) = (motion.primary(h), motion.gap(h));
+            self.strobes.push_back(Strobe {
+                cycle: self.next,
+                time,
+                displacement: primary.value,
+                velocity: primary.rate,
+                gap_displacement: gap.y,
+                gap_velocity: gap.w,
+                amplitude: self.current.max(primary.value.abs()),
+                impacts: self.impacts,
+            });
+            if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT {
+                self.strobes.pop_front();
+            }
+        }
         self.largest = self.largest.max(self.current);
         self.current = ZERO;
-        if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT {
-            self.strobes.pop_front();
-        }
     }
 }
 
@@ -212,8 +214,8 @@ impl<S: System> Observer<S> for Steady {
         let Some(rows) = span.motion.rows().filter(|_| self.wanted.any()) else { return };
         let begin = (-span.start.minus(self.window.from)).max(0.0);
         let mut h = begin;
-        let strobed = self.wanted.regime || self.wanted.strobes;
-        while let Some(instant) = self.window.instant(self.next).filter(|_| strobed) {
+        // Also where no strobe is wanted: what is wanted besides changes no bit of a number.
+        while let Some(instant) = self.window.instant(self.next) {
             let at = (instant - span.start).value;
             let beyond = (instant.value - self.duration) / self.duration;
             let last = beyond.abs() <= SLACK && span_ends(&span.start, span.length, self.duration);

@@ -72,18 +72,11 @@ fn together<S: SideBySide>(
     let keep = &mut |index: usize, decayed: &Decayed<S>| results[index] = Some(*decayed);
     decays(&scenes, request.wanted, Some(cancel), keep)?;
     let mut done = Done::default();
-    let mut row = Vec::new();
     // After a cancellation the points before the first that was not begun.
     for (point, (design, result)) in points.zip(designs.iter().zip(&results)) {
         let Some((tally, values)) = result else { break };
-        let swept = study.swept(point).into_iter().map(Cell::Number);
         let estimated = [Cell::Null, Cell::Null];
-        let cells = rows::summary(tally, values, None, estimated, study.measures, design);
-        // Points are counted below 2^32 by `Study::points`.
-        row.push(Cell::Point(point as u32));
-        row.extend(swept);
-        row.extend(cells);
-        take(&mut row.drain(..));
+        take(&mut rows::summary(study, point, design, tally, values, None, estimated));
         done += Done::run(tally.outcome.name(), tally.work);
     }
     Ok(Some(done))

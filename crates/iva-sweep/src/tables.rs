@@ -5,8 +5,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use arrow_array::builder::{
-    ArrayBuilder, BooleanBuilder, Float64Builder, Int8Builder, Int64Builder, StringBuilder,
-    UInt32Builder,
+    BooleanBuilder, Float64Builder, Int8Builder, Int64Builder, StringBuilder, UInt32Builder,
 };
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
@@ -196,9 +195,8 @@ impl Builder {
         }
     }
 
-    /// A cell of another type than the column's becomes null; a test of the sweep shows that no
-    /// row has one.
-    fn push(&mut self, cell: Cell) {
+    /// Takes a cell; `Err`: it is of another type than the column.
+    fn push(&mut self, cell: Cell) -> Result<(), Cell> {
         match (self, cell) {
             (Self::Point(column), Cell::Point(value)) => column.append_value(value),
             // A sum with +0 is the value itself, but of -0 it is 0: nobody wants to read "-0".
@@ -209,13 +207,14 @@ impl Builder {
             (Self::Side(column), Cell::Side(value)) => column.append_value(value),
             (Self::Text(column), Cell::Text(value)) => column.append_value(value),
             (Self::Flag(column), Cell::Flag(value)) => column.append_value(value),
-            (Self::Point(column), _) => column.append_null(),
-            (Self::Number(column), _) => column.append_null(),
-            (Self::Count(column), _) => column.append_null(),
-            (Self::Side(column), _) => column.append_null(),
-            (Self::Text(column), _) => column.append_null(),
-            (Self::Flag(column), _) => column.append_null(),
+            (Self::Number(column), Cell::Null) => column.append_null(),
+            (Self::Count(column), Cell::Null) => column.append_null(),
+            (Self::Side(column), Cell::Null) => column.append_null(),
+            (Self::Text(column), Cell::Null) => column.append_null(),
+            (Self::Flag(column), Cell::Null) => column.append_null(),
+            (_, cell) => return Err(cell),
         }
+        Ok(())
     }
 
     fn finish(&mut self) -> ArrayRef {
@@ -228,23 +227,15 @@ impl Builder {
             Self::Flag(column) => Arc::new(column.finish()),
         }
     }
-
-    fn len(&self) -> usize {
-        match self {
-            Self::Point(column) => column.len(),
-            Self::Number(column) => column.len(),
-            Self::Count(column) => column.len(),
-            Self::Side(column) => column.len(),
-            Self::Text(column) => column.len(),
-            Self::Flag(column) => column.len(),
-        }
-    }
 }
 
 /// Builds one table row by row.
 pub(crate) struct TableBuilder {
     schema: SchemaRef,
     builders: Vec<Builder>,
+    rows: usize,
+    /// The first row that does not fit its columns: a fault of the program, told when the table is finished.
+    fault: Option<String>,
 }
 
 impl TableBuilder {
@@ -252,20 +243,67 @@ impl TableBuilder {
     pub fn new(schema: SchemaRef, rows: usize) -> Self {
         let builder = |field: &Arc<Field>| Builder::new(field.data_type(), rows);
         let builders = schema.fields().iter().map(builder).collect();
-        Self { schema, builders }
+        Self { schema, builders, rows: 0, fault: None }
     }
 
+    /// Adds a row: a cell for each column.
     pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) {
         let mut cells = cells.into_iter();
-        for builder in &mut self.builders {
-            builder.push(cells.next().unwrap_or(Cell::Null));
+        for (index, builder) in self.builders.iter_mut().enumerate() {
+            let taken = cells.next().map(|cell| builder.push(cell));
+            if !matches!(taken, Some(Ok(()))) && self.fault.is_none() {
+                let (row, name) = (self.rows, self.schema.field(index).name());
+                let cell = match taken {
+                    Some(Err(cell)) => format!("{cell:?}"),
+                    _ => "no cell".to_owned(),
+                };
+                self.fault = Some(format!("row {row} has {cell} in the column {name}"));
+            }
         }
-        debug_assert!(cells.next().is_none(), "a row has as many cells as its table columns");
+        if let (Some(cell), None) = (cells.next(), &self.fault) {
+            self.fault = Some(format!("row {} has {cell:?} after the last column", self.rows));
+        }
+        self.rows += 1;
     }
 
+    /// The table.
+    ///
+    /// # Errors
+    /// [`ArrowError`] if a row did not fit the columns.
     pub fn finish(mut self) -> Result<RecordBatch, ArrowError> {
-        debug_assert!(self.builders.windows(2).all(|pair| pair[0].len() == pair[1].len()));
+        if let Some(fault) = self.fault {
+            return Err(ArrowError::InvalidArgumentError(fault));
+        }
         let arrays = self.builders.iter_mut().map(Builder::finish).collect();
         RecordBatch::try_new(self.schema, arrays)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What became of a row of an impact number and a time.
+    fn finished(cells: Vec<Cell>) -> Result<RecordBatch, String> {
+        let fields = [DataType::Int64, DataType::Float64]
+            .map(|data_type| Field::new(data_type.to_string(), data_type, true));
+        let mut builder = TableBuilder::new(Arc::new(Schema::new(fields.to_vec())), 2);
+        builder.row([Cell::Count(1), Cell::Null]);
+        builder.row(cells);
+        builder.finish().map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_row_that_does_not_fit_its_columns_is_a_fault() {
+        assert_eq!(finished(vec![Cell::Count(2), Cell::Number(0.5)]).unwrap().num_rows(), 2);
+        for (cells, said) in [
+            (vec![Cell::Count(2), Cell::Count(3)], "Count(3) in the column Float64"),
+            (vec![Cell::Number(0.5), Cell::Null], "Number(0.5) in the column Int64"),
+            (vec![Cell::Count(2)], "no cell in the column Float64"),
+            (vec![Cell::Null, Cell::Null, Cell::Null], "Null after the last column"),
+        ] {
+            let error = finished(cells).unwrap_err();
+            assert!(error.contains("row 1 has") && error.ends_with(said), "{error}");
+        }
     }
 }

@@ -6,7 +6,6 @@ use super::core::measures::{Measures, Wanted};
 use super::core::observe::{Events, Observer};
 use super::core::peaks::Envelope;
 use super::core::piva::Piva;
-use super::core::real::given;
 use super::core::simulate::{Tally, simulate};
 use super::core::siva::Siva;
 use super::core::steady::{Steady, SteadyWanted};
@@ -15,7 +14,6 @@ use super::design::Design;
 use super::rows::{self, Cell};
 use super::scale::Scale;
 use super::scene::Scene;
-use crate::columns::columns;
 use crate::done::Done;
 use crate::error::Invalid;
 use crate::study::{Study, Table};
@@ -162,7 +160,7 @@ impl Point<'_> {
         let number = self.point as u32;
         let mut row = |cells: &mut dyn Iterator<Item = Cell>| take(table, cells);
         match table {
-            Table::Summary => self.summary(number, system, seen, &mut row)?,
+            Table::Summary => self.summary(system, seen, &mut row)?,
             Table::Impacts => {
                 for (index, impact) in
                     seen.events.iter().flat_map(|events| &events.impacts).enumerate()
@@ -201,14 +199,12 @@ impl Point<'_> {
 
     fn summary<S: System, E: Estimates<S>>(
         &self,
-        number: u32,
         system: &S,
         seen: &Seen<S, E>,
         row: &mut dyn FnMut(&mut dyn Iterator<Item = Cell>),
     ) -> Result<(), Invalid> {
         let Self { study, point, design, request, cancel } = *self;
         let Some(measures) = &seen.measures else { return Ok(()) };
-        let swept = study.swept(point).into_iter().map(|value| Cell::Number(given(value, false)));
         let bare = match request.reduction && system.is_driven() {
             true => design.amplitude_without_absorber(cancel)?,
             false => None,
@@ -218,17 +214,9 @@ impl Point<'_> {
             bare,
             moves_base: design.scene.moves_base(),
         });
-        let cells = rows::summary(
-            &seen.tally,
-            measures.values(),
-            settled.as_ref(),
-            seen.estimates.of_run(),
-            study.measures,
-            design,
-        );
-        let columns = columns(Table::Summary).iter().zip(cells);
-        let cells = columns.filter(|(column, _)| !study.sweeps(column.name)).map(|(_, cell)| cell);
-        row(&mut std::iter::once(Cell::Point(number)).chain(swept).chain(cells));
+        let estimated = seen.estimates.of_run();
+        let (tally, values) = (&seen.tally, measures.values());
+        row(&mut rows::summary(study, point, design, tally, values, settled.as_ref(), estimated));
         Ok(())
     }
 }

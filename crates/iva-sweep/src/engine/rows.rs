@@ -4,14 +4,15 @@ use super::core::impact::Impact;
 use super::core::measures::MeasureValues;
 use super::core::observe::Episode;
 use super::core::peaks::Peak;
-use super::core::real::Real;
+use super::core::real::{Real, given};
 use super::core::simulate::Tally;
 use super::core::steady::{SteadyValues, Strobe};
 use super::core::system::Angle;
 use super::design::Design;
 use super::scale::Scale;
 
-use crate::columns::Selection;
+use crate::columns::columns;
+use crate::study::{Study, Table};
 use crate::tables;
 
 /// One value of a row.
@@ -39,14 +40,16 @@ impl Settled<'_> {
     }
 }
 
-/// A summary row after `point` and the swept parameters; columns not asked for are null.
+/// A row of `summary`: the point, the swept parameters, then all columns but those that are swept; columns not
+/// asked for are null.
 pub(crate) fn summary<S>(
+    study: &Study,
+    point: u64,
+    design: &Design,
     tally: &Tally<S>,
     values: &MeasureValues,
     settled: Option<&Settled<'_>>,
     estimated: [Cell; 2],
-    measures: Selection,
-    design: &Design,
 ) -> impl Iterator<Item = Cell> {
     let (scale, scene) = (&design.scale, &design.scene);
     let time = |tau: Option<Real>| Cell::from(tau.map(|tau| scale.time(tau)));
@@ -85,11 +88,14 @@ pub(crate) fn summary<S>(
             .and_then(|it| it.values.regime)
             .map_or(Cell::Null, |regime| Cell::Text(regime.to_string().into())),
     ];
-    cells
-        .into_iter()
-        .chain(estimated)
-        .enumerate()
-        .map(move |(index, cell)| if measures.has(index) { cell } else { Cell::Null })
+    let columns =
+        columns(Table::Summary).iter().zip(cells.into_iter().chain(estimated)).enumerate();
+    let kept = columns.filter(|(_, (column, _))| !study.sweeps(column.name));
+    let asked_for =
+        kept.map(|(index, (_, cell))| if study.measures.has(index) { cell } else { Cell::Null });
+    let swept = study.swept(point).into_iter().map(|value| Cell::Number(given(value, false)));
+    // Points are counted below 2^32 by `Study::points`.
+    std::iter::once(Cell::Point(point as u32)).chain(swept).chain(asked_for)
 }
 
 /// A row of `impacts`.

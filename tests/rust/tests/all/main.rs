@@ -7,6 +7,7 @@ mod broken_law;
 mod closed_forms;
 mod decisions;
 mod errors;
+mod every_field;
 mod flight;
 mod forced;
 mod gradients;
