@@ -51,6 +51,27 @@ impl<const N: usize> Dual<N> {
         Self { value, slopes }
     }
 
+    /// As [`f64::mul_add`].
+    pub fn mul_add(self, factor: Self, addend: Self) -> Self {
+        let (p, q) = (self.value, factor.value);
+        let slope = |i: usize| self.slopes[i] * q + p * factor.slopes[i] + addend.slopes[i];
+        Self { value: p.mul_add(q, addend.value), slopes: std::array::from_fn(slope) }
+    }
+
+    /// As [`f64::hypot`].
+    pub fn hypot(self, other: impl Into<Self>) -> Self {
+        let other = other.into();
+        let length = self.value.hypot(other.value);
+        let [p, q] = [self, other].map(|it| if length > 0.0 { it.value / length } else { 0.0 });
+        self.with(other, length, |a, b| p * a + q * b)
+    }
+
+    /// As [`f64::powi`], for n ≥ 0.
+    pub fn powi(self, n: i32) -> Self {
+        let slope = if n == 0 { 0.0 } else { f64::from(n) * self.value.powi(n - 1) };
+        self.through(self.value.powi(n), slope)
+    }
+
     /// Square root.
     pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();

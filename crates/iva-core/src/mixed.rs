@@ -70,18 +70,6 @@ macro_rules! beside_doubles {
             pub fn midpoint(self, other: Self) -> Self {
                 0.5 * (self + other)
             }
-            /// As [`f64::hypot`], for numbers whose squares are in range.
-            pub fn hypot(self, other: Self) -> Self {
-                (self * self + other * other).sqrt()
-            }
-            /// As [`f64::mul_add`], but for the rounding.
-            pub fn mul_add(self, factor: Self, addend: Self) -> Self {
-                self * factor + addend
-            }
-            /// As [`f64::powi`], for n ≥ 0.
-            pub fn powi(self, n: u32) -> Self {
-                (0..n).fold(Self::from(1.0), |power, _| power * self)
-            }
             /// As [`f64::is_finite`].
             pub fn is_finite(self) -> bool {
                 f64::from(self).is_finite()

@@ -31,6 +31,22 @@ impl Twofold {
     pub const MIN_POSITIVE: Self = Self::new(f64::MIN_POSITIVE, 0.0);
     /// ∞
     pub const INFINITY: Self = Self::new(f64::INFINITY, 0.0);
+
+    /// As [`f64::mul_add`], but for the rounding.
+    pub fn mul_add(self, factor: Self, addend: Self) -> Self {
+        self * factor + addend
+    }
+
+    /// As [`f64::hypot`], for numbers whose squares are in range.
+    pub fn hypot(self, other: impl Into<Self>) -> Self {
+        let other = other.into();
+        (self * self + other * other).sqrt()
+    }
+
+    /// As [`f64::powi`], for n ≥ 0.
+    pub fn powi(self, n: u32) -> Self {
+        (0..n).fold(Self::ONE, |power, _| power * self)
+    }
     const LN_2: Self = Self::new(std::f64::consts::LN_2, 2.319_046_813_846_299_6e-17);
 
     /// The sum of a double and at most half a unit in its last place.

@@ -5,19 +5,28 @@
 //! matrix, here a consequence of plain differentiation), of summed chatters and measures by their
 //! formulas. A measure that jumps (a settling time, where the last crossing moves to another half cycle) has
 //! the derivative of the branch it is on.
+//!
+//! The values of that run have the same bits as those of the run in doubles, so that both have the same events.
+//! From the first impact on that rounding could move by [`SENSITIVE`] all derivatives are null.
 
 use std::sync::atomic::AtomicBool;
 
+use iva_core::observe::Events;
+use iva_core::propagation::Errors;
+use iva_core::simulate::simulate;
 use iva_core_dual::impact::Impact;
 use iva_core_dual::observe::{Jump, Observer};
 use iva_core_dual::system::System;
 
+use crate::columns::columns;
+use crate::design::Design;
 use crate::dual;
 use crate::dual::point::{Estimates, Request, run};
 use crate::dual::rows::Cell as DualCell;
 use crate::dual::scale::Scale;
 use crate::error::Invalid;
-use crate::fields::{FieldId, Part};
+use crate::fields::{FieldId, Part, Quantity};
+use crate::scene::Scene;
 use crate::slot::Slot;
 use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
@@ -26,6 +35,10 @@ use crate::tables::{Cell, Content, TableBuilder, schema_of};
 /// An impact is close to a grazing if so small a relative change of the parameter could make it one, to
 /// first order (of a parameter that is 0, an absolute change).
 const GRAZING: f64 = 1e-3;
+
+/// A motion is too sensitive for derivatives from the first impact on whose instant rounding could move so far, in
+/// 1/ωn: what holds for changes of the size of a rounding holds for no change that a user can make.
+const SENSITIVE: f64 = 1e-3;
 
 /// Numbers that decide when a run stops or what it lists: nothing is differentiated by them.
 const NOT_PHYSICAL: [FieldId; 5] = [
@@ -38,6 +51,8 @@ const NOT_PHYSICAL: [FieldId; 5] = [
 
 /// The tables of a study without axes with derivatives in the places of numbers; all else is as in the
 /// run, but for `near_grazing` of the impacts: true from the first impact on that is close to a grazing.
+/// The summary has the column `sensitive_from` besides: the instant from which on derivatives are null because
+/// the motion is too sensitive.
 ///
 /// `key` names the parameter as a sweep would.
 ///
@@ -51,6 +66,9 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
     let value = given(&mut spec, slot)?;
     let design = dual::given::Given::differentiated(&spec, slot).design()?;
     let request = Request::new(study);
+    let plain = spec.design()?;
+    let sensitive = sensitive_from(&plain, cancel)?.map(|time| plain.scale.time(time));
+    let period = plain.scale.time(std::f64::consts::TAU);
     let grazings = Grazings::new(value);
     let content = Content::Derivatives { by: slot, key: key.to_owned() };
     let mut builders = Vec::new();
@@ -59,10 +77,58 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
     }
     run(study, 0, &design, &request, cancel, grazings, &mut |table, cells| {
         if let Some((_, builder)) = builders.iter_mut().find(|it| it.0 == table) {
-            builder.row(cells.map(derivative));
+            let cells: Vec<DualCell> = cells.collect();
+            let known = |index: usize| {
+                sensitive.is_none_or(|from| is_known(table, &cells, index, from, period))
+            };
+            let derivatives = cells.iter().enumerate().map(|(index, cell)| match cell {
+                Cell::Number(_) if !known(index) => Cell::Null,
+                cell => derivative(cell.clone()),
+            });
+            let last = (table == Table::Summary).then(|| sensitive.into());
+            builder.row(derivatives.chain(last));
         }
     })?;
     builders.into_iter().map(|(table, builder)| Ok((table, builder.finish()?))).collect()
+}
+
+/// The instant of the first impact that is too sensitive, in natural units.
+fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, Invalid> {
+    let mut observers = (Errors::default(), Events::default());
+    let (limits, cancel) = (&design.limits, Some(cancel));
+    match &design.scene {
+        Scene::Siva { system, start } => {
+            simulate(system, start, limits, cancel, &mut observers)?;
+        }
+        Scene::Piva { system, start, .. } => {
+            simulate(system, start, limits, cancel, &mut observers)?;
+        }
+    }
+    let (errors, events) = observers;
+    let sensitive = |time: Option<f64>| time.is_none_or(|error| error >= SENSITIVE);
+    let first = errors.impacts.iter().position(|error| sensitive(error.time));
+    Ok(first.map(|index| events.impacts[index].time))
+}
+
+/// True if a number of a row is decided before the instant from which on the motion is too sensitive.
+fn is_known(table: Table, row: &[DualCell], index: usize, from: f64, period: f64) -> bool {
+    let columns = columns(table);
+    // `point` comes first.
+    let before = |index: usize| match (&row[index], columns[index - 1].quantity) {
+        (Cell::Number(time), Quantity::Time) => time.value < from,
+        _ => true,
+    };
+    match (table, columns[index - 1].name) {
+        (Table::Summary, "settling_time_10" | "settling_time_5" | "settling_time_2") => {
+            before(index)
+        }
+        (Table::Summary, "energy_initial" | "gravity") => true,
+        (Table::Summary, "damping_ratio_energy") => period < from,
+        // All others take in the whole run.
+        (Table::Summary, _) => false,
+        // An event with all its instants.
+        _ => (1..row.len()).all(before),
+    }
 }
 
 /// The value of what is differentiated by; a default is filled in.

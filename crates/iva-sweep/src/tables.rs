@@ -43,6 +43,9 @@ pub fn schema(study: &Study, table: Table, identity: Identity) -> Result<SchemaR
     Ok(Arc::new(Schema::new_with_metadata(schema.fields().clone(), metadata)))
 }
 
+/// The last column of a summary of derivatives; null where no instant is too sensitive.
+pub(crate) const SENSITIVE_FROM: &str = "sensitive_from";
+
 /// What stands in the places of the numbers of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Content {
@@ -94,7 +97,13 @@ pub(crate) fn schema_of(
         }
         field
     };
-    let fields: Vec<Field> = plain.fields().iter().map(changed).collect();
+    let mut fields: Vec<Field> = plain.fields().iter().map(changed).collect();
+    if let (Table::Summary, Content::Derivatives { .. }) = (table, content) {
+        let help =
+            "instant from which on rounding decides what happens, so that derivatives are null";
+        let field = Field::new(SENSITIVE_FROM, DataType::Float64, true);
+        fields.push(field.with_metadata(field_metadata(units.unit(Quantity::Time), help)));
+    }
     let mut metadata = plain.metadata().clone();
     let name = match content {
         Content::Errors => "errors".to_owned(),

@@ -1,6 +1,7 @@
 //! The numbers that the motion is carried in: doubles with a derivative by one variable.
 
 use iva_core::dual::Dual;
+pub use iva_core::real::dispatched;
 
 /// A real number.
 pub type Real = Dual;
@@ -14,9 +15,8 @@ pub const TURN: [Real; 2] =
     [Dual::constant(iva_core::real::TURN[0]), Dual::constant(iva_core::real::TURN[1])];
 /// As in doubles.
 pub const LEFT_OUT: Real = Dual::constant(iva_core::real::LEFT_OUT);
-/// Largest estimated error of the summed duration of a chatter, in 1/ωn: what is left out of its
-/// derivative is then some 1e-14.
-pub const NEGLIGIBLE: Real = Dual::constant(1e-22);
+/// As in doubles: a chatter is summed from the same rebound on.
+pub const NEGLIGIBLE: Real = Dual::constant(iva_core::real::NEGLIGIBLE);
 
 /// What a number given by the user enters as.
 pub fn given(value: f64, differentiated: bool) -> Real {
@@ -33,13 +33,8 @@ pub fn log2_above(number: Real) -> f64 {
     iva_core::real::log2_above(number.into())
 }
 
-/// Every stretch of flight is searched as if it were a hard one: a check of those that are not.
-pub const STRIDES: bool = false;
-
-/// Runs code.
-pub fn dispatched<R>(code: impl FnOnce() -> R) -> R {
-    code()
-}
+/// As in doubles, so that values have the same bits and a run makes the same decisions.
+pub const STRIDES: bool = iva_core::real::STRIDES;
 
 /// The whole number below, of a number ≥ 0.
 pub fn whole(number: Real) -> usize {

@@ -25,6 +25,7 @@ use iva_sweep::{
     fields::FieldId as F,
     gradients::gradients,
     study::{Study, Table},
+    sweep::{Control, Workers, sweep},
 };
 use iva_tests::rng::Rng;
 
@@ -238,4 +239,116 @@ fn derivatives_of_pendulums_are_right() {
         check.compared, check.worst, check.flagged
     );
     assert!(check.compared > 3000 && check.flagged < check.compared / 3);
+}
+
+/// Impacts of a free mass or, under force or gravity, a pendulum, with the numbers of one core: bits of values.
+macro_rules! bits {
+    ($core:ident, $fields:expr, $pendulum:expr, $force:expr, $cycles:expr, $value:expr) => {{
+        use $core::force::{Acts, Force, Harmonic};
+        use $core::piva::{Parameters, Piva, PivaStart};
+        use $core::simulate::Limits;
+        use $core::{run::run, siva::Siva, system::Start};
+        let [mass, e, d, zeta, x, v]: [$core::real::Real; 6] = $fields.map(Into::into);
+        let start = Start { displacement: x, velocity: v, ..Start::default() };
+        let duration: $core::real::Real = ($cycles * std::f64::consts::TAU).into();
+        let limits = Limits::new(duration, d);
+        let found = if $pendulum {
+            let [frequency_ratio, amplitude, frequency] = $force.map(Into::into);
+            let bob = Parameters::point_bob(mass, e, d, zeta, d * 2.0);
+            let phase = 0.0.into();
+            let harmonic = Harmonic { amplitude, frequency, phase, acts: Acts::Primary };
+            let force = Force::harmonic(vec![harmonic]).unwrap();
+            let piva = Piva::new(Parameters { frequency_ratio, ..bob }).unwrap().under(force);
+            run(&piva, &PivaStart::from(start), &limits).unwrap().impacts
+        } else {
+            run(&Siva::new(mass, e, d, zeta).unwrap(), &start, &limits).unwrap().impacts
+        };
+        let list = |it: &$core::impact::Impact| {
+            let numbers = [it.time, it.displacement, it.velocity_after, it.gap_velocity_before];
+            (it.wall.number(), numbers.map($value).map(f64::to_bits))
+        };
+        found.iter().map(list).collect::<Vec<(i8, [u64; 4])>>()
+    }};
+}
+
+/// Chaotic runs too: each decision falls on the same bits.
+#[test]
+fn a_run_with_derivatives_is_the_run_to_the_bit() {
+    let mut rng = Rng::new(63);
+    let mut impacts = 0;
+    for number in 0..300 {
+        let fields = [
+            rng.log_range(0.02, 0.5),
+            rng.pick(&[0.0, 0.3, 0.6, 0.8, 0.95, 1.0]),
+            rng.log_range(0.1, 1.5),
+            rng.pick(&[0.0, 0.01, 0.1, 1.2]),
+            rng.range(-1.0, 1.0),
+            rng.range(-1.0, 1.0),
+        ];
+        let (pendulum, forces) = (number % 3 == 0, [rng.range(0.0, 1.0), 0.5, 1.2]);
+        let cycles = if pendulum { 20.0 } else { 60.0 };
+        let run = bits!(iva_core, fields, pendulum, forces, cycles, f64::from);
+        let dual = bits!(iva_core_dual, fields, pendulum, forces, cycles, f64::from);
+        assert_eq!(run.len(), dual.len(), "{fields:?}");
+        for (index, (run, dual)) in run.iter().zip(&dual).enumerate() {
+            assert_eq!(run, dual, "impact {index} of {fields:?}");
+        }
+        impacts += run.len();
+    }
+    println!("{impacts} impacts");
+    assert!(impacts > 20_000, "{impacts}");
+}
+
+/// A run of 144 impacts whose derivatives once belonged to one of 158.
+#[test]
+fn derivatives_end_where_rounding_decides() {
+    let fields = [
+        (F::MassRatio, 0.1),
+        (F::Restitution, 0.8),
+        (F::Clearance, 1.0),
+        (F::DampingRatio, 0.02),
+        (F::Displacement, 0.5),
+        (F::Amplitude, 0.78),
+        (F::ForceFrequency, 1.3),
+        (F::Cycles, 60.0),
+    ];
+    let never = AtomicBool::new(false);
+    let study = Study { errors: true, ..Study::single(spec(Kind::Siva, &fields)) };
+    let workers = Workers::new(Some(1)).unwrap();
+    let control = Control { workers: &workers, chunk: None, cancel: &never, progress: &|_| {} };
+    let run = sweep(&study, 0..1, &control).unwrap();
+    let slopes = gradients(&study, "displacement", &never).unwrap();
+    let (impacts, their) = (&run[&Table::Impacts], &slopes[&Table::Impacts]);
+    assert_eq!(impacts.num_rows(), 144);
+    assert_eq!(impacts["wall"].as_ref(), their["wall"].as_ref());
+    let (times, errors) = (column(impacts, "time"), column(impacts, "time_error"));
+    let summary = &slopes[&Table::Summary];
+    let from = column(summary, "sensitive_from")[0].unwrap();
+    let slopes = column(their, "time");
+    for row in 0..144 {
+        let meant = times[row].unwrap() < from;
+        assert_eq!(meant, slopes[row].is_some(), "{row}");
+        assert!(!meant || errors[row].unwrap() < 1e-3, "{row}");
+    }
+    let first = times.iter().position(|time| time.unwrap() == from).unwrap();
+    assert!(first > 20 && errors[first].is_none_or(|error| error >= 1e-3));
+    assert_eq!(column(summary, "amplitude_max"), [None]);
+    assert_eq!(column(summary, "energy_initial"), [Some(0.5)]);
+}
+
+#[test]
+fn derivatives_of_a_tame_run_go_to_its_end() {
+    let fields = [
+        (F::MassRatio, 0.1),
+        (F::Restitution, 0.6),
+        (F::Clearance, 0.5),
+        (F::DampingRatio, 0.02),
+        (F::Displacement, 1.0),
+        (F::Periods, 8.0),
+    ];
+    let study = Study::single(spec(Kind::Siva, &fields));
+    let slopes = gradients(&study, "clearance", &AtomicBool::new(false)).unwrap();
+    assert_eq!(column(&slopes[&Table::Summary], "sensitive_from"), [None]);
+    assert!(column(&slopes[&Table::Impacts], "time").iter().all(Option::is_some));
+    assert!(column(&slopes[&Table::Summary], "settling_time_10")[0].is_some());
 }
