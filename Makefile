@@ -12,6 +12,7 @@ SIBLINGS := iva-core-dual iva-core-twofold
 # Runs on stable Rust without a sanitizer: there is no unsafe code for one to watch.
 CARGO_FUZZ := 0.13.2
 FUZZ ?= -max_total_time=60
+FUZZ_TARGETS ?= study tables record manifest simulate
 SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o -name '*.pyi' \
 	-o -name 'py.typed' -o -name Cargo.toml \)) Cargo.toml Cargo.lock pyproject.toml README.md \
 	LICENSE-APACHE LICENSE-MIT THIRD-PARTY-NOTICES.txt
@@ -20,7 +21,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz wheel sdist clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python count bench bench-peers bench-sweeps bench-start stress fuzz corpus wheel sdist clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -67,11 +68,22 @@ fuzz: ## any text, bytes and bits as input, a minute a target (needs a C++ compi
 		|| $(CARGO) install --locked --force cargo-fuzz@$(CARGO_FUZZ)
 	$(CARGO) clippy --locked --release --manifest-path tests/fuzz/Cargo.toml --target-dir target/fuzz \
 		-- -D warnings
-	for target in study tables record manifest simulate; do \
-		mkdir -p target/fuzz/corpus/$$target; \
+	rm -rf target/fuzz/kept && mkdir -p target/fuzz/kept && tar -xJf tests/fuzz/corpus.tar.xz -C target/fuzz/kept
+	for target in $(FUZZ_TARGETS); do \
+		mkdir -p target/fuzz/corpus/$$target target/fuzz/kept/$$target; \
 		$(CARGO) fuzz run --sanitizer none --fuzz-dir tests/fuzz --target-dir target/fuzz $$target \
-			target/fuzz/corpus/$$target tests/fuzz/corpus/$$target -- -timeout=20 $(FUZZ) || exit 1; \
+			target/fuzz/corpus/$$target target/fuzz/kept/$$target $$(ls -d tests/fuzz/seeds/$$target 2> /dev/null) \
+			studies -- -timeout=20 $(FUZZ) || exit 1; \
 	done
+
+corpus: ## keep what `make fuzz` has found, as few inputs as reach as much
+	for target in $(FUZZ_TARGETS); do \
+		cp -n target/fuzz/kept/$$target/* target/fuzz/corpus/$$target 2> /dev/null; \
+		$(CARGO) fuzz cmin --sanitizer none --fuzz-dir tests/fuzz --target-dir target/fuzz $$target \
+			target/fuzz/corpus/$$target -- -use_counters=0 || exit 1; \
+	done
+	tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -C target/fuzz/corpus -c . \
+		| xz -9e > tests/fuzz/corpus.tar.xz
 
 bench-peers: target/bench/.installed ## compare accuracy and run time with other integrators
 	target/bench/bin/python benches/work_precision.py
