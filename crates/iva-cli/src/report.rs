@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use arrow_array::RecordBatch;
-use iva_sweep::columns::{Column, SUMMARY};
+use iva_sweep::columns::{Better, Column, SUMMARY, ranked};
 use iva_sweep::fields::Quantity;
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
@@ -19,32 +19,6 @@ pub const BEST_DECAY: &str = "settling_time_5";
 pub const BEST_DRIVEN: &str = "reduction";
 /// Default of `report.count`.
 pub const DEFAULT_COUNT: usize = 10;
-
-/// Which end of a measure is the better one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Better {
-    /// Settling times, residual amplitude.
-    Smaller,
-    /// Damping ratios.
-    Larger,
-}
-
-/// The measures that points can be ranked by.
-pub const RANKED: [(&str, Better); 13] = [
-    ("settling_time_10", Better::Smaller),
-    ("settling_time_5", Better::Smaller),
-    ("settling_time_2", Better::Smaller),
-    ("residual_amplitude", Better::Smaller),
-    ("damping_ratio_1", Better::Larger),
-    ("damping_ratio_3", Better::Larger),
-    ("damping_ratio_10", Better::Larger),
-    ("damping_ratio_fit", Better::Larger),
-    ("damping_ratio_energy", Better::Larger),
-    ("amplitude_max", Better::Smaller),
-    ("amplitude_rms", Better::Smaller),
-    ("reduction", Better::Larger),
-    ("transmissibility", Better::Smaller),
-];
 
 /// Said under every table of best points.
 const LUCK: &str = "A single best row is often luck: look at its neighbours, and sweep restitution and \
@@ -91,7 +65,7 @@ impl BestPoints {
     /// An empty collection; `None` if the report names no measure.
     pub fn new(report: &Report, study: &Study) -> Option<Self> {
         let best_by = report.best_by?;
-        let (_, better) = RANKED.into_iter().find(|(name, _)| *name == best_by)?;
+        let better = ranked().find(|column| column.name == best_by)?.better?;
         let driven = study.spec(0).is_ok_and(|spec| spec.is_driven());
         let shown = if driven { BESIDE_DRIVEN } else { BESIDE_DECAY };
         let beside = SUMMARY

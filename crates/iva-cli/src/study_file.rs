@@ -26,7 +26,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use iva_sweep::choices::{CHOICES, Choices, Kind};
-use iva_sweep::columns::{SUMMARY, Selection};
+use iva_sweep::columns::{SUMMARY, Selection, ranked};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
 use iva_sweep::motion::samples;
@@ -37,7 +37,7 @@ use toml::de::DeTable;
 use crate::error::Error;
 use crate::forces;
 use crate::regular_file;
-use crate::report::{BEST_DECAY, BEST_DRIVEN, RANKED, Report};
+use crate::report::{BEST_DECAY, BEST_DRIVEN, Report};
 use crate::sampling;
 use crate::source::Source;
 use crate::value::{
@@ -364,7 +364,7 @@ fn read_report(
     for (key, value) in entries(table(source, "report", key, value)?) {
         match key.get_ref().as_ref() {
             "best_by" => {
-                let known = RANKED.map(|(name, _)| name);
+                let known: Vec<&str> = ranked().map(|column| column.name).collect();
                 let find = |name: &str| known.iter().find(|other| **other == name).copied();
                 let best_by = name(source, "report.best_by", value, &known, find)?;
                 if !measures.contains(best_by) {

@@ -5,10 +5,9 @@ use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
 
 use arrow_array::RecordBatch;
-use iva_cli::report::{Better, RANKED};
 use iva_sweep::Invalid;
 use iva_sweep::choices::Choices;
-use iva_sweep::columns::columns;
+use iva_sweep::columns::{Better, columns, ranked};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::gradients as slopes;
@@ -64,8 +63,8 @@ pub fn check_choices(words: Vec<(String, String)>) -> PyResult<()> {
 /// The measures of which the larger is the better.
 #[pyfunction]
 pub fn larger_is_better() -> Vec<&'static str> {
-    let larger = RANKED.into_iter().filter(|(_, better)| *better == Better::Larger);
-    larger.map(|(name, _)| name).collect()
+    let larger = ranked().filter(|column| column.better == Some(Better::Larger));
+    larger.map(|column| column.name).collect()
 }
 
 /// The sentence of the units that the fields of a primary system set.

@@ -22,8 +22,7 @@ use crate::columns::columns;
 use crate::design::Design;
 use crate::dual;
 use crate::dual::point::{Estimates, Request, run};
-use crate::dual::rows::Cell as DualCell;
-use crate::dual::scale::Scale;
+use crate::dual::rows::{Cell as DualCell, Estimate};
 use crate::error::Invalid;
 use crate::fields::{FieldId, Part, Quantity};
 use crate::scene::Scene;
@@ -85,7 +84,7 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
                 Cell::Number(_) if !known(index) => Cell::Null,
                 cell => derivative(cell.clone()),
             });
-            let last = (table == Table::Summary).then(|| sensitive.into());
+            let last = (table == Table::Summary).then(|| Cell::number(sensitive, |time| time));
             builder.row(derivatives.chain(last));
         }
     })?;
@@ -213,11 +212,7 @@ impl<S: System> Observer<S> for Grazings {
 }
 
 impl<S: System> Estimates<S> for Grazings {
-    fn of_impact(&self, index: usize, _scale: &Scale) -> [DualCell; 2] {
-        let near = self.impacts.get(index).map_or(Cell::Null, |(_, met)| Cell::Flag(*met));
-        [Cell::Null, near]
-    }
-    fn of_run(&self) -> [DualCell; 2] {
-        [Cell::Null, Cell::Null]
+    fn of_impact(&self, index: usize) -> Estimate {
+        Estimate { time: None, near_grazing: self.impacts.get(index).map(|(_, met)| *met) }
     }
 }

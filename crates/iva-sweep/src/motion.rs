@@ -8,12 +8,16 @@ use arrow_array::RecordBatch;
 use iva_core::error::{Invalid, number};
 use iva_core::sample::{Sampler, State};
 use iva_core::simulate::simulate;
+use iva_core::system::Angle;
+
+use crate::columns::tables as entries;
 
 use crate::design::{Design, Spec};
+use crate::doubles::scale::Scale;
 use crate::scene::Scene;
 use crate::study::{Study, Table};
 use crate::sweep::SweepError;
-use crate::tables::{Cell, TableBuilder, schema_in};
+use crate::tables::{Cell, TableBuilder, cells, schema_in};
 
 /// More samples than this are refused: while a table is made of them they take some 4 GB.
 pub const MAX_SAMPLES: f64 = 3e7;
@@ -122,27 +126,46 @@ fn table<'a>(
     let schema = schema_in(&Study::single(spec.clone()), Table::Trajectory, design.units);
     let mut builder = TableBuilder::new(schema, states.len());
     for (time, state) in states {
-        builder.row(row(time, state, design));
+        let cells: &[fn(&MotionRow<'_>) -> Cell] = &entries::trajectory!(cells);
+        let row = MotionRow { time, state, design, scale: AsGiven(&design.scale) };
+        builder.row(std::iter::once(Cell::Point(0)).chain(cells.iter().map(|cell| cell(&row))));
     }
     Ok(builder.finish()?)
 }
 
-/// A row of the trajectory; `time` is the instant in user units.
-fn row(time: f64, state: Option<&State>, design: &Design) -> [Cell; 9] {
-    let scale = &design.scale;
-    let angle = state.and_then(|state| state.angle).filter(|_| design.scene.has_angle());
-    let number = |read: fn(&State) -> f64| Cell::from(state.map(read));
-    let velocity =
-        |read: fn(&State) -> f64| Cell::from(state.map(|state| scale.velocity(read(state))));
-    [
-        Cell::Point(0),
-        Cell::Number(time),
-        number(|state| state.displacement),
-        velocity(|state| state.velocity),
-        number(|state| state.gap_displacement),
-        velocity(|state| state.gap_velocity),
-        state.map_or(Cell::Null, |state| Cell::Side(state.wall)),
-        angle.map(|angle| angle.value).into(),
-        angle.map(|angle| scale.angular_velocity(angle.rate)).into(),
-    ]
+/// A row of the trajectory.
+struct MotionRow<'a> {
+    /// Instant, in the user's unit.
+    time: f64,
+    /// The state then; `None` if the run has ended before.
+    state: Option<&'a State>,
+    design: &'a Design,
+    scale: AsGiven<'a>,
+}
+
+/// A scale for rows whose instants are in the user's unit: those that a user gives come back as they are.
+struct AsGiven<'a>(&'a Scale);
+
+impl AsGiven<'_> {
+    fn time(&self, time: f64) -> f64 {
+        time
+    }
+
+    fn velocity(&self, velocity: f64) -> f64 {
+        self.0.velocity(velocity)
+    }
+
+    fn angular_velocity(&self, rate: f64) -> f64 {
+        self.0.angular_velocity(rate)
+    }
+}
+
+impl MotionRow<'_> {
+    fn state<T>(&self, read: fn(&State) -> T) -> Option<T> {
+        self.state.map(read)
+    }
+
+    fn angle(&self) -> Option<Angle> {
+        self.state.and_then(|state| state.angle).filter(|_| self.design.scene.has_angle())
+    }
 }

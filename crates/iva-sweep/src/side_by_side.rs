@@ -75,8 +75,7 @@ fn together<S: SideBySide>(
     // After a cancellation the points before the first that was not begun.
     for (point, (design, result)) in points.zip(designs.iter().zip(&results)) {
         let Some((tally, values)) = result else { break };
-        let estimated = [Cell::Null, Cell::Null];
-        take(&mut rows::summary(study, point, design, tally, values, None, estimated));
+        take(&mut rows::RunRow::new(design, tally, values).cells(study, point));
         done += Done::run(tally.outcome.name(), tally.work);
     }
     Ok(Some(done))

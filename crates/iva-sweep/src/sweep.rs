@@ -19,8 +19,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::done::Done;
 use crate::doubles::design::Design;
 use crate::doubles::point::{Estimates, Request, run};
-use crate::doubles::rows::Cell;
-use crate::doubles::scale::Scale;
+use crate::doubles::rows::{Cell, Estimate};
 use crate::side_by_side::{Asked, summaries};
 use crate::study::{Study, Table};
 use crate::tables::{TableBuilder, schema_in};
@@ -260,16 +259,14 @@ fn run_point(
 }
 
 impl<S: Differentiable> Estimates<S> for Option<Errors> {
-    fn of_impact(&self, index: usize, scale: &Scale) -> [Cell; 2] {
+    fn of_impact(&self, index: usize) -> Estimate {
         let error = self.as_ref().and_then(|errors| errors.impacts.get(index));
         let time = error.and_then(|error| error.time);
-        let grazing =
-            error.filter(|_| time.is_some()).map_or(Cell::Null, |it| Cell::Flag(it.grazing));
-        [time.map(|time| scale.time(time)).into(), grazing]
+        Estimate { time, near_grazing: error.filter(|_| time.is_some()).map(|it| it.grazing) }
     }
 
-    fn of_run(&self) -> [Cell; 2] {
+    fn of_run(&self) -> [Option<f64>; 2] {
         let errors = self.as_ref();
-        [errors.and_then(Errors::condition).into(), errors.and_then(Errors::digits).into()]
+        [errors.and_then(Errors::condition), errors.and_then(Errors::digits)]
     }
 }

@@ -177,11 +177,85 @@ pub(crate) enum Cell<R = f64> {
     Null,
 }
 
-impl<R> From<Option<R>> for Cell<R> {
-    fn from(value: Option<R>) -> Self {
-        value.map_or(Cell::Null, Cell::Number)
+/// A word of the program, or one that a run makes.
+pub(crate) trait Word {
+    fn word(self) -> Option<Cow<'static, str>>;
+}
+
+impl Word for &'static str {
+    fn word(self) -> Option<Cow<'static, str>> {
+        Some(self.into())
     }
 }
+
+impl Word for Option<String> {
+    fn word(self) -> Option<Cow<'static, str>> {
+        self.map(Cow::from)
+    }
+}
+
+/// A value that may be missing, of the type of its column.
+impl<R> Cell<R> {
+    pub fn number(value: impl Into<Option<R>>, scaled: impl Fn(R) -> R) -> Self {
+        value.into().map_or(Self::Null, |value| Self::Number(scaled(value)))
+    }
+
+    pub fn count(value: impl TryInto<u64>) -> Self {
+        value.try_into().map_or(Self::Null, Self::Count)
+    }
+
+    pub fn side(value: impl Into<Option<i8>>) -> Self {
+        value.into().map_or(Self::Null, Self::Side)
+    }
+
+    pub fn flag(value: impl Into<Option<bool>>) -> Self {
+        value.into().map_or(Self::Null, Self::Flag)
+    }
+
+    pub fn text(value: impl Word) -> Self {
+        value.word().map_or(Self::Null, Self::Text)
+    }
+}
+
+/// A cell of a quantity from a value in natural units, which may be missing.
+macro_rules! cell {
+    (Text, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::text($value)
+    };
+    (Flag, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::flag($value)
+    };
+    (Count, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::count($value)
+    };
+    (Side, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::side($value)
+    };
+    (Time, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::number($value, |it| $scale.time(it))
+    };
+    (Velocity, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::number($value, |it| $scale.velocity(it))
+    };
+    (AngularVelocity, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::number($value, |it| $scale.angular_velocity(it))
+    };
+    (Energy, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::number($value, |it| $scale.energy(it))
+    };
+    // Lengths are carried in the user's unit, and gravity is as it was given.
+    ($quantity:ident, $scale:expr, $value:expr) => {
+        $crate::tables::Cell::number($value, |it| it)
+    };
+}
+
+/// A function for each entry of a table, which makes its cell of a row.
+macro_rules! cells {
+    ($($name:literal $quantity:ident $([$($group:ident)*])? |$row:ident| $value:expr, $help:literal;)*) => {
+        [$(|$row| $crate::tables::cell!($quantity, $row.scale, $value)),*]
+    };
+}
+pub(crate) use {cell, cells};
 
 enum Builder {
     Point(UInt32Builder),

@@ -10,7 +10,6 @@ use std::sync::atomic::AtomicBool;
 
 use crate::columns::columns;
 use crate::doubles::point::{self as plain, Estimates};
-use crate::doubles::{rows, scale};
 use crate::error::Invalid;
 use crate::fields::FieldId;
 use crate::study::{Study, Table};
@@ -140,20 +139,6 @@ fn in_twofold(study: &Study, cancel: &AtomicBool) -> Result<Rows<Twofold>, Inval
     Ok(rows)
 }
 
-impl<S: iva_core::system::System> Estimates<S> for () {
-    fn of_impact(&self, _index: usize, _scale: &scale::Scale) -> [rows::Cell; 2] {
-        [Cell::Null, Cell::Null]
-    }
-    fn of_run(&self) -> [rows::Cell; 2] {
-        [Cell::Null, Cell::Null]
-    }
-}
+impl<S: iva_core::system::System> Estimates<S> for () {}
 
-impl<S: iva_core_twofold::system::System> exact::Estimates<S> for () {
-    fn of_impact(&self, _index: usize, _scale: &twofold::scale::Scale) -> [twofold::rows::Cell; 2] {
-        [Cell::Null, Cell::Null]
-    }
-    fn of_run(&self) -> [twofold::rows::Cell; 2] {
-        [Cell::Null, Cell::Null]
-    }
-}
+impl<S: iva_core_twofold::system::System> exact::Estimates<S> for () {}

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use iva_sweep::choices::{CHOICES, Choices, Kind};
-use iva_sweep::columns::{SUMMARY, Selection};
+use iva_sweep::columns::{SUMMARY, Selection, ranked};
 use iva_sweep::design::Spec;
 use iva_sweep::identity::Identity;
 use iva_sweep::sampling::Rows;
@@ -12,7 +12,7 @@ use iva_sweep::variable::Variable;
 use proptest::prelude::*;
 
 use super::*;
-use crate::report::{RANKED, Report};
+use crate::report::Report;
 use crate::source::Source;
 use crate::study_file::parse_study;
 
@@ -153,17 +153,11 @@ fn study_file() -> impl Strategy<Value = StudyFile> {
     let tables = prop::sample::subsequence(Table::SWEEP.to_vec(), 1..=4);
     let measures = prop::sample::subsequence(names, 0..=SUMMARY.len())
         .prop_map(|names| Selection::from_names(names).unwrap());
-    let report = (prop::sample::select(RANKED.to_vec()), 1..1000_usize);
+    let ranked: Vec<&str> = ranked().map(|column| column.name).collect();
+    let report = (prop::sample::select(ranked), 1..1000_usize);
     let model = choices().prop_flat_map(|choices| (spec(choices), sampling(choices.kind)));
     (model, tables, measures, report, 1..=1_000_000_u32, any::<bool>()).prop_map(
-        |(
-            (spec, sampling),
-            tables,
-            measures,
-            ((best_by, _), count),
-            samples_per_period,
-            errors,
-        )| {
+        |((spec, sampling), tables, measures, (best_by, count), samples_per_period, errors)| {
             let study = Study { spec, sampling, tables, measures, errors };
             let driven = study.spec(0).unwrap().is_driven();
             StudyFile {

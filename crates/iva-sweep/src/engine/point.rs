@@ -6,14 +6,17 @@ use super::core::measures::{Measures, Wanted};
 use super::core::observe::{Events, Observer};
 use super::core::peaks::Envelope;
 use super::core::piva::Piva;
+use super::core::real::Real;
 use super::core::simulate::{Tally, simulate};
 use super::core::siva::Siva;
 use super::core::steady::{Steady, SteadyWanted};
 use super::core::system::System;
 use super::design::Design;
-use super::rows::{self, Cell};
-use super::scale::Scale;
+use super::rows::{
+    Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, RunRow, Settled, StrobeRow,
+};
 use super::scene::Scene;
+use crate::columns::Group;
 use crate::done::Done;
 use crate::error::Invalid;
 use crate::study::{Study, Table};
@@ -33,32 +36,27 @@ pub(crate) struct Request {
 impl Request {
     pub fn new(study: &Study) -> Self {
         let asked = |table| study.tables.contains(&table);
-        let any = |names: &[&str]| names.iter().any(|name| study.measures.contains(name));
+        let needs = |group| study.measures.needs(group);
         Self {
             summary: asked(Table::Summary),
             impacts: asked(Table::Impacts),
             episodes: asked(Table::Episodes),
             envelope: asked(Table::Envelope),
             wanted: Wanted {
-                peaks: any(&[
-                    "damping_ratio_1",
-                    "damping_ratio_3",
-                    "damping_ratio_10",
-                    "damping_ratio_fit",
-                ]),
-                settling: any(&["settling_time_10", "settling_time_5", "settling_time_2"]),
-                residual: any(&["residual_amplitude"]),
-                ledger: any(&["energy_viscous", "energy_pivot", "energy_work", "energy_residual"]),
+                peaks: needs(Group::Peaks),
+                settling: needs(Group::Settling),
+                residual: needs(Group::Residual),
+                ledger: needs(Group::Ledger),
             },
             steady: SteadyWanted {
-                amplitude: any(&["amplitude_max", "reduction"]),
-                rms: any(&["amplitude_rms"]),
-                acceleration: any(&["transmissibility"]),
-                regime: any(&["regime"]),
-                impacts: any(&["impacts_per_cycle"]),
+                amplitude: needs(Group::Amplitude) || needs(Group::Reduction),
+                rms: needs(Group::Rms),
+                acceleration: needs(Group::Acceleration),
+                regime: needs(Group::Regime),
+                impacts: needs(Group::ImpactsPerCycle),
                 strobes: asked(Table::Stroboscope),
             },
-            reduction: any(&["reduction"]),
+            reduction: needs(Group::Reduction),
         }
     }
 }
@@ -72,10 +70,14 @@ impl Request {
 
 /// An observer that has something to say of the exactness of a run.
 pub(crate) trait Estimates<S: System>: Observer<S> {
-    /// The last two cells of a row of `impacts`.
-    fn of_impact(&self, index: usize, scale: &Scale) -> [Cell; 2];
-    /// The last two cells of `summary`.
-    fn of_run(&self) -> [Cell; 2];
+    /// Of an impact.
+    fn of_impact(&self, _index: usize) -> Estimate {
+        Estimate::default()
+    }
+    /// Condition and digits of the run.
+    fn of_run(&self) -> [Option<Real>; 2] {
+        [None; 2]
+    }
 }
 
 /// Runs a point and hands out its rows, table by table; returns how it ended and what it took.
@@ -155,40 +157,39 @@ impl Point<'_> {
         seen: &Seen<S, E>,
         take: &mut dyn FnMut(Table, &mut dyn Iterator<Item = Cell>),
     ) -> Result<(), Invalid> {
-        let scale = &self.design.scale;
-        // Points are counted below 2^32 by `Study::points`.
-        let number = self.point as u32;
+        let Self { study, point, design, .. } = *self;
+        let (scale, events) = (&design.scale, seen.events.iter());
         let mut row = |cells: &mut dyn Iterator<Item = Cell>| take(table, cells);
         match table {
-            Table::Summary => self.summary(system, seen, &mut row)?,
+            Table::Summary => {
+                if let Some(run) = self.summary(system, seen)? {
+                    row(&mut run.cells(study, point));
+                }
+            }
             Table::Impacts => {
-                for (index, impact) in
-                    seen.events.iter().flat_map(|events| &events.impacts).enumerate()
-                {
-                    let angles =
-                        system.impact_angles(impact).filter(|_| self.design.scene.has_angle());
-                    let estimated = seen.estimates.of_impact(index, scale);
-                    row(&mut rows::impact(number, index, impact, angles, estimated, scale));
+                let impacts = events.flat_map(|events| &events.impacts).enumerate();
+                for (index, impact) in impacts {
+                    let angles = system.impact_angles(impact).filter(|_| design.scene.has_angle());
+                    let estimate = seen.estimates.of_impact(index);
+                    let of_impact = ImpactRow { index, impact, angles, estimate, scale };
+                    row(&mut self.numbered(&of_impact));
                 }
             }
             Table::Episodes => {
-                for (index, episode) in
-                    seen.events.iter().flat_map(|events| &events.episodes).enumerate()
-                {
-                    row(&mut rows::episode(number, index, episode, scale).into_iter());
+                for (index, episode) in events.flat_map(|events| &events.episodes).enumerate() {
+                    row(&mut self.numbered(&EpisodeRow { index, episode, scale }));
                 }
             }
             Table::Envelope => {
-                if let Some(envelope) = &seen.envelope {
-                    for index in 0..envelope.peaks.len() {
-                        row(&mut rows::peak(number, index, &envelope.peaks, scale).into_iter());
-                    }
+                let peaks = seen.envelope.as_ref().map_or(&[][..], |envelope| &envelope.peaks);
+                for index in 0..peaks.len() {
+                    row(&mut self.numbered(&PeakRow { index, peaks, scale }));
                 }
             }
             Table::Stroboscope => {
                 let mut before = None;
                 for strobe in seen.steady.iter().flat_map(Steady::strobes) {
-                    row(&mut rows::strobe(number, before, strobe, scale).into_iter());
+                    row(&mut self.numbered(&StrobeRow { strobe, before, scale }));
                     before = Some(strobe);
                 }
             }
@@ -197,26 +198,30 @@ impl Point<'_> {
         Ok(())
     }
 
-    fn summary<S: System, E: Estimates<S>>(
-        &self,
+    /// The cells of a row, with the number of the point before them.
+    fn numbered(&self, row: &impl Row) -> impl Iterator<Item = Cell> {
+        // Points are counted below 2^32 by `Study::points`.
+        std::iter::once(Cell::Point(self.point as u32)).chain(row.cells())
+    }
+
+    fn summary<'a, S: System, E: Estimates<S>>(
+        &'a self,
         system: &S,
-        seen: &Seen<S, E>,
-        row: &mut dyn FnMut(&mut dyn Iterator<Item = Cell>),
-    ) -> Result<(), Invalid> {
-        let Self { study, point, design, request, cancel } = *self;
-        let Some(measures) = &seen.measures else { return Ok(()) };
+        seen: &'a Seen<S, E>,
+    ) -> Result<Option<RunRow<'a, S::State>>, Invalid> {
+        let Self { design, request, cancel, .. } = *self;
+        let Some(measures) = &seen.measures else { return Ok(None) };
         let bare = match request.reduction && system.is_driven() {
             true => design.amplitude_without_absorber(cancel)?,
             false => None,
         };
-        let settled = seen.steady.as_ref().map(|steady| rows::Settled {
+        let settled = seen.steady.as_ref().map(|steady| Settled {
             values: steady.values(),
             bare,
             moves_base: design.scene.moves_base(),
         });
-        let estimated = seen.estimates.of_run();
-        let (tally, values) = (&seen.tally, measures.values());
-        row(&mut rows::summary(study, point, design, tally, values, settled.as_ref(), estimated));
-        Ok(())
+        let [condition, digits] = seen.estimates.of_run();
+        let run = RunRow::new(design, &seen.tally, measures.values());
+        Ok(Some(RunRow { settled, condition, digits, ..run }))
     }
 }

@@ -1,0 +1,211 @@
+//! The tables: of each column name, quantity, meaning, and the value that it has in a row.
+//!
+//! A new column is one entry here, at the end of its table. The first word after the name is the
+//! [`Quantity`](crate::fields::Quantity), which gives the type of the cell, its unit and the way there from natural
+//! units. In `summary` follow the [`Group`](super::Group) that it is computed with and, of a measure that points can
+//! be ranked by, which end is the [`Better`](super::Better) one.
+//!
+//! Each table is a macro that hands its entries to another one: `described!` makes the descriptions of them,
+//! `cells!` the functions that read a row ([`crate::doubles::rows`]), in numbers of each kind.
+
+/// Columns of `summary` after `point`: one row a point.
+macro_rules! summary {
+    ($build:ident) => {
+        $build! {
+            "outcome" Text [Run] |run| run.tally.outcome.name(),
+                "finished, impact_limit, work_limit, not_finite or cancelled";
+            "impacts" Count [Run] |run| run.tally.impacts,
+                "listed impacts";
+            "effective_impacts" Count [Run] |run| run.tally.effective_impacts,
+                "listed impacts at which the masses moved towards each other";
+            "episodes" Count [Run] |run| run.tally.episodes,
+                "chatters that ended in stick, plastic sticks, starts at rest on a pressed wall";
+            "undecided" Count [Run] |run| run.tally.undecided,
+                "extrema of the gap within rounding of a wall, counted as no contact";
+            "time_stuck" Time [Run] |run| run.tally.time_stuck,
+                "total time on a wall";
+            "damping_ratio_1" Ratio [Peaks Larger] |run| run.values.damping_ratio_1,
+                "from the logarithmic decrement over 1 cycle";
+            "damping_ratio_3" Ratio [Peaks Larger] |run| run.values.damping_ratio_3,
+                "from the logarithmic decrement over 3 cycles";
+            "damping_ratio_10" Ratio [Peaks Larger] |run| run.values.damping_ratio_10,
+                "from the logarithmic decrement over 10 cycles";
+            "damping_ratio_fit" Ratio [Peaks Larger] |run| run.values.damping_ratio_fit,
+                "from the least-squares line of ln peak over time, down to 5 %";
+            "damping_ratio_energy" Ratio [Run Larger] |run| run.values.damping_ratio_energy,
+                "from the energy lost in the first period";
+            "settling_time_10" Time [Settling Smaller] |run| run.values.settling_time_10,
+                "last instant at which |x| is 10 % of the reference amplitude";
+            "settling_time_5" Time [Settling Smaller] |run| run.values.settling_time_5,
+                "last instant at which |x| is 5 % of the reference amplitude";
+            "settling_time_2" Time [Settling Smaller] |run| run.values.settling_time_2,
+                "last instant at which |x| is 2 % of the reference amplitude";
+            "residual_amplitude" Ratio [Residual Smaller] |run| run.values.residual_amplitude,
+                "largest |x| of the last period over the reference amplitude";
+            "energy_initial" Energy [Run] |run| run.values.energy_initial,
+                "total energy at time zero";
+            "energy_impacts" Energy [Run] |run| run.tally.energy_impacts,
+                "energy lost in impacts";
+            "energy_viscous" Energy [Ledger] |run| run.values.energy_viscous,
+                "energy lost in the damper, integrated along the flights";
+            "energy_final" Energy [Run] |run| run.values.energy_final,
+                "total energy at the end";
+            "energy_residual" Energy [Ledger] |run| run.values.energy_residual,
+                "initial + work − impacts − viscous − pivot − final";
+            "energy_pivot" Energy [Ledger] |run| run.values.energy_pivot,
+                "energy lost in the pivot of a pendulum, integrated along the flights; 0 for a free mass";
+            "stop_reachable" Flag [Run] |run| run.scene.stop_reachable(),
+                "the absorber can reach its stops at all";
+            "gravity" Acceleration [Run] |run| run.scene.gravity(),
+                "acceleration of gravity on a pendulum, given or following from frequency and length";
+            "energy_work" Energy [Ledger] |run| run.values.energy_work,
+                "work of force and base, integrated along the motion; 0 in free decay";
+            "amplitude_max" Length [Amplitude Smaller] |run| run.settled(|it| it.values.amplitude_max),
+                "largest |x| under force, after the discarded cycles";
+            "amplitude_rms" Length [Rms Smaller] |run| run.settled(|it| it.values.amplitude_rms),
+                "root mean square of x under force, after the discarded cycles";
+            "reduction" Ratio [Reduction Larger] |run| run.settled(Settled::reduction),
+                "1 - amplitude_max over that without absorber, under the same force";
+            "transmissibility" Ratio [Acceleration Smaller] |run| run.settled(Settled::transmissibility),
+                "largest absolute acceleration between impacts over the largest of the base";
+            "impacts_per_cycle" Ratio [ImpactsPerCycle] |run| run.settled(|it| it.values.impacts_per_cycle),
+                "listed impacts over cycles of the harmonic force, after the discarded ones";
+            "regime" Text [Regime] |run| run.settled(|it| it.values.regime.map(|regime| regime.to_string())),
+                "n:m, n impacts in m cycles if the state comes back; no_impacts or modulated";
+            "condition" Ratio [Errors] |run| run.condition,
+                "largest change of an impact time per unit change of the start (errors asked for)";
+            "digits" Ratio [Errors] |run| run.digits,
+                "-log10 of the largest time_error over the time or 1/ωn (errors asked for)";
+        }
+    };
+}
+
+/// Columns of `impacts` after `point`: one row an impact.
+macro_rules! impacts {
+    ($build:ident) => {
+        $build! {
+            "impact" Count |row| row.index,
+                "index of the impact in its run";
+            "time" Time |row| row.impact.time,
+                "instant of the impact";
+            "wall" Side |row| row.impact.wall.number(),
+                "+1 (y = +d) or -1 (y = -d)";
+            "displacement" Length |row| row.impact.displacement,
+                "displacement of the primary system";
+            "velocity_before" Velocity |row| row.impact.velocity_before,
+                "primary velocity just before";
+            "velocity_after" Velocity |row| row.impact.velocity_after,
+                "primary velocity just after";
+            "absorber_velocity_before" Velocity |row| row.impact.absorber_velocity_before(),
+                "absolute velocity of the absorber's centre of mass just before";
+            "absorber_velocity_after" Velocity |row| row.impact.absorber_velocity_after(),
+                "absolute velocity of the absorber's centre of mass just after";
+            "approach_velocity" Velocity |row| row.impact.gap_velocity_before,
+                "signed gap velocity just before";
+            "energy_loss" Energy |row| row.impact.energy_loss,
+                "energy lost in the impact";
+            "effective" Flag |row| row.impact.effective(),
+                "the two masses moved towards each other";
+            "angle" Angle |row| row.angles.map(|[before, _]| before.value),
+                "angle of a pendulum";
+            "angular_velocity_before" AngularVelocity |row| row.angles.map(|[before, _]| before.rate),
+                "of a pendulum, just before";
+            "angular_velocity_after" AngularVelocity |row| row.angles.map(|[_, after]| after.rate),
+                "of a pendulum, just after";
+            "time_error" Time |row| row.estimate.time,
+                "estimated error of the time (errors asked for)";
+            "near_grazing" Flag |row| row.estimate.near_grazing,
+                "an error of that size could turn the impact into a grazing (errors asked for)";
+        }
+    };
+}
+
+/// Columns of `episodes` after `point`: one row a chatter that ends in stick, a plastic stick or a start at rest on a wall.
+macro_rules! episodes {
+    ($build:ident) => {
+        $build! {
+            "episode" Count |row| row.index,
+                "index of the episode in its run";
+            "wall" Side |row| row.episode.wall.number(),
+                "+1 (y = +d) or -1 (y = -d)";
+            "start_time" Time |row| row.episode.start_time,
+                "first impact after which only this wall is met until the stick";
+            "stick_time" Time |row| row.episode.stick_time,
+                "end of the chatter, begin of the ride on the wall";
+            "release_time" Time |row| row.episode.release_time,
+                "end of the ride; null if still stuck at the end of the run";
+            "impacts" Count |row| row.episode.impacts,
+                "listed impacts of the episode";
+            "energy_loss" Energy |row| row.episode.energy_loss,
+                "energy lost in all its impacts, listed or summed";
+        }
+    };
+}
+
+/// Columns of `envelope` after `point`: one row a peak of the primary displacement.
+macro_rules! envelope {
+    ($build:ident) => {
+        $build! {
+            "peak" Count |row| row.index,
+                "index of the peak in its run";
+            "time" Time |row| row.peak().time,
+                "instant of the peak";
+            "displacement" Length |row| row.peak().displacement,
+                "displacement at the peak, signed";
+            "amplitude" Length |row| row.peak().displacement.abs(),
+                "size of the displacement at the peak";
+            "log_decrement" Ratio |row| row.log_decrement(),
+                "ln(A[k-2]/A[k]); null for k < 2";
+        }
+    };
+}
+
+/// Columns of `stroboscope` after `point`: one row a cycle of the harmonic force.
+macro_rules! stroboscope {
+    ($build:ident) => {
+        $build! {
+            "cycle" Count |row| row.strobe.cycle,
+                "number of the instant, 0 for the first of the run";
+            "time" Time |row| row.strobe.time,
+                "instant at which frequency · time + phase is a multiple of 2π";
+            "displacement" Length |row| row.strobe.displacement,
+                "displacement of the primary system";
+            "velocity" Velocity |row| row.strobe.velocity,
+                "velocity of the primary system";
+            "gap_displacement" Length |row| row.strobe.gap_displacement,
+                "absorber minus primary displacement";
+            "gap_velocity" Velocity |row| row.strobe.gap_velocity,
+                "absorber minus primary velocity";
+            "amplitude" Length |row| row.strobe.amplitude,
+                "largest |x| since the instant before (first row: since the window began)";
+            "impacts" Count |row| row.impacts(),
+                "listed impacts since the instant before (first row: since the window began)";
+        }
+    };
+}
+
+/// Columns of `trajectory` after `point`: one row a sample of the motion.
+macro_rules! trajectory {
+    ($build:ident) => {
+        $build! {
+            "time" Time |row| row.time,
+                "instant; an impact appears twice, before and after";
+            "displacement" Length |row| row.state(|it| it.displacement),
+                "displacement of the primary system";
+            "velocity" Velocity |row| row.state(|it| it.velocity),
+                "velocity of the primary system";
+            "gap_displacement" Length |row| row.state(|it| it.gap_displacement),
+                "absorber minus primary displacement";
+            "gap_velocity" Velocity |row| row.state(|it| it.gap_velocity),
+                "absorber minus primary velocity";
+            "wall" Side |row| row.state(|it| it.wall),
+                "0 in flight, +1 or -1 while stuck";
+            "angle" Angle |row| row.angle().map(|angle| angle.value),
+                "angle of a pendulum";
+            "angular_velocity" AngularVelocity |row| row.angle().map(|angle| angle.rate),
+                "angular velocity of a pendulum";
+        }
+    };
+}
+
+pub(crate) use {envelope, episodes, impacts, stroboscope, summary, trajectory};
