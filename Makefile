@@ -12,6 +12,7 @@ SIBLINGS := iva-core-dual iva-core-twofold
 # Runs on stable Rust without a sanitizer: there is no unsafe code for one to watch.
 CARGO_FUZZ := 0.13.2
 FUZZ ?= -max_total_time=60
+PYTEST_WORKERS ?= 2
 FUZZ_TARGETS ?= study tables record manifest simulate
 SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o -name '*.pyi' \
 	-o -name 'py.typed' -o -name Cargo.toml \)) Cargo.toml Cargo.lock pyproject.toml README.md \
@@ -35,7 +36,7 @@ test-rust: $(VENV)/.tools ## the Rust half of `make test`
 	$(CARGO) test --locked --release --workspace --exclude iva-py --exclude iva-benches
 
 test-python: wheel ## the Python half of `make test`
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses $(PYTEST_WORKERS) --dist loadfile
 
 lint: lint-rust lint-python ## formats, clippy, ruff, types, stubs, layers, licences
 
@@ -61,6 +62,7 @@ bench: $(VENV)/.tools ## measure nanoseconds per impact
 
 stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts
 	$(CARGO) test --locked --release -p iva-tests stress:: -- --ignored --nocapture
+	$(MAKE) count
 	$(MAKE) fuzz
 
 fuzz: ## any text, bytes and bits as input, a minute a target (needs a C++ compiler)

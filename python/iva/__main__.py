@@ -22,8 +22,8 @@ def _reproduce(arguments: list[str]) -> int:
     def note(number: int, _frame: FrameType | None) -> None:
         interrupts.append(number)
 
-    # An exception inside the first lines of an extension written in C++ ends the process: Ctrl-C waits
-    # for the imports.
+    # An exception inside the first lines of an extension written in C++ ends the process: Ctrl-C
+    # waits for the imports.
     before = signal.signal(signal.SIGINT, note)
     try:
         from iva.paper.command import main as reproduce

@@ -73,25 +73,6 @@ def names_of(page: Path) -> str:
     return page.name if page == README else page.relative_to(DOCS).as_posix()
 
 
-def test_the_claims_of_the_paper_are_those_of_the_run() -> None:
-    from iva.paper import Verdict, reproduce
-
-    page = (DOCS / "paper.md").read_text(encoding="utf-8")
-    findings = reproduce("claims").findings
-    verdicts = [finding.verdict for finding in findings]
-    holds, partly, does_not = (
-        verdicts.count(verdict)
-        for verdict in (Verdict.HOLDS, Verdict.UNDER_A_MEASURE, Verdict.DOES_NOT_HOLD)
-    )
-    assert (
-        f"Of {len(verdicts)} claims {holds} hold, {partly} hold under a stated measure, "
-        f"{does_not} do not hold."
-    ) in page
-    for found in findings:
-        row = (found.claim, found.paper, found.figure, found.verdict.value, found.share)
-        assert f"| {' | '.join(row)} |" in page
-
-
 def test_fences_are_closed_and_say_their_language() -> None:
     known = {*pages.RUNNABLE, *pages.DIRECTIVES, "text"}
     for page in PAGES:

@@ -6,9 +6,9 @@ use std::sync::atomic::AtomicBool;
 
 use arrow_array::RecordBatch;
 use iva_sweep::Invalid;
-use iva_sweep::choices::Choices;
+use iva_sweep::choices::{Angles, Choices, Kind};
 use iva_sweep::columns::{Better, columns, ranked};
-use iva_sweep::design::Spec;
+use iva_sweep::design::{Design, Spec};
 use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::gradients as slopes;
 use iva_sweep::motion as paths;
@@ -71,6 +71,34 @@ pub fn larger_is_better() -> Vec<&'static str> {
 #[pyfunction]
 pub fn primary_units(spec: &Bound<'_, PyDict>) -> PyResult<&'static str> {
     Ok(arguments::spec(spec)?.units().map_err(invalid)?.sentence())
+}
+
+/// The numbers of a scene in the user's units, whatever alternatives they were given by; of a pendulum its own
+/// besides, without length and contact distance where nothing depends on them.
+#[pyfunction]
+pub fn design<'py>(py: Python<'py>, spec: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyDict>> {
+    let spec = arguments::spec(spec)?;
+    let Design { scene, scale, .. } = spec.design().map_err(invalid)?;
+    let numbers = PyDict::new(py);
+    numbers.set_item("mass", scale.mass)?;
+    numbers.set_item("natural_frequency", scale.natural_frequency)?;
+    numbers.set_item("damping_ratio", scene.damping_ratio())?;
+    numbers.set_item("mass_ratio", scene.mass_ratio())?;
+    numbers.set_item("clearance", scene.clearance())?;
+    let parameters = scene.pendulum().filter(|_| spec.choices().kind == Kind::Piva);
+    let pendulum = parameters.map(|pendulum| {
+        let own = PyDict::new(py);
+        let hangs = scene.gravity().is_some();
+        own.set_item("length", hangs.then_some(pendulum.length))?;
+        own.set_item("contact_distance", hangs.then_some(pendulum.contact_distance))?;
+        own.set_item("inertia_ratio", pendulum.inertia_ratio)?;
+        own.set_item("frequency", pendulum.frequency_ratio * scale.natural_frequency)?;
+        own.set_item("damping_ratio", pendulum.pivot_damping_ratio)?;
+        own.set_item("small", spec.choices().angles == Angles::Small)?;
+        PyResult::Ok(own)
+    });
+    numbers.set_item("pendulum", pendulum.transpose()?)?;
+    Ok(numbers)
 }
 
 /// Sentence and table → column → unit in one of the unit systems, with the swept keys.

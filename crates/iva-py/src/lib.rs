@@ -25,7 +25,7 @@ mod _iva {
     use super::arrow_table::ArrowTable;
     #[pymodule_export]
     use super::calls::{
-        check, check_choices, column_units, fields, gradients, larger_is_better, main,
+        check, check_choices, column_units, design, fields, gradients, larger_is_better, main,
         primary_units, simulate, states, trajectory, verify,
     };
     #[pymodule_export]

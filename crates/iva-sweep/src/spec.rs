@@ -7,10 +7,7 @@ use crate::error::{Invalid, number};
 use crate::fields::{FIELD_COUNT, FieldId, Part};
 use crate::forces::{ForceSpec, Recorded};
 use crate::slot::Slot;
-use crate::units::UnitSystem;
-
-/// Standard acceleration of gravity in m/s² (CGPM 1901), taken in SI units where none is given.
-const STANDARD_GRAVITY: f64 = 9.806_65;
+use crate::units::{STANDARD_GRAVITY, UnitSystem};
 
 /// The fields of one run as given; everything else is default or derived.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,6 +7,10 @@ use crate::fields::Quantity;
 
 pub use crate::doubles::scale::Scale;
 
+/// Standard acceleration of gravity in m/s² (CGPM 1901): the unit g of records, and what is taken in SI units where
+/// no gravity is given.
+pub const STANDARD_GRAVITY: f64 = 9.806_65;
+
 /// Which units the numbers of a study carry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitSystem {

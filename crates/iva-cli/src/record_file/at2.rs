@@ -3,12 +3,10 @@
 use std::path::Path;
 
 use iva_sweep::fields::Allowed;
+use iva_sweep::units::STANDARD_GRAVITY;
 
 use super::{Fault, RecordFile, RecordUnit, even_times, finite, number};
 use crate::source::shortened;
-
-/// Standard gravity, m/s².
-const STANDARD_GRAVITY: f64 = 9.80665;
 
 const HEADER_LINES: usize = 4;
 

@@ -9,9 +9,9 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_array::{Array, RecordBatch};
 use iva_sweep::axis::Axis;
 use iva_sweep::choices::{Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection};
