@@ -37,7 +37,7 @@ def test_a_free_mass_under_force_has_no_pendulum() -> None:
 
 def test_length_and_gravity_of_a_pendulum() -> None:
     primary = iva.Primary(mass=50.0, natural_frequency=20.0)
-    common = {"mass_ratio": 0.1, "clearance": 0.01, "restitution": 0.5}
+    common: dict[str, Any] = {"mass_ratio": 0.1, "clearance": 0.01, "restitution": 0.5}
     pendulum = of(iva.Piva(length=0.4, inertia_ratio=1.2, **common), primary).pendulum
     assert pendulum.frequency == pytest.approx(math.sqrt(9.80665 / (1.2 * 0.4)), rel=1e-15)
     assert (pendulum.length, pendulum.contact_distance) == (0.4, 0.4)
