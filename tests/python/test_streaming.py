@@ -81,7 +81,7 @@ def test_a_folder_with_tables_is_refused_in_the_words_of_python(tmp_path: Path) 
     out = tmp_path / "out"
     sweep(out=out)
     before = {file: file.read_bytes() for file in out.rglob("*.*")}
-    with pytest.raises(ValueError, match="choose another one as out, or give overwrite=True"):
+    with pytest.raises(ValueError, match="choose another folder as out, or give overwrite=True"):
         sweep(out=out)
     with pytest.raises(ValueError, match=r"run\.periods was 6\.0, is 7\.0"):
         sweep(out=out, resume=True, periods=7)

@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::exchange;
 use crate::folder::unwritable;
 use crate::hidden::{MARK, MARK_FILE, empty, remove_work_folder, work_folder};
+use crate::remedy::Remedy;
 
 /// A folder that is ours, with a place for unfinished files. When it is let go the unfinished files go,
 /// and so do folders that were made and hold nothing.
@@ -92,10 +93,8 @@ fn refused(path: &Path, error: Error) -> Error {
 /// file system knows no locks the folder is taken on trust.
 fn lock(path: &Path, work: &Directory) -> Result<File, Error> {
     let taken = || {
-        Error::Refused(format!(
-            "another process is writing into {}; wait for its end, or choose another folder with --out",
-            path.display()
-        ))
+        let fault = format!("another process is writing into {}", path.display());
+        Error::folder(fault, Remedy::WaitOrOtherFolder)
     };
     let name = Path::new(MARK_FILE);
     let file = match work.open_or_create_file(name) {

@@ -10,6 +10,7 @@ use iva_sweep::Invalid;
 use iva_sweep::sweep::SweepError;
 
 use crate::layout::WIDTH;
+use crate::remedy::{COMMAND, Remedy, Words};
 use crate::visible::visible;
 
 /// Everything the command can fail with. `Display` is the message a user reads.
@@ -24,6 +25,14 @@ pub enum Error {
     /// A request that cannot be served as asked: one sentence with what to do instead.
     #[error("{0}")]
     Refused(String),
+    /// A folder that cannot take a result as asked.
+    #[error("{fault}; {}", .remedy.sentence(&COMMAND))]
+    Folder {
+        /// What is wrong with it.
+        fault: String,
+        /// What can be done.
+        remedy: Remedy,
+    },
     /// Reading or writing failed.
     #[error("cannot {action} {}: {source}", .path.display())]
     Io {
@@ -80,9 +89,13 @@ impl Kept {
         Self { dir: PathBuf::new(), done: 0, points: 0, replaced: false }
     }
 
-    /// One sentence; `resume` says how to ask for the rest.
-    pub fn sentence(&self, resume: &str) -> String {
+    /// One sentence, which says how to ask for the rest.
+    pub fn sentence(&self, words: &Words) -> String {
         let Self { done, points, .. } = self;
+        let resume = match self.replaced {
+            true => format!("go on with {}", words.overwrite_and_resume),
+            false => format!("go on with {}", words.resume),
+        };
         let dir = self.dir.display();
         match (*done, self.replaced) {
             (0, _) => "nothing was finished, so nothing was written".to_owned(),
@@ -97,18 +110,35 @@ impl Kept {
 
 impl fmt::Display for Kept {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.sentence(match self.replaced {
-            true => "go on with --overwrite --resume",
-            false => "go on with --resume",
-        }))
+        f.write_str(&self.sentence(&COMMAND))
     }
 }
 
 impl Error {
+    pub(crate) fn folder(fault: String, remedy: Remedy) -> Self {
+        Self::Folder { fault, remedy }
+    }
+
+    /// The message in the words of a front.
+    pub fn message(&self, words: &Words) -> String {
+        match self {
+            Error::Study(error) => error.message.clone(),
+            Error::Folder { fault, remedy } => format!("{fault}; {}", remedy.sentence(words)),
+            Error::NotMoved { reason, what, kept } => {
+                format!("{}; {what} are kept in {}", reason.message(words), kept.display())
+            }
+            Error::Incomplete { reason, kept } => {
+                format!("{}; {}", reason.message(words), kept.sentence(words))
+            }
+            Error::Interrupted(kept) => format!("interrupted: {}", kept.sentence(words)),
+            other => other.to_string(),
+        }
+    }
+
     /// 2 for bad input, 1 for an I/O or internal fault, 130 for an interrupt.
     pub fn exit_code(&self) -> i32 {
         match self {
-            Error::Study(_) | Error::Invalid(_) | Error::Refused(_) => 2,
+            Error::Study(_) | Error::Invalid(_) | Error::Refused(_) | Error::Folder { .. } => 2,
             Error::NotMoved { reason, .. } | Error::Incomplete { reason, .. } => reason.exit_code(),
             Error::Io { .. } | Error::Internal(_) => 1,
             Error::Interrupted(_) => 130,

@@ -24,6 +24,7 @@ use crate::folder::{
     written_by_iva,
 };
 use crate::hidden::{new_folder, remove_new_folder};
+use crate::remedy::Remedy;
 
 /// What is to be moved.
 const JOURNAL: &str = "exchange.json";
@@ -130,11 +131,9 @@ fn set(names: &[PathBuf]) -> HashSet<&Path> {
 /// [`Error::Refused`] if it says what none of this program says.
 fn parse(new: &Directory, bytes: &[u8]) -> Result<Journal, Error> {
     let refused = || {
-        Error::Refused(format!(
-            "{} is no list of files of a result; move {} or choose another folder with --out",
-            new.path().join(JOURNAL).display(),
-            new.path().display()
-        ))
+        let journal = new.path().join(JOURNAL);
+        let fault = format!("{} is no list of files of a result", journal.display());
+        Error::folder(fault, Remedy::MoveOrOtherFolder)
     };
     let journal: Journal = serde_json::from_slice(bytes).map_err(|_| refused())?;
     let mut names = journal.out.iter().chain(&journal.into);

@@ -27,6 +27,7 @@ use crate::directory::{Directory, Kind};
 use crate::error::Error;
 use crate::inputs::{INPUTS, is_input_name};
 use crate::manifest::Manifest;
+use crate::remedy::Remedy;
 use crate::resolved::HEADER;
 use crate::table_file::Format;
 
@@ -68,10 +69,8 @@ pub(crate) fn vanished(dir: &Path) -> Error {
 
 /// What is said of a folder that cannot be written into.
 pub(crate) fn unwritable(dir: &Path, reason: &io::Error) -> Error {
-    Error::Refused(format!(
-        "cannot write into the folder {}: {reason}; choose another one with --out",
-        dir.display()
-    ))
+    let fault = format!("cannot write into the folder {}: {reason}", dir.display());
+    Error::folder(fault, Remedy::OtherFolder)
 }
 
 /// The folders that tables go into, with their tables, relative to that of the result.
@@ -88,9 +87,8 @@ fn table_folders() -> impl Iterator<Item = (PathBuf, Table)> {
 pub(crate) fn refuse_conflicts(dir: &Path, replace: bool) -> Result<(), Error> {
     let shown = dir.display();
     if dir.exists() && !dir.is_dir() {
-        return Err(Error::Refused(format!(
-            "the output folder {shown} is a file; choose another one with --out"
-        )));
+        let fault = format!("the output folder {shown} is a file");
+        return Err(Error::folder(fault, Remedy::OtherFolder));
     }
     let Some(dir) = Directory::find(dir)? else { return Ok(()) };
     refuse_other_kinds(&dir)?;
@@ -107,25 +105,21 @@ pub(crate) fn refuse_conflicts(dir: &Path, replace: bool) -> Result<(), Error> {
             return Err(in_the_way(&dir, &other.0, "was not written by iva"));
         }
     } else if !parts.is_empty() {
-        return Err(Error::Refused(format!(
-            "the output folder {shown} already holds tables; choose another one with --out, or \
-             give --overwrite to replace them{}",
-            if manifest(&dir)?.is_some_and(|it| !it.is_complete()) {
-                ", or --resume to go on with the sweep that wrote them"
-            } else {
-                ""
-            }
-        )));
+        let unfinished = manifest(&dir)?.is_some_and(|it| !it.is_complete());
+        let remedy = match unfinished {
+            true => Remedy::OtherFolderReplaceOrGoOn,
+            false => Remedy::OtherFolderOrReplace,
+        };
+        let fault = format!("the output folder {shown} already holds tables");
+        return Err(Error::folder(fault, remedy));
     }
     Ok(())
 }
 
 /// What is said of a file that is not ours and would be replaced.
 pub(crate) fn in_the_way(dir: &Directory, name: &Path, what: &str) -> Error {
-    Error::Refused(format!(
-        "{} {what} and would be replaced; move it or choose another folder with --out",
-        dir.path().join(name).display()
-    ))
+    let fault = format!("{} {what} and would be replaced", dir.path().join(name).display());
+    Error::folder(fault, Remedy::MoveOrOtherFolder)
 }
 
 /// Refuses links, and files where folders must go and the other way round.
@@ -141,7 +135,7 @@ fn refuse_other_kinds(dir: &Directory) -> Result<(), Error> {
         };
         let shown = dir.path().join(name);
         let shown = shown.display();
-        Err(Error::Refused(format!("{shown} {fault}; move it or choose another folder with --out")))
+        Err(Error::folder(format!("{shown} {fault}"), Remedy::MoveOrOtherFolder))
     };
     // Outer folders first: a name is looked up in a folder that has been found to be one.
     for folder in [ERRORS, INPUTS, WORK, NEW] {

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::directory::{Directory, Kind};
 use crate::error::Error;
 use crate::folder::{MANIFEST_FILE, NEW, WORK};
+use crate::remedy::Remedy;
 
 /// The file of the mark. In the folder of unfinished files it is locked by the process that writes there.
 pub(crate) const MARK_FILE: &str = "lock";
@@ -122,10 +123,11 @@ fn refuse_unmarked(folder: &Directory) -> Result<(), Error> {
     };
     match ours {
         true => Ok(()),
-        false => Err(Error::Refused(format!(
-            "{} was not made by iva and would be used for unfinished files; move it or choose another \
-             folder with --out",
-            folder.path().display()
-        ))),
+        false => {
+            let shown = folder.path().display();
+            let fault =
+                format!("{shown} was not made by iva and would be used for unfinished files");
+            Err(Error::folder(fault, Remedy::MoveOrOtherFolder))
+        }
     }
 }

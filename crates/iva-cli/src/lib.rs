@@ -34,6 +34,7 @@ pub mod points_file;
 mod progress;
 pub mod record_file;
 mod regular_file;
+pub mod remedy;
 pub mod report;
 pub mod resolved;
 mod run_command;

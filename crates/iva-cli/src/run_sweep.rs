@@ -28,6 +28,7 @@ use crate::hidden::{holds_kept_sweep, make_new_folder, new_folder, remove_new_fo
 use crate::inputs::{Input, named};
 use crate::manifest::Manifest;
 use crate::part_files::{PartFiles, Staged};
+use crate::remedy::Remedy;
 use crate::resolved::{resolve, write};
 use crate::study_file::StudyFile;
 use crate::sweep_folder::{SweepFolder, earlier};
@@ -161,11 +162,13 @@ impl Sweep<'_> {
             if study_text(dir)?.as_deref() == Some(text) {
                 return Ok(true);
             }
-            return Err(Error::Refused(format!(
-                "{} holds tables of another study and no {MANIFEST_FILE} to go on from; choose another \
-                 folder with --out, or give --overwrite to replace them",
-                self.dir.display()
-            )));
+            let shown = self.dir.display();
+            return Err(Error::folder(
+                format!(
+                    "{shown} holds tables of another study and no {MANIFEST_FILE} to go on from"
+                ),
+                Remedy::OtherFolderOrReplace,
+            ));
         }
         Ok(false)
     }

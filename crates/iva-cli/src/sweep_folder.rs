@@ -21,6 +21,7 @@ use crate::hidden::remove_new_folder;
 use crate::inputs::Input;
 use crate::manifest::{Manifest, Part};
 use crate::part_files::{PartFiles, Staged, staged_name};
+use crate::remedy::Remedy;
 use crate::table_file::Style;
 
 /// Parts up to which the manifest is written after every one of them.
@@ -376,7 +377,7 @@ pub(crate) fn earlier(
     let Some(text) = manifest_text(root)? else { return Ok(None) };
     let found = Manifest::parse(&text).map_err(|reason| {
         let path = root.path().join(MANIFEST_FILE);
-        Error::Refused(format!("{}: {reason}; give --overwrite to begin anew", path.display()))
+        Error::folder(format!("{}: {reason}", path.display()), Remedy::BeginAnew)
     })?;
     let mut differences = found.differences(now);
     if found.study != now.study || found.points != now.points {
@@ -385,10 +386,7 @@ pub(crate) fn earlier(
     if differences.is_empty() {
         return Ok(Some(found));
     }
-    Err(Error::Refused(format!(
-        "{} holds another sweep: {}; choose another folder with --out, or give --overwrite without \
-         --resume to replace it",
-        root.path().display(),
-        differences.join("; ")
-    )))
+    let (root, differences) = (root.path().display(), differences.join("; "));
+    let fault = format!("{root} holds another sweep: {differences}");
+    Err(Error::folder(fault, Remedy::OtherFolderOrNotResume))
 }

@@ -1,5 +1,6 @@
 //! Which Python exception a failure becomes.
 
+use iva_cli::remedy::Words;
 use iva_cli::visible;
 use iva_sweep::Invalid;
 use iva_sweep::sweep::SweepError;
@@ -38,17 +39,17 @@ pub fn unreadable(error: iva_cli::Error) -> PyErr {
     IvaError::new_err(visible(&sentence))
 }
 
+/// How options are written in Python.
+pub const PYTHON: Words = Words {
+    out: "as out",
+    overwrite: "overwrite=True",
+    resume: "resume=True",
+    overwrite_and_resume: "overwrite=True, resume=True",
+};
+
 /// A sweep into a folder that did not come to its end, in the words of Python.
 pub fn refused(error: iva_cli::Error) -> PyErr {
-    use iva_cli::Error as E;
-    let sentence = match &error {
-        E::Study(error) => error.message.clone(),
-        other => other.to_string(),
-    };
-    let sentence = visible(&sentence)
-        .replace("with --out", "as out")
-        .replace("--overwrite", "overwrite=True")
-        .replace("--resume", "resume=True");
+    let sentence = visible(&error.message(&PYTHON));
     match error.exit_code() {
         2 => PyValueError::new_err(sentence),
         _ => IvaError::new_err(sentence),

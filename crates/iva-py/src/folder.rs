@@ -14,7 +14,7 @@ use iva_sweep::done::Done;
 use iva_sweep::study::Study;
 use pyo3::prelude::*;
 
-use crate::errors::{internal, invalid, refused};
+use crate::errors::{PYTHON, internal, invalid, refused};
 use crate::study::{PyStudy, count};
 use crate::worker::{self, Progress, Shared};
 
@@ -210,11 +210,8 @@ impl PySweepFolder {
     fn abandon(&self, py: Python<'_>) -> String {
         let Some(opened) = self.take_opened() else { return String::new() };
         match py.detach(|| opened.close(None)) {
-            Err(iva_cli::Error::Interrupted(kept)) => kept.sentence(match kept.replaced {
-                true => "go on with overwrite=True, resume=True",
-                false => "go on with resume=True",
-            }),
-            Err(other) => other.to_string(),
+            Err(iva_cli::Error::Interrupted(kept)) => kept.sentence(&PYTHON),
+            Err(other) => other.message(&PYTHON),
             Ok(_) => "every part is complete".to_owned(),
         }
     }

@@ -35,8 +35,8 @@ use crate::tables::{Cell, Content, TableBuilder, schema_of};
 /// first order (of a parameter that is 0, an absolute change).
 const GRAZING: f64 = 1e-3;
 
-/// A motion is too sensitive for derivatives from the first impact on whose instant rounding could move so far, in
-/// 1/ωn: what holds for changes of the size of a rounding holds for no change that a user can make.
+/// The motion is too sensitive for derivatives from the first impact on whose estimated error is as large as this,
+/// in 1/ωn: beyond it rounding decides which impacts follow.
 const SENSITIVE: f64 = 1e-3;
 
 /// Numbers that decide when a run stops or what it lists: nothing is differentiated by them.
@@ -106,7 +106,7 @@ fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, I
     let (errors, events) = observers;
     let sensitive = |time: Option<f64>| time.is_none_or(|error| error >= SENSITIVE);
     let first = errors.impacts.iter().position(|error| sensitive(error.time));
-    Ok(first.map(|index| events.impacts[index].time))
+    Ok(first.and_then(|index| Some(events.impacts.get(index)?.time)))
 }
 
 /// True if a number of a row is decided before the instant from which on the motion is too sensitive.

@@ -53,7 +53,7 @@ fn a_read_only_folder_is_refused_before_anything_is_run() {
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.starts_with(&format!("error: cannot write into the folder {folder}: ")));
-        assert!(said.contains("choose another one with --out"), "{said}");
+        assert!(said.contains("choose another folder with --out"), "{said}");
         assert_eq!(said.lines().count(), 1, "{said}");
         assert!(output.stdout.is_empty());
         assert!(entries(&out).is_empty());
