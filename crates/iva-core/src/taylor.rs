@@ -26,7 +26,7 @@ pub use remainder::Remainder;
 /// Runs code for each number below an end that the compiler knows, without a loop.
 macro_rules! unrolled {
     ($k:ident < $end:expr => $body:expr) => {{
-        const { assert!($end <= 21, "a number at or above 21 would be left out") };
+        const { assert!($end < 22, "a number at or above 21 would be left out") };
         unrolled!($k < $end => $body; 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20)
     }};
     ($k:ident < $end:expr => $body:expr; $($number:literal)*) => {{
