@@ -17,6 +17,7 @@ __all__ = [
     "check_choices",
     "check_files",
     "column_units",
+    "design",
     "empty_tables",
     "fields",
     "gradients",
