@@ -1,4 +1,4 @@
-//! What the columns of the tables are, and which of them to compute. The entries are in [`tables`].
+//! What the columns of the tables are, and which of them to compute. The entries are in `columns/tables.rs`.
 
 use crate::fields::Quantity;
 use crate::study::Table;

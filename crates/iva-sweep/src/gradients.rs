@@ -7,7 +7,7 @@
 //! the derivative of the branch it is on.
 //!
 //! The values of that run have the same bits as those of the run in doubles, so that both have the same events.
-//! From the first impact on that rounding could move by [`SENSITIVE`] all derivatives are null.
+//! From the first impact on whose estimated error reaches 10⁻³/ωn all derivatives are null.
 
 use std::sync::atomic::AtomicBool;
 
