@@ -54,15 +54,14 @@ fn all() -> Vec<Scene> {
         all.push(scene(&reference.name, &system, &start, duration, &reference.events));
     }
     for reference in piva_scenes().into_iter().chain(forced_scenes()) {
-        let Ok(system) = Piva::new(reference.parameters) else { continue };
         let start = Start { displacement: reference.displacement, ..Start::default() };
-        all.push(scene(
-            &reference.name,
-            &system.under(reference.force.clone()),
-            &PivaStart::from(start),
-            reference.duration,
-            &reference.events,
-        ));
+        let (name, duration, events) = (&reference.name, reference.duration, &reference.events);
+        if let Some(siva) = reference.mass() {
+            all.push(scene(name, &siva, &start, duration, events));
+        } else if let Ok(piva) = Piva::new(reference.parameters) {
+            let piva = piva.under(reference.force.clone());
+            all.push(scene(name, &piva, &PivaStart::from(start), duration, events));
+        }
     }
     all
 }

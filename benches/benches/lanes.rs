@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use iva_benches::{decays as scenes, swinging_decays};
-use iva_core::lanes::{Decay, SideBySide, decays};
+use iva_core::lanes::{self, Job, SideBySide};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::simulate::simulate;
 
@@ -22,13 +22,13 @@ fn lanes(criterion: &mut Criterion) {
     }
 }
 
-fn compare<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Decay<S>]) {
+fn compare<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S>]) {
     let mut group = criterion.benchmark_group(name);
     group.throughput(Throughput::Elements(scenes.len() as u64));
     group.sample_size(20);
     group.bench_function("one by one", |bencher| {
         bencher.iter(|| {
-            for Decay { system, start, limits } in black_box(scenes) {
+            for Job { system, start, limits, .. } in black_box(scenes) {
                 let mut measures = Measures::<S>::new(Wanted::ALL);
                 black_box(simulate(system, start, limits, None, &mut measures).is_ok());
             }
@@ -38,7 +38,7 @@ fn compare<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Decay
         let wanted = Wanted { ledger, ..Wanted::ALL };
         group.bench_function(way, |bencher| {
             bencher.iter(|| {
-                decays(black_box(scenes), wanted, None, &mut |_, decayed| {
+                lanes::run(black_box(scenes), wanted, None, &mut |_, decayed| {
                     black_box(decayed);
                 })
             });

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use iva_core::error::Invalid;
-use iva_core::lanes::{Decay, decays};
+use iva_core::lanes::{self, Job};
 use iva_core::measures::Wanted;
 use iva_core::siva::Siva;
 use iva_sweep::axis::Axis;
@@ -45,12 +45,12 @@ fn study(side: u64) -> Result<Study, Invalid> {
     })
 }
 
-fn scenes(study: &Study) -> Result<Vec<Decay<Siva>>, Invalid> {
+fn scenes(study: &Study) -> Result<Vec<Job<Siva>>, Invalid> {
     let mut scenes = Vec::new();
     for point in 0..study.points()? {
         let design = study.design(point)?;
         if let Scene::Siva { system, start } = design.scene {
-            scenes.push(Decay { system, start, limits: design.limits });
+            scenes.push(Job { system, start, limits: design.limits, also: () });
         }
     }
     Ok(scenes)
@@ -69,7 +69,7 @@ fn main() -> Result<(), SweepError> {
         let scenes = scenes(&study)?;
         let begin = Instant::now();
         for chunk in scenes.chunks(CHUNK) {
-            decays(chunk, Wanted::ALL, None, &mut |_, decayed| {
+            lanes::run(chunk, Wanted::ALL, None, &mut |_, decayed| {
                 black_box(decayed);
             })?;
         }

@@ -4,10 +4,14 @@
 use std::f64::consts::TAU;
 
 use iva_core::error::Invalid;
-use iva_core::lanes::Decay;
+use iva_core::force::{Acts, Force, Harmonic};
+use iva_core::host::DrivenHost;
+use iva_core::lanes::Job;
+use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Parameters, Piva};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
+use iva_core::steady::{Steady, SteadyWanted, Window};
 use iva_core::system::{Start, System};
 
 /// The start of all scenes here: displaced by 1, at rest.
@@ -19,7 +23,7 @@ pub const START: Start =
 ///
 /// # Errors
 /// [`Invalid`] for a clearance of 0 or less.
-pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Decay<Siva>>, Invalid> {
+pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva>>, Invalid> {
     let mut scenes = Vec::new();
     for mass in 0..masses {
         for step in 0..8 {
@@ -28,7 +32,7 @@ pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Decay<Siva>>, Invalid> 
                 let clearance = narrowest + 0.125 * f64::from(step);
                 let system = Siva::new(mu, e, clearance, 0.01)?;
                 let limits = Limits::new(30.0 * TAU, clearance);
-                scenes.push(Decay { system, start: START, limits });
+                scenes.push(Job { system, start: START, limits, also: () });
             }
         }
     }
@@ -43,12 +47,29 @@ pub fn swinging_decays(
     masses: u32,
     narrowest: f64,
     tolerance: f64,
-) -> Result<Vec<Decay<Piva>>, Invalid> {
-    let pendulum = |Decay { system, limits, .. }: Decay<Siva>| {
+) -> Result<Vec<Job<Piva>>, Invalid> {
+    let pendulum = |Job { system, limits, .. }: Job<Siva>| {
         let (mu, e) = (system.mass_ratio(), system.restitution());
         let point_bob = Parameters::point_bob(mu, e, system.clearance(), 0.01, 10.0);
         let system = Piva::new(Parameters { frequency_ratio: 0.4, tolerance, ..point_bob })?;
-        Ok(Decay { system, start: START.into(), limits })
+        Ok(Job { system, start: START.into(), limits, also: () })
     };
     decays(masses, narrowest)?.into_iter().map(pendulum).collect()
+}
+
+/// A free mass under a harmonic force for 60 cycles, and what its steady state is measured by.
+///
+/// # Errors
+/// [`Invalid`] for numbers out of range: these are not.
+pub fn driven() -> Result<(Siva<DrivenHost>, Limits, Window), Invalid> {
+    let force = Harmonic { amplitude: 0.1, frequency: 0.95, phase: 0.0, acts: Acts::Primary };
+    let siva = Siva::new(0.1, 0.7, 1.0, 0.02)?.under(Force::harmonic(vec![force])?);
+    let limits = Limits::new(60.0 * TAU / force.frequency, 1.0);
+    Ok((siva, limits, Window { from: 0.0, cycle: Some(force) }))
+}
+
+/// All that a summary tells of a driven run.
+pub fn driven_measures(window: Window) -> (Measures<Siva<DrivenHost>>, Steady) {
+    let wanted = SteadyWanted { strobes: false, ..SteadyWanted::ALL };
+    (Measures::new(Wanted::ALL), Steady::new(window, wanted))
 }

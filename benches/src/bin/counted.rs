@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use iva_benches::{START, decays, swinging_decays};
+use iva_benches::{START, decays, driven, driven_measures, swinging_decays};
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic};
 use iva_core::lanes;
@@ -19,19 +19,25 @@ use iva_core::system::System;
 type Run = fn() -> Result<(), Invalid>;
 
 /// Each a name and what it runs; `nothing` is what a program costs that runs nothing.
-const SCENES: [(&str, Run); 8] = [
+const SCENES: [(&str, Run); 9] = [
     ("nothing", || Ok(())),
     ("siva", || decay(&Siva::new(0.15, 0.5, 0.6, 0.01)?, &START)),
     ("siva_chatter", || decay(&Siva::new(0.15, 0.5, 0.1, 0.01)?, &START)),
+    ("siva_forced", || {
+        let (siva, limits, window) = driven()?;
+        let mut measures = driven_measures(window);
+        black_box(simulate(black_box(&siva), &START, &limits, None, &mut measures)?);
+        Ok(())
+    }),
     ("siva_side_by_side", || {
         let scenes = decays(2, 0.1)?;
-        lanes::decays(&scenes, Wanted::ALL, None, &mut |_, decayed| {
+        lanes::run(&scenes, Wanted::ALL, None, &mut |_, decayed| {
             black_box(decayed);
         })
     }),
     ("piva_side_by_side", || {
         let scenes = swinging_decays(1, 0.6, 0.0)?;
-        lanes::decays(&scenes, Wanted::ALL, None, &mut |_, decayed| {
+        lanes::run(&scenes, Wanted::ALL, None, &mut |_, decayed| {
             black_box(decayed);
         })
     }),

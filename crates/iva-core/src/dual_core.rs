@@ -7,6 +7,7 @@ pub mod compensated;
 pub mod contact;
 pub mod flight;
 pub mod force;
+pub mod host;
 pub mod impact;
 pub(crate) mod limits;
 pub mod measures;

@@ -5,8 +5,9 @@
 //! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
 
 use crate::compensated::Sum;
-use crate::real::{Real, ZERO};
-use crate::system::Wall;
+use crate::real::Real;
+use crate::system::{Point, Wall};
+use crate::taylor::Row;
 
 /// A scalar function of time and its first three derivatives at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,17 +48,19 @@ pub struct GapPoint {
     pub w: Real,
 }
 
-/// The polynomials that a motion consists of, in powers of h/`step`.
+/// The polynomials that a motion consists of, in powers of h/`step`, beyond their order 0.
 #[derive(Debug, Clone, Copy)]
-pub struct Rows<'a> {
+pub struct Rows {
     /// Length that h is measured in.
     pub step: Real,
+    /// Highest power.
+    pub order: usize,
     /// Displacement of the primary.
-    pub x: &'a [Real],
+    pub x: Row<Real>,
     /// Its absolute acceleration ẍ + a_g.
-    pub acceleration: &'a [Real],
+    pub acceleration: Row<Real>,
     /// Acceleration a_g of the base.
-    pub base: &'a [Real],
+    pub base: Row<Real>,
 }
 
 /// Which wall a contact is made with, seen from the wall last touched.
@@ -69,15 +72,76 @@ pub enum Side {
     Far,
 }
 
-/// A flight that was decided at a glance.
+/// A flight that a proof in closed form decides, without a search.
 #[derive(Debug, Clone, Copy)]
 pub struct Glide<State> {
-    /// Its length …
+    /// Its length, rounded.
     pub length: Real,
-    /// … and the state at its end.
+    /// What the length lacks.
+    pub later: Real,
+    /// The state at its end.
     pub end: State,
-    /// The wall that it meets there; `None`: it meets none.
-    pub contact: Option<Side>,
+    /// What it meets there.
+    pub meets: Meets,
+}
+
+/// What a flight meets at its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meets {
+    /// No wall.
+    Nothing,
+    /// A wall that the state at its end is in contact with.
+    Wall,
+    /// A wall that the state at its end has reached but for rounding.
+    Near(Side),
+}
+
+/// What is known of a function between the ends of an interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arc {
+    /// The function at both ends.
+    pub values: [Real; 2],
+    /// Its derivative there.
+    pub rates: [Real; 2],
+    /// A bound on its second derivative.
+    pub second: Real,
+    /// A bound on its third derivative.
+    pub third: Real,
+}
+
+impl Arc {
+    /// True if its size stays below a number on an interval of this length, rounding included.
+    pub fn is_below(&self, number: Real, length: Real) -> bool {
+        const ROUNDING: f64 = 32.0 * f64::EPSILON;
+        let [a, b] = self.values.map(Real::abs);
+        a.max(b) + 0.125 * self.second * (length * length) < number * (1.0 - ROUNDING)
+    }
+
+    /// True if it runs one way on an interval of this length: its derivative stays this close to the chord.
+    pub fn is_monotone(&self, length: Real) -> bool {
+        let [a, b] = self.rates;
+        a * b > 0.0 && a.abs().min(b.abs()) > 0.125 * self.third * (length * length)
+    }
+}
+
+/// What is known of a motion between its ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arcs {
+    /// Of x.
+    pub displacement: Arc,
+    /// Of ẍ + a_g.
+    pub acceleration: Arc,
+}
+
+/// What a motion takes and gives, as integrals.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Losses {
+    /// Energy lost in the structure's damper.
+    pub viscous: Real,
+    /// Energy lost in the pivot of a pendulum.
+    pub pivot: Real,
+    /// Work of force and base.
+    pub work: Real,
 }
 
 /// Whether x turns round.
@@ -115,24 +179,31 @@ pub trait Motion {
     fn turns(&self, _length: Real, _end: &Self::State) -> Turns {
         Turns::Unknown
     }
+    /// The same of ẍ + a_g.
+    fn acceleration_turns(&self, _length: Real, _end: &Self::State) -> Turns {
+        Turns::Unknown
+    }
     /// Primary displacement and its derivatives at h.
     fn primary(&self, h: Real) -> Jet;
     /// Gap displacement and velocity at h.
     fn gap(&self, h: Real) -> GapPoint;
+    /// Structure and absorber at h.
+    fn place(&self, h: Real) -> (Point, GapPoint) {
+        let Jet { value: x, rate: v, .. } = self.primary(h);
+        (Point { x, v }, self.gap(h))
+    }
     /// The wall ridden on; `None` in flight.
     fn wall(&self) -> Option<Wall>;
-    /// Energy lost in the damper up to h, an integral.
-    fn viscous_loss(&self, h: Real) -> Real;
-    /// The series that it is read from, where it is one.
-    fn rows(&self) -> Option<Rows<'_>> {
+    /// What it takes and gives up to h.
+    fn losses(&self, h: Real) -> Losses;
+    /// ∫x² from one h to another, of a motion under force.
+    fn square(&self, h: [Real; 2]) -> Real;
+    /// What is known of its way to this state, where that is at hand.
+    fn arcs(&self, _end: &Self::State) -> Option<Arcs> {
         None
     }
-    /// Work of force and base up to h, an integral.
-    fn work(&self, _h: Real) -> Real {
-        ZERO
-    }
-    /// Energy lost in the pivot of a pendulum up to h, an integral.
-    fn pivot_loss(&self, _h: Real) -> Real {
-        ZERO
+    /// The series that it is read from, where it is one.
+    fn rows(&self) -> Option<Rows> {
+        None
     }
 }

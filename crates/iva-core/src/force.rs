@@ -69,6 +69,42 @@ pub struct Drive<T, const LENGTH: usize = { ORDER + 1 }> {
     pub base: [T; LENGTH],
 }
 
+/// A drive at one instant, with its derivatives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Push {
+    /// f/M or a_g.
+    pub value: Sum,
+    /// Its derivative.
+    pub rate: Sum,
+    /// Its second derivative.
+    pub second: Sum,
+    /// Its third derivative.
+    pub third: Real,
+}
+
+/// All that drives a structure at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pushes {
+    /// f/M.
+    pub primary: Push,
+    /// a_g.
+    pub base: Push,
+}
+
+impl Push {
+    /// Nothing.
+    pub const NONE: Push =
+        Push { value: Sum::ZERO, rate: Sum::ZERO, second: Sum::ZERO, third: ZERO };
+
+    #[inline(always)]
+    fn add(&mut self, other: &Push) {
+        self.value = self.value + other.value;
+        self.rate = self.rate + other.rate;
+        self.second = self.second + other.second;
+        self.third += other.third;
+    }
+}
+
 impl Force {
     /// A sum of forces.
     ///
@@ -147,8 +183,9 @@ impl Force {
     }
 
     /// Coefficients of powers of t/h at `time`, of the smooth force that acts from `from` on.
+    #[inline(always)]
     pub fn drive<const LENGTH: usize>(&self, from: Sum, time: Sum, h: Real) -> Drive<Real, LENGTH> {
-        let mut drive = Drive { primary: [ZERO; LENGTH], base: [ZERO; LENGTH] };
+        let mut drive = Drive::NONE;
         for harmonic in &self.harmonics {
             harmonic.add(drive.row(harmonic.acts), time, h);
         }
@@ -162,9 +199,43 @@ impl Force {
         drive
     }
 
-    /// The same at `from`, to twice the precision.
+    /// f/M and a_g at `time`, of the smooth force that acts from `from` on.
+    #[inline(always)]
+    pub fn pushes(&self, from: Sum, time: Sum) -> Pushes {
+        let mut pushes = Pushes { primary: Push::NONE, base: Push::NONE };
+        for harmonic in &self.harmonics {
+            pushes.on(harmonic.acts).add(&harmonic.push(time));
+        }
+        for record in &self.records {
+            let [value, rate] = record.piece(from).at(time);
+            pushes.on(record.acts).add(&Push { value, rate, ..Push::NONE });
+        }
+        pushes
+    }
+
+    /// The largest size that the derivatives of this order of f/M and a_g have where they are smooth.
+    pub fn largest(&self, order: i32) -> [Real; 2] {
+        [Acts::Primary, Acts::Base].map(|acts| {
+            let harmonics = self.harmonics.iter().filter(|harmonic| harmonic.acts == acts);
+            let records = self.records.iter().filter(|record| record.acts == acts);
+            harmonics.map(|harmonic| harmonic.largest(order)).sum::<Real>()
+                + records.map(|record| record.largest(order)).sum::<Real>()
+        })
+    }
+
+    /// How far a motion goes that reaches so far: not beyond the next instant at which the force bends, jumps or
+    /// kicks, and then that instant.
+    pub fn until_bend(&self, time: Sum, done: u32, reach: Real) -> (Real, Option<Sum>) {
+        let until = |bend: Sum| (bend - time).value;
+        match self.smooth_until(time, done).filter(|bend| until(*bend) <= reach) {
+            Some(bend) => (until(bend), Some(bend)),
+            None => (reach, None),
+        }
+    }
+
+    /// Coefficients of powers of t/h at `from`, to twice the precision.
     pub fn precise<const LENGTH: usize>(&self, from: Sum, h: Real) -> Drive<Sum, LENGTH> {
-        let mut drive = Drive { primary: [Sum::ZERO; LENGTH], base: [Sum::ZERO; LENGTH] };
+        let mut drive = Drive::NOTHING;
         for harmonic in &self.harmonics {
             harmonic.add_precise(drive.row(harmonic.acts), from, h);
         }
@@ -202,7 +273,34 @@ impl Force {
     }
 }
 
+impl Pushes {
+    /// Those of one harmonic force on the structure.
+    #[inline(always)]
+    pub(crate) fn of(harmonic: &Harmonic, time: Sum) -> Self {
+        let mut primary = Push::NONE;
+        primary.add(&harmonic.push(time));
+        Self { primary, base: Push::NONE }
+    }
+
+    #[inline(always)]
+    fn on(&mut self, acts: Acts) -> &mut Push {
+        match acts {
+            Acts::Primary => &mut self.primary,
+            Acts::Base => &mut self.base,
+        }
+    }
+}
+
+impl<const LENGTH: usize> Drive<Sum, LENGTH> {
+    /// No force, to twice the precision.
+    pub(crate) const NOTHING: Self =
+        Self { primary: [Sum::ZERO; LENGTH], base: [Sum::ZERO; LENGTH] };
+}
+
 impl<const LENGTH: usize> Drive<Real, LENGTH> {
+    /// No force.
+    pub(crate) const NONE: Self = Self { primary: [ZERO; LENGTH], base: [ZERO; LENGTH] };
+
     /// Neither |f/M| nor |a_g| exceeds it within the step.
     pub fn size(&self) -> Real {
         self.primary.iter().chain(&self.base).map(|coefficient| coefficient.abs()).sum()

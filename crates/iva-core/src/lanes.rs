@@ -1,4 +1,4 @@
-//! Free decays of many absorbers of one kind, side by side.
+//! Runs of many absorbers of one kind, side by side: free decays, and free masses under one harmonic force.
 //!
 //! One run spends its time waiting: each number of a stretch of motion needs the one before. Here [`LANES`]
 //! runs go in step, each in its lane, and every operation is done for all of them by the vector
@@ -25,11 +25,14 @@ mod watch;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Invalid;
+use crate::host::DrivenHost;
 use crate::measures::{MeasureValues, Measures, Wanted};
+use crate::observe::Observer;
 use crate::piva::Piva;
 use crate::real::{Real, dispatched};
 use crate::simulate::{Limits, Run, Tally, simulate};
 use crate::siva::Siva;
+use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::system::System;
 use crate::taylor::with_order;
 
@@ -40,22 +43,35 @@ const WORTHWHILE: usize = 3;
 /// Evaluations between two looks whether to stop.
 const CANCEL_EVERY: u64 = 1024;
 
-/// A free decay to run.
+/// A run to do.
 #[derive(Debug, Clone)]
-pub struct Decay<S: System> {
+pub struct Job<S: SideBySide> {
     /// The absorber on its primary.
     pub system: S,
     /// The state at time zero.
     pub start: S::Start,
     /// How long, and where to stop.
     pub limits: Limits,
+    /// What is measured, beside what a decay is measured by.
+    pub also: S::Also,
 }
 
 /// What came of it.
-pub type Decayed<S> = (Tally<<S as System>::State>, MeasureValues);
+pub type Ended<S> = (Tally<<S as System>::State>, <S as SideBySide>::Values);
 
-/// An absorber whose free decays can go side by side.
+/// An absorber whose runs can go side by side.
 pub trait SideBySide: System + Sized {
+    /// What its runs are measured by.
+    type Watch: Observer<Self>;
+    /// What that comes to.
+    type Values: Clone + std::fmt::Debug;
+    /// What is measured beside the measures of a decay.
+    type Also: Copy + std::fmt::Debug;
+
+    /// Measures a run.
+    fn watch(wanted: Wanted, also: Self::Also) -> Self::Watch;
+    /// What was measured.
+    fn values(watch: &Self::Watch) -> Self::Values;
     /// What all lanes of a group have in common; `None`: this one is for the event loop.
     fn common(&self) -> Option<[Real; 2]>;
     /// Runs a group.
@@ -63,6 +79,18 @@ pub trait SideBySide: System + Sized {
 }
 
 impl SideBySide for Siva {
+    type Watch = Measures<Self>;
+    type Values = MeasureValues;
+    type Also = ();
+
+    fn watch(wanted: Wanted, _also: ()) -> Measures<Self> {
+        Measures::new(wanted)
+    }
+
+    fn values(watch: &Measures<Self>) -> MeasureValues {
+        *watch.values()
+    }
+
     fn common(&self) -> Option<[Real; 2]> {
         Some([self.damping_ratio(), 0.0])
     }
@@ -76,7 +104,42 @@ impl SideBySide for Siva {
     }
 }
 
+impl SideBySide for Siva<DrivenHost> {
+    type Watch = (Measures<Self>, Steady);
+    type Values = (MeasureValues, SteadyValues);
+    type Also = (SteadyWanted, Window);
+
+    fn watch(wanted: Wanted, (steady, window): Self::Also) -> Self::Watch {
+        (Measures::new(wanted), Steady::new(window, steady))
+    }
+
+    fn values((measures, steady): &Self::Watch) -> Self::Values {
+        (*measures.values(), *steady.values())
+    }
+
+    fn common(&self) -> Option<[Real; 2]> {
+        let force = self.force().filter(|force| force.is_single() && !force.moves_base());
+        force.map(|_| [0.0; 2])
+    }
+
+    fn run(group: Group<'_, Self>) {
+        group.run::<siva::DrivenStrides>();
+    }
+}
+
 impl SideBySide for Piva {
+    type Watch = Measures<Self>;
+    type Values = MeasureValues;
+    type Also = ();
+
+    fn watch(wanted: Wanted, _also: ()) -> Measures<Self> {
+        Measures::new(wanted)
+    }
+
+    fn values(watch: &Measures<Self>) -> MeasureValues {
+        *watch.values()
+    }
+
     fn common(&self) -> Option<[Real; 2]> {
         let alone = self.pendulum.small_angles || !self.force().is_none();
         let damped = if self.pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
@@ -89,9 +152,9 @@ impl SideBySide for Piva {
 }
 
 /// Lanes in which runs of one kind of absorber go in step.
-trait Lockstep<S: System>: Sized {
-    /// Idle lanes for absorbers like this one, and the measures wanted.
-    fn new(system: &S, wanted: Wanted) -> Self;
+trait Lockstep<S: SideBySide>: Sized {
+    /// Idle lanes for absorbers like that of a run, and the measures wanted.
+    fn new(job: &Job<S>, wanted: Wanted) -> Self;
     /// Gives an absorber what those of the other lanes have as well.
     fn join(&self, _system: &S) {}
     /// Goes one evaluation on in each lane; true if one calls for its run.
@@ -110,26 +173,26 @@ trait Lockstep<S: System>: Sized {
 }
 
 /// A run that a lane is at home in.
-type Home<'a, S> = Run<'a, S, Measures<S>>;
+type Home<'a, S> = Run<'a, S, <S as SideBySide>::Watch>;
 
-/// Runs free decays and hands each out with its index, in the order in which they end. Every one is what
-/// [`simulate`] with [`Measures`] gives, bit for bit. Once cancelled, those begun come back as they are, the
+/// Does runs and hands each out with its index, in the order in which they end. Every one is what
+/// [`simulate`] with [`SideBySide::Watch`] gives, bit for bit. Once cancelled, those begun come back as they are, the
 /// others not.
 ///
 /// # Errors
 /// The first [`Invalid`] start or limits, before anything runs.
-pub fn decays<S: SideBySide>(
-    scenes: &[Decay<S>],
+pub fn run<S: SideBySide>(
+    jobs: &[Job<S>],
     wanted: Wanted,
     cancel: Option<&AtomicBool>,
-    take: &mut dyn FnMut(usize, &Decayed<S>),
+    take: &mut dyn FnMut(usize, &Ended<S>),
 ) -> Result<(), Invalid> {
-    for Decay { system, start, limits } in scenes {
+    for Job { system, start, limits, .. } in jobs {
         system.check_start(start)?;
         limits.check()?;
     }
-    let common = |index: &usize| scenes[*index].system.common();
-    let mut order: Vec<usize> = (0..scenes.len()).collect();
+    let common = |index: &usize| jobs[*index].system.common();
+    let mut order: Vec<usize> = (0..jobs.len()).collect();
     // What the loop runs comes first, as −∞.
     let key = |index: &usize| common(index).unwrap_or([-Real::INFINITY; 2]);
     order.sort_by(|a, b| {
@@ -138,30 +201,30 @@ pub fn decays<S: SideBySide>(
     });
     for same in order.chunk_by(|a, b| key(a) == key(b)) {
         if same.len() < WORTHWHILE || common(&same[0]).is_none() {
-            one_by_one(scenes, same, wanted, cancel, take)?;
+            one_by_one(jobs, same, wanted, cancel, take)?;
         } else {
             let homes = [const { None }; LANES];
-            S::run(Group { scenes, order: same, next: 0, wanted, cancel, homes, live: 0, take });
+            S::run(Group { jobs, order: same, next: 0, wanted, cancel, homes, live: 0, take });
         }
     }
     Ok(())
 }
 
 fn one_by_one<S: SideBySide>(
-    scenes: &[Decay<S>],
+    jobs: &[Job<S>],
     order: &[usize],
     wanted: Wanted,
     cancel: Option<&AtomicBool>,
-    take: &mut dyn FnMut(usize, &Decayed<S>),
+    take: &mut dyn FnMut(usize, &Ended<S>),
 ) -> Result<(), Invalid> {
     for index in order {
         if is_set(cancel) {
             break;
         }
-        let Decay { system, start, limits } = &scenes[*index];
-        let mut measures = Measures::<S>::new(wanted);
-        let tally = simulate(system, start, limits, cancel, &mut measures)?;
-        take(*index, &(tally, *measures.values()));
+        let Job { system, start, limits, also } = &jobs[*index];
+        let mut watch = S::watch(wanted, *also);
+        let tally = simulate(system, start, limits, cancel, &mut watch)?;
+        take(*index, &(tally, S::values(&watch)));
     }
     Ok(())
 }
@@ -177,7 +240,7 @@ fn pick(which: bool, yes: Real, no: Real) -> Real {
 
 /// Runs that have something in common.
 pub struct Group<'a, S: SideBySide> {
-    scenes: &'a [Decay<S>],
+    jobs: &'a [Job<S>],
     /// Which of them.
     order: &'a [usize],
     /// The first of these not begun.
@@ -188,13 +251,13 @@ pub struct Group<'a, S: SideBySide> {
     homes: [Option<(usize, Home<'a, S>)>; LANES],
     /// Lanes at work.
     live: usize,
-    take: &'a mut dyn FnMut(usize, &Decayed<S>),
+    take: &'a mut dyn FnMut(usize, &Ended<S>),
 }
 
 impl<S: SideBySide> Group<'_, S> {
     /// The absorber of the first run.
     fn leader(&self) -> &S {
-        &self.scenes[self.order[0]].system
+        &self.jobs[self.order[0]].system
     }
 
     fn run<L: Lockstep<S>>(mut self) {
@@ -203,7 +266,7 @@ impl<S: SideBySide> Group<'_, S> {
             || {
                 // In the very function that is vectorised: so the compiler aligns its stack to the
                 // arrays, and with it what it has no registers for.
-                let mut lanes = L::new(self.leader(), self.wanted);
+                let mut lanes = L::new(&self.jobs[self.order[0]], self.wanted);
                 for i in 0..LANES {
                     self.refill(&mut lanes, i);
                 }
@@ -244,7 +307,7 @@ impl<S: SideBySide> Group<'_, S> {
             }
         }
         let tally = home.finish();
-        (self.take)(*index, &(tally, *home.observer.values()));
+        (self.take)(*index, &(tally, S::values(&home.observer)));
         self.homes[i] = None;
         self.live -= 1;
         self.refill(lanes, i);
@@ -257,11 +320,11 @@ impl<S: SideBySide> Group<'_, S> {
             Some(index) if !is_set(self.cancel) => *index,
             _ => return lanes.idle(i),
         };
-        let Decay { system, start, limits } = &self.scenes[index];
+        let Job { system, start, limits, also } = &self.jobs[index];
         self.next += 1;
         lanes.join(system);
-        let measures = Measures::<S>::new(self.wanted);
-        let mut run = Run::new(system, start, limits, self.cancel, measures);
+        let watch = S::watch(self.wanted, *also);
+        let mut run = Run::new(system, start, limits, self.cancel, watch);
         run.begin();
         self.homes[i] = Some((index, run));
         self.live += 1;
@@ -275,7 +338,7 @@ impl<S: SideBySide> Group<'_, S> {
             if let Some((index, home)) = &mut self.homes[i] {
                 lanes.put_back(i, home);
                 let tally = home.cancelled();
-                (self.take)(*index, &(tally, *home.observer.values()));
+                (self.take)(*index, &(tally, S::values(&home.observer)));
                 self.homes[i] = None;
                 self.live -= 1;
                 lanes.idle(i);

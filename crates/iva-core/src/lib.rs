@@ -14,7 +14,7 @@
 //!
 //! | symbol | name | here |
 //! |---|---|---|
-//! | M, ωn, ζ | primary system, natural frequency, damping ratio | [`oscillator`] |
+//! | M, ωn, ζ, f | primary system, natural frequency, damping ratio, force | [`host`] |
 //! | m, μ = m/M | absorber, mass ratio | [`siva`] |
 //! | e | restitution | [`impact`] |
 //! | d | clearance, half of the total play | [`system::System::clearance`] |
@@ -25,7 +25,8 @@
 //!
 //! * [`system`] says what an absorber must tell of itself; [`siva`] is a free mass, [`piva`] a
 //!   pendulum.
-//! * [`oscillator`], [`taylor`] and [`flight`] are the smooth motion, [`force`] what drives it,
+//! * [`host`] is the structure: an [`oscillator`] and the [`force`] that drives it. It knows no absorber.
+//! * [`taylor`] is the flight of a pendulum, [`flight`] what any smooth motion must say of itself,
 //!   [`roots`] and [`contact`] the certified search for what ends it, [`impact`] and [`chatter`] what
 //!   happens then.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
@@ -68,6 +69,7 @@ pub mod dual;
 pub mod error;
 pub mod flight;
 pub mod force;
+pub mod host;
 pub mod impact;
 pub mod lanes;
 mod limits;

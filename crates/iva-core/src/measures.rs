@@ -5,7 +5,7 @@
 //! x(0) = 0.
 
 use crate::compensated::Sum;
-use crate::flight::Motion;
+use crate::flight::{Losses, Motion};
 use crate::observe::{Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
 use crate::real::{ONE, Real, TURN, ZERO};
@@ -205,13 +205,15 @@ impl<S: System> Observer<S> for Measures<S> {
 
     fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.moving = true;
-        if self.wanted.peaks || self.wanted.settling || self.wanted.residual {
+        let decays = !system.is_driven();
+        if decays && (self.wanted.peaks || self.wanted.settling || self.wanted.residual) {
             monotone::<S, M>(span, |stretch| self.stretch(span, stretch));
         }
         if self.wanted.ledger {
-            self.viscous = self.viscous.plus(span.motion.viscous_loss(span.length));
-            self.pivot = self.pivot.plus(span.motion.pivot_loss(span.length));
-            self.work = self.work.plus(span.motion.work(span.length));
+            let Losses { viscous, pivot, work } = span.motion.losses(span.length);
+            self.viscous = self.viscous.plus(viscous);
+            self.pivot = self.pivot.plus(pivot);
+            self.work = self.work.plus(work);
         }
         let to_period = -span.start.minus(TURN[0]);
         if (to_period - span.length).abs() <= CLOSE * TURN[0] {

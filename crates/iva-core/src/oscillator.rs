@@ -32,9 +32,9 @@ const RESTS: usize = 4;
 /// Terms of the series of the viscous loss, beginning with h.
 const LOSS_TERMS: usize = 30;
 
-/// Coefficients of one oscillator; they depend on ζ and m only.
+/// The constants of the equation m ẍ + 2ζ ẋ + x = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oscillator {
+pub struct Equation {
     /// k = 1/m.
     pub stiffness: Real,
     /// √k.
@@ -43,6 +43,60 @@ pub struct Oscillator {
     pub damping: Real,
     /// Λ, the factor by which each further derivative can grow.
     pub growth: Real,
+    /// 1/3.
+    pub(crate) third: Sum,
+}
+
+impl Equation {
+    /// Of the mass `mass` (1 or 1 + μ) on the primary's spring and damper.
+    pub fn new(mass: Real, damping_ratio: Real) -> Self {
+        let stiffness = 1.0 / mass;
+        let damping = 2.0 * damping_ratio / mass;
+        let growth = 0.5 * damping + (0.25 * damping * damping + stiffness).sqrt();
+        let third = Sum::new(ONE).over(3.0);
+        Self { stiffness, frequency: stiffness.sqrt(), damping, growth, third }
+    }
+
+    /// k p − c r, to twice the precision.
+    #[inline(always)]
+    pub(crate) fn pull(&self, p: Sum, r: Sum) -> Sum {
+        let spring = if self.stiffness == 1.0 { p } else { p.product(Sum::new(self.stiffness)) };
+        spring - r.product(Sum::new(self.damping))
+    }
+
+    /// The derivative that follows two successive derivatives of x.
+    #[inline]
+    pub fn next_derivative(&self, lower: Real, upper: Real) -> Real {
+        -(self.stiffness * lower + self.damping * upper)
+    }
+
+    /// ρ of a state: bounds |v| and, times Λⁿ⁻¹, the n-th derivative of x at every later time.
+    #[inline]
+    pub fn radius(&self, x: Real, v: Real) -> Real {
+        self.frequency * x.abs() + v.abs()
+    }
+
+    /// Λⁿ⁺¹ρ.
+    #[inline(always)]
+    pub(crate) fn bound<const N: usize>(&self, primary: &Primary) -> Real {
+        let radius = self.radius(primary.x.value, primary.v.value);
+        let growth = self.growth;
+        match N {
+            0 => growth * radius,
+            1 => growth * growth * radius,
+            2 => growth * growth * growth * radius,
+            3 => growth * growth * (growth * growth) * radius,
+            4 => growth * growth * (growth * growth) * (growth * radius),
+            _ => growth * growth * (growth * growth) * (growth * growth) * radius,
+        }
+    }
+}
+
+/// Coefficients of one oscillator; they depend on ζ and m only.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oscillator {
+    /// Its constants.
+    pub equation: Equation,
     /// Longest h of a flight: 1.4/Λ, where the first dropped term is below 2 · 1.4²⁴/26! ≈ 2e-23 of the
     /// sum. (Longer ones would be fewer, but rounding of the terms from h⁴ on would show.)
     pub reach: Real,
@@ -58,8 +112,6 @@ pub struct Oscillator {
     full_step_rest: [Real; 2],
     /// The coefficients to twice the precision, for [`Oscillator::precise`].
     exact: [[Sum; 2]; TERMS],
-    /// 1/3.
-    third: Sum,
     loss: [[Real; 3]; LOSS_TERMS],
     /// The loss at h = `reach` for the three products.
     full_loss: [Real; 3],
@@ -68,9 +120,8 @@ pub struct Oscillator {
 impl Oscillator {
     /// The oscillator of mass `mass` (1 or 1 + μ) on the primary's spring and damper.
     pub fn new(mass: Real, damping_ratio: Real) -> Self {
-        let stiffness = 1.0 / mass;
-        let damping = 2.0 * damping_ratio / mass;
-        let growth = 0.5 * damping + (0.25 * damping * damping + stiffness).sqrt();
+        let equation = Equation::new(mass, damping_ratio);
+        let Equation { stiffness, damping, growth, .. } = equation;
         let reach = 1.4 / growth;
         let exact = responses(stiffness, damping);
         let responses = exact.map(|pair| pair.map(|coefficient| coefficient.value));
@@ -86,17 +137,13 @@ impl Oscillator {
             std::array::from_fn(|i| (horner(&exact, i, reach) - leading[i]).minus(rounded[i]));
         let loss = loss_series(stiffness, damping, 2.0 * damping_ratio);
         Self {
-            stiffness,
-            frequency: stiffness.sqrt(),
-            damping,
-            growth,
+            equation,
             reach,
             responses,
             bent,
             coefficient_rests,
             full_step_rest,
             exact,
-            third: Sum::new(ONE).over(3.0),
             loss,
             full_loss: even_and_odd(&loss, reach),
         }
@@ -111,21 +158,9 @@ impl Oscillator {
     /// The derivative that follows two successive ones, to twice the precision.
     #[inline(always)]
     fn next(&self, lower: Sum, upper: Sum) -> Sum {
-        let spring =
-            if self.stiffness == 1.0 { lower } else { lower.product(Sum::new(self.stiffness)) };
-        -(spring + upper.product(Sum::new(self.damping)))
-    }
-
-    /// The derivative that follows two successive derivatives of x.
-    #[inline]
-    pub fn next_derivative(&self, lower: Real, upper: Real) -> Real {
-        -(self.stiffness * lower + self.damping * upper)
-    }
-
-    /// ρ of a state: bounds |v| and, times Λⁿ⁻¹, the n-th derivative of x at every later time.
-    #[inline]
-    pub fn radius(&self, x: Real, v: Real) -> Real {
-        self.frequency * x.abs() + v.abs()
+        let Equation { stiffness, damping, .. } = self.equation;
+        let spring = if stiffness == 1.0 { lower } else { lower.product(Sum::new(stiffness)) };
+        -(spring + upper.product(Sum::new(damping)))
     }
 
     /// What a flight of length h ≤ `reach` adds to a state: the terms up to h³ to twice the precision,
@@ -133,10 +168,10 @@ impl Oscillator {
     #[inline(always)]
     pub fn arrive(&self, velocity: Sum, acceleration: Sum, h: Real) -> Arrival {
         let (v, a) = (velocity.value, acceleration.value);
-        let (k, c) = (self.stiffness, self.damping);
+        let Equation { stiffness: k, damping: c, third, .. } = self.equation;
         let length = Sum::new(h);
         let half_square = length.product(length).half();
-        let sixth_cube = half_square.product(length).product(self.third);
+        let sixth_cube = half_square.product(length).product(third);
         let z = h * h;
         let [p, q] = even_and_odd(&self.bent, h).map(|sum| z * sum);
         let square = z * z;
@@ -176,11 +211,12 @@ impl Oscillator {
     pub(crate) fn jet(&self, x: Real, v: Real, a: Real, h: Real) -> Jet {
         let z = h * h;
         let [p, q] = even_and_odd(&self.responses, h).map(|sum| z * sum);
-        let (k, s) = (self.stiffness, h + (q - self.damping * p));
+        let Equation { stiffness: k, damping, .. } = self.equation;
+        let s = h + (q - damping * p);
         let value = x + (v * h + (a * p + v * q));
         let rate = v + (a * s - k * (v * p));
-        let curvature = a + (self.next_derivative(v, a) * s - k * (a * p));
-        Jet { value, rate, curvature, jerk: self.next_derivative(rate, curvature) }
+        let curvature = a + (self.equation.next_derivative(v, a) * s - k * (a * p));
+        Jet { value, rate, curvature, jerk: self.equation.next_derivative(rate, curvature) }
     }
 
     /// Energy lost in the damper over a flight of length h ≤ `reach`: ∫ 2ζ v² dt, summed from the

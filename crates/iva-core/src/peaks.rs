@@ -2,9 +2,8 @@
 
 use crate::flight::{Jet, Motion, Rows, Turns};
 use crate::observe::{Observer, Span};
-use crate::polynomial::{jet, turnings};
+use crate::polynomial::{jet, turned, turnings};
 use crate::real::{Real, ZERO};
-use crate::roots::polish;
 use crate::simulate::Tally;
 use crate::system::System;
 
@@ -45,11 +44,11 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
         (Turns::Never, _) => {}
         (Turns::Once(h, x), _) => turn((h, x)),
         // Under force x may turn more than once.
-        (Turns::Unknown, Some(Rows { x, step, .. })) => {
+        (Turns::Unknown, Some(Rows { x, step, order, .. })) => {
+            let x = &x[..=order];
             for bracket in turnings(x, span.length / step) {
-                if let Some((t, x)) = turned(|t| jet(x, t), bracket) {
-                    turn(((t * step).min(span.length), x));
-                }
+                let (t, x) = turned(|t| jet(x, t), bracket);
+                turn(((t * step).min(span.length), x));
             }
         }
         (Turns::Unknown, None) if from.v * to.v < 0.0 => {
@@ -57,23 +56,11 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
                 let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
                 [value, rate, curvature, jerk]
             };
-            turned(at, [ZERO, span.length]).map(turn);
+            turn(turned(at, [ZERO, span.length]));
         }
         (Turns::Unknown, None) => {}
     }
     take(&Monotone { h: [begin.0, span.length], x: [begin.1, to.x] });
-}
-
-/// Where a function turns round in a bracket, and its value there; it is given with three derivatives.
-fn turned(at: impl Fn(Real) -> [Real; 4], [low, high]: [Real; 2]) -> Option<(Real, Real)> {
-    let [v_low, v_high] = [low, high].map(|h| at(h)[1]);
-    let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
-    let guess = low + (high - low) * (v_low / (v_low - v_high));
-    let jet = |h: Real| {
-        let [value, rate, curvature, jerk] = at(h);
-        (value, [rise * rate, rise * curvature, rise * jerk])
-    };
-    (v_low * v_high < 0.0).then(|| polish(jet, low, high, guess))
 }
 
 /// Follows x through its half cycles.

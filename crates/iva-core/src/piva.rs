@@ -366,6 +366,10 @@ impl System for Piva {
         self.force.lasts()
     }
 
+    fn moves_base(&self) -> bool {
+        self.force.moves_base()
+    }
+
     fn smooth_for(&self, state: &PivaState) -> Real {
         let end = self.force.smooth_until(state.time, state.kicks);
         end.map_or(Real::INFINITY, |end| (end - state.time).value)

@@ -1,6 +1,8 @@
 //! Integrals and extrema of the polynomials that a motion consists of.
 
+use crate::range::{LARGEST, SMALLEST};
 use crate::real::{ONE, Real, ZERO, dispatched, reciprocal};
+use crate::roots::polish;
 use crate::taylor::{ORDER, Row, horner, unrolled};
 
 /// Products of terms are summed up to this many powers beyond the order.
@@ -56,39 +58,48 @@ fn terms(f: &[Real], t: Real) -> (Row<Real>, usize) {
     (terms, f.len() - 1)
 }
 
-/// A stretch of the search for an extremum: its ends, and the function there.
-type Stretch = [(Real, Real); 2];
+/// The largest |f| of a polynomial on an interval of [0, ∞), or `least` if that is larger: at an end, or where it
+/// turns round.
+pub(crate) fn largest(f: &[Real], h: [Real; 2], least: Real) -> Real {
+    dispatched(
+        #[inline(always)]
+        || largest_of(f, h, least),
+    )
+}
 
-/// The largest |f| of a polynomial on an interval of [0, ∞), or `least` if that is larger; to some 2⁻⁵⁰ of
-/// it or of the sum of the terms' sizes. Between two points f leaves its chord by no more than
-/// max|f″| w²/8.
-pub(crate) fn largest(f: &[Real], [from, to]: [Real; 2], least: Real) -> Real {
-    const WITHIN: f64 = 4.0 * f64::EPSILON;
+#[inline(always)]
+fn largest_of(f: &[Real], [from, to]: [Real; 2], least: Real) -> Real {
     let ends = horner(f, from).abs().max(horner(f, to).abs());
     let size = steepest(f, 0, to);
     if !(size > 0.0 && size.is_finite()) {
         return least.max(ends);
     }
-    // Over its size, so that no bound overflows.
-    let curved =
-        f.iter().enumerate().skip(2).rev().fold(ZERO, |sum, (k, coefficient)| {
-            sum * to + factor(k, 2) * (coefficient.abs() / size)
-        });
-    let at = |t: Real| (t, horner(f, t) / size);
-    let whole: Stretch = [at(from), at(to)];
-    let mut most = (least.max(ends)) / size;
-    let mut left = vec![whole];
-    while let Some([(a, f_a), (b, f_b)]) = left.pop() {
-        let bound = f_a.abs().max(f_b.abs()) + 0.125 * curved * ((b - a) * (b - a));
-        let middle = a.midpoint(b);
-        // A NaN is not larger: it ends the search.
-        if bound > most + WITHIN * most.max(1.0) && middle > a && middle < b {
-            let middle = at(middle);
-            most = most.max(middle.1.abs());
-            left.extend([[(a, f_a), middle], [middle, (b, f_b)]]);
-        }
+    if !(SMALLEST..LARGEST).contains(&size) {
+        // Over its size, so that no bound overflows.
+        let over: Vec<Real> = f.iter().map(|coefficient| *coefficient / size).collect();
+        return (largest(&over, [from, to], least / size) * size).max(least);
     }
-    (most * size).max(least).max(ends)
+    let inside = |at: &Real| *at > from && *at < to;
+    let turns = turnings(f, to).into_iter().map(|bracket| turned(|t| jet(f, t), bracket));
+    let values = turns.filter(|(at, _)| inside(at)).map(|(_, value)| value.abs());
+    values.fold(least.max(ends), |most, value| most.max(value))
+}
+
+/// Where a function turns round in a bracket, and its value there; it is given with three derivatives.
+#[inline(always)]
+pub(crate) fn turned(at: impl Fn(Real) -> [Real; 4], [low, high]: [Real; 2]) -> (Real, Real) {
+    let [[x_low, v_low, ..], [x_high, v_high, ..]] = [low, high].map(&at);
+    if v_low * v_high >= 0.0 {
+        // At an end of the bracket, but for rounding.
+        return if v_low.abs() < v_high.abs() { (low, x_low) } else { (high, x_high) };
+    }
+    let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
+    let guess = low + (high - low) * (v_low / (v_low - v_high));
+    let jet = |h: Real| {
+        let [value, rate, curvature, jerk] = at(h);
+        (value, [rise * rate, rise * curvature, rise * jerk])
+    };
+    polish(jet, low, high, guess)
 }
 
 /// A polynomial at t and its first three derivatives there.
@@ -120,6 +131,7 @@ pub(crate) fn horners<const K: usize>(rows: [&[Real]; K], t: Real) -> [Real; K] 
 
 /// Brackets of the instants in [0, to] at which a polynomial turns round, one each, in order. An
 /// inflection is none.
+#[inline(always)]
 pub(crate) fn turnings(f: &[Real], to: Real) -> Vec<[Real; 2]> {
     let mut found = Vec::new();
     let (slope, curved) = dispatched(

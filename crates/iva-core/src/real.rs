@@ -16,6 +16,8 @@ pub const ZERO: Real = 0.0;
 pub const ONE: Real = 1.0;
 /// 2π, and what that lacks.
 pub const TURN: [Real; 2] = [std::f64::consts::TAU, 2.449_293_598_294_706_4e-16];
+/// π/2, and what that lacks.
+pub const QUARTER: [Real; 2] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17];
 /// What a step of a pendulum's flight may leave out at full accuracy, over the size of each variable:
 /// as much as rounding does. It is a proven bound; what is left out in fact is some ten times less or more.
 pub const LEFT_OUT: Real = 1e-16;
@@ -89,4 +91,12 @@ pub fn settled(_h: Real, _f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
 #[inline(always)]
 pub fn larger(a: Real, b: Real) -> Real {
     if a > b { a } else { b }
+}
+
+/// Sine and cosine of an angle within [−π, π], closer than the number can tell.
+#[inline(always)]
+pub fn precise_sincos(
+    angle: crate::compensated::Sum,
+) -> (crate::compensated::Sum, crate::compensated::Sum) {
+    crate::trigonometry::close_sine_cosine(angle)
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::contact::{first_contact, first_release, free_stretch};
 use crate::error::Invalid;
 use crate::flight::Side;
-use crate::flight::{Curve, Jet, Motion};
+use crate::flight::{Curve, Glide, Jet, Meets, Motion};
 use crate::observe::{Episode, Jump, Observer, Span};
 use crate::real::{Real, ZERO};
 use crate::system::{Clock, System};
@@ -220,21 +220,13 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
         let state = self.tally.state;
         let flight = system.flight(&state);
         let length = flight.reach().min(remaining).min(first);
-        if let Some(stride) = system.stride(&state, length) {
+        if let Some(Glide { length: h, later, end, meets }) = flight.glide(length) {
             self.phase = Phase::Flight { first: Real::INFINITY };
-            let whole = length == remaining && !stride.contact;
-            self.arrive(&flight, [stride.length, stride.later], stride.end, whole);
-            if stride.contact {
-                self.strike();
-            }
-            return true;
-        }
-        if let Some(glide) = flight.glide(length) {
-            self.phase = Phase::Flight { first: Real::INFINITY };
-            let whole = length == remaining && glide.contact.is_none();
-            self.arrive(&flight, [glide.length, ZERO], glide.end, whole);
-            if let Some(side) = glide.contact {
-                self.meet(side);
+            self.arrive(&flight, [h, later], end, length == remaining && meets == Meets::Nothing);
+            match meets {
+                Meets::Nothing => {}
+                Meets::Wall => self.strike(),
+                Meets::Near(side) => self.meet(side),
             }
             return true;
         }

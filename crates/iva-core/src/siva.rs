@@ -1,20 +1,20 @@
 //! The single-mass impact absorber: a free mass between two walls (paper, Eqs. 1, 2, 7, 9–14).
 //!
-//! In flight ẍ + 2ζẋ + x = 0 and ẍ₁ = 0, so the gap y = x₁ − x obeys ÿ = −ẍ. With s the sign of
-//! the wall last touched and D = d − s y the distance to it, D̈ = s ẍ: starting from D = 0 neither
-//! y nor d enters a rebound.
-
-use std::sync::{Arc, OnceLock};
+//! In flight no force acts on the mass: ẍ₁ = −a_g relative to the base, so the gap y = x₁ − x obeys ÿ = −A with A = ẍ + a_g
+//! the absolute acceleration of the structure ([`crate::host`]). With s the sign of the wall last touched and
+//! D = d − s y the distance to it, D̈ = s A: starting from D = 0 neither y nor d enters a rebound.
 
 use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::flight::Jet;
+use crate::force::Force;
+use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
 use crate::impact::{self, Impact};
 use crate::limits::{Limits, STOPS};
-use crate::oscillator::{Oscillator, Primary};
+use crate::oscillator::Primary;
 use crate::range;
-use crate::real::{ONE, Real, STRIDES, ZERO, dispatched};
-use crate::system::{Point, Start, Stride, System, Wall};
+use crate::real::{ONE, Real, ZERO};
+use crate::system::{Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
 pub use ride::SivaRide;
@@ -77,34 +77,21 @@ impl Parameters {
 
 /// A SIVA on its primary system: parameters, and what follows from them for every flight.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Siva {
+pub struct Siva<H = UndrivenHost> {
     mass_ratio: Real,
     restitution: Real,
     clearance: Real,
-    damping_ratio: Real,
     /// Share of the gap velocity that the primary gains at an impact.
     pub(crate) impact_share: Sum,
     /// The same where the absorber sticks.
     pub(crate) stick_share: Sum,
-    /// The primary by itself; made by the first flight, and shared with scenes that run beside this.
-    pub(crate) free: OnceLock<Arc<Oscillator>>,
-    /// Of the mass 1 + μ; made where the absorber sticks.
-    loaded: OnceLock<Box<Oscillator>>,
+    pub(crate) host: H,
 }
 
 impl From<Parameters> for Siva {
     fn from(parameters: Parameters) -> Self {
-        let Parameters { mass_ratio, restitution, clearance, damping_ratio } = parameters;
-        Self {
-            mass_ratio,
-            restitution,
-            clearance,
-            damping_ratio,
-            impact_share: impact::primary_share(mass_ratio, restitution),
-            stick_share: impact::primary_share(mass_ratio, ZERO),
-            free: OnceLock::new(),
-            loaded: OnceLock::new(),
-        }
+        let Parameters { mass_ratio, damping_ratio, .. } = parameters;
+        Self::on(UndrivenHost::new(damping_ratio, mass_ratio), &parameters)
     }
 }
 
@@ -123,22 +110,26 @@ impl Siva {
         Parameters::new(mass_ratio, restitution, clearance, damping_ratio).map(Self::from)
     }
 
-    /// The primary in flight.
-    #[inline(always)]
-    pub(crate) fn free(&self) -> &Oscillator {
-        self.shared()
+    /// The same absorber on the same structure under a force.
+    pub fn under(&self, force: Force) -> Siva<DrivenHost> {
+        let Self { mass_ratio, restitution, clearance, .. } = *self;
+        let damping_ratio = self.host.damping_ratio();
+        let parameters = Parameters { mass_ratio, restitution, clearance, damping_ratio };
+        Siva::on(DrivenHost::new(damping_ratio, mass_ratio, force), &parameters)
     }
+}
 
-    /// The primary in flight, to share.
-    #[inline(always)]
-    pub(crate) fn shared(&self) -> &Arc<Oscillator> {
-        self.free.get_or_init(|| Arc::new(Oscillator::new(ONE, self.damping_ratio)))
-    }
-
-    /// The primary with the absorber stuck to it.
-    pub(crate) fn loaded(&self) -> &Oscillator {
-        self.loaded
-            .get_or_init(|| Box::new(Oscillator::new(1.0 + self.mass_ratio, self.damping_ratio)))
+impl<H: Host> Siva<H> {
+    fn on(host: H, parameters: &Parameters) -> Self {
+        let Parameters { mass_ratio, restitution, clearance, .. } = *parameters;
+        Self {
+            mass_ratio,
+            restitution,
+            clearance,
+            impact_share: impact::primary_share(mass_ratio, restitution),
+            stick_share: impact::primary_share(mass_ratio, ZERO),
+            host,
+        }
     }
 
     /// μ = m/M.
@@ -151,9 +142,14 @@ impl Siva {
         self.restitution
     }
 
+    /// What drives it; `None` where nothing can.
+    pub fn force(&self) -> Option<&Force> {
+        self.host.force()
+    }
+
     /// ζ of the bare primary.
     pub fn damping_ratio(&self) -> Real {
-        self.damping_ratio
+        self.host.damping_ratio()
     }
 }
 
@@ -182,19 +178,17 @@ pub fn check_start(clearance: Real, start: &Start) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Primary and gap of a SIVA between events.
+/// Structure and gap of a SIVA between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SivaState {
-    pub(crate) primary: Primary,
-    /// ẍ in free motion, small against x and ẋ where the two balance.
-    pub(crate) acceleration: Sum,
+pub struct SivaState<P = ()> {
+    pub(crate) host: HostState<P>,
     /// +1 at the wall y = +d, −1 at y = −d: the one that distances are measured from.
     pub(crate) side: Real,
     pub(crate) distance: Sum,
     pub(crate) rate: Sum,
 }
 
-impl SivaState {
+impl<P> SivaState<P> {
     /// Gap velocity w = −s Ḋ.
     pub(crate) fn gap_velocity(&self) -> Real {
         -self.side * self.rate.value
@@ -203,26 +197,32 @@ impl SivaState {
 
 /// The state after an impact.
 #[inline(always)]
-pub(crate) fn collided(
-    free: &Oscillator,
-    state: &SivaState,
+pub(crate) fn collided<S: Structure>(
+    free: &S,
+    state: &SivaState<S::Phase>,
     share: Sum,
     restitution: Real,
-) -> SivaState {
-    let primary = state.primary.kicked(-state.side, state.rate, share);
+) -> SivaState<S::Phase> {
+    let primary = state.host.primary.kicked(-state.side, state.rate, share);
+    let acceleration = free.acceleration(&state.host.phase, &primary);
     SivaState {
-        primary,
-        acceleration: free.acceleration(&primary),
+        host: HostState { primary, acceleration, ..state.host },
         rate: state.rate.product(Sum::new(-restitution)),
         ..*state
     }
 }
 
-impl System for Siva {
-    type State = SivaState;
+impl<H: Host> System for Siva<H> {
+    type State = SivaState<Phase<H>>;
     type Start = Start;
-    type Flight<'a> = SivaFlight<'a>;
-    type Ride<'a> = SivaRide<'a>;
+    type Flight<'a>
+        = SivaFlight<'a, H>
+    where
+        H: 'a;
+    type Ride<'a>
+        = SivaRide<'a, H>
+    where
+        H: 'a;
 
     fn clearance(&self) -> Real {
         self.clearance
@@ -233,7 +233,7 @@ impl System for Siva {
     }
 
     fn pressure_gain(&self) -> Real {
-        self.free().damping * self.impact_share.value
+        2.0 * self.host.damping_ratio() * self.impact_share.value
     }
 
     fn stops(&self, limits: &Limits) -> [Real; STOPS] {
@@ -244,22 +244,23 @@ impl System for Siva {
         check_start(self.clearance, start)
     }
 
-    fn begin(&self, start: &Start) -> (SivaState, bool) {
+    fn begin(&self, start: &Start) -> (Self::State, bool) {
         let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
-        let acceleration = self.free().acceleration(&primary);
-        let side =
-            [start.gap_displacement, start.gap_velocity, -acceleration.value, start.velocity]
-                .into_iter()
-                .find(|value| *value != 0.0)
-                .unwrap_or(ONE);
+        let host = self.host.state(self.host.begin(), primary);
+        let seen =
+            [start.gap_displacement, start.gap_velocity, -host.acceleration.value, start.velocity];
+        let side = seen
+            .into_iter()
+            .chain(self.host.leaning(&host.phase))
+            .find(|value| *value != 0.0)
+            .unwrap_or(ONE);
         let s = if side > 0.0 { ONE } else { -ONE };
         let distance = Sum::new(self.clearance).plus(-s * start.gap_displacement);
         let touching = distance.value <= ON_WALL_ULPS * Real::EPSILON * self.clearance;
         let state = SivaState {
-            primary,
-            acceleration,
+            host,
             side: s,
             distance: if touching { Sum::ZERO } else { distance },
             rate: Sum::new(-s * start.gap_velocity),
@@ -268,67 +269,59 @@ impl System for Siva {
     }
 
     #[inline]
-    fn flight(&self, state: &SivaState) -> SivaFlight<'_> {
+    fn flight(&self, state: &Self::State) -> SivaFlight<'_, H> {
         SivaFlight::new(self, *state)
     }
 
-    #[inline]
-    fn stride(&self, state: &SivaState, length: Real) -> Option<Stride<SivaState>> {
-        if STRIDES {
-            dispatched(
-                #[inline(always)]
-                || self.strides(state, length),
-            )
-        } else {
-            None
-        }
-    }
-
-    fn ride(&self, state: &SivaState) -> SivaRide<'_> {
+    fn ride(&self, state: &Self::State) -> SivaRide<'_, H> {
         SivaRide::new(self, *state)
     }
 
-    fn wall(&self, state: &SivaState) -> Wall {
+    fn wall(&self, state: &Self::State) -> Wall {
         if state.side > 0.0 { Wall::Plus } else { Wall::Minus }
     }
 
     #[inline]
-    fn distance(&self, state: &SivaState) -> Jet {
-        let s = state.side;
+    fn distance(&self, state: &Self::State) -> Jet {
+        let (s, HostState { primary, acceleration, phase }) = (state.side, &state.host);
+        let [jerk, ..] = self.host.free().derivatives(phase, primary.v.value, acceleration.value);
         Jet {
             value: state.distance.value,
             rate: state.rate.value,
-            curvature: s * state.acceleration.value,
-            jerk: s * self.free().next_derivative(state.primary.v.value, state.acceleration.value),
+            curvature: s * acceleration.value,
+            jerk: s * jerk,
         }
     }
 
-    fn touch(&self, state: &SivaState, wall: Wall) -> (SivaState, Real) {
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Real) {
         let (left, rate) = if wall == self.wall(state) {
             (state.distance.value, state.rate)
         } else {
             (-state.distance.minus(2.0 * self.clearance), state.rate.negated())
         };
-        let a = state.acceleration.value;
+        let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
+        let a = acceleration.value;
         let later = impact::delay(left, rate.value, a);
         let gained = a * later;
-        let Primary { x, v } = state.primary;
-        let primary = Primary { x: x.plus(v.value * later), v: v.plus(gained) };
+        let [base, ..] = self.host.free().base(&phase);
+        let primary = Primary { x: x.plus(v.value * later), v: v.plus(gained - base * later) };
         let side = wall.sign() * ONE;
         let rate = rate.plus(side * gained);
-        (SivaState { primary, side, distance: Sum::ZERO, rate, ..*state }, later)
+        let phase = self.host.free().later(&phase, later);
+        let host = HostState { primary, acceleration, phase };
+        (SivaState { host, side, distance: Sum::ZERO, rate }, later)
     }
 
-    fn impact(&self, state: &SivaState, time: Real) -> (SivaState, Impact) {
+    fn impact(&self, state: &Self::State, time: Real) -> (Self::State, Impact) {
         let s = state.side;
         let approach = -state.rate.value;
-        let after = collided(self.free(), state, self.impact_share, self.restitution);
+        let after = collided(self.host.free(), state, self.impact_share, self.restitution);
         let impact = Impact {
             time,
             wall: self.wall(state),
-            displacement: state.primary.x.value,
-            velocity_before: state.primary.v.value,
-            velocity_after: after.primary.v.value,
+            displacement: state.host.primary.x.value,
+            velocity_before: state.host.primary.v.value,
+            velocity_after: after.host.primary.v.value,
             gap_velocity_before: s * approach,
             gap_velocity_after: after.gap_velocity(),
             lever: ONE,
@@ -337,38 +330,60 @@ impl System for Siva {
         (after, impact)
     }
 
-    fn stick(&self, state: &SivaState) -> (SivaState, Real) {
+    fn stick(&self, state: &Self::State) -> (Self::State, Real) {
         let loss = impact::energy_loss(self.mass_ratio, ZERO, state.rate.value);
-        let primary = state.primary.kicked(-state.side, state.rate, self.stick_share);
-        let stuck = SivaState {
-            primary,
-            acceleration: self.free().acceleration(&primary),
-            distance: Sum::ZERO,
-            rate: Sum::ZERO,
-            ..*state
-        };
+        let primary = state.host.primary.kicked(-state.side, state.rate, self.stick_share);
+        let host = self.host.state(state.host.phase, primary);
+        let stuck = SivaState { host, distance: Sum::ZERO, rate: Sum::ZERO, ..*state };
         (stuck, loss)
     }
 
-    fn release(&self, state: &SivaState) -> (SivaState, Real) {
-        // Release is where x + 2ζẋ = 0: written into x, the pressure is exactly 0.
-        let Primary { x, v } = state.primary;
-        let primary = Primary { x: v.times(-self.free().damping), v };
-        let released = SivaState {
-            primary,
-            acceleration: Sum::ZERO,
-            distance: Sum::ZERO,
-            rate: Sum::ZERO,
-            ..*state
-        };
-        (released, impact::delay((x - primary.x).value, v.value, ZERO))
+    fn release(&self, state: &Self::State) -> (Self::State, Real) {
+        // Release is where A = 0: written into x, the pressure is exactly 0.
+        let HostState { primary: Primary { x, v }, phase, .. } = state.host;
+        let left = (x - self.host.balanced(&phase, v)).value;
+        let [jerk, ..] = self.host.free().derivatives(&phase, v.value, ZERO);
+        let later = impact::delay(left, -jerk, ZERO);
+        let phase = self.host.free().later(&phase, later);
+        let [base, ..] = self.host.free().base(&phase);
+        let v = v.plus(-base * later);
+        let primary = Primary { x: self.host.balanced(&phase, v), v };
+        let host = HostState { primary, acceleration: Sum::ZERO, phase };
+        (SivaState { host, distance: Sum::ZERO, rate: Sum::ZERO, ..*state }, later)
     }
 
-    fn primary(&self, state: &SivaState) -> Point {
-        Point { x: state.primary.x.value, v: state.primary.v.value }
+    fn primary(&self, state: &Self::State) -> Point {
+        let Primary { x, v } = state.host.primary;
+        Point { x: x.value, v: v.value }
     }
 
-    fn energy(&self, state: &SivaState) -> Real {
+    fn is_driven(&self) -> bool {
+        self.host.force().is_some_and(Force::lasts)
+    }
+
+    fn moves_base(&self) -> bool {
+        self.host.force().is_some_and(Force::moves_base)
+    }
+
+    fn smooth_for(&self, state: &Self::State) -> Real {
+        self.host.smooth_for(&state.host.phase)
+    }
+
+    fn due(&self, state: &Self::State) -> Option<Real> {
+        self.host.due(&state.host.phase)
+    }
+
+    fn kick(&self, state: &Self::State, velocity: Real, stuck: bool) -> Self::State {
+        let phase = self.host.kicked(&state.host.phase);
+        let Primary { x, v } = state.host.primary;
+        let mass = Sum::new(ONE).plus(self.mass_ratio);
+        let gained = if stuck { Sum::new(velocity).over_sum(mass) } else { Sum::new(velocity) };
+        let host = self.host.state(phase, Primary { x, v: v + gained });
+        let rate = if stuck { state.rate } else { state.rate.plus(state.side * velocity) };
+        SivaState { host, rate, ..*state }
+    }
+
+    fn energy(&self, state: &Self::State) -> Real {
         let Point { x, v } = self.primary(state);
         let absorber = v + state.gap_velocity();
         0.5 * (x * x + v * v) + 0.5 * self.mass_ratio * (absorber * absorber)

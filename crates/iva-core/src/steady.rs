@@ -7,16 +7,15 @@
 use std::collections::VecDeque;
 
 use crate::compensated::Sum;
-use crate::flight::{Motion, Rows};
+use crate::flight::{Arc, Arcs, Motion, Turns};
 use crate::force::{Harmonic, WHOLE_TURN};
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
-use crate::polynomial::{largest, square_integral};
+use crate::polynomial::largest;
 use crate::real::{Real, ZERO};
 use crate::sample::{SLACK, span_ends};
 use crate::simulate::{Outcome, Tally};
 use crate::system::{System, Wall};
-use crate::taylor::with_order;
 
 pub use bare::amplitude_without_absorber;
 pub use regime::Regime;
@@ -42,6 +41,16 @@ impl Window {
         let first = (phase / WHOLE_TURN.value).ceil();
         let turns = WHOLE_TURN.times(first + index as f64);
         Some(turns.plus(-phase).over(frequency))
+    }
+}
+
+impl Window {
+    /// The first strobe that a regime is told by, or one a little before.
+    fn last_kept(&self, duration: Real) -> u64 {
+        let Some(Harmonic { frequency, phase, .. }) = self.cycle else { return 0 };
+        let first = (phase / WHOLE_TURN.value).ceil();
+        let last = (frequency * duration + phase) / WHOLE_TURN.value - first;
+        crate::real::whole(last.max(0.0)).saturating_sub(RETURNS_KEPT + 1) as u64
     }
 }
 
@@ -125,14 +134,33 @@ pub struct Steady {
     values: SteadyValues,
     strobes: VecDeque<Strobe>,
     next: u64,
-    /// Largest |x|: of the cycle under way, and of those before.
+    /// The first strobe to keep.
+    first: u64,
+    /// Largest |x|: of the cycle under way, where strobes are wanted, and of the window.
     current: Real,
     largest: Real,
     acceleration: Real,
     base: Real,
     square: Sum,
+    base_moves: bool,
     impacts: u64,
     streak: Streak,
+}
+
+/// The numbers of a steady state under way.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Kept {
+    /// From when on it counts.
+    pub from: Real,
+    /// Largest |x| and |ẍ + a_g|.
+    pub largest: Real,
+    pub acceleration: Real,
+    /// ∫x².
+    pub square: Sum,
+    /// Listed impacts.
+    pub impacts: u64,
+    /// The next strobe to keep; infinite if none is.
+    pub strobe: Sum,
 }
 
 /// Impacts on one wall in a row, some of which may turn out not to be listed: numbers in the window,
@@ -159,43 +187,116 @@ impl Steady {
         self.strobes.iter()
     }
 
-    /// A stretch of a span between two strobes.
-    fn stretch(&mut self, rows: &Rows<'_>, h: [Real; 2]) {
+    /// The numbers that every span changes.
+    pub(crate) fn kept(&self) -> Kept {
+        let strobes = self.wanted.regime || self.wanted.strobes;
+        let next = self.window.instant(self.next.max(self.first)).filter(|_| strobes);
+        Kept {
+            from: self.window.from,
+            largest: self.largest,
+            acceleration: self.acceleration,
+            square: self.square,
+            impacts: self.impacts,
+            strobe: next.unwrap_or(Sum::new(Real::INFINITY)),
+        }
+    }
+
+    /// Takes them back; of the impacts on the wall that is being hit none is low.
+    pub(crate) fn put_back(&mut self, kept: Kept, wall: Option<Wall>) {
+        let Kept { largest, acceleration, square, impacts, .. } = kept;
+        self.streak = Streak { wall, impacts: Vec::new() };
+        *self = Self { largest, acceleration, square, impacts, ..std::mem::take(self) };
+    }
+
+    /// What counts in a part of a span.
+    fn part<M: Motion>(&mut self, span: &Span<'_, M>, h: [Real; 2]) {
+        let wanted = self.wanted;
+        let whole = h == [ZERO, span.length];
+        let arcs = span.motion.arcs(span.end).filter(|_| whole);
+        if wanted.amplitude || wanted.regime {
+            self.largest = largest_displacement(span, arcs.as_ref(), h, self.largest);
+        }
+        if wanted.acceleration {
+            self.accelerations(span, arcs.as_ref(), h);
+        }
+        if wanted.rms {
+            self.square = self.square.plus(span.motion.square(h));
+        }
+    }
+
+    /// The largest accelerations: those that cannot exceed what was seen are not looked at.
+    fn accelerations<M: Motion>(&mut self, span: &Span<'_, M>, arcs: Option<&Arcs>, h: [Real; 2]) {
+        let turns = || span.motion.acceleration_turns(span.length, span.end);
+        let known = arcs.and_then(|arcs| {
+            largest_known(&arcs.acceleration, self.acceleration, span.length, turns)
+        });
+        if let (Some(most), false) = (known, self.base_moves) {
+            self.acceleration = most;
+            return;
+        }
+        let Some(rows) = span.motion.rows() else { return };
         let t = h.map(|h| h / rows.step);
-        if self.wanted.amplitude || self.wanted.regime || self.wanted.strobes {
-            self.current = largest(rows.x, t, self.current);
+        self.acceleration = largest(&rows.acceleration[..=rows.order], t, self.acceleration);
+        if self.base_moves {
+            self.base = largest(&rows.base[..=rows.order], t, self.base);
         }
-        if self.wanted.acceleration {
-            self.acceleration = largest(rows.acceleration, t, self.acceleration);
-            self.base = largest(rows.base, t, self.base);
-        }
-        if self.wanted.rms {
-            let integral =
-                |t: Real| with_order!(rows.x.len() - 1, N => square_integral::<N>(rows.x, t));
-            let before = if t[0] == 0.0 { ZERO } else { integral(t[0]) };
-            self.square = self.square.plus((integral(t[1]) - before) * rows.step);
+    }
+
+    /// The amplitude of the cycle under way.
+    fn until<M: Motion>(&mut self, span: &Span<'_, M>, h: [Real; 2]) {
+        if self.wanted.strobes && h[0] < h[1] {
+            self.current = largest_displacement(span, None, h, self.current);
         }
     }
 
     fn strobe<M: Motion>(&mut self, motion: &M, h: Real, time: Real) {
-        if self.wanted.regime || self.wanted.strobes {
-            let (primary, gap) = (motion.primary(h), motion.gap(h));
-            self.strobes.push_back(Strobe {
-                cycle: self.next,
-                time,
-                displacement: primary.value,
-                velocity: primary.rate,
-                gap_displacement: gap.y,
-                gap_velocity: gap.w,
-                amplitude: self.current.max(primary.value.abs()),
-                impacts: self.impacts,
-            });
-            if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT {
-                self.strobes.pop_front();
-            }
+        let (primary, gap) = motion.place(h);
+        self.strobes.push_back(Strobe {
+            cycle: self.next,
+            time,
+            displacement: primary.x,
+            velocity: primary.v,
+            gap_displacement: gap.y,
+            gap_velocity: gap.w,
+            amplitude: self.current.max(primary.x.abs()),
+            impacts: self.impacts,
+        });
+        if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT {
+            self.strobes.pop_front();
         }
-        self.largest = self.largest.max(self.current);
         self.current = ZERO;
+    }
+}
+
+/// The largest |x| in a part of a span, or `least` if that is larger; `arcs` are of the whole span.
+fn largest_displacement<M: Motion>(
+    span: &Span<'_, M>,
+    arcs: Option<&Arcs>,
+    h: [Real; 2],
+    least: Real,
+) -> Real {
+    let turns = || span.motion.turns(span.length, span.end);
+    let known = |arcs: &Arcs| largest_known(&arcs.displacement, least, span.length, turns);
+    if let Some(most) = arcs.and_then(known) {
+        return most;
+    }
+    let Some(rows) = span.motion.rows() else { return least };
+    largest(&rows.x[..=rows.order], h.map(|h| h / rows.step), least)
+}
+
+/// The largest size of a function, or `least` if that is larger, where its ends tell, or where it turns round once.
+fn largest_known(arc: &Arc, least: Real, length: Real, turns: impl Fn() -> Turns) -> Option<Real> {
+    if arc.is_below(least, length) {
+        return Some(least);
+    }
+    let [a, b] = arc.values.map(Real::abs);
+    let ends = least.max(a).max(b);
+    if arc.is_monotone(length) {
+        return Some(ends);
+    }
+    match turns() {
+        Turns::Once(_, value) => Some(ends.max(value.abs())),
+        _ => None,
     }
 }
 
@@ -206,15 +307,24 @@ fn whole(cycles: Real) -> Real {
 }
 
 impl<S: System> Observer<S> for Steady {
-    fn start(&mut self, _system: &S, _state: &S::State, duration: Real) {
-        *self = Self { duration, ..Self::new(self.window, self.wanted) };
+    fn start(&mut self, system: &S, _state: &S::State, duration: Real) {
+        let base_moves = system.moves_base();
+        *self = Self { duration, base_moves, ..Self::new(self.window, self.wanted) };
+        self.first = if self.wanted.strobes { 0 } else { self.window.last_kept(duration) };
     }
 
     fn span<M: Motion<State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
-        let Some(rows) = span.motion.rows().filter(|_| self.wanted.any()) else { return };
+        if !self.wanted.any() {
+            return;
+        }
         let begin = (-span.start.minus(self.window.from)).max(0.0);
+        if begin < span.length {
+            self.part(span, [begin, span.length]);
+        }
+        if !(self.wanted.regime || self.wanted.strobes) {
+            return;
+        }
         let mut h = begin;
-        // Also where no strobe is wanted: what is wanted besides changes no bit of a number.
         while let Some(instant) = self.window.instant(self.next) {
             let at = (instant - span.start).value;
             let beyond = (instant.value - self.duration) / self.duration;
@@ -226,17 +336,15 @@ impl<S: System> Observer<S> for Steady {
             let at = at.clamp(0.0, span.length);
             // The window may begin at a strobe, but for rounding.
             if instant.value >= self.window.from * (1.0 - SLACK) {
-                if at > h {
-                    self.stretch(&rows, [h, at]);
-                    h = at;
+                self.until(span, [h, at]);
+                h = h.max(at);
+                if self.next >= self.first {
+                    self.strobe(span.motion, at, instant.value.max(0.0));
                 }
-                self.strobe(span.motion, at, instant.value.max(0.0));
             }
             self.next += 1;
         }
-        if span.length > h {
-            self.stretch(&rows, [h, span.length]);
-        }
+        self.until(span, [h, span.length]);
     }
 
     fn impact(&mut self, _system: &S, impact: &Impact) {
@@ -267,7 +375,6 @@ impl<S: System> Observer<S> for Steady {
             return;
         }
         let Self { wanted, window, .. } = *self;
-        self.largest = self.largest.max(self.current);
         let cycle = window.cycle;
         self.values = SteadyValues {
             amplitude_max: wanted.amplitude.then_some(self.largest),

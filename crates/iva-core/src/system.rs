@@ -78,19 +78,6 @@ pub struct Angle {
     pub rate: Real,
 }
 
-/// A stretch of flight that was decided at a glance.
-#[derive(Debug, Clone, Copy)]
-pub struct Stride<State> {
-    /// Its length …
-    pub length: Real,
-    /// … and what that lacks.
-    pub later: Real,
-    /// The state at its end; in contact with a wall, if it ends there.
-    pub end: State,
-    /// True if it ends at a wall.
-    pub contact: bool,
-}
-
 /// An absorber on its primary system.
 ///
 /// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
@@ -126,11 +113,6 @@ pub trait System {
     fn begin(&self, start: &Self::Start) -> (Self::State, bool);
     /// Free motion from a state.
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
-    /// A stretch of free motion up to `length`, if it meets no wall or one in the simplest way; `None`
-    /// says nothing.
-    fn stride(&self, _state: &Self::State, _length: Real) -> Option<Stride<Self::State>> {
-        None
-    }
     /// Motion stuck to the wall that the state touches.
     fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
     /// The wall that distances are measured from.
@@ -161,6 +143,10 @@ pub trait System {
     }
     /// True if a force or the base drives it, not only in impulses.
     fn is_driven(&self) -> bool {
+        false
+    }
+    /// True if the base moves.
+    fn moves_base(&self) -> bool {
         false
     }
     /// How long the force stays smooth: until it bends, jumps or kicks.

@@ -11,8 +11,7 @@
 //!
 //! ```
 //! use iva_core::force::{Acts, Force, Harmonic};
-//! use iva_core::piva::{Parameters, Piva};
-//! use iva_core::{run::run, simulate::Limits};
+//! use iva_core::{run::run, simulate::Limits, siva::Siva};
 //! use iva_core::theory::{SymmetricScene, masri_caughey};
 //!
 //! let force = Harmonic { amplitude: 0.1, frequency: 1.0, phase: 0.0, acts: Acts::Primary };
@@ -23,8 +22,8 @@
 //! assert!(orbit.admissible && orbit.stable);
 //!
 //! // A run that starts on the orbit stays on it: one impact every half cycle.
-//! let piva = Piva::new(Parameters::free_mass(0.05, 0.8, 2.0, 0.02))?.under(Force::harmonic(vec![force])?);
-//! let run = run(&piva, &orbit.at_phase(force.phase).into(), &Limits::new(100.0, 2.0))?;
+//! let siva = Siva::new(0.05, 0.8, 2.0, 0.02)?.under(Force::harmonic(vec![force])?);
+//! let run = run(&siva, &orbit.at_phase(force.phase), &Limits::new(100.0, 2.0))?;
 //! let [.., one, other] = run.impacts.as_slice() else { unreachable!() };
 //! assert!((other.time - one.time - std::f64::consts::PI).abs() < 1e-10);
 //! # Ok::<(), iva_core::error::Invalid>(())

@@ -99,6 +99,9 @@ fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, I
         Scene::Siva { system, start } => {
             simulate(system, start, limits, cancel, &mut observers)?;
         }
+        Scene::DrivenSiva { system, start } => {
+            simulate(system, start, limits, cancel, &mut observers)?;
+        }
         Scene::Piva { system, start, .. } => {
             simulate(system, start, limits, cancel, &mut observers)?;
         }

@@ -111,6 +111,9 @@ fn watch(design: &Design, cancel: &AtomicBool, sampler: &mut Sampler) -> Result<
         Scene::Siva { system, start } => {
             simulate(system, start, limits, cancel, sampler)?;
         }
+        Scene::DrivenSiva { system, start } => {
+            simulate(system, start, limits, cancel, sampler)?;
+        }
         Scene::Piva { system, start, .. } => {
             simulate(system, start, limits, cancel, sampler)?;
         }

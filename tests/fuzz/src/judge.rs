@@ -31,6 +31,13 @@ pub fn examine(scene: &Scene) -> Result<(), Invalid> {
             let walls = Walls::new(1.0 + 2.0 * system.damping_ratio());
             run(&*system, &start, &limits, window, walls)
         }
+        Absorber::DrivenSiva(system, start) => {
+            let damping_ratio = system.damping_ratio();
+            let walls = Walls::new(1.0 + 2.0 * damping_ratio);
+            run(&*system, &start, &limits, window, walls)?;
+            let from = Point { x: start.displacement, v: start.velocity };
+            bare(&force, damping_ratio, from, &window, &limits)
+        }
         Absorber::Piva(system, start) => {
             let Parameters { damping_ratio, length, contact_distance, .. } = *system.parameters();
             let walls = Walls::new(contact_distance / length * (1.0 + 2.0 * damping_ratio));

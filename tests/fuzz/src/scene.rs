@@ -5,6 +5,7 @@ use std::sync::Arc;
 use arbitrary::Arbitrary;
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic, History, Impulse, Record};
+use iva_core::host::DrivenHost;
 use iva_core::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
@@ -75,8 +76,10 @@ struct AnyRecord {
 /// What is run.
 #[derive(Debug)]
 pub enum Absorber {
-    /// A free mass in free decay; under a force it is a pendulum, as in a sweep.
+    /// A free mass in free decay.
     Siva(Box<Siva>, Start),
+    /// A free mass under a force.
+    DrivenSiva(Box<Siva<DrivenHost>>, Start),
     /// A pendulum.
     Piva(Box<Piva>, PivaStart),
 }
@@ -93,13 +96,11 @@ impl Scene {
             let piva = Piva::new(self.parameters())?.under(force);
             return Ok(Absorber::Piva(Box::new(piva), self.pendulum_start()));
         }
+        let siva = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
         if force.is_none() {
-            let siva = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
             return Ok(Absorber::Siva(Box::new(siva), self.start()));
         }
-        let parameters = Parameters::free_mass(mass_ratio, restitution, clearance, damping_ratio);
-        let piva = Piva::new(parameters)?.under(force);
-        Ok(Absorber::Piva(Box::new(piva), self.start().into()))
+        Ok(Absorber::DrivenSiva(Box::new(siva.under(force)), self.start()))
     }
 
     fn parameters(&self) -> Parameters {

@@ -6,6 +6,7 @@
 
 pub mod case;
 pub mod dd;
+pub mod driven;
 pub mod flight;
 pub mod naive;
 pub mod oracle;

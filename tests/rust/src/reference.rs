@@ -5,10 +5,13 @@ use std::collections::BTreeMap;
 
 use crate::{
     dd::Dd,
+    driven,
     oracle::{Kind, Scene},
 };
 use iva_core::force::{Acts, Force, Harmonic};
+use iva_core::host::DrivenHost;
 use iva_core::piva;
+use iva_core::siva::Siva;
 use serde_json::Value;
 
 /// One reference event.
@@ -74,12 +77,25 @@ pub struct PivaReference {
     pub events: Vec<Expected>,
 }
 
+impl PivaReference {
+    /// The free mass under its force; `None` of a pendulum.
+    pub fn mass(&self) -> Option<Siva<DrivenHost>> {
+        if self.given.contains_key("r") {
+            return None;
+        }
+        let p = &self.parameters;
+        let under = driven::mass(p.mass_ratio, p.restitution, p.clearance, p.damping_ratio);
+        Some(under(self.force.clone()))
+    }
+}
+
 /// The four free decays of the pendulum absorber.
 pub fn piva_scenes() -> Vec<PivaReference> {
     read_pendulums(include_str!("../../reference/piva_free_decay.json"))
 }
 
-/// The scenes under a harmonic force; the free mass is a pendulum at small angles without gravity.
+/// The scenes under a harmonic force. The parameters of the free mass are those of a pendulum at small angles
+/// without gravity; as what it is, [`PivaReference::mass`] tells it.
 pub fn forced_scenes() -> Vec<PivaReference> {
     read_pendulums(include_str!("../../reference/forced.json"))
 }

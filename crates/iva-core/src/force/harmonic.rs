@@ -1,10 +1,10 @@
 //! A harmonic force: its Taylor coefficients, and a phase that does not drift.
 
-use super::Acts;
+use super::{Acts, Push};
 use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::range;
-use crate::real::{self, ONE, Real, TURN};
+use crate::real::{self, ONE, Real, TURN, reciprocal};
 use crate::trigonometry::sine_cosine;
 
 /// 2π to twice the precision.
@@ -38,20 +38,39 @@ impl Harmonic {
     }
 
     /// Adds the coefficients of powers of t/h from an instant on.
-    pub(super) fn add(&self, row: &mut [Real], time: Sum, h: Real) {
-        let angle = self.angle(time);
-        let (s, c) = real::sincos(angle.value);
-        let (mut s, mut c) = (s + c * angle.rest, c - s * angle.rest);
+    #[inline(always)]
+    pub(crate) fn add(&self, row: &mut [Real], time: Sum, h: Real) {
+        let (s, c) = real::precise_sincos(self.angle(time));
+        let turns = [c.value, -s.value, -c.value, s.value];
         let turn = self.frequency * h;
+        let mut power = self.amplitude;
         for (k, coefficient) in row.iter_mut().enumerate() {
-            *coefficient += self.amplitude * c;
-            let by = turn / (k + 1) as f64;
-            (s, c) = (by * c, -(by * s));
+            *coefficient += power * turns[k % 4];
+            power *= turn * reciprocal(k + 1);
         }
     }
 
+    /// Its value and derivatives at an instant.
+    #[inline(always)]
+    pub(super) fn push(&self, time: Sum) -> Push {
+        let (s, c) = real::precise_sincos(self.angle(time));
+        let rate = Sum::new(self.frequency).times(self.amplitude);
+        let second = rate.times(self.frequency);
+        Push {
+            value: c.times(self.amplitude),
+            rate: -s.times_sum(rate),
+            second: -c.times_sum(second),
+            third: s.value * (second.value * self.frequency),
+        }
+    }
+
+    /// The largest size of its derivative of this order.
+    pub(super) fn largest(&self, order: i32) -> Real {
+        (0..order).fold(self.amplitude.abs(), |size, _| size * self.frequency)
+    }
+
     /// The same to twice the precision.
-    pub(super) fn add_precise(&self, row: &mut [Sum], time: Sum, h: Real) {
+    pub(crate) fn add_precise(&self, row: &mut [Sum], time: Sum, h: Real) {
         let (mut s, mut c) = sine_cosine(self.angle(time));
         let turn = Sum::new(self.frequency).times(h);
         for (k, coefficient) in row.iter_mut().enumerate() {
@@ -74,6 +93,7 @@ impl Harmonic {
     }
 
     /// Ω t + phase, reduced to [−π, π].
+    #[inline(always)]
     fn angle(&self, time: Sum) -> Sum {
         let angle = time.times(self.frequency).plus(self.phase);
         let turns = (angle.value / WHOLE_TURN.value).round();

@@ -18,6 +18,8 @@ pub struct History {
     values: Vec<Real>,
     /// Smallest size, other than 0, and largest: of times, and of values.
     sizes: [[Real; 2]; 2],
+    /// Largest slope.
+    steepest: Real,
 }
 
 impl History {
@@ -50,7 +52,9 @@ impl History {
             }
         }
         let sizes = [extremes(&times), extremes(&values)];
-        Ok(Self { times, values, sizes })
+        let slope = |i: usize| ((values[i] - values[i - 1]) / (times[i] - times[i - 1])).abs();
+        let steepest = (1..times.len()).map(slope).fold(ZERO, |most, slope| most.max(slope));
+        Ok(Self { times, values, sizes, steepest })
     }
 
     /// Times, increasing.
@@ -93,6 +97,15 @@ impl Record {
         };
         in_range(times, self.rate)?;
         if self.scale == 0.0 { Ok(()) } else { in_range(values, self.scale) }
+    }
+
+    /// The largest size of its derivative of this order.
+    pub(super) fn largest(&self, order: i32) -> Real {
+        match order {
+            0 => (self.scale * self.history.sizes[1][1]).abs(),
+            1 => (self.scale * self.history.steepest / self.rate).abs(),
+            _ => ZERO,
+        }
     }
 
     /// The instant of a point.

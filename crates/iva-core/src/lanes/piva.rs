@@ -8,7 +8,7 @@ mod lane;
 mod rows;
 mod step;
 
-use super::{Home, LANES, Lockstep};
+use super::{Home, Job, LANES, Lockstep};
 use crate::compensated::Sum;
 use crate::flight::Side;
 use crate::measures::Wanted;
@@ -43,7 +43,7 @@ struct Shared {
 }
 
 impl<const N: usize> Lockstep<Piva> for Steps<N> {
-    fn new(piva: &Piva, wanted: Wanted) -> Self {
+    fn new(Job { system: piva, .. }: &Job<Piva>, wanted: Wanted) -> Self {
         let shared = Shared {
             tolerance: piva.accuracy.tolerance,
             longest: piva.accuracy.longest_step,

@@ -1,18 +1,25 @@
 //! Strides of free masses, side by side; their primaries have one damping ratio.
 
+mod driven;
+mod flying;
 mod lane;
+mod look;
 mod step;
 
 use std::sync::Arc;
 
-use super::{Home, LANES, Lockstep};
+use super::{Home, Job, LANES, Lockstep};
+use crate::host::Host;
 use crate::measures::Wanted;
 use crate::oscillator::Oscillator;
 use crate::real::TURN;
-use crate::simulate::{Phase, STOPS};
+use crate::simulate::STOPS;
 use crate::siva::Siva;
 use crate::system::System;
-use lane::{Lane, Lanes, STOP};
+pub(super) use driven::DrivenStrides;
+
+use flying::STOP;
+use lane::{Lane, Lanes};
 
 /// Eight lanes on one kind of primary, with its losses or without.
 #[derive(Debug)]
@@ -24,12 +31,16 @@ pub(super) struct Strides<const LEDGER: bool> {
 }
 
 impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
-    fn new(siva: &Siva, _wanted: Wanted) -> Self {
-        Self { lanes: Lanes::new(), free: *siva.free(), shared: Arc::clone(siva.shared()) }
+    fn new(Job { system: siva, .. }: &Job<Siva>, _wanted: Wanted) -> Self {
+        Self {
+            lanes: Lanes::new(),
+            free: *siva.host.free(),
+            shared: Arc::clone(siva.host.shared()),
+        }
     }
 
     fn join(&self, siva: &Siva) {
-        siva.free.get_or_init(|| Arc::clone(&self.shared));
+        siva.host.share(&self.shared);
     }
 
     #[inline(always)]
@@ -39,7 +50,7 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
 
     fn calls(&self, i: usize) -> bool {
         let lanes = &self.lanes;
-        lanes.care[i] + lanes.stopped[i] + lanes.watch.peaked[i] > 0.0
+        lanes.flying.care[i] + lanes.flying.stopped[i] + lanes.watch.peaked[i] > 0.0
     }
 
     fn attend(&mut self, i: usize, run: &mut Home<'_, Siva>) -> bool {
@@ -48,14 +59,14 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
             let (peak, index) = lanes.watch.get(i).ended_peak();
             run.observer.peak(&peak, index);
         }
-        if lanes.stopped[i] == STOP {
+        if lanes.flying.stopped[i] == STOP {
             let mut lane = lanes.get(i);
             if pass_stop(run, &mut lane, &self.free) {
                 lanes.set(i, &lane);
                 return true;
             }
         }
-        let goes_on = lanes.care[i] + lanes.stopped[i] == 0.0;
+        let goes_on = lanes.flying.care[i] + lanes.flying.stopped[i] == 0.0;
         if !goes_on {
             lanes.get(i).put_back(run);
         }
@@ -63,16 +74,12 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
     }
 
     fn take(&mut self, i: usize, run: &Home<'_, Siva>) -> bool {
-        let Phase::Flight { first } = run.phase else { return false };
         let settled = run.observer.reference.settled && run.observer.reference.amplitude > 0.0;
-        let low = run.streak.as_ref().is_some_and(|streak| streak.low > 0);
-        let ahead = -run.clock.minus(run.stop());
-        let lane = Lane::of(run, first, self.free.reach);
-        let fits = settled && !low && ahead > 0.0 && !lane.full();
-        if fits {
-            self.lanes.set(i, &lane);
+        let lane = Lane::of(run, self.free.reach).filter(|_| settled);
+        if let Some(lane) = &lane {
+            self.lanes.set(i, lane);
         }
-        fits
+        lane.is_some()
     }
 
     fn put_back(&self, i: usize, run: &mut Home<'_, Siva>) {
@@ -93,25 +100,26 @@ fn evaluate<const W: usize, const LEDGER: bool>(lanes: &mut Lanes<W>, free: &Osc
     }
     let mut calls = 0.0;
     for i in 0..W {
-        calls += lanes.care[i] + lanes.stopped[i] + lanes.watch.peaked[i];
+        calls += lanes.flying.care[i] + lanes.flying.stopped[i] + lanes.watch.peaked[i];
     }
     calls > 0.0
 }
 
 /// Goes on after a stop within the run; false: something else has ended it.
 fn pass_stop(run: &mut Home<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
-    if lane.stop == TURN[0] {
-        run.observer.one_period(run.system.energy(&lane.state()));
+    let flying = &mut lane.flying;
+    if flying.stop == TURN[0] {
+        run.observer.one_period(run.system.energy(&flying.state(())));
     }
     run.pass_stop();
-    if run.stopped == STOPS || lane.full() {
+    if run.stopped == STOPS || flying.full() {
         return false;
     }
-    lane.stop = run.stop();
-    let remaining = -lane.clock().minus(lane.stop);
-    lane.length = free.reach.min(remaining).min(lane.first);
-    lane.h = lane.length;
-    lane.stopped = 0.0;
+    flying.stop = run.stop();
+    let remaining = -flying.clock().minus(flying.stop);
+    flying.length = free.reach.min(remaining).min(flying.first);
+    flying.h = flying.length;
+    flying.stopped = 0.0;
     lane.watch.peaked = 0.0;
     remaining > 0.0
 }

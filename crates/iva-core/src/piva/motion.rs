@@ -5,7 +5,7 @@ use super::gap::Gap;
 use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Glide, Jet, Motion, Rows, Side, Turns};
+use crate::flight::{Curve, GapPoint, Glide, Jet, Losses, Meets, Motion, Rows, Side, Turns};
 use crate::force::Drive;
 use crate::polynomial::{product_integral, square_integral};
 use crate::real::{ONE, Real, STRIDES, ZERO, dispatched, larger, power_of_two};
@@ -104,9 +104,9 @@ impl<'a> PivaFlight<'a> {
         self.piva.pendulum.series(&start, drive.as_ref(), h, order)
     }
 
-    /// What a damper takes: factor · ∫ f² up to h.
+    /// factor · ∫ f² up to h.
     fn loss(&self, factor: Real, f: &Row<Real>, h: Real) -> Real {
-        if factor == 0.0 {
+        if factor == 0.0 || h == 0.0 {
             return ZERO;
         }
         let (t, order) = (self.share(h), self.piva.accuracy.order);
@@ -130,12 +130,7 @@ impl Piva {
     /// How far a motion goes that reaches so far: not beyond the next bend of the force, and then the
     /// instant of that.
     pub(crate) fn until_bend(&self, from: &PivaState, reach: Real) -> (Real, Option<Clock>) {
-        let bend = self.force.smooth_until(from.time, from.kicks);
-        let until = |bend: Clock| (bend - from.time).value;
-        match bend.filter(|bend| until(*bend) <= reach) {
-            Some(bend) => (until(bend), Some(bend)),
-            None => (reach, None),
-        }
+        self.force.until_bend(from.time, from.kicks, reach)
     }
 
     /// A step short against every time scale: of the primary, of the pendulum, of its swing.
@@ -189,7 +184,9 @@ impl Motion for PivaFlight<'_> {
             },
         );
         let contact = match gap {
-            Gap { clear: true, .. } => return Some(Glide { length, end, contact: None }),
+            Gap { clear: true, .. } => {
+                return Some(Glide { length, later: ZERO, end, meets: Meets::Nothing });
+            }
             Gap { near: true, .. } => Side::Near,
             Gap { far: true, .. } => Side::Far,
             _ => return None,
@@ -201,7 +198,12 @@ impl Motion for PivaFlight<'_> {
                 with_order!(order, N => self.step().meeting::<N>(&end, length, far))
             },
         );
-        exact.then(|| Glide { length: h, end: self.arrival(h), contact: Some(contact) })
+        exact.then(|| Glide {
+            length: h,
+            later: ZERO,
+            end: self.arrival(h),
+            meets: Meets::Near(contact),
+        })
     }
 
     fn turns(&self, length: Real, end: &PivaState) -> Turns {
@@ -241,27 +243,30 @@ impl Motion for PivaFlight<'_> {
         None
     }
 
-    fn rows(&self) -> Option<Rows<'_>> {
+    fn rows(&self) -> Option<Rows> {
         let order = self.piva.accuracy.order;
-        let base = self.drive.as_ref().map_or(&[][..], |drive| &drive.base[..=order]);
-        let (x, a) = (&self.series.x[..=order], &self.series.a[..order]);
-        Some(Rows { step: self.step, x, acceleration: a, base })
+        let base = self.drive.as_ref().map_or([ZERO; ORDER + 1], |drive| drive.base);
+        let mut acceleration = self.series.a;
+        acceleration[order] = ZERO;
+        Some(Rows { step: self.step, order, x: self.series.x, acceleration, base })
     }
 
-    fn work(&self, h: Real) -> Real {
-        self.drive.as_ref().map_or(ZERO, |drive| {
-            work(self.piva, drive, &self.series.u, &self.series.y, self.share(h), self.step)
-        })
+    fn square(&self, h: [Real; 2]) -> Real {
+        let [from, to] = h.map(|h| self.loss(ONE, &self.series.x, h));
+        to - from
     }
 
-    fn viscous_loss(&self, h: Real) -> Real {
-        self.loss(2.0 * self.piva.pendulum.damping_ratio, &self.series.u, h)
-    }
-
-    fn pivot_loss(&self, h: Real) -> Real {
-        let Pendulum { mass_ratio, lever, pivot_damping, .. } = self.piva.pendulum;
+    fn losses(&self, h: Real) -> Losses {
+        let Pendulum { mass_ratio, damping_ratio, lever, pivot_damping, .. } = self.piva.pendulum;
         let inertia = mass_ratio * self.piva.parameters.inertia_ratio * (lever * lever);
-        self.loss(inertia * pivot_damping, &self.series.w, h)
+        let work = self.drive.as_ref().map_or(ZERO, |drive| {
+            work(self.piva, drive, &self.series.u, &self.series.y, self.share(h), self.step)
+        });
+        Losses {
+            viscous: self.loss(2.0 * damping_ratio, &self.series.u, h),
+            pivot: self.loss(inertia * pivot_damping, &self.series.w, h),
+            work,
+        }
     }
 }
 

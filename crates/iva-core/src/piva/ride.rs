@@ -7,7 +7,7 @@
 use super::motion::work;
 use super::{Parameters, Piva, PivaState};
 use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Jet, Motion, Rows};
+use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows};
 use crate::force::Drive;
 use crate::impact::delay;
 use crate::oscillator::Primary;
@@ -147,25 +147,27 @@ impl Motion for PivaRide<'_> {
         Some(self.from.wall)
     }
 
-    fn rows(&self) -> Option<Rows<'_>> {
-        Some(Rows { step: self.step, x: &self.x, acceleration: &self.a, base: &self.drive.base })
+    fn rows(&self) -> Option<Rows> {
+        let Self { step, x, a: acceleration, drive: Drive { base, .. }, .. } = *self;
+        Some(Rows { step, order: ORDER, x, acceleration, base })
     }
 
-    fn work(&self, h: Real) -> Real {
-        if !self.piva.force.lasts() {
-            return ZERO;
-        }
-        let still = [ZERO; ORDER + 1];
-        work(self.piva, &self.drive, &self.u, &still, self.share(h), self.step)
+    fn square(&self, h: [Real; 2]) -> Real {
+        let up_to = |h: Real| square_integral::<ORDER>(&self.x, self.share(h));
+        let before = if h[0] == 0.0 { ZERO } else { up_to(h[0]) };
+        (up_to(h[1]) - before) * self.step
     }
 
-    fn viscous_loss(&self, h: Real) -> Real {
+    fn losses(&self, h: Real) -> Losses {
         let factor = 2.0 * self.piva.parameters.damping_ratio;
-        if factor == 0.0 {
-            ZERO
-        } else {
-            factor * square_integral::<ORDER>(&self.u, self.share(h)) * self.step
-        }
+        let (t, still) = (self.share(h), [ZERO; ORDER + 1]);
+        let driven = self.piva.force.lasts();
+        let damped = factor != 0.0;
+        let viscous =
+            if damped { factor * square_integral::<ORDER>(&self.u, t) * self.step } else { ZERO };
+        let work =
+            if driven { work(self.piva, &self.drive, &self.u, &still, t, self.step) } else { ZERO };
+        Losses { viscous, pivot: ZERO, work }
     }
 }
 

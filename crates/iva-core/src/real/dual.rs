@@ -13,6 +13,9 @@ pub const ONE: Real = Dual::ONE;
 /// 2π, and what that lacks.
 pub const TURN: [Real; 2] =
     [Dual::constant(iva_core::real::TURN[0]), Dual::constant(iva_core::real::TURN[1])];
+/// π/2, and what that lacks.
+pub const QUARTER: [Real; 2] =
+    [Dual::constant(iva_core::real::QUARTER[0]), Dual::constant(iva_core::real::QUARTER[1])];
 /// As in doubles.
 pub const LEFT_OUT: Real = Dual::constant(iva_core::real::LEFT_OUT);
 /// As in doubles: a chatter is summed from the same rebound on.
@@ -69,4 +72,12 @@ pub fn settled(h: Real, f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
 #[inline(always)]
 pub fn larger(a: Real, b: Real) -> Real {
     if a > b { a } else { b }
+}
+
+/// Sine and cosine of an angle within [−π, π], closer than the number can tell.
+#[inline(always)]
+pub fn precise_sincos(
+    angle: crate::compensated::Sum,
+) -> (crate::compensated::Sum, crate::compensated::Sum) {
+    crate::trigonometry::close_sine_cosine(angle)
 }

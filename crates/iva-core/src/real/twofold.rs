@@ -12,6 +12,11 @@ pub const ONE: Real = Twofold::ONE;
 /// 2π, and what that lacks of the precision of [`crate::compensated`]: unknown here.
 pub const TURN: [Real; 2] =
     [Twofold::new(std::f64::consts::TAU, 2.449_293_598_294_706_4e-16), Twofold::ZERO];
+/// π/2, and what that lacks.
+pub const QUARTER: [Real; 2] = [
+    Twofold::new(std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17),
+    Twofold::new(-1.497_384_904_859_169_8e-33, 0.0),
+];
 /// What a step of a pendulum's flight may leave out, over the size of each variable.
 pub const LEFT_OUT: Real = Twofold::new(1e-22, 0.0);
 /// Largest estimated error of the summed duration of a chatter, in 1/ωn.
@@ -69,4 +74,12 @@ pub fn settled(_h: Real, _f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
 #[inline(always)]
 pub fn larger(a: Real, b: Real) -> Real {
     if a > b { a } else { b }
+}
+
+/// Sine and cosine of an angle within [−π, π], closer than the number can tell.
+#[inline(always)]
+pub fn precise_sincos(
+    angle: crate::compensated::Sum,
+) -> (crate::compensated::Sum, crate::compensated::Sum) {
+    crate::trigonometry::sine_cosine(angle)
 }

@@ -79,16 +79,21 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
 
     /// A rebound from a pressing wall: the rest of the chatter is summed where that is exact.
     fn rebound(&mut self, state: &S::State, leave: &Jet) {
-        let rebound = Rebound {
+        let mut rebound = Rebound {
             speed: leave.rate,
             pressure: -leave.curvature,
             jerk: leave.jerk,
             gain: self.system.pressure_gain(),
-            fourth: self.system.flight(state).fourth(),
+            fourth: ZERO,
             ratio: self.system.rebound_ratio(),
         };
+        // Most rebounds are far too high, whatever D⁗ is.
+        let low = rebound.summable();
+        if low {
+            rebound.fourth = self.system.flight(state).fourth();
+        }
         let stick_clock = self.clock.plus(rebound.tail());
-        let smooth = rebound.tail() < self.system.smooth_for(state);
+        let smooth = low && rebound.tail() < self.system.smooth_for(state);
         if smooth && rebound.summable() && stick_clock.minus(self.limits.duration) < 0.0 {
             self.list_tail(*state, stick_clock.value);
             self.stick(stick_clock);

@@ -1,136 +1,195 @@
 //! The flight of a SIVA: free in its gap.
 
-use super::stride::{turn, turning};
 use super::{Siva, SivaState};
 use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Jet, Motion, Turns};
-use crate::oscillator::{Oscillator, Primary};
-use crate::quintic::root;
-use crate::real::{Real, STRIDES, dispatched};
-use crate::system::{System, Wall};
+use crate::flight::{Arcs, Curve, GapPoint, Glide, Jet, Losses, Motion, Rows, Turns};
+use crate::host::{Flown, Host, Integrated, Phase, Structure};
+use crate::real::{Real, STRIDES, ZERO, dispatched};
+use crate::system::{Point, System, Wall};
 
 /// The absorber free in its gap.
 #[derive(Debug, Clone, Copy)]
-pub struct SivaFlight<'a> {
-    siva: &'a Siva,
-    from: SivaState,
+pub struct SivaFlight<'a, H: Host> {
+    pub(super) siva: &'a Siva<H>,
+    pub(super) from: SivaState<Phase<H>>,
+    pub(super) course: <H::Structure as Structure>::Course,
 }
 
-impl<'a> SivaFlight<'a> {
+impl<'a, H: Host> SivaFlight<'a, H> {
     #[inline]
-    pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
-        Self { siva, from }
+    pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>>) -> Self {
+        let course = dispatched(
+            #[inline(always)]
+            || siva.host.free().course(&from.host),
+        );
+        Self { siva, from, course }
+    }
+
+    #[inline(always)]
+    pub(super) fn structure(&self) -> &'a H::Structure {
+        self.siva.host.free()
     }
 }
 
 /// The state after a flight.
 #[inline(always)]
-pub(crate) fn arrived(free: &Oscillator, from: &SivaState, h: Real) -> SivaState {
-    let (primary, arrival) = from.primary.arrived(free, from.acceleration, h);
+pub(crate) fn arrived<S: Structure>(
+    free: &S,
+    course: &S::Course,
+    from: &SivaState<S::Phase>,
+    h: Real,
+) -> SivaState<S::Phase> {
+    let Flown { to, gained } = free.flown(&from.host, course, h);
     let side = |sum: Sum| Sum { value: from.side * sum.value, rest: from.side * sum.rest };
     SivaState {
-        primary,
-        acceleration: free.acceleration(&primary),
+        host: to,
         side: from.side,
-        distance: from.distance.plus_both(from.rate.product(Sum::new(h)), side(arrival.curved)),
-        rate: from.rate + side(arrival.velocity),
+        distance: from.distance.plus_both(from.rate.product(Sum::new(h)), side(gained.curved)),
+        rate: from.rate + side(gained.velocity),
     }
 }
 
-impl Motion for SivaFlight<'_> {
-    type State = SivaState;
+impl<H: Host> Motion for SivaFlight<'_, H> {
+    type State = SivaState<Phase<H>>;
     const RIDING: bool = false;
 
-    fn origin(&self) -> &SivaState {
+    fn origin(&self) -> &Self::State {
         &self.from
     }
 
     #[inline]
     fn reach(&self) -> Real {
-        self.siva.free().reach
+        self.structure().reach(&self.course)
     }
 
-    fn state(&self, h: Real) -> SivaState {
+    fn state(&self, h: Real) -> Self::State {
         dispatched(
             #[inline(always)]
-            || arrived(self.siva.free(), &self.from, h),
+            || arrived(self.structure(), &self.course, &self.from, h),
         )
     }
 
+    fn arrival(&self, h: Real) -> Self::State {
+        let state = self.state(h);
+        SivaState { host: self.structure().fresh(state.host), ..state }
+    }
+
     fn primary(&self, h: Real) -> Jet {
-        let Primary { x, v } = self.from.primary;
-        let (free, a) = (self.siva.free(), self.from.acceleration);
         dispatched(
             #[inline(always)]
-            || free.jet(x.value, v.value, a.value, h),
+            || self.structure().jet(&self.from.host, &self.course, h),
+        )
+    }
+
+    #[inline]
+    fn glide(&self, length: Real) -> Option<Glide<Self::State>> {
+        if !STRIDES {
+            return None;
+        }
+        dispatched(
+            #[inline(always)]
+            || self.stride(length),
         )
     }
 
     fn gap(&self, h: Real) -> GapPoint {
+        self.place(h).1
+    }
+
+    fn place(&self, h: Real) -> (Point, GapPoint) {
         let state = self.state(h);
         let d = self.siva.clearance;
         // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
         let y = state.side * (d - state.distance.value);
-        GapPoint { y: y.clamp(-d, d), w: state.gap_velocity() }
+        (self.siva.primary(&state), GapPoint { y: y.clamp(-d, d), w: state.gap_velocity() })
     }
 
     fn wall(&self) -> Option<Wall> {
         None
     }
 
-    fn viscous_loss(&self, h: Real) -> Real {
-        let Primary { x, v } = self.from.primary;
-        let free = self.siva.free();
+    fn losses(&self, h: Real) -> Losses {
+        let motion = Integrated {
+            from: &self.from.host,
+            course: &self.course,
+            mass_ratio: self.siva.mass_ratio,
+            gap_velocity: Some(self.from.gap_velocity()),
+        };
+        let [viscous, work] = dispatched(
+            #[inline(always)]
+            || self.structure().losses(&motion, h),
+        );
+        Losses { viscous, pivot: ZERO, work }
+    }
+
+    fn square(&self, h: [Real; 2]) -> Real {
         dispatched(
             #[inline(always)]
-            || free.viscous_loss(x.value, v.value, h),
+            || self.structure().square(&self.from.host, &self.course, h),
         )
     }
 
-    fn turns(&self, length: Real, end: &SivaState) -> Turns {
-        if !STRIDES || self.from.primary.v.value * end.primary.v.value >= 0.0 {
+    fn arcs(&self, end: &Self::State) -> Option<Arcs> {
+        dispatched(
+            #[inline(always)]
+            || self.structure().arcs(&self.from.host, &end.host),
+        )
+    }
+
+    fn rows(&self) -> Option<Rows> {
+        dispatched(
+            #[inline(always)]
+            || self.structure().rows(&self.from.host, &self.course),
+        )
+    }
+
+    fn turns(&self, length: Real, end: &Self::State) -> Turns {
+        if !STRIDES {
             return Turns::Unknown;
         }
-        let (h, x, exact) = dispatched(
+        dispatched(
+            #[inline(always)]
+            || self.structure().turns(&self.from.host, &self.course, &end.host, length),
+        )
+    }
+
+    fn acceleration_turns(&self, length: Real, end: &Self::State) -> Turns {
+        dispatched(
             #[inline(always)]
             || {
-                let free = self.siva.free();
-                let guess = length * root(&turn(free, &self.from, end, length));
-                turning(free, &self.from, guess, length)
+                let structure = self.structure();
+                structure.acceleration_turns(&self.from.host, &self.course, &end.host, length)
             },
-        );
-        if exact { Turns::Once(h, x) } else { Turns::Unknown }
+        )
     }
 }
 
-impl Curve for SivaFlight<'_> {
-    type Sample = SivaState;
+impl<H: Host> Curve for SivaFlight<'_, H> {
+    type Sample = SivaState<Phase<H>>;
 
     #[inline]
-    fn sample(&self, h: Real) -> SivaState {
+    fn sample(&self, h: Real) -> Self::Sample {
         self.state(h)
     }
 
     #[inline]
-    fn jet(&self, sample: &SivaState) -> Jet {
+    fn jet(&self, sample: &Self::Sample) -> Jet {
         self.siva.distance(sample)
     }
 
     fn precise(&self, h: Real) -> Sum {
-        let SivaState { primary, side: s, distance, rate, .. } = self.from;
+        let SivaState { side: s, distance, rate, .. } = self.from;
         let travelled = rate.times(h);
-        let curved = self.siva.free().precise(primary.v, self.from.acceleration, h);
+        let curved = self.structure().precise(&self.from.host, h);
         distance
             .plus_parts(travelled.value, travelled.rest)
             .plus_parts(s * curved.value, s * curved.rest)
     }
 
-    /// D⁗ = s x⁗, bounded by Λ³ρ.
+    /// D⁗ = s Ä.
     #[inline]
     fn fourth(&self) -> Real {
-        let free = self.siva.free();
-        let Primary { x, v } = self.from.primary;
-        free.growth * free.growth * free.growth * free.radius(x.value, v.value)
+        self.structure().bound::<2>(&self.from.host.primary)
     }
 
     #[inline]

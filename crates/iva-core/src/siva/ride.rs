@@ -1,95 +1,131 @@
-//! The absorber stuck on a wall: one mass 1 + μ on the primary's spring and damper, in closed form,
-//! until the pressure on the wall changes sign.
+//! The absorber stuck on a wall: one mass 1 + μ on the primary's spring and damper, until the pressure on the
+//! wall changes sign.
 
 use super::{Siva, SivaState};
 use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Jet, Motion};
-use crate::oscillator::{Oscillator, Primary};
+use crate::flight::{Arcs, Curve, GapPoint, Jet, Losses, Motion, Rows};
+use crate::host::{Host, HostState, Integrated, Phase, Structure};
 use crate::real::{Real, ZERO, dispatched};
 use crate::system::Wall;
 
 /// The ride from one state.
 #[derive(Debug, Clone, Copy)]
-pub struct SivaRide<'a> {
-    loaded: &'a Oscillator,
-    from: SivaState,
-    acceleration: Sum,
-    clearance: Real,
+pub struct SivaRide<'a, H: Host> {
+    siva: &'a Siva<H>,
+    from: SivaState<Phase<H>>,
+    /// The same structure with the absorber's mass.
+    begin: HostState<Phase<H>>,
+    course: <H::Structure as Structure>::Course,
 }
 
-impl<'a> SivaRide<'a> {
-    pub(super) fn new(siva: &'a Siva, from: SivaState) -> Self {
-        let loaded = siva.loaded();
-        let acceleration = loaded.acceleration(&from.primary);
-        Self { loaded, from, acceleration, clearance: siva.clearance }
+impl<'a, H: Host> SivaRide<'a, H> {
+    pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>>) -> Self {
+        let loaded = siva.host.loaded();
+        let acceleration = loaded.acceleration(&from.host.phase, &from.host.primary);
+        let begin = HostState { acceleration, ..from.host };
+        let course = loaded.course(&begin);
+        Self { siva, from, begin, course }
+    }
+
+    fn structure(&self) -> &'a H::Structure {
+        self.siva.host.loaded()
     }
 }
 
-impl Motion for SivaRide<'_> {
-    type State = SivaState;
+impl<H: Host> Motion for SivaRide<'_, H> {
+    type State = SivaState<Phase<H>>;
     const RIDING: bool = true;
 
-    fn origin(&self) -> &SivaState {
+    fn origin(&self) -> &Self::State {
         &self.from
     }
 
     fn reach(&self) -> Real {
-        self.loaded.reach
+        self.structure().reach(&self.course)
     }
 
-    fn state(&self, h: Real) -> SivaState {
-        let primary = dispatched(
+    fn state(&self, h: Real) -> Self::State {
+        let host = dispatched(
             #[inline(always)]
-            || self.from.primary.arrived(self.loaded, self.acceleration, h).0,
+            || self.structure().flown(&self.begin, &self.course, h).to,
         );
-        SivaState { primary, ..self.from }
+        SivaState { host, ..self.from }
+    }
+
+    fn arrival(&self, h: Real) -> Self::State {
+        let state = self.state(h);
+        SivaState { host: self.siva.host.free().fresh(state.host), ..state }
     }
 
     fn primary(&self, h: Real) -> Jet {
-        let Primary { x, v } = self.from.primary;
         dispatched(
             #[inline(always)]
-            || self.loaded.jet(x.value, v.value, self.acceleration.value, h),
+            || self.structure().jet(&self.begin, &self.course, h),
         )
     }
 
     fn gap(&self, _h: Real) -> GapPoint {
-        GapPoint { y: self.from.side * self.clearance, w: ZERO }
+        GapPoint { y: self.from.side * self.siva.clearance, w: ZERO }
     }
 
     fn wall(&self) -> Option<Wall> {
         Some(if self.from.side > 0.0 { Wall::Plus } else { Wall::Minus })
     }
 
-    fn viscous_loss(&self, h: Real) -> Real {
-        let Primary { x, v } = &self.from.primary;
+    fn losses(&self, h: Real) -> Losses {
+        let motion = Integrated {
+            from: &self.begin,
+            course: &self.course,
+            mass_ratio: self.siva.mass_ratio,
+            gap_velocity: None,
+        };
+        let [viscous, work] = dispatched(
+            #[inline(always)]
+            || self.structure().losses(&motion, h),
+        );
+        Losses { viscous, pivot: ZERO, work }
+    }
+
+    fn square(&self, h: [Real; 2]) -> Real {
         dispatched(
             #[inline(always)]
-            || self.loaded.viscous_loss(x.value, v.value, h),
+            || self.structure().square(&self.begin, &self.course, h),
+        )
+    }
+
+    fn arcs(&self, end: &Self::State) -> Option<Arcs> {
+        dispatched(
+            #[inline(always)]
+            || self.structure().arcs(&self.begin, &end.host),
+        )
+    }
+
+    fn rows(&self) -> Option<Rows> {
+        dispatched(
+            #[inline(always)]
+            || self.structure().rows(&self.begin, &self.course),
         )
     }
 }
 
-impl Curve for SivaRide<'_> {
-    type Sample = SivaState;
+impl<H: Host> Curve for SivaRide<'_, H> {
+    type Sample = SivaState<Phase<H>>;
 
-    fn sample(&self, h: Real) -> SivaState {
+    fn sample(&self, h: Real) -> Self::Sample {
         self.state(h)
     }
 
     /// The pressure on the wall; the ride ends where it changes sign.
-    fn jet(&self, sample: &SivaState) -> Jet {
+    fn jet(&self, sample: &Self::Sample) -> Jet {
         let factor = -sample.side;
-        let Primary { x, v } = &sample.primary;
-        let second = self.loaded.next_derivative(x.value, v.value);
-        let third = self.loaded.next_derivative(v.value, second);
-        let fourth = self.loaded.next_derivative(second, third);
-        let fifth = self.loaded.next_derivative(third, fourth);
+        let HostState { primary, phase, .. } = &sample.host;
+        let a = self.structure().acceleration(phase, primary).value;
+        let [jerk, snap, crackle] = self.structure().derivatives(phase, primary.v.value, a);
         Jet {
-            value: factor * second,
-            rate: factor * third,
-            curvature: factor * fourth,
-            jerk: factor * fifth,
+            value: factor * a,
+            rate: factor * jerk,
+            curvature: factor * snap,
+            jerk: factor * crackle,
         }
     }
 
@@ -98,17 +134,11 @@ impl Curve for SivaRide<'_> {
         Sum::new(self.jet(&self.state(h)).value)
     }
 
-    /// The fourth derivative of ẍ is x⁽⁶⁾, bounded by Λ⁵ρ.
     fn fourth(&self) -> Real {
-        let Primary { x, v } = &self.from.primary;
-        let radius = self.loaded.radius(x.value, v.value);
-        self.loaded.growth.powi(5) * radius
+        self.structure().bound::<4>(&self.begin.primary)
     }
 
-    /// ẍ is bounded by Λρ.
     fn magnitude(&self) -> Real {
-        let Primary { x, v } = &self.from.primary;
-        let radius = self.loaded.radius(x.value, v.value);
-        self.loaded.growth * radius
+        self.structure().bound::<0>(&self.begin.primary)
     }
 }

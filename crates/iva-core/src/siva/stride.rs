@@ -21,15 +21,14 @@
 //! there.
 
 use super::SivaState;
-use super::motion::arrived;
+use super::motion::{SivaFlight, arrived};
 use crate::compensated::Sum;
-use crate::flight::Jet;
-use crate::oscillator::{Oscillator, Primary};
+use crate::flight::{Glide, Meets};
+use crate::host::{Host, HostState, Phase, Structure};
+use crate::oscillator::Primary;
 use crate::quintic::{monomials, root};
 use crate::real::{ONE, Real, ZERO};
 use crate::roots::DOUBT;
-use crate::siva::Siva;
-use crate::system::Stride;
 
 /// M/46080 bounds what H is off.
 const OFF: f64 = 1.0 / 46080.0;
@@ -67,26 +66,23 @@ pub(crate) struct Proof {
 
 impl Quintic {
     #[inline(always)]
-    pub fn new(
-        oscillator: &Oscillator,
-        from: &SivaState,
-        to: &SivaState,
+    pub fn new<S: Structure>(
+        free: &S,
+        from: &SivaState<S::Phase>,
+        to: &SivaState<S::Phase>,
         clearance: Real,
         length: Real,
     ) -> Self {
         let half_square = 0.5 * (length * length);
-        let ends = |state: &SivaState| {
-            let curvature = state.side * state.acceleration.value;
+        let ends = |state: &SivaState<S::Phase>| {
+            let curvature = state.side * state.host.acceleration.value;
             [state.distance.value, length * state.rate.value, half_square * curvature]
         };
-        let growth = oscillator.growth;
-        let radius = oscillator.radius(from.primary.x.value, from.primary.v.value);
         let cube = length * length * length;
-        let fifth = growth * growth * (growth * growth) * (growth * radius);
         Self {
             begin: ends(from),
             end: ends(to),
-            sixth: fifth * (cube * cube),
+            sixth: free.bound::<4>(&from.host.primary) * (cube * cube),
             far: 2.0 * clearance,
         }
     }
@@ -146,18 +142,18 @@ impl Quintic {
 /// A state close to a wall: how much later it is met, and whether the Taylor series says so to the last
 /// bit.
 #[inline(always)]
-pub(crate) fn to_wall(
-    oscillator: &Oscillator,
-    state: &SivaState,
+pub(crate) fn to_wall<S: Structure>(
+    free: &S,
+    state: &SivaState<S::Phase>,
     clearance: Real,
     far: bool,
     h: Real,
 ) -> (Real, bool) {
     let left = if far { state.distance.minus(2.0 * clearance) } else { state.distance.value };
     let rate = state.rate.value;
-    let curvature = state.side * state.acceleration.value;
-    let jerk =
-        state.side * oscillator.next_derivative(state.primary.v.value, state.acceleration.value);
+    let HostState { primary, acceleration, phase } = &state.host;
+    let [jerk, ..] = free.derivatives(phase, primary.v.value, acceleration.value);
+    let (curvature, jerk) = (state.side * acceleration.value, state.side * jerk);
     // left + rate t + ½ curvature t² + ⅙ jerk t³ = 0 by reversion of the series.
     let slowness = 1.0 / rate;
     let first = -left * slowness;
@@ -165,9 +161,7 @@ pub(crate) fn to_wall(
     let bend = p * first;
     let later = first - bend * first
         + first * first * first * ((2.0 * p * p - q) - 5.0 * bend * (p * p - q));
-    let growth = oscillator.growth;
-    let Primary { x, v } = state.primary;
-    let fourth = growth * growth * growth * oscillator.radius(x.value, v.value);
+    let fourth = free.bound::<2>(primary);
     let square = later * later;
     // The next term of the series against the rounding of rate and distance.
     let close = fourth * (square * square) <= Real::EPSILON * (rate.abs() * h);
@@ -177,86 +171,46 @@ pub(crate) fn to_wall(
 
 /// The state at the wall that it meets so much later, in contact with it.
 #[inline(always)]
-pub(crate) fn at_wall(
-    oscillator: &Oscillator,
-    state: &SivaState,
+pub(crate) fn at_wall<S: Structure>(
+    free: &S,
+    state: &SivaState<S::Phase>,
     far: bool,
     later: Real,
-) -> SivaState {
-    let (v, a) = (state.primary.v.value, state.acceleration.value);
-    let jerk = oscillator.next_derivative(v, a);
-    let snap = oscillator.next_derivative(a, jerk);
-    let fifth = oscillator.next_derivative(jerk, snap);
+) -> SivaState<S::Phase> {
+    let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
+    let a = acceleration.value;
+    let [jerk, snap, fifth] = free.derivatives(&phase, v.value, a);
+    let base = free.base(&phase);
     let t = later;
     // One term more than the search for the wall takes: what every impact lacks would add up.
-    let gained = t * (a + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap + t * ((1.0 / 24.0) * fifth))));
-    let moved = t * (v + t * (0.5 * a + t * ((1.0 / 6.0) * jerk + t * ((1.0 / 24.0) * snap))));
-    let primary = Primary { x: state.primary.x.plus(moved), v: state.primary.v.plus(gained) };
+    let raised = |[a, jerk, snap, fifth]: [Real; 4]| {
+        t * (a + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap + t * ((1.0 / 24.0) * fifth))))
+    };
+    let gained = raised([a, jerk, snap, fifth]);
+    let moved = raised([v.value, a - base[0], jerk - base[1], snap - base[2]]);
+    let primary = Primary { x: x.plus(moved), v: v.plus(gained - raised(base)) };
     let turn = if far { -ONE } else { ONE };
     let rate = state.rate.plus(state.side * gained);
     SivaState {
-        primary,
-        acceleration: state.acceleration,
+        host: HostState { primary, acceleration, phase: free.later(&phase, later) },
         side: turn * state.side,
         distance: Sum::ZERO,
         rate: Sum { value: turn * rate.value, rest: turn * rate.rest },
     }
 }
 
-/// A quintic on [0, 1] whose root is close to where x turns round between two states of a flight in which
-/// its velocity changes sign.
-#[inline(always)]
-pub(crate) fn turn(
-    oscillator: &Oscillator,
-    from: &SivaState,
-    to: &SivaState,
-    length: Real,
-) -> [Real; 6] {
-    let half_square = 0.5 * (length * length);
-    let ends = |state: &SivaState| {
-        let (v, a) = (state.primary.v.value, state.acceleration.value);
-        [v, length * a, half_square * oscillator.next_derivative(v, a)]
-    };
-    monomials(&ends(from), &ends(to))
-}
-
-/// Where x turns round close to an instant of a flight of this length, x there, and whether both are
-/// exact to rounding.
-#[inline(always)]
-pub(crate) fn turning(
-    oscillator: &Oscillator,
-    from: &SivaState,
-    guess: Real,
-    length: Real,
-) -> (Real, Real, bool) {
-    let (x, v) = (from.primary.x.value, from.primary.v.value);
-    let Jet { value, rate, curvature, jerk } = oscillator.jet(x, v, from.acceleration.value, guess);
-    let snap = oscillator.next_derivative(curvature, jerk);
-    let mut t = -rate / curvature;
-    for _ in 0..2 {
-        let speed = rate + t * (curvature + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap)));
-        let slope = curvature + t * (jerk + t * (0.5 * snap));
-        t -= speed / slope;
-    }
-    let turn = guess + t;
-    let x = value + t * (rate + t * (0.5 * curvature + t * ((1.0 / 6.0) * jerk)));
-    // The next term of the series against rounding.
-    let square = t * t;
-    let growth = oscillator.growth * oscillator.growth;
-    let fifth = growth * growth * oscillator.radius(from.primary.x.value, v);
-    let close = fifth * (square * square) <= Real::EPSILON * (curvature.abs() * turn);
-    (turn, x, close & (turn > 0.0) & (turn < length))
-}
-
-impl Siva {
+impl<H: Host> SivaFlight<'_, H> {
     /// A stride of this length, if it is one.
     #[inline(always)]
-    pub(super) fn strides(&self, state: &SivaState, length: Real) -> Option<Stride<SivaState>> {
-        let end = arrived(self.free(), state, length);
-        let quintic = Quintic::new(self.free(), state, &end, self.clearance, length);
+    pub(super) fn stride(&self, length: Real) -> Option<Glide<SivaState<Phase<H>>>> {
+        let (free, course, state) = (self.structure(), &self.course, &self.from);
+        let clearance = self.siva.clearance;
+        let end = arrived(free, course, state, length);
+        let quintic = Quintic::new(free, state, &end, clearance, length);
         let proof = quintic.proof();
         if proof.free {
-            return Some(Stride { length, later: ZERO, end, contact: false });
+            let end = SivaState { host: free.fresh(end.host), ..end };
+            return Some(Glide { length, later: ZERO, end, meets: Meets::Nothing });
         }
         let far = proof.meets[1];
         if !(far || proof.meets[0]) {
@@ -267,11 +221,11 @@ impl Siva {
             if !(h > 0.0 && h <= length) {
                 return None;
             }
-            let near = arrived(self.free(), state, h);
-            let (later, close) = to_wall(self.free(), &near, self.clearance, far, h);
+            let near = arrived(free, course, state, h);
+            let (later, close) = to_wall(free, &near, clearance, far, h);
             if close {
-                let end = at_wall(self.free(), &near, far, later);
-                return Some(Stride { length: h, later, end, contact: true });
+                let end = at_wall(free, &near, far, later);
+                return Some(Glide { length: h, later, end, meets: Meets::Wall });
             }
             h += later;
         }

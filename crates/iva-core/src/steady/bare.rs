@@ -5,11 +5,10 @@ use std::sync::atomic::AtomicBool;
 use super::{Steady, SteadyWanted, Window};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
-use crate::piva::{Parameters, Piva};
-use crate::range::LARGEST;
-use crate::real::{ONE, Real, ZERO};
+use crate::host::{Alone, DrivenHost};
+use crate::real::{Real, ZERO};
 use crate::simulate::{Limits, simulate};
-use crate::system::{Point, Start};
+use crate::system::Point;
 
 impl Harmonic {
     /// Amplitude of the steady state that it keeps up in an oscillator of damping ratio ζ:
@@ -37,13 +36,10 @@ pub fn amplitude_without_absorber(
     if let (Some(harmonic), true) = (force.harmonics().first(), force.is_single()) {
         return Ok(Some(harmonic.response(damping_ratio)));
     }
-    // A free mass that never meets its walls, and is nothing beside the primary.
-    let parameters = Parameters::free_mass(Real::MIN_POSITIVE, ZERO, LARGEST * ONE, damping_ratio);
-    let piva = Piva::new(parameters)?.under(force.clone());
-    let start = Start { displacement: from.x, velocity: from.v, ..Start::default() };
+    let alone = Alone::new(DrivenHost::new(damping_ratio, ZERO, force.clone()));
     let wanted = SteadyWanted { amplitude: true, ..SteadyWanted::default() };
     let mut steady = Steady::new(Window { cycle: None, ..*window }, wanted);
-    simulate(&piva, &start.into(), limits, cancel, &mut steady)?;
+    simulate(&alone, &from, limits, cancel, &mut steady)?;
     Ok(steady.values().amplitude_max)
 }
 

@@ -6,7 +6,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::core::force::Force;
-use super::core::piva::{self, Piva, PivaStart};
+use super::core::piva::Piva;
 use super::core::real::{ONE, Real, TURN, ZERO};
 use super::core::simulate::Limits;
 use super::core::siva::Siva;
@@ -46,11 +46,11 @@ impl Design {
     /// # Errors
     /// [`Invalid`] for numbers that the core refuses.
     pub fn amplitude_without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Real>, Invalid> {
-        let Scene::Piva { system, start, .. } = &self.scene else { return Ok(None) };
-        let zeta = system.parameters().damping_ratio;
-        let from = Point { x: start.displacement, v: start.velocity };
-        let (window, limits) = (&self.window, &self.limits);
-        steady::amplitude_without_absorber(system.force(), zeta, from, window, limits, Some(cancel))
+        let Self { scene, window, limits, .. } = self;
+        let Some(force) = scene.force() else { return Ok(None) };
+        let from = Point { x: scene.displacement(), v: scene.velocity() };
+        let zeta = scene.damping_ratio();
+        steady::amplitude_without_absorber(force, zeta, from, window, limits, Some(cancel))
     }
 }
 
@@ -112,20 +112,15 @@ impl Given<'_> {
         scale: &Scale,
     ) -> Result<Scene, Invalid> {
         match self.spec.choices().kind {
-            Kind::Siva if !force.is_none() => {
-                let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
-                let parameters =
-                    piva::Parameters::free_mass(mass_ratio, restitution, clearance, damping_ratio);
-                let system = Piva::new(parameters)?.under(force);
-                let start = PivaStart::from(start);
-                system.check_start(&start)?;
-                Ok(Scene::Piva { system, start, gravity: None })
-            }
             Kind::Siva => {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
                 let system = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
                 system.check_start(&start)?;
-                Ok(Scene::Siva { system, start })
+                if force.is_none() {
+                    Ok(Scene::Siva { system, start })
+                } else {
+                    Ok(Scene::DrivenSiva { system: system.under(force), start })
+                }
             }
             Kind::Piva => {
                 self.at_most_one(&[FieldId::GapDisplacement, FieldId::Angle])?;

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::core::host::DrivenHost;
 use super::core::measures::{Measures, Wanted};
 use super::core::observe::{Events, Observer};
 use super::core::peaks::Envelope;
@@ -9,7 +10,7 @@ use super::core::piva::Piva;
 use super::core::real::Real;
 use super::core::simulate::{Tally, simulate};
 use super::core::siva::Siva;
-use super::core::steady::{Steady, SteadyWanted};
+use super::core::steady::{Steady, SteadyValues, SteadyWanted};
 use super::core::system::System;
 use super::design::Design;
 use super::rows::{
@@ -62,6 +63,24 @@ impl Request {
 }
 
 impl Request {
+    /// What a driven run settles to, beside what it does without absorber; `None` if nothing is wanted of that.
+    ///
+    /// # Errors
+    /// As [`Design::amplitude_without_absorber`].
+    pub fn settled<'a>(
+        &self,
+        design: &Design,
+        values: Option<&'a SteadyValues>,
+        cancel: &AtomicBool,
+    ) -> Result<Option<Settled<'a>>, Invalid> {
+        let Some(values) = values else { return Ok(None) };
+        let bare = match self.reduction {
+            true => design.amplitude_without_absorber(cancel)?,
+            false => None,
+        };
+        Ok(Some(Settled { values, bare, moves_base: design.scene.moves_base() }))
+    }
+
     /// What is wanted of a driven run's steady state; `None` in free decay, and if nothing is.
     fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
         Some(self.steady).filter(|it| system.is_driven() && *it != SteadyWanted::default())
@@ -84,7 +103,7 @@ pub(crate) trait Estimates<S: System>: Observer<S> {
 ///
 /// # Errors
 /// [`Invalid`] if the core refuses the design.
-pub(crate) fn run<E: Estimates<Siva> + Estimates<Piva>>(
+pub(crate) fn run<E: Estimates<Siva> + Estimates<Siva<DrivenHost>> + Estimates<Piva>>(
     study: &Study,
     point: u64,
     design: &Design,
@@ -96,6 +115,7 @@ pub(crate) fn run<E: Estimates<Siva> + Estimates<Piva>>(
     let point = Point { study, point, design, request, cancel };
     match &design.scene {
         Scene::Siva { system, start } => point.run(system, start, estimates, take),
+        Scene::DrivenSiva { system, start } => point.run(system, start, estimates, take),
         Scene::Piva { system, start, .. } => point.run(system, start, estimates, take),
     }
 }
@@ -162,7 +182,7 @@ impl Point<'_> {
         let mut row = |cells: &mut dyn Iterator<Item = Cell>| take(table, cells);
         match table {
             Table::Summary => {
-                if let Some(run) = self.summary(system, seen)? {
+                if let Some(run) = self.summary(seen)? {
                     row(&mut run.cells(study, point));
                 }
             }
@@ -206,20 +226,11 @@ impl Point<'_> {
 
     fn summary<'a, S: System, E: Estimates<S>>(
         &'a self,
-        system: &S,
         seen: &'a Seen<S, E>,
     ) -> Result<Option<RunRow<'a, S::State>>, Invalid> {
         let Self { design, request, cancel, .. } = *self;
         let Some(measures) = &seen.measures else { return Ok(None) };
-        let bare = match request.reduction && system.is_driven() {
-            true => design.amplitude_without_absorber(cancel)?,
-            false => None,
-        };
-        let settled = seen.steady.as_ref().map(|steady| Settled {
-            values: steady.values(),
-            bare,
-            moves_base: design.scene.moves_base(),
-        });
+        let settled = request.settled(design, seen.steady.as_ref().map(Steady::values), cancel)?;
         let [condition, digits] = seen.estimates.of_run();
         let run = RunRow::new(design, &seen.tally, measures.values());
         Ok(Some(RunRow { settled, condition, digits, ..run }))

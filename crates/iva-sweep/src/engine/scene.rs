@@ -2,6 +2,7 @@
 
 use super::core::force::Force;
 pub use super::core::force::{Acts, Harmonic};
+use super::core::host::DrivenHost;
 use super::core::piva::{self, Piva, PivaStart};
 use super::core::real::Real;
 use super::core::siva::Siva;
@@ -11,11 +12,17 @@ use super::core::system::{Start, System};
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 pub enum Scene {
-    /// A free mass in free decay; under a force it is a pendulum at small angles without gravity,
-    /// which is the same motion.
+    /// A free mass in free decay.
     Siva {
         /// The absorber.
         system: Siva,
+        /// State at time zero.
+        start: Start,
+    },
+    /// A free mass under force.
+    DrivenSiva {
+        /// The absorber.
+        system: Siva<DrivenHost>,
         /// State at time zero.
         start: Start,
     },
@@ -36,6 +43,7 @@ impl Scene {
     pub fn mass_ratio(&self) -> Real {
         match self {
             Scene::Siva { system, .. } => system.mass_ratio(),
+            Scene::DrivenSiva { system, .. } => system.mass_ratio(),
             Scene::Piva { system, .. } => system.parameters().mass_ratio,
         }
     }
@@ -44,6 +52,7 @@ impl Scene {
     pub fn restitution(&self) -> Real {
         match self {
             Scene::Siva { system, .. } => system.restitution(),
+            Scene::DrivenSiva { system, .. } => system.restitution(),
             Scene::Piva { system, .. } => system.parameters().restitution,
         }
     }
@@ -52,6 +61,7 @@ impl Scene {
     pub fn clearance(&self) -> Real {
         match self {
             Scene::Siva { system, .. } => system.clearance(),
+            Scene::DrivenSiva { system, .. } => system.clearance(),
             Scene::Piva { system, .. } => system.clearance(),
         }
     }
@@ -60,6 +70,7 @@ impl Scene {
     pub fn damping_ratio(&self) -> Real {
         match self {
             Scene::Siva { system, .. } => system.damping_ratio(),
+            Scene::DrivenSiva { system, .. } => system.damping_ratio(),
             Scene::Piva { system, .. } => system.parameters().damping_ratio,
         }
     }
@@ -67,15 +78,23 @@ impl Scene {
     /// What a pendulum is made of.
     pub fn pendulum(&self) -> Option<&piva::Parameters> {
         match self {
-            Scene::Siva { .. } => None,
+            Scene::Siva { .. } | Scene::DrivenSiva { .. } => None,
             Scene::Piva { system, .. } => Some(system.parameters()),
+        }
+    }
+
+    /// Velocity of the primary at time zero.
+    pub fn velocity(&self) -> Real {
+        match self {
+            Scene::Siva { start, .. } | Scene::DrivenSiva { start, .. } => start.velocity,
+            Scene::Piva { start, .. } => start.velocity,
         }
     }
 
     /// Displacement of the primary at time zero.
     pub fn displacement(&self) -> Real {
         match self {
-            Scene::Siva { start, .. } => start.displacement,
+            Scene::Siva { start, .. } | Scene::DrivenSiva { start, .. } => start.displacement,
             Scene::Piva { start, .. } => start.displacement,
         }
     }
@@ -84,6 +103,7 @@ impl Scene {
     pub fn at_rest(&self) -> bool {
         match self {
             Scene::Siva { system, start } => system.energy(&system.begin(start).0) == 0.0,
+            Scene::DrivenSiva { .. } => false,
             Scene::Piva { system, start, .. } => {
                 system.force().is_none() && system.energy(&system.begin(start).0) == 0.0
             }
@@ -93,7 +113,7 @@ impl Scene {
     /// True if the absorber can reach its walls at all.
     pub fn stop_reachable(&self) -> bool {
         match self {
-            Scene::Siva { .. } => true,
+            Scene::Siva { .. } | Scene::DrivenSiva { .. } => true,
             Scene::Piva { system, .. } => system.stop_reachable(),
         }
     }
@@ -102,6 +122,7 @@ impl Scene {
     pub fn force(&self) -> Option<&Force> {
         match self {
             Scene::Siva { .. } => None,
+            Scene::DrivenSiva { system, .. } => system.force(),
             Scene::Piva { system, .. } => Some(system.force()).filter(|force| !force.is_none()),
         }
     }
@@ -114,7 +135,7 @@ impl Scene {
     /// Acceleration of gravity on a pendulum, in the user's unit.
     pub fn gravity(&self) -> Option<Real> {
         match self {
-            Scene::Siva { .. } => None,
+            Scene::Siva { .. } | Scene::DrivenSiva { .. } => None,
             Scene::Piva { gravity, .. } => *gravity,
         }
     }

@@ -14,12 +14,12 @@ use iva_core::{
 };
 use std::f64::consts::TAU;
 
-/// A scene: a free mass in closed form, or a pendulum.
+/// A scene: a free mass or a pendulum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The absorber on its primary; of a free mass only the first four numbers count.
     pub parameters: Parameters,
-    /// A free mass without force.
+    /// A free mass; without force in closed form.
     pub free_mass: bool,
     /// What drives it.
     pub harmonic: Option<Harmonic>,
@@ -104,7 +104,11 @@ impl Scene {
     }
 
     fn pendulum(&self) -> Result<Piva, Invalid> {
-        Ok(Piva::new(self.parameters)?.under(Force::harmonic(self.harmonic.into_iter().collect())?))
+        Ok(Piva::new(self.parameters)?.under(self.force()?))
+    }
+
+    fn force(&self) -> Result<Force, Invalid> {
+        Force::harmonic(self.harmonic.into_iter().collect())
     }
 
     /// Runs it under watch; lengths enter the digest times `factor`.
@@ -112,10 +116,12 @@ impl Scene {
     /// # Errors
     /// What the simulator refuses.
     pub fn watch(&self, factor: f64) -> Result<Watch, Invalid> {
-        if self.free_mass {
-            self.watched(&self.mass()?, &self.start, factor)
-        } else {
-            self.watched(&self.pendulum()?, &self.start.into(), factor)
+        match (self.free_mass, self.harmonic) {
+            (true, None) => self.watched(&self.mass()?, &self.start, factor),
+            (true, Some(_)) => {
+                self.watched(&self.mass()?.under(self.force()?), &self.start, factor)
+            }
+            (false, _) => self.watched(&self.pendulum()?, &self.start.into(), factor),
         }
     }
 
@@ -135,10 +141,13 @@ impl Scene {
     /// # Errors
     /// What the simulator refuses.
     pub fn states(&self, times: &[f64]) -> Result<Vec<State>, Invalid> {
-        if self.free_mass {
-            states(&self.mass()?, &self.start, &self.limits(), times)
-        } else {
-            states(&self.pendulum()?, &self.start.into(), &self.limits(), times)
+        let limits = self.limits();
+        match (self.free_mass, self.harmonic) {
+            (true, None) => states(&self.mass()?, &self.start, &limits, times),
+            (true, Some(_)) => {
+                states(&self.mass()?.under(self.force()?), &self.start, &limits, times)
+            }
+            (false, _) => states(&self.pendulum()?, &self.start.into(), &limits, times),
         }
     }
 }
@@ -184,7 +193,7 @@ pub fn extreme(rng: &mut Rng) -> Scene {
         }
     }
     if rng.unit() < 0.15 {
-        (scene.free_mass, scene.max_impacts, scene.max_work) = (false, 100, 400);
+        (scene.max_impacts, scene.max_work) = (100, 400);
         scene.harmonic = Some(Harmonic {
             amplitude: size * rng.log_range(1e-3, 10.0),
             frequency: rng.log_range(0.01, 10.0),

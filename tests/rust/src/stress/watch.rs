@@ -4,7 +4,7 @@
 use super::Report;
 use crate::{U, dd::Dd};
 use iva_core::{
-    flight::Motion,
+    flight::{Losses, Motion},
     impact::Impact,
     observe::{Episode, Observer, Span},
     piva::{Angles, Parameters},
@@ -143,8 +143,8 @@ impl<S: System> Observer<S> for Watch {
         for value in [span.to.x, span.to.v] {
             self.digest(value * self.factor);
         }
-        let work = span.motion.work(length);
-        let lost = span.motion.viscous_loss(length) + span.motion.pivot_loss(length);
+        let Losses { viscous, pivot, work } = span.motion.losses(length);
+        let lost = viscous + pivot;
         self.finite &= work.is_finite() && lost >= 0.0;
         self.lost = self.lost + lost;
         self.worked = self.worked + work;

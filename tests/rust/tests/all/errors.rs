@@ -27,6 +27,7 @@ use iva_sweep::{
 use iva_tests::{
     case::{Case, any_case},
     dd::Dd,
+    driven::mass,
     oracle::{self, Kind},
     reference::{Expected, forced_scenes, piva_scenes, scenes},
     rng::Rng,
@@ -110,11 +111,16 @@ fn estimates_hold_on_the_references() {
         compare(impacts(&siva, &s.scene.begin(), &limits), &s.events);
     }
     for s in piva_scenes().into_iter().chain(forced_scenes()) {
-        let piva = Piva::new(s.parameters).unwrap().under(s.force.clone());
         let limits =
             Limits { chatter_floor: 1e-9, ..Limits::new(s.duration, s.parameters.clearance) };
         let start = Start { displacement: s.displacement, ..Start::default() };
-        compare(impacts(&piva, &start.into(), &limits), &s.events);
+        let found = if let Some(siva) = s.mass() {
+            impacts(&siva, &start, &limits)
+        } else {
+            let piva = Piva::new(s.parameters).unwrap().under(s.force.clone());
+            impacts(&piva, &start.into(), &limits)
+        };
+        compare(found, &s.events);
     }
     ratios.assert_good("references");
 }
@@ -347,12 +353,10 @@ fn chatters_of_the_printed_law_are_summed_as_exactly_as_others() {
 fn a_motion_that_forgets_its_start_says_so() {
     // Chaotic under force: errors grow by orders of magnitude each cycle, beyond any double.
     let force = Harmonic { amplitude: 0.3, frequency: 0.83, phase: 0.0, acts: Acts::Primary };
-    let piva = Piva::new(Parameters::free_mass(0.1, 0.95, 0.3, 0.005))
-        .unwrap()
-        .under(Force::harmonic(vec![force]).unwrap());
+    let siva = mass(0.1, 0.95, 0.3, 0.005)(Force::harmonic(vec![force]).unwrap());
     let start = Start { displacement: 1.0, ..Start::default() };
     let mut errors = Errors::default();
-    simulate(&piva, &start.into(), &Limits::new(5000.0, 0.3), None, &mut errors).unwrap();
+    simulate(&siva, &start, &Limits::new(5000.0, 0.3), None, &mut errors).unwrap();
     let known = errors.impacts.iter().take_while(|error| error.time.is_some()).count();
     assert!(known > 10 && known < errors.impacts.len());
     assert!(errors.impacts[..known].iter().all(|error| error.time.unwrap() <= 1.0));

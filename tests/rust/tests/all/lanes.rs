@@ -1,40 +1,42 @@
 //! Runs side by side are the runs one by one, bit for bit.
 //!
-//! What is compared is everything that `decays` hands out; floats are printed with all their digits,
+//! What is compared is everything that `lanes::run` hands out; floats are printed with all their digits,
 //! so that equal texts are equal bits.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use iva_core::force::{Acts, Force, Harmonic};
-use iva_core::lanes::{Decay, Decayed, LANES, SideBySide, decays};
-use iva_core::measures::{Measures, Wanted};
+use iva_core::force::{Acts, Force, Harmonic, Impulse};
+use iva_core::host::DrivenHost;
+use iva_core::lanes::{self, Ended, Job, LANES, SideBySide};
+use iva_core::measures::Wanted;
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, Outcome, simulate};
 use iva_core::siva::Siva;
+use iva_core::steady::{SteadyWanted, Window};
 use iva_core::system::{Start, System};
 use iva_tests::case::{any_case, compound};
 use iva_tests::cases;
 use proptest::prelude::*;
 
-fn alone<S: SideBySide>(decay: &Decay<S>) -> String {
+fn alone<S: SideBySide>(decay: &Job<S>) -> String {
     alone_wanting(decay, Wanted::ALL)
 }
 
-fn alone_wanting<S: SideBySide>(decay: &Decay<S>, wanted: Wanted) -> String {
-    let mut measures = Measures::<S>::new(wanted);
-    let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut measures).unwrap();
-    format!("{:?}", (tally, *measures.values()))
+fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
+    let mut watch = S::watch(wanted, decay.also);
+    let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut watch).unwrap();
+    format!("{:?}", (tally, S::values(&watch)))
 }
 
-fn together<S: SideBySide>(scenes: &[Decay<S>]) -> Vec<String> {
+fn together<S: SideBySide>(scenes: &[Job<S>]) -> Vec<String> {
     together_wanting(scenes, Wanted::ALL)
 }
 
-fn together_wanting<S: SideBySide>(scenes: &[Decay<S>], wanted: Wanted) -> Vec<String> {
+fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted) -> Vec<String> {
     let mut found = vec![String::new(); scenes.len()];
-    decays(scenes, wanted, None, &mut |i, decayed: &Decayed<S>| {
+    lanes::run(scenes, wanted, None, &mut |i, decayed: &Ended<S>| {
         assert!(found[i].is_empty(), "scene {i} came twice");
         found[i] = format!("{decayed:?}");
     })
@@ -42,16 +44,17 @@ fn together_wanting<S: SideBySide>(scenes: &[Decay<S>], wanted: Wanted) -> Vec<S
     found
 }
 
-fn scene(mu: f64, e: f64, clearance: f64, zeta: f64, periods: f64) -> Decay<Siva> {
-    Decay {
+fn scene(mu: f64, e: f64, clearance: f64, zeta: f64, periods: f64) -> Job<Siva> {
+    Job {
         system: Siva::new(mu, e, clearance, zeta).unwrap(),
         start: Start { displacement: 1.0, ..Start::default() },
         limits: Limits::new(periods * TAU, clearance),
+        also: (),
     }
 }
 
 /// Wide and narrow gaps, chatter, plastic and elastic impacts, light and heavy damping.
-fn grid() -> Vec<Decay<Siva>> {
+fn grid() -> Vec<Job<Siva>> {
     let mut scenes = Vec::new();
     for zeta in [0.0, 0.01, 0.3, 1.0, 2.0] {
         for clearance in [0.05, 0.3, 0.6, 1.1, 1.9, 2.0, 2.5] {
@@ -64,7 +67,7 @@ fn grid() -> Vec<Decay<Siva>> {
 }
 
 /// Pendulums that reach their walls often, seldom or never, hard and soft, with and without damped pivots.
-fn pendulums(tolerance: f64) -> Vec<Decay<Piva>> {
+fn pendulums(tolerance: f64) -> Vec<Job<Piva>> {
     let mut scenes = Vec::new();
     for (zeta, zeta_p) in [(0.0, 0.0), (0.02, 0.0), (0.02, 0.05), (1.2, 0.0)] {
         for clearance in [0.05, 0.4, 0.8, 1.4, 1.95, 3.0] {
@@ -75,15 +78,73 @@ fn pendulums(tolerance: f64) -> Vec<Decay<Piva>> {
                     tolerance,
                     ..Parameters::point_bob(0.12, e, clearance, zeta, 2.5)
                 };
-                scenes.push(Decay {
+                scenes.push(Job {
                     system: Piva::new(parameters).unwrap(),
                     start: Start { displacement: 1.0, ..Start::default() }.into(),
                     limits: Limits::new(15.0 * TAU, clearance),
+                    also: (),
                 });
             }
         }
     }
     scenes
+}
+
+/// Free masses under force: light and heavy, slow and fast, with and without damping, some of which chatter or stick, most
+/// with a transient to leave out; a few on a base that moves, under two forces, or hit as well.
+fn driven(steady: SteadyWanted) -> Vec<Job<Siva<DrivenHost>>> {
+    let mut jobs = Vec::new();
+    for (number, zeta) in [0.0, 0.02, 0.3, 1.1].into_iter().enumerate() {
+        for clearance in [0.05, 0.4, 1.1, 30.0] {
+            for (e, frequency) in [(0.0, 0.7), (0.3, 1.0), (0.7, 1.05), (0.95, 2.3), (1.0, 0.31)] {
+                let i = jobs.len();
+                let amplitude = [0.05, 0.3, 1.0][i % 3];
+                let phase = [0.0, 0.8, -7.0][i / 3 % 3];
+                let acts = if i % 13 == 5 { Acts::Base } else { Acts::Primary };
+                let push = Harmonic { amplitude, frequency, phase, acts };
+                let more = (i % 17 == 3).then_some(Harmonic { frequency: 1.7, ..push });
+                let hit = (i % 19 == 4).then_some(Impulse { velocity: 0.3, time: 11.0 });
+                let harmonics = [push].into_iter().chain(more).collect();
+                let force = Force::new(harmonics, Vec::new(), hit.as_slice()).unwrap();
+                let cycle = TAU / frequency;
+                let from = [0.0, 5.0 * cycle, 7.3][i % 3];
+                let siva = Siva::new(0.02 + 0.2 * number as f64, e, clearance, zeta).unwrap();
+                jobs.push(Job {
+                    system: siva.under(force),
+                    start: Start { displacement: [0.0, 0.5][i % 2], ..Start::default() },
+                    limits: Limits::new(35.0 * cycle, clearance),
+                    also: (steady, Window { from, cycle: Some(push) }),
+                });
+            }
+        }
+    }
+    jobs
+}
+
+#[test]
+fn driven_free_masses_are_the_same_side_by_side() {
+    let all = SteadyWanted { strobes: false, ..SteadyWanted::ALL };
+    let rms = SteadyWanted { rms: true, ..SteadyWanted::default() };
+    for (steady, wanted) in [
+        (all, Wanted::ALL),
+        (SteadyWanted::default(), Wanted::ALL),
+        (rms, Wanted { ledger: false, ..Wanted::ALL }),
+    ] {
+        let mut jobs = driven(steady);
+        let found = together_wanting(&jobs, wanted);
+        for (job, found) in jobs.iter().zip(&found) {
+            assert_eq!(*found, alone_wanting(job, wanted), "{:?}", job.system.force());
+        }
+        jobs.reverse();
+        assert!(together_wanting(&jobs, wanted).iter().rev().eq(&found));
+        for (i, job) in jobs.iter_mut().enumerate() {
+            job.limits.max_impacts = [3, 10, 10_000_000][i % 3];
+            job.limits.max_work = [23, 100, 100_000_000][i / 3 % 3];
+        }
+        for (job, found) in jobs.iter().zip(&together_wanting(&jobs, wanted)) {
+            assert_eq!(*found, alone_wanting(job, wanted), "{:?}", job.limits);
+        }
+    }
 }
 
 #[test]
@@ -95,7 +156,7 @@ fn pendulums_are_the_same_side_by_side() {
         for (scene, found) in scenes.iter().zip(&found) {
             assert_eq!(*found, alone(scene), "{:?}", scene.system.parameters());
         }
-        let backwards: Vec<Decay<Piva>> = scenes.iter().rev().cloned().collect();
+        let backwards: Vec<Job<Piva>> = scenes.iter().rev().cloned().collect();
         assert!(together(&backwards).iter().rev().eq(&found));
     }
 }
@@ -103,7 +164,7 @@ fn pendulums_are_the_same_side_by_side() {
 #[test]
 fn pendulums_of_many_kinds_keep_apart() {
     // Tolerances, small angles, a force: not all of these share lanes.
-    let mut scenes: Vec<Decay<Piva>> = [0.0, 1e-9]
+    let mut scenes: Vec<Job<Piva>> = [0.0, 1e-9]
         .into_iter()
         .flat_map(|tolerance| pendulums(tolerance).into_iter().step_by(5))
         .collect();
@@ -140,7 +201,7 @@ fn a_grid_is_the_same_side_by_side() {
 fn losses_not_asked_for_change_nothing_else() {
     let wanted = Wanted { ledger: false, ..Wanted::ALL };
     let other = |run: &str| run.split("energy_initial").next().unwrap().to_owned();
-    fn check<S: SideBySide>(scenes: &[Decay<S>], wanted: Wanted, other: impl Fn(&str) -> String) {
+    fn check<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted, other: impl Fn(&str) -> String) {
         for (scene, found) in scenes.iter().zip(together_wanting(scenes, wanted)) {
             assert_eq!(found, alone_wanting(scene, wanted));
             // Everything but the energies.
@@ -157,7 +218,7 @@ fn neighbours_change_nothing() {
     let scenes = grid();
     let whole = together(&scenes);
     // Backwards, and in groups of other sizes: other lanes, other neighbours.
-    let backwards: Vec<Decay<Siva>> = scenes.iter().rev().cloned().collect();
+    let backwards: Vec<Job<Siva>> = scenes.iter().rev().cloned().collect();
     assert!(together(&backwards).iter().rev().eq(&whole));
     for size in [1, 3, LANES, LANES + 1] {
         let parts = scenes.chunks(size).flat_map(together);
@@ -174,7 +235,7 @@ fn limits_stop_each_run_where_it_is() {
         // Ends close to the instants that the measures look at as well.
         let duration = [0.5, TAU, 2.0 * TAU, 2.0 * TAU + 1e-15, 9.0, 100.0][i % 6];
         let limits = Limits { duration, max_impacts, max_work, ..decay.limits };
-        scenes.push(Decay { limits, ..decay });
+        scenes.push(Job { limits, ..decay });
     }
     let found = together(&scenes);
     for (scene, found) in scenes.iter().zip(&found) {
@@ -188,7 +249,7 @@ fn limits_stop_each_run_where_it_is() {
 #[test]
 fn cancelled_runs_come_back_as_they_are() {
     // Elastic and undamped: without the cancellation these would run for a long time.
-    let endless: Vec<Decay<Siva>> =
+    let endless: Vec<Job<Siva>> =
         (0..40).map(|i| scene(0.1, 1.0, 0.01 + 0.001 * f64::from(i), 0.0, 1e6)).collect();
     let cancel = AtomicBool::new(false);
     let mut found = Vec::new();
@@ -197,7 +258,7 @@ fn cancelled_runs_come_back_as_they_are() {
             std::thread::sleep(std::time::Duration::from_millis(20));
             cancel.store(true, Ordering::Relaxed);
         });
-        decays(&endless, Wanted::ALL, Some(&cancel), &mut |i, (tally, _)| {
+        lanes::run(&endless, Wanted::ALL, Some(&cancel), &mut |i, (tally, _)| {
             found.push((i, tally.outcome, tally.impacts));
         })
         .unwrap();
@@ -214,7 +275,7 @@ fn a_bad_start_is_refused_before_anything_runs() {
     let mut scenes = grid();
     scenes[7].start.gap_displacement = 100.0;
     let mut taken = 0;
-    let error = decays(&scenes, Wanted::ALL, None, &mut |_, _| taken += 1).unwrap_err();
+    let error = lanes::run(&scenes, Wanted::ALL, None, &mut |_, _| taken += 1).unwrap_err();
     assert_eq!((error.field.as_str(), taken), ("start.gap_displacement", 0));
 }
 
@@ -227,12 +288,13 @@ proptest! {
         all in prop::collection::vec(any_case(1.0, 60.0), 3 * LANES),
         zeta in prop_oneof![Just(0.0), 0.0..0.2, 0.0..3.0],
     ) {
-        let scenes: Vec<Decay<Siva>> = all
+        let scenes: Vec<Job<Siva>> = all
             .iter()
-            .map(|case| Decay {
+            .map(|case| Job {
                 system: Siva::new(case.mu, case.e, case.clearance, zeta).unwrap(),
                 start: case.start,
                 limits: case.limits(),
+                also: (),
             })
             .collect();
         for (scene, found) in scenes.iter().zip(together(&scenes)) {
@@ -246,7 +308,7 @@ proptest! {
         all in prop::collection::vec((compound(), any_case(1.0, 60.0), -3.1..3.1), 3 * LANES),
         tolerance in prop_oneof![2 => Just(0.0), 1 => Just(1e-9), 1 => Just(1e-6)],
     ) {
-        let scenes: Vec<Decay<Piva>> = all
+        let scenes: Vec<Job<Piva>> = all
             .iter()
             .map(|(parameters, case, angle)| {
                 let system = Piva::new(Parameters { tolerance, ..*parameters }).unwrap();
@@ -257,7 +319,7 @@ proptest! {
                 let free = !system.stop_reachable();
                 let start = if free { PivaStart { place: Given::Angle(*angle), ..start } } else { start };
                 let limits = Limits::new(case.duration, system.clearance());
-                Decay { system, start, limits }
+                Job { system, start, limits, also: () }
             })
             .filter(|scene| scene.system.check_start(&scene.start).is_ok())
             .collect();

@@ -96,25 +96,28 @@ fn simulated(scene: &Scene, end: f64) -> Answer {
         phase: drive.phase,
         acts: if drive.base { Acts::Base } else { Acts::Primary },
     });
-    let parameters = match scene.absorber {
-        Absorber::Mass if harmonic.is_none() => {
+    let force = Force::harmonic(harmonic.into_iter().collect()).unwrap();
+    match scene.absorber {
+        Absorber::Mass => {
             let siva = Siva::new(mass_ratio, restitution, clearance, damping_ratio).unwrap();
-            return answer(&siva, &start, clearance, end);
+            if force.is_none() {
+                answer(&siva, &start, clearance, end)
+            } else {
+                answer(&siva.under(force), &start, clearance, end)
+            }
         }
-        Absorber::Mass => Parameters::free_mass(mass_ratio, restitution, clearance, damping_ratio),
         Absorber::Pendulum { length, contact, inertia, frequency_ratio, large_angles } => {
-            Parameters {
+            let parameters = Parameters {
                 frequency_ratio,
                 inertia_ratio: inertia,
                 contact_distance: contact,
                 angles: if large_angles { Angles::Large } else { Angles::Small },
                 ..Parameters::point_bob(mass_ratio, restitution, clearance, damping_ratio, length)
-            }
+            };
+            let piva = Piva::new(parameters).unwrap().under(force);
+            answer(&piva, &start.into(), clearance, end)
         }
-    };
-    let force = Force::harmonic(harmonic.into_iter().collect()).unwrap();
-    let piva = Piva::new(parameters).unwrap().under(force);
-    answer(&piva, &start.into(), clearance, end)
+    }
 }
 
 fn answer<S: System>(system: &S, start: &S::Start, clearance: f64, end: f64) -> Answer {

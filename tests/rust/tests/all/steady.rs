@@ -5,25 +5,27 @@ use std::f64::consts::{PI, TAU};
 
 use iva_core::{
     force::{Acts, Force, Harmonic},
-    piva::{Parameters, Piva, PivaStart},
+    host::DrivenHost,
     run::run,
     simulate::{Limits, Outcome, simulate},
+    siva::Siva,
     steady::{Regime, Steady, SteadyWanted, Window},
-    system::Start,
+    system::{Start, System},
     theory::{SymmetricScene, masri_caughey},
 };
+use iva_tests::driven::mass;
 
-fn watch(piva: &Piva, start: &PivaStart, duration: f64, from: f64) -> Steady {
-    let cycle = piva.force().harmonics().first().copied();
+fn watch(siva: &Siva<DrivenHost>, start: &Start, duration: f64, from: f64) -> Steady {
+    let cycle = siva.force().unwrap().harmonics().first().copied();
     let mut steady = Steady::new(Window { from, cycle }, SteadyWanted::ALL);
-    let limits = Limits::new(duration, piva.parameters().clearance);
-    let tally = simulate(piva, start, &limits, None, &mut steady).unwrap();
+    let limits = Limits::new(duration, siva.clearance());
+    let tally = simulate(siva, start, &limits, None, &mut steady).unwrap();
     assert_eq!(tally.outcome, Outcome::Finished);
     steady
 }
 
-fn start(displacement: f64, velocity: f64) -> PivaStart {
-    Start { displacement, velocity, gap_velocity: -velocity, ..Start::default() }.into()
+fn start(displacement: f64, velocity: f64) -> Start {
+    Start { displacement, velocity, gap_velocity: -velocity, ..Start::default() }
 }
 
 #[test]
@@ -38,11 +40,10 @@ fn without_impacts_it_is_the_oscillators_steady_state() {
     for acts in [Acts::Primary, Acts::Base] {
         let sign = if acts == Acts::Primary { 1.0 } else { -1.0 };
         let force = Harmonic { amplitude: sign * amplitude, frequency, phase, acts };
-        let parameters = Parameters::free_mass(1e-3, 0.5, 1e6, zeta);
-        let piva = Piva::new(parameters).unwrap().under(Force::harmonic(vec![force]).unwrap());
+        let siva = mass(1e-3, 0.5, 1e6, zeta)(Force::harmonic(vec![force]).unwrap());
         let cycle = TAU / frequency;
         // 20.5 cycles, the first 3.25 left out.
-        let steady = watch(&piva, &start(x(0.0), v(0.0)), 20.5 * cycle, 3.25 * cycle);
+        let steady = watch(&siva, &start(x(0.0), v(0.0)), 20.5 * cycle, 3.25 * cycle);
         let values = steady.values();
         assert!((values.amplitude_max.unwrap() - size).abs() < 1e-14);
         // 17.25 cycles: the mean of cos² over a quarter cycle more than whole and half cycles.
@@ -79,10 +80,8 @@ fn without_impacts_it_is_the_oscillators_steady_state() {
 fn the_symmetric_orbit_is_two_impacts_a_cycle() {
     // Masri and Caughey 1966: μ .05, e .8, d 2, ζ .02, F .1, Ω 1; largest |x| from the closed form.
     let force = Harmonic { amplitude: 0.1, frequency: 1.0, phase: 0.0, acts: Acts::Primary };
-    let piva = Piva::new(Parameters::free_mass(0.05, 0.8, 2.0, 0.02))
-        .unwrap()
-        .under(Force::harmonic(vec![force]).unwrap());
-    let steady = watch(&piva, &start(0.0, 0.0), 700.0 * TAU, 600.0 * TAU);
+    let siva = mass(0.05, 0.8, 2.0, 0.02)(Force::harmonic(vec![force]).unwrap());
+    let steady = watch(&siva, &start(0.0, 0.0), 700.0 * TAU, 600.0 * TAU);
     let values = steady.values();
     assert!((values.amplitude_max.unwrap() - 0.353_285_319_188_6).abs() < 1e-9);
     assert_eq!(values.regime, Some(Regime::Periodic { impacts: 2, cycles: 1 }));
@@ -100,9 +99,7 @@ fn the_symmetric_orbit_is_two_impacts_a_cycle() {
 fn the_counts_of_a_chattering_scene_are_those_of_its_list() {
     // Many chatters and sticks a cycle, some of whose low rebounds are taken back.
     let force = Harmonic { amplitude: 0.8, frequency: 0.35, phase: -1.0, acts: Acts::Base };
-    let piva = Piva::new(Parameters::free_mass(0.3, 0.3, 0.4, 0.01))
-        .unwrap()
-        .under(Force::harmonic(vec![force]).unwrap());
+    let siva = mass(0.3, 0.3, 0.4, 0.01)(Force::harmonic(vec![force]).unwrap());
     let duration = 60.0 * TAU / 0.35;
     let cycle = Some(force);
     let mut watching = (
@@ -110,7 +107,7 @@ fn the_counts_of_a_chattering_scene_are_those_of_its_list() {
         iva_core::observe::Events::default(),
     );
     let limits = Limits::new(duration, 0.4);
-    let tally = simulate(&piva, &start(0.0, 0.0), &limits, None, &mut watching).unwrap();
+    let tally = simulate(&siva, &start(0.0, 0.0), &limits, None, &mut watching).unwrap();
     let (steady, events) = watching;
     assert!(tally.episodes > 50, "{}", tally.episodes);
     let strobes: Vec<_> = steady.strobes().collect();
@@ -132,10 +129,8 @@ fn a_phase_beyond_a_turn_strobes_at_the_same_instants() {
             phase: 0.5 + turns * TAU,
             acts: Acts::Primary,
         };
-        let piva = Piva::new(Parameters::free_mass(0.1, 0.5, 1.0, 0.1))
-            .unwrap()
-            .under(Force::harmonic(vec![force]).unwrap());
-        let steady = watch(&piva, &start(0.0, 0.0), 10.0, 0.0);
+        let siva = mass(0.1, 0.5, 1.0, 0.1)(Force::harmonic(vec![force]).unwrap());
+        let steady = watch(&siva, &start(0.0, 0.0), 10.0, 0.0);
         let first = steady.strobes().next().unwrap();
         assert!((first.time - (PI - 0.25)).abs() < 1e-14, "{turns}: {}", first.time);
         assert_eq!(first.cycle, 0);
@@ -160,18 +155,14 @@ fn a_peak_between_two_others_within_a_step_is_seen() {
         force,
     };
     let orbit = masri_caughey(&scene).unwrap().branches[0].unwrap();
-    let parameters = Parameters::free_mass(
-        scene.mass_ratio,
-        scene.restitution,
-        scene.clearance,
-        scene.damping_ratio,
-    );
-    let piva = Piva::new(parameters).unwrap().under(Force::harmonic(vec![force]).unwrap());
-    let start: PivaStart = orbit.at_phase(0.0).into();
+    let SymmetricScene { mass_ratio, restitution, clearance, damping_ratio, .. } = scene;
+    let absorber = mass(mass_ratio, restitution, clearance, damping_ratio);
+    let siva = absorber(Force::harmonic(vec![force]).unwrap());
+    let start = orbit.at_phase(0.0);
     let duration = 10.0 * TAU / force.frequency;
-    let steady = watch(&piva, &start, duration, 0.0);
+    let steady = watch(&siva, &start, duration, 0.0);
     assert!((steady.values().amplitude_max.unwrap() - orbit.amplitude).abs() < 1e-12);
-    let peaks = run(&piva, &start, &Limits::new(duration, scene.clearance)).unwrap().peaks;
+    let peaks = run(&siva, &start, &Limits::new(duration, clearance)).unwrap().peaks;
     assert!(peaks.len() > 15);
     for peak in &peaks[1..] {
         assert!((peak.displacement.abs() - orbit.amplitude).abs() < 1e-12, "{peak:?}");

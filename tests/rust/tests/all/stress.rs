@@ -19,6 +19,7 @@ use iva_core::{
 use iva_tests::{
     U,
     dd::Dd,
+    driven::mass,
     flight::{free, root},
     pendulum,
     rng::Rng,
@@ -289,7 +290,7 @@ fn ball(e: f64, least: u64) {
     let record = Record { history: Arc::new(history), acts: Acts::Base, rate: 1.0, scale: 1.0 };
     let force = Force::new(Vec::new(), vec![record], &[]).unwrap();
     // so light that the primary, at rest in its equilibrium, does not feel it
-    let piva = Piva::new(Parameters::free_mass(1e-15, e, d, 0.0)).unwrap().under(force);
+    let siva = mass(1e-15, e, d, 0.0)(force);
     let start = Start {
         displacement: gravity,
         gap_displacement: d,
@@ -299,7 +300,7 @@ fn ball(e: f64, least: u64) {
     let expected = 2.0 * speed / (gravity * (1.0 - e));
     let limits = Limits { chatter_floor: 1e-30, ..Limits::new(2.0 * expected, d) };
     let mut counted = Counted::default();
-    let tally = simulate(&piva, &start.into(), &limits, None, &mut counted).unwrap();
+    let tally = simulate(&siva, &start, &limits, None, &mut counted).unwrap();
     println!(
         "bouncing ball, e = {e}: {} flights, {} rebounds listed",
         counted.spans, tally.impacts
@@ -355,7 +356,7 @@ fn elastic(impacts: u64) {
         let tally =
             simulate(&siva, &from_displacement(1.0), &limits, None, &mut Counted::default())
                 .unwrap();
-        let grown = peak_memory().zip(before).map(|(after, before)| after - before);
+        let grown = peak_memory().zip(before).map(|(after, before)| after.saturating_sub(before));
         let drift = (siva.energy(&tally.state) / 0.5 - 1.0).abs();
         println!(
             "elastic, μ = {mu}, γ = {gamma}: {} impacts to τ = {:.3e}, energy off by {drift:.1e}, memory grown by {grown:?} kB, {} undecided",

@@ -5,12 +5,14 @@ use std::f64::consts::{PI, TAU};
 
 use iva_core::{
     force::{Acts, Force, Harmonic},
-    piva::{Parameters, Piva},
+    host::DrivenHost,
     run::{Run, run, states},
     simulate::{Limits, Outcome},
-    system::{Start, Wall},
+    siva::Siva,
+    system::{Start, System, Wall},
     theory::{Complex, Orbit, SymmetricScene, masri_caughey, slow_manifold},
 };
+use iva_tests::driven::mass;
 use nalgebra::Matrix4;
 use proptest::prelude::*;
 
@@ -29,19 +31,18 @@ fn plus(scene: &SymmetricScene) -> Orbit {
 }
 
 /// The absorber under the scene's force, with this phase.
-fn absorber(scene: &SymmetricScene, phase: f64) -> Piva {
+fn absorber(scene: &SymmetricScene, phase: f64) -> Siva<DrivenHost> {
     let SymmetricScene { mass_ratio, restitution, clearance, damping_ratio, force } = *scene;
-    let parameters = Parameters::free_mass(mass_ratio, restitution, clearance, damping_ratio);
     let force = Force::harmonic(vec![Harmonic { phase, ..force }]).unwrap();
-    Piva::new(parameters).unwrap().under(force)
+    mass(mass_ratio, restitution, clearance, damping_ratio)(force)
 }
 
-type Result = Run<<Piva as iva_core::system::System>::State>;
+type Result = Run<<Siva<DrivenHost> as System>::State>;
 
 /// So many half cycles and a quarter, from just after the impact on wall +.
 fn follow(scene: &SymmetricScene, orbit: &Orbit, half_cycles: f64) -> Result {
     let limits = Limits::new((half_cycles + 0.25) * PI / scene.force.frequency, scene.clearance);
-    run(&absorber(scene, orbit.phase), &orbit.start.into(), &limits).unwrap()
+    run(&absorber(scene, orbit.phase), &orbit.start, &limits).unwrap()
 }
 
 fn close(found: f64, expected: f64, allowed: f64) {
@@ -220,7 +221,7 @@ proptest! {
         let half = PI / scene.force.frequency;
         let start = orbit.at_phase(phase);
         let limits = Limits::new(200.25 * half, scene.clearance);
-        let result = run(&absorber(&scene, phase), &start.into(), &limits).unwrap();
+        let result = run(&absorber(&scene, phase), &start, &limits).unwrap();
         prop_assert_eq!(result.tally.outcome, Outcome::Finished);
         for impact in &result.impacts {
             let side = if impact.wall == Wall::Plus { 0.0 } else { PI };
@@ -230,7 +231,7 @@ proptest! {
         }
         prop_assert!((200..=201).contains(&result.impacts.len()), "{}", result.impacts.len());
         let times: Vec<f64> = (0..=2000).map(|k| f64::from(k) * half / 2000.0).collect();
-        let sampled = states(&absorber(&scene, phase), &start.into(), &limits, &times).unwrap();
+        let sampled = states(&absorber(&scene, phase), &start, &limits, &times).unwrap();
         let sampled = sampled.iter().map(|state| state.displacement);
         let met = result.impacts.iter().map(|impact| impact.displacement);
         let largest = sampled.chain(met).map(f64::abs).fold(0.0, f64::max);
@@ -264,9 +265,9 @@ proptest! {
                 let [displacement, velocity, gap_displacement, gap_velocity] = moved;
                 let start = Start { displacement, velocity, gap_displacement, gap_velocity };
                 prop_assume!(gap_displacement.abs() < scene.clearance);
-                let result = run(&absorber, &start.into(), &limits).unwrap();
+                let result = run(&absorber, &start, &limits).unwrap();
                 prop_assume!(result.impacts.len() == 1 && result.tally.episodes == 0);
-                let end = states(&absorber, &start.into(), &limits, &[half]).unwrap()[0];
+                let end = states(&absorber, &start, &limits, &[half]).unwrap()[0];
                 let end =
                     [end.displacement, end.velocity, end.gap_displacement, end.gap_velocity];
                 for row in 0..4 {
@@ -365,9 +366,9 @@ fn decay_times(mass_ratio: f64) -> [f64; 2] {
         gap_displacement: d,
         gap_velocity: -e * 2.0 / (1.0 + e) * (2.0 / PI * 1.5 * d),
     };
-    let piva = Piva::new(Parameters::free_mass(mass_ratio, e, d, 0.0)).unwrap();
+    let siva = Siva::new(mass_ratio, e, d, 0.0).unwrap();
     let limits = Limits::new(1.5 * time(1.5, 1.0), d);
-    let peaks = run(&piva, &start.into(), &limits).unwrap().peaks;
+    let peaks = run(&siva, &start, &limits).unwrap().peaks;
     let falls_below = |amplitude: f64| {
         let sizes = peaks.windows(2).map(|pair| (pair, pair.iter().map(|p| p.displacement.abs())));
         for (pair, mut sizes) in sizes {

@@ -12,6 +12,7 @@ use arrow_array::types::Float64Type;
 use iva_core::twofold::Twofold;
 use iva_core_twofold::{
     force::{Acts, Force, Harmonic},
+    host::DrivenHost,
     piva::{Parameters, Piva, PivaStart},
     run::{Run, run},
     simulate::{Limits, Outcome},
@@ -118,6 +119,27 @@ fn runs_of_whole_periods_agree_to_their_very_end() {
     }
 }
 
+fn force(given: &BTreeMap<String, Dd>) -> Force {
+    let harmonic = given.get("F").map(|amplitude| Harmonic {
+        amplitude: twofold(*amplitude),
+        frequency: twofold(given["Omega"]),
+        phase: Twofold::ZERO,
+        acts: Acts::Primary,
+    });
+    Force::harmonic(harmonic.into_iter().collect()).unwrap()
+}
+
+/// A free mass as what it is; `None` of a pendulum.
+fn mass(given: &BTreeMap<String, Dd>) -> Option<Siva<DrivenHost>> {
+    let key = |name: &str| twofold(given[name]);
+    if given.contains_key("r") {
+        return None;
+    }
+    let siva = Siva::new(key("mu"), key("e"), key("gamma"), key("zeta")).unwrap();
+    Some(siva.under(force(given)))
+}
+
+/// A pendulum; a free mass is one at small angles without gravity.
 fn pendulum(given: &BTreeMap<String, Dd>) -> Piva {
     let key = |name: &str| twofold(given[name]);
     let [mass_ratio, restitution, clearance] = ["mu", "e", "gamma"].map(key);
@@ -130,23 +152,20 @@ fn pendulum(given: &BTreeMap<String, Dd>) -> Piva {
     } else {
         Parameters::free_mass(mass_ratio, restitution, clearance, damping_ratio)
     };
-    let harmonic = given.get("F").map(|amplitude| Harmonic {
-        amplitude: twofold(*amplitude),
-        frequency: key("Omega"),
-        phase: Twofold::ZERO,
-        acts: Acts::Primary,
-    });
-    let force = Force::harmonic(harmonic.into_iter().collect()).unwrap();
-    Piva::new(parameters).unwrap().under(force)
+    Piva::new(parameters).unwrap().under(force(given))
 }
 
 #[test]
 fn pendulums_and_forced_scenes_reproduce_the_references() {
     for reference in piva_scenes().into_iter().chain(forced_scenes()) {
         let displacement = reference.given.get("x").map_or(Twofold::ONE, |number| twofold(*number));
-        let start = PivaStart::from(Start { displacement, ..Start::default() });
-        let system = pendulum(&reference.given);
-        check(&reference.name, &system, &start, reference.duration, &reference.events);
+        let start = Start { displacement, ..Start::default() };
+        let (duration, events) = (reference.duration, &reference.events);
+        let piva = pendulum(&reference.given);
+        check(&reference.name, &piva, &PivaStart::from(start), duration, events);
+        if let Some(siva) = mass(&reference.given) {
+            check(&reference.name, &siva, &start, duration, events);
+        }
     }
 }
 

@@ -2,6 +2,10 @@
 //! attains them.
 
 use super::*;
+use crate::force::{Acts, Force, Harmonic};
+use crate::host::DrivenHost;
+use crate::siva::Siva;
+use crate::system::System;
 
 /// t³(1 − t)³/720 has the sixth derivative −1 and the quintic 0: no distance with M = 1 is further off.
 #[test]
@@ -28,30 +32,51 @@ fn spread(i: u32, k: u32) -> f64 {
 
 /// A stretch that starts within the gap and all but touches a wall: at `h` its distance and its rate are
 /// small.
-struct Stretch {
-    siva: Siva,
-    from: SivaState,
+struct Stretch<H: Host> {
+    siva: Siva<H>,
+    from: SivaState<Phase<H>>,
     length: f64,
 }
 
-impl Stretch {
-    fn planted(i: u32) -> Option<Self> {
+/// A free mass, without drive.
+fn undriven(i: u32) -> Siva {
+    let u = |k| spread(i, k);
+    let zeta = [0.0, 0.02, 0.9, 2.0][(4.0 * u(0)) as usize];
+    Siva::new(0.1, 0.5, [0.03, 0.4, 1.6][(3.0 * u(1)) as usize], zeta).unwrap()
+}
+
+/// The same under force, or on a base that moves, slowly or fast.
+fn driven(i: u32) -> Siva<DrivenHost> {
+    let u = |k| spread(i, k);
+    let acts = if u(20) < 0.5 { Acts::Primary } else { Acts::Base };
+    let (amplitude, frequency) = (2.0 * u(21), 0.1 + 3.0 * u(22));
+    let harmonic = Harmonic { amplitude, frequency, phase: 6.0 * u(23), acts };
+    undriven(i).under(Force::harmonic(vec![harmonic]).unwrap())
+}
+
+/// The state after a flight.
+fn flown<H: Host>(siva: &Siva<H>, from: &SivaState<Phase<H>>, h: f64) -> SivaState<Phase<H>> {
+    let free = siva.host.free();
+    arrived(free, &free.course(&from.host), from, h)
+}
+
+impl<H: Host> Stretch<H> {
+    fn planted(i: u32, siva: Siva<H>) -> Option<Self> {
         let u = |k| spread(i, k);
         let small = |k| 10f64.powf(-12.0 * u(k)) * if u(k + 1) < 0.5 { 1.0 } else { -1.0 };
-        let zeta = [0.0, 0.02, 0.9, 2.0][(4.0 * u(0)) as usize];
-        let siva = Siva::new(0.1, 0.5, [0.03, 0.4, 1.6][(3.0 * u(1)) as usize], zeta).unwrap();
-        let length = siva.free().reach * if u(2) < 0.5 { 1.0 } else { u(3) };
         let (v, x) = (std::f64::consts::TAU * u(4)).sin_cos();
         let primary = Primary { x: Sum::new(x), v: Sum::new(v) };
+        let host = siva.host.state(siva.host.begin(), primary);
+        let course = siva.host.free().course(&host);
+        let length = siva.host.free().reach(&course) * if u(2) < 0.5 { 1.0 } else { u(3) };
         let wall = if u(5) < 0.5 { 0.0 } else { 2.0 * siva.clearance };
         let touching = SivaState {
-            primary,
-            acceleration: siva.free().acceleration(&primary),
+            host,
             side: if u(6) < 0.5 { 1.0 } else { -1.0 },
             distance: Sum::new(wall + small(7)),
             rate: Sum::new(if u(9) < 0.5 { 0.0 } else { small(10) }),
         };
-        let mut from = arrived(siva.free(), &touching, -(1.2 * u(12) - 0.1) * length);
+        let mut from = flown(&siva, &touching, -(1.2 * u(12) - 0.1) * length);
         if u(13) < 0.3 {
             // A rebound.
             from.distance = Sum::ZERO;
@@ -61,6 +86,10 @@ impl Stretch {
         inside.then_some(Self { siva, from, length })
     }
 
+    fn flight(&self) -> SivaFlight<'_, H> {
+        self.siva.flight(&self.from)
+    }
+
     /// Sides of both walls, from the first sample on, without repetitions; what is within rounding of a
     /// wall is on neither side.
     fn sides(&self) -> Vec<i32> {
@@ -68,7 +97,7 @@ impl Stretch {
         let mut sides = Vec::new();
         for i in 1..=300 {
             let h = self.length * f64::from(i) / 300.0;
-            let distance = arrived(self.siva.free(), &self.from, h).distance;
+            let distance = flown(&self.siva, &self.from, h).distance;
             let (near, beyond) = (distance.value, distance.minus(far));
             if near.abs() < 1e-15 || beyond.abs() < 1e-15 {
                 continue;
@@ -84,12 +113,17 @@ impl Stretch {
 
 #[test]
 fn what_is_proved_of_a_stretch_holds_all_along_it() {
+    proofs_hold(undriven);
+    proofs_hold(driven);
+}
+
+fn proofs_hold<H: Host>(siva: impl Fn(u32) -> Siva<H>) {
     let mut seen = [0; 4];
     for i in 1..40_000 {
-        let Some(stretch) = Stretch::planted(i) else { continue };
+        let Some(stretch) = Stretch::planted(i, siva(i)) else { continue };
         let Stretch { siva, from, length } = &stretch;
-        let end = arrived(siva.free(), from, *length);
-        let proof = Quintic::new(siva.free(), from, &end, siva.clearance, *length).proof();
+        let end = flown(siva, from, *length);
+        let proof = Quintic::new(siva.host.free(), from, &end, siva.clearance, *length).proof();
         let (verdict, claimed) = match (proof.free, proof.meets) {
             (false, [false, false]) => {
                 seen[3] += 1;
@@ -114,14 +148,19 @@ fn what_is_proved_of_a_stretch_holds_all_along_it() {
 
 #[test]
 fn a_contact_found_is_on_the_wall() {
+    contacts_are_on_the_wall(undriven);
+    contacts_are_on_the_wall(driven);
+}
+
+fn contacts_are_on_the_wall<H: Host>(siva: impl Fn(u32) -> Siva<H>) {
     let mut contacts = 0;
     for i in 1..40_000 {
-        let Some(Stretch { siva, from, length }) = Stretch::planted(i) else { continue };
-        let Some(stride) = siva.strides(&from, length).filter(|stride| stride.contact) else {
-            continue;
-        };
+        let Some(stretch) = Stretch::planted(i, siva(i)) else { continue };
+        let Stretch { siva, from, length } = &stretch;
+        let stride = stretch.flight().stride(*length);
+        let Some(stride) = stride.filter(|stride| stride.meets == Meets::Wall) else { continue };
         contacts += 1;
-        let there = arrived(siva.free(), &from, stride.length + stride.later);
+        let there = flown(siva, from, stride.length + stride.later);
         let far = stride.end.side != from.side;
         let left =
             if far { there.distance.minus(2.0 * siva.clearance) } else { there.distance.value };

@@ -1,0 +1,185 @@
+//! The structure that an absorber rides on: an oscillator, and what drives it.
+//!
+//! With x relative to the base, a_g the acceleration of the base and A = ẍ + a_g the absolute acceleration of
+//! the structure, a mass m on the structure's spring and damper obeys
+//!
+//! ```text
+//! m A + 2ζ ẋ + x = f/M,    A = ẍ + a_g,    m = 1 in flight, m = 1 + μ with the absorber stuck to it.
+//! ```
+//!
+//! A [`Structure`] is that equation for one mass: [`Oscillator`] without drive, in closed form
+//! (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A [`Host`] has both masses, and says when
+//! the drive bends, jumps or kicks. Absorbers are written for any host.
+
+use crate::compensated::Sum;
+use crate::flight::{Arcs, Jet, Rows, Turns};
+use crate::force::Force;
+use crate::oscillator::{Arrival, Equation, Primary};
+use crate::real::{Real, ZERO};
+
+pub use alone::{Alone, AloneFlight};
+pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Source};
+pub use undriven::UndrivenHost;
+
+mod alone;
+pub(crate) mod driven;
+pub(crate) mod turning;
+mod undriven;
+
+/// The structure between events.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HostState<Phase> {
+    /// Displacement and velocity.
+    pub(crate) primary: Primary,
+    /// A in free motion, small against f/M, x and ẋ where these balance.
+    pub(crate) acceleration: Sum,
+    /// Where the drive stands.
+    pub(crate) phase: Phase,
+}
+
+/// What a motion of the structure comes to.
+#[derive(Debug, Clone, Copy)]
+pub struct Flown<Phase> {
+    /// The state at its end.
+    pub to: HostState<Phase>,
+    /// What it adds to the absolute displacement, beyond a uniform motion, and to the absolute velocity: ∬A and
+    /// ∫A.
+    pub gained: Arrival,
+}
+
+/// One mass on the structure's spring and damper, and what drives it.
+///
+/// A motion is evaluated from its state and its *course*: what all evaluations of one motion share.
+pub trait Structure: std::fmt::Debug {
+    /// Where the drive stands.
+    type Phase: Copy + std::fmt::Debug + PartialEq;
+    /// What all evaluations of a motion share.
+    type Course: Copy + std::fmt::Debug;
+
+    /// Spring, damper and mass.
+    fn equation(&self) -> &Equation;
+    /// The course of the motion from a state.
+    fn course(&self, from: &HostState<Self::Phase>) -> Self::Course;
+    /// How far it may be followed.
+    fn reach(&self, course: &Self::Course) -> Real;
+    /// The motion after h.
+    fn flown(
+        &self,
+        from: &HostState<Self::Phase>,
+        course: &Self::Course,
+        h: Real,
+    ) -> Flown<Self::Phase>;
+    /// The same state as the run goes on from it: under the piece of the drive that acts from there on.
+    fn fresh(&self, state: HostState<Self::Phase>) -> HostState<Self::Phase> {
+        state
+    }
+    /// x and its derivatives after h, to some units in the last place.
+    fn jet(&self, from: &HostState<Self::Phase>, course: &Self::Course, h: Real) -> Jet;
+    /// ∬A after h, to twice the precision: slow, and asked only where a grazing is to be decided.
+    fn precise(&self, from: &HostState<Self::Phase>, h: Real) -> Sum;
+    /// Where the drive stands a little later.
+    fn later(&self, phase: &Self::Phase, h: Real) -> Self::Phase;
+    /// A of this mass.
+    fn acceleration(&self, phase: &Self::Phase, primary: &Primary) -> Sum;
+    /// The first three derivatives of A, from ẋ and A.
+    fn derivatives(&self, phase: &Self::Phase, v: Real, a: Real) -> [Real; 3];
+    /// a_g and its first three derivatives.
+    fn base(&self, phase: &Self::Phase) -> [Real; 4];
+    /// A bound on the nth derivative of A in every motion from a state, n ≤ 5.
+    fn bound<const N: usize>(&self, primary: &Primary) -> Real;
+    /// Energy that the damper takes in a motion of length h, and the work of the drive on the structure and on
+    /// an absorber of mass ratio μ that starts with a gap velocity w: integrals.
+    fn losses(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2];
+    /// Whether x turns round in a motion of length h to a state, if that is plain.
+    fn turns(
+        &self,
+        from: &HostState<Self::Phase>,
+        course: &Self::Course,
+        end: &HostState<Self::Phase>,
+        h: Real,
+    ) -> Turns;
+    /// The same of A; asked under force.
+    fn acceleration_turns(
+        &self,
+        _from: &HostState<Self::Phase>,
+        _course: &Self::Course,
+        _end: &HostState<Self::Phase>,
+        _h: Real,
+    ) -> Turns {
+        Turns::Unknown
+    }
+    /// ∫x² from one h to another; asked under force.
+    fn square(
+        &self,
+        _from: &HostState<Self::Phase>,
+        _course: &Self::Course,
+        _h: [Real; 2],
+    ) -> Real {
+        ZERO
+    }
+    /// What is known of a motion under force on its way to a state.
+    fn arcs(&self, _from: &HostState<Self::Phase>, _end: &HostState<Self::Phase>) -> Option<Arcs> {
+        None
+    }
+    /// The polynomials of a motion under force.
+    fn rows(&self, _from: &HostState<Self::Phase>, _course: &Self::Course) -> Option<Rows> {
+        None
+    }
+}
+
+/// A motion to integrate over.
+#[derive(Debug)]
+pub struct Integrated<'a, S: Structure + ?Sized> {
+    /// Its begin.
+    pub from: &'a HostState<S::Phase>,
+    /// Its course.
+    pub course: &'a S::Course,
+    /// μ.
+    pub mass_ratio: Real,
+    /// Gap velocity at its begin; `None`: the absorber is stuck to the structure.
+    pub gap_velocity: Option<Real>,
+}
+
+/// A structure by itself and with an absorber stuck to it, and the instants of its drive.
+pub trait Host: Clone + std::fmt::Debug {
+    /// One of the two masses.
+    type Structure: Structure;
+
+    /// ζ.
+    fn damping_ratio(&self) -> Real;
+    /// The structure by itself.
+    fn free(&self) -> &Self::Structure;
+    /// With the absorber stuck to it.
+    fn loaded(&self) -> &Self::Structure;
+    /// Where the drive stands at time zero.
+    fn begin(&self) -> Phase<Self>;
+    /// The displacement at which A = 0.
+    fn balanced(&self, phase: &Phase<Self>, v: Sum) -> Sum;
+    /// Numbers whose signs say to which side it starts, where the state does not.
+    fn leaning(&self, _phase: &Phase<Self>) -> [Real; 3] {
+        [ZERO; 3]
+    }
+    /// All that drives it; `None` where nothing can.
+    fn force(&self) -> Option<&Force> {
+        None
+    }
+    /// How long the drive stays smooth.
+    fn smooth_for(&self, _phase: &Phase<Self>) -> Real {
+        Real::INFINITY
+    }
+    /// P/M of the impulse that is due; 0 where the force jumps.
+    fn due(&self, _phase: &Phase<Self>) -> Option<Real> {
+        None
+    }
+    /// Where the drive stands after the impulse that was due.
+    fn kicked(&self, phase: &Phase<Self>) -> Phase<Self> {
+        *phase
+    }
+    /// The structure in motion by itself, from where its velocity has jumped.
+    fn state(&self, phase: Phase<Self>, primary: Primary) -> HostState<Phase<Self>> {
+        HostState { primary, acceleration: self.free().acceleration(&phase, &primary), phase }
+    }
+}
+
+/// Where the drive of a host stands.
+pub type Phase<H> = <<H as Host>::Structure as Structure>::Phase;

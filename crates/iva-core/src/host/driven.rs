@@ -1,0 +1,351 @@
+//! A structure under force and base motion: its motion as a power series of x.
+//!
+//! From a state with A known to twice the precision,
+//!
+//! ```text
+//! A = k (f/M − x) − c ẋ,    ẍ = A − a_g,    k = 1/m, c = 2ζ/m,
+//! ```
+//!
+//! gives the coefficients of ∬A and of x one by one, with those of f/M and a_g ([`crate::force`]): no closed form with
+//! its resonances, and no other variable. Powers are those of t/`step`, a power of two, so that scaling is
+//! exact. Terms up to h³ are taken to twice the precision, as in [`crate::oscillator`].
+//!
+//! **Bounds.** With q = k f/M − a_g the pair z = (√k x, ẋ) obeys ż = M z + q e₂, |M| ≤ Λ, and |e^{Mt}| ≤ 1. Hence, in a
+//! motion of length L,
+//!
+//! ```text
+//! |A⁽ⁿ⁾| ≤ Λⁿ⁺¹ (ρ + L q₀) + Σ_{i ≤ n} Λⁿ⁻ⁱ q_i + g_n
+//! ```
+//!
+//! where q_i and g_n bound the derivatives of q and a_g.
+
+use super::{Flown, HostState, Integrated, Structure};
+use crate::compensated::Sum;
+use crate::flight::{Arcs, Jet, Rows, Turns};
+use crate::force::{Drive, Force, Pushes};
+use crate::oscillator::{Arrival, Equation, Primary};
+use crate::real::{ONE, Real, ZERO, power_of_two};
+use crate::system::Clock;
+use crate::taylor::{Number, ORDER, Row, unrolled};
+
+use integral::{at_nodes, mean_product, nodes};
+
+pub use host::DrivenHost;
+pub use source::{Forces, Source};
+
+mod host;
+pub(crate) mod integral;
+mod measured;
+mod source;
+
+/// Longest step over the fastest rate of oscillator and force: the first dropped term is below 1.2²¹/21! = 9e-19 of
+/// the motion.
+const LONGEST: f64 = 1.2;
+
+/// One mass on the spring and damper of a driven structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Driven<D = Forces> {
+    pub(crate) equation: Equation,
+    pub(crate) source: D,
+    /// Largest sizes of a_g and its first three derivatives.
+    pub(crate) base: [Real; 4],
+    pub(crate) reach: Real,
+    /// What powers of time are taken in.
+    pub(crate) step: Real,
+    /// What the drive adds to the bounds on A and its first five derivatives.
+    pub(crate) excess: [Real; 6],
+}
+
+/// Where a drive stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// The instant.
+    pub(crate) time: Clock,
+    /// Impulses that are over.
+    pub(crate) kicks: u32,
+    /// f/M and a_g.
+    pub(crate) pushes: Pushes,
+}
+
+/// The coefficients of a motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Course {
+    /// ∬A in powers of t/`step`, from the second on.
+    pub(crate) pulled: Row<Real>,
+    /// ∬a_g.
+    pub(crate) carried: Row<Real>,
+    /// f/M.
+    pub(crate) pushed: Row<Real>,
+    reach: Real,
+    /// Where the reach ends because the force bends, jumps or kicks there.
+    bend: Option<Clock>,
+}
+
+impl Driven {
+    fn new(mass: Real, damping_ratio: Real, source: &Forces) -> Self {
+        let equation = Equation::new(mass, damping_ratio);
+        let force = &source.force;
+        let reach = LONGEST / equation.growth.max(force.fastest());
+        let mut excess = [ZERO; 6];
+        let mut base = [ZERO; 4];
+        for (order, excess) in (0..).zip(&mut excess) {
+            *excess = exceeding(&equation, force, reach, order);
+        }
+        for (order, base) in (0..).zip(&mut base) {
+            *base = force.largest(order)[1];
+        }
+        let step = power_of_two(reach);
+        Self { equation, source: source.clone(), base, reach, step, excess }
+    }
+}
+
+impl<D: Source> Driven<D> {
+    /// A and its next two derivatives, to twice the precision.
+    #[inline(always)]
+    fn leading(&self, from: &HostState<Moment>) -> [Sum; 3] {
+        let Pushes { primary: f, base: g } = from.phase.pushes;
+        let a = from.acceleration;
+        let j = self.equation.pull(f.rate - from.primary.v, a - g.value);
+        [a, j, self.equation.pull(f.second - (a - g.value), j - g.rate)]
+    }
+
+    /// The coefficients of ∬A and ∬a_g, in powers of t/h.
+    #[inline(always)]
+    fn series<T: Number>(&self, [x, v, a]: [T; 3], drive: &Drive<T>, h: Real) -> [Row<T>; 2] {
+        let Equation { stiffness, damping, .. } = self.equation;
+        let h = T::from_real(h);
+        let equation = [T::from_real(stiffness) * (h * h), T::from_real(damping) * h, h * h];
+        let mut place = [T::from_real(ZERO); ORDER + 1];
+        let [mut pulled, mut carried] = [place; 2];
+        (place[0], place[1]) = (x, v * h);
+        let half = (h * h) * T::reciprocal(2);
+        (pulled[2], carried[2]) = (a * half, drive.base[0] * half);
+        if T::UNROLLED {
+            unrolled!(n < ORDER - 2 => {
+                place[n + 2] = pulled[n + 2] - carried[n + 2];
+                [pulled[n + 3], carried[n + 3]] = self.next(&equation, n + 1, &place, drive);
+            });
+        } else {
+            for n in 0..ORDER - 2 {
+                place[n + 2] = pulled[n + 2] - carried[n + 2];
+                [pulled[n + 3], carried[n + 3]] = self.next(&equation, n + 1, &place, drive);
+            }
+        }
+        [pulled, carried]
+    }
+
+    /// The coefficients of order n + 2 of ∬A and ∬a_g, from those of x before; the equation is k h², c h, h².
+    #[inline(always)]
+    fn next<T: Number>(
+        &self,
+        [k, c, square]: &[T; 3],
+        n: usize,
+        x: &Row<T>,
+        drive: &Drive<T>,
+    ) -> [T; 2] {
+        let over = T::reciprocal(n + 1) * T::reciprocal(n + 2);
+        let damped = (*c * T::reciprocal(n + 2)) * x[n + 1];
+        let pulled = (*k * over).fused(drive.primary[n] - x[n], -damped);
+        let moves = self.source.moves_base();
+        [pulled, if moves { (*square * over) * drive.base[n] } else { T::from_real(ZERO) }]
+    }
+
+    /// What a motion of length h adds to displacement and velocity, from its leading derivatives and its
+    /// series.
+    #[inline(always)]
+    fn gained(&self, [a, j, s]: [Sum; 3], series: &Row<Real>, h: Real) -> Arrival {
+        let length = Sum::new(h);
+        let half_square = length.product(length).half();
+        let sixth_cube = half_square.product(length).product(self.equation.third);
+        let t = h / self.step;
+        // Σ s_n tⁿ⁻⁵ from the fifth on, and its derivative.
+        let (mut sum, mut slope) = (ZERO, ZERO);
+        unrolled!(k < ORDER - 4 => {
+            slope = slope.mul_add(t, sum);
+            sum = sum.mul_add(t, series[ORDER - k]);
+        });
+        let fourth = (t * t) * (t * t);
+        let bent = fourth * t.mul_add(sum, series[4]);
+        let rate = fourth * t.mul_add(slope, 5.0 * sum) / self.step;
+        Arrival {
+            curved: a.product(half_square).plus_both(j.product(sixth_cube), Sum::new(bent)),
+            velocity: a
+                .product(length)
+                .plus_both(j.product(half_square), s.product(sixth_cube))
+                .plus(rate),
+        }
+    }
+
+    /// The coefficients of f/M and a_g in a motion.
+    #[inline(always)]
+    fn drive(&self, from: &HostState<Moment>) -> Drive<Real> {
+        self.source.drive(from.phase.time, self.step)
+    }
+
+    /// The drive at an instant, of the piece that acts from an earlier one on.
+    #[inline(always)]
+    fn moment(&self, from: Clock, time: Clock, kicks: u32) -> Moment {
+        Moment { time, kicks, pushes: self.source.pushes(from, time) }
+    }
+}
+
+/// What the drive adds to the bound on the derivative of A of this order.
+fn exceeding(equation: &Equation, force: &Force, reach: Real, order: i32) -> Real {
+    let Equation { stiffness, growth, .. } = *equation;
+    let drive = |order: i32| {
+        let [f, g] = force.largest(order);
+        stiffness * f + g
+    };
+    let power = |n: i32| (0..n).fold(ONE, |power, _| power * growth);
+    let sum = (0..=order).fold(ZERO, |sum, i| sum + power(order - i) * drive(i));
+    power(order + 1) * (reach * drive(0)) + sum + force.largest(order)[1]
+}
+
+impl<D: Source> Structure for Driven<D> {
+    type Phase = Moment;
+    type Course = Course;
+
+    fn equation(&self) -> &Equation {
+        &self.equation
+    }
+
+    #[inline(always)]
+    fn course(&self, from: &HostState<Moment>) -> Course {
+        let drive = self.drive(from);
+        let Primary { x, v } = from.primary;
+        let state = [x.value, v.value, from.acceleration.value];
+        let [pulled, carried] = self.series(state, &drive, self.step);
+        let (reach, bend) = self.source.until_bend(&from.phase, self.reach);
+        Course { pulled, carried, pushed: drive.primary, reach, bend }
+    }
+
+    #[inline(always)]
+    fn reach(&self, course: &Course) -> Real {
+        course.reach
+    }
+
+    #[inline(always)]
+    fn flown(&self, from: &HostState<Moment>, course: &Course, h: Real) -> Flown<Moment> {
+        let gained = self.gained(self.leading(from), &course.pulled, h);
+        let Primary { x, v } = from.primary;
+        let travelled = x.plus_both(v.product(Sum::new(h)), gained.curved);
+        let mut primary = Primary { x: travelled, v: v + gained.velocity };
+        if self.source.moves_base() {
+            let base = from.phase.pushes.base;
+            let carried = self.gained([base.value, base.rate, base.second], &course.carried, h);
+            primary = Primary { x: primary.x - carried.curved, v: primary.v - carried.velocity };
+        }
+        let time = course.bend.filter(|_| h == course.reach);
+        let time = time.unwrap_or(from.phase.time.plus(h));
+        let phase = self.moment(from.phase.time, time, from.phase.kicks);
+        let acceleration = self.acceleration(&phase, &primary);
+        Flown { to: HostState { primary, acceleration, phase }, gained }
+    }
+
+    #[inline(always)]
+    fn fresh(&self, state: HostState<Moment>) -> HostState<Moment> {
+        if !self.source.bends() {
+            return state;
+        }
+        let Moment { time, kicks, .. } = state.phase;
+        let phase = self.moment(time, time, kicks);
+        HostState { acceleration: self.acceleration(&phase, &state.primary), phase, ..state }
+    }
+
+    fn jet(&self, from: &HostState<Moment>, course: &Course, h: Real) -> Jet {
+        let Flown { to: HostState { primary, acceleration, phase }, .. } =
+            self.flown(from, course, h);
+        let [jerk, ..] = self.derivatives(&phase, primary.v.value, acceleration.value);
+        let [base, base_rate, ..] = self.base(&phase);
+        Jet {
+            value: primary.x.value,
+            rate: primary.v.value,
+            curvature: acceleration.value - base,
+            jerk: jerk - base_rate,
+        }
+    }
+
+    fn precise(&self, from: &HostState<Moment>, h: Real) -> Sum {
+        let Primary { x, v } = from.primary;
+        let drive = self.source.precise(from.phase.time, h);
+        let [pulled, _] = self.series([x, v, from.acceleration], &drive, h);
+        pulled[2..].iter().rev().fold(Sum::ZERO, |sum, term| sum + *term)
+    }
+
+    #[inline(always)]
+    fn acceleration(&self, phase: &Moment, primary: &Primary) -> Sum {
+        self.equation.pull(phase.pushes.primary.value - primary.x, primary.v)
+    }
+
+    #[inline(always)]
+    fn derivatives(&self, phase: &Moment, v: Real, a: Real) -> [Real; 3] {
+        let Equation { stiffness: k, damping: c, .. } = self.equation;
+        let Pushes { primary: f, base: g } = &phase.pushes;
+        let jerk = k * (f.rate.value - v) - c * (a - g.value.value);
+        let snap = k * (f.second.value - (a - g.value.value)) - c * (jerk - g.rate.value);
+        [jerk, snap, k * (f.third - (jerk - g.rate.value)) - c * (snap - g.second.value)]
+    }
+
+    #[inline(always)]
+    fn later(&self, phase: &Moment, h: Real) -> Moment {
+        self.moment(phase.time, phase.time.plus(h), phase.kicks)
+    }
+
+    #[inline(always)]
+    fn base(&self, phase: &Moment) -> [Real; 4] {
+        let base = &phase.pushes.base;
+        [base.value.value, base.rate.value, base.second.value, base.third]
+    }
+
+    #[inline(always)]
+    fn bound<const N: usize>(&self, primary: &Primary) -> Real {
+        self.equation.bound::<N>(primary) + self.excess[N]
+    }
+
+    #[inline(always)]
+    fn losses(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2] {
+        self.taken_and_given(motion, h)
+    }
+
+    #[inline(always)]
+    fn square(&self, from: &HostState<Moment>, course: &Course, h: [Real; 2]) -> Real {
+        let x = at_nodes(&self.place(from, course), &nodes(h.map(|h| h / self.step)));
+        mean_product(&x, &x) * (h[1] - h[0])
+    }
+
+    fn rows(&self, from: &HostState<Moment>, course: &Course) -> Option<Rows> {
+        let acceleration = self.acceleration_row(course);
+        let (x, base) = (self.place(from, course), self.base_row(course));
+        Some(Rows { step: self.step, order: ORDER, x, acceleration, base })
+    }
+
+    #[inline(always)]
+    fn arcs(&self, from: &HostState<Moment>, end: &HostState<Moment>) -> Option<Arcs> {
+        Some(self.known(from, end))
+    }
+
+    #[inline(always)]
+    fn turns(
+        &self,
+        from: &HostState<Moment>,
+        course: &Course,
+        end: &HostState<Moment>,
+        h: Real,
+    ) -> Turns {
+        if from.primary.v.value * end.primary.v.value >= 0.0 {
+            return Turns::Unknown;
+        }
+        self.displacement_turned(from, course, end, h).turns()
+    }
+
+    #[inline(always)]
+    fn acceleration_turns(
+        &self,
+        from: &HostState<Moment>,
+        course: &Course,
+        end: &HostState<Moment>,
+        h: Real,
+    ) -> Turns {
+        self.acceleration_turned(from, course, end, h).turns()
+    }
+}

@@ -1,0 +1,90 @@
+//! Integrals along a motion: Gauss's quadrature, exact for polynomials up to degree 15.
+//!
+//! The square of a motion within one time scale of oscillator and force is integrated to some 10⁻¹⁸ of it, the
+//! nodes side by side. The integrals are no differences of energies, so that the ledger proves something.
+
+use crate::real::{ONE, Real, ZERO};
+use crate::taylor::{ORDER, Row};
+
+/// Number of nodes.
+pub(crate) const COUNT: usize = 8;
+
+/// Nodes on [0, 1], each a double and what that lacks (zeros of the Legendre polynomial of degree 8).
+const NODES: [(f64, f64); COUNT] = [
+    (0.019855071751231884, -1.1322220207511075e-20),
+    (0.10166676129318664, -5.812859914874862e-18),
+    (0.2372337950418355, 2.4999537888879484e-18),
+    (0.4082826787521751, -1.2429403704321504e-17),
+    (0.591717321247825, -4.308174752693632e-17),
+    (0.7627662049581645, -2.4999537888879484e-18),
+    (0.8983332387068134, 5.812859914874862e-18),
+    (0.9801449282487681, 2.7766897835836425e-17),
+];
+
+/// The weight of each.
+const WEIGHTS: [(f64, f64); COUNT] = [
+    (0.05061426814518813, 2.431871133231763e-19),
+    (0.11119051722668724, -5.753650714613641e-18),
+    (0.15685332293894363, 9.134300218895555e-18),
+    (0.181341891689181, -3.62383661760509e-18),
+    (0.181341891689181, -3.62383661760509e-18),
+    (0.15685332293894363, 9.134300218895555e-18),
+    (0.11119051722668724, -5.753650714613641e-18),
+    (0.05061426814518813, 2.431871133231763e-19),
+];
+
+/// A function at all nodes.
+pub(crate) type Nodes = [Real; COUNT];
+
+/// A node on [from, to].
+#[inline(always)]
+pub(crate) fn node(n: usize, [from, to]: [Real; 2]) -> Real {
+    let (at, rest) = NODES[n];
+    (at + rest * ONE) * (to - from) + from
+}
+
+/// Its weight.
+#[inline(always)]
+pub(crate) fn weight(n: usize) -> Real {
+    let (weight, rest) = WEIGHTS[n];
+    weight + rest * ONE
+}
+
+/// The nodes on [from, to].
+#[inline(always)]
+pub(super) fn nodes(ends: [Real; 2]) -> Nodes {
+    let mut nodes = [ZERO; COUNT];
+    for (n, at) in nodes.iter_mut().enumerate() {
+        *at = node(n, ends);
+    }
+    nodes
+}
+
+/// A polynomial at all nodes.
+#[inline(always)]
+pub(super) fn at_nodes(row: &Row<Real>, t: &Nodes) -> Nodes {
+    let mut values = [ZERO; COUNT];
+    for k in (0..=ORDER).rev() {
+        for (value, t) in values.iter_mut().zip(t) {
+            *value = value.mul_add(*t, row[k]);
+        }
+    }
+    values
+}
+
+/// The mean of f g.
+#[inline(always)]
+pub(super) fn mean_product(f: &Nodes, g: &Nodes) -> Real {
+    let mut terms = [ZERO; COUNT];
+    for (n, term) in terms.iter_mut().enumerate() {
+        *term = weight(n) * (f[n] * g[n]);
+    }
+    sum_of(&terms)
+}
+
+/// The sum over all nodes, those of equal weight first.
+#[inline(always)]
+pub(crate) fn sum_of(terms: &Nodes) -> Real {
+    ((terms[0] + terms[7]) + (terms[1] + terms[6]))
+        + ((terms[2] + terms[5]) + (terms[3] + terms[4]))
+}

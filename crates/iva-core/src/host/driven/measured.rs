@@ -1,0 +1,161 @@
+//! What is measured along a motion under force.
+
+use super::integral::{at_nodes, mean_product, nodes};
+use super::{Course, Driven, Moment, Source};
+use crate::flight::{Arc, Arcs};
+use crate::host::turning::{Jets, Turned, turned_once};
+use crate::host::{HostState, Integrated, Structure};
+use crate::real::{ONE, Real, ZERO};
+use crate::taylor::{ORDER, Row};
+
+impl<D: Source> Driven<D> {
+    /// A row times (n + 1)/step, one power less: its derivative.
+    #[inline(always)]
+    pub(crate) fn derivative(&self, row: &Row<Real>) -> Row<Real> {
+        let mut derivative = [ZERO; ORDER + 1];
+        for n in 0..ORDER {
+            derivative[n] = (n + 1) as f64 * (row[n + 1] / self.step);
+        }
+        derivative
+    }
+
+    /// A series and its derivatives after a time h.
+    #[inline(always)]
+    fn jets(&self, row: &Row<Real>, h: Real) -> Jets {
+        let t = h / self.step;
+        let mut sums = [ZERO; 5];
+        for coefficient in row.iter().rev() {
+            for k in (1..5).rev() {
+                sums[k] = sums[k].mul_add(t, sums[k - 1]);
+            }
+            sums[0] = sums[0].mul_add(t, *coefficient);
+        }
+        let mut factor = ONE;
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum *= factor;
+            factor *= (k + 1) as f64 / self.step;
+        }
+        sums
+    }
+
+    /// A of this mass, and its derivative.
+    #[inline(always)]
+    fn pulled(&self, state: &HostState<Moment>) -> [Real; 2] {
+        let a = self.acceleration(&state.phase, &state.primary).value;
+        let [jerk, ..] = self.derivatives(&state.phase, state.primary.v.value, a);
+        [a, jerk]
+    }
+
+    /// ẋ, ẍ and x⃛ of this mass.
+    #[inline(always)]
+    fn moved(&self, state: &HostState<Moment>) -> [Real; 3] {
+        let [a, jerk] = self.pulled(state);
+        let [base, base_rate, ..] = self.base(&state.phase);
+        [state.primary.v.value, a - base, jerk - base_rate]
+    }
+
+    /// Coefficients of a_g.
+    #[inline(always)]
+    pub(crate) fn base_row(&self, course: &Course) -> Row<Real> {
+        self.derivative(&self.derivative(&course.carried))
+    }
+
+    /// Coefficients of x.
+    #[inline(always)]
+    pub(crate) fn place(&self, from: &HostState<Moment>, course: &Course) -> Row<Real> {
+        let mut x = course.pulled;
+        for (place, carried) in x.iter_mut().zip(&course.carried) {
+            *place -= *carried;
+        }
+        (x[0], x[1]) = (from.primary.x.value, from.primary.v.value * self.step);
+        x
+    }
+
+    /// Coefficients of A.
+    #[inline(always)]
+    pub(super) fn acceleration_row(&self, course: &Course) -> Row<Real> {
+        self.derivative(&self.derivative(&course.pulled))
+    }
+
+    /// ∫ 2ζ ẋ², and ∫ (f/M) ẋ − a_g p with p the momentum of structure and absorber.
+    #[inline(always)]
+    pub(super) fn taken_and_given(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2] {
+        let Integrated { from, course, mass_ratio, gap_velocity } = *motion;
+        let t = nodes([ZERO, h / self.step]);
+        let velocity = at_nodes(&self.derivative(&self.place(from, course)), &t);
+        let viscous = self.equation.damping / self.equation.stiffness;
+        let lost = viscous * mean_product(&velocity, &velocity) * h;
+        let mut work = mean_product(&at_nodes(&course.pushed, &t), &velocity);
+        if self.source.moves_base() {
+            let gained = at_nodes(&self.derivative(&course.pulled), &t);
+            let base = at_nodes(&self.base_row(course), &t);
+            let momentum = std::array::from_fn(|i| {
+                let absorber = gap_velocity.map_or(ZERO, |w| w - gained[i]);
+                velocity[i] + mass_ratio * (velocity[i] + absorber)
+            });
+            work -= mean_product(&base, &momentum);
+        }
+        [lost, work * h]
+    }
+
+    /// What is known of a motion between its ends.
+    #[inline(always)]
+    pub(crate) fn known(&self, from: &HostState<Moment>, end: &HostState<Moment>) -> Arcs {
+        let (a, b) = (self.pulled(from), self.pulled(end));
+        let primary = &from.primary;
+        Arcs {
+            displacement: Arc {
+                values: [primary.x.value, end.primary.x.value],
+                rates: [primary.v.value, end.primary.v.value],
+                second: self.bound::<0>(primary) + self.base[0],
+                third: self.bound::<1>(primary) + self.base[1],
+            },
+            acceleration: Arc {
+                values: [a[0], b[0]],
+                rates: [a[1], b[1]],
+                second: self.bound::<2>(primary),
+                third: self.bound::<3>(primary),
+            },
+        }
+    }
+
+    /// Where x turns round, if it does so once.
+    #[inline(always)]
+    pub(crate) fn displacement_turned(
+        &self,
+        from: &HostState<Moment>,
+        course: &Course,
+        end: &HostState<Moment>,
+        h: Real,
+    ) -> Turned {
+        let bounds = [
+            self.bound::<1>(&from.primary) + self.base[1],
+            self.bound::<2>(&from.primary) + self.base[2],
+            self.bound::<3>(&from.primary) + self.base[3],
+        ];
+        let jets = |h: Real| self.jets(&self.place(from, course), h);
+        turned_once(self.moved(from), self.moved(end), bounds, jets, h)
+    }
+
+    /// Where A turns round, if it does so once.
+    #[inline(always)]
+    pub(crate) fn acceleration_turned(
+        &self,
+        from: &HostState<Moment>,
+        course: &Course,
+        end: &HostState<Moment>,
+        h: Real,
+    ) -> Turned {
+        let primary = &from.primary;
+        let bounds = [self.bound::<3>(primary), self.bound::<4>(primary), self.bound::<5>(primary)];
+        let jets = |h: Real| self.jets(&self.acceleration_row(course), h);
+        turned_once(self.steepened(from), self.steepened(end), bounds, jets, h)
+    }
+
+    /// The first three derivatives of A.
+    #[inline(always)]
+    fn steepened(&self, state: &HostState<Moment>) -> [Real; 3] {
+        let a = self.acceleration(&state.phase, &state.primary).value;
+        self.derivatives(&state.phase, state.primary.v.value, a)
+    }
+}

@@ -1,0 +1,70 @@
+//! What drives a structure, seen from its motion.
+
+use std::sync::Arc;
+
+use super::Moment;
+use crate::compensated::Sum;
+use crate::force::{Drive, Force, Pushes};
+use crate::real::Real;
+use crate::system::Clock;
+
+/// What drives a structure.
+pub trait Source: Clone + std::fmt::Debug {
+    /// f/M and a_g at an instant, of the smooth piece that acts from an earlier one on.
+    fn pushes(&self, from: Clock, time: Clock) -> Pushes;
+    /// Their coefficients from an instant on, in powers of t/h.
+    fn drive(&self, time: Clock, h: Real) -> Drive<Real>;
+    /// The same to twice the precision.
+    fn precise(&self, time: Clock, h: Real) -> Drive<Sum>;
+    /// How far a motion goes that reaches so far: not beyond the next instant at which the drive bends, jumps or
+    /// kicks, and then that instant.
+    fn until_bend(&self, moment: &Moment, reach: Real) -> (Real, Option<Clock>);
+    /// True if the base moves.
+    fn moves_base(&self) -> bool;
+    /// True if it consists of pieces.
+    fn bends(&self) -> bool;
+}
+
+/// A sum of forces, shared by a structure with and without its absorber.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forces {
+    pub(super) force: Arc<Force>,
+    moves_base: bool,
+}
+
+impl Forces {
+    pub(super) fn new(force: Force) -> Self {
+        let moves_base = force.moves_base();
+        Self { force: Arc::new(force), moves_base }
+    }
+}
+
+impl Source for Forces {
+    #[inline(always)]
+    fn pushes(&self, from: Clock, time: Clock) -> Pushes {
+        self.force.pushes(from, time)
+    }
+
+    #[inline(always)]
+    fn drive(&self, time: Clock, h: Real) -> Drive<Real> {
+        self.force.drive(time, time, h)
+    }
+
+    fn precise(&self, time: Clock, h: Real) -> Drive<Sum> {
+        self.force.precise(time, h)
+    }
+
+    #[inline(always)]
+    fn until_bend(&self, moment: &Moment, reach: Real) -> (Real, Option<Clock>) {
+        self.force.until_bend(moment.time, moment.kicks, reach)
+    }
+
+    #[inline(always)]
+    fn moves_base(&self) -> bool {
+        self.moves_base
+    }
+
+    fn bends(&self) -> bool {
+        !self.force.records().is_empty()
+    }
+}

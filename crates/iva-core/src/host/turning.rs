@@ -1,0 +1,80 @@
+//! Where x turns round in a motion.
+
+use crate::flight::{Arc, Turns};
+use crate::quintic::{monomials, root};
+use crate::real::Real;
+
+/// x at one instant, and its first four derivatives.
+pub(crate) type Jets = [Real; 5];
+
+/// A quintic on [0, 1] whose root is close to where x turns round between two ends of a motion of this length; they are
+/// given by ẋ, ẍ and x⃛.
+#[inline(always)]
+pub(crate) fn turn(from: [Real; 3], to: [Real; 3], length: Real) -> [Real; 6] {
+    let half_square = 0.5 * (length * length);
+    let end = |[v, a, j]: [Real; 3]| [v, length * a, half_square * j];
+    monomials(&end(from), &end(to))
+}
+
+/// Where x turns round close to an instant of a motion of this length, x there, and whether both are exact to
+/// rounding; `fifth` bounds the fifth derivative.
+#[inline(always)]
+pub(crate) fn turning(
+    [value, rate, curvature, jerk, snap]: Jets,
+    fifth: Real,
+    guess: Real,
+    length: Real,
+) -> (Real, Real, bool) {
+    let mut t = -rate / curvature;
+    for _ in 0..2 {
+        let speed = rate + t * (curvature + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap)));
+        let slope = curvature + t * (jerk + t * (0.5 * snap));
+        t -= speed / slope;
+    }
+    let turn = guess + t;
+    let x = value + t * (rate + t * (0.5 * curvature + t * ((1.0 / 6.0) * jerk)));
+    // The next term of the series against rounding.
+    let square = t * t;
+    let close = fifth * (square * square) <= Real::EPSILON * (curvature.abs() * turn);
+    (turn, x, close & (turn > 0.0) & (turn < length))
+}
+
+/// Where a function turns round in a motion of this length, if it is plain that it does so once: its first
+/// derivative changes its sign and the second keeps its own. Given at both ends are the first three derivatives, bounds on
+/// the third, fourth and fifth, and the function.
+#[inline(always)]
+pub(super) fn turned_once(
+    from: [Real; 3],
+    to: [Real; 3],
+    [third, fourth, fifth]: [Real; 3],
+    jets: impl Fn(Real) -> Jets,
+    length: Real,
+) -> Turned {
+    let (values, rates) = ([from[0], to[0]], [from[1], to[1]]);
+    let rate = Arc { values, rates, second: third, third: fourth };
+    let guess = guess(from, to, length);
+    let (h, value, exact) = turning(jets(guess), fifth, guess, length);
+    let once = (from[0] * to[0] < 0.0) & rate.is_monotone(length) & exact;
+    Turned { once, h, value }
+}
+
+/// Whether a function turns round once, and if so when, and its value there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turned {
+    pub once: bool,
+    pub h: Real,
+    pub value: Real,
+}
+
+impl Turned {
+    #[inline(always)]
+    pub fn turns(self) -> Turns {
+        if self.once { Turns::Once(self.h, self.value) } else { Turns::Unknown }
+    }
+}
+
+/// A guess where x turns round in a motion of this length.
+#[inline(always)]
+pub(super) fn guess(from: [Real; 3], to: [Real; 3], length: Real) -> Real {
+    length * root(&turn(from, to, length))
+}

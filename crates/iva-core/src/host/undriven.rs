@@ -1,0 +1,158 @@
+//! A structure that nothing drives: its motion in closed form ([`crate::oscillator`]).
+
+use std::sync::{Arc, OnceLock};
+
+use super::turning::{Jets, guess, turning};
+use super::{Flown, Host, HostState, Integrated, Structure};
+use crate::compensated::Sum;
+use crate::flight::{Jet, Turns};
+use crate::oscillator::{Equation, Oscillator, Primary};
+use crate::real::{ONE, Real, ZERO};
+
+impl Structure for Oscillator {
+    type Phase = ();
+    type Course = ();
+
+    fn equation(&self) -> &Equation {
+        &self.equation
+    }
+
+    #[inline(always)]
+    fn course(&self, _from: &HostState<()>) {}
+
+    #[inline(always)]
+    fn reach(&self, _course: &()) -> Real {
+        self.reach
+    }
+
+    #[inline(always)]
+    fn flown(&self, from: &HostState<()>, _course: &(), h: Real) -> Flown<()> {
+        let (primary, gained) = from.primary.arrived(self, from.acceleration, h);
+        let acceleration = Oscillator::acceleration(self, &primary);
+        Flown { to: HostState { primary, acceleration, phase: () }, gained }
+    }
+
+    #[inline(always)]
+    fn jet(&self, from: &HostState<()>, _course: &(), h: Real) -> Jet {
+        let Primary { x, v } = from.primary;
+        Oscillator::jet(self, x.value, v.value, from.acceleration.value, h)
+    }
+
+    fn precise(&self, from: &HostState<()>, h: Real) -> Sum {
+        Oscillator::precise(self, from.primary.v, from.acceleration, h)
+    }
+
+    #[inline(always)]
+    fn acceleration(&self, _phase: &(), primary: &Primary) -> Sum {
+        Oscillator::acceleration(self, primary)
+    }
+
+    #[inline(always)]
+    fn derivatives(&self, _phase: &(), v: Real, a: Real) -> [Real; 3] {
+        let jerk = self.equation.next_derivative(v, a);
+        let snap = self.equation.next_derivative(a, jerk);
+        [jerk, snap, self.equation.next_derivative(jerk, snap)]
+    }
+
+    #[inline(always)]
+    fn later(&self, _phase: &(), _h: Real) {}
+
+    #[inline(always)]
+    fn base(&self, _phase: &()) -> [Real; 4] {
+        [ZERO; 4]
+    }
+
+    /// |x⁽ⁿ⁺²⁾| ≤ Λⁿ⁺¹ρ.
+    #[inline(always)]
+    fn bound<const N: usize>(&self, primary: &Primary) -> Real {
+        self.equation.bound::<N>(primary)
+    }
+
+    #[inline(always)]
+    fn turns(&self, from: &HostState<()>, _course: &(), end: &HostState<()>, h: Real) -> Turns {
+        if from.primary.v.value * end.primary.v.value >= 0.0 {
+            return Turns::Unknown;
+        }
+        let guess = guess(self.leading(from), self.leading(end), h);
+        let fifth = self.equation.bound::<3>(&from.primary);
+        let (h, x, exact) = turning(self.jets(from, guess), fifth, guess, h);
+        if exact { Turns::Once(h, x) } else { Turns::Unknown }
+    }
+
+    #[inline(always)]
+    fn losses(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2] {
+        let Primary { x, v } = motion.from.primary;
+        [self.viscous_loss(x.value, v.value, h), ZERO]
+    }
+}
+
+impl Oscillator {
+    /// ẋ, ẍ and x⃛ of a state.
+    #[inline(always)]
+    pub(crate) fn leading(&self, state: &HostState<()>) -> [Real; 3] {
+        let (v, a) = (state.primary.v.value, state.acceleration.value);
+        [v, a, self.equation.next_derivative(v, a)]
+    }
+
+    /// x and its derivatives a time h after a state.
+    #[inline(always)]
+    pub(crate) fn jets(&self, from: &HostState<()>, h: Real) -> Jets {
+        let Jet { value, rate, curvature, jerk } = Structure::jet(self, from, &(), h);
+        [value, rate, curvature, jerk, self.equation.next_derivative(curvature, jerk)]
+    }
+}
+
+/// A structure that nothing drives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UndrivenHost {
+    damping_ratio: Real,
+    mass_ratio: Real,
+    /// The structure by itself; made by the first flight, and shared with scenes that run beside this.
+    free: OnceLock<Arc<Oscillator>>,
+    /// With the mass 1 + μ; made where the absorber sticks.
+    loaded: OnceLock<Box<Oscillator>>,
+}
+
+impl UndrivenHost {
+    /// A structure of damping ratio ζ, for an absorber of mass ratio μ.
+    pub(crate) fn new(damping_ratio: Real, mass_ratio: Real) -> Self {
+        Self { damping_ratio, mass_ratio, free: OnceLock::new(), loaded: OnceLock::new() }
+    }
+
+    /// The structure by itself, to share.
+    #[inline(always)]
+    pub(crate) fn shared(&self) -> &Arc<Oscillator> {
+        self.free.get_or_init(|| Arc::new(Oscillator::new(ONE, self.damping_ratio)))
+    }
+
+    /// Takes over the structure of another host of the same damping ratio.
+    pub(crate) fn share(&self, free: &Arc<Oscillator>) {
+        self.free.get_or_init(|| Arc::clone(free));
+    }
+}
+
+impl Host for UndrivenHost {
+    type Structure = Oscillator;
+
+    fn damping_ratio(&self) -> Real {
+        self.damping_ratio
+    }
+
+    #[inline(always)]
+    fn free(&self) -> &Oscillator {
+        self.shared()
+    }
+
+    fn loaded(&self) -> &Oscillator {
+        self.loaded
+            .get_or_init(|| Box::new(Oscillator::new(1.0 + self.mass_ratio, self.damping_ratio)))
+    }
+
+    #[inline(always)]
+    fn begin(&self) {}
+
+    #[inline(always)]
+    fn balanced(&self, _phase: &(), v: Sum) -> Sum {
+        v.times(-self.free().equation.damping)
+    }
+}

@@ -1,0 +1,93 @@
+//! Strides of free masses under one harmonic force on the structure each, side by side: force, damping and absorber
+//! may differ from lane to lane.
+
+mod integrals;
+mod lane;
+mod step;
+
+use crate::host::DrivenHost;
+use crate::lanes::{Home, Job, LANES, Lockstep};
+use crate::measures::Wanted;
+use crate::siva::Siva;
+use crate::steady::SteadyWanted;
+
+use integrals::Integrals;
+use lane::{Lane, Lanes};
+
+/// Eight lanes.
+#[derive(Debug)]
+pub(in crate::lanes) struct DrivenStrides {
+    lanes: Lanes<LANES>,
+    integrals: Integrals<LANES>,
+    asked: Asked,
+}
+
+/// What is asked of all lanes.
+#[derive(Debug, Clone, Copy)]
+struct Asked {
+    /// Largest displacements and accelerations.
+    extremes: bool,
+    /// The mean square.
+    square: bool,
+    /// Losses and work.
+    ledger: bool,
+}
+
+impl Lockstep<Siva<DrivenHost>> for DrivenStrides {
+    fn new(Job { also: (steady, _), .. }: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
+        let SteadyWanted { amplitude, rms, acceleration, regime, .. } = *steady;
+        let extremes = amplitude || acceleration || regime;
+        let asked = Asked { extremes, square: rms, ledger: wanted.ledger };
+        Self { lanes: Lanes::new(), integrals: Integrals::new(), asked }
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self) -> bool {
+        let Self { lanes, integrals, asked } = self;
+        if asked.extremes {
+            step::steps::<LANES, true>(lanes, integrals);
+        } else {
+            step::steps::<LANES, false>(lanes, integrals);
+        }
+        if asked.ledger {
+            integrals.lose(lanes);
+        }
+        if asked.square {
+            integrals.square(lanes);
+        }
+        let mut calls = 0.0;
+        for i in 0..LANES {
+            calls += lanes.flying.care[i] + lanes.flying.stopped[i];
+        }
+        calls > 0.0
+    }
+
+    fn calls(&self, i: usize) -> bool {
+        self.lanes.flying.care[i] + self.lanes.flying.stopped[i] > 0.0
+    }
+
+    fn attend(&mut self, i: usize, run: &mut Home<'_, Siva<DrivenHost>>) -> bool {
+        self.put_back(i, run);
+        false
+    }
+
+    fn take(&mut self, i: usize, run: &Home<'_, Siva<DrivenHost>>) -> bool {
+        let lane = Lane::of(run);
+        if let Some(lane) = &lane {
+            self.lanes.set(i, lane);
+        }
+        lane.is_some()
+    }
+
+    fn put_back(&self, i: usize, run: &mut Home<'_, Siva<DrivenHost>>) {
+        let lane = self.lanes.get(i);
+        lane.put_back(run);
+        if lane.flying.stopped == super::STOP {
+            run.pass_stop();
+        }
+    }
+
+    fn idle(&mut self, i: usize) {
+        self.lanes.set(i, &Lane::idle());
+    }
+}

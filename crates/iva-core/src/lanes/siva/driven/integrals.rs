@@ -1,0 +1,118 @@
+//! Integrals along the spans of all lanes: the quadrature of [`crate::host`], lane by lane in every operation.
+
+use super::lane::{Lanes, Single};
+use crate::compensated::Sum;
+use crate::host::driven::integral::{COUNT, node, sum_of, weight};
+use crate::host::{Course, Driven, HostState, Moment};
+use crate::lanes::pick;
+use crate::real::Real;
+use crate::taylor::ORDER;
+
+/// A series of each lane.
+type Series<const W: usize> = [[Real; W]; ORDER + 1];
+
+/// The series of the spans that are behind.
+#[derive(Debug)]
+#[repr(align(64))]
+pub(super) struct Integrals<const W: usize> {
+    place: Series<W>,
+    velocity: Series<W>,
+    force: Series<W>,
+    /// Lengths, and what powers of time are taken in.
+    length: [Real; W],
+    step: [Real; W],
+    /// 1 if the span is behind, and if it counts.
+    pub done: [Real; W],
+    pub counts: [Real; W],
+}
+
+impl<const W: usize> Integrals<W> {
+    pub fn new() -> Self {
+        let series = [[0.0; W]; ORDER + 1];
+        let [length, step, done, counts] = [[0.0; W]; 4];
+        Self { place: series, velocity: series, force: series, length, step, done, counts }
+    }
+
+    /// Takes in the motion of a lane.
+    #[inline(always)]
+    pub fn take(
+        &mut self,
+        i: usize,
+        free: &Driven<Single>,
+        from: &HostState<Moment>,
+        course: &Course,
+        [length, step]: [Real; 2],
+    ) {
+        let place = free.place(from, course);
+        let velocity = free.derivative(&place);
+        for k in 0..=ORDER {
+            self.place[k][i] = place[k];
+            self.velocity[k][i] = velocity[k];
+            self.force[k][i] = course.pushed[k];
+        }
+        (self.length[i], self.step[i]) = (length, step);
+    }
+
+    /// Losses and work.
+    #[inline(always)]
+    pub fn lose(&mut self, lanes: &mut Lanes<W>) {
+        let mut squares = [[0.0; W]; COUNT];
+        let mut works = [[0.0; W]; COUNT];
+        for n in 0..COUNT {
+            let velocity = self.at(&self.velocity, n);
+            let force = self.at(&self.force, n);
+            for i in 0..W {
+                squares[n][i] = weight(n) * (velocity[i] * velocity[i]);
+                works[n][i] = weight(n) * (force[i] * velocity[i]);
+            }
+        }
+        for i in 0..W {
+            let done = self.done[i] > 0.0;
+            let square = sum_of(&std::array::from_fn(|n| squares[n][i]));
+            let work = sum_of(&std::array::from_fn(|n| works[n][i]));
+            let lost = lanes.damping[i] * square * self.length[i];
+            let viscous = Sum { value: lanes.viscous[i], rest: lanes.viscous_rest[i] }.plus(lost);
+            let worked = Sum { value: lanes.worked[i], rest: lanes.worked_rest[i] }
+                .plus(work * self.length[i]);
+            lanes.viscous[i] = pick(done, viscous.value, lanes.viscous[i]);
+            lanes.viscous_rest[i] = pick(done, viscous.rest, lanes.viscous_rest[i]);
+            lanes.worked[i] = pick(done, worked.value, lanes.worked[i]);
+            lanes.worked_rest[i] = pick(done, worked.rest, lanes.worked_rest[i]);
+        }
+    }
+
+    /// ∫x².
+    #[inline(always)]
+    pub fn square(&mut self, lanes: &mut Lanes<W>) {
+        let mut squares = [[0.0; W]; COUNT];
+        for n in 0..COUNT {
+            let place = self.at(&self.place, n);
+            for i in 0..W {
+                squares[n][i] = weight(n) * (place[i] * place[i]);
+            }
+        }
+        for i in 0..W {
+            let counts = self.counts[i] > 0.0;
+            let square = sum_of(&std::array::from_fn(|n| squares[n][i])) * self.length[i];
+            let sum = Sum { value: lanes.square[i], rest: lanes.square_rest[i] }.plus(square);
+            lanes.square[i] = pick(counts, sum.value, lanes.square[i]);
+            lanes.square_rest[i] = pick(counts, sum.rest, lanes.square_rest[i]);
+        }
+    }
+
+    /// A series at a node.
+    #[inline(always)]
+    fn at(&self, series: &Series<W>, n: usize) -> [Real; W] {
+        let mut t: [Real; W] = [0.0; W];
+        for i in 0..W {
+            t[i] = node(n, [0.0, self.length[i] / self.step[i]]);
+        }
+        let mut values: [Real; W] = [0.0; W];
+        for k in (0..=ORDER).rev() {
+            for i in 0..W {
+                values[i] = values[i].mul_add(t[i], series[k][i]);
+            }
+        }
+        values
+    }
+}

@@ -1,0 +1,161 @@
+//! The flight of one run, reduced to the numbers that strides change.
+
+use crate::compensated::Sum;
+use crate::host::{Host, HostState, Phase};
+use crate::impact;
+use crate::lanes::arrays::arrays;
+use crate::oscillator::Primary;
+use crate::real::Real;
+use crate::simulate::wall::Streak;
+use crate::simulate::{Phase as Doing, Run, STOPS};
+use crate::siva::{Siva, SivaState};
+use crate::system::{System, Wall};
+
+/// What to do at the end of the next stride.
+pub(in crate::lanes) const SEARCH: Real = 0.0;
+/// … close to the near wall,
+pub(in crate::lanes) const NEAR: Real = 1.0;
+/// … or the far one.
+pub(in crate::lanes) const FAR: Real = 2.0;
+
+/// Why a lane has stopped: at a stop of the run,
+pub(in crate::lanes) const STOP: Real = 1.0;
+/// or at a limit.
+pub(in crate::lanes) const FULL: Real = 2.0;
+
+arrays! {
+    /// The flight of one run.
+    Flying,
+    /// Those of many.
+    Flyings:
+    /// The state.
+    x, x_rest, v, v_rest, a, a_rest, distance, distance_rest, rate, rate_rest, side,
+    /// The clock, and the instant of the next stop.
+    time, time_rest, stop,
+    /// What the next evaluation is for, where, within which length, and how often one was made close
+    /// to the wall.
+    aim, h, length, looks, first,
+    /// The absorber.
+    share, share_rest, restitution, clearance, loss_factor,
+    /// Rebounds at or below are for the loop.
+    floor,
+    /// Counts and sums.
+    impacts, max_impacts, effective, work, max_work, losses, losses_rest,
+    /// Impacts on one wall in a row.
+    streak_side, streak_start, streak_listed, streak_loss,
+    /// What the loop is called for: a stretch that is no stride, a stop.
+    care, stopped,
+}
+
+impl Flying {
+    #[inline(always)]
+    pub fn state<P>(&self, phase: P) -> SivaState<P> {
+        let sum = |value, rest| Sum { value, rest };
+        SivaState {
+            host: HostState {
+                primary: Primary { x: sum(self.x, self.x_rest), v: sum(self.v, self.v_rest) },
+                acceleration: sum(self.a, self.a_rest),
+                phase,
+            },
+            side: self.side,
+            distance: sum(self.distance, self.distance_rest),
+            rate: sum(self.rate, self.rate_rest),
+        }
+    }
+
+    #[inline(always)]
+    pub fn put_state<P>(&mut self, state: &SivaState<P>) {
+        let HostState { primary: Primary { x, v }, acceleration, .. } = &state.host;
+        (self.x, self.x_rest) = (x.value, x.rest);
+        (self.v, self.v_rest) = (v.value, v.rest);
+        (self.a, self.a_rest) = (acceleration.value, acceleration.rest);
+        (self.distance, self.distance_rest) = (state.distance.value, state.distance.rest);
+        (self.rate, self.rate_rest) = (state.rate.value, state.rate.rest);
+        self.side = state.side;
+    }
+
+    #[inline(always)]
+    pub fn clock(&self) -> Sum {
+        Sum { value: self.time, rest: self.time_rest }
+    }
+
+    /// Without a run: at rest for ever.
+    pub fn idle() -> Self {
+        let never = Real::INFINITY;
+        let at_rest = Self { clearance: 1.0, distance: 1.0, side: 1.0, ..Self::default() };
+        Self { stop: never, first: never, max_impacts: never, max_work: never, ..at_rest }
+    }
+
+    /// True if the run has reached a limit.
+    #[inline(always)]
+    pub fn full(&self) -> bool {
+        (self.impacts >= self.max_impacts) | (self.work >= self.max_work)
+    }
+
+    /// A run that has come to where strides of this length can go on; `None` if it has not.
+    pub fn of<H: Host, O>(run: &Run<'_, Siva<H>, O>, reach: Real) -> Option<Self>
+    where
+        Siva<H>: System<State = SivaState<Phase<H>>>,
+    {
+        let Doing::Flight { first } = run.phase else { return None };
+        let (siva, tally) = (run.system, &run.tally);
+        let low = run.streak.as_ref().is_some_and(|streak| streak.low > 0);
+        let stop = run.stops[run.stopped.min(STOPS - 1)];
+        let mut flying = Self {
+            time: run.clock.value,
+            time_rest: run.clock.rest,
+            stop,
+            share: siva.impact_share.value,
+            share_rest: siva.impact_share.rest,
+            restitution: siva.restitution(),
+            clearance: siva.clearance(),
+            loss_factor: impact::energy_loss(siva.mass_ratio(), siva.restitution(), 1.0),
+            floor: run.limits.chatter_floor,
+            impacts: tally.impacts as Real,
+            max_impacts: run.limits.max_impacts as Real,
+            effective: tally.effective_impacts as Real,
+            work: tally.work as Real,
+            max_work: run.limits.max_work as Real,
+            losses: run.losses.value,
+            losses_rest: run.losses.rest,
+            first,
+            ..Self::default()
+        };
+        flying.put_state(&tally.state);
+        if let Some(streak) = &run.streak {
+            flying.streak_side = streak.wall.sign();
+            flying.streak_start = streak.start_time;
+            flying.streak_listed = streak.listed_before as Real;
+            flying.streak_loss = streak.energy_loss;
+        }
+        let remaining = -run.clock.minus(stop);
+        flying.length = reach.min(remaining).min(first);
+        flying.h = flying.length;
+        (!low && remaining > 0.0 && !flying.full()).then_some(flying)
+    }
+
+    /// Puts the numbers back into the run; the phase of the drive is where it is.
+    pub fn put_back<H: Host, O>(&self, run: &mut Run<'_, Siva<H>, O>, phase: Phase<H>)
+    where
+        Siva<H>: System<State = SivaState<Phase<H>>>,
+    {
+        run.tally.state = self.state(phase);
+        // At its end the run has set its clock itself.
+        if run.stopped < STOPS {
+            run.clock = self.clock();
+        }
+        run.tally.impacts = self.impacts as u64;
+        run.tally.effective_impacts = self.effective as u64;
+        run.tally.work = self.work as u64;
+        run.losses = Sum { value: self.losses, rest: self.losses_rest };
+        run.streak = (self.streak_side != 0.0).then_some(Streak {
+            wall: if self.streak_side > 0.0 { Wall::Plus } else { Wall::Minus },
+            start_time: self.streak_start,
+            listed_before: self.streak_listed as u64,
+            low: 0,
+            low_effective: 0,
+            energy_loss: self.streak_loss,
+        });
+        run.phase = Doing::Flight { first: self.first };
+    }
+}

@@ -1,0 +1,240 @@
+//! One evaluation of a flight, and what follows from it.
+//!
+//! The same numbers in the same order as in the event loop, without branches. What cannot be done here is left
+//! as it is, and asks for care.
+
+use super::flying::{FAR, FULL, Flying, NEAR, SEARCH, STOP};
+use crate::compensated::Sum;
+use crate::force::{Push, Pushes};
+use crate::host::{HostState, Moment, Structure};
+use crate::lanes::pick;
+use crate::oscillator::Primary;
+use crate::quintic::root;
+use crate::real::Real;
+use crate::simulate::wall::REBOUND_LOOK;
+use crate::siva::motion::arrived;
+use crate::siva::stride::{LOOKS, Quintic, at_wall, to_wall};
+use crate::siva::{SivaState, collided};
+
+/// A rebound this low against what presses, u/(A (1 − e)), may be one whose tail is summed: that is for
+/// the loop. (The estimated error of the sum is at least 4 times the cube of it.)
+const LOW: f64 = 1e-4;
+
+/// What a lane can pick one of.
+pub(super) trait Pick {
+    /// One or another.
+    fn pick(which: bool, yes: &Self, no: &Self) -> Self;
+}
+
+impl Pick for () {
+    #[inline(always)]
+    fn pick(_which: bool, _yes: &Self, _no: &Self) {}
+}
+
+impl Pick for Sum {
+    #[inline(always)]
+    fn pick(which: bool, yes: &Self, no: &Self) -> Self {
+        Self { value: pick(which, yes.value, no.value), rest: pick(which, yes.rest, no.rest) }
+    }
+}
+
+impl Pick for Push {
+    #[inline(always)]
+    fn pick(which: bool, yes: &Self, no: &Self) -> Self {
+        Self {
+            value: Sum::pick(which, &yes.value, &no.value),
+            rate: Sum::pick(which, &yes.rate, &no.rate),
+            second: Sum::pick(which, &yes.second, &no.second),
+            third: pick(which, yes.third, no.third),
+        }
+    }
+}
+
+impl Pick for Moment {
+    #[inline(always)]
+    fn pick(which: bool, yes: &Self, no: &Self) -> Self {
+        Self {
+            time: Sum::pick(which, &yes.time, &no.time),
+            kicks: no.kicks,
+            pushes: Pushes {
+                primary: Push::pick(which, &yes.pushes.primary, &no.pushes.primary),
+                base: Push::pick(which, &yes.pushes.base, &no.pushes.base),
+            },
+        }
+    }
+}
+
+impl<P: Pick> Pick for SivaState<P> {
+    #[inline(always)]
+    fn pick(which: bool, yes: &Self, no: &Self) -> Self {
+        Self {
+            host: HostState {
+                primary: Primary {
+                    x: Sum::pick(which, &yes.host.primary.x, &no.host.primary.x),
+                    v: Sum::pick(which, &yes.host.primary.v, &no.host.primary.v),
+                },
+                acceleration: Sum::pick(which, &yes.host.acceleration, &no.host.acceleration),
+                phase: P::pick(which, &yes.host.phase, &no.host.phase),
+            },
+            side: pick(which, yes.side, no.side),
+            distance: Sum::pick(which, &yes.distance, &no.distance),
+            rate: Sum::pick(which, &yes.rate, &no.rate),
+        }
+    }
+}
+
+/// What an evaluation shows.
+pub(super) struct Look<P> {
+    pub from: SivaState<P>,
+    /// The state at the end of the span that is behind: at the wall, if it was hit.
+    pub end: SivaState<P>,
+    /// Length of that span.
+    pub length: Real,
+    /// Where, of that span, a quintic of the caller has its root.
+    pub part: Real,
+    /// The impact, if `hit`.
+    after: SivaState<P>,
+    near: SivaState<P>,
+    approach: Real,
+    pressure: Real,
+    pub hit: bool,
+    clock: Sum,
+    remaining: Real,
+    /// True if a span is behind.
+    pub passed: bool,
+    meets: bool,
+    meets_far: bool,
+    guess: Real,
+    next_look: Real,
+    looks_again: bool,
+}
+
+/// Evaluates a flight; `quintic` is what else has a root in the span that is behind, where no wall is met.
+#[inline(always)]
+pub(super) fn look<S: Structure<Phase: Pick>>(
+    free: &S,
+    course: &S::Course,
+    lane: &Flying,
+    from: SivaState<S::Phase>,
+    quintic: impl Fn(&SivaState<S::Phase>, &SivaState<S::Phase>, Real) -> [Real; 6],
+) -> Look<S::Phase> {
+    let near = arrived(free, course, &from, lane.h);
+    let search = lane.aim == SEARCH;
+    let far = lane.aim == FAR;
+
+    // A stretch as a whole: is it free, or where is its only contact?
+    let whole = Quintic::new(free, &from, &near, lane.clearance, lane.h);
+    let proof = whole.proof();
+    let meets_far = proof.meets[1];
+    let meets = search & !proof.free & (proof.meets[0] | meets_far);
+
+    // Close to a wall: the contact, the impact, and whether the loop has to see to what follows.
+    let (later, close) = to_wall(free, &near, lane.clearance, far, lane.h);
+    let touching = at_wall(free, &near, far, later);
+    let share = Sum { value: lane.share, rest: lane.share_rest };
+    let after = collided(free, &touching, share, lane.restitution);
+    let approach = -touching.rate.value;
+    let pressure = -(after.side * after.host.acceleration.value);
+    let pressed = pressure > 0.0;
+    let leaves = after.rate.value > 0.0;
+    let low = (pressed & (after.rate.value < LOW * pressure * (1.0 - lane.restitution)))
+        | (approach <= lane.floor);
+    let hit = !search & close & leaves & !low;
+    let next_look = lane.h + later;
+    let looks_again = !search
+        & !close
+        & (next_look > 0.0)
+        & (next_look <= lane.length)
+        & (lane.looks < LOOKS as Real - 1.0);
+
+    // The span that is behind then.
+    let later = pick(hit, later, 0.0);
+    let length = lane.h + later;
+    let end = SivaState::pick(hit, &touching, &near);
+    // Where the wall is met, or else what the caller asks for: never both at once.
+    let (meeting, other) = (whole.meeting(meets_far), quintic(&from, &end, length));
+    let part = root(&std::array::from_fn(|i| pick(meets, meeting[i], other[i])));
+    let clock = lane.clock().plus_parts(lane.h, later);
+    let remaining = -clock.minus(lane.stop);
+    // An impact at the very instant of a stop is for the loop.
+    let passed = ((search & proof.free) | hit) & (!hit | (remaining > 0.0));
+    Look {
+        from,
+        end,
+        length,
+        part,
+        after,
+        near,
+        approach,
+        pressure,
+        hit,
+        clock,
+        remaining,
+        passed,
+        meets,
+        meets_far,
+        guess: lane.h * part,
+        next_look,
+        looks_again,
+    }
+}
+
+impl<P: Pick> Look<P> {
+    /// The state that the flight goes on from, if the span is `done`.
+    #[inline(always)]
+    pub fn next_state(&self, done: bool) -> SivaState<P> {
+        let hit = self.hit & done;
+        SivaState::pick(done, &SivaState::pick(hit, &self.after, &self.near), &self.from)
+    }
+
+    /// The flight after it, if the span is `done`.
+    #[inline(always)]
+    pub fn next(&self, lane: &Flying, reach: Real, done: bool) -> Flying {
+        let hit = self.hit & done;
+        let good_guess = (self.guess > 0.0) & (self.guess <= lane.h);
+        let mut next = *lane;
+        next.care = pick(done | (self.meets & good_guess) | self.looks_again, 0.0, 1.0);
+        next.put_state(&self.next_state(done));
+        let remaining_before = -lane.clock().minus(lane.stop);
+        let whole = !hit & (lane.h == remaining_before);
+        let Sum { value, rest } = self.clock;
+        (next.time, next.time_rest) =
+            (pick(done, value, lane.time), pick(done, rest, lane.time_rest));
+        next.work = lane.work + pick(done, 1.0, 0.0);
+        self.strike(&mut next, lane, hit);
+
+        // What comes next.
+        let rebounds = hit & (self.pressure > 0.0);
+        let ahead = REBOUND_LOOK * self.after.rate.value / self.pressure;
+        let first = pick(rebounds, ahead, Real::INFINITY);
+        let length = reach.min(self.remaining).min(first);
+        let looking = pick(self.meets, self.guess, self.next_look);
+        let aim = pick(self.meets, pick(self.meets_far, FAR, NEAR), lane.aim);
+        next.first = pick(done, first, lane.first);
+        next.length = pick(done, length, lane.length);
+        next.h = pick(done, length, looking);
+        next.aim = pick(done, SEARCH, aim);
+        next.looks = pick(done | self.meets, 0.0, lane.looks + 1.0);
+        next.stopped = pick(done & whole, STOP, pick(done & next.full(), FULL, 0.0));
+        next
+    }
+
+    /// Counts an impact.
+    #[inline(always)]
+    fn strike(&self, next: &mut Flying, lane: &Flying, hit: bool) {
+        let (approach, side) = (self.approach, self.end.side);
+        let loss = lane.loss_factor * (approach * approach);
+        let losses = Sum { value: lane.losses, rest: lane.losses_rest }.plus(loss);
+        next.losses = pick(hit, losses.value, lane.losses);
+        next.losses_rest = pick(hit, losses.rest, lane.losses_rest);
+        let v = self.end.host.primary.v.value;
+        let absorber = v + side * approach;
+        next.impacts = lane.impacts + pick(hit, 1.0, 0.0);
+        next.effective = lane.effective + pick(hit & (v * absorber < 0.0), 1.0, 0.0);
+        let fresh = hit & (lane.streak_side != side);
+        next.streak_side = pick(hit, side, lane.streak_side);
+        next.streak_start = pick(fresh, next.time, lane.streak_start);
+        next.streak_listed = pick(fresh, lane.impacts, lane.streak_listed);
+        next.streak_loss = pick(fresh, 0.0, lane.streak_loss) + pick(hit, loss, 0.0);
+    }
+}

@@ -1,0 +1,20 @@
+//! Absorbers by what drives them: a test that is given one of these is about masses and pendulums alike.
+
+use iva_core::{
+    force::Force,
+    host::DrivenHost,
+    piva::{Parameters, Piva},
+    siva::Siva,
+};
+
+/// A free mass of mass ratio μ, restitution e and clearance d on a primary of damping ratio ζ.
+pub fn mass(mu: f64, e: f64, d: f64, zeta: f64) -> impl Fn(Force) -> Siva<DrivenHost> {
+    let siva = Siva::new(mu, e, d, zeta).expect("a valid free mass");
+    move |force| siva.under(force)
+}
+
+/// A pendulum.
+pub fn pendulum(parameters: Parameters) -> impl Fn(Force) -> Piva {
+    let piva = Piva::new(parameters).expect("a valid pendulum");
+    move |force| piva.clone().under(force)
+}
