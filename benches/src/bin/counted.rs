@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use iva_benches::{START, decays, driven, driven_measures, swinging_decays};
+use iva_benches::{START, decays, driven, driven_jobs, driven_measures, swinging_decays};
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic};
 use iva_core::lanes;
@@ -19,7 +19,7 @@ use iva_core::system::System;
 type Run = fn() -> Result<(), Invalid>;
 
 /// Each a name and what it runs; `nothing` is what a program costs that runs nothing.
-const SCENES: [(&str, Run); 9] = [
+const SCENES: [(&str, Run); 10] = [
     ("nothing", || Ok(())),
     ("siva", || decay(&Siva::new(0.15, 0.5, 0.6, 0.01)?, &START)),
     ("siva_chatter", || decay(&Siva::new(0.15, 0.5, 0.1, 0.01)?, &START)),
@@ -33,6 +33,12 @@ const SCENES: [(&str, Run); 9] = [
         let scenes = decays(2, 0.1)?;
         lanes::run(&scenes, Wanted::ALL, None, &mut |_, decayed| {
             black_box(decayed);
+        })
+    }),
+    ("siva_forced_side_by_side", || {
+        let jobs = driven_jobs()?;
+        lanes::run(&jobs, Wanted::ALL, None, &mut |_, ended| {
+            black_box(ended);
         })
     }),
     ("piva_side_by_side", || {

@@ -7,7 +7,7 @@
 //! m A + 2ζ ẋ + x = f/M,    A = ẍ + a_g,    m = 1 in flight, m = 1 + μ with the absorber stuck to it.
 //! ```
 //!
-//! A [`Structure`] is that equation for one mass: [`Oscillator`] without drive, in closed form
+//! A [`Structure`] is that equation for one mass: [`Oscillator`](crate::oscillator::Oscillator) without drive, in closed form
 //! (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A [`Host`] has both masses, and says when
 //! the drive bends, jumps or kicks. Absorbers are written for any host.
 

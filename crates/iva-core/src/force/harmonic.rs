@@ -5,6 +5,7 @@ use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::{self, ONE, Real, TURN, reciprocal};
+use crate::taylor::unrolled;
 use crate::trigonometry::sine_cosine;
 
 /// 2π to twice the precision.
@@ -39,15 +40,18 @@ impl Harmonic {
 
     /// Adds the coefficients of powers of t/h from an instant on.
     #[inline(always)]
-    pub(crate) fn add(&self, row: &mut [Real], time: Sum, h: Real) {
+    pub(crate) fn add<const LENGTH: usize>(&self, row: &mut [Real; LENGTH], time: Sum, h: Real) {
         let (s, c) = real::precise_sincos(self.angle(time));
         let turns = [c.value, -s.value, -c.value, s.value];
         let turn = self.frequency * h;
-        let mut power = self.amplitude;
-        for (k, coefficient) in row.iter_mut().enumerate() {
-            *coefficient += power * turns[k % 4];
-            power *= turn * reciprocal(k + 1);
-        }
+        // The amplitude times turnᵏ/k!.
+        let mut powers = [self.amplitude; LENGTH];
+        unrolled!(k < LENGTH => {
+            if k > 0 {
+                powers[k] = powers[k - 1] * (turn * reciprocal(k));
+            }
+            row[k] += powers[k] * turns[k % 4];
+        });
     }
 
     /// Its value and derivatives at an instant.

@@ -41,19 +41,18 @@ pub(crate) fn turning(
 
 /// Where a function turns round in a motion of this length, if it is plain that it does so once: its first
 /// derivative changes its sign and the second keeps its own. Given at both ends are the first three derivatives, bounds on
-/// the third, fourth and fifth, and the function.
+/// the third, fourth and fifth, and a guess with the function there.
 #[inline(always)]
 pub(super) fn turned_once(
     from: [Real; 3],
     to: [Real; 3],
     [third, fourth, fifth]: [Real; 3],
-    jets: impl Fn(Real) -> Jets,
+    (guess, jets): (Real, Jets),
     length: Real,
 ) -> Turned {
     let (values, rates) = ([from[0], to[0]], [from[1], to[1]]);
     let rate = Arc { values, rates, second: third, third: fourth };
-    let guess = guess(from, to, length);
-    let (h, value, exact) = turning(jets(guess), fifth, guess, length);
+    let (h, value, exact) = turning(jets, fifth, guess, length);
     let once = (from[0] * to[0] < 0.0) & rate.is_monotone(length) & exact;
     Turned { once, h, value }
 }

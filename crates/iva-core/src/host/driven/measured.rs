@@ -3,19 +3,19 @@
 use super::integral::{at_nodes, mean_product, nodes};
 use super::{Course, Driven, Moment, Source};
 use crate::flight::{Arc, Arcs};
-use crate::host::turning::{Jets, Turned, turned_once};
+use crate::host::turning::{Jets, Turned, guess, turned_once};
 use crate::host::{HostState, Integrated, Structure};
 use crate::real::{ONE, Real, ZERO};
-use crate::taylor::{ORDER, Row};
+use crate::taylor::{ORDER, Row, unrolled};
 
 impl<D: Source> Driven<D> {
     /// A row times (n + 1)/step, one power less: its derivative.
     #[inline(always)]
     pub(crate) fn derivative(&self, row: &Row<Real>) -> Row<Real> {
         let mut derivative = [ZERO; ORDER + 1];
-        for n in 0..ORDER {
+        unrolled!(n < ORDER => {
             derivative[n] = (n + 1) as f64 * (row[n + 1] / self.step);
-        }
+        });
         derivative
     }
 
@@ -24,18 +24,17 @@ impl<D: Source> Driven<D> {
     fn jets(&self, row: &Row<Real>, h: Real) -> Jets {
         let t = h / self.step;
         let mut sums = [ZERO; 5];
-        for coefficient in row.iter().rev() {
-            for k in (1..5).rev() {
-                sums[k] = sums[k].mul_add(t, sums[k - 1]);
-            }
-            sums[0] = sums[0].mul_add(t, *coefficient);
-        }
-        let mut factor = ONE;
-        for (k, sum) in sums.iter_mut().enumerate() {
-            *sum *= factor;
-            factor *= (k + 1) as f64 / self.step;
-        }
-        sums
+        unrolled!(k < ORDER + 1 => {
+            sums[4] = sums[4].mul_add(t, sums[3]);
+            sums[3] = sums[3].mul_add(t, sums[2]);
+            sums[2] = sums[2].mul_add(t, sums[1]);
+            sums[1] = sums[1].mul_add(t, sums[0]);
+            sums[0] = sums[0].mul_add(t, row[ORDER - k]);
+        });
+        let over = ONE / self.step;
+        let [square, cube] = [over * over, over * over * over];
+        let [x, v, a, j, s] = sums;
+        [x, v * over, 2.0 * (a * square), 6.0 * (j * cube), 24.0 * (s * (square * square))]
     }
 
     /// A of this mass, and its derivative.
@@ -64,8 +63,10 @@ impl<D: Source> Driven<D> {
     #[inline(always)]
     pub(crate) fn place(&self, from: &HostState<Moment>, course: &Course) -> Row<Real> {
         let mut x = course.pulled;
-        for (place, carried) in x.iter_mut().zip(&course.carried) {
-            *place -= *carried;
+        if self.source.moves_base() {
+            for (place, carried) in x.iter_mut().zip(&course.carried) {
+                *place -= *carried;
+            }
         }
         (x[0], x[1]) = (from.primary.x.value, from.primary.v.value * self.step);
         x
@@ -133,8 +134,10 @@ impl<D: Source> Driven<D> {
             self.bound::<2>(&from.primary) + self.base[2],
             self.bound::<3>(&from.primary) + self.base[3],
         ];
-        let jets = |h: Real| self.jets(&self.place(from, course), h);
-        turned_once(self.moved(from), self.moved(end), bounds, jets, h)
+        let (begin, at_end) = (self.moved(from), self.moved(end));
+        let at = guess(begin, at_end, h);
+        let jets = self.jets(&self.place(from, course), at);
+        turned_once(begin, at_end, bounds, (at, jets), h)
     }
 
     /// Where A turns round, if it does so once.
@@ -148,8 +151,10 @@ impl<D: Source> Driven<D> {
     ) -> Turned {
         let primary = &from.primary;
         let bounds = [self.bound::<3>(primary), self.bound::<4>(primary), self.bound::<5>(primary)];
-        let jets = |h: Real| self.jets(&self.acceleration_row(course), h);
-        turned_once(self.steepened(from), self.steepened(end), bounds, jets, h)
+        let (begin, at_end) = (self.steepened(from), self.steepened(end));
+        let at = guess(begin, at_end, h);
+        let jets = self.jets(&self.acceleration_row(course), at);
+        turned_once(begin, at_end, bounds, (at, jets), h)
     }
 
     /// The first three derivatives of A.

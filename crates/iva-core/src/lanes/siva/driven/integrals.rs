@@ -6,7 +6,7 @@ use crate::host::driven::integral::{COUNT, node, sum_of, weight};
 use crate::host::{Course, Driven, HostState, Moment};
 use crate::lanes::pick;
 use crate::real::Real;
-use crate::taylor::ORDER;
+use crate::taylor::{ORDER, unrolled};
 
 /// A series of each lane.
 type Series<const W: usize> = [[Real; W]; ORDER + 1];
@@ -45,11 +45,11 @@ impl<const W: usize> Integrals<W> {
     ) {
         let place = free.place(from, course);
         let velocity = free.derivative(&place);
-        for k in 0..=ORDER {
+        unrolled!(k < ORDER + 1 => {
             self.place[k][i] = place[k];
             self.velocity[k][i] = velocity[k];
             self.force[k][i] = course.pushed[k];
-        }
+        });
         (self.length[i], self.step[i]) = (length, step);
     }
 
@@ -66,14 +66,13 @@ impl<const W: usize> Integrals<W> {
                 works[n][i] = weight(n) * (force[i] * velocity[i]);
             }
         }
+        let [square, work] = [sums_of(&squares), sums_of(&works)];
         for i in 0..W {
             let done = self.done[i] > 0.0;
-            let square = sum_of(&std::array::from_fn(|n| squares[n][i]));
-            let work = sum_of(&std::array::from_fn(|n| works[n][i]));
-            let lost = lanes.damping[i] * square * self.length[i];
+            let lost = lanes.damping[i] * square[i] * self.length[i];
             let viscous = Sum { value: lanes.viscous[i], rest: lanes.viscous_rest[i] }.plus(lost);
             let worked = Sum { value: lanes.worked[i], rest: lanes.worked_rest[i] }
-                .plus(work * self.length[i]);
+                .plus(work[i] * self.length[i]);
             lanes.viscous[i] = pick(done, viscous.value, lanes.viscous[i]);
             lanes.viscous_rest[i] = pick(done, viscous.rest, lanes.viscous_rest[i]);
             lanes.worked[i] = pick(done, worked.value, lanes.worked[i]);
@@ -85,15 +84,16 @@ impl<const W: usize> Integrals<W> {
     #[inline(always)]
     pub fn square(&mut self, lanes: &mut Lanes<W>) {
         let mut squares = [[0.0; W]; COUNT];
-        for n in 0..COUNT {
+        for (n, squares) in squares.iter_mut().enumerate() {
             let place = self.at(&self.place, n);
             for i in 0..W {
-                squares[n][i] = weight(n) * (place[i] * place[i]);
+                squares[i] = weight(n) * (place[i] * place[i]);
             }
         }
+        let square = sums_of(&squares);
         for i in 0..W {
             let counts = self.counts[i] > 0.0;
-            let square = sum_of(&std::array::from_fn(|n| squares[n][i])) * self.length[i];
+            let square = square[i] * self.length[i];
             let sum = Sum { value: lanes.square[i], rest: lanes.square_rest[i] }.plus(square);
             lanes.square[i] = pick(counts, sum.value, lanes.square[i]);
             lanes.square_rest[i] = pick(counts, sum.rest, lanes.square_rest[i]);
@@ -103,10 +103,7 @@ impl<const W: usize> Integrals<W> {
     /// A series at a node.
     #[inline(always)]
     fn at(&self, series: &Series<W>, n: usize) -> [Real; W] {
-        let mut t: [Real; W] = [0.0; W];
-        for i in 0..W {
-            t[i] = node(n, [0.0, self.length[i] / self.step[i]]);
-        }
+        let t: [Real; W] = std::array::from_fn(|i| node(n, [0.0, self.length[i] / self.step[i]]));
         let mut values: [Real; W] = [0.0; W];
         for k in (0..=ORDER).rev() {
             for i in 0..W {
@@ -115,4 +112,10 @@ impl<const W: usize> Integrals<W> {
         }
         values
     }
+}
+
+/// The sums over all nodes.
+#[inline(always)]
+fn sums_of<const W: usize>(terms: &[[Real; W]; COUNT]) -> [Real; W] {
+    std::array::from_fn(|i| sum_of(&std::array::from_fn(|n| terms[n][i])))
 }
