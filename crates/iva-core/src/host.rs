@@ -60,6 +60,13 @@ pub trait Structure: std::fmt::Debug {
     fn equation(&self) -> &Equation;
     /// The course of the motion from a state.
     fn course(&self, from: &HostState<Self::Phase>) -> Self::Course;
+    /// The same by the best instructions that the machine has, where it is much to do.
+    #[inline(always)]
+    fn fast_course(&self, from: &HostState<Self::Phase>) -> Self::Course {
+        self.course(from)
+    }
+    /// True if the base moves.
+    fn moves_base(&self) -> bool;
     /// How far it may be followed.
     fn reach(&self, course: &Self::Course) -> Real;
     /// The motion after h.
@@ -69,10 +76,10 @@ pub trait Structure: std::fmt::Debug {
         course: &Self::Course,
         h: Real,
     ) -> Flown<Self::Phase>;
-    /// The same state as the run goes on from it: under the piece of the drive that acts from there on.
-    fn fresh(&self, state: HostState<Self::Phase>) -> HostState<Self::Phase> {
-        state
-    }
+    /// Makes the state at the end of a motion the one that the run goes on from: under the piece of the drive that
+    /// acts from there on.
+    #[inline(always)]
+    fn refresh(&self, _state: &mut HostState<Self::Phase>) {}
     /// x and its derivatives after h, to some units in the last place.
     fn jet(&self, from: &HostState<Self::Phase>, course: &Self::Course, h: Real) -> Jet;
     /// ∬A after h, to twice the precision: slow, and asked only where a grazing is to be decided.
@@ -90,7 +97,7 @@ pub trait Structure: std::fmt::Debug {
     /// Energy that the damper takes in a motion of length h, and the work of the drive on the structure and on
     /// an absorber of mass ratio μ that starts with a gap velocity w: integrals.
     fn losses(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2];
-    /// Whether x turns round in a motion of length h to a state, if that is plain.
+    /// Whether x turns round in a motion of length h to a state, if that is plain, where its velocity changes sign.
     fn turns(
         &self,
         from: &HostState<Self::Phase>,

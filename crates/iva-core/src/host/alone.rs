@@ -58,7 +58,9 @@ impl<H: Host> Motion for AloneFlight<'_, H> {
     }
 
     fn arrival(&self, h: Real) -> Self::State {
-        self.structure.fresh(self.state(h))
+        let mut state = self.state(h);
+        self.structure.refresh(&mut state);
+        state
     }
 
     fn primary(&self, h: Real) -> Jet {
@@ -162,7 +164,7 @@ impl<H: Host> System for Alone<H> {
 
     fn flight(&self, state: &Self::State) -> AloneFlight<'_, H> {
         let structure = self.host.free();
-        AloneFlight { structure, from: *state, course: structure.course(state) }
+        AloneFlight { structure, from: *state, course: structure.fast_course(state) }
     }
 
     fn ride(&self, state: &Self::State) -> AloneFlight<'_, H> {

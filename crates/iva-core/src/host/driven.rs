@@ -24,7 +24,7 @@ use crate::compensated::Sum;
 use crate::flight::{Arcs, Jet, Rows, Turns};
 use crate::force::{Drive, Force, Pushes};
 use crate::oscillator::{Arrival, Equation, Primary};
-use crate::real::{ONE, Real, ZERO, power_of_two};
+use crate::real::{ONE, Real, ZERO, dispatched, power_of_two};
 use crate::system::Clock;
 use crate::taylor::{Number, ORDER, Row, unrolled};
 
@@ -209,6 +209,18 @@ impl<D: Source> Structure for Driven<D> {
         &self.equation
     }
 
+    fn fast_course(&self, from: &HostState<Moment>) -> Course {
+        dispatched(
+            #[inline(always)]
+            || self.course(from),
+        )
+    }
+
+    #[inline(always)]
+    fn moves_base(&self) -> bool {
+        self.source.moves_base()
+    }
+
     #[inline(always)]
     fn course(&self, from: &HostState<Moment>) -> Course {
         let drive = self.drive(from);
@@ -243,13 +255,12 @@ impl<D: Source> Structure for Driven<D> {
     }
 
     #[inline(always)]
-    fn fresh(&self, state: HostState<Moment>) -> HostState<Moment> {
-        if !self.source.bends() {
-            return state;
+    fn refresh(&self, state: &mut HostState<Moment>) {
+        if self.source.bends() {
+            let Moment { time, kicks, .. } = state.phase;
+            state.phase = self.moment(time, time, kicks);
+            state.acceleration = self.acceleration(&state.phase, &state.primary);
         }
-        let Moment { time, kicks, .. } = state.phase;
-        let phase = self.moment(time, time, kicks);
-        HostState { acceleration: self.acceleration(&phase, &state.primary), phase, ..state }
     }
 
     fn jet(&self, from: &HostState<Moment>, course: &Course, h: Real) -> Jet {
@@ -332,9 +343,6 @@ impl<D: Source> Structure for Driven<D> {
         end: &HostState<Moment>,
         h: Real,
     ) -> Turns {
-        if from.primary.v.value * end.primary.v.value >= 0.0 {
-            return Turns::Unknown;
-        }
         self.displacement_turned(from, course, end, h).turns()
     }
 

@@ -18,6 +18,11 @@ impl Structure for Oscillator {
     }
 
     #[inline(always)]
+    fn moves_base(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
     fn course(&self, _from: &HostState<()>) {}
 
     #[inline(always)]
@@ -70,9 +75,6 @@ impl Structure for Oscillator {
 
     #[inline(always)]
     fn turns(&self, from: &HostState<()>, _course: &(), end: &HostState<()>, h: Real) -> Turns {
-        if from.primary.v.value * end.primary.v.value >= 0.0 {
-            return Turns::Unknown;
-        }
         let guess = guess(self.leading(from), self.leading(end), h);
         let fifth = self.equation.bound::<3>(&from.primary);
         let (h, x, exact) = turning(self.jets(from, guess), fifth, guess, h);

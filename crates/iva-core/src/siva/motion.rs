@@ -18,11 +18,7 @@ pub struct SivaFlight<'a, H: Host> {
 impl<'a, H: Host> SivaFlight<'a, H> {
     #[inline]
     pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>>) -> Self {
-        let course = dispatched(
-            #[inline(always)]
-            || siva.host.free().course(&from.host),
-        );
-        Self { siva, from, course }
+        Self { siva, from, course: siva.host.free().fast_course(&from.host) }
     }
 
     #[inline(always)]
@@ -70,8 +66,9 @@ impl<H: Host> Motion for SivaFlight<'_, H> {
     }
 
     fn arrival(&self, h: Real) -> Self::State {
-        let state = self.state(h);
-        SivaState { host: self.structure().fresh(state.host), ..state }
+        let mut state = self.state(h);
+        self.structure().refresh(&mut state.host);
+        state
     }
 
     fn primary(&self, h: Real) -> Jet {
@@ -144,7 +141,8 @@ impl<H: Host> Motion for SivaFlight<'_, H> {
     }
 
     fn turns(&self, length: Real, end: &Self::State) -> Turns {
-        if !STRIDES {
+        let [v, v_end] = [&self.from, end].map(|state| state.host.primary.v.value);
+        if !STRIDES || v * v_end >= 0.0 {
             return Turns::Unknown;
         }
         dispatched(

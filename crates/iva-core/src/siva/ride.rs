@@ -23,7 +23,7 @@ impl<'a, H: Host> SivaRide<'a, H> {
         let loaded = siva.host.loaded();
         let acceleration = loaded.acceleration(&from.host.phase, &from.host.primary);
         let begin = HostState { acceleration, ..from.host };
-        let course = loaded.course(&begin);
+        let course = loaded.fast_course(&begin);
         Self { siva, from, begin, course }
     }
 
@@ -53,8 +53,9 @@ impl<H: Host> Motion for SivaRide<'_, H> {
     }
 
     fn arrival(&self, h: Real) -> Self::State {
-        let state = self.state(h);
-        SivaState { host: self.siva.host.free().fresh(state.host), ..state }
+        let mut state = self.state(h);
+        self.siva.host.free().refresh(&mut state.host);
+        state
     }
 
     fn primary(&self, h: Real) -> Jet {

@@ -180,15 +180,19 @@ pub(crate) fn at_wall<S: Structure>(
     let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
     let a = acceleration.value;
     let [jerk, snap, fifth] = free.derivatives(&phase, v.value, a);
-    let base = free.base(&phase);
     let t = later;
     // One term more than the search for the wall takes: what every impact lacks would add up.
     let raised = |[a, jerk, snap, fifth]: [Real; 4]| {
         t * (a + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap + t * ((1.0 / 24.0) * fifth))))
     };
     let gained = raised([a, jerk, snap, fifth]);
-    let moved = raised([v.value, a - base[0], jerk - base[1], snap - base[2]]);
-    let primary = Primary { x: x.plus(moved), v: v.plus(gained - raised(base)) };
+    let (mut faster, mut moved) = (gained, raised([v.value, a, jerk, snap]));
+    if free.moves_base() {
+        let [base, rate, second, third] = free.base(&phase);
+        faster -= raised([base, rate, second, third]);
+        moved = raised([v.value, a - base, jerk - rate, snap - second]);
+    }
+    let primary = Primary { x: x.plus(moved), v: v.plus(faster) };
     let turn = if far { -ONE } else { ONE };
     let rate = state.rate.plus(state.side * gained);
     SivaState {
@@ -205,11 +209,11 @@ impl<H: Host> SivaFlight<'_, H> {
     pub(super) fn stride(&self, length: Real) -> Option<Glide<SivaState<Phase<H>>>> {
         let (free, course, state) = (self.structure(), &self.course, &self.from);
         let clearance = self.siva.clearance;
-        let end = arrived(free, course, state, length);
+        let mut end = arrived(free, course, state, length);
         let quintic = Quintic::new(free, state, &end, clearance, length);
         let proof = quintic.proof();
         if proof.free {
-            let end = SivaState { host: free.fresh(end.host), ..end };
+            free.refresh(&mut end.host);
             return Some(Glide { length, later: ZERO, end, meets: Meets::Nothing });
         }
         let far = proof.meets[1];
