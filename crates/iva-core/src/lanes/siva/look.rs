@@ -94,7 +94,8 @@ pub(super) struct Look<P> {
     pub part: Real,
     /// The impact, if `hit`.
     after: SivaState<P>,
-    near: SivaState<P>,
+    /// The state at the wall, if `hit`.
+    touching: SivaState<P>,
     approach: Real,
     pressure: Real,
     pub hit: bool,
@@ -164,7 +165,7 @@ pub(super) fn look<S: Structure<Phase: Pick>>(
         length,
         part,
         after,
-        near,
+        touching,
         approach,
         pressure,
         hit,
@@ -183,8 +184,7 @@ impl<P: Pick> Look<P> {
     /// The state that the flight goes on from, if the span is `done`.
     #[inline(always)]
     pub fn next_state(&self, done: bool) -> SivaState<P> {
-        let hit = self.hit & done;
-        SivaState::pick(done, &SivaState::pick(hit, &self.after, &self.near), &self.from)
+        SivaState::pick(done, &SivaState::pick(self.hit, &self.after, &self.end), &self.from)
     }
 
     /// The flight after it, if the span is `done`.
@@ -222,12 +222,12 @@ impl<P: Pick> Look<P> {
     /// Counts an impact.
     #[inline(always)]
     fn strike(&self, next: &mut Flying, lane: &Flying, hit: bool) {
-        let (approach, side) = (self.approach, self.end.side);
+        let (approach, side) = (self.approach, self.touching.side);
         let loss = lane.loss_factor * (approach * approach);
         let losses = Sum { value: lane.losses, rest: lane.losses_rest }.plus(loss);
         next.losses = pick(hit, losses.value, lane.losses);
         next.losses_rest = pick(hit, losses.rest, lane.losses_rest);
-        let v = self.end.host.primary.v.value;
+        let v = self.touching.host.primary.v.value;
         let absorber = v + side * approach;
         next.impacts = lane.impacts + pick(hit, 1.0, 0.0);
         next.effective = lane.effective + pick(hit & (v * absorber < 0.0), 1.0, 0.0);
