@@ -5,7 +5,7 @@ use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::{self, ONE, Real, TURN, reciprocal};
-use crate::taylor::unrolled;
+use crate::taylor::{ORDER, unrolled};
 use crate::trigonometry::sine_cosine;
 
 /// 2π to twice the precision.
@@ -45,13 +45,13 @@ impl Harmonic {
         let turns = [c.value, -s.value, -c.value, s.value];
         let turn = self.frequency * h;
         // The amplitude times turnᵏ/k!.
-        let mut powers = [self.amplitude; LENGTH];
-        unrolled!(k < LENGTH => {
-            if k > 0 {
-                powers[k] = powers[k - 1] * (turn * reciprocal(k));
-            }
-            row[k] += powers[k] * turns[k % 4];
-        });
+        let mut power = self.amplitude;
+        let mut term = |k: usize| {
+            power *= if k > 0 { turn * reciprocal(k) } else { ONE };
+            row[k] += power * turns[k % 4];
+        };
+        unrolled!(k < if LENGTH > ORDER { ORDER + 1 } else { LENGTH } => term(k));
+        (ORDER + 1..LENGTH).for_each(term);
     }
 
     /// Its value and derivatives at an instant.

@@ -1,6 +1,6 @@
 //! Integrals along a motion: Gauss's quadrature, exact for polynomials up to degree 15.
 //!
-//! The square of a motion within one time scale of oscillator and force is integrated to some 10⁻¹⁸ of it, the
+//! The square of a motion within one time scale of oscillator and force is integrated to some 10⁻¹⁷ of it, the
 //! nodes side by side. The integrals are no differences of energies, so that the ledger proves something.
 
 use crate::real::{ONE, Real, ZERO};
