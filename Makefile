@@ -7,8 +7,6 @@ BIN := $(VENV)/bin
 # The pip outside serves the environment inside: no ensurepip needed.
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 CARGO := cargo
-# The source of iva-core in other numbers: its tests are those of iva-core.
-SIBLINGS := iva-core-dual iva-core-twofold
 # Runs on stable Rust without a sanitizer: there is no unsafe code for one to watch.
 CARGO_FUZZ := 0.13.2
 FUZZ ?= -max_total_time=60
@@ -43,8 +41,7 @@ lint: lint-rust lint-python ## formats, clippy, ruff, types, stubs, layers, lice
 lint-rust: $(VENV)/.tools
 	$(CARGO) fmt --all --check
 	$(CARGO) fmt --manifest-path tests/fuzz/Cargo.toml --check
-	$(CARGO) clippy --locked --release --workspace --all-targets $(SIBLINGS:%=--exclude %) -- -D warnings
-	$(CARGO) clippy --locked --release $(SIBLINGS:%=--package %) -- -D warnings
+	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
 	$(PYTHON) .ci/layers.py
 	$(PYTHON) .ci/notices.py
 

@@ -8,8 +8,6 @@ from pathlib import Path
 # What must not be among the dependencies of a crate, at any depth.
 FORBIDDEN_CRATES = {
     "iva-core": "iva-sweep iva-cli iva-py rayon arrow-array arrow-schema parquet pyo3 clap toml",
-    "iva-core-dual": "iva-sweep iva-cli iva-py rayon arrow-array parquet pyo3",
-    "iva-core-twofold": "iva-sweep iva-cli iva-py rayon arrow-array parquet pyo3",
     "iva-sweep": "iva-cli iva-py parquet pyo3 clap toml tempfile",
     "iva-cli": "iva-py pyo3",
 }

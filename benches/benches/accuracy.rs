@@ -22,7 +22,7 @@ struct Scene {
     rounded: Vec<f64>,
 }
 
-fn scene<S: System>(
+fn scene<S: System<Real = f64>>(
     name: &str,
     system: &S,
     start: &S::Start,

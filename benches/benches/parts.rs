@@ -16,7 +16,12 @@ use iva_core::siva::Siva;
 use iva_core::system::{Start, System};
 
 /// A flight from a state to its end; the same searched for a contact that it makes; the impact there.
-fn of_a_run<S: System>(criterion: &mut Criterion, name: &str, system: &S, start: &S::Start) {
+fn of_a_run<S: System<Real = f64>>(
+    criterion: &mut Criterion,
+    name: &str,
+    system: &S,
+    start: &S::Start,
+) {
     let (state, _) = system.begin(start);
     let mut group = criterion.benchmark_group(name);
     group.bench_function("flight", |bencher| {
@@ -40,7 +45,12 @@ fn of_a_run<S: System>(criterion: &mut Criterion, name: &str, system: &S, start:
 }
 
 /// A whole chatter: the first impact on a pressing wall, and all that follow until it sticks.
-fn chatter<S: System>(criterion: &mut Criterion, name: &str, system: &S, start: &S::Start) {
+fn chatter<S: System<Real = f64>>(
+    criterion: &mut Criterion,
+    name: &str,
+    system: &S,
+    start: &S::Start,
+) {
     let limits = Limits::new(0.5 * TAU, system.clearance());
     let Ok(seen) = run(system, start, &limits) else { return };
     let Some(stuck) = seen.episodes.first() else { return };

@@ -63,7 +63,7 @@ fn pendulum(restitution: f64, clearance: f64) -> Parameters {
     }
 }
 
-fn decay<S: System>(system: &S, start: &S::Start) -> Result<(), Invalid> {
+fn decay<S: System<Real = f64>>(system: &S, start: &S::Start) -> Result<(), Invalid> {
     let limits = Limits::new(30.0 * TAU, system.clearance());
     let mut measures = Measures::<S>::new(Wanted::ALL);
     black_box(simulate(black_box(system), start, &limits, None, &mut measures)?);

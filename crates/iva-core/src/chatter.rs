@@ -17,49 +17,49 @@
 //! forces), so the motion after it is as exact. Rebounds of the printed law take momentum as well; what that
 //! does to the ride, to second order, is in `piva/impact_law.rs`.
 
-use crate::real::{NEGLIGIBLE, Real};
+use crate::real::Real;
 
 /// What the third-order terms are taken times: their coefficients are of order 1, not below.
 const SAFETY: f64 = 4.0;
 
 /// A rebound at a pressing wall, right after the impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rebound {
+pub struct Rebound<R = f64> {
     /// u: speed away from the wall, > 0.
-    pub speed: Real,
+    pub speed: R,
     /// A = −D̈: pressure per unit mass, > 0.
-    pub pressure: Real,
+    pub pressure: R,
     /// J = D⃛ in free motion.
-    pub jerk: Real,
+    pub jerk: R,
     /// β: rise of the pressure at an impact of unit approach speed.
-    pub gain: Real,
+    pub gain: R,
     /// R: size of D⁗ and of the motion.
-    pub fourth: Real,
+    pub fourth: R,
     /// e: ratio of successive rebound speeds, < 1 for a tail.
-    pub ratio: Real,
+    pub ratio: R,
 }
 
-impl Rebound {
+impl<R: Real> Rebound<R> {
     /// Duration of the infinite tail, to second order in the speed.
-    pub fn tail(&self) -> Real {
+    pub fn tail(&self) -> R {
         let Self { speed: u, pressure: a, jerk: j, gain: b, ratio: e, .. } = *self;
-        let x = u / (a * (1.0 - e));
-        2.0 * x + x * x * ((4.0 / 3.0) * (j / a) - 2.0 * b * e / (1.0 + e))
+        let x = u / (a * (R::ONE - e));
+        x * 2.0 + x * x * ((j / a) * (4.0 / 3.0) - b * 2.0 * e / (R::ONE + e))
     }
 
     /// Estimate of the error of [`Rebound::tail`].
-    pub fn tail_error(&self) -> Real {
+    pub fn tail_error(&self) -> R {
         let Self { speed: u, pressure: a, jerk: j, gain: b, fourth: r, ratio: e } = *self;
         let h = u / a;
-        let spread = 1.0 / (1.0 - e);
+        let spread = R::ONE / (R::ONE - e);
         let epsilon = h * (j.abs() / a + b) * spread;
         let curved = h * h * (r / a) * (spread * spread);
-        SAFETY * (2.0 * h * spread) * (epsilon * epsilon + curved)
+        (h * 2.0 * spread) * SAFETY * (epsilon * epsilon + curved)
     }
 
     /// True if the tail can be summed with an error below rounding.
     pub fn summable(&self) -> bool {
-        self.ratio < 1.0 && self.pressure > 0.0 && self.tail_error() <= NEGLIGIBLE
+        self.ratio < 1.0 && self.pressure > 0.0 && self.tail_error() <= R::NEGLIGIBLE
     }
 }
 

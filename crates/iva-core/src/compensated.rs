@@ -1,37 +1,37 @@
 //! Sums that keep what rounding drops.
 
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 
 /// A number carried as its rounded value and the rest that rounding dropped (T. J. Dekker,
 /// Numer. Math. 18, 1971; the addition is D. Knuth's two-sum).
 ///
 /// Adding many small increments loses nothing but the rounding of the increments themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Sum {
+pub struct Sum<R = f64> {
     /// The sum, rounded to double precision.
-    pub value: Real,
+    pub value: R,
     /// What `value` lacks; at most half a unit in its last place.
-    pub rest: Real,
+    pub rest: R,
 }
 
-impl Sum {
+impl<R: Real> Sum<R> {
     /// Zero.
-    pub const ZERO: Sum = Sum { value: ZERO, rest: ZERO };
+    pub const ZERO: Sum<R> = Sum { value: R::ZERO, rest: R::ZERO };
 
     /// A number without rest.
-    pub const fn new(value: Real) -> Self {
-        Self { value, rest: ZERO }
+    pub const fn new(value: R) -> Self {
+        Self { value, rest: R::ZERO }
     }
 
     /// The sum after adding an increment.
     #[inline(always)]
-    pub fn plus(self, increment: impl Into<Real>) -> Self {
-        self.plus_parts(increment.into(), ZERO)
+    pub fn plus(self, increment: impl Into<R>) -> Self {
+        self.plus_parts(increment.into(), R::ZERO)
     }
 
     /// The sum after adding an increment that is itself given with its rounding rest.
     #[inline(always)]
-    pub fn plus_parts(self, increment: Real, rest: Real) -> Self {
+    pub fn plus_parts(self, increment: R, rest: R) -> Self {
         let (sum, lost) = two_sum(self.value, increment);
         let rest = lost + (self.rest + rest);
         // `rest` is small against `sum`, so this renormalisation is exact.
@@ -41,58 +41,58 @@ impl Sum {
 
     /// The product with a plain number.
     #[inline(always)]
-    pub fn times(self, factor: impl Into<Real>) -> Self {
+    pub fn times(self, factor: impl Into<R>) -> Self {
         let factor = factor.into();
         let (product, lost) = two_product(self.value, factor);
-        Self { value: product, rest: ZERO }.plus_parts(ZERO, lost + self.rest * factor)
+        Self { value: product, rest: R::ZERO }.plus_parts(R::ZERO, lost + self.rest * factor)
     }
 
     /// The product with another sum.
     #[inline(always)]
-    pub fn times_sum(self, factor: Sum) -> Self {
-        self.times(factor.value).plus_parts(ZERO, self.value * factor.rest)
+    pub fn times_sum(self, factor: Sum<R>) -> Self {
+        self.times(factor.value).plus_parts(R::ZERO, self.value * factor.rest)
     }
 
     /// The product with another sum, as short as it can be had: the rest may be some units in the
     /// last place of the value.
     #[inline(always)]
-    pub(crate) fn product(self, factor: Sum) -> Self {
+    pub(crate) fn product(self, factor: Sum<R>) -> Self {
         let (value, lost) = two_product(self.value, factor.value);
         Self { value, rest: lost + (self.value * factor.rest + self.rest * factor.value) }
     }
 
     /// The sum after adding two others.
     #[inline(always)]
-    pub(crate) fn plus_both(self, a: Sum, b: Sum) -> Self {
+    pub(crate) fn plus_both(self, a: Sum<R>, b: Sum<R>) -> Self {
         let (increment, lost) = two_sum(a.value, b.value);
         self.plus_parts(increment, lost + (a.rest + b.rest))
     }
 
     /// The quotient by a plain number.
     #[inline(always)]
-    pub fn over(self, divisor: impl Into<Real>) -> Self {
+    pub fn over(self, divisor: impl Into<R>) -> Self {
         self.over_sum(Sum::new(divisor.into()))
     }
 
     /// The quotient by another sum.
     #[inline(always)]
-    pub fn over_sum(self, divisor: Sum) -> Self {
+    pub fn over_sum(self, divisor: Sum<R>) -> Self {
         let quotient = self.value / divisor.value;
         let (product, lost) = two_product(quotient, divisor.value);
         let remainder = ((self.value - product) - lost) + (self.rest - quotient * divisor.rest);
-        Self::new(quotient).plus_parts(ZERO, remainder / divisor.value)
+        Self::new(quotient).plus_parts(R::ZERO, remainder / divisor.value)
     }
 
     /// The difference to a plain number, rounded once.
     #[inline(always)]
-    pub fn minus(self, other: impl Into<Real>) -> Real {
+    pub fn minus(self, other: impl Into<R>) -> R {
         (self.value - other.into()) + self.rest
     }
 
     /// Half of it, exactly.
     #[inline(always)]
     pub fn half(self) -> Self {
-        Self { value: 0.5 * self.value, rest: 0.5 * self.rest }
+        Self { value: self.value * 0.5, rest: self.rest * 0.5 }
     }
 
     /// The negative.
@@ -102,38 +102,38 @@ impl Sum {
     }
 }
 
-impl std::ops::Neg for Sum {
-    type Output = Sum;
+impl<R: Real> std::ops::Neg for Sum<R> {
+    type Output = Sum<R>;
 
     #[inline(always)]
-    fn neg(self) -> Sum {
+    fn neg(self) -> Sum<R> {
         self.negated()
     }
 }
 
-impl std::ops::Add for Sum {
-    type Output = Sum;
+impl<R: Real> std::ops::Add for Sum<R> {
+    type Output = Sum<R>;
 
     #[inline(always)]
-    fn add(self, other: Sum) -> Sum {
+    fn add(self, other: Sum<R>) -> Sum<R> {
         self.plus_parts(other.value, other.rest)
     }
 }
 
-impl std::ops::Sub for Sum {
-    type Output = Sum;
+impl<R: Real> std::ops::Sub for Sum<R> {
+    type Output = Sum<R>;
 
     #[inline(always)]
-    fn sub(self, other: Sum) -> Sum {
+    fn sub(self, other: Sum<R>) -> Sum<R> {
         self.plus_parts(-other.value, -other.rest)
     }
 }
 
-impl std::ops::Mul for Sum {
-    type Output = Sum;
+impl<R: Real> std::ops::Mul for Sum<R> {
+    type Output = Sum<R>;
 
     #[inline(always)]
-    fn mul(self, other: Sum) -> Sum {
+    fn mul(self, other: Sum<R>) -> Sum<R> {
         let Sum { value, rest } = self.product(other);
         // The rest is small, so this renormalisation is exact.
         let sum = value + rest;
@@ -141,17 +141,17 @@ impl std::ops::Mul for Sum {
     }
 }
 
-impl std::ops::Div for Sum {
-    type Output = Sum;
+impl<R: Real> std::ops::Div for Sum<R> {
+    type Output = Sum<R>;
 
-    fn div(self, other: Sum) -> Sum {
+    fn div(self, other: Sum<R>) -> Sum<R> {
         self.over_sum(other)
     }
 }
 
 /// `a + b` as the rounded sum and its exact error.
 #[inline(always)]
-pub(crate) fn two_sum(a: Real, b: Real) -> (Real, Real) {
+pub(crate) fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     let sum = a + b;
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))
@@ -159,7 +159,7 @@ pub(crate) fn two_sum(a: Real, b: Real) -> (Real, Real) {
 
 /// `a · b` as the rounded product and its exact error; far from underflow.
 #[inline(always)]
-pub(crate) fn two_product(a: Real, b: Real) -> (Real, Real) {
+pub(crate) fn two_product<R: Real>(a: R, b: R) -> (R, R) {
     let product = a * b;
     (product, a.mul_add(b, -product))
 }
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn ten_million_tenths_keep_their_sum() {
         // 0.1 is a double slightly above 1/10; 10^7 of them sum to 10^6 + 10^7 · 5.55e-18.
-        let total = (0..10_000_000).fold(Sum::ZERO, |sum, _| sum.plus(0.1));
+        let total = (0..10_000_000).fold(Sum::<f64>::ZERO, |sum, _| sum.plus(0.1));
         assert_eq!(total.value, 1e6);
         assert!((total.rest - 1e7 * 5.551_115_123_125_783e-18).abs() < 1e-14);
     }

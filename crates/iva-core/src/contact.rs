@@ -6,7 +6,7 @@
 //! velocity, then acceleration, then jerk, without cool-down time or nudge.
 
 use crate::flight::{Curve, Jet, Side};
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::roots::{DOUBT, Node, Searched, highest_change};
 
 /// Half width of the band around a wall in which an extremum is undecided, in units of 2⁻⁵³ of the
@@ -15,9 +15,9 @@ pub const UNDECIDED_BAND: f64 = 16.0;
 
 /// What a stretch of flight ends in.
 #[derive(Debug, Clone, Copy)]
-pub struct Stretch<T> {
+pub struct Stretch<T, R = f64> {
     /// The end: of the stretch, or the contact.
-    pub end: Node<T>,
+    pub end: Node<T, R>,
     /// The wall touched; `None`: proof that no wall is met.
     pub contact: Option<Side>,
     /// Grazing extrema within the band, counted as no contact.
@@ -25,20 +25,20 @@ pub struct Stretch<T> {
 }
 
 /// Searches a flight from its start up to `length` for its first contact.
-pub fn first_contact<C: Curve>(
+pub fn first_contact<R: Real, C: Curve<Real = R>>(
     flight: &C,
     start: &C::Sample,
-    clearance: Real,
-    length: Real,
-) -> Stretch<C::Sample> {
+    clearance: R,
+    length: R,
+) -> Stretch<C::Sample, R> {
     let jet = flight.jet(start);
     let fourth = flight.fourth();
     let size = flight.magnitude();
     // A flight that starts from a wall is exact to rounding of its own height over it.
     let height = if jet.value == 0.0 { size.min(highest(&jet, fourth, length)) } else { size };
-    let near = searched(flight, (ZERO, ONE), fourth, height);
-    let far = searched(flight, (2.0 * clearance, -ONE), fourth, size);
-    let a = Node { h: ZERO, sample: *start, jet };
+    let near = searched(flight, (R::ZERO, R::ONE), fourth, height);
+    let far = searched(flight, (clearance * 2.0, -R::ONE), fourth, size);
+    let a = Node { h: R::ZERO, sample: *start, jet };
     let b = near.node(length);
     let (a_far, b_far) = (far.seen(&a.jet), far.seen(&b.jet));
     let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
@@ -67,16 +67,20 @@ pub fn first_contact<C: Curve>(
 }
 
 /// A flight of this length that meets no wall, because none can be reached.
-pub fn free_stretch<C: Curve>(flight: &C, length: Real) -> Stretch<C::Sample> {
+pub fn free_stretch<R: Real, C: Curve<Real = R>>(flight: &C, length: R) -> Stretch<C::Sample, R> {
     let sample = flight.sample(length);
     let end = Node { h: length, sample, jet: flight.jet(&sample) };
     Stretch { end, contact: None, undecided: 0 }
 }
 
 /// The first instant within `length` at which the pressure of a ride vanishes.
-pub fn first_release<C: Curve>(ride: &C, start: &C::Sample, length: Real) -> Stretch<C::Sample> {
-    let pressure = searched(ride, (ZERO, ONE), ride.fourth(), ride.magnitude());
-    let a = Node { h: ZERO, sample: *start, jet: ride.jet(start) };
+pub fn first_release<R: Real, C: Curve<Real = R>>(
+    ride: &C,
+    start: &C::Sample,
+    length: R,
+) -> Stretch<C::Sample, R> {
+    let pressure = searched(ride, (R::ZERO, R::ONE), ride.fourth(), ride.magnitude());
+    let a = Node { h: R::ZERO, sample: *start, jet: ride.jet(start) };
     let b = pressure.node(length);
     let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
     if !pressure.excluded(&a.jet, &b.jet, length) {
@@ -90,17 +94,17 @@ pub fn first_release<C: Curve>(ride: &C, start: &C::Sample, length: Real) -> Str
     stretch
 }
 
-fn searched<C: Curve>(
+fn searched<R: Real, C: Curve<Real = R>>(
     curve: &C,
-    (level, sign): (Real, Real),
-    fourth: Real,
-    magnitude: Real,
+    (level, sign): (R, R),
+    fourth: R,
+    magnitude: R,
 ) -> Searched<'_, C> {
-    let unit = 0.5 * Real::EPSILON * magnitude;
-    Searched { curve, level, sign, fourth, band: UNDECIDED_BAND * unit, doubt: DOUBT * unit }
+    let unit = R::EPSILON * 0.5 * magnitude;
+    Searched { curve, level, sign, fourth, band: unit * UNDECIDED_BAND, doubt: unit * DOUBT }
 }
 
 /// What a function does not exceed within `length`.
-fn highest(jet: &Jet, fourth: Real, length: Real) -> Real {
+fn highest<R: Real>(jet: &Jet<R>, fourth: R, length: R) -> R {
     jet.value.abs() + highest_change(jet, fourth, length)
 }

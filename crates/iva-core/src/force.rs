@@ -17,11 +17,10 @@
 use crate::compensated::Sum;
 use crate::error::Invalid;
 use crate::range;
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 use crate::taylor::ORDER;
 
 pub use harmonic::Harmonic;
-pub(crate) use harmonic::WHOLE_TURN;
 pub use record::{History, Record};
 
 mod harmonic;
@@ -38,26 +37,26 @@ pub enum Acts {
 
 /// An impulse P on the primary.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Impulse {
+pub struct Impulse<R = f64> {
     /// P/M.
-    pub velocity: Real,
+    pub velocity: R,
     /// Instant, in 1/ωn.
-    pub time: Real,
+    pub time: R,
 }
 
 /// A sum of forces; the empty one is free decay.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Force {
-    harmonics: Vec<Harmonic>,
-    records: Vec<Record>,
-    kicks: Vec<Kick>,
+pub struct Force<R = f64> {
+    harmonics: Vec<Harmonic<R>>,
+    records: Vec<Record<R>>,
+    kicks: Vec<Kick<R>>,
 }
 
 /// An impulse, or a jump of a record (then of velocity 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Kick {
-    time: Sum,
-    velocity: Real,
+struct Kick<R = f64> {
+    time: Sum<R>,
+    velocity: R,
 }
 
 /// Taylor coefficients of f/M and a_g over a step.
@@ -71,33 +70,33 @@ pub struct Drive<T, const LENGTH: usize = { ORDER + 1 }> {
 
 /// A drive at one instant, with its derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Push {
+pub struct Push<R = f64> {
     /// f/M or a_g.
-    pub value: Sum,
+    pub value: Sum<R>,
     /// Its derivative.
-    pub rate: Sum,
+    pub rate: Sum<R>,
     /// Its second derivative.
-    pub second: Sum,
+    pub second: Sum<R>,
     /// Its third derivative.
-    pub third: Real,
+    pub third: R,
 }
 
 /// All that drives a structure at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pushes {
+pub struct Pushes<R = f64> {
     /// f/M.
-    pub primary: Push,
+    pub primary: Push<R>,
     /// a_g.
-    pub base: Push,
+    pub base: Push<R>,
 }
 
-impl Push {
+impl<R: Real> Push<R> {
     /// Nothing.
-    pub const NONE: Push =
-        Push { value: Sum::ZERO, rate: Sum::ZERO, second: Sum::ZERO, third: ZERO };
+    pub const NONE: Push<R> =
+        Push { value: Sum::ZERO, rate: Sum::ZERO, second: Sum::ZERO, third: R::ZERO };
 
     #[inline(always)]
-    fn add(&mut self, other: &Push) {
+    fn add(&mut self, other: &Push<R>) {
         self.value = self.value + other.value;
         self.rate = self.rate + other.rate;
         self.second = self.second + other.second;
@@ -105,20 +104,20 @@ impl Push {
     }
 }
 
-impl Force {
+impl<R: Real> Force<R> {
     /// A sum of forces.
     ///
     /// # Errors
     /// [`Invalid`] naming the first number out of [`crate::range`].
     pub fn new(
-        harmonics: Vec<Harmonic>,
-        records: Vec<Record>,
-        impulses: &[Impulse],
+        harmonics: Vec<Harmonic<R>>,
+        records: Vec<Record<R>>,
+        impulses: &[Impulse<R>],
     ) -> Result<Self, Invalid> {
         harmonics.iter().try_for_each(Harmonic::check)?;
         records.iter().try_for_each(Record::check)?;
         let jumps = records.iter().flat_map(Record::jumps).filter(|time| time.value > 0.0);
-        let mut kicks: Vec<Kick> = jumps.map(|time| Kick { time, velocity: ZERO }).collect();
+        let mut kicks: Vec<Kick<R>> = jumps.map(|time| Kick { time, velocity: R::ZERO }).collect();
         for Impulse { velocity, time } in impulses {
             range::size("force.velocity", *velocity)?;
             if *time != 0.0 {
@@ -128,7 +127,7 @@ impl Force {
                 kicks.push(Kick { time: Sum::new(*time), velocity: *velocity });
             }
         }
-        kicks.sort_by(|a, b| (a.time - b.time).value.total_cmp(&ZERO));
+        kicks.sort_by(|a, b| (a.time - b.time).value.total_cmp(&R::ZERO));
         Ok(Self { harmonics, records, kicks })
     }
 
@@ -136,23 +135,23 @@ impl Force {
     ///
     /// # Errors
     /// As [`Force::new`].
-    pub fn harmonic(harmonics: Vec<Harmonic>) -> Result<Self, Invalid> {
+    pub fn harmonic(harmonics: Vec<Harmonic<R>>) -> Result<Self, Invalid> {
         Self::new(harmonics, Vec::new(), &[])
     }
 
     /// Its harmonic parts.
-    pub fn harmonics(&self) -> &[Harmonic] {
+    pub fn harmonics(&self) -> &[Harmonic<R>] {
         &self.harmonics
     }
 
     /// Its recorded parts.
-    pub fn records(&self) -> &[Record] {
+    pub fn records(&self) -> &[Record<R>] {
         &self.records
     }
 
     /// Its impulses, in the order of time.
-    pub fn impulses(&self) -> impl Iterator<Item = Impulse> + '_ {
-        let impulse = |kick: &Kick| Impulse { velocity: kick.velocity, time: kick.time.value };
+    pub fn impulses(&self) -> impl Iterator<Item = Impulse<R>> + '_ {
+        let impulse = |kick: &Kick<R>| Impulse { velocity: kick.velocity, time: kick.time.value };
         self.kicks.iter().filter(|kick| kick.velocity != 0.0).map(impulse)
     }
 
@@ -178,13 +177,13 @@ impl Force {
     }
 
     /// The highest frequency in it, 0 without any: a straight line has none.
-    pub fn fastest(&self) -> Real {
-        self.harmonics.iter().fold(ZERO, |most, harmonic| most.max(harmonic.frequency))
+    pub fn fastest(&self) -> R {
+        self.harmonics.iter().fold(R::ZERO, |most, harmonic| most.max(harmonic.frequency))
     }
 
     /// Coefficients of powers of t/h at `time`, of the smooth force that acts from `from` on.
     #[inline(always)]
-    pub fn drive<const LENGTH: usize>(&self, from: Sum, time: Sum, h: Real) -> Drive<Real, LENGTH> {
+    pub fn drive<const LENGTH: usize>(&self, from: Sum<R>, time: Sum<R>, h: R) -> Drive<R, LENGTH> {
         let mut drive = Drive::NONE;
         for harmonic in &self.harmonics {
             harmonic.add(drive.row(harmonic.acts), time, h);
@@ -201,7 +200,7 @@ impl Force {
 
     /// f/M and a_g at `time`, of the smooth force that acts from `from` on.
     #[inline(always)]
-    pub fn pushes(&self, from: Sum, time: Sum) -> Pushes {
+    pub fn pushes(&self, from: Sum<R>, time: Sum<R>) -> Pushes<R> {
         let mut pushes = Pushes { primary: Push::NONE, base: Push::NONE };
         for harmonic in &self.harmonics {
             pushes.on(harmonic.acts).add(&harmonic.push(time));
@@ -214,19 +213,19 @@ impl Force {
     }
 
     /// The largest size that the derivatives of this order of f/M and a_g have where they are smooth.
-    pub fn largest(&self, order: i32) -> [Real; 2] {
+    pub fn largest(&self, order: i32) -> [R; 2] {
         [Acts::Primary, Acts::Base].map(|acts| {
             let harmonics = self.harmonics.iter().filter(|harmonic| harmonic.acts == acts);
             let records = self.records.iter().filter(|record| record.acts == acts);
-            harmonics.map(|harmonic| harmonic.largest(order)).sum::<Real>()
-                + records.map(|record| record.largest(order)).sum::<Real>()
+            harmonics.map(|harmonic| harmonic.largest(order)).sum::<R>()
+                + records.map(|record| record.largest(order)).sum::<R>()
         })
     }
 
     /// How far a motion goes that reaches so far: not beyond the next instant at which the force bends, jumps or
     /// kicks, and then that instant.
-    pub fn until_bend(&self, time: Sum, done: u32, reach: Real) -> (Real, Option<Sum>) {
-        let until = |bend: Sum| (bend - time).value;
+    pub fn until_bend(&self, time: Sum<R>, done: u32, reach: R) -> (R, Option<Sum<R>>) {
+        let until = |bend: Sum<R>| (bend - time).value;
         match self.smooth_until(time, done).filter(|bend| until(*bend) <= reach) {
             Some(bend) => (until(bend), Some(bend)),
             None => (reach, None),
@@ -234,7 +233,7 @@ impl Force {
     }
 
     /// Coefficients of powers of t/h at `from`, to twice the precision.
-    pub fn precise<const LENGTH: usize>(&self, from: Sum, h: Real) -> Drive<Sum, LENGTH> {
+    pub fn precise<const LENGTH: usize>(&self, from: Sum<R>, h: R) -> Drive<Sum<R>, LENGTH> {
         let mut drive = Drive::NOTHING;
         for harmonic in &self.harmonics {
             harmonic.add_precise(drive.row(harmonic.acts), from, h);
@@ -251,8 +250,8 @@ impl Force {
 
     /// Bounds |F_k| ≤ F̂ qᵏ/(k+1) on the coefficients of f/M and of a_g for every k ≥ N ≥ 2; `None` if
     /// this q is too small. A straight line has no such coefficients.
-    pub fn tail(&self, h: Real, order: usize, ratio: Real) -> Option<[Real; 2]> {
-        let mut tail = [ZERO; 2];
+    pub fn tail(&self, h: R, order: usize, ratio: R) -> Option<[R; 2]> {
+        let mut tail = [R::ZERO; 2];
         for harmonic in &self.harmonics {
             tail[usize::from(harmonic.acts == Acts::Base)] += harmonic.tail(h, order, ratio)?;
         }
@@ -260,30 +259,30 @@ impl Force {
     }
 
     /// The next instant at which it is not smooth, once the first `done` kicks are over.
-    pub fn smooth_until(&self, time: Sum, done: u32) -> Option<Sum> {
+    pub fn smooth_until(&self, time: Sum<R>, done: u32) -> Option<Sum<R>> {
         let kick = self.kicks.get(done as usize).map(|kick| kick.time);
         let bends = self.records.iter().filter_map(|record| record.next_knot(time));
-        bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&ZERO))
+        bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&R::ZERO))
     }
 
     /// P/M of the kick that is due, once the first `done` are over.
-    pub fn due(&self, time: Sum, done: u32) -> Option<Real> {
+    pub fn due(&self, time: Sum<R>, done: u32) -> Option<R> {
         let next = self.kicks.get(done as usize)?;
         ((next.time - time).value <= 0.0).then_some(next.velocity)
     }
 }
 
-impl Pushes {
+impl<R: Real> Pushes<R> {
     /// Those of one harmonic force on the structure.
     #[inline(always)]
-    pub(crate) fn of(harmonic: &Harmonic, time: Sum) -> Self {
+    pub(crate) fn of(harmonic: &Harmonic<R>, time: Sum<R>) -> Self {
         let mut primary = Push::NONE;
         primary.add(&harmonic.push(time));
         Self { primary, base: Push::NONE }
     }
 
     #[inline(always)]
-    fn on(&mut self, acts: Acts) -> &mut Push {
+    fn on(&mut self, acts: Acts) -> &mut Push<R> {
         match acts {
             Acts::Primary => &mut self.primary,
             Acts::Base => &mut self.base,
@@ -291,18 +290,18 @@ impl Pushes {
     }
 }
 
-impl<const LENGTH: usize> Drive<Sum, LENGTH> {
+impl<R: Real, const LENGTH: usize> Drive<Sum<R>, LENGTH> {
     /// No force, to twice the precision.
     pub(crate) const NOTHING: Self =
         Self { primary: [Sum::ZERO; LENGTH], base: [Sum::ZERO; LENGTH] };
 }
 
-impl<const LENGTH: usize> Drive<Real, LENGTH> {
+impl<R: Real, const LENGTH: usize> Drive<R, LENGTH> {
     /// No force.
-    pub(crate) const NONE: Self = Self { primary: [ZERO; LENGTH], base: [ZERO; LENGTH] };
+    pub(crate) const NONE: Self = Self { primary: [R::ZERO; LENGTH], base: [R::ZERO; LENGTH] };
 
     /// Neither |f/M| nor |a_g| exceeds it within the step.
-    pub fn size(&self) -> Real {
+    pub fn size(&self) -> R {
         self.primary.iter().chain(&self.base).map(|coefficient| coefficient.abs()).sum()
     }
 }

@@ -15,7 +15,7 @@ use crate::compensated::Sum;
 use crate::flight::{Arcs, Jet, Rows, Turns};
 use crate::force::Force;
 use crate::oscillator::{Arrival, Equation, Primary};
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 
 pub use alone::{Alone, AloneFlight};
 pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Source};
@@ -28,108 +28,123 @@ mod undriven;
 
 /// The structure between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HostState<Phase> {
+pub struct HostState<Phase, R = f64> {
     /// Displacement and velocity.
-    pub(crate) primary: Primary,
+    pub(crate) primary: Primary<R>,
     /// A in free motion, small against f/M, x and ẋ where these balance.
-    pub(crate) acceleration: Sum,
+    pub(crate) acceleration: Sum<R>,
     /// Where the drive stands.
     pub(crate) phase: Phase,
 }
 
 /// What a motion of the structure comes to.
 #[derive(Debug, Clone, Copy)]
-pub struct Flown<Phase> {
+pub struct Flown<Phase, R = f64> {
     /// The state at its end.
-    pub to: HostState<Phase>,
+    pub to: HostState<Phase, R>,
     /// What it adds to the absolute displacement, beyond a uniform motion, and to the absolute velocity: ∬A and
     /// ∫A.
-    pub gained: Arrival,
+    pub gained: Arrival<R>,
 }
 
 /// One mass on the structure's spring and damper, and what drives it.
 ///
 /// A motion is evaluated from its state and its *course*: what all evaluations of one motion share.
 pub trait Structure: std::fmt::Debug {
+    /// The numbers that its motion is carried in.
+    type Real: Real;
     /// Where the drive stands.
     type Phase: Copy + std::fmt::Debug + PartialEq;
     /// What all evaluations of a motion share.
     type Course: Copy + std::fmt::Debug;
 
     /// Spring, damper and mass.
-    fn equation(&self) -> &Equation;
+    fn equation(&self) -> &Equation<Self::Real>;
     /// The course of the motion from a state.
-    fn course(&self, from: &HostState<Self::Phase>) -> Self::Course;
+    fn course(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Course;
     /// The same by the best instructions that the machine has, where it is much to do.
     #[inline(always)]
-    fn fast_course(&self, from: &HostState<Self::Phase>) -> Self::Course {
+    fn fast_course(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Course {
         self.course(from)
     }
     /// True if the base moves.
     fn moves_base(&self) -> bool;
     /// How far it may be followed.
-    fn reach(&self, course: &Self::Course) -> Real;
+    fn reach(&self, course: &Self::Course) -> Self::Real;
     /// The motion after h.
     fn flown(
         &self,
-        from: &HostState<Self::Phase>,
+        from: &HostState<Self::Phase, Self::Real>,
         course: &Self::Course,
-        h: Real,
-    ) -> Flown<Self::Phase>;
+        h: Self::Real,
+    ) -> Flown<Self::Phase, Self::Real>;
     /// Makes the state at the end of a motion the one that the run goes on from: under the piece of the drive that
     /// acts from there on.
     #[inline(always)]
-    fn refresh(&self, _state: &mut HostState<Self::Phase>) {}
+    fn refresh(&self, _state: &mut HostState<Self::Phase, Self::Real>) {}
     /// x and its derivatives after h, to some units in the last place.
-    fn jet(&self, from: &HostState<Self::Phase>, course: &Self::Course, h: Real) -> Jet;
+    fn jet(
+        &self,
+        from: &HostState<Self::Phase, Self::Real>,
+        course: &Self::Course,
+        h: Self::Real,
+    ) -> Jet<Self::Real>;
     /// ∬A after h, to twice the precision: slow, and asked only where a grazing is to be decided.
-    fn precise(&self, from: &HostState<Self::Phase>, h: Real) -> Sum;
+    fn precise(&self, from: &HostState<Self::Phase, Self::Real>, h: Self::Real) -> Sum<Self::Real>;
     /// Where the drive stands a little later.
-    fn later(&self, phase: &Self::Phase, h: Real) -> Self::Phase;
+    fn later(&self, phase: &Self::Phase, h: Self::Real) -> Self::Phase;
     /// A of this mass.
-    fn acceleration(&self, phase: &Self::Phase, primary: &Primary) -> Sum;
+    fn acceleration(&self, phase: &Self::Phase, primary: &Primary<Self::Real>) -> Sum<Self::Real>;
     /// The first three derivatives of A, from ẋ and A.
-    fn derivatives(&self, phase: &Self::Phase, v: Real, a: Real) -> [Real; 3];
+    fn derivatives(&self, phase: &Self::Phase, v: Self::Real, a: Self::Real) -> [Self::Real; 3];
     /// a_g and its first three derivatives.
-    fn base(&self, phase: &Self::Phase) -> [Real; 4];
+    fn base(&self, phase: &Self::Phase) -> [Self::Real; 4];
     /// A bound on the nth derivative of A in every motion from a state, n ≤ 5.
-    fn bound<const N: usize>(&self, primary: &Primary) -> Real;
+    fn bound<const N: usize>(&self, primary: &Primary<Self::Real>) -> Self::Real;
     /// Energy that the damper takes in a motion of length h, and the work of the drive on the structure and on
     /// an absorber of mass ratio μ that starts with a gap velocity w: integrals.
-    fn losses(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2];
+    fn losses(&self, motion: &Integrated<'_, Self>, h: Self::Real) -> [Self::Real; 2];
     /// Whether x turns round in a motion of length h to a state, if that is plain, where its velocity changes sign.
     fn turns(
         &self,
-        from: &HostState<Self::Phase>,
+        from: &HostState<Self::Phase, Self::Real>,
         course: &Self::Course,
-        end: &HostState<Self::Phase>,
-        h: Real,
-    ) -> Turns;
+        end: &HostState<Self::Phase, Self::Real>,
+        h: Self::Real,
+    ) -> Turns<Self::Real>;
     /// The same of A; asked under force.
     fn acceleration_turns(
         &self,
-        _from: &HostState<Self::Phase>,
+        _from: &HostState<Self::Phase, Self::Real>,
         _course: &Self::Course,
-        _end: &HostState<Self::Phase>,
-        _h: Real,
-    ) -> Turns {
+        _end: &HostState<Self::Phase, Self::Real>,
+        _h: Self::Real,
+    ) -> Turns<Self::Real> {
         Turns::Unknown
     }
     /// ∫x² from one h to another; asked under force.
     fn square(
         &self,
-        _from: &HostState<Self::Phase>,
+        _from: &HostState<Self::Phase, Self::Real>,
         _course: &Self::Course,
-        _h: [Real; 2],
-    ) -> Real {
-        ZERO
+        _h: [Self::Real; 2],
+    ) -> Self::Real {
+        Self::Real::ZERO
     }
     /// What is known of a motion under force on its way to a state.
-    fn arcs(&self, _from: &HostState<Self::Phase>, _end: &HostState<Self::Phase>) -> Option<Arcs> {
+    fn arcs(
+        &self,
+        _from: &HostState<Self::Phase, Self::Real>,
+        _end: &HostState<Self::Phase, Self::Real>,
+    ) -> Option<Arcs<Self::Real>> {
         None
     }
     /// The polynomials of a motion under force.
-    fn rows(&self, _from: &HostState<Self::Phase>, _course: &Self::Course) -> Option<Rows> {
+    fn rows(
+        &self,
+        _from: &HostState<Self::Phase, Self::Real>,
+        _course: &Self::Course,
+    ) -> Option<Rows<Self::Real>> {
         None
     }
 }
@@ -138,22 +153,24 @@ pub trait Structure: std::fmt::Debug {
 #[derive(Debug)]
 pub struct Integrated<'a, S: Structure + ?Sized> {
     /// Its begin.
-    pub from: &'a HostState<S::Phase>,
+    pub from: &'a HostState<S::Phase, S::Real>,
     /// Its course.
     pub course: &'a S::Course,
     /// μ.
-    pub mass_ratio: Real,
+    pub mass_ratio: S::Real,
     /// Gap velocity at its begin; `None`: the absorber is stuck to the structure.
-    pub gap_velocity: Option<Real>,
+    pub gap_velocity: Option<S::Real>,
 }
 
 /// A structure by itself and with an absorber stuck to it, and the instants of its drive.
 pub trait Host: Clone + std::fmt::Debug {
+    /// The numbers that its motion is carried in.
+    type Real: Real;
     /// One of the two masses.
-    type Structure: Structure;
+    type Structure: Structure<Real = Self::Real>;
 
     /// ζ.
-    fn damping_ratio(&self) -> Real;
+    fn damping_ratio(&self) -> Self::Real;
     /// The structure by itself.
     fn free(&self) -> &Self::Structure;
     /// With the absorber stuck to it.
@@ -161,21 +178,21 @@ pub trait Host: Clone + std::fmt::Debug {
     /// Where the drive stands at time zero.
     fn begin(&self) -> Phase<Self>;
     /// The displacement at which A = 0.
-    fn balanced(&self, phase: &Phase<Self>, v: Sum) -> Sum;
+    fn balanced(&self, phase: &Phase<Self>, v: Sum<Self::Real>) -> Sum<Self::Real>;
     /// Numbers whose signs say to which side it starts, where the state does not.
-    fn leaning(&self, _phase: &Phase<Self>) -> [Real; 3] {
-        [ZERO; 3]
+    fn leaning(&self, _phase: &Phase<Self>) -> [Self::Real; 3] {
+        [Self::Real::ZERO; 3]
     }
     /// All that drives it; `None` where nothing can.
-    fn force(&self) -> Option<&Force> {
+    fn force(&self) -> Option<&Force<Self::Real>> {
         None
     }
     /// How long the drive stays smooth.
-    fn smooth_for(&self, _phase: &Phase<Self>) -> Real {
-        Real::INFINITY
+    fn smooth_for(&self, _phase: &Phase<Self>) -> Self::Real {
+        Self::Real::INFINITY
     }
     /// P/M of the impulse that is due; 0 where the force jumps.
-    fn due(&self, _phase: &Phase<Self>) -> Option<Real> {
+    fn due(&self, _phase: &Phase<Self>) -> Option<Self::Real> {
         None
     }
     /// Where the drive stands after the impulse that was due.
@@ -183,7 +200,11 @@ pub trait Host: Clone + std::fmt::Debug {
         *phase
     }
     /// The structure in motion by itself, from where its velocity has jumped.
-    fn state(&self, phase: Phase<Self>, primary: Primary) -> HostState<Phase<Self>> {
+    fn state(
+        &self,
+        phase: Phase<Self>,
+        primary: Primary<Self::Real>,
+    ) -> HostState<Phase<Self>, Self::Real> {
         HostState { primary, acceleration: self.free().acceleration(&phase, &primary), phase }
     }
 }

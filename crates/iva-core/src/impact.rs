@@ -6,33 +6,33 @@
 //! demands it.
 
 use crate::compensated::Sum;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::system::Wall;
 
 /// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13).
 ///
 /// With its rounding rest: at e = 1 a share off by half a unit in the last place would make the
 /// energy drift from impact to impact.
-pub fn primary_share(mass_ratio: Real, restitution: Real) -> Sum {
-    let gain = Sum::new(ONE).plus(restitution).times(mass_ratio);
-    gain.over_sum(Sum::new(ONE).plus(mass_ratio))
+pub fn primary_share<R: Real>(mass_ratio: R, restitution: R) -> Sum<R> {
+    let gain = Sum::new(R::ONE).plus(restitution).times(mass_ratio);
+    gain.over_sum(Sum::new(R::ONE).plus(mass_ratio))
 }
 
 /// ½ μ/(1 + μ) (1 − e²) w², per primary mass.
 #[inline]
-pub fn energy_loss(mass_ratio: Real, restitution: Real, approach: Real) -> Real {
-    0.5 * mass_ratio / (1.0 + mass_ratio)
-        * ((1.0 - restitution) * (1.0 + restitution))
+pub fn energy_loss<R: Real>(mass_ratio: R, restitution: R, approach: R) -> R {
+    mass_ratio * 0.5 / (R::ONE + mass_ratio)
+        * ((R::ONE - restitution) * (R::ONE + restitution))
         * (approach * approach)
 }
 
 /// The time in which something that rounding has left over is gone, at this rate and with this second
 /// derivative; 0 where the rate would change meanwhile, as in a grazing.
 #[inline]
-pub fn delay(left: Real, rate: Real, curvature: Real) -> Real {
+pub fn delay<R: Real>(left: R, rate: R, curvature: R) -> R {
     let delay = -left / rate;
-    let steady = (curvature * delay).abs() <= SHORT * rate.abs() && rate != 0.0;
-    if steady { delay } else { ZERO }
+    let steady = (curvature * delay).abs() <= rate.abs() * SHORT && rate != 0.0;
+    if steady { delay } else { R::ZERO }
 }
 
 /// Share of the rate that may change meanwhile.
@@ -41,41 +41,41 @@ const SHORT: f64 = 1e-6;
 /// One impact of a run, in natural units: time in 1/ωn, velocities in ωn × length, energies per
 /// primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Impact {
+pub struct Impact<R = f64> {
     /// Instant.
-    pub time: Real,
+    pub time: R,
     /// The wall that was hit.
     pub wall: Wall,
     /// Displacement of the primary.
-    pub displacement: Real,
+    pub displacement: R,
     /// Primary velocity just before.
-    pub velocity_before: Real,
+    pub velocity_before: R,
     /// Primary velocity just after.
-    pub velocity_after: Real,
+    pub velocity_after: R,
     /// Gap velocity just before: the signed approach velocity.
-    pub gap_velocity_before: Real,
+    pub gap_velocity_before: R,
     /// Gap velocity just after.
-    pub gap_velocity_after: Real,
+    pub gap_velocity_after: R,
     /// Velocity of the absorber's centre of mass per gap velocity: 1 for a free mass, L/b for a
     /// pendulum.
-    pub lever: Real,
+    pub lever: R,
     /// Energy lost.
-    pub energy_loss: Real,
+    pub energy_loss: R,
 }
 
-impl Impact {
+impl<R: Real> Impact<R> {
     /// Absolute horizontal velocity of the absorber's centre of mass just before.
-    pub fn absorber_velocity_before(&self) -> Real {
+    pub fn absorber_velocity_before(&self) -> R {
         self.velocity_before + self.lever * self.gap_velocity_before
     }
 
     /// Absolute horizontal velocity of the absorber's centre of mass just after.
-    pub fn absorber_velocity_after(&self) -> Real {
+    pub fn absorber_velocity_after(&self) -> R {
         self.velocity_after + self.lever * self.gap_velocity_after
     }
 
     /// Size of the gap velocity just before.
-    pub fn approach_speed(&self) -> Real {
+    pub fn approach_speed(&self) -> R {
         self.gap_velocity_before.abs()
     }
 

@@ -29,7 +29,7 @@ use crate::host::DrivenHost;
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::Observer;
 use crate::piva::Piva;
-use crate::real::{Real, dispatched};
+use crate::real::Real;
 use crate::simulate::{Limits, Run, Tally, simulate};
 use crate::siva::Siva;
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
@@ -60,7 +60,7 @@ pub struct Job<S: SideBySide> {
 pub type Ended<S> = (Tally<<S as System>::State>, <S as SideBySide>::Values);
 
 /// An absorber whose runs can go side by side.
-pub trait SideBySide: System + Sized {
+pub trait SideBySide: System<Real = f64> + Sized {
     /// What its runs are measured by.
     type Watch: Observer<Self>;
     /// What that comes to.
@@ -73,7 +73,7 @@ pub trait SideBySide: System + Sized {
     /// What was measured.
     fn values(watch: &Self::Watch) -> Self::Values;
     /// What all lanes of a group have in common; `None`: this one is for the event loop.
-    fn common(&self) -> Option<[Real; 2]>;
+    fn common(&self) -> Option<[f64; 2]>;
     /// Runs a group.
     fn run(group: Group<'_, Self>);
 }
@@ -91,7 +91,7 @@ impl SideBySide for Siva {
         *watch.values()
     }
 
-    fn common(&self) -> Option<[Real; 2]> {
+    fn common(&self) -> Option<[f64; 2]> {
         Some([self.damping_ratio(), 0.0])
     }
 
@@ -117,7 +117,7 @@ impl SideBySide for Siva<DrivenHost> {
         (*measures.values(), *steady.values())
     }
 
-    fn common(&self) -> Option<[Real; 2]> {
+    fn common(&self) -> Option<[f64; 2]> {
         let force = self.force().filter(|force| force.is_single() && !force.moves_base());
         force.map(|_| [0.0; 2])
     }
@@ -140,7 +140,7 @@ impl SideBySide for Piva {
         *watch.values()
     }
 
-    fn common(&self) -> Option<[Real; 2]> {
+    fn common(&self) -> Option<[f64; 2]> {
         let alone = self.pendulum.small_angles || !self.force().is_none();
         let damped = if self.pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
         (!alone).then_some([self.accuracy.tolerance, damped])
@@ -194,7 +194,7 @@ pub fn run<S: SideBySide>(
     let common = |index: &usize| jobs[*index].system.common();
     let mut order: Vec<usize> = (0..jobs.len()).collect();
     // What the loop runs comes first, as −∞.
-    let key = |index: &usize| common(index).unwrap_or([-Real::INFINITY; 2]);
+    let key = |index: &usize| common(index).unwrap_or([-f64::INFINITY; 2]);
     order.sort_by(|a, b| {
         let ([a, b], [c, d]) = (key(a), key(b));
         a.total_cmp(&c).then(b.total_cmp(&d))
@@ -234,7 +234,7 @@ fn is_set(cancel: Option<&AtomicBool>) -> bool {
 }
 
 #[inline(always)]
-fn pick(which: bool, yes: Real, no: Real) -> Real {
+fn pick(which: bool, yes: f64, no: f64) -> f64 {
     if which { yes } else { no }
 }
 
@@ -261,7 +261,7 @@ impl<S: SideBySide> Group<'_, S> {
     }
 
     fn run<L: Lockstep<S>>(mut self) {
-        dispatched(
+        f64::dispatched(
             #[inline(always)]
             || {
                 // In the very function that is vectorised: so the compiler aligns its stack to the

@@ -25,6 +25,8 @@
 //!
 //! * [`system`] says what an absorber must tell of itself; [`siva`] is a free mass, [`piva`] a
 //!   pendulum.
+//! * [`real`] is the number that a motion is carried in: a double, one of twice the precision, one with
+//!   derivatives.
 //! * [`host`] is the structure: an [`oscillator`] and the [`force`] that drives it. It knows no absorber.
 //! * [`taylor`] is the flight of a pendulum, [`flight`] what any smooth motion must say of itself,
 //!   [`roots`] and [`contact`] the certified search for what ends it, [`impact`] and [`chatter`] what
@@ -65,7 +67,6 @@
 pub mod chatter;
 pub mod compensated;
 pub mod contact;
-pub mod dual;
 pub mod error;
 pub mod flight;
 pub mod force;
@@ -74,7 +75,6 @@ pub mod impact;
 pub mod lanes;
 mod limits;
 pub mod measures;
-mod mixed;
 pub mod observe;
 pub mod oscillator;
 pub mod peaks;
@@ -95,4 +95,3 @@ pub mod system;
 pub mod taylor;
 pub mod theory;
 mod trigonometry;
-pub mod twofold;

@@ -2,23 +2,23 @@
 
 use crate::error::Invalid;
 use crate::range;
-use crate::real::{Real, TURN};
+use crate::real::Real;
 
 /// Number of [`Limits::stops`].
 pub const STOPS: usize = 4;
 
 /// How long to run and where to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
+pub struct Limits<R = f64> {
     /// Length of the run, in 1/ωn.
-    pub duration: Real,
+    pub duration: R,
     /// Stop after so many listed impacts. Rebounds at or below the floor count once it is known
     /// that their chatter does not end in stick.
     pub max_impacts: u64,
     /// Stop after so many segments of flight or ride.
     pub max_work: u64,
     /// Rebounds of an episode at or below this approach speed are not listed.
-    pub chatter_floor: Real,
+    pub chatter_floor: R,
 }
 
 impl Limits {
@@ -28,25 +28,27 @@ impl Limits {
     pub const MAX_WORK: u64 = 100_000_000;
     /// Default of `chatter_floor`, over the clearance.
     pub const CHATTER_FLOOR: f64 = 1e-6;
+}
 
+impl<R: Real> Limits<R> {
     /// Default limits for a run of this duration with this clearance.
-    pub fn new(duration: Real, clearance: Real) -> Self {
+    pub fn new(duration: R, clearance: R) -> Self {
         Self {
             duration,
-            max_impacts: Self::MAX_IMPACTS,
-            max_work: Self::MAX_WORK,
-            chatter_floor: Self::CHATTER_FLOOR * clearance,
+            max_impacts: Limits::MAX_IMPACTS,
+            max_work: Limits::MAX_WORK,
+            chatter_floor: clearance * Limits::CHATTER_FLOOR,
         }
     }
 
     /// The instants of a free decay that measures look at: one period, one and half a period before the
     /// end, and the end; in order, those outside the run as its end.
-    pub fn stops(&self) -> [Real; STOPS] {
+    pub fn stops(&self) -> [R; STOPS] {
         let end = self.duration;
-        let period = TURN[0];
-        let inside = |instant: Real| if instant > 0.0 && instant < end { instant } else { end };
-        let mut stops = [inside(period), inside(end - period), inside(end - 0.5 * period), end];
-        stops.sort_by(Real::total_cmp);
+        let period = R::TURN.value;
+        let inside = |instant: R| if instant > 0.0 && instant < end { instant } else { end };
+        let mut stops = [inside(period), inside(end - period), inside(end - period * 0.5), end];
+        stops.sort_by(R::total_cmp);
         stops
     }
 

@@ -8,7 +8,7 @@ use crate::compensated::Sum;
 use crate::flight::{Losses, Motion};
 use crate::observe::{Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
-use crate::real::{ONE, Real, TURN, ZERO};
+use crate::real::Real;
 use crate::settling::LastCrossing;
 use crate::simulate::{Outcome, Tally};
 use crate::system::System;
@@ -41,86 +41,86 @@ impl Wanted {
 /// The measures of a run, times in 1/ωn and energies per primary mass in ωn² × length²; `None` where
 /// the run does not define one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MeasureValues {
+pub struct MeasureValues<R = f64> {
     /// δ/√(4π² + δ²), δ = ln(a₀/a₂).
-    pub damping_ratio_1: Option<Real>,
+    pub damping_ratio_1: Option<R>,
     /// The same with δ = ln(a₀/a₆)/3.
-    pub damping_ratio_3: Option<Real>,
+    pub damping_ratio_3: Option<R>,
     /// The same with δ = ln(a₀/a₂₀)/10.
-    pub damping_ratio_10: Option<Real>,
+    pub damping_ratio_10: Option<R>,
     /// −slope of the least-squares line of ln a_k over ωn t_k, down to 5 % of A₀; at least 3 peaks.
-    pub damping_ratio_fit: Option<Real>,
+    pub damping_ratio_fit: Option<R>,
     /// (E(0) − E(2π))/(4π E(0)), E(0) after the impulses of time zero; null if one follows within
     /// the period.
-    pub damping_ratio_energy: Option<Real>,
+    pub damping_ratio_energy: Option<R>,
     /// Last instant at which |x| = 0.10 A₀; null while |x| exceeds it in the last half period.
-    pub settling_time_10: Option<Real>,
+    pub settling_time_10: Option<R>,
     /// Last instant at which |x| = 0.05 A₀.
-    pub settling_time_5: Option<Real>,
+    pub settling_time_5: Option<R>,
     /// Last instant at which |x| = 0.02 A₀.
-    pub settling_time_2: Option<Real>,
+    pub settling_time_2: Option<R>,
     /// Largest |x| over the last period over A₀; null under a lasting force, as all above.
-    pub residual_amplitude: Option<Real>,
+    pub residual_amplitude: Option<R>,
     /// E(0), before any impulse.
-    pub energy_initial: Real,
+    pub energy_initial: R,
     /// Σ ∫ 2ζ ẋ² dt.
-    pub energy_viscous: Real,
+    pub energy_viscous: R,
     /// What the damping of a pendulum's pivot takes, an integral; 0 for a free mass.
-    pub energy_pivot: Real,
+    pub energy_pivot: R,
     /// E at the end.
-    pub energy_final: Real,
+    pub energy_final: R,
     /// What force and base motion put in, an integral; 0 in free decay.
-    pub energy_work: Real,
+    pub energy_work: R,
     /// Initial + work − impacts − viscous − pivot − final.
-    pub energy_residual: Real,
+    pub energy_residual: R,
 }
 
 /// Takes the measures while a run passes.
 #[derive(Debug, Clone)]
 pub struct Measures<S: System> {
     pub(crate) wanted: Wanted,
-    pub(crate) values: MeasureValues,
-    pub(crate) duration: Real,
-    pub(crate) reference: Reference,
+    pub(crate) values: MeasureValues<S::Real>,
+    pub(crate) duration: S::Real,
+    pub(crate) reference: Reference<S::Real>,
     /// Energy at time zero, after the impulses of that instant.
-    pub(crate) energy_begin: Real,
+    pub(crate) energy_begin: S::Real,
     pub(crate) moving: bool,
-    pub(crate) half_cycles: HalfCycles,
-    pub(crate) first_peak: Real,
-    pub(crate) decrements: [Option<Real>; 3],
-    pub(crate) fit: Fit,
+    pub(crate) half_cycles: HalfCycles<S::Real>,
+    pub(crate) first_peak: S::Real,
+    pub(crate) decrements: [Option<S::Real>; 3],
+    pub(crate) fit: Fit<S::Real>,
     pub(crate) settling: [LastCrossing<S>; 3],
-    pub(crate) last_period: Real,
-    pub(crate) last_half_period: Real,
-    pub(crate) viscous: Sum,
-    pub(crate) pivot: Sum,
-    pub(crate) work: Sum,
+    pub(crate) last_period: S::Real,
+    pub(crate) last_half_period: S::Real,
+    pub(crate) viscous: Sum<S::Real>,
+    pub(crate) pivot: Sum<S::Real>,
+    pub(crate) work: Sum<S::Real>,
 }
 
 /// A₀, which grows with the first half cycle where x(0) = 0.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Reference {
-    pub amplitude: Real,
+pub(crate) struct Reference<R = f64> {
+    pub amplitude: R,
     pub settled: bool,
 }
 
-impl<S: System> Measures<S> {
+impl<R: Real, S: System<Real = R>> Measures<S> {
     /// Computes the wanted groups of measures.
     pub fn new(wanted: Wanted) -> Self {
         Self {
             wanted,
             values: MeasureValues::default(),
-            duration: ZERO,
-            reference: Reference { amplitude: ZERO, settled: false },
-            energy_begin: ZERO,
+            duration: R::ZERO,
+            reference: Reference { amplitude: R::ZERO, settled: false },
+            energy_begin: R::ZERO,
             moving: false,
             half_cycles: HalfCycles::default(),
-            first_peak: ZERO,
+            first_peak: R::ZERO,
             decrements: [None; 3],
             fit: Fit::default(),
-            settling: [0.10, 0.05, 0.02].map(|share| LastCrossing::new(share * ONE)),
-            last_period: ZERO,
-            last_half_period: ZERO,
+            settling: [0.10, 0.05, 0.02].map(|share| LastCrossing::new(R::from(share))),
+            last_period: R::ZERO,
+            last_half_period: R::ZERO,
             viscous: Sum::ZERO,
             pivot: Sum::ZERO,
             work: Sum::ZERO,
@@ -128,11 +128,11 @@ impl<S: System> Measures<S> {
     }
 
     /// What was measured; complete once the run has ended.
-    pub fn values(&self) -> &MeasureValues {
+    pub fn values(&self) -> &MeasureValues<R> {
         &self.values
     }
 
-    pub(crate) fn peak(&mut self, peak: &Peak, index: u64) {
+    pub(crate) fn peak(&mut self, peak: &Peak<R>, index: u64) {
         let amplitude = peak.displacement.abs();
         if index == 0 {
             self.first_peak = amplitude;
@@ -141,21 +141,26 @@ impl<S: System> Measures<S> {
         for (decrement, cycles) in self.decrements.iter_mut().zip(CYCLES) {
             if index == 2 * cycles {
                 let delta = (self.first_peak / amplitude).ln() / cycles as f64;
-                *decrement = Some(delta / (TURN[0] * TURN[0] + delta * delta).sqrt());
+                *decrement = Some(delta / (R::TURN.value * R::TURN.value + delta * delta).sqrt());
             }
         }
         self.fit.take(peak.time, amplitude / self.reference.amplitude);
     }
 
     /// Takes the energy after one period.
-    pub(crate) fn one_period(&mut self, energy: Real) {
+    pub(crate) fn one_period(&mut self, energy: R) {
         let initial = self.energy_begin;
         if initial > 0.0 {
-            self.values.damping_ratio_energy = Some((initial - energy) / (2.0 * TURN[0] * initial));
+            self.values.damping_ratio_energy =
+                Some((initial - energy) / (R::TURN.value * 2.0 * initial));
         }
     }
 
-    fn stretch<M: Motion<State = S::State>>(&mut self, span: &Span<'_, M>, stretch: &Monotone) {
+    fn stretch<M: Motion<Real = R, State = S::State>>(
+        &mut self,
+        span: &Span<'_, M>,
+        stretch: &Monotone<R>,
+    ) {
         let [_, x] = stretch.x;
         let time = span.start.plus(stretch.h[1]).value;
         // First, because the end of half cycle 0 settles A₀.
@@ -176,15 +181,20 @@ impl<S: System> Measures<S> {
     }
 
     /// Largest |x| in the last period and half period of the run.
-    fn late<M: Motion<State = S::State>>(&mut self, span: &Span<'_, M>, stretch: &Monotone) {
-        for (before_end, largest) in
-            [(TURN[0], &mut self.last_period), (0.5 * TURN[0], &mut self.last_half_period)]
-        {
+    fn late<M: Motion<Real = R, State = S::State>>(
+        &mut self,
+        span: &Span<'_, M>,
+        stretch: &Monotone<R>,
+    ) {
+        for (before_end, largest) in [
+            (R::TURN.value, &mut self.last_period),
+            (R::TURN.value * 0.5, &mut self.last_half_period),
+        ] {
             let from = late(self.duration, before_end);
             let late = -span.start.minus(from);
             if late <= stretch.h[0] {
                 *largest = largest.max(stretch.x[0].abs()).max(stretch.x[1].abs());
-            } else if late + 2.0 * CLOSE * self.duration < stretch.h[1] {
+            } else if late + self.duration * (2.0 * CLOSE) < stretch.h[1] {
                 let first = span.motion.primary(late).value;
                 *largest = largest.max(first.abs()).max(stretch.x[1].abs());
             }
@@ -192,8 +202,8 @@ impl<S: System> Measures<S> {
     }
 }
 
-impl<S: System> Observer<S> for Measures<S> {
-    fn start(&mut self, system: &S, state: &S::State, duration: Real) {
+impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
+    fn start(&mut self, system: &S, state: &S::State, duration: R) {
         *self = Self::new(self.wanted);
         let x = system.primary(state).x;
         self.duration = duration;
@@ -203,11 +213,11 @@ impl<S: System> Observer<S> for Measures<S> {
         self.energy_begin = self.values.energy_initial;
     }
 
-    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.moving = true;
         let decays = !system.is_driven();
         if decays && (self.wanted.peaks || self.wanted.settling || self.wanted.residual) {
-            monotone::<S, M>(span, |stretch| self.stretch(span, stretch));
+            monotone::<_, S, M>(span, |stretch| self.stretch(span, stretch));
         }
         if self.wanted.ledger {
             let Losses { viscous, pivot, work } = span.motion.losses(span.length);
@@ -215,21 +225,21 @@ impl<S: System> Observer<S> for Measures<S> {
             self.pivot = self.pivot.plus(pivot);
             self.work = self.work.plus(work);
         }
-        let to_period = -span.start.minus(TURN[0]);
-        if (to_period - span.length).abs() <= CLOSE * TURN[0] {
+        let to_period = -span.start.minus(R::TURN.value);
+        if (to_period - span.length).abs() <= R::TURN.value * CLOSE {
             self.one_period(system.energy(span.end));
-        } else if to_period > CLOSE * TURN[0] && to_period < span.length {
+        } else if to_period > R::TURN.value * CLOSE && to_period < span.length {
             self.one_period(system.energy(&span.motion.state(to_period)));
         }
     }
 
-    fn kick(&mut self, system: &S, state: &S::State, work: Real) {
+    fn kick(&mut self, system: &S, state: &S::State, work: R) {
         self.work = self.work.plus(work);
         // What is given later hides what is lost.
-        self.energy_begin = if self.moving { ZERO } else { system.energy(state) };
+        self.energy_begin = if self.moving { R::ZERO } else { system.energy(state) };
     }
 
-    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+    fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         let driven = system.is_driven();
         if self.half_cycles.ended == 0 {
             let only = self.half_cycles.current;
@@ -251,7 +261,11 @@ impl<S: System> Observer<S> for Measures<S> {
             [values.settling_time_10, values.settling_time_5, values.settling_time_2] =
                 std::array::from_fn(|i| self.settling[i].time(system, late, amplitude));
         }
-        if whole && self.wanted.residual && self.duration >= TURN[0] * (1.0 - CLOSE) && !driven {
+        if whole
+            && self.wanted.residual
+            && self.duration >= R::TURN.value * (R::ONE - CLOSE)
+            && !driven
+        {
             values.residual_amplitude = Some(self.last_period / amplitude);
         }
         values.energy_viscous = self.viscous.value;
@@ -269,24 +283,24 @@ impl<S: System> Observer<S> for Measures<S> {
 }
 
 /// From when on a run counts as late, but for rounding.
-pub(crate) fn late(duration: Real, before_end: Real) -> Real {
-    (duration - before_end) - CLOSE * duration
+pub(crate) fn late<R: Real>(duration: R, before_end: R) -> R {
+    (duration - before_end) - duration * CLOSE
 }
 
 /// Running least-squares line of ln a over t (updated means, after Welford 1962).
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Fit {
+pub(crate) struct Fit<R = f64> {
     closed: bool,
-    count: Real,
-    mean_t: Real,
-    mean_l: Real,
-    square_t: Real,
-    product: Real,
+    count: R,
+    mean_t: R,
+    mean_l: R,
+    square_t: R,
+    product: R,
 }
 
-impl Fit {
+impl<R: Real> Fit<R> {
     /// Takes a peak of this size over A₀.
-    fn take(&mut self, time: Real, amplitude: Real) {
+    fn take(&mut self, time: R, amplitude: R) {
         // Where nothing moves, the amplitude is 0/0.
         if self.closed || amplitude.is_nan() || amplitude < FIT_FLOOR {
             self.closed = true;
@@ -301,7 +315,7 @@ impl Fit {
         self.product += dt * (log - self.mean_l);
     }
 
-    fn slope(&self) -> Option<Real> {
+    fn slope(&self) -> Option<R> {
         (self.count >= 3.0).then(|| self.product / self.square_t)
     }
 }

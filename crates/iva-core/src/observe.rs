@@ -12,13 +12,13 @@ pub struct Span<'a, M: Motion> {
     /// The motion, exact for 0 ≤ h ≤ `length`.
     pub motion: &'a M,
     /// Instant at h = 0.
-    pub start: Clock,
+    pub start: Clock<M::Real>,
     /// Length of the span.
-    pub length: Real,
+    pub length: M::Real,
     /// Primary at its begin.
-    pub from: Point,
+    pub from: Point<M::Real>,
     /// Primary at its end.
-    pub to: Point,
+    pub to: Point<M::Real>,
     /// The state at its end, before what may happen there.
     pub end: &'a M::State,
 }
@@ -26,19 +26,19 @@ pub struct Span<'a, M: Motion> {
 /// A chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall. Times in
 /// 1/ωn, energy per primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Episode {
+pub struct Episode<R = f64> {
     /// The wall.
     pub wall: Wall,
     /// Its first impact: the first after which only this wall is met until the stick.
-    pub start_time: Real,
+    pub start_time: R,
     /// End of the chatter, begin of the ride.
-    pub stick_time: Real,
+    pub stick_time: R,
     /// End of the ride; `None` if still stuck at the end of the run.
-    pub release_time: Option<Real>,
+    pub release_time: Option<R>,
     /// Listed impacts.
     pub impacts: u64,
     /// Energy lost in all its impacts, listed or summed.
-    pub energy_loss: Real,
+    pub energy_loss: R,
 }
 
 /// What happens to a state in an instant.
@@ -60,66 +60,71 @@ pub enum Jump<'a, State> {
 /// Told of everything that happens in a run, in the order of time.
 pub trait Observer<S: System> {
     /// The run begins and is to last until `duration`.
-    fn start(&mut self, _system: &S, _state: &S::State, _duration: Real) {}
+    fn start(&mut self, _system: &S, _state: &S::State, _duration: S::Real) {}
     /// Smooth motion.
-    fn span<M: Motion<State = S::State>>(&mut self, _system: &S, _span: &Span<'_, M>) {}
+    fn span<M: Motion<Real = S::Real, State = S::State>>(
+        &mut self,
+        _system: &S,
+        _span: &Span<'_, M>,
+    ) {
+    }
     /// An impact.
-    fn impact(&mut self, _system: &S, _impact: &Impact) {}
+    fn impact(&mut self, _system: &S, _impact: &Impact<S::Real>) {}
     /// The state changes in an instant; of an impact before [`Observer::impact`].
     fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {}
     /// An impulse from outside: the state after it, and the work it does (0 where the force only
     /// jumps).
-    fn kick(&mut self, _system: &S, _state: &S::State, _work: Real) {}
+    fn kick(&mut self, _system: &S, _state: &S::State, _work: S::Real) {}
     /// Of the impacts from index `first` on, those not faster than `floor` are not to be listed:
     /// they turned out to belong to a chatter that ended in stick.
-    fn unlist(&mut self, _first: u64, _floor: Real) {}
+    fn unlist(&mut self, _first: u64, _floor: S::Real) {}
     /// An episode, told when it ends.
-    fn episode(&mut self, _episode: &Episode) {}
+    fn episode(&mut self, _episode: &Episode<S::Real>) {}
     /// The run has ended.
-    fn end(&mut self, _system: &S, _tally: &Tally<S::State>) {}
+    fn end(&mut self, _system: &S, _tally: &Tally<S::State, S::Real>) {}
 }
 
-impl<S: System> Observer<S> for () {}
+impl<R: Real, S: System<Real = R>> Observer<S> for () {}
 
-impl<S: System, O: Observer<S>> Observer<S> for &mut O {
-    fn start(&mut self, system: &S, state: &S::State, duration: Real) {
+impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for &mut O {
+    fn start(&mut self, system: &S, state: &S::State, duration: R) {
         (**self).start(system, state, duration);
     }
-    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         (**self).span(system, span);
     }
-    fn impact(&mut self, system: &S, impact: &Impact) {
+    fn impact(&mut self, system: &S, impact: &Impact<R>) {
         (**self).impact(system, impact);
     }
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
         (**self).jump(system, jump);
     }
-    fn kick(&mut self, system: &S, state: &S::State, work: Real) {
+    fn kick(&mut self, system: &S, state: &S::State, work: R) {
         (**self).kick(system, state, work);
     }
-    fn unlist(&mut self, first: u64, floor: Real) {
+    fn unlist(&mut self, first: u64, floor: R) {
         (**self).unlist(first, floor);
     }
-    fn episode(&mut self, episode: &Episode) {
+    fn episode(&mut self, episode: &Episode<R>) {
         (**self).episode(episode);
     }
-    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+    fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         (**self).end(system, tally);
     }
 }
 
-impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
-    fn start(&mut self, system: &S, state: &S::State, duration: Real) {
+impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
+    fn start(&mut self, system: &S, state: &S::State, duration: R) {
         if let Some(observer) = self {
             observer.start(system, state, duration);
         }
     }
-    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         if let Some(observer) = self {
             observer.span(system, span);
         }
     }
-    fn impact(&mut self, system: &S, impact: &Impact) {
+    fn impact(&mut self, system: &S, impact: &Impact<R>) {
         if let Some(observer) = self {
             observer.impact(system, impact);
         }
@@ -129,38 +134,38 @@ impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
             observer.jump(system, jump);
         }
     }
-    fn kick(&mut self, system: &S, state: &S::State, work: Real) {
+    fn kick(&mut self, system: &S, state: &S::State, work: R) {
         if let Some(observer) = self {
             observer.kick(system, state, work);
         }
     }
-    fn unlist(&mut self, first: u64, floor: Real) {
+    fn unlist(&mut self, first: u64, floor: R) {
         if let Some(observer) = self {
             observer.unlist(first, floor);
         }
     }
-    fn episode(&mut self, episode: &Episode) {
+    fn episode(&mut self, episode: &Episode<R>) {
         if let Some(observer) = self {
             observer.episode(episode);
         }
     }
-    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+    fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         if let Some(observer) = self {
             observer.end(system, tally);
         }
     }
 }
 
-impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
-    fn start(&mut self, system: &S, state: &S::State, duration: Real) {
+impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
+    fn start(&mut self, system: &S, state: &S::State, duration: R) {
         self.0.start(system, state, duration);
         self.1.start(system, state, duration);
     }
-    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.0.span(system, span);
         self.1.span(system, span);
     }
-    fn impact(&mut self, system: &S, impact: &Impact) {
+    fn impact(&mut self, system: &S, impact: &Impact<R>) {
         self.0.impact(system, impact);
         self.1.impact(system, impact);
     }
@@ -168,19 +173,19 @@ impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
         self.0.jump(system, jump);
         self.1.jump(system, jump);
     }
-    fn kick(&mut self, system: &S, state: &S::State, work: Real) {
+    fn kick(&mut self, system: &S, state: &S::State, work: R) {
         self.0.kick(system, state, work);
         self.1.kick(system, state, work);
     }
-    fn unlist(&mut self, first: u64, floor: Real) {
+    fn unlist(&mut self, first: u64, floor: R) {
         self.0.unlist(first, floor);
         self.1.unlist(first, floor);
     }
-    fn episode(&mut self, episode: &Episode) {
+    fn episode(&mut self, episode: &Episode<R>) {
         self.0.episode(episode);
         self.1.episode(episode);
     }
-    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+    fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         self.0.end(system, tally);
         self.1.end(system, tally);
     }
@@ -188,25 +193,25 @@ impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
 
 /// Keeps the impacts and episodes of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Events {
+pub struct Events<R = f64> {
     /// Listed impacts in the order of time.
-    pub impacts: Vec<Impact>,
+    pub impacts: Vec<Impact<R>>,
     /// Episodes in the order of time.
-    pub episodes: Vec<Episode>,
+    pub episodes: Vec<Episode<R>>,
 }
 
-impl<S: System> Observer<S> for Events {
-    fn impact(&mut self, _system: &S, impact: &Impact) {
+impl<R: Real, S: System<Real = R>> Observer<S> for Events<R> {
+    fn impact(&mut self, _system: &S, impact: &Impact<R>) {
         self.impacts.push(*impact);
     }
-    fn unlist(&mut self, first: u64, floor: Real) {
+    fn unlist(&mut self, first: u64, floor: R) {
         let mut index = 0;
         self.impacts.retain(|impact| {
             index += 1;
             index <= first || impact.approach_speed() > floor
         });
     }
-    fn episode(&mut self, episode: &Episode) {
+    fn episode(&mut self, episode: &Episode<R>) {
         self.episodes.push(*episode);
     }
 }

@@ -21,7 +21,7 @@
 
 use crate::compensated::Sum;
 use crate::flight::Jet;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 
 /// Terms of the series of P and Q, beginning with h².
 const TERMS: usize = 24;
@@ -34,51 +34,51 @@ const LOSS_TERMS: usize = 30;
 
 /// The constants of the equation m ẍ + 2ζ ẋ + x = 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Equation {
+pub struct Equation<R = f64> {
     /// k = 1/m.
-    pub stiffness: Real,
+    pub stiffness: R,
     /// √k.
-    pub frequency: Real,
+    pub frequency: R,
     /// c = 2ζ/m.
-    pub damping: Real,
+    pub damping: R,
     /// Λ, the factor by which each further derivative can grow.
-    pub growth: Real,
+    pub growth: R,
     /// 1/3.
-    pub(crate) third: Sum,
+    pub(crate) third: Sum<R>,
 }
 
-impl Equation {
+impl<R: Real> Equation<R> {
     /// Of the mass `mass` (1 or 1 + μ) on the primary's spring and damper.
-    pub fn new(mass: Real, damping_ratio: Real) -> Self {
-        let stiffness = 1.0 / mass;
-        let damping = 2.0 * damping_ratio / mass;
-        let growth = 0.5 * damping + (0.25 * damping * damping + stiffness).sqrt();
-        let third = Sum::new(ONE).over(3.0);
+    pub fn new(mass: R, damping_ratio: R) -> Self {
+        let stiffness = R::ONE / mass;
+        let damping = damping_ratio * 2.0 / mass;
+        let growth = damping * 0.5 + (damping * 0.25 * damping + stiffness).sqrt();
+        let third = Sum::new(R::ONE).over(3.0);
         Self { stiffness, frequency: stiffness.sqrt(), damping, growth, third }
     }
 
     /// k p − c r, to twice the precision.
     #[inline(always)]
-    pub(crate) fn pull(&self, p: Sum, r: Sum) -> Sum {
+    pub(crate) fn pull(&self, p: Sum<R>, r: Sum<R>) -> Sum<R> {
         let spring = if self.stiffness == 1.0 { p } else { p.product(Sum::new(self.stiffness)) };
         spring - r.product(Sum::new(self.damping))
     }
 
     /// The derivative that follows two successive derivatives of x.
     #[inline]
-    pub fn next_derivative(&self, lower: Real, upper: Real) -> Real {
+    pub fn next_derivative(&self, lower: R, upper: R) -> R {
         -(self.stiffness * lower + self.damping * upper)
     }
 
     /// ρ of a state: bounds |v| and, times Λⁿ⁻¹, the n-th derivative of x at every later time.
     #[inline]
-    pub fn radius(&self, x: Real, v: Real) -> Real {
+    pub fn radius(&self, x: R, v: R) -> R {
         self.frequency * x.abs() + v.abs()
     }
 
     /// Λⁿ⁺¹ρ.
     #[inline(always)]
-    pub(crate) fn bound<const N: usize>(&self, primary: &Primary) -> Real {
+    pub(crate) fn bound<const N: usize>(&self, primary: &Primary<R>) -> R {
         let radius = self.radius(primary.x.value, primary.v.value);
         let growth = self.growth;
         match N {
@@ -94,48 +94,48 @@ impl Equation {
 
 /// Coefficients of one oscillator; they depend on ζ and m only.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oscillator {
+pub struct Oscillator<R = f64> {
     /// Its constants.
-    pub equation: Equation,
+    pub equation: Equation<R>,
     /// Longest h of a flight: 1.4/Λ, where the first dropped term is below 2 · 1.4²⁴/26! ≈ 2e-23 of the
     /// sum. (Longer ones would be fewer, but rounding of the terms from h⁴ on would show.)
-    pub reach: Real,
+    pub reach: R,
     /// Coefficients of P and Q.
-    responses: [[Real; 2]; TERMS],
+    responses: [[R; 2]; TERMS],
     /// The same without the terms up to h³, see [`Oscillator::arrive`].
-    bent: [[Real; 2]; TERMS],
+    bent: [[R; 2]; TERMS],
     /// Rounding rests of the coefficients of h⁴ to h⁷. They are the same in every flight: without them
     /// the energy of an undamped run would drift.
-    coefficient_rests: [[Real; 2]; RESTS],
+    coefficient_rests: [[R; 2]; RESTS],
     /// What rounding takes from P and Q without those terms at h = `reach`, a step taken again and
     /// again.
-    full_step_rest: [Real; 2],
+    full_step_rest: [R; 2],
     /// The coefficients to twice the precision, for [`Oscillator::precise`].
-    exact: [[Sum; 2]; TERMS],
-    loss: [[Real; 3]; LOSS_TERMS],
+    exact: [[Sum<R>; 2]; TERMS],
+    loss: [[R; 3]; LOSS_TERMS],
     /// The loss at h = `reach` for the three products.
-    full_loss: [Real; 3],
+    full_loss: [R; 3],
 }
 
-impl Oscillator {
+impl<R: Real> Oscillator<R> {
     /// The oscillator of mass `mass` (1 or 1 + μ) on the primary's spring and damper.
-    pub fn new(mass: Real, damping_ratio: Real) -> Self {
+    pub fn new(mass: R, damping_ratio: R) -> Self {
         let equation = Equation::new(mass, damping_ratio);
         let Equation { stiffness, damping, growth, .. } = equation;
-        let reach = 1.4 / growth;
+        let reach = R::from(1.4) / growth;
         let exact = responses(stiffness, damping);
         let responses = exact.map(|pair| pair.map(|coefficient| coefficient.value));
         let coefficient_rests =
             std::array::from_fn(|n| exact[n + 2].map(|coefficient| coefficient.rest));
         let mut bent = responses;
-        (bent[0], bent[1]) = ([ZERO; 2], [ZERO; 2]);
+        (bent[0], bent[1]) = ([R::ZERO; 2], [R::ZERO; 2]);
         let square = Sum::new(reach).times(reach);
-        let leading: [Sum; 2] =
+        let leading: [Sum<R>; 2] =
             std::array::from_fn(|i| (exact[0][i] + exact[1][i].times(reach)).times_sum(square));
         let rounded = even_and_odd(&bent, reach).map(|sum| reach * reach * sum);
         let full_step_rest =
             std::array::from_fn(|i| (horner(&exact, i, reach) - leading[i]).minus(rounded[i]));
-        let loss = loss_series(stiffness, damping, 2.0 * damping_ratio);
+        let loss = loss_series(stiffness, damping, damping_ratio * 2.0);
         Self {
             equation,
             reach,
@@ -151,13 +151,13 @@ impl Oscillator {
 
     /// ẍ of a state, to twice the precision: it may be a small difference of spring and damper.
     #[inline]
-    pub fn acceleration(&self, primary: &Primary) -> Sum {
+    pub fn acceleration(&self, primary: &Primary<R>) -> Sum<R> {
         self.next(primary.x, primary.v)
     }
 
     /// The derivative that follows two successive ones, to twice the precision.
     #[inline(always)]
-    fn next(&self, lower: Sum, upper: Sum) -> Sum {
+    fn next(&self, lower: Sum<R>, upper: Sum<R>) -> Sum<R> {
         let Equation { stiffness, damping, .. } = self.equation;
         let spring = if stiffness == 1.0 { lower } else { lower.product(Sum::new(stiffness)) };
         -(spring + upper.product(Sum::new(damping)))
@@ -166,7 +166,7 @@ impl Oscillator {
     /// What a flight of length h ≤ `reach` adds to a state: the terms up to h³ to twice the precision,
     /// which leaves the rounding of those from h⁴ on.
     #[inline(always)]
-    pub fn arrive(&self, velocity: Sum, acceleration: Sum, h: Real) -> Arrival {
+    pub fn arrive(&self, velocity: Sum<R>, acceleration: Sum<R>, h: R) -> Arrival<R> {
         let (v, a) = (velocity.value, acceleration.value);
         let Equation { stiffness: k, damping: c, third, .. } = self.equation;
         let length = Sum::new(h);
@@ -200,7 +200,7 @@ impl Oscillator {
 
     /// x(h) − x − v h to twice the precision, for h ≤ `reach`: dear, and asked only where a
     /// grazing is to be decided.
-    pub fn precise(&self, velocity: Sum, acceleration: Sum, h: Real) -> Sum {
+    pub fn precise(&self, velocity: Sum<R>, acceleration: Sum<R>, h: R) -> Sum<R> {
         let forced = acceleration.times_sum(horner(&self.exact, 0, h));
         let carried = velocity.times_sum(horner(&self.exact, 1, h));
         forced.plus_parts(carried.value, carried.rest)
@@ -208,7 +208,7 @@ impl Oscillator {
 
     /// x and its derivatives after a flight of length h ≤ `reach`, to some units in the last place.
     #[inline(always)]
-    pub(crate) fn jet(&self, x: Real, v: Real, a: Real, h: Real) -> Jet {
+    pub(crate) fn jet(&self, x: R, v: R, a: R, h: R) -> Jet<R> {
         let z = h * h;
         let [p, q] = even_and_odd(&self.responses, h).map(|sum| z * sum);
         let Equation { stiffness: k, damping, .. } = self.equation;
@@ -222,7 +222,7 @@ impl Oscillator {
     /// Energy lost in the damper over a flight of length h ≤ `reach`: ∫ 2ζ v² dt, summed from the
     /// power series of the integral (not a difference of energies).
     #[inline(always)]
-    pub fn viscous_loss(&self, x: Real, v: Real, h: Real) -> Real {
+    pub fn viscous_loss(&self, x: R, v: R, h: R) -> R {
         if h == self.reach {
             loss(&self.full_loss, x, v, h)
         } else {
@@ -232,38 +232,38 @@ impl Oscillator {
 
     /// The same, also for h = `reach` by the series.
     #[inline(always)]
-    pub(crate) fn viscous_loss_series(&self, x: Real, v: Real, h: Real) -> Real {
+    pub(crate) fn viscous_loss_series(&self, x: R, v: R, h: R) -> R {
         loss(&even_and_odd(&self.loss, h), x, v, h)
     }
 }
 
 /// What a flight adds to a state.
 #[derive(Debug, Clone, Copy)]
-pub struct Arrival {
+pub struct Arrival<R = f64> {
     /// x(h) − x − v h.
-    pub curved: Sum,
+    pub curved: Sum<R>,
     /// v(h) − v.
-    pub velocity: Sum,
+    pub velocity: Sum<R>,
 }
 
 /// A state of the primary, carried with its rounding rests.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Primary {
+pub struct Primary<R = f64> {
     /// Displacement.
-    pub x: Sum,
+    pub x: Sum<R>,
     /// Velocity.
-    pub v: Sum,
+    pub v: Sum<R>,
 }
 
-impl Primary {
+impl<R: Real> Primary<R> {
     /// The state after its velocity has jumped.
-    pub fn faster_by(&self, gained: Sum) -> Primary {
+    pub fn faster_by(&self, gained: Sum<R>) -> Primary<R> {
         Primary { v: self.v + gained, ..*self }
     }
 
     /// The state after a flight, and what the flight has added.
     #[inline(always)]
-    pub fn arrived(&self, oscillator: &Oscillator, a: Sum, h: Real) -> (Primary, Arrival) {
+    pub fn arrived(&self, oscillator: &Oscillator<R>, a: Sum<R>, h: R) -> (Primary<R>, Arrival<R>) {
         let arrival = oscillator.arrive(self.v, a, h);
         let later = Primary {
             x: self.x.plus_both(self.v.product(Sum::new(h)), arrival.curved),
@@ -274,7 +274,7 @@ impl Primary {
 
     /// The state after its velocity has jumped by `sign` · `share` · `velocity`.
     #[inline]
-    pub fn kicked(&self, sign: impl Into<Real>, velocity: Sum, share: Sum) -> Primary {
+    pub fn kicked(&self, sign: impl Into<R>, velocity: Sum<R>, share: Sum<R>) -> Primary<R> {
         let sign = sign.into();
         let kick = share.value * (sign * velocity.value);
         let rest = sign * (share.value * velocity.rest + share.rest * velocity.value);
@@ -284,13 +284,13 @@ impl Primary {
 
 /// The loss in a flight of length h from the sums of its three series.
 #[inline(always)]
-fn loss(sums: &[Real; 3], x: Real, v: Real, h: Real) -> Real {
+fn loss<R: Real>(sums: &[R; 3], x: R, v: R, h: R) -> R {
     h * (x * x * sums[0] + x * v * sums[1] + v * v * sums[2])
 }
 
 /// P (i = 0) or Q (i = 1) at h to twice the precision.
-fn horner(responses: &[[Sum; 2]; TERMS], i: usize, h: Real) -> Sum {
-    let mut sum = Sum::ZERO;
+fn horner<R: Real>(responses: &[[Sum<R>; 2]; TERMS], i: usize, h: R) -> Sum<R> {
+    let mut sum = Sum::<R>::ZERO;
     for coefficients in responses.iter().rev() {
         sum = sum.times(h).plus_parts(coefficients[i].value, coefficients[i].rest);
     }
@@ -300,7 +300,7 @@ fn horner(responses: &[[Sum; 2]; TERMS], i: usize, h: Real) -> Sum {
 /// K polynomials with common argument, N even: even and odd powers side by side, each product and sum
 /// rounded once.
 #[inline(always)]
-fn even_and_odd<const K: usize, const N: usize>(series: &[[Real; K]; N], h: Real) -> [Real; K] {
+fn even_and_odd<R: Real, const K: usize, const N: usize>(series: &[[R; K]; N], h: R) -> [R; K] {
     const { assert!(N.is_multiple_of(2)) }
     let z = h * h;
     let [mut even, mut odd] = [series[N - 2], series[N - 1]];
@@ -315,9 +315,9 @@ fn even_and_odd<const K: usize, const N: usize>(series: &[[Real; K]; N], h: Real
 
 /// Coefficients of h², h³, … of P and Q, from P⁽ⁿ⁺²⁾ = −k P⁽ⁿ⁾ − c P⁽ⁿ⁺¹⁾ (n ≥ 1) and Q̇ = −k P; the
 /// leading ones with their rests, the others too small for that to matter.
-fn responses(stiffness: Real, damping: Real) -> [[Sum; 2]; TERMS] {
+fn responses<R: Real>(stiffness: R, damping: R) -> [[Sum<R>; 2]; TERMS] {
     let mut series = [[Sum::ZERO; 2]; TERMS];
-    let [mut lower, mut upper] = [Sum::ZERO, Sum::new(0.5 * ONE)];
+    let [mut lower, mut upper] = [Sum::ZERO, Sum::new(R::ONE * 0.5)];
     series[0] = [upper, Sum::ZERO];
     for (n, coefficients) in series.iter_mut().enumerate().skip(1) {
         let (p, q) = ((n + 1) as f64, (n + 2) as f64);
@@ -337,19 +337,19 @@ fn responses(stiffness: Real, damping: Real) -> [[Sum; 2]; TERMS] {
 
 /// Coefficients of h, h², … of ∫ 2ζ v² for the three products x², x v, v² of the starting state,
 /// from (x²)˙ = 2 x v, (x v)˙ = v² − k x² − c x v, (v²)˙ = −2k x v − 2c v².
-fn loss_series(stiffness: Real, damping: Real, viscous: Real) -> [[Real; 3]; LOSS_TERMS] {
-    let mut series = [[ZERO; 3]; LOSS_TERMS];
+fn loss_series<R: Real>(stiffness: R, damping: R, viscous: R) -> [[R; 3]; LOSS_TERMS] {
+    let mut series = [[R::ZERO; 3]; LOSS_TERMS];
     for product in 0..3 {
-        let mut y = [ZERO; 3];
-        y[product] = ONE;
+        let mut y = [R::ZERO; 3];
+        y[product] = R::ONE;
         for (n, coefficients) in series.iter_mut().enumerate() {
             let order = (n + 1) as f64;
             let [xx, xv, vv] = y;
             coefficients[product] = viscous * vv / order;
             y = [
-                2.0 * xv / order,
+                xv * 2.0 / order,
                 (vv - stiffness * xx - damping * xv) / order,
-                -2.0 * (stiffness * xv + damping * vv) / order,
+                -(stiffness * xv + damping * vv) * 2.0 / order,
             ];
         }
     }

@@ -3,7 +3,7 @@
 use crate::flight::{Jet, Motion, Rows, Turns};
 use crate::observe::{Observer, Span};
 use crate::polynomial::{jet, turned, turnings};
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 use crate::simulate::Tally;
 use crate::system::System;
 
@@ -13,30 +13,30 @@ use crate::system::System;
 /// the start. Only half cycles ended by a zero crossing count; a run without any crossing has the
 /// one peak 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Peak {
+pub struct Peak<R = f64> {
     /// Instant, in 1/ωn.
-    pub time: Real,
+    pub time: R,
     /// Displacement, signed.
-    pub displacement: Real,
+    pub displacement: R,
 }
 
 /// A stretch of a span on which x runs one way.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Monotone {
+pub(crate) struct Monotone<R = f64> {
     /// Begin and end, measured from the start of the span.
-    pub h: [Real; 2],
+    pub h: [R; 2],
     /// x at both ends.
-    pub x: [Real; 2],
+    pub x: [R; 2],
 }
 
 /// Hands out the stretches of a span on which x runs one way, in order.
-pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
+pub(crate) fn monotone<R: Real, S: System<Real = R>, M: Motion<Real = R, State = S::State>>(
     span: &Span<'_, M>,
-    mut take: impl FnMut(&Monotone),
+    mut take: impl FnMut(&Monotone<R>),
 ) {
     let (from, to) = (span.from, span.to);
-    let mut begin = (ZERO, from.x);
-    let mut turn = |(h, x): (Real, Real)| {
+    let mut begin = (R::ZERO, from.x);
+    let mut turn = |(h, x): (R, R)| {
         take(&Monotone { h: [begin.0, h], x: [begin.1, x] });
         begin = (h, x);
     };
@@ -52,11 +52,11 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
             }
         }
         (Turns::Unknown, None) if from.v * to.v < 0.0 => {
-            let at = |h: Real| {
+            let at = |h: R| {
                 let Jet { value, rate, curvature, jerk } = span.motion.primary(h);
                 [value, rate, curvature, jerk]
             };
-            turn(turned(at, [ZERO, span.length]));
+            turn(turned(at, [R::ZERO, span.length]));
         }
         (Turns::Unknown, None) => {}
     }
@@ -65,23 +65,23 @@ pub(crate) fn monotone<S: System, M: Motion<State = S::State>>(
 
 /// Follows x through its half cycles.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct HalfCycles {
+pub(crate) struct HalfCycles<R = f64> {
     /// Largest |x| of the half cycle under way.
-    pub current: Peak,
+    pub current: Peak<R>,
     /// Sign of x in it, 0 as long as x has not left 0.
-    pub sign: Real,
+    pub sign: R,
     /// Half cycles ended so far.
     pub ended: u64,
 }
 
-impl HalfCycles {
-    pub fn start(x: Real) -> Self {
-        let sign = if x == 0.0 { ZERO } else { x.signum() };
-        Self { current: Peak { time: ZERO, displacement: x }, sign, ended: 0 }
+impl<R: Real> HalfCycles<R> {
+    pub fn start(x: R) -> Self {
+        let sign = if x == 0.0 { R::ZERO } else { x.signum() };
+        Self { current: Peak { time: R::ZERO, displacement: x }, sign, ended: 0 }
     }
 
     /// Takes the end of a monotone stretch; returns the peak that a zero crossing has ended.
-    pub fn reach(&mut self, time: Real, x: Real) -> Option<Peak> {
+    pub fn reach(&mut self, time: R, x: R) -> Option<Peak<R>> {
         if x * self.sign < 0.0 {
             let peak = self.current;
             self.current = Peak { time, displacement: x };
@@ -101,26 +101,26 @@ impl HalfCycles {
 
 /// Keeps the peaks of a run.
 #[derive(Debug, Clone, Default)]
-pub struct Envelope {
+pub struct Envelope<R = f64> {
     /// Peaks in the order of time.
-    pub peaks: Vec<Peak>,
-    half_cycles: HalfCycles,
+    pub peaks: Vec<Peak<R>>,
+    half_cycles: HalfCycles<R>,
 }
 
-impl<S: System> Observer<S> for Envelope {
-    fn start(&mut self, system: &S, state: &S::State, _duration: Real) {
+impl<R: Real, S: System<Real = R>> Observer<S> for Envelope<R> {
+    fn start(&mut self, system: &S, state: &S::State, _duration: R) {
         self.peaks.clear();
         self.half_cycles = HalfCycles::start(system.primary(state).x);
     }
 
-    fn span<M: Motion<State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
-        monotone::<S, M>(span, |stretch| {
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
+        monotone::<_, S, M>(span, |stretch| {
             let time = span.start.plus(stretch.h[1]).value;
             self.peaks.extend(self.half_cycles.reach(time, stretch.x[1]));
         });
     }
 
-    fn end(&mut self, _system: &S, _tally: &Tally<S::State>) {
+    fn end(&mut self, _system: &S, _tally: &Tally<S::State, R>) {
         if self.peaks.is_empty() {
             self.peaks.push(self.half_cycles.current);
         }

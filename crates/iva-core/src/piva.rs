@@ -11,7 +11,7 @@ use crate::flight::Jet;
 use crate::force::{Drive, Force};
 use crate::impact::{Impact, delay};
 use crate::oscillator::Primary;
-use crate::real::{self, ONE, Real, ZERO};
+use crate::real::Real;
 use crate::system::{Angle, Clock, Point, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
 
@@ -36,25 +36,25 @@ pub(crate) mod step;
 
 /// A pendulum absorber on its primary system.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Piva {
-    pub(crate) parameters: Parameters,
-    pub(crate) pendulum: Pendulum,
+pub struct Piva<R = f64> {
+    pub(crate) parameters: Parameters<R>,
+    pub(crate) pendulum: Pendulum<R>,
     /// cosθ at the walls.
-    wall_cosine: Sum,
-    pub(crate) law: Law,
+    wall_cosine: Sum<R>,
+    pub(crate) law: Law<R>,
     /// See [`System::pressure_gain`].
-    pressure_gain: Real,
-    pub(crate) accuracy: Accuracy,
+    pressure_gain: R,
+    pub(crate) accuracy: Accuracy<R>,
     /// What drives it.
-    force: Force,
+    force: Force<R>,
 }
 
-impl Piva {
+impl<R: Real> Piva<R> {
     /// A pendulum absorber.
     ///
     /// # Errors
     /// [`Invalid`] naming field, value and allowed range.
-    pub fn new(parameters: Parameters) -> Result<Self, Invalid> {
+    pub fn new(parameters: Parameters<R>) -> Result<Self, Invalid> {
         parameters.check()?;
         let Parameters {
             mass_ratio,
@@ -75,9 +75,9 @@ impl Piva {
             contact_distance,
             inertia_ratio,
             lever,
-            coupling: 1.0 / (inertia_ratio * lever),
+            coupling: R::ONE / (inertia_ratio * lever),
             frequency_squared: frequency_ratio * frequency_ratio,
-            pivot_damping: 2.0 * pivot_damping_ratio * frequency_ratio,
+            pivot_damping: pivot_damping_ratio * 2.0 * frequency_ratio,
             small_angles: angles == Angles::Small,
         };
         let wall_cosine = pendulum.precise_cosine(Sum::new(clearance));
@@ -89,24 +89,28 @@ impl Piva {
             law,
             pressure_gain: law.pressure_gain(&pendulum),
             // Small angles cost little, and are exact whatever was asked.
-            accuracy: Accuracy::of(if pendulum.small_angles { ZERO } else { parameters.tolerance }),
+            accuracy: Accuracy::of(if pendulum.small_angles {
+                R::ZERO
+            } else {
+                parameters.tolerance
+            }),
             force: Force::default(),
         })
     }
 
     /// The same absorber under a force.
     #[must_use]
-    pub fn under(self, force: Force) -> Self {
+    pub fn under(self, force: Force<R>) -> Self {
         Self { force, ..self }
     }
 
     /// What it was made of.
-    pub fn parameters(&self) -> &Parameters {
+    pub fn parameters(&self) -> &Parameters<R> {
         &self.parameters
     }
 
     /// What drives it.
-    pub fn force(&self) -> &Force {
+    pub fn force(&self) -> &Force<R> {
         &self.force
     }
 
@@ -117,29 +121,29 @@ impl Piva {
     }
 
     /// θ at the + wall; π/2 where the pendulum cannot reach it.
-    pub fn wall_angle(&self) -> Real {
+    pub fn wall_angle(&self) -> R {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
         let sine = clearance / contact_distance;
         let small = self.pendulum.small_angles;
-        if small { sine } else { real::atan2(sine, self.wall_cosine.value) }
+        if small { sine } else { R::atan2(sine, self.wall_cosine.value) }
     }
 
     /// True if the walls are so close to the horizontal that cosθ tells better than y how far they are:
     /// y hardly changes with the angle there.
     pub(crate) fn has_steep_walls(&self) -> bool {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
-        let near = STEEP * contact_distance <= clearance && clearance < contact_distance;
+        let near = contact_distance * STEEP <= clearance && clearance < contact_distance;
         near && !self.pendulum.small_angles
     }
 
     /// Acceleration of gravity g = κ L r², in ωn² × length.
-    pub fn gravity(&self) -> Real {
+    pub fn gravity(&self) -> R {
         let Parameters { inertia_ratio, length, .. } = self.parameters;
         inertia_ratio * length * self.pendulum.frequency_squared
     }
 
     /// The swing of a state seen from its wall.
-    fn swing(&self, state: &PivaState) -> Swing<Real> {
+    fn swing(&self, state: &PivaState<R>) -> Swing<R> {
         Swing {
             x: state.primary.x.value,
             u: state.primary.v.value,
@@ -152,10 +156,10 @@ impl Piva {
     /// Coefficients of the force at a state, of the smooth piece that acts from `from` on.
     pub(crate) fn drive<const LENGTH: usize>(
         &self,
-        from: Clock,
-        state: &PivaState,
-        h: Real,
-    ) -> Option<Drive<Real, LENGTH>> {
+        from: Clock<R>,
+        state: &PivaState<R>,
+        h: R,
+    ) -> Option<Drive<R, LENGTH>> {
         self.force.lasts().then(|| self.force.drive(from, state.time, h))
     }
 
@@ -163,128 +167,129 @@ impl Piva {
     /// `from` on.
     pub(crate) fn beginning<const LENGTH: usize>(
         &self,
-        from: Clock,
-        state: &PivaState,
-    ) -> Series<Real, LENGTH> {
-        let drive = self.drive(from, state, ONE);
+        from: Clock<R>,
+        state: &PivaState<R>,
+    ) -> Series<R, LENGTH> {
+        let drive = self.drive(from, state, R::ONE);
         let series = self.pendulum.beginning(&self.swing(state), drive.as_ref());
         at_rest_on_release(state, series)
     }
 
     /// Jet of the distance to the wall, in free motion under the force that acts from `from` on.
-    fn jet(&self, from: Clock, state: &PivaState) -> Jet {
+    fn jet(&self, from: Clock<R>, state: &PivaState<R>) -> Jet<R> {
         let series = self.beginning::<4>(from, state);
         let s = state.wall.sign();
         Jet {
             value: state.distance.value,
-            rate: -s * series.y[1],
-            curvature: -2.0 * s * series.y[2],
-            jerk: -6.0 * s * series.y[3],
+            rate: series.y[1] * -s,
+            curvature: series.y[2] * (-s * 2.0),
+            jerk: series.y[3] * (-s * 6.0),
         }
     }
 }
 
 /// What rounding leaves of Ẇ and ÿ right after a release would send the pendulum back into the wall.
-fn at_rest_on_release<const LENGTH: usize>(
-    state: &PivaState,
-    mut series: Series<Real, LENGTH>,
-) -> Series<Real, LENGTH> {
+fn at_rest_on_release<R: Real, const LENGTH: usize>(
+    state: &PivaState<R>,
+    mut series: Series<R, LENGTH>,
+) -> Series<R, LENGTH> {
     if state.released {
-        (series.w[1], series.y[2]) = (ZERO, ZERO);
+        (series.w[1], series.y[2]) = (R::ZERO, R::ZERO);
     }
     series
 }
 
 /// Primary and pendulum between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PivaState {
+pub struct PivaState<R = f64> {
     /// Instant, for the force.
-    pub(crate) time: Clock,
+    pub(crate) time: Clock<R>,
     /// Impulses that are over.
     pub(crate) kicks: u32,
-    pub(crate) primary: Primary,
+    pub(crate) primary: Primary<R>,
     pub(crate) wall: Wall,
     /// d − s y ≥ 0, the distance to the wall last touched.
-    pub(crate) distance: Sum,
-    pub(crate) clearance: Real,
+    pub(crate) distance: Sum<R>,
+    pub(crate) clearance: R,
     /// W = b θ̇.
-    pub(crate) w: Sum,
+    pub(crate) w: Sum<R>,
     /// cosθ.
-    pub(crate) cosine: Sum,
+    pub(crate) cosine: Sum<R>,
     /// Just released: W and Ẇ are exactly 0.
     pub(crate) released: bool,
 }
 
-impl PivaState {
+impl<R: Real> PivaState<R> {
     /// Gap displacement y.
-    pub(crate) fn y(&self) -> Sum {
+    pub(crate) fn y(&self) -> Sum<R> {
         let s = self.wall.sign();
-        Sum::new(s * self.clearance).plus_parts(-s * self.distance.value, -s * self.distance.rest)
+        Sum::new(self.clearance * s).plus_parts(self.distance.value * -s, self.distance.rest * -s)
     }
 
     /// Distance to a wall.
-    fn distance_to(&self, wall: Wall) -> Real {
+    fn distance_to(&self, wall: Wall) -> R {
         if wall == self.wall {
             self.distance.value
         } else {
-            -self.distance.minus(2.0 * self.clearance)
+            -self.distance.minus(self.clearance * 2.0)
         }
     }
 
     /// Gap velocity ẏ = c W.
-    fn gap_velocity(&self) -> Real {
+    fn gap_velocity(&self) -> R {
         self.cosine.value * self.w.value
     }
 }
 
-impl System for Piva {
-    type State = PivaState;
-    type Start = PivaStart;
-    type Flight<'a> = PivaFlight<'a>;
-    type Ride<'a> = PivaRide<'a>;
+impl<R: Real> System for Piva<R> {
+    type Real = R;
+    type State = PivaState<R>;
+    type Start = PivaStart<R>;
+    type Flight<'a> = PivaFlight<'a, R>;
+    type Ride<'a> = PivaRide<'a, R>;
 
-    fn clearance(&self) -> Real {
+    fn clearance(&self) -> R {
         self.parameters.clearance
     }
 
-    fn rebound_ratio(&self) -> Real {
+    fn rebound_ratio(&self) -> R {
         self.law.ratio
     }
 
-    fn pressure_gain(&self) -> Real {
+    fn pressure_gain(&self) -> R {
         self.pressure_gain
     }
 
-    fn check_start(&self, start: &PivaStart) -> Result<(), Invalid> {
+    fn check_start(&self, start: &PivaStart<R>) -> Result<(), Invalid> {
         self.check(start)
     }
 
-    fn begin(&self, start: &PivaStart) -> (PivaState, bool) {
+    fn begin(&self, start: &PivaStart<R>) -> (PivaState<R>, bool) {
         self.first_state(start)
     }
 
-    fn flight(&self, state: &PivaState) -> PivaFlight<'_> {
+    fn flight(&self, state: &PivaState<R>) -> PivaFlight<'_, R> {
         PivaFlight::new(self, *state)
     }
 
-    fn ride(&self, state: &PivaState) -> PivaRide<'_> {
+    fn ride(&self, state: &PivaState<R>) -> PivaRide<'_, R> {
         PivaRide::new(self, *state)
     }
 
-    fn wall(&self, state: &PivaState) -> Wall {
+    fn wall(&self, state: &PivaState<R>) -> Wall {
         state.wall
     }
 
-    fn distance(&self, state: &PivaState) -> Jet {
+    fn distance(&self, state: &PivaState<R>) -> Jet<R> {
         self.jet(state.time, state)
     }
 
-    fn touch(&self, state: &PivaState, wall: Wall) -> (PivaState, Real) {
+    fn touch(&self, state: &PivaState<R>, wall: Wall) -> (PivaState<R>, R) {
         let Series { u, w, y, c, .. } = self.beginning::<3>(state.time, state);
         let later = if self.has_steep_walls() {
-            delay((state.cosine - self.wall_cosine).value, c[1], 2.0 * c[2])
+            delay((state.cosine - self.wall_cosine).value, c[1], c[2] * 2.0)
         } else {
-            delay(state.distance_to(wall), -wall.sign() * state.gap_velocity(), 2.0 * y[2])
+            delay(state.distance_to(wall), state.gap_velocity() * -wall.sign(), y[2] * 2.0)
         };
         let Primary { x, v } = state.primary;
         let touching = PivaState {
@@ -299,7 +304,7 @@ impl System for Piva {
         (touching, later)
     }
 
-    fn impact(&self, state: &PivaState, time: Real) -> (PivaState, Impact) {
+    fn impact(&self, state: &PivaState<R>, time: R) -> (PivaState<R>, Impact<R>) {
         let v = state.primary.v;
         let gained = self.law.impact(state.w);
         let primary = Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary };
@@ -320,11 +325,11 @@ impl System for Piva {
         (after, impact)
     }
 
-    fn stick(&self, state: &PivaState) -> (PivaState, Real) {
+    fn stick(&self, state: &PivaState<R>) -> (PivaState<R>, R) {
         let v = state.primary.v;
         let gained = self.law.stick(state.w);
         let Parameters { mass_ratio, damping_ratio, .. } = self.parameters;
-        let damping = 2.0 * damping_ratio / (1.0 + mass_ratio);
+        let damping = damping_ratio * 2.0 / (R::ONE + mass_ratio);
         let [farther, faster] = self.law.surplus_of_tail(state.w, &self.distance(state), damping);
         let stuck = PivaState {
             primary: Primary { x: state.primary.x.plus(farther), v: (v + gained).plus(faster) },
@@ -335,27 +340,27 @@ impl System for Piva {
         (stuck, self.law.stick_loss(v.value, state.w.value))
     }
 
-    fn release(&self, state: &PivaState) -> (PivaState, Real) {
+    fn release(&self, state: &PivaState<R>) -> (PivaState<R>, R) {
         let (primary, later) = self.without_pressure(state);
         let (distance, w) = (Sum::ZERO, Sum::ZERO);
         let time = state.time.plus(later);
         (PivaState { time, primary, distance, w, released: true, ..*state }, later)
     }
 
-    fn primary(&self, state: &PivaState) -> Point {
+    fn primary(&self, state: &PivaState<R>) -> Point<R> {
         Point { x: state.primary.x.value, v: state.primary.v.value }
     }
 
-    fn energy(&self, state: &PivaState) -> Real {
+    fn energy(&self, state: &PivaState<R>) -> R {
         let Point { x, v } = self.primary(state);
         let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
         let Pendulum { lever, contact_distance, .. } = self.pendulum;
         let (y, w, c) = (state.y().value, state.w.value, state.cosine.value);
         let sine = y / contact_distance;
         // 1 − cosθ without cancellation (θ²/2 where angles count as small).
-        let rise = if c > 0.0 { sine * sine / (1.0 + c) } else { 1.0 - c };
-        let kinetic = v * v + 2.0 * v * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
-        0.5 * (x * x + v * v) + mass_ratio * (0.5 * kinetic + self.gravity() * length * rise)
+        let rise = if c > 0.0 { sine * sine / (R::ONE + c) } else { R::ONE - c };
+        let kinetic = v * v + v * 2.0 * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
+        (x * x + v * v) * 0.5 + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise)
     }
 
     fn walls_reachable(&self) -> bool {
@@ -370,18 +375,18 @@ impl System for Piva {
         self.force.moves_base()
     }
 
-    fn smooth_for(&self, state: &PivaState) -> Real {
+    fn smooth_for(&self, state: &PivaState<R>) -> R {
         let end = self.force.smooth_until(state.time, state.kicks);
-        end.map_or(Real::INFINITY, |end| (end - state.time).value)
+        end.map_or(R::INFINITY, |end| (end - state.time).value)
     }
 
-    fn due(&self, state: &PivaState) -> Option<Real> {
+    fn due(&self, state: &PivaState<R>) -> Option<R> {
         self.force.due(state.time, state.kicks)
     }
 
-    fn kick(&self, state: &PivaState, velocity: Real, stuck: bool) -> PivaState {
+    fn kick(&self, state: &PivaState<R>, velocity: R, stuck: bool) -> PivaState<R> {
         let Pendulum { mass_ratio, coupling, .. } = self.pendulum;
-        let mass = Sum::new(ONE).plus(mass_ratio);
+        let mass = Sum::new(R::ONE).plus(mass_ratio);
         let kicks = state.kicks + 1;
         if stuck {
             let gained = Sum::new(velocity).over_sum(mass);
@@ -399,17 +404,17 @@ impl System for Piva {
         }
     }
 
-    fn angle(&self, state: &PivaState) -> Option<Angle> {
+    fn angle(&self, state: &PivaState<R>) -> Option<Angle<R>> {
         let sine = state.y().value / self.pendulum.contact_distance;
         let small = self.pendulum.small_angles;
-        let value = if small { sine } else { real::atan2(sine, state.cosine.value) };
+        let value = if small { sine } else { R::atan2(sine, state.cosine.value) };
         Some(Angle { value, rate: state.w.value / self.pendulum.contact_distance })
     }
 
-    fn impact_angles(&self, impact: &Impact) -> Option<[Angle; 2]> {
-        let value = impact.wall.sign() * self.wall_angle();
+    fn impact_angles(&self, impact: &Impact<R>) -> Option<[Angle<R>; 2]> {
+        let value = self.wall_angle() * impact.wall.sign();
         let lever = self.wall_cosine.value * self.pendulum.contact_distance;
-        let angle = |w: Real| Angle { value, rate: w / lever };
+        let angle = |w: R| Angle { value, rate: w / lever };
         Some([impact.gap_velocity_before, impact.gap_velocity_after].map(angle))
     }
 }

@@ -1,7 +1,7 @@
 //! Integrals and extrema of the polynomials that a motion consists of.
 
 use crate::range::{LARGEST, SMALLEST};
-use crate::real::{ONE, Real, ZERO, dispatched, reciprocal};
+use crate::real::Real;
 use crate::roots::polish;
 use crate::taylor::{ORDER, Row, horner, unrolled};
 
@@ -11,46 +11,46 @@ const BEYOND: usize = 4;
 /// ∫₀ᵗ f² of a polynomial f of order N that is a series cut off where its terms no longer count: nor do
 /// products of far higher powers.
 #[inline(always)]
-pub(crate) fn square_integral<const N: usize>(f: &[Real], t: Real) -> Real {
+pub(crate) fn square_integral<R: Real, const N: usize>(f: &[R], t: R) -> R {
     // At t the terms are moderate, whatever the coefficients are.
     let (f, _) = terms(&f[..=N], t);
     // Half the coefficients of f², row by row of its products: neighbours are added side by side.
-    let mut half = [ZERO; 2 * ORDER + 1];
+    let mut half = [R::ZERO; 2 * ORDER + 1];
     unrolled!(i < (N + BEYOND) / 2 + 1 => {
-        half[2 * i] = (0.5 * f[i]).mul_add(f[i], half[2 * i]);
+        half[2 * i] = (f[i] * 0.5).mul_add(f[i], half[2 * i]);
         let last = N.min(N + BEYOND - i);
         for (sum, term) in half[2 * i + 1..].iter_mut().zip(&f[i + 1..=last]) {
             *sum = f[i].mul_add(*term, *sum);
         }
     });
-    let mut sums = [ZERO; 2];
+    let mut sums = [R::ZERO; 2];
     for i in 0..N + BEYOND + 1 {
         let k = N + BEYOND - i;
-        sums[k % 2] = half[k].mul_add(reciprocal(k + 1), sums[k % 2]);
+        sums[k % 2] = half[k].mul_add(R::reciprocal(k + 1), sums[k % 2]);
     }
-    2.0 * (sums[0] + sums[1]) * t
+    (sums[0] + sums[1]) * 2.0 * t
 }
 
 /// ∫₀ᵗ f g of two such polynomials of one order, at most [`ORDER`].
-pub(crate) fn product_integral(f: &[Real], g: &[Real], t: Real) -> Real {
+pub(crate) fn product_integral<R: Real>(f: &[R], g: &[R], t: R) -> R {
     let (f, g) = (terms(f, t), terms(g, t));
     let order = f.1;
-    let mut sum = ZERO;
+    let mut sum = R::ZERO;
     for k in (0..=order + BEYOND).rev() {
-        let mut product = ZERO;
+        let mut product = R::ZERO;
         for i in k.saturating_sub(order)..=k.min(order) {
             product += f.0[i] * g.0[k - i];
         }
-        sum += product * reciprocal(k + 1);
+        sum += product * R::reciprocal(k + 1);
     }
     sum * t
 }
 
 /// The terms of a polynomial at t, and its order.
 #[inline(always)]
-fn terms(f: &[Real], t: Real) -> (Row<Real>, usize) {
-    let mut terms = [ZERO; ORDER + 1];
-    let mut power = ONE;
+fn terms<R: Real>(f: &[R], t: R) -> (Row<R>, usize) {
+    let mut terms = [R::ZERO; ORDER + 1];
+    let mut power = R::ONE;
     for (term, coefficient) in terms.iter_mut().zip(f) {
         *term = power * *coefficient;
         power *= t;
@@ -60,26 +60,26 @@ fn terms(f: &[Real], t: Real) -> (Row<Real>, usize) {
 
 /// The largest |f| of a polynomial on an interval of [0, ∞), or `least` if that is larger: at an end, or where it
 /// turns round.
-pub(crate) fn largest(f: &[Real], h: [Real; 2], least: Real) -> Real {
-    dispatched(
+pub(crate) fn largest<R: Real>(f: &[R], h: [R; 2], least: R) -> R {
+    R::dispatched(
         #[inline(always)]
         || largest_of(f, h, least),
     )
 }
 
 #[inline(always)]
-fn largest_of(f: &[Real], [from, to]: [Real; 2], least: Real) -> Real {
+fn largest_of<R: Real>(f: &[R], [from, to]: [R; 2], least: R) -> R {
     let ends = horner(f, from).abs().max(horner(f, to).abs());
     let size = steepest(f, 0, to);
     if !(size > 0.0 && size.is_finite()) {
         return least.max(ends);
     }
-    if !(SMALLEST..LARGEST).contains(&size) {
+    if !(SMALLEST..LARGEST).contains(&size.double()) {
         // Over its size, so that no bound overflows.
-        let over: Vec<Real> = f.iter().map(|coefficient| *coefficient / size).collect();
+        let over: Vec<R> = f.iter().map(|coefficient| *coefficient / size).collect();
         return (largest(&over, [from, to], least / size) * size).max(least);
     }
-    let inside = |at: &Real| *at > from && *at < to;
+    let inside = |at: &R| *at > from && *at < to;
     let turns = turnings(f, to).into_iter().map(|bracket| turned(|t| jet(f, t), bracket));
     let values = turns.filter(|(at, _)| inside(at)).map(|(_, value)| value.abs());
     values.fold(least.max(ends), |most, value| most.max(value))
@@ -87,7 +87,7 @@ fn largest_of(f: &[Real], [from, to]: [Real; 2], least: Real) -> Real {
 
 /// Where a function turns round in a bracket, and its value there; it is given with three derivatives.
 #[inline(always)]
-pub(crate) fn turned(at: impl Fn(Real) -> [Real; 4], [low, high]: [Real; 2]) -> (Real, Real) {
+pub(crate) fn turned<R: Real>(at: impl Fn(R) -> [R; 4], [low, high]: [R; 2]) -> (R, R) {
     let [[x_low, v_low, ..], [x_high, v_high, ..]] = [low, high].map(&at);
     if v_low * v_high >= 0.0 {
         // At an end of the bracket, but for rounding.
@@ -95,32 +95,32 @@ pub(crate) fn turned(at: impl Fn(Real) -> [Real; 4], [low, high]: [Real; 2]) -> 
     }
     let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
     let guess = low + (high - low) * (v_low / (v_low - v_high));
-    let jet = |h: Real| {
+    let jet = |h: R| {
         let [value, rate, curvature, jerk] = at(h);
-        (value, [rise * rate, rise * curvature, rise * jerk])
+        (value, [rate * rise, curvature * rise, jerk * rise])
     };
     polish(jet, low, high, guess)
 }
 
 /// A polynomial at t and its first three derivatives there.
 #[inline(always)]
-pub(crate) fn jet(f: &[Real], t: Real) -> [Real; 4] {
-    let [mut value, mut rate, mut half, mut sixth] = [ZERO; 4];
+pub(crate) fn jet<R: Real>(f: &[R], t: R) -> [R; 4] {
+    let [mut value, mut rate, mut half, mut sixth] = [R::ZERO; 4];
     for coefficient in f.iter().rev() {
         sixth = sixth * t + half;
         half = half * t + rate;
         rate = rate * t + value;
         value = value * t + *coefficient;
     }
-    [value, rate, 2.0 * half, 6.0 * sixth]
+    [value, rate, half * 2.0, sixth * 6.0]
 }
 
 /// Several polynomials of one length at t, by Horner's rule, side by side.
 #[inline(always)]
-pub(crate) fn horners<const K: usize>(rows: [&[Real]; K], t: Real) -> [Real; K] {
+pub(crate) fn horners<R: Real, const K: usize>(rows: [&[R]; K], t: R) -> [R; K] {
     let length = rows[0].len();
     let rows = rows.map(|row| &row[..length]);
-    let mut sums = [ZERO; K];
+    let mut sums = [R::ZERO; K];
     for k in (0..length).rev() {
         for (sum, row) in sums.iter_mut().zip(rows) {
             *sum = sum.mul_add(t, row[k]);
@@ -132,53 +132,53 @@ pub(crate) fn horners<const K: usize>(rows: [&[Real]; K], t: Real) -> [Real; K] 
 /// Brackets of the instants in [0, to] at which a polynomial turns round, one each, in order. An
 /// inflection is none.
 #[inline(always)]
-pub(crate) fn turnings(f: &[Real], to: Real) -> Vec<[Real; 2]> {
+pub(crate) fn turnings<R: Real>(f: &[R], to: R) -> Vec<[R; 2]> {
     let mut found = Vec::new();
-    let (slope, curved) = dispatched(
+    let (slope, curved) = R::dispatched(
         #[inline(always)]
         || slope_and_bend(f, to),
     );
     // Mostly f does not turn.
-    if slope.abs() > curved * (0.5 * to) {
+    if slope.abs() > curved * (to * 0.5) {
         return found;
     }
     let search = Turnings { f, size: steepest(f, 0, to), curved, bent: steepest(f, 3, to) };
-    search.between([ZERO, to], &mut found);
+    search.between([R::ZERO, to], &mut found);
     found
 }
 
 /// f′ in the middle of [0, to], and a bound on |f″| there, side by side.
 #[inline(always)]
-fn slope_and_bend(f: &[Real], to: Real) -> (Real, Real) {
-    let middle = 0.5 * to;
-    let (mut slope, mut bend) = (ZERO, ZERO);
+fn slope_and_bend<R: Real>(f: &[R], to: R) -> (R, R) {
+    let middle = to * 0.5;
+    let (mut slope, mut bend) = (R::ZERO, R::ZERO);
     for k in (2..f.len()).rev() {
-        let rate = k as f64 * f[k];
+        let rate = f[k] * (k as f64);
         slope = slope.mul_add(middle, rate);
-        bend = bend.mul_add(to, (k - 1) as f64 * rate.abs());
+        bend = bend.mul_add(to, rate.abs() * ((k - 1) as f64));
     }
-    (slope.mul_add(middle, f.get(1).copied().unwrap_or(ZERO)), bend)
+    (slope.mul_add(middle, f.get(1).copied().unwrap_or(R::ZERO)), bend)
 }
 
 /// What the search for turning points knows of a polynomial: bounds on |f|, |f″| and |f‴|.
-struct Turnings<'a> {
-    f: &'a [Real],
-    size: Real,
-    curved: Real,
-    bent: Real,
+struct Turnings<'a, R = f64> {
+    f: &'a [R],
+    size: R,
+    curved: R,
+    bent: R,
 }
 
-impl Turnings<'_> {
-    fn between(&self, [from, to]: [Real; 2], found: &mut Vec<[Real; 2]>) {
-        let (middle, half) = (from.midpoint(to), 0.5 * (to - from));
+impl<R: Real> Turnings<'_, R> {
+    fn between(&self, [from, to]: [R; 2], found: &mut Vec<[R; 2]>) {
+        let (middle, half) = (from.midpoint(to), (to - from) * 0.5);
         if derivative(self.f, 1, middle).abs() > self.curved * half {
             return;
         }
         let monotone = derivative(self.f, 2, middle).abs() > self.bent * half;
         // On so short a stretch f does not turn by more than rounding (nor where it is not finite).
-        let matters = self.curved * (half * half) > Real::EPSILON * self.size;
+        let matters = self.curved * (half * half) > R::EPSILON * self.size;
         if monotone || !matters {
-            let falls = |t: Real| derivative(self.f, 1, t) < 0.0;
+            let falls = |t: R| derivative(self.f, 1, t) < 0.0;
             if falls(from) != falls(to) {
                 found.push([from, to]);
             }
@@ -196,14 +196,14 @@ fn factor(k: usize, n: usize) -> f64 {
 }
 
 #[inline(always)]
-fn derivative(f: &[Real], n: usize, t: Real) -> Real {
-    (n..f.len()).rev().fold(ZERO, |sum, k| sum * t + factor(k, n) * f[k])
+fn derivative<R: Real>(f: &[R], n: usize, t: R) -> R {
+    (n..f.len()).rev().fold(R::ZERO, |sum, k| sum * t + f[k] * factor(k, n))
 }
 
 /// A bound on the nth derivative on [0, to].
 #[inline(always)]
-fn steepest(f: &[Real], n: usize, to: Real) -> Real {
-    (n..f.len()).rev().fold(ZERO, |sum, k| sum * to + factor(k, n) * f[k].abs())
+fn steepest<R: Real>(f: &[R], n: usize, to: R) -> R {
+    (n..f.len()).rev().fold(R::ZERO, |sum, k| sum * to + f[k].abs() * factor(k, n))
 }
 
 #[cfg(test)]
@@ -261,6 +261,6 @@ mod tests {
     fn the_integral_of_a_square_is_exact() {
         // ∫₀¹ cos²(t − 1/2) dt = 1/2 + (sin 1 + sin 1)/4
         let truth = 0.5 + 0.5 * 1f64.sin();
-        assert!((square_integral::<ORDER>(&cosine(1.0, -0.5), 1.0) - truth).abs() < 1e-15);
+        assert!((square_integral::<_, ORDER>(&cosine(1.0, -0.5), 1.0) - truth).abs() < 1e-15);
     }
 }

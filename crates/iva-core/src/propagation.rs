@@ -31,7 +31,7 @@ mod piva;
 mod siva;
 
 /// A system whose motion can be differentiated.
-pub trait Differentiable: System {
+pub trait Differentiable: System<Real = f64> {
     /// ż in free flight.
     fn rates(&self, state: &Self::State) -> Vector4<f64>;
     /// Sizes of ẋ, ẍ, ẏ and ÿ (or Ẇ) before their terms cancel: what rounding takes from them at every
@@ -228,7 +228,7 @@ impl<S: Differentiable> Observer<S> for Errors {
         self.unit = if x > 0.0 { x } else { self.clearance };
     }
 
-    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         if self.lost {
             return;
         }

@@ -19,8 +19,8 @@ pub const LARGEST_TOLERANCE: f64 = 1e-3;
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn size(field: &str, value: Real) -> Result<(), Invalid> {
-    let allowed = value == 0.0 || (SMALLEST..=LARGEST).contains(&value.abs());
+pub fn size<R: Real>(field: &str, value: R) -> Result<(), Invalid> {
+    let allowed = value == 0.0 || (SMALLEST..=LARGEST).contains(&value.double().abs());
     check(allowed, field, value, || format!("0 or a number of size {SMALLEST:e} to {LARGEST:e}"))
 }
 
@@ -28,8 +28,8 @@ pub fn size(field: &str, value: Real) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn positive(field: &str, value: Real) -> Result<(), Invalid> {
-    let allowed = (SMALLEST..=LARGEST).contains(&value);
+pub fn positive<R: Real>(field: &str, value: R) -> Result<(), Invalid> {
+    let allowed = (SMALLEST..=LARGEST).contains(&value.double());
     check(allowed, field, value, || format!("a number from {SMALLEST:e} to {LARGEST:e}"))
 }
 
@@ -37,7 +37,7 @@ pub fn positive(field: &str, value: Real) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn mass_ratio(field: &str, value: Real) -> Result<(), Invalid> {
+pub fn mass_ratio<R: Real>(field: &str, value: R) -> Result<(), Invalid> {
     let allowed = value > 0.0 && value <= LARGEST_RATIO;
     check(allowed, field, value, || format!("a number greater than 0, at most {LARGEST_RATIO:e}"))
 }
@@ -46,8 +46,8 @@ pub fn mass_ratio(field: &str, value: Real) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn damping_ratio(field: &str, value: Real) -> Result<(), Invalid> {
-    let allowed = (0.0..=LARGEST_RATIO).contains(&value);
+pub fn damping_ratio<R: Real>(field: &str, value: R) -> Result<(), Invalid> {
+    let allowed = (0.0..=LARGEST_RATIO).contains(&value.double());
     check(allowed, field, value, || format!("a number from 0 to {LARGEST_RATIO:e}"))
 }
 
@@ -55,24 +55,24 @@ pub fn damping_ratio(field: &str, value: Real) -> Result<(), Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn restitution(field: &str, value: Real) -> Result<(), Invalid> {
-    check((0.0..=1.0).contains(&value), field, value, || "a number from 0 to 1".to_owned())
+pub fn restitution<R: Real>(field: &str, value: R) -> Result<(), Invalid> {
+    check((0.0..=1.0).contains(&value.double()), field, value, || "a number from 0 to 1".to_owned())
 }
 
 /// Checks a tolerance of the flight.
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn tolerance(field: &str, value: Real) -> Result<(), Invalid> {
-    check((0.0..=LARGEST_TOLERANCE).contains(&value), field, value, || {
+pub fn tolerance<R: Real>(field: &str, value: R) -> Result<(), Invalid> {
+    check((0.0..=LARGEST_TOLERANCE).contains(&value.double()), field, value, || {
         format!("a number from 0 to {LARGEST_TOLERANCE:e}")
     })
 }
 
-fn check(
+fn check<R: Real>(
     allowed: bool,
     field: &str,
-    value: Real,
+    value: R,
     range: impl FnOnce() -> String,
 ) -> Result<(), Invalid> {
     if allowed {

@@ -1,102 +1,354 @@
-//! The numbers that the motion is carried in: doubles.
+//! The numbers that a motion is carried in.
 //!
-//! The core is written for *a* real number. The same source is compiled again with
-//! [`Twofold`](crate::twofold::Twofold) in its place, to verify a run (crate `iva-core-twofold`), and
-//! with [`Dual`](crate::dual::Dual), to differentiate it (crate `iva-core-dual`). Each has a module
-//! like this one and a list of modules beside this crate's root.
+//! The core is written for any [`Real`]: a double, a number of [twice the precision](twofold) to verify a run
+//! by, or a number [with derivatives](dual) to differentiate it. Thresholds that depend on the precision are
+//! constants of the number. Types have doubles as their default: `Sum` is `Sum<f64>`.
+//!
+//! In a formula a double stands to the right of a number, as in `x * 0.5`, and [`Real::ONE`] to the left.
 
-pub use libm::{atan2, sincos};
+use std::cmp::Ordering;
+use std::fmt::Debug;
+use std::iter;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A real number.
-pub type Real = f64;
+use crate::compensated::Sum;
 
-/// 0
-pub const ZERO: Real = 0.0;
-/// 1
-pub const ONE: Real = 1.0;
-/// 2π, and what that lacks.
-pub const TURN: [Real; 2] = [std::f64::consts::TAU, 2.449_293_598_294_706_4e-16];
-/// π/2, and what that lacks.
-pub const QUARTER: [Real; 2] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17];
-/// What a step of a pendulum's flight may leave out at full accuracy, over the size of each variable:
-/// as much as rounding does. It is a proven bound; what is left out in fact is some ten times less or more.
-pub const LEFT_OUT: Real = 1e-16;
-/// Largest estimated error of the summed duration of a chatter, in 1/ωn. Rounding of a time of order 1
-/// is ten times larger.
-pub const NEGLIGIBLE: Real = 1e-17;
+pub mod dual;
+mod mixed;
+pub mod twofold;
 
-/// Numbers up to this have their reciprocal in a table.
+/// A real number: what doubles can do, beside doubles.
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + Send
+    + Sync
+    + 'static
+    + From<f64>
+    + Into<f64>
+    + PartialEq
+    + PartialOrd
+    + PartialEq<f64>
+    + PartialOrd<f64>
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+    + AddAssign<f64>
+    + SubAssign<f64>
+    + MulAssign<f64>
+    + DivAssign<f64>
+    + iter::Sum
+    + iter::Product
+{
+    /// 0
+    const ZERO: Self;
+    /// 1
+    const ONE: Self;
+    /// Distance from 1 to the next larger number.
+    const EPSILON: Self;
+    /// Not a number.
+    const NAN: Self;
+    /// ∞
+    const INFINITY: Self;
+    /// As [`f64::MIN_POSITIVE`].
+    const MIN_POSITIVE: Self;
+    /// 2π with its rounding rest.
+    const TURN: Sum<Self>;
+    /// π/2 with its rounding rest.
+    const QUARTER: Sum<Self>;
+    /// Largest share of each variable that a step of a pendulum's flight may leave out at full accuracy.
+    const LEFT_OUT: Self;
+    /// Largest estimated error of the summed duration of a chatter, in 1/ωn.
+    const NEGLIGIBLE: Self;
+    /// True if flights that a proof in closed form decides need no search.
+    const STRIDES: bool;
+
+    /// A number given by the user; `differentiated` if results are to be differentiated by it.
+    fn given(value: f64, differentiated: bool) -> Self;
+
+    /// The number rounded to a double.
+    #[inline(always)]
+    fn double(self) -> f64 {
+        self.into()
+    }
+
+    /// 1/n.
+    fn reciprocal(n: usize) -> Self;
+
+    /// As [`f64::mul_add`].
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+
+    /// As [`f64::hypot`].
+    fn hypot(self, other: impl Into<Self>) -> Self;
+
+    /// As [`f64::powi`], for n ≥ 0.
+    fn powi(self, n: i32) -> Self;
+
+    /// Square root.
+    fn sqrt(self) -> Self;
+
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+
+    /// Sine and cosine of an angle within [−2π, 2π].
+    fn sincos(self) -> (Self, Self);
+
+    /// Sine and cosine of an angle within [−π, π], with their rounding rests.
+    fn precise_sincos(angle: Sum<Self>) -> (Sum<Self>, Sum<Self>);
+
+    /// Angle of the point (x, self) from the x axis.
+    fn atan2(self, x: Self) -> Self;
+
+    /// As [`f64::abs`].
+    fn abs(self) -> Self {
+        if self < 0.0 { -self } else { self }
+    }
+
+    /// As [`f64::signum`]: ±1.
+    fn signum(self) -> Self {
+        self.double().signum().into()
+    }
+
+    /// As [`f64::copysign`].
+    fn copysign(self, sign: Self) -> Self {
+        self.abs() * sign.signum()
+    }
+
+    /// As [`f64::max`].
+    fn max(self, other: impl Into<Self>) -> Self {
+        let other = other.into();
+        if other > self || self.is_nan() { other } else { self }
+    }
+
+    /// As [`f64::min`].
+    fn min(self, other: impl Into<Self>) -> Self {
+        let other = other.into();
+        if other < self || self.is_nan() { other } else { self }
+    }
+
+    /// As [`f64::clamp`].
+    #[inline(always)]
+    fn clamp(self, low: impl Into<Self>, high: impl Into<Self>) -> Self {
+        self.max(low).min(high)
+    }
+
+    /// As [`f64::midpoint`].
+    fn midpoint(self, other: Self) -> Self {
+        (self + other) * 0.5
+    }
+
+    /// As [`f64::round`]; exact where the result is no larger than 2⁵³.
+    fn round(self) -> Self {
+        self.double().round().into()
+    }
+
+    /// As [`f64::ceil`]; exact where the result is no larger than 2⁵³.
+    fn ceil(self) -> Self {
+        let near = self.round();
+        if near < self { near + 1.0 } else { near }
+    }
+
+    /// As [`f64::total_cmp`].
+    fn total_cmp(&self, other: &Self) -> Ordering {
+        let unordered = self.double().total_cmp(&other.double());
+        PartialOrd::<Self>::partial_cmp(self, other).unwrap_or(unordered)
+    }
+
+    /// As [`f64::is_finite`].
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        self.double().is_finite()
+    }
+
+    /// As [`f64::is_nan`].
+    #[inline(always)]
+    fn is_nan(self) -> bool {
+        self.double().is_nan()
+    }
+
+    /// The larger of two numbers, by one comparison: of a number and NaN the second.
+    #[inline(always)]
+    fn larger(a: Self, b: Self) -> Self {
+        if a > b { a } else { b }
+    }
+
+    /// The largest whole number not above a number ≥ 0.
+    #[inline(always)]
+    fn whole(self) -> usize {
+        self.double() as usize
+    }
+
+    /// The largest power of two not above a number > 0.
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        const EXPONENT: u64 = 0x7ff << 52;
+        f64::from_bits(self.double().to_bits() & EXPONENT).into()
+    }
+
+    /// An upper bound of log₂ of a number > 0, at most 0.09 too large.
+    #[inline(always)]
+    fn log2_above(self) -> f64 {
+        // Exponent and mantissa, read as one number, are log₂ from one power of two to the next by a chord.
+        const ONE_ABOVE: f64 = (1u64 << 52) as f64;
+        self.double().to_bits() as i64 as f64 / ONE_ABOVE - (1023.0 - 0.0862)
+    }
+
+    /// A closer root of a function than h, from its value and slope; `None`: h is as close as the number can
+    /// tell.
+    #[inline(always)]
+    fn settled(_h: Self, _f: impl Fn(Self) -> [Self; 2]) -> Option<Self> {
+        None
+    }
+
+    /// Runs code with the best instructions of the machine, where that is faster; results have the same bits.
+    #[inline(always)]
+    fn dispatched<T>(code: impl FnOnce() -> T) -> T {
+        code()
+    }
+}
+
+/// Numbers below this have their reciprocal in a table.
 const TABLED: usize = 28;
 
-/// 1/n.
-#[inline]
-pub fn reciprocal(n: usize) -> Real {
-    const TABLE: [f64; TABLED] = {
-        let mut table = [1.0; TABLED];
-        let mut n = 1;
-        while n < table.len() {
-            table[n] = 1.0 / n as f64;
-            n += 1;
-        }
-        table
-    };
-    TABLE.get(n).copied().unwrap_or(1.0 / n as f64)
-}
+impl Real for f64 {
+    const ZERO: f64 = 0.0;
+    const ONE: f64 = 1.0;
+    const EPSILON: f64 = f64::EPSILON;
+    const NAN: f64 = f64::NAN;
+    const INFINITY: f64 = f64::INFINITY;
+    const MIN_POSITIVE: f64 = f64::MIN_POSITIVE;
+    const TURN: Sum = Sum { value: std::f64::consts::TAU, rest: 2.449_293_598_294_706_4e-16 };
+    const QUARTER: Sum =
+        Sum { value: std::f64::consts::FRAC_PI_2, rest: 6.123_233_995_736_766e-17 };
+    /// As much as rounding does. It is a proven bound; the true remainder is some ten times smaller or less.
+    const LEFT_OUT: f64 = 1e-16;
+    /// Rounding of a time of order 1 is ten times larger.
+    const NEGLIGIBLE: f64 = 1e-17;
+    const STRIDES: bool = true;
 
-/// What a number given by the user enters as; `differentiated` if results are to be differentiated by
-/// it.
-pub fn given(value: f64, _differentiated: bool) -> Real {
-    value
-}
+    #[inline(always)]
+    fn given(value: f64, _differentiated: bool) -> f64 {
+        value
+    }
 
-/// The largest power of two that a number > 0 is not below.
-#[inline]
-pub fn power_of_two(number: Real) -> Real {
-    const EXPONENT: u64 = 0x7ff << 52;
-    f64::from_bits(number.to_bits() & EXPONENT)
-}
+    #[inline]
+    fn reciprocal(n: usize) -> f64 {
+        const TABLE: [f64; TABLED] = {
+            let mut table = [1.0; TABLED];
+            let mut n = 1;
+            while n < table.len() {
+                table[n] = 1.0 / n as f64;
+                n += 1;
+            }
+            table
+        };
+        TABLE.get(n).copied().unwrap_or(1.0 / n as f64)
+    }
 
-/// log₂ of a number > 0, at most 0.09 too large.
-#[inline(always)]
-pub fn log2_above(number: Real) -> f64 {
-    // Exponent and mantissa, read as one number, are log₂ from one power of two to the next by a chord.
-    const ONE_ABOVE: f64 = (1u64 << 52) as f64;
-    number.to_bits() as i64 as f64 / ONE_ABOVE - (1023.0 - 0.0862)
-}
+    #[inline(always)]
+    fn mul_add(self, factor: f64, addend: f64) -> f64 {
+        f64::mul_add(self, factor, addend)
+    }
 
-/// True if strides ([`crate::siva`]) are to be gone: what verifies a run goes without.
-pub const STRIDES: bool = true;
+    #[inline(always)]
+    fn hypot(self, other: impl Into<f64>) -> f64 {
+        f64::hypot(self, other.into())
+    }
 
-/// Runs code in the best instructions that the machine has. What is inlined into it has a fused
-/// multiply-add, the same bits faster.
-#[inline]
-pub fn dispatched<R>(code: impl FnOnce() -> R) -> R {
-    pulp::Arch::new().dispatch(code)
-}
+    #[inline(always)]
+    fn powi(self, n: i32) -> f64 {
+        f64::powi(self, n)
+    }
 
-/// The whole number below, of a number ≥ 0.
-#[inline]
-pub fn whole(number: Real) -> usize {
-    number as usize
-}
+    #[inline(always)]
+    fn sqrt(self) -> f64 {
+        f64::sqrt(self)
+    }
 
-/// A closer root of a function than h, which is given with value and slope; `None`: h is as close as
-/// doubles can tell.
-#[inline]
-pub fn settled(_h: Real, _f: impl Fn(Real) -> [Real; 2]) -> Option<Real> {
-    None
-}
+    #[inline(always)]
+    fn ln(self) -> f64 {
+        f64::ln(self)
+    }
 
-/// The larger of two numbers, by one comparison: of a number and none the second.
-#[inline(always)]
-pub fn larger(a: Real, b: Real) -> Real {
-    if a > b { a } else { b }
-}
+    #[inline(always)]
+    fn sincos(self) -> (f64, f64) {
+        libm::sincos(self)
+    }
 
-/// Sine and cosine of an angle within [−π, π], closer than the number can tell.
-#[inline(always)]
-pub fn precise_sincos(
-    angle: crate::compensated::Sum,
-) -> (crate::compensated::Sum, crate::compensated::Sum) {
-    crate::trigonometry::close_sine_cosine(angle)
+    #[inline(always)]
+    fn precise_sincos(angle: Sum) -> (Sum, Sum) {
+        crate::trigonometry::close_sine_cosine(angle)
+    }
+
+    #[inline(always)]
+    fn atan2(self, x: f64) -> f64 {
+        libm::atan2(self, x)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> f64 {
+        f64::abs(self)
+    }
+
+    #[inline(always)]
+    fn signum(self) -> f64 {
+        f64::signum(self)
+    }
+
+    #[inline(always)]
+    fn copysign(self, sign: f64) -> f64 {
+        f64::copysign(self, sign)
+    }
+
+    #[inline(always)]
+    fn max(self, other: impl Into<f64>) -> f64 {
+        f64::max(self, other.into())
+    }
+
+    #[inline(always)]
+    fn min(self, other: impl Into<f64>) -> f64 {
+        f64::min(self, other.into())
+    }
+
+    #[inline(always)]
+    fn clamp(self, low: impl Into<f64>, high: impl Into<f64>) -> f64 {
+        f64::clamp(self, low.into(), high.into())
+    }
+
+    #[inline(always)]
+    fn midpoint(self, other: f64) -> f64 {
+        f64::midpoint(self, other)
+    }
+
+    #[inline(always)]
+    fn round(self) -> f64 {
+        f64::round(self)
+    }
+
+    #[inline(always)]
+    fn ceil(self) -> f64 {
+        f64::ceil(self)
+    }
+
+    #[inline(always)]
+    fn total_cmp(&self, other: &f64) -> Ordering {
+        f64::total_cmp(self, other)
+    }
+
+    /// What is inlined into the code has a fused multiply-add.
+    #[inline]
+    fn dispatched<T>(code: impl FnOnce() -> T) -> T {
+        pulp::Arch::new().dispatch(code)
+    }
 }

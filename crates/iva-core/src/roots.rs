@@ -22,43 +22,43 @@
 //! [`Search::undecided`]. Only minima are ever undecided; a transversal zero never is.
 
 use crate::flight::{Curve, Jet};
-use crate::real::{Real, ZERO, settled};
+use crate::real::Real;
 
 /// A point of a curve: where, what was evaluated, and the jet of the function searched.
 #[derive(Debug, Clone, Copy)]
-pub struct Node<T> {
+pub struct Node<T, R = f64> {
     /// Time since the start of the motion.
-    pub h: Real,
+    pub h: R,
     /// The evaluated sample.
     pub sample: T,
     /// The function and its derivatives.
-    pub jet: Jet,
+    pub jet: Jet<R>,
 }
 
 /// What a search found.
 #[derive(Debug, Clone, Copy)]
-pub struct Search<T> {
+pub struct Search<T, R = f64> {
     /// The first zero crossed downwards; `None` means that there is none.
-    pub zero: Option<Node<T>>,
+    pub zero: Option<Node<T, R>>,
     /// Minima met before it that lie within the band.
     pub undecided: u64,
 }
 
 /// The function to search: the curve's distance from a level, f = sign · (curve − level).
 #[derive(Debug)]
-pub struct Searched<'a, C> {
+pub struct Searched<'a, C: Curve> {
     /// The motion that is evaluated.
     pub curve: &'a C,
     /// Where f is 0.
-    pub level: Real,
+    pub level: C::Real,
     /// +1 if f is positive above the level, −1 if below.
-    pub sign: Real,
+    pub sign: C::Real,
     /// Bound on the function's fourth derivative.
-    pub fourth: Real,
+    pub fourth: C::Real,
     /// Half width of the band in which a minimum cannot be decided.
-    pub band: Real,
+    pub band: C::Real,
     /// Below this, band included, rounding could decide the sign of a plain evaluation.
-    pub doubt: Real,
+    pub doubt: C::Real,
 }
 
 /// Where rounding could decide the sign of a plain evaluation, in units of 2⁻⁵³ of the curve's magnitude.
@@ -74,46 +74,50 @@ const MAX_DEPTH: u32 = 48;
 /// such a stretch may be a low rebound, which is decided by its signs.
 const FLAT_DEPTH: u32 = 8;
 
-impl<C: Curve> Searched<'_, C> {
+impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     /// f at a jet of the curve.
     #[inline]
-    pub fn seen(&self, jet: &Jet) -> Jet {
+    pub fn seen(&self, jet: &Jet<R>) -> Jet<R> {
         Jet {
-            value: self.sign * (jet.value - self.level),
-            rate: self.sign * jet.rate,
-            curvature: self.sign * jet.curvature,
-            jerk: self.sign * jet.jerk,
+            value: (jet.value - self.level) * self.sign,
+            rate: jet.rate * self.sign,
+            curvature: jet.curvature * self.sign,
+            jerk: jet.jerk * self.sign,
         }
     }
 
     /// The node at h.
     #[inline]
-    pub fn node(&self, h: Real) -> Node<C::Sample> {
+    pub fn node(&self, h: R) -> Node<C::Sample, R> {
         let sample = self.curve.sample(h);
         Node { h, sample, jet: self.seen(&self.curve.jet(&sample)) }
     }
 
     /// f at a node, to twice the precision where its sign could be a matter of rounding.
-    fn value(&self, node: &Node<C::Sample>) -> Real {
+    fn value(&self, node: &Node<C::Sample, R>) -> R {
         if node.jet.value.abs() > self.doubt {
             node.jet.value
         } else {
-            self.sign * self.curve.precise(node.h).minus(self.level)
+            self.curve.precise(node.h).minus(self.level) * self.sign
         }
     }
 
     /// True if f > 0 on the whole interval, by the Hermite–Bernstein bound alone.
     #[inline]
-    pub fn excluded(&self, a: &Jet, b: &Jet, length: Real) -> bool {
+    pub fn excluded(&self, a: &Jet<R>, b: &Jet<R>, length: R) -> bool {
         let square = length * length;
-        let error = self.fourth * (square * square) * (1.0 / 384.0);
+        let error = (square * square) * self.fourth * (1.0 / 384.0);
         let b1 = a.value + length * a.rate * (1.0 / 3.0);
         let b2 = b.value - length * b.rate * (1.0 / 3.0);
         a.value.min(b1).min(b2).min(b.value) > error + self.doubt
     }
 
     /// The first zero crossed downwards on [a, b], where f(a) ≥ 0 but for rounding.
-    pub fn first_zero(&self, a: &Node<C::Sample>, b: &Node<C::Sample>) -> Search<C::Sample> {
+    pub fn first_zero(
+        &self,
+        a: &Node<C::Sample, R>,
+        b: &Node<C::Sample, R>,
+    ) -> Search<C::Sample, R> {
         let mut undecided = 0;
         let zero = self.search(a, b, 0, &mut undecided);
         Search { zero, undecided }
@@ -121,19 +125,19 @@ impl<C: Curve> Searched<'_, C> {
 
     fn search(
         &self,
-        a: &Node<C::Sample>,
-        b: &Node<C::Sample>,
+        a: &Node<C::Sample, R>,
+        b: &Node<C::Sample, R>,
         depth: u32,
         undecided: &mut u64,
-    ) -> Option<Node<C::Sample>> {
+    ) -> Option<Node<C::Sample, R>> {
         let length = b.h - a.h;
         let (fa, fb) = (&a.jet, &b.jet);
         let leaving = fa.value >= 0.0 && fa.rate >= 0.0 && fa.curvature >= 0.0;
-        if leaving && fa.jerk >= self.fourth * length {
+        if leaving && fa.jerk >= length * self.fourth {
             return None;
         }
         let square = length * length;
-        let curvature_slack = self.fourth * square * (1.0 / 8.0);
+        let curvature_slack = square * self.fourth * (1.0 / 8.0);
         if fa.curvature.max(fb.curvature) < -curvature_slack {
             // Concave: above the chord, so only the right end decides.
             return self.end_decides(a, b);
@@ -144,8 +148,8 @@ impl<C: Curve> Searched<'_, C> {
         if self.excluded(fa, fb, length) {
             return None;
         }
-        let rate_slack = self.fourth * (square * length) * (3f64.sqrt() / 216.0);
-        let middle = 3.0 * (fb.value - fa.value) / length - (fa.rate + fb.rate);
+        let rate_slack = (square * length) * self.fourth * (3f64.sqrt() / 216.0);
+        let middle = (fb.value - fa.value) * 3.0 / length - (fa.rate + fb.rate);
         if fa.rate.min(fb.rate).min(middle) > rate_slack {
             return None;
         }
@@ -153,16 +157,20 @@ impl<C: Curve> Searched<'_, C> {
             return self.end_decides(a, b);
         }
         let flat = depth >= FLAT_DEPTH && highest_change(fa, self.fourth, length) <= self.band;
-        if flat || depth >= MAX_DEPTH || length <= Real::EPSILON * b.h {
+        if flat || depth >= MAX_DEPTH || length <= R::EPSILON * b.h {
             return self.resolve(a, b, undecided);
         }
-        let centre = self.node(0.5 * (a.h + b.h));
+        let centre = self.node((a.h + b.h) * 0.5);
         self.search(a, &centre, depth + 1, undecided)
             .or_else(|| self.search(&centre, b, depth + 1, undecided))
     }
 
     /// f falls at b, and crosses zero at most once, downwards, on (a, b].
-    fn end_decides(&self, a: &Node<C::Sample>, b: &Node<C::Sample>) -> Option<Node<C::Sample>> {
+    fn end_decides(
+        &self,
+        a: &Node<C::Sample, R>,
+        b: &Node<C::Sample, R>,
+    ) -> Option<Node<C::Sample, R>> {
         let drop = drop_ahead(&b.jet);
         let value = if b.jet.value - drop >= -self.doubt { self.value(b) } else { b.jet.value };
         // A minimum close by and within the band: the search of the next interval meets and
@@ -173,10 +181,10 @@ impl<C: Curve> Searched<'_, C> {
     /// f is convex on [a, b].
     fn convex(
         &self,
-        a: &Node<C::Sample>,
-        b: &Node<C::Sample>,
+        a: &Node<C::Sample, R>,
+        b: &Node<C::Sample, R>,
         undecided: &mut u64,
-    ) -> Option<Node<C::Sample>> {
+    ) -> Option<Node<C::Sample, R>> {
         let (fa, fb) = (&a.jet, &b.jet);
         if fa.rate >= 0.0 {
             return None;
@@ -198,7 +206,7 @@ impl<C: Curve> Searched<'_, C> {
             *undecided += 1;
             None
         } else {
-            let back = (-2.0 * value / minimum.jet.curvature).sqrt();
+            let back = (-value * 2.0 / minimum.jet.curvature).sqrt();
             Some(self.refine(a, &minimum, Some(minimum.h - back)))
         }
     }
@@ -206,10 +214,10 @@ impl<C: Curve> Searched<'_, C> {
     /// The interval is so short that f is constant to rounding: its end decides.
     fn resolve(
         &self,
-        a: &Node<C::Sample>,
-        b: &Node<C::Sample>,
+        a: &Node<C::Sample, R>,
+        b: &Node<C::Sample, R>,
         undecided: &mut u64,
-    ) -> Option<Node<C::Sample>> {
+    ) -> Option<Node<C::Sample, R>> {
         let value = self.value(b);
         if value < -self.band {
             return Some(self.refine(a, b, None));
@@ -224,10 +232,10 @@ impl<C: Curve> Searched<'_, C> {
     /// The only zero on (a, b], where f(b) ≤ 0, to the last bits of h.
     fn refine(
         &self,
-        a: &Node<C::Sample>,
-        b: &Node<C::Sample>,
-        guess: Option<Real>,
-    ) -> Node<C::Sample> {
+        a: &Node<C::Sample, R>,
+        b: &Node<C::Sample, R>,
+        guess: Option<R>,
+    ) -> Node<C::Sample, R> {
         if a.jet.value < 0.0 && a.jet.rate < 0.0 {
             return settle(|h| self.falling(h, false), a.h).map_or(*a, |(_, node)| node);
         }
@@ -239,14 +247,14 @@ impl<C: Curve> Searched<'_, C> {
 
     /// The node at h with −f, which rises, and its derivatives.
     #[inline]
-    fn falling(&self, h: Real, flat: bool) -> (Node<C::Sample>, [Real; 3]) {
+    fn falling(&self, h: R, flat: bool) -> (Node<C::Sample, R>, [R; 3]) {
         let node = self.node(h);
         let value = if flat { self.value(&node) } else { node.jet.value };
         (node, [-value, -node.jet.rate, -node.jet.curvature])
     }
 
     /// The minimum of f on [a, b], where f is convex, f′(a) < 0 < f′(b).
-    fn minimum(&self, a: &Node<C::Sample>, b: &Node<C::Sample>) -> Node<C::Sample> {
+    fn minimum(&self, a: &Node<C::Sample, R>, b: &Node<C::Sample, R>) -> Node<C::Sample, R> {
         let (ra, rb) = (a.jet.rate, b.jet.rate);
         let guess = a.h + (b.h - a.h) * (ra / (ra - rb));
         let (_, node) = polish(
@@ -263,30 +271,30 @@ impl<C: Curve> Searched<'_, C> {
 }
 
 /// What f changes within a length at most.
-pub(crate) fn highest_change(jet: &Jet, fourth: Real, length: Real) -> Real {
+pub(crate) fn highest_change<R: Real>(jet: &Jet<R>, fourth: R, length: R) -> R {
     let inner = jet.jerk.abs() * (1.0 / 6.0) + length * fourth * (1.0 / 24.0);
-    length * (jet.rate.abs() + length * (0.5 * jet.curvature.abs() + length * inner))
+    length * (jet.rate.abs() + length * (jet.curvature.abs() * 0.5 + length * inner))
 }
 
 /// How far a falling f drops at least below its value here before it can turn, estimated from its
 /// derivatives: 0 where it already rises, infinite where nothing turns it.
-fn drop_ahead(jet: &Jet) -> Real {
+fn drop_ahead<R: Real>(jet: &Jet<R>) -> R {
     if jet.rate >= 0.0 {
-        ZERO
+        R::ZERO
     } else if jet.curvature > 0.0 {
-        0.5 * jet.rate * jet.rate / jet.curvature
+        jet.rate * 0.5 * jet.rate / jet.curvature
     } else if jet.jerk > 0.0 {
         // The lowest point of ½ f″ t² + ⅙ f‴ t³, and of f′ t + ⅙ f‴ t³.
         let bent = -jet.curvature / jet.jerk;
-        let steep = -2.0 * jet.rate / jet.jerk;
-        (2.0 / 3.0 * jet.jerk) * (bent * bent * bent).max(0.5 * steep * steep.sqrt())
+        let steep = -jet.rate * 2.0 / jet.jerk;
+        (jet.jerk * (2.0 / 3.0)) * (bent * bent * bent).max(steep * 0.5 * steep.sqrt())
     } else {
-        Real::INFINITY
+        R::INFINITY
     }
 }
 
 /// Zero of the cubic Hermite interpolant with f(0) ≥ 0 ≥ f(length); a zero at 0 is divided out.
-fn hermite_zero(a: &Jet, b: &Jet, length: Real) -> Real {
+fn hermite_zero<R: Real>(a: &Jet<R>, b: &Jet<R>, length: R) -> R {
     let b0 = a.value;
     let b1 = a.value + length * a.rate / 3.0;
     let b2 = b.value - length * b.rate / 3.0;
@@ -294,18 +302,18 @@ fn hermite_zero(a: &Jet, b: &Jet, length: Real) -> Real {
     if b0 <= 0.0 {
         // H(t)/t = 3 b1 (1−t)² + 3 b2 t (1−t) + b3 t²; its zero by the stable quadratic formula,
         // over its first coefficient: a rebound may be so low that a square would underflow.
-        let p = 3.0 * b1;
-        let (q, r) = (3.0 * (b2 - 2.0 * b1) / p, (3.0 * (b1 - b2) + b3) / p);
-        let t = 2.0 / ((q * q - 4.0 * r).max(0.0).sqrt() - q);
-        return if t > 0.0 && t <= 1.0 { t * length } else { 0.5 * length };
+        let p = b1 * 3.0;
+        let (q, r) = ((b2 - b1 * 2.0) * 3.0 / p, ((b1 - b2) * 3.0 + b3) / p);
+        let t = R::from(2.0) / ((q * q - r * 4.0).max(0.0).sqrt() - q);
+        return if t > 0.0 && t <= 1.0 { t * length } else { length * 0.5 };
     }
-    let (c1, c2, c3) = (3.0 * (b1 - b0), 3.0 * (b0 - 2.0 * b1 + b2), b3 - b0 + 3.0 * (b1 - b2));
+    let (c1, c2, c3) = ((b1 - b0) * 3.0, (b0 - b1 * 2.0 + b2) * 3.0, b3 - b0 + (b1 - b2) * 3.0);
     let mut t = b0 / (b0 - b3);
     for _ in 0..3 {
         let value = b0 + t * (c1 + t * (c2 + t * c3));
-        let slope = c1 + t * (2.0 * c2 + 3.0 * t * c3);
+        let slope = c1 + t * (c2 * 2.0 + t * 3.0 * c3);
         let next = t - value / slope;
-        if !(0.0..=1.0).contains(&next) {
+        if !(0.0..=1.0).contains(&next.double()) {
             break;
         }
         t = next;
@@ -319,38 +327,38 @@ fn hermite_zero(a: &Jet, b: &Jet, length: Real) -> Real {
 /// back. Steps that no longer shrink mean either that the function's rounding is reached or that the
 /// start was bad. A look a few steps further tells: at the zero it closes the bracket to rounding,
 /// else the bracket is halved and the search goes on.
-pub(crate) fn polish<T: Copy>(
-    f: impl Fn(Real) -> (T, [Real; 3]),
-    low: Real,
-    high: Real,
-    guess: Real,
-) -> (Real, T) {
-    let middle = 0.5 * (low + high);
+pub(crate) fn polish<R: Real, T: Copy>(
+    f: impl Fn(R) -> (T, [R; 3]),
+    low: R,
+    high: R,
+    guess: R,
+) -> (R, T) {
+    let middle = (low + high) * 0.5;
     let mut h = if guess > low && guess < high { guess } else { middle };
     let (sample, [mut value, mut slope, mut bend]) = f(h);
     let mut bracket = Bracket { low, high, h, sample, size: value.abs() };
     bracket.narrow(h, sample, value);
-    let mut last_step = Real::INFINITY;
+    let mut last_step = R::INFINITY;
     loop {
-        let step = -2.0 * value * slope / (2.0 * slope * slope - value * bend);
-        if value == 0.0 || step.abs() <= 0.25 * Real::EPSILON * h.abs() {
+        let step = -value * 2.0 * slope / (slope * 2.0 * slope - value * bend);
+        if value == 0.0 || step.abs() <= R::EPSILON * 0.25 * h.abs() {
             break;
         }
-        let middle = 0.5 * (bracket.low + bracket.high);
+        let middle = (bracket.low + bracket.high) * 0.5;
         if middle <= bracket.low || middle >= bracket.high {
             break;
         }
         let mut next = h + step;
-        if step.abs() < 0.5 * last_step && bracket.contains(next) {
+        if step.abs() < last_step * 0.5 && bracket.contains(next) {
             last_step = step.abs();
         } else {
-            let width = 4.0 * step.abs().min(last_step);
+            let width = step.abs().min(last_step) * 4.0;
             let probe = if value < 0.0 { h + width } else { h - width };
             if bracket.contains(probe) {
                 let (sample, [beyond, ..]) = f(probe);
                 bracket.narrow(probe, sample, beyond);
             }
-            next = 0.5 * (bracket.low + bracket.high);
+            next = (bracket.low + bracket.high) * 0.5;
             last_step = bracket.high - bracket.low;
         }
         h = next;
@@ -363,8 +371,8 @@ pub(crate) fn polish<T: Copy>(
 
 /// The zero close to h, where the numbers tell more of it than its value.
 #[inline]
-fn settle<T>(f: impl Fn(Real) -> (T, [Real; 3]), h: Real) -> Option<(Real, T)> {
-    let h = settled(h, |h| {
+fn settle<R: Real, T>(f: impl Fn(R) -> (T, [R; 3]), h: R) -> Option<(R, T)> {
+    let h = R::settled(h, |h| {
         let (_, [value, slope, _]) = f(h);
         [value, slope]
     })?;
@@ -372,20 +380,20 @@ fn settle<T>(f: impl Fn(Real) -> (T, [Real; 3]), h: Real) -> Option<(Real, T)> {
 }
 
 /// Where the zero lies, and the sample closest to it so far.
-struct Bracket<T> {
-    low: Real,
-    high: Real,
-    h: Real,
+struct Bracket<T, R = f64> {
+    low: R,
+    high: R,
+    h: R,
     sample: T,
-    size: Real,
+    size: R,
 }
 
-impl<T: Copy> Bracket<T> {
-    fn contains(&self, h: Real) -> bool {
+impl<R: Real, T: Copy> Bracket<T, R> {
+    fn contains(&self, h: R) -> bool {
         h > self.low && h < self.high
     }
 
-    fn narrow(&mut self, h: Real, sample: T, value: Real) {
+    fn narrow(&mut self, h: R, sample: T, value: R) {
         if value < 0.0 {
             self.low = h;
         } else {

@@ -5,24 +5,23 @@ use crate::impact::Impact;
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::{Episode, Events};
 use crate::peaks::{Envelope, Peak};
-use crate::real::Real;
 use crate::sample::{Sampler, State};
 use crate::simulate::{Limits, Tally, simulate};
 use crate::system::System;
 
 /// Everything a run tells.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Run<S> {
+pub struct Run<S, R = f64> {
     /// Outcome, counts and sums.
-    pub tally: Tally<S>,
+    pub tally: Tally<S, R>,
     /// Listed impacts.
-    pub impacts: Vec<Impact>,
+    pub impacts: Vec<Impact<R>>,
     /// Episodes of sticking.
-    pub episodes: Vec<Episode>,
+    pub episodes: Vec<Episode<R>>,
     /// Peaks of the primary displacement.
-    pub peaks: Vec<Peak>,
+    pub peaks: Vec<Peak<R>>,
     /// Damping measures and the energy ledger.
-    pub measures: MeasureValues,
+    pub measures: MeasureValues<R>,
 }
 
 /// Runs a system and records impacts, episodes, peaks and measures.
@@ -32,8 +31,8 @@ pub struct Run<S> {
 pub fn run<S: System>(
     system: &S,
     start: &S::Start,
-    limits: &Limits,
-) -> Result<Run<S::State>, Invalid> {
+    limits: &Limits<S::Real>,
+) -> Result<Run<S::State, S::Real>, Invalid> {
     let mut observers = (Events::default(), (Envelope::default(), Measures::<S>::new(Wanted::ALL)));
     let tally = simulate(system, start, limits, None, &mut observers)?;
     let (events, (envelope, measures)) = observers;
@@ -51,11 +50,11 @@ pub fn run<S: System>(
 ///
 /// # Errors
 /// [`Invalid`] if the start, a limit or an instant is not usable.
-pub fn states<S: System>(
+pub fn states<S: System<Real = f64>>(
     system: &S,
     start: &S::Start,
     limits: &Limits,
-    times: &[Real],
+    times: &[f64],
 ) -> Result<Vec<State>, Invalid> {
     for (index, time) in times.iter().enumerate() {
         let earlier = index > 0 && times[index - 1] > *time;

@@ -3,27 +3,27 @@
 use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 use crate::system::{Angle, Clock, System};
 
 /// Primary and absorber at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State {
+pub struct State<R = f64> {
     /// Instant, in 1/ωn.
-    pub time: Real,
+    pub time: R,
     /// Displacement of the primary.
-    pub displacement: Real,
+    pub displacement: R,
     /// Velocity of the primary.
-    pub velocity: Real,
+    pub velocity: R,
     /// Absorber minus primary displacement.
-    pub gap_displacement: Real,
+    pub gap_displacement: R,
     /// Absorber minus primary velocity.
-    pub gap_velocity: Real,
+    pub gap_velocity: R,
     /// 0 in flight, ±1 while stuck on a wall (from the switch to the summed tail of a chatter on,
     /// within which the absorber is closer to the wall than rounding can tell).
     pub wall: i8,
     /// Angle and angular velocity of a pendulum.
-    pub angle: Option<Angle>,
+    pub angle: Option<Angle<R>>,
 }
 
 /// An instant this close to an event, relative to it, is that of the event: times of tables have been
@@ -32,42 +32,42 @@ pub(crate) const SLACK: f64 = 4.0 * f64::EPSILON;
 
 /// Samples a run at increasing instants; at an impact the state after it counts.
 #[derive(Debug, Clone)]
-pub struct Sampler {
-    times: Vec<Real>,
+pub struct Sampler<R = f64> {
+    times: Vec<R>,
     next: usize,
     events: bool,
-    duration: Real,
-    clearance: Real,
+    duration: R,
+    clearance: R,
     /// The samples taken so far, in the order of time.
-    pub states: Vec<State>,
+    pub states: Vec<State<R>>,
 }
 
-impl Sampler {
+impl<R: Real> Sampler<R> {
     /// Samples at `times`, which must not decrease.
-    pub fn at(times: Vec<Real>) -> Self {
+    pub fn at(times: Vec<R>) -> Self {
         let states = Vec::with_capacity(times.len());
-        Self { times, next: 0, events: false, duration: ZERO, clearance: ZERO, states }
+        Self { times, next: 0, events: false, duration: R::ZERO, clearance: R::ZERO, states }
     }
 
     /// Samples at `times` and both states of every impact.
-    pub fn with_events(times: Vec<Real>) -> Self {
+    pub fn with_events(times: Vec<R>) -> Self {
         Self { events: true, ..Self::at(times) }
     }
 }
 
-impl<S: System> Observer<S> for Sampler {
-    fn start(&mut self, system: &S, _state: &S::State, duration: Real) {
+impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
+    fn start(&mut self, system: &S, _state: &S::State, duration: R) {
         self.duration = duration;
         self.clearance = system.clearance();
     }
 
-    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         while let Some(time) = self.times.get(self.next).copied() {
             let h = -span.start.minus(time);
             let last = time >= self.duration && span_ends(&span.start, span.length, self.duration);
             // Beside the states of the impacts themselves a sample keeps its own place.
             let slack = if self.events { 0.0 } else { SLACK };
-            if h >= span.length - slack * time && !last {
+            if h >= span.length - time * slack && !last {
                 break;
             }
             let h = h.clamp(0.0, span.length);
@@ -85,7 +85,7 @@ impl<S: System> Observer<S> for Sampler {
         }
     }
 
-    fn impact(&mut self, system: &S, impact: &Impact) {
+    fn impact(&mut self, system: &S, impact: &Impact<R>) {
         if !self.events {
             return;
         }
@@ -94,7 +94,7 @@ impl<S: System> Observer<S> for Sampler {
             time: impact.time,
             displacement: impact.displacement,
             velocity: impact.velocity_before,
-            gap_displacement: impact.wall.sign() * self.clearance,
+            gap_displacement: self.clearance * impact.wall.sign(),
             gap_velocity: impact.gap_velocity_before,
             wall: 0,
             angle: angles.map(|[before, _]| before),
@@ -109,6 +109,6 @@ impl<S: System> Observer<S> for Sampler {
     }
 }
 
-pub(crate) fn span_ends(start: &Clock, length: Real, duration: Real) -> bool {
-    start.plus(length).minus(duration) >= -Real::EPSILON * duration
+pub(crate) fn span_ends<R: Real>(start: &Clock<R>, length: R, duration: R) -> bool {
+    start.plus(length).minus(duration) >= -R::EPSILON * duration
 }

@@ -13,33 +13,33 @@ use crate::system::{Clock, System};
 /// Follows one level.
 #[derive(Debug, Clone)]
 pub(crate) struct LastCrossing<S: System> {
-    share: Real,
-    crossing: Option<Crossing<S::State>>,
+    share: S::Real,
+    crossing: Option<Crossing<S::State, S::Real>>,
 }
 
 /// A stretch on which |x| falls below the level once.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Crossing<State> {
+pub(crate) struct Crossing<State, R = f64> {
     /// The state at the begin of the motion.
     pub origin: State,
     /// True if that is a ride.
     pub riding: bool,
     /// Its instant.
-    pub start: Clock,
+    pub start: Clock<R>,
     /// Begin and end of the stretch, measured from there.
-    pub h: [Real; 2],
+    pub h: [R; 2],
     /// The level, with the sign of x.
-    pub level: Real,
+    pub level: R,
 }
 
-impl<S: System> LastCrossing<S> {
+impl<R: Real, S: System<Real = R>> LastCrossing<S> {
     /// Watches |x| = share · A₀.
-    pub fn new(share: Real) -> Self {
+    pub fn new(share: R) -> Self {
         Self { share, crossing: None }
     }
 
     /// Keeps a crossing.
-    pub fn passed(&mut self, crossing: Crossing<S::State>) {
+    pub fn passed(&mut self, crossing: Crossing<S::State, R>) {
         self.crossing = Some(crossing);
     }
 
@@ -48,11 +48,11 @@ impl<S: System> LastCrossing<S> {
     }
 
     /// Keeps the stretch if |x| falls below the level on it.
-    pub fn watch<M: Motion<State = S::State>>(
+    pub fn watch<M: Motion<Real = R, State = S::State>>(
         &mut self,
         span: &Span<'_, M>,
-        stretch: &Monotone,
-        amplitude: Real,
+        stretch: &Monotone<R>,
+        amplitude: R,
     ) {
         let level = self.share * amplitude;
         let [from, to] = stretch.x;
@@ -71,7 +71,7 @@ impl<S: System> LastCrossing<S> {
 
     /// The settling time; `None` if `late`, the largest |x| of the last half period, still exceeds
     /// the level or if |x| never passed it.
-    pub fn time(&self, system: &S, late: Real, amplitude: Real) -> Option<Real> {
+    pub fn time(&self, system: &S, late: R, amplitude: R) -> Option<R> {
         if late > self.share * amplitude {
             return None;
         }
@@ -86,8 +86,8 @@ impl<S: System> LastCrossing<S> {
     }
 }
 
-impl<State> Crossing<State> {
-    fn solve<M: Motion>(&self, motion: &M) -> Real {
+impl<R: Real, State> Crossing<State, R> {
+    fn solve<M: Motion<Real = R>>(&self, motion: &M) -> R {
         let [low, high] = self.h;
         let [from, to] = self.h.map(|h| motion.primary(h).value);
         let rise = if self.level < 0.0 { 1.0 } else { -1.0 };
@@ -95,7 +95,7 @@ impl<State> Crossing<State> {
         let (h, ()) = polish(
             |h| {
                 let Jet { value, rate, curvature, .. } = motion.primary(h);
-                ((), [rise * (value - self.level), rise * rate, rise * curvature])
+                ((), [(value - self.level) * rise, rate * rise, curvature * rise])
             },
             low,
             high,

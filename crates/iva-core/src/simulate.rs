@@ -9,7 +9,7 @@ use crate::error::Invalid;
 use crate::flight::Side;
 use crate::flight::{Curve, Glide, Jet, Meets, Motion};
 use crate::observe::{Episode, Jump, Observer, Span};
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 use crate::system::{Clock, System};
 
 pub use crate::limits::{Limits, Outcome, STOPS};
@@ -19,7 +19,7 @@ pub(crate) mod wall;
 
 /// Counts and sums of a run, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tally<State> {
+pub struct Tally<State, R = f64> {
     /// How it ended.
     pub outcome: Outcome,
     /// Listed impacts.
@@ -31,11 +31,11 @@ pub struct Tally<State> {
     /// Grazing extrema within rounding of a wall, counted as no contact.
     pub undecided: u64,
     /// Total time on a wall.
-    pub time_stuck: Real,
+    pub time_stuck: R,
     /// Energy lost in all impacts, listed or summed.
-    pub energy_impacts: Real,
+    pub energy_impacts: R,
     /// Instant at which the run ended, in 1/ωn.
-    pub end_time: Real,
+    pub end_time: R,
     /// Segments of flight and ride computed.
     pub work: u64,
     /// The last state.
@@ -48,13 +48,13 @@ pub struct Tally<State> {
 ///
 /// # Errors
 /// [`Invalid`] if the start does not lie in the gap or a limit is not usable.
-pub fn simulate<S: System, O: Observer<S>>(
+pub fn simulate<R: Real, S: System<Real = R>, O: Observer<S>>(
     system: &S,
     start: &S::Start,
-    limits: &Limits,
+    limits: &Limits<R>,
     cancel: Option<&AtomicBool>,
     observer: &mut O,
-) -> Result<Tally<S::State>, Invalid> {
+) -> Result<Tally<S::State, R>, Invalid> {
     system.check_start(start)?;
     limits.check()?;
     let mut run = Run::new(system, start, limits, cancel, observer);
@@ -65,24 +65,24 @@ pub fn simulate<S: System, O: Observer<S>>(
 
 /// What the absorber is doing; in flight, how far to look first.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Phase {
-    Flight { first: Real },
+pub(crate) enum Phase<R = f64> {
+    Flight { first: R },
     Ride,
 }
 
 /// A run under way.
 pub(crate) struct Run<'a, S: System, O> {
     pub system: &'a S,
-    pub limits: &'a Limits,
+    pub limits: &'a Limits<S::Real>,
     pub cancel: Option<&'a AtomicBool>,
     pub observer: O,
-    pub clock: Clock,
-    pub phase: Phase,
-    pub streak: Option<Streak>,
-    pub riding: Option<Episode>,
-    pub tally: Tally<S::State>,
-    pub losses: Clock,
-    pub stops: [Real; STOPS],
+    pub clock: Clock<S::Real>,
+    pub phase: Phase<S::Real>,
+    pub streak: Option<Streak<S::Real>>,
+    pub riding: Option<Episode<S::Real>>,
+    pub tally: Tally<S::State, S::Real>,
+    pub losses: Clock<S::Real>,
+    pub stops: [S::Real; STOPS],
     /// How many of the stops are behind.
     pub stopped: usize,
     /// True if it starts at a wall.
@@ -92,12 +92,12 @@ pub(crate) struct Run<'a, S: System, O> {
 /// How often the loop looks whether it is to stop.
 const CANCEL_EVERY: u64 = 1024;
 
-impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
+impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// A run that has not begun.
     pub(crate) fn new(
         system: &'a S,
         start: &S::Start,
-        limits: &'a Limits,
+        limits: &'a Limits<R>,
         cancel: Option<&'a AtomicBool>,
         observer: O,
     ) -> Self {
@@ -109,7 +109,7 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
             observer,
             touching,
             clock: Clock::ZERO,
-            phase: Phase::Flight { first: Real::INFINITY },
+            phase: Phase::Flight { first: R::INFINITY },
             streak: None,
             riding: None,
             tally: Tally {
@@ -118,9 +118,9 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
                 effective_impacts: 0,
                 episodes: 0,
                 undecided: 0,
-                time_stuck: ZERO,
-                energy_impacts: ZERO,
-                end_time: ZERO,
+                time_stuck: R::ZERO,
+                energy_impacts: R::ZERO,
+                end_time: R::ZERO,
                 work: 0,
                 state,
             },
@@ -189,13 +189,13 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
     }
 
     /// The next instant that no stretch of motion runs across.
-    pub(crate) fn stop(&self) -> Real {
+    pub(crate) fn stop(&self) -> R {
         self.stops[self.stopped.min(STOPS - 1)]
     }
 
     /// Goes on to the next stop; those that rounding could not tell from this one are passed with it.
     pub(crate) fn pass_stop(&mut self) {
-        let here = self.stop() * (1.0 + 4.0 * Real::EPSILON);
+        let here = self.stop() * (R::ONE + R::EPSILON * 4.0);
         while self.stopped < STOPS && self.stops[self.stopped] <= here {
             self.stopped += 1;
         }
@@ -215,13 +215,13 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
     }
 
     /// One segment of free flight, ended by its length, a contact or the end of the run.
-    fn fly(&mut self, remaining: Real, first: Real) -> bool {
+    fn fly(&mut self, remaining: R, first: R) -> bool {
         let system = self.system;
         let state = self.tally.state;
         let flight = system.flight(&state);
         let length = flight.reach().min(remaining).min(first);
         if let Some(Glide { length: h, later, end, meets }) = flight.glide(length) {
-            self.phase = Phase::Flight { first: Real::INFINITY };
+            self.phase = Phase::Flight { first: R::INFINITY };
             self.arrive(&flight, [h, later], end, length == remaining && meets == Meets::Nothing);
             match meets {
                 Meets::Nothing => {}
@@ -238,7 +238,7 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
         } else {
             free_stretch(&flight, length)
         };
-        self.phase = Phase::Flight { first: Real::INFINITY };
+        self.phase = Phase::Flight { first: R::INFINITY };
         self.tally.undecided += stretch.undecided;
         self.advance(&flight, stretch.end.h, length == remaining);
         if let Some(side) = stretch.contact {
@@ -258,7 +258,7 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
     }
 
     /// One segment of riding on a wall, ended by its length, the release or the end of the run.
-    fn ride(&mut self, remaining: Real) -> bool {
+    fn ride(&mut self, remaining: R) -> bool {
         let system = self.system;
         let state = self.tally.state;
         let ride = system.ride(&state);
@@ -275,23 +275,23 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
             self.clock = self.clock.plus(later);
             self.observer.jump(system, &Jump::Release);
             self.end_episode(true);
-            self.phase = Phase::Flight { first: Real::INFINITY };
+            self.phase = Phase::Flight { first: R::INFINITY };
         }
         true
     }
 
-    fn advance<M>(&mut self, motion: &M, h: Real, to_the_end: bool)
+    fn advance<M>(&mut self, motion: &M, h: R, to_the_end: bool)
     where
-        M: Motion<State = S::State>,
+        M: Motion<Real = R, State = S::State>,
     {
         let whole = to_the_end && h >= -self.clock.minus(self.stop());
-        self.arrive(motion, [h, ZERO], motion.arrival(h), whole);
+        self.arrive(motion, [h, R::ZERO], motion.arrival(h), whole);
     }
 
     /// Ends a motion after a time given with what that lacks; `whole`: at the next stop.
-    fn arrive<M>(&mut self, motion: &M, [h, later]: [Real; 2], end: S::State, whole: bool)
+    fn arrive<M>(&mut self, motion: &M, [h, later]: [R; 2], end: S::State, whole: bool)
     where
-        M: Motion<State = S::State>,
+        M: Motion<Real = R, State = S::State>,
     {
         let finish = self.clock.plus_parts(h, later);
         let span = Span {
@@ -312,7 +312,7 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
 
     /// An impulse from outside, or a jump of the force: what is stuck comes off if either pulls it
     /// from its wall, else both masses take the impulse together.
-    fn kick(&mut self, velocity: Real) {
+    fn kick(&mut self, velocity: R) {
         let before = self.tally.state;
         let mut after = self.system.kick(&before, velocity, false);
         let riding = matches!(self.phase, Phase::Ride);
@@ -320,16 +320,16 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
             after = self.system.kick(&before, velocity, true);
         }
         let [v_before, v_after] = [before, after].map(|state| self.system.primary(&state).v);
-        self.observer.kick(self.system, &after, 0.5 * velocity * (v_before + v_after));
+        self.observer.kick(self.system, &after, velocity * 0.5 * (v_before + v_after));
         self.tally.state = after;
         let leave = self.system.distance(&after);
         if riding {
             if !presses(&leave) {
                 self.end_episode(true);
-                self.phase = Phase::Flight { first: Real::INFINITY };
+                self.phase = Phase::Flight { first: R::INFINITY };
             }
         } else if leave.value > 0.0 {
-            self.phase = Phase::Flight { first: Real::INFINITY };
+            self.phase = Phase::Flight { first: R::INFINITY };
         } else if leave.rate < 0.0 {
             self.strike();
         } else {
@@ -338,13 +338,13 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
     }
 
     /// Ends the run because the caller asks to.
-    pub(crate) fn cancelled(&mut self) -> Tally<S::State> {
+    pub(crate) fn cancelled(&mut self) -> Tally<S::State, R> {
         self.tally.outcome = Outcome::Cancelled;
         self.finish()
     }
 
     /// Ends the run.
-    pub(crate) fn finish(&mut self) -> Tally<S::State> {
+    pub(crate) fn finish(&mut self) -> Tally<S::State, R> {
         self.end_episode(false);
         self.tally.end_time = self.clock.value;
         self.tally.energy_impacts = self.losses.value;
@@ -353,6 +353,6 @@ impl<'a, S: System, O: Observer<S>> Run<'a, S, O> {
     }
 }
 
-fn is_finite(jet: &Jet, fourth: Real) -> bool {
+fn is_finite<R: Real>(jet: &Jet<R>, fourth: R) -> bool {
     jet.value.is_finite() && jet.rate.is_finite() && fourth.is_finite()
 }

@@ -13,7 +13,7 @@ use crate::impact::{self, Impact};
 use crate::limits::{Limits, STOPS};
 use crate::oscillator::Primary;
 use crate::range;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::system::{Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
@@ -28,24 +28,24 @@ const ON_WALL_ULPS: f64 = 4.0;
 
 /// Checked parameters of a SIVA on its primary system, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters {
-    mass_ratio: Real,
-    restitution: Real,
-    clearance: Real,
-    damping_ratio: Real,
+pub struct Parameters<R = f64> {
+    mass_ratio: R,
+    restitution: R,
+    clearance: R,
+    damping_ratio: R,
 }
 
-impl Parameters {
+impl<R: Real> Parameters<R> {
     /// Mass ratio μ > 0, restitution e in [0, 1], one-sided clearance d > 0, and the damping ratio
     /// ζ ≥ 0 of the primary, within the bounds of [`crate::range`].
     ///
     /// # Errors
     /// [`Invalid`] naming field, value and allowed range.
     pub fn new(
-        mass_ratio: Real,
-        restitution: Real,
-        clearance: Real,
-        damping_ratio: Real,
+        mass_ratio: R,
+        restitution: R,
+        clearance: R,
+        damping_ratio: R,
     ) -> Result<Self, Invalid> {
         range::mass_ratio("absorber.mass_ratio", mass_ratio)?;
         range::positive("absorber.clearance", clearance)?;
@@ -55,63 +55,63 @@ impl Parameters {
     }
 
     /// μ = m/M.
-    pub fn mass_ratio(&self) -> Real {
+    pub fn mass_ratio(&self) -> R {
         self.mass_ratio
     }
 
     /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> Real {
+    pub fn restitution(&self) -> R {
         self.restitution
     }
 
     /// One-sided clearance d.
-    pub fn clearance(&self) -> Real {
+    pub fn clearance(&self) -> R {
         self.clearance
     }
 
     /// ζ of the bare primary.
-    pub fn damping_ratio(&self) -> Real {
+    pub fn damping_ratio(&self) -> R {
         self.damping_ratio
     }
 }
 
 /// A SIVA on its primary system: parameters, and what follows from them for every flight.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Siva<H = UndrivenHost> {
-    mass_ratio: Real,
-    restitution: Real,
-    clearance: Real,
+pub struct Siva<H: Host = UndrivenHost> {
+    mass_ratio: H::Real,
+    restitution: H::Real,
+    clearance: H::Real,
     /// Share of the gap velocity that the primary gains at an impact.
-    pub(crate) impact_share: Sum,
+    pub(crate) impact_share: Sum<H::Real>,
     /// The same where the absorber sticks.
-    pub(crate) stick_share: Sum,
+    pub(crate) stick_share: Sum<H::Real>,
     pub(crate) host: H,
 }
 
-impl From<Parameters> for Siva {
-    fn from(parameters: Parameters) -> Self {
+impl<R: Real> From<Parameters<R>> for Siva<UndrivenHost<R>> {
+    fn from(parameters: Parameters<R>) -> Self {
         let Parameters { mass_ratio, damping_ratio, .. } = parameters;
         Self::on(UndrivenHost::new(damping_ratio, mass_ratio), &parameters)
     }
 }
 
-impl Siva {
+impl<R: Real> Siva<UndrivenHost<R>> {
     /// A SIVA from mass ratio μ, restitution e, one-sided clearance d and the damping ratio ζ of
     /// its primary.
     ///
     /// # Errors
     /// As [`Parameters::new`].
     pub fn new(
-        mass_ratio: Real,
-        restitution: Real,
-        clearance: Real,
-        damping_ratio: Real,
+        mass_ratio: R,
+        restitution: R,
+        clearance: R,
+        damping_ratio: R,
     ) -> Result<Self, Invalid> {
         Parameters::new(mass_ratio, restitution, clearance, damping_ratio).map(Self::from)
     }
 
     /// The same absorber on the same structure under a force.
-    pub fn under(&self, force: Force) -> Siva<DrivenHost> {
+    pub fn under(&self, force: Force<R>) -> Siva<DrivenHost<R>> {
         let Self { mass_ratio, restitution, clearance, .. } = *self;
         let damping_ratio = self.host.damping_ratio();
         let parameters = Parameters { mass_ratio, restitution, clearance, damping_ratio };
@@ -119,36 +119,36 @@ impl Siva {
     }
 }
 
-impl<H: Host> Siva<H> {
-    fn on(host: H, parameters: &Parameters) -> Self {
+impl<R: Real, H: Host<Real = R>> Siva<H> {
+    fn on(host: H, parameters: &Parameters<R>) -> Self {
         let Parameters { mass_ratio, restitution, clearance, .. } = *parameters;
         Self {
             mass_ratio,
             restitution,
             clearance,
             impact_share: impact::primary_share(mass_ratio, restitution),
-            stick_share: impact::primary_share(mass_ratio, ZERO),
+            stick_share: impact::primary_share(mass_ratio, R::ZERO),
             host,
         }
     }
 
     /// μ = m/M.
-    pub fn mass_ratio(&self) -> Real {
+    pub fn mass_ratio(&self) -> R {
         self.mass_ratio
     }
 
     /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> Real {
+    pub fn restitution(&self) -> R {
         self.restitution
     }
 
     /// What drives it; `None` where nothing can.
-    pub fn force(&self) -> Option<&Force> {
+    pub fn force(&self) -> Option<&Force<R>> {
         self.host.force()
     }
 
     /// ζ of the bare primary.
-    pub fn damping_ratio(&self) -> Real {
+    pub fn damping_ratio(&self) -> R {
         self.host.damping_ratio()
     }
 }
@@ -157,7 +157,7 @@ impl<H: Host> Siva<H> {
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn check_start(clearance: Real, start: &Start) -> Result<(), Invalid> {
+pub fn check_start<R: Real>(clearance: R, start: &Start<R>) -> Result<(), Invalid> {
     let fields = [
         ("start.displacement", start.displacement),
         ("start.velocity", start.velocity),
@@ -168,7 +168,7 @@ pub fn check_start(clearance: Real, start: &Start) -> Result<(), Invalid> {
         range::size(field, value)?;
     }
     let beyond = start.gap_displacement.abs() - clearance;
-    if beyond > ON_WALL_ULPS * Real::EPSILON * clearance {
+    if beyond > R::EPSILON * ON_WALL_ULPS * clearance {
         return Err(Invalid::new(
             "start.gap_displacement",
             number(start.gap_displacement),
@@ -180,29 +180,29 @@ pub fn check_start(clearance: Real, start: &Start) -> Result<(), Invalid> {
 
 /// Structure and gap of a SIVA between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SivaState<P = ()> {
-    pub(crate) host: HostState<P>,
+pub struct SivaState<P = (), R = f64> {
+    pub(crate) host: HostState<P, R>,
     /// +1 at the wall y = +d, −1 at y = −d: the one that distances are measured from.
-    pub(crate) side: Real,
-    pub(crate) distance: Sum,
-    pub(crate) rate: Sum,
+    pub(crate) side: R,
+    pub(crate) distance: Sum<R>,
+    pub(crate) rate: Sum<R>,
 }
 
-impl<P> SivaState<P> {
+impl<R: Real, P> SivaState<P, R> {
     /// Gap velocity w = −s Ḋ.
-    pub(crate) fn gap_velocity(&self) -> Real {
+    pub(crate) fn gap_velocity(&self) -> R {
         -self.side * self.rate.value
     }
 }
 
 /// The state after an impact.
 #[inline(always)]
-pub(crate) fn collided<S: Structure>(
+pub(crate) fn collided<R: Real, S: Structure<Real = R>>(
     free: &S,
-    state: &SivaState<S::Phase>,
-    share: Sum,
-    restitution: Real,
-) -> SivaState<S::Phase> {
+    state: &SivaState<S::Phase, R>,
+    share: Sum<R>,
+    restitution: R,
+) -> SivaState<S::Phase, R> {
     let primary = state.host.primary.kicked(-state.side, state.rate, share);
     let acceleration = free.acceleration(&state.host.phase, &primary);
     SivaState {
@@ -212,9 +212,10 @@ pub(crate) fn collided<S: Structure>(
     }
 }
 
-impl<H: Host> System for Siva<H> {
-    type State = SivaState<Phase<H>>;
-    type Start = Start;
+impl<R: Real, H: Host<Real = R>> System for Siva<H> {
+    type Real = R;
+    type State = SivaState<Phase<H>, R>;
+    type Start = Start<R>;
     type Flight<'a>
         = SivaFlight<'a, H>
     where
@@ -224,27 +225,27 @@ impl<H: Host> System for Siva<H> {
     where
         H: 'a;
 
-    fn clearance(&self) -> Real {
+    fn clearance(&self) -> R {
         self.clearance
     }
 
-    fn rebound_ratio(&self) -> Real {
+    fn rebound_ratio(&self) -> R {
         self.restitution
     }
 
-    fn pressure_gain(&self) -> Real {
-        2.0 * self.host.damping_ratio() * self.impact_share.value
+    fn pressure_gain(&self) -> R {
+        self.host.damping_ratio() * 2.0 * self.impact_share.value
     }
 
-    fn stops(&self, limits: &Limits) -> [Real; STOPS] {
+    fn stops(&self, limits: &Limits<R>) -> [R; STOPS] {
         limits.stops()
     }
 
-    fn check_start(&self, start: &Start) -> Result<(), Invalid> {
+    fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
         check_start(self.clearance, start)
     }
 
-    fn begin(&self, start: &Start) -> (Self::State, bool) {
+    fn begin(&self, start: &Start<R>) -> (Self::State, bool) {
         let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
@@ -255,10 +256,10 @@ impl<H: Host> System for Siva<H> {
             .into_iter()
             .chain(self.host.leaning(&host.phase))
             .find(|value| *value != 0.0)
-            .unwrap_or(ONE);
-        let s = if side > 0.0 { ONE } else { -ONE };
+            .unwrap_or(R::ONE);
+        let s = if side > 0.0 { R::ONE } else { -R::ONE };
         let distance = Sum::new(self.clearance).plus(-s * start.gap_displacement);
-        let touching = distance.value <= ON_WALL_ULPS * Real::EPSILON * self.clearance;
+        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * self.clearance;
         let state = SivaState {
             host,
             side: s,
@@ -282,7 +283,7 @@ impl<H: Host> System for Siva<H> {
     }
 
     #[inline]
-    fn distance(&self, state: &Self::State) -> Jet {
+    fn distance(&self, state: &Self::State) -> Jet<R> {
         let (s, HostState { primary, acceleration, phase }) = (state.side, &state.host);
         let [jerk, ..] = self.host.free().derivatives(phase, primary.v.value, acceleration.value);
         Jet {
@@ -293,11 +294,11 @@ impl<H: Host> System for Siva<H> {
         }
     }
 
-    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Real) {
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
         let (left, rate) = if wall == self.wall(state) {
             (state.distance.value, state.rate)
         } else {
-            (-state.distance.minus(2.0 * self.clearance), state.rate.negated())
+            (-state.distance.minus(self.clearance * 2.0), state.rate.negated())
         };
         let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
         let a = acceleration.value;
@@ -305,14 +306,14 @@ impl<H: Host> System for Siva<H> {
         let gained = a * later;
         let [base, ..] = self.host.free().base(&phase);
         let primary = Primary { x: x.plus(v.value * later), v: v.plus(gained - base * later) };
-        let side = wall.sign() * ONE;
+        let side = R::from(wall.sign());
         let rate = rate.plus(side * gained);
         let phase = self.host.free().later(&phase, later);
         let host = HostState { primary, acceleration, phase };
         (SivaState { host, side, distance: Sum::ZERO, rate }, later)
     }
 
-    fn impact(&self, state: &Self::State, time: Real) -> (Self::State, Impact) {
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
         let s = state.side;
         let approach = -state.rate.value;
         let after = collided(self.host.free(), state, self.impact_share, self.restitution);
@@ -324,26 +325,26 @@ impl<H: Host> System for Siva<H> {
             velocity_after: after.host.primary.v.value,
             gap_velocity_before: s * approach,
             gap_velocity_after: after.gap_velocity(),
-            lever: ONE,
+            lever: R::ONE,
             energy_loss: impact::energy_loss(self.mass_ratio, self.restitution, approach),
         };
         (after, impact)
     }
 
-    fn stick(&self, state: &Self::State) -> (Self::State, Real) {
-        let loss = impact::energy_loss(self.mass_ratio, ZERO, state.rate.value);
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        let loss = impact::energy_loss(self.mass_ratio, R::ZERO, state.rate.value);
         let primary = state.host.primary.kicked(-state.side, state.rate, self.stick_share);
         let host = self.host.state(state.host.phase, primary);
         let stuck = SivaState { host, distance: Sum::ZERO, rate: Sum::ZERO, ..*state };
         (stuck, loss)
     }
 
-    fn release(&self, state: &Self::State) -> (Self::State, Real) {
+    fn release(&self, state: &Self::State) -> (Self::State, R) {
         // Release is where A = 0: written into x, the pressure is exactly 0.
         let HostState { primary: Primary { x, v }, phase, .. } = state.host;
         let left = (x - self.host.balanced(&phase, v)).value;
-        let [jerk, ..] = self.host.free().derivatives(&phase, v.value, ZERO);
-        let later = impact::delay(left, -jerk, ZERO);
+        let [jerk, ..] = self.host.free().derivatives(&phase, v.value, R::ZERO);
+        let later = impact::delay(left, -jerk, R::ZERO);
         let phase = self.host.free().later(&phase, later);
         let [base, ..] = self.host.free().base(&phase);
         let v = v.plus(-base * later);
@@ -352,7 +353,7 @@ impl<H: Host> System for Siva<H> {
         (SivaState { host, distance: Sum::ZERO, rate: Sum::ZERO, ..*state }, later)
     }
 
-    fn primary(&self, state: &Self::State) -> Point {
+    fn primary(&self, state: &Self::State) -> Point<R> {
         let Primary { x, v } = state.host.primary;
         Point { x: x.value, v: v.value }
     }
@@ -365,28 +366,28 @@ impl<H: Host> System for Siva<H> {
         self.host.force().is_some_and(Force::moves_base)
     }
 
-    fn smooth_for(&self, state: &Self::State) -> Real {
+    fn smooth_for(&self, state: &Self::State) -> R {
         self.host.smooth_for(&state.host.phase)
     }
 
-    fn due(&self, state: &Self::State) -> Option<Real> {
+    fn due(&self, state: &Self::State) -> Option<R> {
         self.host.due(&state.host.phase)
     }
 
-    fn kick(&self, state: &Self::State, velocity: Real, stuck: bool) -> Self::State {
+    fn kick(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
         let phase = self.host.kicked(&state.host.phase);
         let Primary { x, v } = state.host.primary;
-        let mass = Sum::new(ONE).plus(self.mass_ratio);
+        let mass = Sum::new(R::ONE).plus(self.mass_ratio);
         let gained = if stuck { Sum::new(velocity).over_sum(mass) } else { Sum::new(velocity) };
         let host = self.host.state(phase, Primary { x, v: v + gained });
         let rate = if stuck { state.rate } else { state.rate.plus(state.side * velocity) };
         SivaState { host, rate, ..*state }
     }
 
-    fn energy(&self, state: &Self::State) -> Real {
+    fn energy(&self, state: &Self::State) -> R {
         let Point { x, v } = self.primary(state);
         let absorber = v + state.gap_velocity();
-        0.5 * (x * x + v * v) + 0.5 * self.mass_ratio * (absorber * absorber)
+        (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber)
     }
 }
 

@@ -8,11 +8,11 @@ use std::collections::VecDeque;
 
 use crate::compensated::Sum;
 use crate::flight::{Arc, Arcs, Motion, Turns};
-use crate::force::{Harmonic, WHOLE_TURN};
+use crate::force::Harmonic;
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
 use crate::polynomial::largest;
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 use crate::sample::{SLACK, span_ends};
 use crate::simulate::{Outcome, Tally};
 use crate::system::{System, Wall};
@@ -27,30 +27,30 @@ mod regime;
 
 /// What a steady state is measured by.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Window {
+pub struct Window<R = f64> {
     /// Instant from which on it counts: the end of the transient.
-    pub from: Real,
+    pub from: R,
     /// The force whose cycles count; `None` if none of the forces has any.
-    pub cycle: Option<Harmonic>,
+    pub cycle: Option<Harmonic<R>>,
 }
 
-impl Window {
+impl<R: Real> Window<R> {
     /// The instants Ω t + phase = 2π k, from the first at or after time zero on.
-    fn instant(&self, index: u64) -> Option<Sum> {
+    fn instant(&self, index: u64) -> Option<Sum<R>> {
         let Harmonic { frequency, phase, .. } = self.cycle?;
-        let first = (phase / WHOLE_TURN.value).ceil();
-        let turns = WHOLE_TURN.times(first + index as f64);
+        let first = (phase / R::TURN.value).ceil();
+        let turns = R::TURN.times(first + index as f64);
         Some(turns.plus(-phase).over(frequency))
     }
 }
 
-impl Window {
+impl<R: Real> Window<R> {
     /// The first strobe that a regime is told by, or one a little before.
-    fn last_kept(&self, duration: Real) -> u64 {
+    fn last_kept(&self, duration: R) -> u64 {
         let Some(Harmonic { frequency, phase, .. }) = self.cycle else { return 0 };
-        let first = (phase / WHOLE_TURN.value).ceil();
-        let last = (frequency * duration + phase) / WHOLE_TURN.value - first;
-        crate::real::whole(last.max(0.0)).saturating_sub(RETURNS_KEPT + 1) as u64
+        let first = (phase / R::TURN.value).ceil();
+        let last = (frequency * duration + phase) / R::TURN.value - first;
+        last.max(0.0).whole().saturating_sub(RETURNS_KEPT + 1) as u64
     }
 }
 
@@ -89,106 +89,106 @@ impl SteadyWanted {
 
 /// The state at one phase of the force, and the cycle that ends there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Strobe {
+pub struct Strobe<R = f64> {
     /// Number of the instant, 0 for the first at or after time zero.
     pub cycle: u64,
     /// Instant, in 1/ωn.
-    pub time: Real,
+    pub time: R,
     /// Displacement of the primary.
-    pub displacement: Real,
+    pub displacement: R,
     /// Its velocity.
-    pub velocity: Real,
+    pub velocity: R,
     /// Absorber minus primary displacement.
-    pub gap_displacement: Real,
+    pub gap_displacement: R,
     /// Absorber minus primary velocity.
-    pub gap_velocity: Real,
+    pub gap_velocity: R,
     /// Largest |x| from the strobe before, or from the begin of the window, up to here.
-    pub amplitude: Real,
+    pub amplitude: R,
     /// Listed impacts from the begin of the window up to here.
     pub impacts: u64,
 }
 
 /// The numbers of a steady state; `None` where the run does not define one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SteadyValues {
+pub struct SteadyValues<R = f64> {
     /// Largest |x|.
-    pub amplitude_max: Option<Real>,
+    pub amplitude_max: Option<R>,
     /// √ of the mean of x².
-    pub amplitude_rms: Option<Real>,
+    pub amplitude_rms: Option<R>,
     /// Largest |ẍ + a_g| between impacts.
-    pub acceleration_max: Option<Real>,
+    pub acceleration_max: Option<R>,
     /// Largest |a_g|.
-    pub base_max: Option<Real>,
+    pub base_max: Option<R>,
     /// Listed impacts over cycles of the force.
-    pub impacts_per_cycle: Option<Real>,
+    pub impacts_per_cycle: Option<R>,
     /// What comes back, and how often.
     pub regime: Option<Regime>,
 }
 
 /// Watches a driven run.
 #[derive(Debug, Clone, Default)]
-pub struct Steady {
-    window: Window,
+pub struct Steady<R = f64> {
+    window: Window<R>,
     wanted: SteadyWanted,
-    duration: Real,
-    values: SteadyValues,
-    strobes: VecDeque<Strobe>,
+    duration: R,
+    values: SteadyValues<R>,
+    strobes: VecDeque<Strobe<R>>,
     next: u64,
     /// The first strobe to keep.
     first: u64,
     /// Largest |x|: of the cycle under way, where strobes are wanted, and of the window.
-    current: Real,
-    largest: Real,
-    acceleration: Real,
-    base: Real,
-    square: Sum,
+    current: R,
+    largest: R,
+    acceleration: R,
+    base: R,
+    square: Sum<R>,
     base_moves: bool,
     impacts: u64,
-    streak: Streak,
+    streak: Streak<R>,
 }
 
 /// The numbers of a steady state under way.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Kept {
+pub(crate) struct Kept<R = f64> {
     /// From when on it counts.
-    pub from: Real,
+    pub from: R,
     /// Largest |x| and |ẍ + a_g|.
-    pub largest: Real,
-    pub acceleration: Real,
+    pub largest: R,
+    pub acceleration: R,
     /// ∫x².
-    pub square: Sum,
+    pub square: Sum<R>,
     /// Listed impacts.
     pub impacts: u64,
     /// The next strobe to keep; infinite if none is.
-    pub strobe: Sum,
+    pub strobe: Sum<R>,
 }
 
 /// Impacts on one wall in a row, some of which may turn out not to be listed: numbers in the window,
 /// from 1, and approach speeds.
 #[derive(Debug, Clone, Default)]
-struct Streak {
+struct Streak<R = f64> {
     wall: Option<Wall>,
-    impacts: Vec<(u64, Real)>,
+    impacts: Vec<(u64, R)>,
 }
 
-impl Steady {
+impl<R: Real> Steady<R> {
     /// Measures what is wanted in a window.
-    pub fn new(window: Window, wanted: SteadyWanted) -> Self {
+    pub fn new(window: Window<R>, wanted: SteadyWanted) -> Self {
         Self { window, wanted, ..Self::default() }
     }
 
     /// What was measured; complete once the run has ended.
-    pub fn values(&self) -> &SteadyValues {
+    pub fn values(&self) -> &SteadyValues<R> {
         &self.values
     }
 
     /// The strobes of the window: all if wanted, else the last few.
-    pub fn strobes(&self) -> impl Iterator<Item = &Strobe> {
+    pub fn strobes(&self) -> impl Iterator<Item = &Strobe<R>> {
         self.strobes.iter()
     }
 
     /// The numbers that every span changes.
-    pub(crate) fn kept(&self) -> Kept {
+    pub(crate) fn kept(&self) -> Kept<R> {
         let strobes = self.wanted.regime || self.wanted.strobes;
         let next = self.window.instant(self.next.max(self.first)).filter(|_| strobes);
         Kept {
@@ -197,21 +197,21 @@ impl Steady {
             acceleration: self.acceleration,
             square: self.square,
             impacts: self.impacts,
-            strobe: next.unwrap_or(Sum::new(Real::INFINITY)),
+            strobe: next.unwrap_or(Sum::new(R::INFINITY)),
         }
     }
 
     /// Takes them back; of the impacts on the wall that is being hit none is low.
-    pub(crate) fn put_back(&mut self, kept: Kept, wall: Option<Wall>) {
+    pub(crate) fn put_back(&mut self, kept: Kept<R>, wall: Option<Wall>) {
         let Kept { largest, acceleration, square, impacts, .. } = kept;
         self.streak = Streak { wall, impacts: Vec::new() };
         *self = Self { largest, acceleration, square, impacts, ..std::mem::take(self) };
     }
 
     /// What counts in a part of a span.
-    fn part<M: Motion>(&mut self, span: &Span<'_, M>, h: [Real; 2]) {
+    fn part<M: Motion<Real = R>>(&mut self, span: &Span<'_, M>, h: [R; 2]) {
         let wanted = self.wanted;
-        let whole = h == [ZERO, span.length];
+        let whole = h == [R::ZERO, span.length];
         let arcs = span.motion.arcs(span.end).filter(|_| whole);
         if wanted.amplitude || wanted.regime {
             self.largest = largest_displacement(span, arcs.as_ref(), h, self.largest);
@@ -225,7 +225,12 @@ impl Steady {
     }
 
     /// The largest accelerations: those that cannot exceed what was seen are not looked at.
-    fn accelerations<M: Motion>(&mut self, span: &Span<'_, M>, arcs: Option<&Arcs>, h: [Real; 2]) {
+    fn accelerations<M: Motion<Real = R>>(
+        &mut self,
+        span: &Span<'_, M>,
+        arcs: Option<&Arcs<R>>,
+        h: [R; 2],
+    ) {
         let turns = || span.motion.acceleration_turns(span.length, span.end);
         let known = arcs.and_then(|arcs| {
             largest_known(&arcs.acceleration, self.acceleration, span.length, turns)
@@ -243,13 +248,13 @@ impl Steady {
     }
 
     /// The amplitude of the cycle under way.
-    fn until<M: Motion>(&mut self, span: &Span<'_, M>, h: [Real; 2]) {
+    fn until<M: Motion<Real = R>>(&mut self, span: &Span<'_, M>, h: [R; 2]) {
         if self.wanted.strobes && h[0] < h[1] {
             self.current = largest_displacement(span, None, h, self.current);
         }
     }
 
-    fn strobe<M: Motion>(&mut self, motion: &M, h: Real, time: Real) {
+    fn strobe<M: Motion<Real = R>>(&mut self, motion: &M, h: R, time: R) {
         let (primary, gap) = motion.place(h);
         self.strobes.push_back(Strobe {
             cycle: self.next,
@@ -264,19 +269,19 @@ impl Steady {
         if !self.wanted.strobes && self.strobes.len() > RETURNS_KEPT {
             self.strobes.pop_front();
         }
-        self.current = ZERO;
+        self.current = R::ZERO;
     }
 }
 
 /// The largest |x| in a part of a span, or `least` if that is larger; `arcs` are of the whole span.
-fn largest_displacement<M: Motion>(
+fn largest_displacement<R: Real, M: Motion<Real = R>>(
     span: &Span<'_, M>,
-    arcs: Option<&Arcs>,
-    h: [Real; 2],
-    least: Real,
-) -> Real {
+    arcs: Option<&Arcs<R>>,
+    h: [R; 2],
+    least: R,
+) -> R {
     let turns = || span.motion.turns(span.length, span.end);
-    let known = |arcs: &Arcs| largest_known(&arcs.displacement, least, span.length, turns);
+    let known = |arcs: &Arcs<R>| largest_known(&arcs.displacement, least, span.length, turns);
     if let Some(most) = arcs.and_then(known) {
         return most;
     }
@@ -285,11 +290,16 @@ fn largest_displacement<M: Motion>(
 }
 
 /// The largest size of a function, or `least` if that is larger, where its ends tell, or where it turns round once.
-fn largest_known(arc: &Arc, least: Real, length: Real, turns: impl Fn() -> Turns) -> Option<Real> {
+fn largest_known<R: Real>(
+    arc: &Arc<R>,
+    least: R,
+    length: R,
+    turns: impl Fn() -> Turns<R>,
+) -> Option<R> {
     if arc.is_below(least, length) {
         return Some(least);
     }
-    let [a, b] = arc.values.map(Real::abs);
+    let [a, b] = arc.values.map(R::abs);
     let ends = least.max(a).max(b);
     if arc.is_monotone(length) {
         return Some(ends);
@@ -301,19 +311,19 @@ fn largest_known(arc: &Arc, least: Real, length: Real, turns: impl Fn() -> Turns
 }
 
 /// A number of cycles that is whole but for rounding.
-fn whole(cycles: Real) -> Real {
+fn whole<R: Real>(cycles: R) -> R {
     let near = cycles.round();
-    if (cycles - near).abs() <= 16.0 * f64::EPSILON * near { near } else { cycles }
+    if (cycles - near).abs() <= near * (16.0 * f64::EPSILON) { near } else { cycles }
 }
 
-impl<S: System> Observer<S> for Steady {
-    fn start(&mut self, system: &S, _state: &S::State, duration: Real) {
+impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
+    fn start(&mut self, system: &S, _state: &S::State, duration: R) {
         let base_moves = system.moves_base();
         *self = Self { duration, base_moves, ..Self::new(self.window, self.wanted) };
         self.first = if self.wanted.strobes { 0 } else { self.window.last_kept(duration) };
     }
 
-    fn span<M: Motion<State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
         if !self.wanted.any() {
             return;
         }
@@ -335,7 +345,7 @@ impl<S: System> Observer<S> for Steady {
             }
             let at = at.clamp(0.0, span.length);
             // The window may begin at a strobe, but for rounding.
-            if instant.value >= self.window.from * (1.0 - SLACK) {
+            if instant.value >= self.window.from * (R::ONE - SLACK) {
                 self.until(span, [h, at]);
                 h = h.max(at);
                 if self.next >= self.first {
@@ -347,7 +357,7 @@ impl<S: System> Observer<S> for Steady {
         self.until(span, [h, span.length]);
     }
 
-    fn impact(&mut self, _system: &S, impact: &Impact) {
+    fn impact(&mut self, _system: &S, impact: &Impact<R>) {
         if impact.time < self.window.from {
             return;
         }
@@ -358,18 +368,18 @@ impl<S: System> Observer<S> for Steady {
         self.streak.impacts.push((self.impacts, impact.approach_speed()));
     }
 
-    fn unlist(&mut self, _first: u64, floor: Real) {
+    fn unlist(&mut self, _first: u64, floor: R) {
         // The last first: the numbers of those before stay as they are.
         for (number, speed) in std::mem::take(&mut self.streak.impacts).into_iter().rev() {
             if speed <= floor {
                 self.impacts -= 1;
-                let counts_it = |strobe: &&mut Strobe| strobe.impacts >= number;
+                let counts_it = |strobe: &&mut Strobe<R>| strobe.impacts >= number;
                 self.strobes.iter_mut().rev().take_while(counts_it).for_each(|it| it.impacts -= 1);
             }
         }
     }
 
-    fn end(&mut self, _system: &S, tally: &Tally<S::State>) {
+    fn end(&mut self, _system: &S, tally: &Tally<S::State, R>) {
         let length = self.duration - self.window.from;
         if tally.outcome != Outcome::Finished || length <= 0.0 || !self.wanted.any() {
             return;
@@ -383,7 +393,7 @@ impl<S: System> Observer<S> for Steady {
             base_max: wanted.acceleration.then_some(self.base),
             impacts_per_cycle: cycle.filter(|_| wanted.impacts).map(|harmonic| {
                 let cycles = whole(harmonic.frequency * length / std::f64::consts::TAU);
-                self.impacts as f64 / cycles
+                R::from(self.impacts as f64) / cycles
             }),
             regime: cycle.filter(|_| wanted.regime).and_then(|harmonic| {
                 regime(&self.strobes, self.impacts, self.largest, harmonic.frequency)

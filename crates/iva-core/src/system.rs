@@ -49,33 +49,33 @@ impl Wall {
 
 /// State at time zero, in natural units (time in 1/ωn, lengths in the user's unit).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Start {
+pub struct Start<R = f64> {
     /// Displacement x of the primary system.
-    pub displacement: Real,
+    pub displacement: R,
     /// Its velocity ẋ.
-    pub velocity: Real,
+    pub velocity: R,
     /// Gap displacement y.
-    pub gap_displacement: Real,
+    pub gap_displacement: R,
     /// Gap velocity w.
-    pub gap_velocity: Real,
+    pub gap_velocity: R,
 }
 
 /// Displacement and velocity of the primary system, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct Point<R = f64> {
     /// Displacement x.
-    pub x: Real,
+    pub x: R,
     /// Velocity ẋ.
-    pub v: Real,
+    pub v: R,
 }
 
 /// Angle of a pendulum and its rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Angle {
+pub struct Angle<R = f64> {
     /// θ from the hanging position, in [−π, π].
-    pub value: Real,
+    pub value: R,
     /// θ̇ in ωn.
-    pub rate: Real,
+    pub rate: R,
 }
 
 /// An absorber on its primary system.
@@ -83,26 +83,30 @@ pub struct Angle {
 /// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
 /// exactly 0 at a contact, so that a rebound keeps its relative accuracy however low it is.
 pub trait System {
+    /// The numbers that its motion is carried in.
+    type Real: Real;
     /// The state between events.
     type State: Copy + std::fmt::Debug;
     /// How the state at time zero is given.
     type Start: Copy + std::fmt::Debug;
     /// The absorber free in its gap; its curve is the distance to the wall last touched.
-    type Flight<'a>: Motion<State = Self::State> + Curve<Sample = Self::State>
+    type Flight<'a>: Motion<Real = Self::Real, State = Self::State>
+        + Curve<Real = Self::Real, Sample = Self::State>
     where
         Self: 'a;
     /// The absorber stuck on a wall; its curve is the pressure on that wall per unit mass.
-    type Ride<'a>: Motion<State = Self::State> + Curve<Sample = Self::State>
+    type Ride<'a>: Motion<Real = Self::Real, State = Self::State>
+        + Curve<Real = Self::Real, Sample = Self::State>
     where
         Self: 'a;
 
     /// Half of the total play, d.
-    fn clearance(&self) -> Real;
+    fn clearance(&self) -> Self::Real;
     /// The ratio by which each rebound of a chatter shrinks.
-    fn rebound_ratio(&self) -> Real;
+    fn rebound_ratio(&self) -> Self::Real;
     /// How much an impact of unit approach speed raises the pressure on the wall (through the
     /// damper, which feels the jump of the primary's velocity).
-    fn pressure_gain(&self) -> Real;
+    fn pressure_gain(&self) -> Self::Real;
 
     /// Checks that a start lies in the gap.
     ///
@@ -118,27 +122,27 @@ pub trait System {
     /// The wall that distances are measured from.
     fn wall(&self, state: &Self::State) -> Wall;
     /// Distance to that wall with its derivatives in free motion.
-    fn distance(&self, state: &Self::State) -> Jet;
+    fn distance(&self, state: &Self::State) -> Jet<Self::Real>;
     /// The state in contact with `wall`, and how much later it is: the distance left over, which is
     /// what rounding leaves, is flown to its end.
-    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Real);
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Self::Real);
     /// The impact law at a state in contact: the state after it, and the record of it.
-    fn impact(&self, state: &Self::State, time: Real) -> (Self::State, Impact);
+    fn impact(&self, state: &Self::State, time: Self::Real) -> (Self::State, Impact<Self::Real>);
     /// The state after an infinite tail of rebounds: common velocity, and the energy they lose.
-    fn stick(&self, state: &Self::State) -> (Self::State, Real);
+    fn stick(&self, state: &Self::State) -> (Self::State, Self::Real);
     /// The state at the end of a ride, with distance, rate and pressure exactly 0, and how much later it
     /// is.
-    fn release(&self, state: &Self::State) -> (Self::State, Real);
+    fn release(&self, state: &Self::State) -> (Self::State, Self::Real);
     /// Primary displacement and velocity.
-    fn primary(&self, state: &Self::State) -> Point;
+    fn primary(&self, state: &Self::State) -> Point<Self::Real>;
     /// Total energy per primary mass.
-    fn energy(&self, state: &Self::State) -> Real;
+    fn energy(&self, state: &Self::State) -> Self::Real;
     /// True if the absorber can reach its walls at all.
     fn walls_reachable(&self) -> bool {
         true
     }
     /// The instants that no stretch of motion is to run across: the end of the run, at least.
-    fn stops(&self, limits: &Limits) -> [Real; STOPS] {
+    fn stops(&self, limits: &Limits<Self::Real>) -> [Self::Real; STOPS] {
         [limits.duration; STOPS]
     }
     /// True if a force or the base drives it, not only in impulses.
@@ -150,27 +154,27 @@ pub trait System {
         false
     }
     /// How long the force stays smooth: until it bends, jumps or kicks.
-    fn smooth_for(&self, _state: &Self::State) -> Real {
-        Real::INFINITY
+    fn smooth_for(&self, _state: &Self::State) -> Self::Real {
+        Self::Real::INFINITY
     }
     /// P/M of the impulse that is due at a state; 0 where the force jumps.
-    fn due(&self, _state: &Self::State) -> Option<Real> {
+    fn due(&self, _state: &Self::State) -> Option<Self::Real> {
         None
     }
     /// The state after the impulse that is due, of P/M = `velocity`: with the absorber free to
     /// follow its own way, or stuck to its wall.
-    fn kick(&self, state: &Self::State, _velocity: Real, _stuck: bool) -> Self::State {
+    fn kick(&self, state: &Self::State, _velocity: Self::Real, _stuck: bool) -> Self::State {
         *state
     }
     /// Angle and angular velocity of a pendulum; `None` for an absorber without angle.
-    fn angle(&self, _state: &Self::State) -> Option<Angle> {
+    fn angle(&self, _state: &Self::State) -> Option<Angle<Self::Real>> {
         None
     }
     /// The same just before and just after an impact.
-    fn impact_angles(&self, _impact: &Impact) -> Option<[Angle; 2]> {
+    fn impact_angles(&self, _impact: &Impact<Self::Real>) -> Option<[Angle<Self::Real>; 2]> {
         None
     }
 }
 
 /// An instant of the run, compensated.
-pub type Clock = Sum;
+pub type Clock<R = f64> = Sum<R>;

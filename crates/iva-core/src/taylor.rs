@@ -18,7 +18,7 @@
 
 use crate::compensated::Sum;
 use crate::force::Drive;
-use crate::real::{self, ONE, Real, ZERO, dispatched};
+use crate::real::Real;
 
 use recurrence::Recurrence;
 pub use remainder::Remainder;
@@ -84,14 +84,16 @@ pub trait Number:
     + std::ops::Div<Output = Self>
     + std::ops::Neg<Output = Self>
 {
+    /// The numbers of the motion.
+    type Real: Real;
     /// The number without rest.
-    fn from_real(value: Real) -> Self;
+    fn from_real(value: Self::Real) -> Self;
     /// 1/n.
     fn reciprocal(n: usize) -> Self;
     /// 1/h of the length of a step.
     #[inline(always)]
-    fn over(h: Real) -> Self {
-        Self::from_real(1.0 / h)
+    fn over(h: Self::Real) -> Self {
+        Self::from_real(Self::Real::ONE / h)
     }
     /// True if the orders of a series are to be unrolled: worth it where an operation is an instruction.
     const UNROLLED: bool = false;
@@ -102,15 +104,16 @@ pub trait Number:
     }
 }
 
-impl Number for Real {
+impl<R: Real> Number for R {
+    type Real = R;
     const UNROLLED: bool = true;
     #[inline(always)]
-    fn from_real(value: Real) -> Self {
+    fn from_real(value: R) -> Self {
         value
     }
     #[inline(always)]
     fn reciprocal(n: usize) -> Self {
-        real::reciprocal(n)
+        R::reciprocal(n)
     }
     #[inline(always)]
     fn fused(self, factor: Self, addend: Self) -> Self {
@@ -118,40 +121,41 @@ impl Number for Real {
     }
 }
 
-impl Number for Sum {
+impl<R: Real> Number for Sum<R> {
+    type Real = R;
     #[inline(always)]
-    fn from_real(value: Real) -> Self {
+    fn from_real(value: R) -> Self {
         Sum::new(value)
     }
     #[inline(always)]
     fn reciprocal(n: usize) -> Self {
-        if n == 1 { Sum::new(ONE) } else { Sum::new(ONE).over(n as f64) }
+        if n == 1 { Sum::new(R::ONE) } else { Sum::new(R::ONE).over(n as f64) }
     }
     #[inline(always)]
-    fn over(h: Real) -> Self {
-        Sum::new(ONE).over(h)
+    fn over(h: R) -> Self {
+        Sum::new(R::ONE).over(h)
     }
 }
 
 /// The constants of the equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pendulum {
+pub struct Pendulum<R = f64> {
     /// Mass ratio μ.
-    pub mass_ratio: Real,
+    pub mass_ratio: R,
     /// Damping ratio ζ of the primary.
-    pub damping_ratio: Real,
+    pub damping_ratio: R,
     /// b, from the pivot to the point of contact.
-    pub contact_distance: Real,
+    pub contact_distance: R,
     /// κ = I/(m L²).
-    pub inertia_ratio: Real,
+    pub inertia_ratio: R,
     /// λ = L/b.
-    pub lever: Real,
+    pub lever: R,
     /// β = b/(κL).
-    pub coupling: Real,
+    pub coupling: R,
     /// r² = g/(κL), in ωn².
-    pub frequency_squared: Real,
+    pub frequency_squared: R,
     /// ν = 2ζp r.
-    pub pivot_damping: Real,
+    pub pivot_damping: R,
     /// sinθ = θ and cosθ = 1: then c stays 1 and the equations are linear.
     pub small_angles: bool,
 }
@@ -188,35 +192,50 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
     pub c: [T; LENGTH],
 }
 
-impl Pendulum {
+impl<R: Real> Pendulum<R> {
+    /// The same equations in other numbers.
+    pub fn map<Q>(&self, number: impl Fn(R) -> Q) -> Pendulum<Q> {
+        Pendulum {
+            mass_ratio: number(self.mass_ratio),
+            damping_ratio: number(self.damping_ratio),
+            contact_distance: number(self.contact_distance),
+            inertia_ratio: number(self.inertia_ratio),
+            lever: number(self.lever),
+            coupling: number(self.coupling),
+            frequency_squared: number(self.frequency_squared),
+            pivot_damping: number(self.pivot_damping),
+            small_angles: self.small_angles,
+        }
+    }
+
     /// The fastest rate in the equations but for the swing: of the primary, of the pendulum.
-    pub fn fastest(&self) -> Real {
+    pub fn fastest(&self) -> R {
         let zeta = self.damping_ratio;
-        let primary = zeta + (1.0 + zeta * zeta).sqrt();
-        let hanging = (self.frequency_squared * (1.0 + self.mass_ratio)).sqrt();
+        let primary = zeta + (R::ONE + zeta * zeta).sqrt();
+        let hanging = (self.frequency_squared * (R::ONE + self.mass_ratio)).sqrt();
         primary.max(hanging).max(self.pivot_damping)
     }
 
     /// θ̇ of a swing with W, which makes an angle fast that is not small.
     #[inline(always)]
-    pub fn swing(&self, w: Real) -> Real {
-        if self.small_angles { ZERO } else { w.abs() / self.contact_distance }
+    pub fn swing(&self, w: R) -> R {
+        if self.small_angles { R::ZERO } else { w.abs() / self.contact_distance }
     }
 
     /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.
     #[inline]
-    pub fn cosine(&self, y: Real) -> Real {
+    pub fn cosine(&self, y: R) -> R {
         let b = self.contact_distance;
         // b − y is exact close to the horizontal, where 1 − sinθ would be lost in the rounding of sinθ.
         let cosine = ((b - y) * (b + y)).max(0.0).sqrt() / b;
-        if self.small_angles { ONE } else { cosine }
+        if self.small_angles { R::ONE } else { cosine }
     }
 
     /// The same to twice the precision.
-    pub fn precise_cosine(&self, y: Sum) -> Sum {
+    pub fn precise_cosine(&self, y: Sum<R>) -> Sum<R> {
         let cosine = self.cosine(y.value);
         if self.small_angles {
-            Sum::new(ONE)
+            Sum::new(R::ONE)
         } else {
             refined_cosine(y.over(self.contact_distance), cosine)
         }
@@ -225,22 +244,22 @@ impl Pendulum {
     /// 1 + μ − (μ/κ) cos²θ, what a force on the primary moves: written as 1 + (μ/κ)(κ − 1 + sin²θ), in
     /// which nothing cancels however heavy the pendulum is.
     #[inline(always)]
-    pub fn inertia<T: Number>(&self, y: T) -> T {
+    pub fn inertia<T: Number<Real = R>>(&self, y: T) -> T {
         let n = T::from_real;
-        let sine = if self.small_angles { n(ZERO) } else { y / n(self.contact_distance) };
+        let sine = if self.small_angles { n(R::ZERO) } else { y / n(self.contact_distance) };
         let share = n(self.mass_ratio) * n(self.lever) * n(self.coupling);
-        n(ONE) + share * (n(self.inertia_ratio - 1.0) + sine * sine)
+        n(R::ONE) + share * (n(self.inertia_ratio - 1.0) + sine * sine)
     }
 
     /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.
-    pub fn series<T: Number, const LENGTH: usize>(
+    pub fn series<T: Number<Real = R>, const LENGTH: usize>(
         &self,
         start: &Swing<T>,
         drive: Option<&Drive<T, LENGTH>>,
-        h: Real,
+        h: R,
         order: usize,
     ) -> Series<T, LENGTH> {
-        dispatched(
+        R::dispatched(
             #[inline(always)]
             || {
                 if T::UNROLLED && ORDERS.contains(&order) {
@@ -257,11 +276,11 @@ impl Pendulum {
 
     /// The same, of an order that the compiler knows.
     #[inline(always)]
-    pub(crate) fn series_to<T: Number, const LENGTH: usize, const N: usize>(
+    pub(crate) fn series_to<T: Number<Real = R>, const LENGTH: usize, const N: usize>(
         &self,
         start: &Swing<T>,
         drive: Option<&Drive<T, LENGTH>>,
-        h: Real,
+        h: R,
     ) -> Series<T, LENGTH> {
         let mut recurrence = Recurrence::new(self, start, drive, h);
         unrolled!(k < N => recurrence.raise(k));
@@ -271,12 +290,12 @@ impl Pendulum {
     /// The first few coefficients in powers of t: derivatives at an instant. The order is known to the
     /// compiler, which leaves no loop.
     #[inline(always)]
-    pub fn beginning<T: Number, const LENGTH: usize>(
+    pub fn beginning<T: Number<Real = R>, const LENGTH: usize>(
         &self,
         start: &Swing<T>,
         drive: Option<&Drive<T, LENGTH>>,
     ) -> Series<T, LENGTH> {
-        let mut recurrence = Recurrence::new(self, start, drive, ONE);
+        let mut recurrence = Recurrence::new(self, start, drive, R::ONE);
         for k in 0..LENGTH - 1 {
             recurrence.raise(k);
         }
@@ -286,15 +305,15 @@ impl Pendulum {
 
 /// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
 #[inline(always)]
-pub(crate) fn refined_cosine(sine: Sum, cosine: Real) -> Sum {
+pub(crate) fn refined_cosine<R: Real>(sine: Sum<R>, cosine: R) -> Sum<R> {
     let c = Sum::new(cosine);
-    let square = Sum::new(ONE) - sine * sine;
+    let square = Sum::new(R::ONE) - sine * sine;
     let precise = c + (square - c * c) / c.times(2.0);
     if cosine == 0.0 { Sum::ZERO } else { precise }
 }
 
 /// A polynomial by Horner's rule.
-pub fn horner<T: Number>(coefficients: &[T], t: T) -> T {
-    let zero = T::from_real(ZERO);
+pub fn horner<R: Real, T: Number<Real = R>>(coefficients: &[T], t: T) -> T {
+    let zero = T::from_real(R::ZERO);
     coefficients.iter().rev().fold(zero, |sum, coefficient| sum * t + *coefficient)
 }

@@ -1,31 +1,30 @@
 //! Sine and cosine to whatever precision a number carries, twice that of doubles at most.
 
 use crate::compensated::Sum;
-use crate::real::{ONE, QUARTER, Real, ZERO};
+use crate::real::Real;
 use crate::taylor::Number;
 
-/// π/2 to twice the precision.
-const QUARTER_TURN: Sum = Sum { value: QUARTER[0], rest: QUARTER[1] };
 /// 1/6 to twice the precision.
 const SIXTH: [f64; 2] = [1.0 / 6.0, 9.251_858_538_542_97e-18];
 
 /// Sine and cosine of an angle within [−π, π] to some 2⁻⁶⁰, without branches: from their series within a quarter
 /// of a turn, the leading two terms to twice the precision.
 #[inline(always)]
-pub fn close_sine_cosine(angle: Sum) -> (Sum, Sum) {
+pub fn close_sine_cosine<R: Real>(angle: Sum<R>) -> (Sum<R>, Sum<R>) {
     /// 1/5!, −1/7!, … and 1/4!, −1/6!, …
     const SINE: [f64; 8] = factorials(5);
     const COSINE: [f64; 9] = factorials(4);
     let quarter = (angle.value * std::f64::consts::FRAC_2_PI).round();
-    let small = angle - QUARTER_TURN.times(quarter);
+    let small = angle - R::QUARTER.times(quarter);
     let square = small.product(small);
     let z = square.value;
-    let series =
-        |terms: &[f64]| terms.iter().rev().fold(ZERO, |sum, term| sum.mul_add(z, *term * ONE));
-    let sixth = square.product(Sum { value: SIXTH[0] * ONE, rest: SIXTH[1] * ONE });
+    let series = |terms: &[f64]| {
+        terms.iter().rev().fold(R::ZERO, |sum, term| sum.mul_add(z, R::from(*term)))
+    };
+    let sixth = square.product(Sum { value: R::from(SIXTH[0]), rest: R::from(SIXTH[1]) });
     let bent = Sum::new(z * z * series(&SINE)) - sixth;
     let sine = small.plus_both(small.product(bent), Sum::ZERO);
-    let cosine = Sum::new(ONE).plus_both(-square.half(), Sum::new(z * z * series(&COSINE)));
+    let cosine = Sum::new(R::ONE).plus_both(-square.half(), Sum::new(z * z * series(&COSINE)));
     let turned = quarter.abs() == 1.0;
     let (s, c) = (pick(turned, cosine, sine), pick(turned, sine, cosine));
     let (down, left) = ((quarter == -1.0) | (quarter.abs() == 2.0), quarter.abs() == 2.0);
@@ -34,8 +33,8 @@ pub fn close_sine_cosine(angle: Sum) -> (Sum, Sum) {
 }
 
 #[inline(always)]
-fn pick(which: bool, yes: Sum, no: Sum) -> Sum {
-    let one = |yes: Real, no: Real| if which { yes } else { no };
+fn pick<R: Real>(which: bool, yes: Sum<R>, no: Sum<R>) -> Sum<R> {
+    let one = |yes: R, no: R| if which { yes } else { no };
     Sum { value: one(yes.value, no.value), rest: one(yes.rest, no.rest) }
 }
 
@@ -55,13 +54,13 @@ const fn factorials<const K: usize>(n: usize) -> [f64; K] {
 }
 
 /// Sine and cosine of an angle within [−2π, 2π], from their series at a 64th of it.
-pub fn sine_cosine<T: Number>(angle: T) -> (T, T) {
+pub fn sine_cosine<R: Real, T: Number<Real = R>>(angle: T) -> (T, T) {
     const HALVINGS: u32 = 6;
     let one = T::reciprocal(1);
     let two = one + one;
     let small = (0..HALVINGS).fold(angle, |angle, _| angle * T::reciprocal(2));
     let square = small * small;
-    let (mut versine, mut sine) = (T::from_real(ZERO), T::from_real(ZERO));
+    let (mut versine, mut sine) = (T::from_real(R::ZERO), T::from_real(R::ZERO));
     for k in (1..=9).rev() {
         let n = 2 * k;
         versine = ((one - versine) * square) * T::reciprocal(n * (n - 1));

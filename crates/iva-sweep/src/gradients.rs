@@ -11,18 +11,18 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::observe::Events;
+use iva_core::impact::Impact;
+use iva_core::observe::{Events, Jump, Observer};
 use iva_core::propagation::Errors;
+use iva_core::real::dual::Dual;
 use iva_core::simulate::simulate;
-use iva_core_dual::impact::Impact;
-use iva_core_dual::observe::{Jump, Observer};
-use iva_core_dual::system::System;
+use iva_core::system::System;
 
 use crate::columns::columns;
 use crate::design::Design;
-use crate::dual;
-use crate::dual::point::{Estimates, Request, run};
-use crate::dual::rows::{Cell as DualCell, Estimate};
+use crate::engine::given::Given;
+use crate::engine::point::{Estimates, Request, run};
+use crate::engine::rows::Estimate;
 use crate::error::Invalid;
 use crate::fields::{FieldId, Part, Quantity};
 use crate::scene::Scene;
@@ -63,7 +63,7 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
         Slot::from_key(key).map_err(|error| Invalid { field: "gradients".to_owned(), ..error })?;
     let mut spec = study.spec(0)?;
     let value = given(&mut spec, slot)?;
-    let design = dual::given::Given::differentiated(&spec, slot).design()?;
+    let design = Given::<Dual>::differentiated(&spec, slot).design()?;
     let request = Request::new(study);
     let plain = spec.design()?;
     let sensitive = sensitive_from(&plain, cancel)?.map(|time| plain.scale.time(time));
@@ -76,7 +76,7 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
     }
     run(study, 0, &design, &request, cancel, grazings, &mut |table, cells| {
         if let Some((_, builder)) = builders.iter_mut().find(|it| it.0 == table) {
-            let cells: Vec<DualCell> = cells.collect();
+            let cells: Vec<Cell<Dual>> = cells.collect();
             let known = |index: usize| {
                 sensitive.is_none_or(|from| is_known(table, &cells, index, from, period))
             };
@@ -113,7 +113,7 @@ fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, I
 }
 
 /// True if a number of a row is decided before the instant from which on the motion is too sensitive.
-fn is_known(table: Table, row: &[DualCell], index: usize, from: f64, period: f64) -> bool {
+fn is_known(table: Table, row: &[Cell<Dual>], index: usize, from: f64, period: f64) -> bool {
     let columns = columns(table);
     // `point` comes first.
     let before = |index: usize| match (&row[index], columns[index - 1].quantity) {
@@ -153,7 +153,7 @@ fn given(spec: &mut crate::design::Spec, slot: Slot) -> Result<f64, Invalid> {
     }
 }
 
-fn derivative(cell: DualCell) -> Cell {
+fn derivative(cell: Cell<Dual>) -> Cell {
     match cell {
         Cell::Point(point) => Cell::Point(point),
         Cell::Number(number) => {
@@ -187,14 +187,14 @@ impl Grazings {
     }
 }
 
-impl<S: System> Observer<S> for Grazings {
+impl<S: System<Real = Dual>> Observer<S> for Grazings {
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
         if let Jump::Impact { before, .. } = jump {
             self.curvature = Some(system.distance(before).curvature.value.max(0.0));
         }
     }
 
-    fn impact(&mut self, _system: &S, impact: &Impact) {
+    fn impact(&mut self, _system: &S, impact: &Impact<Dual>) {
         let speed = impact.approach_speed().value;
         if let Some(curvature) = self.curvature.take() {
             // The distance moves by w dτ; it makes a grazing of the impact from w²/(2|D̈|) on.
@@ -205,7 +205,7 @@ impl<S: System> Observer<S> for Grazings {
         self.impacts.push((speed, self.met));
     }
 
-    fn unlist(&mut self, first: u64, floor: iva_core_dual::real::Real) {
+    fn unlist(&mut self, first: u64, floor: Dual) {
         let mut index = 0;
         self.impacts.retain(|(speed, _)| {
             index += 1;
@@ -214,8 +214,8 @@ impl<S: System> Observer<S> for Grazings {
     }
 }
 
-impl<S: System> Estimates<S> for Grazings {
-    fn of_impact(&self, index: usize) -> Estimate {
+impl<S: System<Real = Dual>> Estimates<S> for Grazings {
+    fn of_impact(&self, index: usize) -> Estimate<Dual> {
         Estimate { time: None, near_grazing: self.impacts.get(index).map(|(_, met)| *met) }
     }
 }

@@ -13,7 +13,7 @@ use iva_core::system::Angle;
 use crate::columns::tables as entries;
 
 use crate::design::{Design, Spec};
-use crate::doubles::scale::Scale;
+use crate::engine::scale::Scale;
 use crate::scene::Scene;
 use crate::study::{Study, Table};
 use crate::sweep::SweepError;

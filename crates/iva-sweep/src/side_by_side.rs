@@ -9,10 +9,10 @@ use iva_core::steady::{SteadyValues, SteadyWanted};
 use iva_core::system::System;
 
 use crate::done::Done;
-use crate::doubles::design::Design;
-use crate::doubles::point::Request;
-use crate::doubles::rows::{self, Cell};
-use crate::doubles::scene::Scene;
+use crate::engine::design::Design;
+use crate::engine::point::Request;
+use crate::engine::rows::{self, Cell};
+use crate::engine::scene::Scene;
 use crate::error::Invalid;
 use crate::study::Study;
 

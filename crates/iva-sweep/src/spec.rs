@@ -1,8 +1,8 @@
 //! The fields of one run as a user gives them.
 
 use crate::choices::{Choices, Kind, only};
-use crate::doubles::design::Design;
-use crate::doubles::given::Given;
+use crate::engine::design::Design;
+use crate::engine::given::Given;
 use crate::error::{Invalid, number};
 use crate::fields::{FIELD_COUNT, FieldId, Part};
 use crate::forces::{ForceSpec, Recorded};
@@ -154,7 +154,7 @@ impl Spec {
     /// # Errors
     /// [`Invalid`] if a frequency is missing beside a mass, or given twice.
     pub fn units(&self) -> Result<UnitSystem, Invalid> {
-        Ok(Given::new(self).scale()?.1)
+        Ok(Given::<f64>::new(self).scale()?.1)
     }
 
     /// The design that these fields make, in natural units.

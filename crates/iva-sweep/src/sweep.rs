@@ -17,9 +17,9 @@ use iva_core::simulate::Outcome;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::done::Done;
-use crate::doubles::design::Design;
-use crate::doubles::point::{Estimates, Request, run};
-use crate::doubles::rows::{Cell, Estimate};
+use crate::engine::design::Design;
+use crate::engine::point::{Estimates, Request, run};
+use crate::engine::rows::{Cell, Estimate};
 use crate::side_by_side::{Asked, summaries};
 use crate::study::{Study, Table};
 use crate::tables::{TableBuilder, schema_in};

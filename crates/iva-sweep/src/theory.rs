@@ -6,9 +6,9 @@ use iva_core::theory::{SymmetricScene, masri_caughey as symmetric, slow_manifold
 
 use crate::choices::{Kind, only};
 use crate::design::Spec;
-use crate::doubles::forces;
-use crate::doubles::given::Given;
-use crate::doubles::pendulum::Common;
+use crate::engine::forces;
+use crate::engine::given::Given;
+use crate::engine::pendulum::Common;
 use crate::units::Scale;
 
 /// A theory's answer in natural units, and the way back to the user's.

@@ -5,7 +5,7 @@
 
 use crate::fields::Quantity;
 
-pub use crate::doubles::scale::Scale;
+pub use crate::engine::scale::Scale;
 
 /// Standard acceleration of gravity in m/s² (CGPM 1901): the unit g of records, and what is taken in SI units where
 /// no gravity is given.

@@ -9,14 +9,17 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::columns::columns;
-use crate::doubles::point::{self as plain, Estimates};
+use crate::engine::design::Design;
+use crate::engine::given::Given;
+use crate::engine::point::{Estimates, Request, run};
 use crate::error::Invalid;
 use crate::fields::FieldId;
 use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
 use crate::tables::{Cell, Content, TableBuilder, schema_of};
-use crate::twofold::{self, point as exact};
-use iva_core::twofold::Twofold;
+use iva_core::real::Real;
+use iva_core::real::twofold::Twofold;
+use iva_core::system::System;
 
 /// What a verification found.
 #[derive(Debug, Clone)]
@@ -117,12 +120,7 @@ fn alike(a: &[Cell], b: &[Cell<Twofold>]) -> bool {
 type Rows<R> = Vec<(Table, Vec<Cell<R>>)>;
 
 fn in_doubles(study: &Study, cancel: &AtomicBool) -> Result<Rows<f64>, Invalid> {
-    let (design, request) = (study.design(0)?, plain::Request::new(study));
-    let mut rows = Vec::new();
-    plain::run(study, 0, &design, &request, cancel, (), &mut |table, cells| {
-        rows.push((table, cells.collect()));
-    })?;
-    Ok(rows)
+    rows(study, &study.design(0)?, cancel)
 }
 
 fn in_twofold(study: &Study, cancel: &AtomicBool) -> Result<Rows<Twofold>, Invalid> {
@@ -130,15 +128,19 @@ fn in_twofold(study: &Study, cancel: &AtomicBool) -> Result<Rows<Twofold>, Inval
     if spec.get(FieldId::Tolerance).is_some() {
         spec.set(FieldId::Tolerance, 0.0)?;
     }
-    let design = twofold::given::Given::new(&spec).design()?;
-    let request = exact::Request::new(study);
+    rows(study, &Given::new(&spec).design()?, cancel)
+}
+
+fn rows<R: Real>(
+    study: &Study,
+    design: &Design<R>,
+    cancel: &AtomicBool,
+) -> Result<Rows<R>, Invalid> {
     let mut rows = Vec::new();
-    exact::run(study, 0, &design, &request, cancel, (), &mut |table, cells| {
+    run(study, 0, design, &Request::new(study), cancel, (), &mut |table, cells| {
         rows.push((table, cells.collect()));
     })?;
     Ok(rows)
 }
 
-impl<S: iva_core::system::System> Estimates<S> for () {}
-
-impl<S: iva_core_twofold::system::System> exact::Estimates<S> for () {}
+impl<S: System> Estimates<S> for () {}

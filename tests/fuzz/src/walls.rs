@@ -37,8 +37,8 @@ impl Walls {
     }
 }
 
-impl<S: System> Observer<S> for Walls {
-    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+impl<S: System<Real = f64>> Observer<S> for Walls {
+    fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         let d = system.clearance();
         let pull = self.stiffness * (span.from.x.abs() + span.from.v.abs());
         for part in [0.0, 1e-9, 0.25, 0.5, 0.75, 1.0 - 1e-9, 1.0] {

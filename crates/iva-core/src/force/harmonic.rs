@@ -4,30 +4,27 @@ use super::{Acts, Push};
 use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::range;
-use crate::real::{self, ONE, Real, TURN, reciprocal};
+use crate::real::Real;
 use crate::taylor::{ORDER, unrolled};
 use crate::trigonometry::sine_cosine;
-
-/// 2π to twice the precision.
-pub(crate) const WHOLE_TURN: Sum = Sum { value: TURN[0], rest: TURN[1] };
 
 /// Largest phase: reduced to one turn it has still some 20 digits.
 const LARGEST_PHASE: f64 = 1e9;
 
 /// amplitude · cos(Ω t + phase), per unit mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Harmonic {
+pub struct Harmonic<R = f64> {
     /// f/M or a_g, in ωn² × length.
-    pub amplitude: Real,
+    pub amplitude: R,
     /// Ω in ωn.
-    pub frequency: Real,
+    pub frequency: R,
     /// Phase at time zero, in rad.
-    pub phase: Real,
+    pub phase: R,
     /// On the primary or on the base.
     pub acts: Acts,
 }
 
-impl Harmonic {
+impl<R: Real> Harmonic<R> {
     pub(super) fn check(&self) -> Result<(), Invalid> {
         range::size("force.amplitude", self.amplitude)?;
         range::positive("force.frequency", self.frequency)?;
@@ -40,14 +37,14 @@ impl Harmonic {
 
     /// Adds the coefficients of powers of t/h from an instant on.
     #[inline(always)]
-    pub(crate) fn add<const LENGTH: usize>(&self, row: &mut [Real; LENGTH], time: Sum, h: Real) {
-        let (s, c) = real::precise_sincos(self.angle(time));
+    pub(crate) fn add<const LENGTH: usize>(&self, row: &mut [R; LENGTH], time: Sum<R>, h: R) {
+        let (s, c) = R::precise_sincos(self.angle(time));
         let turns = [c.value, -s.value, -c.value, s.value];
         let turn = self.frequency * h;
         // The amplitude times turnᵏ/k!.
         let mut power = self.amplitude;
         let mut term = |k: usize| {
-            power *= if k > 0 { turn * reciprocal(k) } else { ONE };
+            power *= if k > 0 { turn * R::reciprocal(k) } else { R::ONE };
             row[k] += power * turns[k % 4];
         };
         unrolled!(k < if LENGTH > ORDER { ORDER + 1 } else { LENGTH } => term(k));
@@ -56,8 +53,8 @@ impl Harmonic {
 
     /// Its value and derivatives at an instant.
     #[inline(always)]
-    pub(super) fn push(&self, time: Sum) -> Push {
-        let (s, c) = real::precise_sincos(self.angle(time));
+    pub(super) fn push(&self, time: Sum<R>) -> Push<R> {
+        let (s, c) = R::precise_sincos(self.angle(time));
         let rate = Sum::new(self.frequency).times(self.amplitude);
         let second = rate.times(self.frequency);
         Push {
@@ -69,12 +66,12 @@ impl Harmonic {
     }
 
     /// The largest size of its derivative of this order.
-    pub(super) fn largest(&self, order: i32) -> Real {
+    pub(super) fn largest(&self, order: i32) -> R {
         (0..order).fold(self.amplitude.abs(), |size, _| size * self.frequency)
     }
 
     /// The same to twice the precision.
-    pub(crate) fn add_precise(&self, row: &mut [Sum], time: Sum, h: Real) {
+    pub(crate) fn add_precise(&self, row: &mut [Sum<R>], time: Sum<R>, h: R) {
         let (mut s, mut c) = sine_cosine(self.angle(time));
         let turn = Sum::new(self.frequency).times(h);
         for (k, coefficient) in row.iter_mut().enumerate() {
@@ -85,23 +82,23 @@ impl Harmonic {
     }
 
     /// The bound F̂ of [`super::Force::tail`].
-    pub(super) fn tail(&self, h: Real, order: usize, ratio: Real) -> Option<Real> {
+    pub(super) fn tail(&self, h: R, order: usize, ratio: R) -> Option<R> {
         let n = (order + 1) as f64;
         // (Ωh/q)ᵏ (k+1)/k! falls from k = N on if Ωh/q < (N+1)²/(N+2).
         let turn = self.frequency * h / ratio;
         if turn * (n + 1.0) >= n * n {
             return None;
         }
-        let first = (1..=order).fold(n * ONE, |product, k| product * (turn / k as f64));
+        let first = (1..=order).fold(R::from(n), |product, k| product * (turn / k as f64));
         Some(self.amplitude.abs() * first)
     }
 
     /// Ω t + phase, reduced to [−π, π].
     #[inline(always)]
-    fn angle(&self, time: Sum) -> Sum {
+    fn angle(&self, time: Sum<R>) -> Sum<R> {
         let angle = time.times(self.frequency).plus(self.phase);
-        let turns = (angle.value / WHOLE_TURN.value).round();
-        angle - WHOLE_TURN.times(turns)
+        let turns = (angle.value / R::TURN.value).round();
+        angle - R::TURN.times(turns)
     }
 }
 
@@ -125,7 +122,7 @@ mod tests {
     fn the_phase_does_not_drift() {
         // After a million whole periods, 2π to twice the precision, the angle is the phase again.
         let harmonic = Harmonic { amplitude: 1.0, frequency: 1.0, phase: 0.5, acts: Acts::Primary };
-        let time = WHOLE_TURN.times(1e6);
+        let time = f64::TURN.times(1e6);
         assert!((harmonic.angle(time).value - 0.5).abs() < 2e-16);
     }
 }

@@ -9,17 +9,17 @@ use super::Acts;
 use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::range;
-use crate::real::{Real, ZERO, whole};
+use crate::real::Real;
 
 /// Increasing times with a value each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
-    times: Vec<Real>,
-    values: Vec<Real>,
+    times: Vec<f64>,
+    values: Vec<f64>,
     /// Smallest size, other than 0, and largest: of times, and of values.
-    sizes: [[Real; 2]; 2],
+    sizes: [[f64; 2]; 2],
     /// Largest slope.
-    steepest: Real,
+    steepest: f64,
 }
 
 impl History {
@@ -28,7 +28,7 @@ impl History {
     /// # Errors
     /// [`Invalid`] naming the first time that does not increase, the first number that is not
     /// finite, or two lengths that differ.
-    pub fn new(times: Vec<Real>, mut values: Vec<Real>) -> Result<Self, Invalid> {
+    pub fn new(times: Vec<f64>, mut values: Vec<f64>) -> Result<Self, Invalid> {
         if times.len() != values.len() {
             let rule = format!("there are {} values; give as many of both", values.len());
             return Err(Invalid::new("times", format!("{} numbers", times.len()), rule));
@@ -39,7 +39,7 @@ impl History {
         }
         for (index, (time, value)) in times.iter().zip(&mut values).enumerate() {
             if value.abs() < range::SMALLEST {
-                *value = ZERO;
+                *value = 0.0;
             }
             range::size(&format!("times[{index}]"), *time)?;
             range::size(&format!("values[{index}]"), *value)?;
@@ -53,46 +53,46 @@ impl History {
         }
         let sizes = [extremes(&times), extremes(&values)];
         let slope = |i: usize| ((values[i] - values[i - 1]) / (times[i] - times[i - 1])).abs();
-        let steepest = (1..times.len()).map(slope).fold(ZERO, |most, slope| most.max(slope));
+        let steepest = (1..times.len()).map(slope).fold(0.0, |most, slope| most.max(slope));
         Ok(Self { times, values, sizes, steepest })
     }
 
     /// Times, increasing.
-    pub fn times(&self) -> &[Real] {
+    pub fn times(&self) -> &[f64] {
         &self.times
     }
 
     /// Values, as many.
-    pub fn values(&self) -> &[Real] {
+    pub fn values(&self) -> &[f64] {
         &self.values
     }
 }
 
 /// Smallest size other than 0, and largest; 0 if all are.
-fn extremes(numbers: &[Real]) -> [Real; 2] {
+fn extremes(numbers: &[f64]) -> [f64; 2] {
     let sizes = || numbers.iter().map(|number| number.abs()).filter(|size| *size > 0.0);
-    [sizes().reduce(Real::min), sizes().reduce(Real::max)].map(Option::unwrap_or_default)
+    [sizes().reduce(f64::min), sizes().reduce(f64::max)].map(Option::unwrap_or_default)
 }
 
 /// A history as a force: linear between its points, 0 before the first and after the last.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Record {
+pub struct Record<R = f64> {
     /// Shared by all scenes it drives.
     pub history: Arc<History>,
     /// On the primary or on the base.
     pub acts: Acts,
     /// Natural time over the time of the history: ωn.
-    pub rate: Real,
+    pub rate: R,
     /// f/M or a_g in ωn² × length, over the value of the history.
-    pub scale: Real,
+    pub scale: R,
 }
 
-impl Record {
+impl<R: Real> Record<R> {
     pub(super) fn check(&self) -> Result<(), Invalid> {
         range::positive("force.rate", self.rate)?;
         range::size("force.scale", self.scale)?;
         let [times, values] = self.history.sizes;
-        let in_range = |sizes: [Real; 2], factor: Real| {
+        let in_range = |sizes: [f64; 2], factor: R| {
             sizes.iter().try_for_each(|size| range::size("force.record", factor.abs() * *size))
         };
         in_range(times, self.rate)?;
@@ -100,31 +100,31 @@ impl Record {
     }
 
     /// The largest size of its derivative of this order.
-    pub(super) fn largest(&self, order: i32) -> Real {
+    pub(super) fn largest(&self, order: i32) -> R {
         match order {
             0 => (self.scale * self.history.sizes[1][1]).abs(),
             1 => (self.scale * self.history.steepest / self.rate).abs(),
-            _ => ZERO,
+            _ => R::ZERO,
         }
     }
 
     /// The instant of a point.
-    fn knot(&self, index: usize) -> Sum {
-        Sum::new(self.history.times[index]).times(self.rate)
+    fn knot(&self, index: usize) -> Sum<R> {
+        Sum::new(R::from(self.history.times[index])).times(self.rate)
     }
 
-    fn reached(&self, index: usize, time: Sum) -> bool {
+    fn reached(&self, index: usize, time: Sum<R>) -> bool {
         (self.knot(index) - time).value <= 0.0
     }
 
     /// How many points lie at or before an instant.
-    fn passed(&self, time: Sum) -> usize {
+    fn passed(&self, time: Sum<R>) -> usize {
         let times = &self.history.times;
         let (first, last) = (times[0], times[times.len() - 1]);
         // Most records are sampled evenly: look there first.
         let share = (time.value / self.rate - first) / (last - first);
         let guess = (share * (times.len() - 1) as f64).clamp(0.0, (times.len() - 1) as f64);
-        let guess = whole(guess);
+        let guess = R::whole(guess);
         for passed in guess.saturating_sub(1)..=(guess + 2).min(times.len()) {
             let before = passed == 0 || self.reached(passed - 1, time);
             if before && (passed == times.len() || !self.reached(passed, time)) {
@@ -144,13 +144,13 @@ impl Record {
     }
 
     /// The first point after an instant.
-    pub(super) fn next_knot(&self, time: Sum) -> Option<Sum> {
+    pub(super) fn next_knot(&self, time: Sum<R>) -> Option<Sum<R>> {
         let passed = self.passed(time);
         (passed < self.history.times.len()).then(|| self.knot(passed))
     }
 
     /// Where it jumps: its ends, unless it is 0 there.
-    pub(super) fn jumps(&self) -> impl Iterator<Item = Sum> + '_ {
+    pub(super) fn jumps(&self) -> impl Iterator<Item = Sum<R>> + '_ {
         let last = self.history.times.len() - 1;
         [0, last]
             .into_iter()
@@ -159,12 +159,12 @@ impl Record {
     }
 
     /// The straight piece that acts from an instant on.
-    pub(super) fn piece(&self, from: Sum) -> Piece {
+    pub(super) fn piece(&self, from: Sum<R>) -> Piece<R> {
         let passed = self.passed(from);
         if passed == 0 || passed == self.history.times.len() {
             return Piece::NOTHING;
         }
-        let value = |index: usize| Sum::new(self.history.values[index]).times(self.scale);
+        let value = |index: usize| Sum::new(R::from(self.history.values[index])).times(self.scale);
         let (begin, first) = (self.knot(passed - 1), value(passed - 1));
         let slope = (value(passed) - first) / (self.knot(passed) - begin);
         Piece { begin, first, slope }
@@ -173,17 +173,17 @@ impl Record {
 
 /// A straight line in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Piece {
-    begin: Sum,
-    first: Sum,
-    slope: Sum,
+pub(super) struct Piece<R = f64> {
+    begin: Sum<R>,
+    first: Sum<R>,
+    slope: Sum<R>,
 }
 
-impl Piece {
-    const NOTHING: Piece = Piece { begin: Sum::ZERO, first: Sum::ZERO, slope: Sum::ZERO };
+impl<R: Real> Piece<R> {
+    const NOTHING: Piece<R> = Piece { begin: Sum::ZERO, first: Sum::ZERO, slope: Sum::ZERO };
 
     /// Value at an instant, and slope.
-    pub(super) fn at(&self, time: Sum) -> [Sum; 2] {
+    pub(super) fn at(&self, time: Sum<R>) -> [Sum<R>; 2] {
         [self.first + self.slope * (time - self.begin), self.slope]
     }
 }

@@ -8,16 +8,16 @@ use crate::force::Force;
 use crate::impact::Impact;
 use crate::oscillator::Primary;
 use crate::range;
-use crate::real::{ONE, Real, ZERO, dispatched};
+use crate::real::Real;
 use crate::system::{Point, System, Wall};
 
 /// A structure without absorber, as a system to run: its flight never ends at a wall.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Alone<H> {
+pub struct Alone<H: Host> {
     host: H,
 }
 
-impl<H: Host> Alone<H> {
+impl<R: Real, H: Host<Real = R>> Alone<H> {
     /// This structure.
     pub fn new(host: H) -> Self {
         Self { host }
@@ -28,105 +28,108 @@ impl<H: Host> Alone<H> {
 #[derive(Debug, Clone, Copy)]
 pub struct AloneFlight<'a, H: Host> {
     structure: &'a H::Structure,
-    from: HostState<Phase<H>>,
+    from: HostState<Phase<H>, H::Real>,
     course: <H::Structure as Structure>::Course,
 }
 
-impl<H: Host> AloneFlight<'_, H> {
-    fn flown(&self, h: Real) -> Flown<Phase<H>> {
-        dispatched(
+impl<R: Real, H: Host<Real = R>> AloneFlight<'_, H> {
+    fn flown(&self, h: R) -> Flown<Phase<H>, R> {
+        R::dispatched(
             #[inline(always)]
             || self.structure.flown(&self.from, &self.course, h),
         )
     }
 }
 
-impl<H: Host> Motion for AloneFlight<'_, H> {
-    type State = HostState<Phase<H>>;
+impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
+    type Real = R;
+    type State = HostState<Phase<H>, R>;
     const RIDING: bool = false;
 
     fn origin(&self) -> &Self::State {
         &self.from
     }
 
-    fn reach(&self) -> Real {
+    fn reach(&self) -> R {
         self.structure.reach(&self.course)
     }
 
-    fn state(&self, h: Real) -> Self::State {
+    fn state(&self, h: R) -> Self::State {
         self.flown(h).to
     }
 
-    fn arrival(&self, h: Real) -> Self::State {
+    fn arrival(&self, h: R) -> Self::State {
         let mut state = self.state(h);
         self.structure.refresh(&mut state);
         state
     }
 
-    fn primary(&self, h: Real) -> Jet {
+    fn primary(&self, h: R) -> Jet<R> {
         self.structure.jet(&self.from, &self.course, h)
     }
 
-    fn gap(&self, _h: Real) -> GapPoint {
-        GapPoint { y: ZERO, w: ZERO }
+    fn gap(&self, _h: R) -> GapPoint<R> {
+        GapPoint { y: R::ZERO, w: R::ZERO }
     }
 
     fn wall(&self) -> Option<Wall> {
         None
     }
 
-    fn losses(&self, h: Real) -> Losses {
+    fn losses(&self, h: R) -> Losses<R> {
         let (from, course) = (&self.from, &self.course);
-        let motion = Integrated { from, course, mass_ratio: ZERO, gap_velocity: None };
+        let motion = Integrated { from, course, mass_ratio: R::ZERO, gap_velocity: None };
         let [viscous, work] = self.structure.losses(&motion, h);
-        Losses { viscous, pivot: ZERO, work }
+        Losses { viscous, pivot: R::ZERO, work }
     }
 
-    fn square(&self, h: [Real; 2]) -> Real {
-        dispatched(
+    fn square(&self, h: [R; 2]) -> R {
+        R::dispatched(
             #[inline(always)]
             || self.structure.square(&self.from, &self.course, h),
         )
     }
 
-    fn arcs(&self, end: &Self::State) -> Option<Arcs> {
+    fn arcs(&self, end: &Self::State) -> Option<Arcs<R>> {
         self.structure.arcs(&self.from, end)
     }
 
-    fn rows(&self) -> Option<Rows> {
+    fn rows(&self) -> Option<Rows<R>> {
         self.structure.rows(&self.from, &self.course)
     }
 }
 
 /// How far it is from a wall: there is none.
-impl<H: Host> Curve for AloneFlight<'_, H> {
-    type Sample = HostState<Phase<H>>;
+impl<R: Real, H: Host<Real = R>> Curve for AloneFlight<'_, H> {
+    type Real = R;
+    type Sample = HostState<Phase<H>, R>;
 
-    fn sample(&self, h: Real) -> Self::Sample {
+    fn sample(&self, h: R) -> Self::Sample {
         self.state(h)
     }
 
-    fn jet(&self, sample: &Self::Sample) -> Jet {
-        let value = if sample.primary.x.value.is_finite() { ONE } else { Real::NAN };
-        Jet { value, rate: ZERO, curvature: ZERO, jerk: ZERO }
+    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
+        let value = if sample.primary.x.value.is_finite() { R::ONE } else { R::NAN };
+        Jet { value, rate: R::ZERO, curvature: R::ZERO, jerk: R::ZERO }
     }
 
-    fn precise(&self, _h: Real) -> Sum {
-        Sum::new(ONE)
+    fn precise(&self, _h: R) -> Sum<R> {
+        Sum::new(R::ONE)
     }
 
-    fn fourth(&self) -> Real {
-        ZERO
+    fn fourth(&self) -> R {
+        R::ZERO
     }
 
-    fn magnitude(&self) -> Real {
-        ONE
+    fn magnitude(&self) -> R {
+        R::ONE
     }
 }
 
-impl<H: Host> System for Alone<H> {
-    type State = HostState<Phase<H>>;
-    type Start = Point;
+impl<R: Real, H: Host<Real = R>> System for Alone<H> {
+    type Real = R;
+    type State = HostState<Phase<H>, R>;
+    type Start = Point<R>;
     type Flight<'a>
         = AloneFlight<'a, H>
     where
@@ -136,28 +139,28 @@ impl<H: Host> System for Alone<H> {
     where
         H: 'a;
 
-    fn clearance(&self) -> Real {
-        ZERO
+    fn clearance(&self) -> R {
+        R::ZERO
     }
 
     fn walls_reachable(&self) -> bool {
         false
     }
 
-    fn rebound_ratio(&self) -> Real {
-        ZERO
+    fn rebound_ratio(&self) -> R {
+        R::ZERO
     }
 
-    fn pressure_gain(&self) -> Real {
-        ZERO
+    fn pressure_gain(&self) -> R {
+        R::ZERO
     }
 
-    fn check_start(&self, start: &Point) -> Result<(), Invalid> {
+    fn check_start(&self, start: &Point<R>) -> Result<(), Invalid> {
         range::size("start.displacement", start.x)?;
         range::size("start.velocity", start.v)
     }
 
-    fn begin(&self, start: &Point) -> (Self::State, bool) {
+    fn begin(&self, start: &Point<R>) -> (Self::State, bool) {
         let primary = Primary { x: Sum::new(start.x), v: Sum::new(start.v) };
         (self.host.state(self.host.begin(), primary), false)
     }
@@ -175,15 +178,15 @@ impl<H: Host> System for Alone<H> {
         Wall::Plus
     }
 
-    fn distance(&self, _state: &Self::State) -> Jet {
-        Jet { value: ONE, rate: ZERO, curvature: ZERO, jerk: ZERO }
+    fn distance(&self, _state: &Self::State) -> Jet<R> {
+        Jet { value: R::ONE, rate: R::ZERO, curvature: R::ZERO, jerk: R::ZERO }
     }
 
-    fn touch(&self, state: &Self::State, _wall: Wall) -> (Self::State, Real) {
-        (*state, ZERO)
+    fn touch(&self, state: &Self::State, _wall: Wall) -> (Self::State, R) {
+        (*state, R::ZERO)
     }
 
-    fn impact(&self, state: &Self::State, time: Real) -> (Self::State, Impact) {
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
         let Point { x, v } = self.primary(state);
         let impact = Impact {
             time,
@@ -191,29 +194,29 @@ impl<H: Host> System for Alone<H> {
             displacement: x,
             velocity_before: v,
             velocity_after: v,
-            gap_velocity_before: ZERO,
-            gap_velocity_after: ZERO,
-            lever: ONE,
-            energy_loss: ZERO,
+            gap_velocity_before: R::ZERO,
+            gap_velocity_after: R::ZERO,
+            lever: R::ONE,
+            energy_loss: R::ZERO,
         };
         (*state, impact)
     }
 
-    fn stick(&self, state: &Self::State) -> (Self::State, Real) {
-        (*state, ZERO)
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        (*state, R::ZERO)
     }
 
-    fn release(&self, state: &Self::State) -> (Self::State, Real) {
-        (*state, ZERO)
+    fn release(&self, state: &Self::State) -> (Self::State, R) {
+        (*state, R::ZERO)
     }
 
-    fn primary(&self, state: &Self::State) -> Point {
+    fn primary(&self, state: &Self::State) -> Point<R> {
         Point { x: state.primary.x.value, v: state.primary.v.value }
     }
 
-    fn energy(&self, state: &Self::State) -> Real {
+    fn energy(&self, state: &Self::State) -> R {
         let Point { x, v } = self.primary(state);
-        0.5 * (x * x + v * v)
+        (x * x + v * v) * 0.5
     }
 
     fn is_driven(&self) -> bool {
@@ -224,15 +227,15 @@ impl<H: Host> System for Alone<H> {
         self.host.force().is_some_and(Force::moves_base)
     }
 
-    fn smooth_for(&self, state: &Self::State) -> Real {
+    fn smooth_for(&self, state: &Self::State) -> R {
         self.host.smooth_for(&state.phase)
     }
 
-    fn due(&self, state: &Self::State) -> Option<Real> {
+    fn due(&self, state: &Self::State) -> Option<R> {
         self.host.due(&state.phase)
     }
 
-    fn kick(&self, state: &Self::State, velocity: Real, _stuck: bool) -> Self::State {
+    fn kick(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {
         let Primary { x, v } = state.primary;
         self.host.state(self.host.kicked(&state.phase), Primary { x, v: v.plus(velocity) })
     }

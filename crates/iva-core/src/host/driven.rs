@@ -24,7 +24,7 @@ use crate::compensated::Sum;
 use crate::flight::{Arcs, Jet, Rows, Turns};
 use crate::force::{Drive, Force, Pushes};
 use crate::oscillator::{Arrival, Equation, Primary};
-use crate::real::{ONE, Real, ZERO, dispatched, power_of_two};
+use crate::real::Real;
 use crate::system::Clock;
 use crate::taylor::{Number, ORDER, Row, unrolled};
 
@@ -44,65 +44,65 @@ const LONGEST: f64 = 1.2;
 
 /// One mass on the spring and damper of a driven structure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Driven<D = Forces> {
-    pub(crate) equation: Equation,
+pub struct Driven<D: Source = Forces> {
+    pub(crate) equation: Equation<D::Real>,
     pub(crate) source: D,
     /// Largest sizes of a_g and its first three derivatives.
-    pub(crate) base: [Real; 4],
-    pub(crate) reach: Real,
+    pub(crate) base: [D::Real; 4],
+    pub(crate) reach: D::Real,
     /// What powers of time are taken in.
-    pub(crate) step: Real,
+    pub(crate) step: D::Real,
     /// What the drive adds to the bounds on A and its first five derivatives.
-    pub(crate) excess: [Real; 6],
+    pub(crate) excess: [D::Real; 6],
 }
 
 /// Where a drive stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
+pub struct Moment<R = f64> {
     /// The instant.
-    pub(crate) time: Clock,
+    pub(crate) time: Clock<R>,
     /// Impulses that are over.
     pub(crate) kicks: u32,
     /// f/M and a_g.
-    pub(crate) pushes: Pushes,
+    pub(crate) pushes: Pushes<R>,
 }
 
 /// The coefficients of a motion.
 #[derive(Debug, Clone, Copy)]
-pub struct Course {
+pub struct Course<R = f64> {
     /// ∬A in powers of t/`step`, from the second on.
-    pub(crate) pulled: Row<Real>,
+    pub(crate) pulled: Row<R>,
     /// ∬a_g.
-    pub(crate) carried: Row<Real>,
+    pub(crate) carried: Row<R>,
     /// f/M.
-    pub(crate) pushed: Row<Real>,
-    reach: Real,
+    pub(crate) pushed: Row<R>,
+    reach: R,
     /// Where the reach ends because the force bends, jumps or kicks there.
-    bend: Option<Clock>,
+    bend: Option<Clock<R>>,
 }
 
-impl Driven {
-    fn new(mass: Real, damping_ratio: Real, source: &Forces) -> Self {
+impl<R: Real> Driven<Forces<R>> {
+    fn new(mass: R, damping_ratio: R, source: &Forces<R>) -> Self {
         let equation = Equation::new(mass, damping_ratio);
         let force = &source.force;
-        let reach = LONGEST / equation.growth.max(force.fastest());
-        let mut excess = [ZERO; 6];
-        let mut base = [ZERO; 4];
+        let reach = R::from(LONGEST) / equation.growth.max(force.fastest());
+        let mut excess = [R::ZERO; 6];
+        let mut base = [R::ZERO; 4];
         for (order, excess) in (0..).zip(&mut excess) {
             *excess = exceeding(&equation, force, reach, order);
         }
         for (order, base) in (0..).zip(&mut base) {
             *base = force.largest(order)[1];
         }
-        let step = power_of_two(reach);
+        let step = R::power_of_two(reach);
         Self { equation, source: source.clone(), base, reach, step, excess }
     }
 }
 
-impl<D: Source> Driven<D> {
+impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// A and its next two derivatives, to twice the precision.
     #[inline(always)]
-    fn leading(&self, from: &HostState<Moment>) -> [Sum; 3] {
+    fn leading(&self, from: &HostState<Moment<R>, R>) -> [Sum<R>; 3] {
         let Pushes { primary: f, base: g } = from.phase.pushes;
         let a = from.acceleration;
         let j = self.equation.pull(f.rate - from.primary.v, a - g.value);
@@ -111,11 +111,16 @@ impl<D: Source> Driven<D> {
 
     /// The coefficients of ∬A and ∬a_g, in powers of t/h.
     #[inline(always)]
-    fn series<T: Number>(&self, [x, v, a]: [T; 3], drive: &Drive<T>, h: Real) -> [Row<T>; 2] {
+    fn series<T: Number<Real = R>>(
+        &self,
+        [x, v, a]: [T; 3],
+        drive: &Drive<T>,
+        h: R,
+    ) -> [Row<T>; 2] {
         let Equation { stiffness, damping, .. } = self.equation;
         let h = T::from_real(h);
         let equation = [T::from_real(stiffness) * (h * h), T::from_real(damping) * h, h * h];
-        let mut place = [T::from_real(ZERO); ORDER + 1];
+        let mut place = [T::from_real(R::ZERO); ORDER + 1];
         let [mut pulled, mut carried] = [place; 2];
         (place[0], place[1]) = (x, v * h);
         let half = (h * h) * T::reciprocal(2);
@@ -136,7 +141,7 @@ impl<D: Source> Driven<D> {
 
     /// The coefficients of order n + 2 of ∬A and ∬a_g, from those of x before; the equation is k h², c h, h².
     #[inline(always)]
-    fn next<T: Number>(
+    fn next<T: Number<Real = R>>(
         &self,
         [k, c, square]: &[T; 3],
         n: usize,
@@ -147,26 +152,26 @@ impl<D: Source> Driven<D> {
         let damped = (*c * T::reciprocal(n + 2)) * x[n + 1];
         let pulled = (*k * over).fused(drive.primary[n] - x[n], -damped);
         let moves = self.source.moves_base();
-        [pulled, if moves { (*square * over) * drive.base[n] } else { T::from_real(ZERO) }]
+        [pulled, if moves { (*square * over) * drive.base[n] } else { T::from_real(R::ZERO) }]
     }
 
     /// What a motion of length h adds to displacement and velocity, from its leading derivatives and its
     /// series.
     #[inline(always)]
-    fn gained(&self, [a, j, s]: [Sum; 3], series: &Row<Real>, h: Real) -> Arrival {
+    fn gained(&self, [a, j, s]: [Sum<R>; 3], series: &Row<R>, h: R) -> Arrival<R> {
         let length = Sum::new(h);
         let half_square = length.product(length).half();
         let sixth_cube = half_square.product(length).product(self.equation.third);
         let t = h / self.step;
         // Σ s_n tⁿ⁻⁵ from the fifth on, and its derivative.
-        let (mut sum, mut slope) = (ZERO, ZERO);
+        let (mut sum, mut slope) = (R::ZERO, R::ZERO);
         unrolled!(k < ORDER - 4 => {
             slope = slope.mul_add(t, sum);
             sum = sum.mul_add(t, series[ORDER - k]);
         });
         let fourth = (t * t) * (t * t);
         let bent = fourth * t.mul_add(sum, series[4]);
-        let rate = fourth * t.mul_add(slope, 5.0 * sum) / self.step;
+        let rate = fourth * t.mul_add(slope, sum * 5.0) / self.step;
         Arrival {
             curved: a.product(half_square).plus_both(j.product(sixth_cube), Sum::new(bent)),
             velocity: a
@@ -178,39 +183,40 @@ impl<D: Source> Driven<D> {
 
     /// The coefficients of f/M and a_g in a motion.
     #[inline(always)]
-    fn drive(&self, from: &HostState<Moment>) -> Drive<Real> {
+    fn drive(&self, from: &HostState<Moment<R>, R>) -> Drive<R> {
         self.source.drive(from.phase.time, self.step)
     }
 
     /// The drive at an instant, of the piece that acts from an earlier one on.
     #[inline(always)]
-    fn moment(&self, from: Clock, time: Clock, kicks: u32) -> Moment {
+    fn moment(&self, from: Clock<R>, time: Clock<R>, kicks: u32) -> Moment<R> {
         Moment { time, kicks, pushes: self.source.pushes(from, time) }
     }
 }
 
 /// What the drive adds to the bound on the derivative of A of this order.
-fn exceeding(equation: &Equation, force: &Force, reach: Real, order: i32) -> Real {
+fn exceeding<R: Real>(equation: &Equation<R>, force: &Force<R>, reach: R, order: i32) -> R {
     let Equation { stiffness, growth, .. } = *equation;
     let drive = |order: i32| {
         let [f, g] = force.largest(order);
         stiffness * f + g
     };
-    let power = |n: i32| (0..n).fold(ONE, |power, _| power * growth);
-    let sum = (0..=order).fold(ZERO, |sum, i| sum + power(order - i) * drive(i));
+    let power = |n: i32| (0..n).fold(R::ONE, |power, _| power * growth);
+    let sum = (0..=order).fold(R::ZERO, |sum, i| sum + power(order - i) * drive(i));
     power(order + 1) * (reach * drive(0)) + sum + force.largest(order)[1]
 }
 
-impl<D: Source> Structure for Driven<D> {
-    type Phase = Moment;
-    type Course = Course;
+impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
+    type Real = R;
+    type Phase = Moment<R>;
+    type Course = Course<R>;
 
-    fn equation(&self) -> &Equation {
+    fn equation(&self) -> &Equation<R> {
         &self.equation
     }
 
-    fn fast_course(&self, from: &HostState<Moment>) -> Course {
-        dispatched(
+    fn fast_course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
+        R::dispatched(
             #[inline(always)]
             || self.course(from),
         )
@@ -222,7 +228,7 @@ impl<D: Source> Structure for Driven<D> {
     }
 
     #[inline(always)]
-    fn course(&self, from: &HostState<Moment>) -> Course {
+    fn course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
         let drive = self.drive(from);
         let Primary { x, v } = from.primary;
         let state = [x.value, v.value, from.acceleration.value];
@@ -232,12 +238,17 @@ impl<D: Source> Structure for Driven<D> {
     }
 
     #[inline(always)]
-    fn reach(&self, course: &Course) -> Real {
+    fn reach(&self, course: &Course<R>) -> R {
         course.reach
     }
 
     #[inline(always)]
-    fn flown(&self, from: &HostState<Moment>, course: &Course, h: Real) -> Flown<Moment> {
+    fn flown(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        course: &Course<R>,
+        h: R,
+    ) -> Flown<Moment<R>, R> {
         let gained = self.gained(self.leading(from), &course.pulled, h);
         let Primary { x, v } = from.primary;
         let travelled = x.plus_both(v.product(Sum::new(h)), gained.curved);
@@ -255,7 +266,7 @@ impl<D: Source> Structure for Driven<D> {
     }
 
     #[inline(always)]
-    fn refresh(&self, state: &mut HostState<Moment>) {
+    fn refresh(&self, state: &mut HostState<Moment<R>, R>) {
         if self.source.bends() {
             let Moment { time, kicks, .. } = state.phase;
             state.phase = self.moment(time, time, kicks);
@@ -263,7 +274,7 @@ impl<D: Source> Structure for Driven<D> {
         }
     }
 
-    fn jet(&self, from: &HostState<Moment>, course: &Course, h: Real) -> Jet {
+    fn jet(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: R) -> Jet<R> {
         let Flown { to: HostState { primary, acceleration, phase }, .. } =
             self.flown(from, course, h);
         let [jerk, ..] = self.derivatives(&phase, primary.v.value, acceleration.value);
@@ -276,7 +287,7 @@ impl<D: Source> Structure for Driven<D> {
         }
     }
 
-    fn precise(&self, from: &HostState<Moment>, h: Real) -> Sum {
+    fn precise(&self, from: &HostState<Moment<R>, R>, h: R) -> Sum<R> {
         let Primary { x, v } = from.primary;
         let drive = self.source.precise(from.phase.time, h);
         let [pulled, _] = self.series([x, v, from.acceleration], &drive, h);
@@ -284,12 +295,12 @@ impl<D: Source> Structure for Driven<D> {
     }
 
     #[inline(always)]
-    fn acceleration(&self, phase: &Moment, primary: &Primary) -> Sum {
+    fn acceleration(&self, phase: &Moment<R>, primary: &Primary<R>) -> Sum<R> {
         self.equation.pull(phase.pushes.primary.value - primary.x, primary.v)
     }
 
     #[inline(always)]
-    fn derivatives(&self, phase: &Moment, v: Real, a: Real) -> [Real; 3] {
+    fn derivatives(&self, phase: &Moment<R>, v: R, a: R) -> [R; 3] {
         let Equation { stiffness: k, damping: c, .. } = self.equation;
         let Pushes { primary: f, base: g } = &phase.pushes;
         let jerk = k * (f.rate.value - v) - c * (a - g.value.value);
@@ -298,62 +309,66 @@ impl<D: Source> Structure for Driven<D> {
     }
 
     #[inline(always)]
-    fn later(&self, phase: &Moment, h: Real) -> Moment {
+    fn later(&self, phase: &Moment<R>, h: R) -> Moment<R> {
         self.moment(phase.time, phase.time.plus(h), phase.kicks)
     }
 
     #[inline(always)]
-    fn base(&self, phase: &Moment) -> [Real; 4] {
+    fn base(&self, phase: &Moment<R>) -> [R; 4] {
         let base = &phase.pushes.base;
         [base.value.value, base.rate.value, base.second.value, base.third]
     }
 
     #[inline(always)]
-    fn bound<const N: usize>(&self, primary: &Primary) -> Real {
+    fn bound<const N: usize>(&self, primary: &Primary<R>) -> R {
         self.equation.bound::<N>(primary) + self.excess[N]
     }
 
     #[inline(always)]
-    fn losses(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2] {
+    fn losses(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         self.taken_and_given(motion, h)
     }
 
     #[inline(always)]
-    fn square(&self, from: &HostState<Moment>, course: &Course, h: [Real; 2]) -> Real {
+    fn square(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: [R; 2]) -> R {
         let x = at_nodes(&self.place(from, course), &nodes(h.map(|h| h / self.step)));
         mean_product(&x, &x) * (h[1] - h[0])
     }
 
-    fn rows(&self, from: &HostState<Moment>, course: &Course) -> Option<Rows> {
+    fn rows(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Option<Rows<R>> {
         let acceleration = self.acceleration_row(course);
         let (x, base) = (self.place(from, course), self.base_row(course));
         Some(Rows { step: self.step, order: ORDER, x, acceleration, base })
     }
 
     #[inline(always)]
-    fn arcs(&self, from: &HostState<Moment>, end: &HostState<Moment>) -> Option<Arcs> {
+    fn arcs(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        end: &HostState<Moment<R>, R>,
+    ) -> Option<Arcs<R>> {
         Some(self.known(from, end))
     }
 
     #[inline(always)]
     fn turns(
         &self,
-        from: &HostState<Moment>,
-        course: &Course,
-        end: &HostState<Moment>,
-        h: Real,
-    ) -> Turns {
+        from: &HostState<Moment<R>, R>,
+        course: &Course<R>,
+        end: &HostState<Moment<R>, R>,
+        h: R,
+    ) -> Turns<R> {
         self.displacement_turned(from, course, end, h).turns()
     }
 
     #[inline(always)]
     fn acceleration_turns(
         &self,
-        from: &HostState<Moment>,
-        course: &Course,
-        end: &HostState<Moment>,
-        h: Real,
-    ) -> Turns {
+        from: &HostState<Moment<R>, R>,
+        course: &Course<R>,
+        end: &HostState<Moment<R>, R>,
+        h: R,
+    ) -> Turns<R> {
         self.acceleration_turned(from, course, end, h).turns()
     }
 }

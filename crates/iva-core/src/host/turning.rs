@@ -5,37 +5,37 @@ use crate::quintic::{monomials, root};
 use crate::real::Real;
 
 /// x at one instant, and its first four derivatives.
-pub(crate) type Jets = [Real; 5];
+pub(crate) type Jets<R> = [R; 5];
 
 /// A quintic on [0, 1] whose root is close to where x turns round between two ends of a motion of this length; they are
 /// given by ẋ, ẍ and x⃛.
 #[inline(always)]
-pub(crate) fn turn(from: [Real; 3], to: [Real; 3], length: Real) -> [Real; 6] {
-    let half_square = 0.5 * (length * length);
-    let end = |[v, a, j]: [Real; 3]| [v, length * a, half_square * j];
+pub(crate) fn turn<R: Real>(from: [R; 3], to: [R; 3], length: R) -> [R; 6] {
+    let half_square = (length * length) * 0.5;
+    let end = |[v, a, j]: [R; 3]| [v, length * a, half_square * j];
     monomials(&end(from), &end(to))
 }
 
 /// Where x turns round close to an instant of a motion of this length, x there, and whether both are exact to
 /// rounding; `fifth` bounds the fifth derivative.
 #[inline(always)]
-pub(crate) fn turning(
-    [value, rate, curvature, jerk, snap]: Jets,
-    fifth: Real,
-    guess: Real,
-    length: Real,
-) -> (Real, Real, bool) {
+pub(crate) fn turning<R: Real>(
+    [value, rate, curvature, jerk, snap]: Jets<R>,
+    fifth: R,
+    guess: R,
+    length: R,
+) -> (R, R, bool) {
     let mut t = -rate / curvature;
     for _ in 0..2 {
-        let speed = rate + t * (curvature + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap)));
-        let slope = curvature + t * (jerk + t * (0.5 * snap));
+        let speed = rate + t * (curvature + t * (jerk * 0.5 + t * (snap * (1.0 / 6.0))));
+        let slope = curvature + t * (jerk + t * (snap * 0.5));
         t -= speed / slope;
     }
     let turn = guess + t;
-    let x = value + t * (rate + t * (0.5 * curvature + t * ((1.0 / 6.0) * jerk)));
+    let x = value + t * (rate + t * (curvature * 0.5 + t * (jerk * (1.0 / 6.0))));
     // The next term of the series against rounding.
     let square = t * t;
-    let close = fifth * (square * square) <= Real::EPSILON * (curvature.abs() * turn);
+    let close = fifth * (square * square) <= R::EPSILON * (curvature.abs() * turn);
     (turn, x, close & (turn > 0.0) & (turn < length))
 }
 
@@ -43,13 +43,13 @@ pub(crate) fn turning(
 /// derivative changes its sign and the second keeps its own. Given at both ends are the first three derivatives, bounds on
 /// the third, fourth and fifth, and a guess with the function there.
 #[inline(always)]
-pub(super) fn turned_once(
-    from: [Real; 3],
-    to: [Real; 3],
-    [third, fourth, fifth]: [Real; 3],
-    (guess, jets): (Real, Jets),
-    length: Real,
-) -> Turned {
+pub(super) fn turned_once<R: Real>(
+    from: [R; 3],
+    to: [R; 3],
+    [third, fourth, fifth]: [R; 3],
+    (guess, jets): (R, Jets<R>),
+    length: R,
+) -> Turned<R> {
     let (values, rates) = ([from[0], to[0]], [from[1], to[1]]);
     let rate = Arc { values, rates, second: third, third: fourth };
     let (h, value, exact) = turning(jets, fifth, guess, length);
@@ -59,21 +59,21 @@ pub(super) fn turned_once(
 
 /// Whether a function turns round once, and if so when, and its value there.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Turned {
+pub(crate) struct Turned<R = f64> {
     pub once: bool,
-    pub h: Real,
-    pub value: Real,
+    pub h: R,
+    pub value: R,
 }
 
-impl Turned {
+impl<R: Real> Turned<R> {
     #[inline(always)]
-    pub fn turns(self) -> Turns {
+    pub fn turns(self) -> Turns<R> {
         if self.once { Turns::Once(self.h, self.value) } else { Turns::Unknown }
     }
 }
 
 /// A guess where x turns round in a motion of this length.
 #[inline(always)]
-pub(super) fn guess(from: [Real; 3], to: [Real; 3], length: Real) -> Real {
+pub(super) fn guess<R: Real>(from: [R; 3], to: [R; 3], length: R) -> R {
     length * root(&turn(from, to, length))
 }

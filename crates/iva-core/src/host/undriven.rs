@@ -7,13 +7,14 @@ use super::{Flown, Host, HostState, Integrated, Structure};
 use crate::compensated::Sum;
 use crate::flight::{Jet, Turns};
 use crate::oscillator::{Equation, Oscillator, Primary};
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 
-impl Structure for Oscillator {
+impl<R: Real> Structure for Oscillator<R> {
+    type Real = R;
     type Phase = ();
     type Course = ();
 
-    fn equation(&self) -> &Equation {
+    fn equation(&self) -> &Equation<R> {
         &self.equation
     }
 
@@ -23,58 +24,64 @@ impl Structure for Oscillator {
     }
 
     #[inline(always)]
-    fn course(&self, _from: &HostState<()>) {}
+    fn course(&self, _from: &HostState<(), R>) {}
 
     #[inline(always)]
-    fn reach(&self, _course: &()) -> Real {
+    fn reach(&self, _course: &()) -> R {
         self.reach
     }
 
     #[inline(always)]
-    fn flown(&self, from: &HostState<()>, _course: &(), h: Real) -> Flown<()> {
+    fn flown(&self, from: &HostState<(), R>, _course: &(), h: R) -> Flown<(), R> {
         let (primary, gained) = from.primary.arrived(self, from.acceleration, h);
         let acceleration = Oscillator::acceleration(self, &primary);
         Flown { to: HostState { primary, acceleration, phase: () }, gained }
     }
 
     #[inline(always)]
-    fn jet(&self, from: &HostState<()>, _course: &(), h: Real) -> Jet {
+    fn jet(&self, from: &HostState<(), R>, _course: &(), h: R) -> Jet<R> {
         let Primary { x, v } = from.primary;
         Oscillator::jet(self, x.value, v.value, from.acceleration.value, h)
     }
 
-    fn precise(&self, from: &HostState<()>, h: Real) -> Sum {
+    fn precise(&self, from: &HostState<(), R>, h: R) -> Sum<R> {
         Oscillator::precise(self, from.primary.v, from.acceleration, h)
     }
 
     #[inline(always)]
-    fn acceleration(&self, _phase: &(), primary: &Primary) -> Sum {
+    fn acceleration(&self, _phase: &(), primary: &Primary<R>) -> Sum<R> {
         Oscillator::acceleration(self, primary)
     }
 
     #[inline(always)]
-    fn derivatives(&self, _phase: &(), v: Real, a: Real) -> [Real; 3] {
+    fn derivatives(&self, _phase: &(), v: R, a: R) -> [R; 3] {
         let jerk = self.equation.next_derivative(v, a);
         let snap = self.equation.next_derivative(a, jerk);
         [jerk, snap, self.equation.next_derivative(jerk, snap)]
     }
 
     #[inline(always)]
-    fn later(&self, _phase: &(), _h: Real) {}
+    fn later(&self, _phase: &(), _h: R) {}
 
     #[inline(always)]
-    fn base(&self, _phase: &()) -> [Real; 4] {
-        [ZERO; 4]
+    fn base(&self, _phase: &()) -> [R; 4] {
+        [R::ZERO; 4]
     }
 
     /// |x⁽ⁿ⁺²⁾| ≤ Λⁿ⁺¹ρ.
     #[inline(always)]
-    fn bound<const N: usize>(&self, primary: &Primary) -> Real {
+    fn bound<const N: usize>(&self, primary: &Primary<R>) -> R {
         self.equation.bound::<N>(primary)
     }
 
     #[inline(always)]
-    fn turns(&self, from: &HostState<()>, _course: &(), end: &HostState<()>, h: Real) -> Turns {
+    fn turns(
+        &self,
+        from: &HostState<(), R>,
+        _course: &(),
+        end: &HostState<(), R>,
+        h: R,
+    ) -> Turns<R> {
         let guess = guess(self.leading(from), self.leading(end), h);
         let fifth = self.equation.bound::<3>(&from.primary);
         let (h, x, exact) = turning(self.jets(from, guess), fifth, guess, h);
@@ -82,23 +89,23 @@ impl Structure for Oscillator {
     }
 
     #[inline(always)]
-    fn losses(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2] {
+    fn losses(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         let Primary { x, v } = motion.from.primary;
-        [self.viscous_loss(x.value, v.value, h), ZERO]
+        [self.viscous_loss(x.value, v.value, h), R::ZERO]
     }
 }
 
-impl Oscillator {
+impl<R: Real> Oscillator<R> {
     /// ẋ, ẍ and x⃛ of a state.
     #[inline(always)]
-    pub(crate) fn leading(&self, state: &HostState<()>) -> [Real; 3] {
+    pub(crate) fn leading(&self, state: &HostState<(), R>) -> [R; 3] {
         let (v, a) = (state.primary.v.value, state.acceleration.value);
         [v, a, self.equation.next_derivative(v, a)]
     }
 
     /// x and its derivatives a time h after a state.
     #[inline(always)]
-    pub(crate) fn jets(&self, from: &HostState<()>, h: Real) -> Jets {
+    pub(crate) fn jets(&self, from: &HostState<(), R>, h: R) -> Jets<R> {
         let Jet { value, rate, curvature, jerk } = Structure::jet(self, from, &(), h);
         [value, rate, curvature, jerk, self.equation.next_derivative(curvature, jerk)]
     }
@@ -106,55 +113,56 @@ impl Oscillator {
 
 /// A structure that nothing drives.
 #[derive(Debug, Clone, PartialEq)]
-pub struct UndrivenHost {
-    damping_ratio: Real,
-    mass_ratio: Real,
+pub struct UndrivenHost<R = f64> {
+    damping_ratio: R,
+    mass_ratio: R,
     /// The structure by itself; made by the first flight, and shared with scenes that run beside this.
-    free: OnceLock<Arc<Oscillator>>,
+    free: OnceLock<Arc<Oscillator<R>>>,
     /// With the mass 1 + μ; made where the absorber sticks.
-    loaded: OnceLock<Box<Oscillator>>,
+    loaded: OnceLock<Box<Oscillator<R>>>,
 }
 
-impl UndrivenHost {
+impl<R: Real> UndrivenHost<R> {
     /// A structure of damping ratio ζ, for an absorber of mass ratio μ.
-    pub(crate) fn new(damping_ratio: Real, mass_ratio: Real) -> Self {
+    pub(crate) fn new(damping_ratio: R, mass_ratio: R) -> Self {
         Self { damping_ratio, mass_ratio, free: OnceLock::new(), loaded: OnceLock::new() }
     }
 
     /// The structure by itself, to share.
     #[inline(always)]
-    pub(crate) fn shared(&self) -> &Arc<Oscillator> {
-        self.free.get_or_init(|| Arc::new(Oscillator::new(ONE, self.damping_ratio)))
+    pub(crate) fn shared(&self) -> &Arc<Oscillator<R>> {
+        self.free.get_or_init(|| Arc::new(Oscillator::new(R::ONE, self.damping_ratio)))
     }
 
     /// Takes over the structure of another host of the same damping ratio.
-    pub(crate) fn share(&self, free: &Arc<Oscillator>) {
+    pub(crate) fn share(&self, free: &Arc<Oscillator<R>>) {
         self.free.get_or_init(|| Arc::clone(free));
     }
 }
 
-impl Host for UndrivenHost {
-    type Structure = Oscillator;
+impl<R: Real> Host for UndrivenHost<R> {
+    type Real = R;
+    type Structure = Oscillator<R>;
 
-    fn damping_ratio(&self) -> Real {
+    fn damping_ratio(&self) -> R {
         self.damping_ratio
     }
 
     #[inline(always)]
-    fn free(&self) -> &Oscillator {
+    fn free(&self) -> &Oscillator<R> {
         self.shared()
     }
 
-    fn loaded(&self) -> &Oscillator {
+    fn loaded(&self) -> &Oscillator<R> {
         self.loaded
-            .get_or_init(|| Box::new(Oscillator::new(1.0 + self.mass_ratio, self.damping_ratio)))
+            .get_or_init(|| Box::new(Oscillator::new(R::ONE + self.mass_ratio, self.damping_ratio)))
     }
 
     #[inline(always)]
     fn begin(&self) {}
 
     #[inline(always)]
-    fn balanced(&self, _phase: &(), v: Sum) -> Sum {
+    fn balanced(&self, _phase: &(), v: Sum<R>) -> Sum<R> {
         v.times(-self.free().equation.damping)
     }
 }

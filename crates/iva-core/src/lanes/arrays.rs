@@ -11,7 +11,7 @@ macro_rules! arrays {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, Default)]
         pub(in crate::lanes) struct $one {
-            $($(#[$field_doc])* pub $field: $crate::real::Real,)*
+            $($(#[$field_doc])* pub $field: f64,)*
             $($($(#[$part_doc])* pub $part: $part_one,)*)?
         }
 
@@ -31,7 +31,7 @@ macro_rules! arrays {
         #[derive(Debug)]
         #[repr(align(64))]
         pub(in crate::lanes) struct $many<const W: usize> {
-            $(pub $field: [$crate::real::Real; W],)*
+            $(pub $field: [f64; W],)*
             $($(pub $part: $part_many<W>,)*)?
         }
 

@@ -13,7 +13,6 @@ use crate::compensated::Sum;
 use crate::flight::Side;
 use crate::measures::Wanted;
 use crate::piva::Piva;
-use crate::real::Real;
 use crate::settling::Crossing;
 use crate::simulate::Phase;
 use lane::{FAR, Lane, Lanes, NEAR};
@@ -31,11 +30,11 @@ pub(super) struct Steps<const N: usize> {
 #[derive(Debug, Clone, Copy)]
 struct Shared {
     /// What a step may leave out.
-    tolerance: Real,
+    tolerance: f64,
     /// How long it may be, over the fastest time scale.
-    longest: Real,
+    longest: f64,
     /// What y may be off, relative to the clearance.
-    doubt: Real,
+    doubt: f64,
     /// True if losses are asked for.
     ledger: bool,
     /// True if pivots are damped.
@@ -128,6 +127,6 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
 
 /// True if one of these is not 0; none is negative.
 #[inline(always)]
-fn any(flags: &[Real; LANES]) -> bool {
+fn any(flags: &[f64; LANES]) -> bool {
     flags.iter().fold(0.0, |sum, flag| sum + flag) > 0.0
 }

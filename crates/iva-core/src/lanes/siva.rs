@@ -12,7 +12,7 @@ use super::{Home, Job, LANES, Lockstep};
 use crate::host::Host;
 use crate::measures::Wanted;
 use crate::oscillator::Oscillator;
-use crate::real::TURN;
+use crate::real::Real;
 use crate::simulate::STOPS;
 use crate::siva::Siva;
 use crate::system::System;
@@ -108,7 +108,7 @@ fn evaluate<const W: usize, const LEDGER: bool>(lanes: &mut Lanes<W>, free: &Osc
 /// Goes on after a stop within the run; false: something else has ended it.
 fn pass_stop(run: &mut Home<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
     let flying = &mut lane.flying;
-    if flying.stop == TURN[0] {
+    if flying.stop == f64::TURN.value {
         run.observer.one_period(run.system.energy(&flying.state(())));
     }
     run.pass_stop();

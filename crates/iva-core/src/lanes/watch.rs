@@ -5,7 +5,7 @@ use super::pick;
 use crate::compensated::Sum;
 use crate::measures::{Measures, late};
 use crate::peaks::{HalfCycles, Peak};
-use crate::real::{Real, TURN};
+use crate::real::Real;
 use crate::system::System;
 
 arrays! {
@@ -24,7 +24,7 @@ arrays! {
 }
 
 impl Watch {
-    pub fn of<S: System>(measures: &Measures<S>) -> Self {
+    pub fn of<S: System<Real = f64>>(measures: &Measures<S>) -> Self {
         let HalfCycles { current, sign, ended } = measures.half_cycles;
         Self {
             viscous: measures.viscous.value,
@@ -32,17 +32,17 @@ impl Watch {
             peak_time: current.time,
             peak_x: current.displacement,
             peak_sign: sign,
-            half_cycles: ended as Real,
+            half_cycles: ended as f64,
             amplitude: measures.reference.amplitude,
-            late_from: late(measures.duration, TURN[0]),
-            later_from: late(measures.duration, 0.5 * TURN[0]),
+            late_from: late(measures.duration, f64::TURN.value),
+            later_from: late(measures.duration, 0.5 * f64::TURN.value),
             late: measures.last_period,
             later: measures.last_half_period,
             ..Self::default()
         }
     }
 
-    pub fn put_back<S: System>(&self, measures: &mut Measures<S>) {
+    pub fn put_back<S: System<Real = f64>>(&self, measures: &mut Measures<S>) {
         measures.viscous = Sum { value: self.viscous, rest: self.viscous_rest };
         measures.half_cycles = HalfCycles {
             current: Peak { time: self.peak_time, displacement: self.peak_x },
@@ -54,7 +54,7 @@ impl Watch {
 
     /// Of a lane without a run.
     pub fn idle() -> Self {
-        Self { late_from: Real::INFINITY, later_from: Real::INFINITY, ..Self::default() }
+        Self { late_from: f64::INFINITY, later_from: f64::INFINITY, ..Self::default() }
     }
 
     /// The peak that a zero crossing has ended, and its index.
@@ -87,7 +87,7 @@ impl Watch {
         let mut x = self.peak_x;
         let Ends { at_turn, at_end } = stretch.ends(self.peak_sign);
         let (mut ended_time, mut ended_x) = (time, x);
-        let mut reach = |ends: bool, counts: bool, h: Real, there: Real| {
+        let mut reach = |ends: bool, counts: bool, h: f64, there: f64| {
             let instant = clock.plus(h).value;
             ended_time = pick(ends, time, ended_time);
             ended_x = pick(ends, x, ended_x);
@@ -114,13 +114,13 @@ impl Watch {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stretch {
     /// x at its begin, where it turns, at its end,
-    pub x: [Real; 3],
+    pub x: [f64; 3],
     /// and when.
-    pub h: [Real; 3],
+    pub h: [f64; 3],
     /// Whether it turns; if not, the second of these are the first.
     pub turns: bool,
     /// What the primary's damper takes.
-    pub loss: Real,
+    pub loss: f64,
 }
 
 /// Where half cycles end.
@@ -140,7 +140,7 @@ impl Ends {
 impl Stretch {
     /// Whether a half cycle with this sign of x ends.
     #[inline(always)]
-    pub fn ends(&self, sign: Real) -> Ends {
+    pub fn ends(&self, sign: f64) -> Ends {
         let at_turn = self.turns & (self.x[1] * sign < 0.0);
         let sign = pick(at_turn, -sign, sign);
         Ends { at_turn, at_end: self.x[2] * sign < 0.0 }
@@ -148,7 +148,7 @@ impl Stretch {
 
     /// Whether |x| falls below the level, between which instants, and the level with the sign of x.
     #[inline(always)]
-    pub fn passage(&self, level: Real) -> Passage {
+    pub fn passage(&self, level: f64) -> Passage {
         let [x, x_turn, x_end] = self.x;
         let first = self.turns & (x.abs() > level) & (x_turn.abs() <= level);
         let second = (x_turn.abs() > level) & (x_end.abs() <= level);
@@ -161,6 +161,6 @@ impl Stretch {
 /// |x| falls below a level.
 pub(super) struct Passage {
     pub passes: bool,
-    pub h: [Real; 2],
-    pub level: Real,
+    pub h: [f64; 2],
+    pub level: f64,
 }

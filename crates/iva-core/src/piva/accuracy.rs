@@ -1,26 +1,26 @@
 //! Order and step of the flight, from its tolerance.
 
 use super::{Parameters, Piva, PivaState};
-use crate::real::{LEFT_OUT, Real, larger, log2_above};
+use crate::real::Real;
 use crate::roots::DOUBT;
 use crate::taylor::{ORDER, Remainder};
 use std::f64::consts::LN_2;
 
 /// How accurately a flight is computed, and at what cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Accuracy {
+pub(crate) struct Accuracy<R = f64> {
     /// What a step may leave out, relative to the size of each variable.
-    pub tolerance: Real,
+    pub tolerance: R,
     /// Order of the series.
     pub order: usize,
     /// Longest step, over the fastest time scale of the motion.
     pub longest_step: f64,
 }
 
-impl Accuracy {
+impl<R: Real> Accuracy<R> {
     /// Order and step that are cheap for a tolerance; 0 means full accuracy.
-    pub fn of(tolerance: Real) -> Self {
-        let tolerance = tolerance.max(LEFT_OUT);
+    pub fn of(tolerance: R) -> Self {
+        let tolerance = tolerance.max(R::LEFT_OUT);
         let (order, longest_step) = match tolerance {
             t if t >= 1e-7 => (10, 0.9),
             t if t >= 1e-10 => (16, 1.2),
@@ -31,8 +31,8 @@ impl Accuracy {
     }
 
     /// What y may be off relative to the clearance: what a step leaves out, and rounding.
-    pub fn doubt(&self) -> Real {
-        self.tolerance + DOUBT * (0.5 * Real::EPSILON)
+    pub fn doubt(&self) -> R {
+        self.tolerance + (R::EPSILON * 0.5) * DOUBT
     }
 }
 
@@ -42,13 +42,13 @@ const SHORTER: f64 = 0.84;
 const MOST_SHORTENINGS: u32 = 80;
 
 /// The share of a step, up to `most`, on which its series leaves out no more than the tolerance.
-pub(super) fn share_kept(
-    remainder: &Remainder,
-    most: Real,
-    piva: &Piva,
-    from: &PivaState,
-    driven: Real,
-) -> Option<Real> {
+pub(super) fn share_kept<R: Real>(
+    remainder: &Remainder<R>,
+    most: R,
+    piva: &Piva<R>,
+    from: &PivaState<R>,
+    driven: R,
+) -> Option<R> {
     let sizes = Sizes::of(piva, from, driven);
     let tolerance = piva.accuracy.tolerance;
     let (mut share, mut kept) = sizes.share(remainder, most, tolerance);
@@ -64,59 +64,59 @@ pub(super) fn share_kept(
 
 /// A little less than excess^(−1/order), but not less than a fifth.
 #[inline(always)]
-fn shortening(excess: Real, order: usize) -> f64 {
+fn shortening<R: Real>(excess: R, order: usize) -> f64 {
     // e^(−z) by a series cut off at a negative term.
-    let z = log2_above(excess) * (LN_2 / order as f64);
+    let z = R::log2_above(excess) * (LN_2 / order as f64);
     let z = if z < 1.5 { z } else { 1.5 };
     let tail = 1.0 / 6.0 - z * (1.0 / 24.0 - z * (1.0 / 120.0));
     if excess > 1.0 { 1.0 - z * (1.0 - z * (0.5 - z * tail)) } else { 1.0 }
 }
 
 /// Sizes that truncation is measured against.
-pub(crate) struct Sizes {
-    pub primary: Real,
-    pub gap: Real,
+pub(crate) struct Sizes<R = f64> {
+    pub primary: R,
+    pub gap: R,
 }
 
-impl Sizes {
+impl<R: Real> Sizes<R> {
     /// At a state, under a force of size `driven`.
-    pub(crate) fn of(piva: &Piva, state: &PivaState, driven: Real) -> Self {
+    pub(crate) fn of(piva: &Piva<R>, state: &PivaState<R>, driven: R) -> Self {
         Self::at(piva.parameters.mass_ratio, piva.gap_size(), state).with(driven)
     }
 
     /// At a state, of an absorber with this mass ratio and gap.
     #[inline(always)]
-    pub(crate) fn at(mass_ratio: Real, gap: Real, state: &PivaState) -> Self {
+    pub(crate) fn at(mass_ratio: R, gap: R, state: &PivaState<R>) -> Self {
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
         Self { primary: moved.max(mass_ratio * gap), gap }
     }
 
-    fn with(self, driven: Real) -> Self {
+    fn with(self, driven: R) -> Self {
         Self { primary: self.primary.max(driven), ..self }
     }
 
     /// The share of a step, up to `most`, on which its series leaves out no more than the tolerance, if that
     /// is not far less than it is good for.
     #[inline(always)]
-    pub(crate) fn share(&self, remainder: &Remainder, most: Real, tolerance: Real) -> (Real, bool) {
+    pub(crate) fn share(&self, remainder: &Remainder<R>, most: R, tolerance: R) -> (R, bool) {
         let whole = remainder.reach(most);
         let [primary, gap] = remainder.left_out(whole);
-        let excess = larger(primary / (tolerance * self.primary), gap / (tolerance * self.gap));
+        let excess = R::larger(primary / (tolerance * self.primary), gap / (tolerance * self.gap));
         let share = whole * shortening(excess, remainder.order() + 1);
         (share, self.keep(remainder, share, tolerance))
     }
 
     /// True if a series leaves out no more than the tolerance on a share of its step.
     #[inline(always)]
-    pub(crate) fn keep(&self, remainder: &Remainder, share: Real, tolerance: Real) -> bool {
+    pub(crate) fn keep(&self, remainder: &Remainder<R>, share: R, tolerance: R) -> bool {
         let [primary, gap] = remainder.left_out(share);
         (primary <= tolerance * self.primary) & (gap <= tolerance * self.gap)
     }
 }
 
-impl Piva {
+impl<R: Real> Piva<R> {
     /// What y is measured against.
-    pub(crate) fn gap_size(&self) -> Real {
+    pub(crate) fn gap_size(&self) -> R {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
         if self.stop_reachable() { clearance } else { clearance.min(contact_distance) }
     }

@@ -7,7 +7,7 @@
 use super::PivaState;
 use super::step::{Ahead, Enclosure, Step, root_close_by, shifted};
 use crate::quintic::{monomials, root};
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 
 /// What a stretch of flight comes to.
 #[derive(Debug, Clone, Copy)]
@@ -19,33 +19,33 @@ pub(crate) struct Gap {
     pub far: bool,
 }
 
-impl Step<'_> {
+impl<R: Real> Step<'_, R> {
     /// What a flight of length h to an end comes to; `doubt` is what y may be off, over the clearance.
     #[inline(always)]
-    pub fn gap<const N: usize>(&self, end: &PivaState, h: Real, doubt: Real) -> Gap {
+    pub fn gap<const N: usize>(&self, end: &PivaState<R>, h: R, doubt: R) -> Gap {
         let share = h / self.length;
-        let (y, side, wide) = (&self.series.y, self.from.wall.sign(), 2.0 * self.from.clearance);
+        let (y, side, wide) = (&self.series.y, self.from.wall.sign(), self.from.clearance * 2.0);
         let Ahead { rate, fourth, .. } = Ahead::of::<N>(y, share);
         let (begin, end) = (self.from.distance.value, end.distance.value);
-        let rates = [-side * y[1], -side * rate];
+        let rates = [y[1] * -side, rate * -side];
         let slack = doubt * self.from.clearance;
         let distance = Enclosure::new([begin, end], rates, share, fourth);
         // What is left out grows as tᴺ⁺¹ or faster, so that its rate is that much larger.
-        let steep = (N + 2) as f64 / share;
+        let steep = R::from((N + 2) as f64) / share;
         let (rises, falls) = (distance.rises(steep * slack), distance.falls(steep * slack));
         let one_way = rises | falls;
 
         // On a wall, G = D/t; |G⁗| is bounded by the terms of D⁗ from t on, over t.
         let on_wall = begin == 0.0;
         let slope = end / share;
-        let g_rates = [-side * y[2], (rates[1] - slope) / share];
-        let g_fourth = (fourth - 24.0 * y[4].abs()) / share;
+        let g_rates = [y[2] * -side, (rates[1] - slope) / share];
+        let g_fourth = (fourth - y[4].abs() * 24.0) / share;
         let over_time = Enclosure::new([rates[0], slope], g_rates, share, g_fourth);
         let g_slack = slack / share;
         let leaves = over_time.low > g_slack;
         let returns = (rates[0] > g_slack) & (end < -slack) & over_time.falls(steep * g_slack);
 
-        let within = |at: Real| (at > slack) & (at < wide - slack);
+        let within = |at: R| (at > slack) & (at < wide - slack);
         let off_near = (end > slack) & (begin > slack) & (one_way | (distance.low > slack));
         let off_near = if on_wall { leaves } else { off_near };
         let below = (end < wide - slack) & (begin < wide - slack);
@@ -58,13 +58,13 @@ impl Step<'_> {
 
     /// When a flight of length h to an end meets a wall that it meets once, and whether that is exact.
     #[inline(always)]
-    pub fn meeting<const N: usize>(&self, end: &PivaState, h: Real, far: bool) -> (Real, bool) {
+    pub fn meeting<const N: usize>(&self, end: &PivaState<R>, h: R, far: bool) -> (R, bool) {
         let share = h / self.length;
         let (y, side, distance) = (&self.series.y, self.from.wall.sign(), self.from.distance);
-        let wide = 2.0 * self.from.clearance;
+        let wide = self.from.clearance * 2.0;
         let Ahead { rate, bend, .. } = Ahead::of::<N>(y, share);
-        let rates = [-side * y[1], -side * rate];
-        let bends = [-side * y[2], -side * (0.5 * bend)];
+        let rates = [y[1] * -side, rate * -side];
+        let bends = [y[2] * -side, (bend * 0.5) * -side];
         let (here, there) = (distance.value, end.distance.value);
         let begin = if far { distance.minus(wide) } else { here };
         let end = if far { there - wide } else { there };
@@ -75,16 +75,16 @@ impl Step<'_> {
         );
         // On the wall, the root at the begin is divided out.
         let returns = begin == 0.0;
-        let quintic: [Real; 6] = std::array::from_fn(|i| {
-            let next = if i < 5 { c[i + 1] } else { ZERO };
+        let quintic: [R; 6] = std::array::from_fn(|i| {
+            let next = if i < 5 { c[i + 1] } else { R::ZERO };
             if returns { next } else { c[i] }
         });
         let guess = share * root(&quintic);
         // D = begin − side · t q(t): q in powers of the time after the guess, then t q.
-        let q = shifted::<N>(y, 1, guess);
+        let q = shifted::<_, N>(y, 1, guess);
         let off_wall = |j: usize| {
-            let before = if j > 0 { q[j - 1] } else { -side * begin };
-            -side * (guess * q[j] + before)
+            let before = if j > 0 { q[j - 1] } else { begin * -side };
+            (guess * q[j] + before) * -side
         };
         let terms = std::array::from_fn(|j| if returns { q[j] } else { off_wall(j) });
         let (later, close) = root_close_by(terms, share);

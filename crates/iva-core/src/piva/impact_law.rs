@@ -5,55 +5,55 @@ use super::parameters::{ImpactLaw, Parameters};
 use crate::compensated::Sum;
 use crate::flight::Jet;
 use crate::impact::primary_share;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::taylor::Pendulum;
 
 /// The impact law at the walls, in terms of W = b θ̇.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Law {
-    mass_ratio: Real,
+pub(crate) struct Law<R = f64> {
+    mass_ratio: R,
     /// μλ
-    pull: Real,
+    pull: R,
     /// μκλ²
-    inertia: Real,
+    inertia: R,
     /// μκλ² − (μλ cosθ)²/(1 + μ), the inertia that an impact turns round.
-    effective: Real,
+    effective: R,
     /// cosθ at the walls.
-    cosine: Real,
+    cosine: R,
     /// W⁺ = −ratio · W⁻: e, or 2μe/(1 + μ) as printed in Eq. 17.
-    pub ratio: Real,
+    pub ratio: R,
     /// The same with its rounding rest.
-    pub rebound: Sum,
+    pub rebound: Sum<R>,
     /// Velocity that the primary gains at an impact, per W⁻.
-    impact_gain: Sum,
+    impact_gain: Sum<R>,
     /// The same over a whole tail of rebounds, from the last one on.
-    stick_gain: Sum,
+    stick_gain: Sum<R>,
     /// Velocity of the centre of mass that the printed law takes over a whole tail, per W of the last
     /// rebound; 0 where momentum is conserved.
-    surplus: Sum,
+    surplus: Sum<R>,
     /// 1 − e² and the like vanish exactly where they should only for the consistent law.
     printed: bool,
 }
 
-impl Law {
-    pub fn new(p: &Parameters, pendulum: &Pendulum, wall_cosine: Sum) -> Self {
+impl<R: Real> Law<R> {
+    pub fn new(p: &Parameters<R>, pendulum: &Pendulum<R>, wall_cosine: Sum<R>) -> Self {
         let (mu, lever, e) = (p.mass_ratio, pendulum.lever, p.restitution);
         let share = |e| primary_share(mu, e).times(lever);
         let (rebound, impact_gain, surplus) = match p.impact_law {
             ImpactLaw::Consistent => (Sum::new(e), share(e).times_sum(wall_cosine), Sum::ZERO),
             ImpactLaw::Printed => {
                 // Each rebound leaves some momentum over; the tail begins with −W.
-                let one = Sum::new(ONE);
-                let ratio = Sum::new(2.0 * mu).times(e).over_sum(one.plus(mu));
+                let one = Sum::new(R::ONE);
+                let ratio = Sum::new(mu * 2.0).times(e).over_sum(one.plus(mu));
                 let over = one.plus(e) - wall_cosine * (one + ratio);
-                (ratio, share(e), share(ZERO) * over / (one - ratio))
+                (ratio, share(e), share(R::ZERO) * over / (one - ratio))
             }
         };
         let cosine = wall_cosine.value;
         // Written so that nothing cancels, however heavy the absorber: κ − cos²θ is exact.
-        let sine = if pendulum.small_angles { ZERO } else { p.clearance / p.contact_distance };
-        let free = (p.inertia_ratio - 1.0) + if cosine > 0.0 { sine * sine } else { ONE };
-        let effective = mu * (lever * lever) * ((p.inertia_ratio + mu * free) / (1.0 + mu));
+        let sine = if pendulum.small_angles { R::ZERO } else { p.clearance / p.contact_distance };
+        let free = (p.inertia_ratio - 1.0) + if cosine > 0.0 { sine * sine } else { R::ONE };
+        let effective = mu * (lever * lever) * ((p.inertia_ratio + mu * free) / (R::ONE + mu));
         Self {
             effective,
             mass_ratio: mu,
@@ -63,29 +63,29 @@ impl Law {
             ratio: rebound.value,
             rebound,
             impact_gain,
-            stick_gain: share(ZERO).times_sum(wall_cosine) - surplus,
+            stick_gain: share(R::ZERO).times_sum(wall_cosine) - surplus,
             surplus,
             printed: p.impact_law == ImpactLaw::Printed,
         }
     }
 
     /// Velocity that the primary gains at an impact, per W.
-    pub fn impact_gain(&self) -> Real {
+    pub fn impact_gain(&self) -> R {
         self.impact_gain.value
     }
 
     /// Velocity that it gains over a whole tail of rebounds, per W of the last one.
-    pub fn stick_gain(&self) -> Real {
+    pub fn stick_gain(&self) -> R {
         self.stick_gain.value
     }
 
     /// Velocity gained by the primary in an impact with W.
-    pub fn impact(&self, w: Sum) -> Sum {
+    pub fn impact(&self, w: Sum<R>) -> Sum<R> {
         w.times_sum(self.impact_gain)
     }
 
     /// Velocity gained by the primary until the rebounds that begin with W have died out.
-    pub fn stick(&self, w: Sum) -> Sum {
+    pub fn stick(&self, w: Sum<R>) -> Sum<R> {
         w.times_sum(self.stick_gain)
     }
 
@@ -94,17 +94,17 @@ impl Law {
     ///
     /// A rebound of speed u lasts 2u/A, while which the surplus of it and of all that follow is still there,
     /// and returns with u (1 − ⅔ J u/A²) (see [`crate::chatter`]); `damping` acts on the way.
-    pub fn surplus_of_tail(&self, w: Sum, leave: &Jet, damping: Real) -> [Real; 2] {
+    pub fn surplus_of_tail(&self, w: Sum<R>, leave: &Jet<R>, damping: R) -> [R; 2] {
         if self.surplus.value == 0.0 || w.value == 0.0 {
-            return [ZERO; 2];
+            return [R::ZERO; 2];
         }
-        let (pressure, squares) = (-leave.curvature, (1.0 - self.ratio) * (1.0 + self.ratio));
-        let farther = self.surplus.value * w.value * (2.0 * leave.rate / (pressure * squares));
-        [farther, farther * (leave.jerk / (3.0 * pressure) - damping)]
+        let (pressure, squares) = (-leave.curvature, (R::ONE - self.ratio) * (R::ONE + self.ratio));
+        let farther = self.surplus.value * w.value * (leave.rate * 2.0 / (pressure * squares));
+        [farther, farther * (leave.jerk / (pressure * 3.0) - damping)]
     }
 
     /// Energy lost in an impact with W at primary velocity v.
-    pub fn impact_loss(&self, v: Real, w: Real, restitution: Real) -> Real {
+    pub fn impact_loss(&self, v: R, w: R, restitution: R) -> R {
         if self.printed {
             self.difference(v, w, self.impact_gain.value, self.ratio)
         } else {
@@ -113,41 +113,41 @@ impl Law {
     }
 
     /// Energy lost in all rebounds after one with W.
-    pub fn stick_loss(&self, v: Real, w: Real) -> Real {
+    pub fn stick_loss(&self, v: R, w: R) -> R {
         if self.printed {
-            self.difference(v, w, self.stick_gain.value, ZERO)
+            self.difference(v, w, self.stick_gain.value, R::ZERO)
         } else {
-            self.consistent_loss(w, ZERO)
+            self.consistent_loss(w, R::ZERO)
         }
     }
 
     /// ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)].
-    fn consistent_loss(&self, w: Real, e: Real) -> Real {
-        0.5 * ((1.0 - e) * (1.0 + e)) * (w * w) * self.effective
+    fn consistent_loss(&self, w: R, e: R) -> R {
+        ((R::ONE - e) * (R::ONE + e)) * 0.5 * (w * w) * self.effective
     }
 
     /// Kinetic energy before minus after v → v + gain W, W → −ratio W.
-    fn difference(&self, v: Real, w: Real, gain: Real, ratio: Real) -> Real {
-        let (total, pull) = (1.0 + self.mass_ratio, self.pull * self.cosine);
-        let linear = pull * (1.0 + ratio) - total * gain;
-        let square = pull * gain * ratio - 0.5 * total * (gain * gain)
-            + 0.5 * self.inertia * ((1.0 - ratio) * (1.0 + ratio));
+    fn difference(&self, v: R, w: R, gain: R, ratio: R) -> R {
+        let (total, pull) = (R::ONE + self.mass_ratio, self.pull * self.cosine);
+        let linear = pull * (R::ONE + ratio) - total * gain;
+        let square = pull * gain * ratio - total * 0.5 * (gain * gain)
+            + self.inertia * 0.5 * ((R::ONE - ratio) * (R::ONE + ratio));
         w * (v * linear + w * square)
     }
 
     /// How much an impact of unit approach speed raises the pressure on the wall: through the
     /// dampers of primary and pivot, which feel the jumps of u and W.
-    pub fn pressure_gain(&self, pendulum: &Pendulum) -> Real {
+    pub fn pressure_gain(&self, pendulum: &Pendulum<R>) -> R {
         let Pendulum { damping_ratio, coupling, pivot_damping, .. } = *pendulum;
         let c = self.cosine;
         if c == 0.0 {
-            return ZERO;
+            return R::ZERO;
         }
         let jump_u = self.impact_gain.value / c;
-        let jump_w = -(1.0 + self.ratio) / c;
-        let inertia = 1.0 + self.mass_ratio - self.pull * coupling * (c * c);
+        let jump_w = -(R::ONE + self.ratio) / c;
+        let inertia = R::ONE + self.mass_ratio - self.pull * coupling * (c * c);
         let jump_a =
-            (-2.0 * damping_ratio * jump_u + self.pull * c * pivot_damping * jump_w) / inertia;
+            (-damping_ratio * 2.0 * jump_u + self.pull * c * pivot_damping * jump_w) / inertia;
         -c * (coupling * c * jump_a + pivot_damping * jump_w)
     }
 }

@@ -8,37 +8,37 @@ use crate::compensated::Sum;
 use crate::flight::{Curve, GapPoint, Glide, Jet, Losses, Meets, Motion, Rows, Side, Turns};
 use crate::force::Drive;
 use crate::polynomial::{product_integral, square_integral};
-use crate::real::{ONE, Real, STRIDES, ZERO, dispatched, larger, power_of_two};
+use crate::real::Real;
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner, with_order};
 
 /// The pendulum free in its gap.
 #[derive(Debug, Clone)]
-pub struct PivaFlight<'a> {
-    piva: &'a Piva,
-    from: PivaState,
+pub struct PivaFlight<'a, R = f64> {
+    piva: &'a Piva<R>,
+    from: PivaState<R>,
     /// In powers of t over `step`.
-    series: Series<Real>,
-    drive: Option<Drive<Real>>,
-    step: Real,
-    reach: Real,
+    series: Series<R>,
+    drive: Option<Drive<R>>,
+    step: R,
+    reach: R,
     /// Where the reach ends because the force bends, jumps or kicks there.
-    bend: Option<Clock>,
+    bend: Option<Clock<R>>,
     /// What the series leaves out; `None` where nothing could be proved.
-    remainder: Option<Remainder>,
+    remainder: Option<Remainder<R>>,
 }
 
-impl<'a> PivaFlight<'a> {
-    pub(crate) fn new(piva: &'a Piva, from: PivaState) -> Self {
+impl<'a, R: Real> PivaFlight<'a, R> {
+    pub(crate) fn new(piva: &'a Piva<R>, from: PivaState<R>) -> Self {
         let order = piva.accuracy.order;
         let longest = piva.longest_step(&from);
         // A power of two: h/step is exact then, and the terms of the series belong to one instant.
-        let step = power_of_two(longest);
+        let step = R::power_of_two(longest);
         let most = longest / step;
         let drive = piva.drive(from.time, &from, step);
         let series = piva.pendulum.series(&piva.swing(&from), drive.as_ref(), step, order);
         let series = at_rest_on_release(&from, series);
-        let size = drive.as_ref().map_or(ZERO, Drive::size);
+        let size = drive.as_ref().map_or(R::ZERO, Drive::size);
         let share = Remainder::prove(&piva.pendulum, &series, &piva.force, step, order).and_then(
             |remainder| Some((share_kept(&remainder, most, piva, &from, size)?, remainder)),
         );
@@ -60,30 +60,30 @@ impl<'a> PivaFlight<'a> {
     }
 
     /// h in steps.
-    fn share(&self, h: Real) -> Real {
+    fn share(&self, h: R) -> R {
         h / self.step
     }
 
     /// The step of this flight.
-    fn step(&self) -> Step<'_> {
+    fn step(&self) -> Step<'_, R> {
         let Self { piva, from, series, step, .. } = self;
         Step { pendulum: &piva.pendulum, from, series, length: *step }
     }
 
     /// A state at h, at the very instant of a bend.
-    fn at_bend(&self, h: Real, state: PivaState) -> PivaState {
+    fn at_bend(&self, h: R, state: PivaState<R>) -> PivaState<R> {
         let time = self.bend.filter(|_| h == self.reach).unwrap_or(state.time);
         PivaState { time, ..state }
     }
 
     /// The state at h, the linear terms to twice the precision.
     #[inline(always)]
-    fn arrived(&self, h: Real) -> PivaState {
+    fn arrived(&self, h: R) -> PivaState<R> {
         if h == 0.0 {
             return self.from;
         }
         let force = &self.piva.force;
-        let drive = force.lasts().then(|| force.precise(self.from.time, ONE));
+        let drive = force.lasts().then(|| force.precise(self.from.time, R::ONE));
         let order = self.piva.accuracy.order;
         let state = with_order!(order, N => self.step().arrival::<N>(h, drive.as_ref()));
         self.at_bend(h, state)
@@ -92,10 +92,10 @@ impl<'a> PivaFlight<'a> {
     /// The series to twice the precision, from an angle with this cosine.
     fn precise_series<const LENGTH: usize>(
         &self,
-        cosine: Sum,
-        h: Real,
+        cosine: Sum<R>,
+        h: R,
         order: usize,
-    ) -> Series<Sum, LENGTH> {
+    ) -> Series<Sum<R>, LENGTH> {
         let from = &self.from;
         let start =
             Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
@@ -105,78 +105,79 @@ impl<'a> PivaFlight<'a> {
     }
 
     /// factor · ∫ f² up to h.
-    fn loss(&self, factor: Real, f: &Row<Real>, h: Real) -> Real {
+    fn loss(&self, factor: R, f: &Row<R>, h: R) -> R {
         if factor == 0.0 || h == 0.0 {
-            return ZERO;
+            return R::ZERO;
         }
         let (t, order) = (self.share(h), self.piva.accuracy.order);
-        let integral = dispatched(
+        let integral = R::dispatched(
             #[inline(always)]
-            || with_order!(order, N => square_integral::<N>(f, t)),
+            || with_order!(order, N => square_integral::<_, N>(f, t)),
         );
         factor * integral * self.step
     }
 }
 
 /// Bound on |y⁗| of the series itself over a share of a step, in steps.
-fn fourth_bound(y: &Row<Real>, share: Real) -> Real {
-    (4..=ORDER).rev().fold(ZERO, |sum, k| {
+fn fourth_bound<R: Real>(y: &Row<R>, share: R) -> R {
+    (4..=ORDER).rev().fold(R::ZERO, |sum, k| {
         let k_ = k as f64;
-        sum * share + k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0) * y[k].abs()
+        sum * share + y[k].abs() * (k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0))
     })
 }
 
-impl Piva {
+impl<R: Real> Piva<R> {
     /// How far a motion goes that reaches so far: not beyond the next bend of the force, and then the
     /// instant of that.
-    pub(crate) fn until_bend(&self, from: &PivaState, reach: Real) -> (Real, Option<Clock>) {
+    pub(crate) fn until_bend(&self, from: &PivaState<R>, reach: R) -> (R, Option<Clock<R>>) {
         self.force.until_bend(from.time, from.kicks, reach)
     }
 
     /// A step short against every time scale: of the primary, of the pendulum, of its swing.
-    fn longest_step(&self, state: &PivaState) -> Real {
+    fn longest_step(&self, state: &PivaState<R>) -> R {
         let fastest = self.pendulum.fastest().max(self.force.fastest());
-        self.accuracy.longest_step / larger(fastest, self.pendulum.swing(state.w.value))
+        R::from(self.accuracy.longest_step) / R::larger(fastest, self.pendulum.swing(state.w.value))
     }
 }
 
-impl Motion for PivaFlight<'_> {
-    type State = PivaState;
+impl<R: Real> Motion for PivaFlight<'_, R> {
+    type Real = R;
+    type State = PivaState<R>;
     const RIDING: bool = false;
 
-    fn origin(&self) -> &PivaState {
+    fn origin(&self) -> &PivaState<R> {
         &self.from
     }
 
-    fn reach(&self) -> Real {
+    fn reach(&self) -> R {
         self.reach
     }
 
-    fn state(&self, h: Real) -> PivaState {
+    fn state(&self, h: R) -> PivaState<R> {
         if h == 0.0 {
             return self.from;
         }
         let order = self.piva.accuracy.order;
-        let state = dispatched(
+        let state = R::dispatched(
             #[inline(always)]
             || with_order!(order, N => self.step().state::<N>(h)),
         );
         self.at_bend(h, state)
     }
 
-    fn arrival(&self, h: Real) -> PivaState {
-        dispatched(
+    fn arrival(&self, h: R) -> PivaState<R> {
+        R::dispatched(
             #[inline(always)]
             || self.arrived(h),
         )
     }
 
-    fn glide(&self, length: Real) -> Option<Glide<PivaState>> {
-        if !STRIDES || self.remainder.is_none() {
+    fn glide(&self, length: R) -> Option<Glide<PivaState<R>, R>> {
+        if !R::STRIDES || self.remainder.is_none() {
             return None;
         }
         let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
-        let (end, gap) = dispatched(
+        let (end, gap) = R::dispatched(
             #[inline(always)]
             || {
                 let end = self.arrived(length);
@@ -185,13 +186,13 @@ impl Motion for PivaFlight<'_> {
         );
         let contact = match gap {
             Gap { clear: true, .. } => {
-                return Some(Glide { length, later: ZERO, end, meets: Meets::Nothing });
+                return Some(Glide { length, later: R::ZERO, end, meets: Meets::Nothing });
             }
             Gap { near: true, .. } => Side::Near,
             Gap { far: true, .. } => Side::Far,
             _ => return None,
         };
-        let (h, exact) = dispatched(
+        let (h, exact) = R::dispatched(
             #[inline(always)]
             || {
                 let far = contact == Side::Far;
@@ -200,18 +201,18 @@ impl Motion for PivaFlight<'_> {
         );
         exact.then(|| Glide {
             length: h,
-            later: ZERO,
+            later: R::ZERO,
             end: self.arrival(h),
             meets: Meets::Near(contact),
         })
     }
 
-    fn turns(&self, length: Real, end: &PivaState) -> Turns {
-        if !STRIDES || self.remainder.is_none() {
+    fn turns(&self, length: R, end: &PivaState<R>) -> Turns<R> {
+        if !R::STRIDES || self.remainder.is_none() {
             return Turns::Unknown;
         }
         let order = self.piva.accuracy.order;
-        let turning = dispatched(
+        let turning = R::dispatched(
             #[inline(always)]
             || with_order!(order, N => self.step().turning::<N>(end, length)),
         );
@@ -222,18 +223,18 @@ impl Motion for PivaFlight<'_> {
         }
     }
 
-    fn primary(&self, h: Real) -> Jet {
+    fn primary(&self, h: R) -> Jet<R> {
         let state = self.state(h);
         let series = self.piva.beginning::<3>(self.from.time, &state);
         Jet {
             value: state.primary.x.value,
             rate: state.primary.v.value,
             curvature: series.u[1],
-            jerk: 2.0 * series.u[2],
+            jerk: series.u[2] * 2.0,
         }
     }
 
-    fn gap(&self, h: Real) -> GapPoint {
+    fn gap(&self, h: R) -> GapPoint<R> {
         let state = self.state(h);
         let d = state.clearance;
         GapPoint { y: state.y().value.clamp(-d, d), w: state.gap_velocity() }
@@ -243,27 +244,27 @@ impl Motion for PivaFlight<'_> {
         None
     }
 
-    fn rows(&self) -> Option<Rows> {
+    fn rows(&self) -> Option<Rows<R>> {
         let order = self.piva.accuracy.order;
-        let base = self.drive.as_ref().map_or([ZERO; ORDER + 1], |drive| drive.base);
+        let base = self.drive.as_ref().map_or([R::ZERO; ORDER + 1], |drive| drive.base);
         let mut acceleration = self.series.a;
-        acceleration[order] = ZERO;
+        acceleration[order] = R::ZERO;
         Some(Rows { step: self.step, order, x: self.series.x, acceleration, base })
     }
 
-    fn square(&self, h: [Real; 2]) -> Real {
-        let [from, to] = h.map(|h| self.loss(ONE, &self.series.x, h));
+    fn square(&self, h: [R; 2]) -> R {
+        let [from, to] = h.map(|h| self.loss(R::ONE, &self.series.x, h));
         to - from
     }
 
-    fn losses(&self, h: Real) -> Losses {
+    fn losses(&self, h: R) -> Losses<R> {
         let Pendulum { mass_ratio, damping_ratio, lever, pivot_damping, .. } = self.piva.pendulum;
         let inertia = mass_ratio * self.piva.parameters.inertia_ratio * (lever * lever);
-        let work = self.drive.as_ref().map_or(ZERO, |drive| {
+        let work = self.drive.as_ref().map_or(R::ZERO, |drive| {
             work(self.piva, drive, &self.series.u, &self.series.y, self.share(h), self.step)
         });
         Losses {
-            viscous: self.loss(2.0 * damping_ratio, &self.series.u, h),
+            viscous: self.loss(damping_ratio * 2.0, &self.series.u, h),
             pivot: self.loss(inertia * pivot_damping, &self.series.w, h),
             work,
         }
@@ -272,60 +273,61 @@ impl Motion for PivaFlight<'_> {
 
 /// Work of force and base over a share t of a step: ∫ (f/M) ẋ − a_g ((1 + μ) ẋ + μλ ẏ) dt, the
 /// momentum of all masses along x behind a_g.
-pub(crate) fn work(
-    piva: &Piva,
-    drive: &Drive<Real>,
-    u: &Row<Real>,
-    y: &Row<Real>,
-    t: Real,
-    step: Real,
-) -> Real {
+pub(crate) fn work<R: Real>(
+    piva: &Piva<R>,
+    drive: &Drive<R>,
+    u: &Row<R>,
+    y: &Row<R>,
+    t: R,
+    step: R,
+) -> R {
     let order = piva.accuracy.order;
-    let mass = 1.0 + piva.parameters.mass_ratio;
+    let mass = R::ONE + piva.parameters.mass_ratio;
     let pull = piva.parameters.mass_ratio * piva.pendulum.lever;
     // ẏ in powers of t/step, one order less.
-    let rate = |k: usize| if k < order { (k + 1) as f64 * y[k + 1] / step } else { ZERO };
-    let momentum: Row<Real> =
-        std::array::from_fn(|k| if k <= order { mass * u[k] + pull * rate(k) } else { ZERO });
+    let rate = |k: usize| if k < order { y[k + 1] * ((k + 1) as f64) / step } else { R::ZERO };
+    let momentum: Row<R> =
+        std::array::from_fn(|k| if k <= order { mass * u[k] + pull * rate(k) } else { R::ZERO });
     let on_primary = product_integral(&drive.primary[..=order], &u[..=order], t);
     let on_base = product_integral(&drive.base[..=order], &momentum[..=order], t);
     (on_primary - on_base) * step
 }
 
-impl Curve for PivaFlight<'_> {
-    type Sample = PivaState;
+impl<R: Real> Curve for PivaFlight<'_, R> {
+    type Real = R;
+    type Sample = PivaState<R>;
 
-    fn sample(&self, h: Real) -> PivaState {
+    fn sample(&self, h: R) -> PivaState<R> {
         self.state(h)
     }
 
-    fn jet(&self, sample: &PivaState) -> Jet {
+    fn jet(&self, sample: &PivaState<R>) -> Jet<R> {
         self.piva.jet(self.from.time, sample)
     }
 
-    fn precise(&self, h: Real) -> Sum {
+    fn precise(&self, h: R) -> Sum<R> {
         let from = &self.from;
         let order = self.piva.accuracy.order;
         let cosine = self.step().precise_cosine();
-        let mut series: Series<Sum> = self.precise_series(cosine, self.step, order);
+        let mut series: Series<Sum<R>> = self.precise_series(cosine, self.step, order);
         if from.released {
             (series.w[1], series.y[2]) = (Sum::ZERO, Sum::ZERO);
         }
         let t = Sum::new(h).over(self.step);
         let travelled = horner(&series.y[1..=order], t).times_sum(t);
         let s = from.wall.sign();
-        from.distance.plus_parts(-s * travelled.value, -s * travelled.rest)
+        from.distance.plus_parts(travelled.value * -s, travelled.rest * -s)
     }
 
-    fn fourth(&self) -> Real {
+    fn fourth(&self) -> R {
         let share = self.share(self.reach);
-        self.remainder.map_or(Real::NAN, |remainder| {
+        self.remainder.map_or(R::NAN, |remainder| {
             let fourth = fourth_bound(&self.series.y, share) + remainder.fourth(share);
             fourth / (self.step * self.step * self.step * self.step)
         })
     }
 
-    fn magnitude(&self) -> Real {
+    fn magnitude(&self) -> R {
         self.from.clearance
     }
 }

@@ -2,36 +2,36 @@
 
 use crate::error::{Invalid, number};
 use crate::range;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 
 /// What a pendulum absorber is made of, in natural units (ωn = 1, primary mass 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters {
+pub struct Parameters<R = f64> {
     /// Mass ratio μ.
-    pub mass_ratio: Real,
+    pub mass_ratio: R,
     /// Restitution e on the gap velocity.
-    pub restitution: Real,
+    pub restitution: R,
     /// One-sided clearance d.
-    pub clearance: Real,
+    pub clearance: R,
     /// Damping ratio ζ of the primary.
-    pub damping_ratio: Real,
+    pub damping_ratio: R,
     /// r = ωp/ωn, frequency of the hanging pendulum over that of the primary; 0 without gravity.
-    pub frequency_ratio: Real,
+    pub frequency_ratio: R,
     /// L, from the pivot to the centre of mass.
-    pub length: Real,
+    pub length: R,
     /// κ = I/(m L²) ≥ 1, 1 for a point bob.
-    pub inertia_ratio: Real,
+    pub inertia_ratio: R,
     /// b, from the pivot to the point of contact; L for a point bob.
-    pub contact_distance: Real,
+    pub contact_distance: R,
     /// ζp, damping ratio of the pivot.
-    pub pivot_damping_ratio: Real,
+    pub pivot_damping_ratio: R,
     /// Exact, or linearised.
     pub angles: Angles,
     /// Consistent, or as the paper prints it.
     pub impact_law: ImpactLaw,
     /// What a step of the flight may leave out, relative to the size of each variable; 0 asks for all
     /// that doubles can hold.
-    pub tolerance: Real,
+    pub tolerance: R,
 }
 
 /// How the swing enters the equations of motion.
@@ -55,41 +55,36 @@ pub enum ImpactLaw {
     Printed,
 }
 
-impl Parameters {
+impl<R: Real> Parameters<R> {
     /// A point bob on a string or a weightless rod of this length, in contact at the bob, without
     /// friction in the pivot; set the frequency ratio yourself (1 here).
     pub fn point_bob(
-        mass_ratio: Real,
-        restitution: Real,
-        clearance: Real,
-        damping_ratio: Real,
-        length: Real,
+        mass_ratio: R,
+        restitution: R,
+        clearance: R,
+        damping_ratio: R,
+        length: R,
     ) -> Self {
         Self {
             mass_ratio,
             restitution,
             clearance,
             damping_ratio,
-            frequency_ratio: ONE,
+            frequency_ratio: R::ONE,
             length,
-            inertia_ratio: ONE,
+            inertia_ratio: R::ONE,
             contact_distance: length,
-            pivot_damping_ratio: ZERO,
+            pivot_damping_ratio: R::ZERO,
             angles: Angles::Large,
             impact_law: ImpactLaw::Consistent,
-            tolerance: ZERO,
+            tolerance: R::ZERO,
         }
     }
 
     /// A free mass: what a point bob at small angles is without gravity. Its length drops out.
-    pub fn free_mass(
-        mass_ratio: Real,
-        restitution: Real,
-        clearance: Real,
-        damping_ratio: Real,
-    ) -> Self {
+    pub fn free_mass(mass_ratio: R, restitution: R, clearance: R, damping_ratio: R) -> Self {
         Self {
-            frequency_ratio: ZERO,
+            frequency_ratio: R::ZERO,
             angles: Angles::Small,
             ..Self::point_bob(mass_ratio, restitution, clearance, damping_ratio, clearance)
         }
@@ -111,7 +106,7 @@ impl Parameters {
         range::positive("absorber.contact_distance", self.contact_distance)?;
         range::damping_ratio("absorber.pivot_damping_ratio", self.pivot_damping_ratio)?;
         range::tolerance("run.tolerance", self.tolerance)?;
-        if (1.0..=range::LARGEST_RATIO).contains(&self.inertia_ratio) {
+        if (1.0..=range::LARGEST_RATIO).contains(&self.inertia_ratio.double()) {
             return Ok(());
         }
         Err(Invalid::new(

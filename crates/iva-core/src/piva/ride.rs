@@ -12,7 +12,7 @@ use crate::force::Drive;
 use crate::impact::delay;
 use crate::oscillator::Primary;
 use crate::polynomial::square_integral;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Row, horner};
 
@@ -21,36 +21,36 @@ const LONGEST: f64 = 0.75;
 
 /// The ride from one state.
 #[derive(Debug, Clone)]
-pub struct PivaRide<'a> {
-    piva: &'a Piva,
-    from: PivaState,
-    drive: Drive<Real>,
+pub struct PivaRide<'a, R = f64> {
+    piva: &'a Piva<R>,
+    from: PivaState<R>,
+    drive: Drive<R>,
     /// In powers of t over `step`.
-    x: Row<Real>,
-    u: Row<Real>,
+    x: Row<R>,
+    u: Row<R>,
     /// Absolute acceleration A.
-    a: Row<Real>,
-    step: Real,
-    reach: Real,
+    a: Row<R>,
+    step: R,
+    reach: R,
     /// Where the reach ends because the force bends, jumps or kicks there.
-    bend: Option<Clock>,
+    bend: Option<Clock<R>>,
 }
 
-impl<'a> PivaRide<'a> {
-    pub(super) fn new(piva: &'a Piva, from: PivaState) -> Self {
-        let mass = 1.0 + piva.parameters.mass_ratio;
-        let damping = 2.0 * piva.parameters.damping_ratio;
-        let half = 0.5 * damping / mass;
-        let fastest = half + (half * half + 1.0 / mass).sqrt();
-        let step = LONGEST / fastest.max(piva.force.fastest());
+impl<'a, R: Real> PivaRide<'a, R> {
+    pub(super) fn new(piva: &'a Piva<R>, from: PivaState<R>) -> Self {
+        let mass = R::ONE + piva.parameters.mass_ratio;
+        let damping = piva.parameters.damping_ratio * 2.0;
+        let half = damping * 0.5 / mass;
+        let fastest = half + (half * half + R::ONE / mass).sqrt();
+        let step = R::from(LONGEST) / fastest.max(piva.force.fastest());
         let drive = piva.force.drive(from.time, from.time, step);
         let (reach, bend) = piva.until_bend(&from, step);
-        let row = [ZERO; ORDER + 1];
+        let row = [R::ZERO; ORDER + 1];
         let (mut x, mut u, mut a) = (row, row, row);
         (x[0], u[0]) = (from.primary.x.value, from.primary.v.value);
         let rest = -(damping * from.primary.v.rest + from.primary.x.rest);
         for k in 0..=ORDER {
-            let rest = if k == 0 { rest } else { ZERO };
+            let rest = if k == 0 { rest } else { R::ZERO };
             a[k] = (drive.primary[k] - damping * u[k] - x[k] + rest) / mass;
             if k < ORDER {
                 let over = step / (k + 1) as f64;
@@ -61,34 +61,34 @@ impl<'a> PivaRide<'a> {
         Self { piva, from, drive, x, u, a, step, reach, bend }
     }
 
-    fn share(&self, h: Real) -> Real {
+    fn share(&self, h: R) -> R {
         h / self.step
     }
 
     /// How much of A presses on the wall.
-    fn leverage(&self) -> Real {
+    fn leverage(&self) -> R {
         self.piva.pendulum.coupling * self.piva.wall_cosine.value
     }
 
     /// Gravity, which pulls off the wall.
-    fn weight(&self) -> Real {
+    fn weight(&self) -> R {
         self.piva.pendulum.frequency_squared * self.piva.parameters.clearance
     }
 }
 
-impl Piva {
+impl<R: Real> Piva<R> {
     /// The primary where the wall stops pressing, from a state that is there but for rounding, and how much
     /// later it is.
-    pub(super) fn without_pressure(&self, state: &PivaState) -> (Primary, Real) {
+    pub(super) fn without_pressure(&self, state: &PivaState<R>) -> (Primary<R>, R) {
         let Primary { x, v } = state.primary;
-        let damping = 2.0 * self.parameters.damping_ratio;
+        let damping = self.parameters.damping_ratio * 2.0;
         let acceleration = self.release_acceleration(state.wall);
-        let mass = Sum::new(ONE).plus(self.parameters.mass_ratio);
+        let mass = Sum::new(R::ONE).plus(self.parameters.mass_ratio);
         let rest = Sum::new(self.driven(state.time)) - acceleration * mass;
-        let balanced = |v: Sum| rest - v.times(damping);
+        let balanced = |v: Sum<R>| rest - v.times(damping);
         // Under a force the pressure changes with the force as well, and much faster: what is written
         // into x says nothing of the instant then.
-        let left = if self.force.lasts() { ZERO } else { (x - balanced(v)).value };
+        let left = if self.force.lasts() { R::ZERO } else { (x - balanced(v)).value };
         let rate = v.value + damping * acceleration.value;
         let later = delay(left, rate, acceleration.value);
         let v = v.plus(acceleration.value * later);
@@ -96,33 +96,34 @@ impl Piva {
     }
 
     /// f/M at an instant.
-    fn driven(&self, time: Clock) -> Real {
-        self.force.drive::<1>(time, time, ONE).primary[0]
+    fn driven(&self, time: Clock<R>) -> R {
+        self.force.drive::<1>(time, time, R::ONE).primary[0]
     }
 
     /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.
-    fn release_acceleration(&self, wall: Wall) -> Sum {
+    fn release_acceleration(&self, wall: Wall) -> Sum<R> {
         let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
-        let pull = Sum::new(-wall.sign() * frequency_squared).times(self.parameters.clearance);
+        let pull = Sum::new(frequency_squared * -wall.sign()).times(self.parameters.clearance);
         pull.over_sum(self.wall_cosine.times(coupling))
     }
 }
 
-impl Motion for PivaRide<'_> {
-    type State = PivaState;
+impl<R: Real> Motion for PivaRide<'_, R> {
+    type Real = R;
+    type State = PivaState<R>;
     const RIDING: bool = true;
 
-    fn origin(&self) -> &PivaState {
+    fn origin(&self) -> &PivaState<R> {
         &self.from
     }
 
-    fn reach(&self) -> Real {
+    fn reach(&self) -> R {
         self.reach
     }
 
-    fn state(&self, h: Real) -> PivaState {
+    fn state(&self, h: R) -> PivaState<R> {
         let (t, from) = (self.share(h), &self.from);
-        let increment = |row: &Row<Real>| t * horner(&row[1..], t);
+        let increment = |row: &Row<R>| t * horner(&row[1..], t);
         PivaState {
             time: self.bend.filter(|_| h == self.reach).unwrap_or(from.time.plus(h)),
             primary: Primary {
@@ -133,53 +134,59 @@ impl Motion for PivaRide<'_> {
         }
     }
 
-    fn primary(&self, h: Real) -> Jet {
+    fn primary(&self, h: R) -> Jet<R> {
         let state = self.state(h);
         let [_, curvature, jerk, _] = derivatives(&self.u, self.share(h), self.step);
         Jet { value: state.primary.x.value, rate: state.primary.v.value, curvature, jerk }
     }
 
-    fn gap(&self, _h: Real) -> GapPoint {
-        GapPoint { y: self.from.wall.sign() * self.from.clearance, w: ZERO }
+    fn gap(&self, _h: R) -> GapPoint<R> {
+        GapPoint { y: self.from.clearance * self.from.wall.sign(), w: R::ZERO }
     }
 
     fn wall(&self) -> Option<Wall> {
         Some(self.from.wall)
     }
 
-    fn rows(&self) -> Option<Rows> {
+    fn rows(&self) -> Option<Rows<R>> {
         let Self { step, x, a: acceleration, drive: Drive { base, .. }, .. } = *self;
         Some(Rows { step, order: ORDER, x, acceleration, base })
     }
 
-    fn square(&self, h: [Real; 2]) -> Real {
-        let up_to = |h: Real| square_integral::<ORDER>(&self.x, self.share(h));
-        let before = if h[0] == 0.0 { ZERO } else { up_to(h[0]) };
+    fn square(&self, h: [R; 2]) -> R {
+        let up_to = |h: R| square_integral::<_, ORDER>(&self.x, self.share(h));
+        let before = if h[0] == 0.0 { R::ZERO } else { up_to(h[0]) };
         (up_to(h[1]) - before) * self.step
     }
 
-    fn losses(&self, h: Real) -> Losses {
-        let factor = 2.0 * self.piva.parameters.damping_ratio;
-        let (t, still) = (self.share(h), [ZERO; ORDER + 1]);
+    fn losses(&self, h: R) -> Losses<R> {
+        let factor = self.piva.parameters.damping_ratio * 2.0;
+        let (t, still) = (self.share(h), [R::ZERO; ORDER + 1]);
         let driven = self.piva.force.lasts();
         let damped = factor != 0.0;
-        let viscous =
-            if damped { factor * square_integral::<ORDER>(&self.u, t) * self.step } else { ZERO };
-        let work =
-            if driven { work(self.piva, &self.drive, &self.u, &still, t, self.step) } else { ZERO };
-        Losses { viscous, pivot: ZERO, work }
+        let viscous = if damped {
+            factor * square_integral::<_, ORDER>(&self.u, t) * self.step
+        } else {
+            R::ZERO
+        };
+        let work = if driven {
+            work(self.piva, &self.drive, &self.u, &still, t, self.step)
+        } else {
+            R::ZERO
+        };
+        Losses { viscous, pivot: R::ZERO, work }
     }
 }
 
 /// Value and first three derivatives of a polynomial in t over `step`.
-fn derivatives(row: &Row<Real>, t: Real, step: Real) -> [Real; 4] {
+fn derivatives<R: Real>(row: &Row<R>, t: R, step: R) -> [R; 4] {
     let mut factors = *row;
-    let mut scale = ONE;
+    let mut scale = R::ONE;
     std::array::from_fn(|order| {
         let count = ORDER + 1 - order;
         let value = horner(&factors[..count], t) / scale;
         for k in 1..count {
-            factors[k - 1] = k as f64 * factors[k];
+            factors[k - 1] = factors[k] * (k as f64);
         }
         scale *= step;
         value
@@ -187,16 +194,17 @@ fn derivatives(row: &Row<Real>, t: Real, step: Real) -> [Real; 4] {
 }
 
 /// The pressure on the wall; the ride ends where it changes sign.
-impl Curve for PivaRide<'_> {
-    type Sample = PivaState;
+impl<R: Real> Curve for PivaRide<'_, R> {
+    type Real = R;
+    type Sample = PivaState<R>;
 
-    fn sample(&self, h: Real) -> PivaState {
+    fn sample(&self, h: R) -> PivaState<R> {
         self.state(h)
     }
 
-    fn jet(&self, sample: &PivaState) -> Jet {
+    fn jet(&self, sample: &PivaState<R>) -> Jet<R> {
         let t = self.share((sample.time - self.from.time).value);
-        let factor = -self.from.wall.sign() * self.leverage();
+        let factor = self.leverage() * -self.from.wall.sign();
         let [value, rate, curvature, jerk] = derivatives(&self.a, t, self.step);
         Jet {
             value: factor * value - self.weight(),
@@ -207,24 +215,24 @@ impl Curve for PivaRide<'_> {
     }
 
     /// The magnitude is that of the terms: plain evaluation is precise enough.
-    fn precise(&self, h: Real) -> Sum {
+    fn precise(&self, h: R) -> Sum<R> {
         Sum::new(self.jet(&self.state(h)).value)
     }
 
     /// The sum of the terms of A⁗, and as much again for those left out.
-    fn fourth(&self) -> Real {
-        let sum = (4..=ORDER).rev().fold(ZERO, |sum, k| {
+    fn fourth(&self) -> R {
+        let sum = (4..=ORDER).rev().fold(R::ZERO, |sum, k| {
             let k_ = k as f64;
-            sum + k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0) * self.a[k].abs()
+            sum + self.a[k].abs() * (k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0))
         });
-        2.0 * self.leverage() * sum / (self.step * self.step * self.step * self.step)
+        self.leverage() * 2.0 * sum / (self.step * self.step * self.step * self.step)
     }
 
     /// That of the terms of A, which may all but cancel.
-    fn magnitude(&self) -> Real {
+    fn magnitude(&self) -> R {
         let Parameters { mass_ratio, damping_ratio, .. } = self.piva.parameters;
-        let size = |row: &Row<Real>| row.iter().map(|coefficient| coefficient.abs()).sum::<Real>();
-        let terms = size(&self.drive.primary) + size(&self.x) + 2.0 * damping_ratio * size(&self.u);
-        self.leverage() * terms / (1.0 + mass_ratio) + self.weight()
+        let size = |row: &Row<R>| row.iter().map(|coefficient| coefficient.abs()).sum::<R>();
+        let terms = size(&self.drive.primary) + size(&self.x) + damping_ratio * 2.0 * size(&self.u);
+        self.leverage() * terms / (R::ONE + mass_ratio) + self.weight()
     }
 }

@@ -7,7 +7,7 @@ use crate::compensated::Sum;
 use crate::error::{Invalid, number};
 use crate::oscillator::Primary;
 use crate::range;
-use crate::real::{self, ONE, Real, ZERO};
+use crate::real::Real;
 use crate::system::{Clock, Start, Wall};
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
@@ -15,28 +15,28 @@ const ON_WALL_ULPS: f64 = 4.0;
 
 /// Place or rate of the pendulum, as it was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Given {
+pub enum Given<R = f64> {
     /// Gap displacement y, or gap velocity w; of a pendulum that hangs below its pivot.
-    Gap(Real),
+    Gap(R),
     /// Angle θ, or angular velocity θ̇ in ωn.
-    Angle(Real),
+    Angle(R),
 }
 
 /// State at time zero, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PivaStart {
+pub struct PivaStart<R = f64> {
     /// Displacement x of the primary system.
-    pub displacement: Real,
+    pub displacement: R,
     /// Its velocity ẋ.
-    pub velocity: Real,
+    pub velocity: R,
     /// Where the pendulum is.
-    pub place: Given,
+    pub place: Given<R>,
     /// How fast it moves.
-    pub rate: Given,
+    pub rate: Given<R>,
 }
 
-impl From<Start> for PivaStart {
-    fn from(start: Start) -> Self {
+impl<R: Real> From<Start<R>> for PivaStart<R> {
+    fn from(start: Start<R>) -> Self {
         let Start { displacement, velocity, gap_displacement, gap_velocity } = start;
         let (place, rate) = (Given::Gap(gap_displacement), Given::Gap(gap_velocity));
         Self { displacement, velocity, place, rate }
@@ -45,30 +45,30 @@ impl From<Start> for PivaStart {
 
 /// Where the pendulum starts.
 #[derive(Debug, Clone, Copy)]
-struct Pose {
+struct Pose<R = f64> {
     /// Gap displacement.
-    y: Real,
+    y: R,
     /// cosθ.
-    cosine: Sum,
+    cosine: Sum<R>,
     /// W = b θ̇.
-    w: Real,
+    w: R,
 }
 
-impl Piva {
-    fn pose(&self, start: &PivaStart) -> Pose {
+impl<R: Real> Piva<R> {
+    fn pose(&self, start: &PivaStart<R>) -> Pose<R> {
         let b = self.parameters.contact_distance;
         let small = self.pendulum.small_angles;
         let (y, cosine) = match start.place {
             Given::Gap(y) => (y, self.pendulum.precise_cosine(Sum::new(y))),
-            Given::Angle(angle) if small => (b * angle, Sum::new(ONE)),
+            Given::Angle(angle) if small => (b * angle, Sum::new(R::ONE)),
             Given::Angle(angle) => {
-                let (sine, cosine) = real::sincos(angle);
+                let (sine, cosine) = R::sincos(angle);
                 (b * sine, Sum::new(cosine))
             }
         };
         #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
         let w = match start.rate {
-            Given::Gap(w) if w == 0.0 => ZERO,
+            Given::Gap(w) if w == 0.0 => R::ZERO,
             Given::Gap(w) => w / cosine.value,
             Given::Angle(rate) => b * rate,
         };
@@ -79,7 +79,7 @@ impl Piva {
     ///
     /// # Errors
     /// [`Invalid`] naming field, value and allowed range.
-    pub(super) fn check(&self, start: &PivaStart) -> Result<(), Invalid> {
+    pub(super) fn check(&self, start: &PivaStart<R>) -> Result<(), Invalid> {
         range::size("start.displacement", start.displacement)?;
         range::size("start.velocity", start.velocity)?;
         let Pose { y, cosine, w } = self.pose(start);
@@ -96,9 +96,9 @@ impl Piva {
         Err(Invalid::new(field, number(rate), rule))
     }
 
-    fn check_place(&self, place: Given, y: Real, cosine: Real) -> Result<(), Invalid> {
+    fn check_place(&self, place: Given<R>, y: R, cosine: R) -> Result<(), Invalid> {
         let (d, b) = (self.parameters.clearance, self.parameters.contact_distance);
-        let beyond = y.abs() - d > ON_WALL_ULPS * Real::EPSILON * d;
+        let beyond = y.abs() - d > R::EPSILON * ON_WALL_ULPS * d;
         match place {
             Given::Gap(value) => {
                 let invalid =
@@ -128,12 +128,12 @@ impl Piva {
     }
 
     /// The state of a start, and whether it touches the wall it is measured from.
-    pub(super) fn first_state(&self, start: &PivaStart) -> (PivaState, bool) {
+    pub(super) fn first_state(&self, start: &PivaStart<R>) -> (PivaState<R>, bool) {
         let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
         let Pose { y, cosine, w } = self.pose(start);
         // Seen from the wall that the pendulum is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
-        let pushed = self.force.drive::<3>(Clock::ZERO, Clock::ZERO, ONE);
+        let pushed = self.force.drive::<3>(Clock::ZERO, Clock::ZERO, R::ONE);
         let kicked = self.force.impulses().next().map(|impulse| impulse.velocity);
         let side = [y, w, start.displacement, start.velocity]
             .into_iter()
@@ -141,14 +141,14 @@ impl Piva {
             .chain(pushed.base)
             .chain(kicked)
             .find(|value| *value != 0.0)
-            .unwrap_or(ONE);
+            .unwrap_or(R::ONE);
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
         let clearance = self.parameters.clearance;
         let distance = match start.place {
-            Given::Angle(_) if self.has_steep_walls() => self.height(cosine, wall.sign() * y),
-            _ => Sum::new(clearance).plus(-wall.sign() * y),
+            Given::Angle(_) if self.has_steep_walls() => self.height(cosine, y * wall.sign()),
+            _ => Sum::new(clearance).plus(y * -wall.sign()),
         };
-        let touching = distance.value <= ON_WALL_ULPS * Real::EPSILON * clearance;
+        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * clearance;
         #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
         let w = match start.rate {
             Given::Gap(rate) if w != 0.0 => Sum::new(rate).over_sum(cosine),
@@ -170,7 +170,7 @@ impl Piva {
 
     /// Distance d − y to a wall of an angle with this cosine: b² (cos²θ − cos² at the wall)/(d + y), which
     /// knows it better than y does close to the horizontal.
-    fn height(&self, cosine: Sum, y: Real) -> Sum {
+    fn height(&self, cosine: Sum<R>, y: R) -> Sum<R> {
         let b = self.parameters.contact_distance;
         let over = (cosine - self.wall_cosine) * (cosine + self.wall_cosine);
         over.times(b).times(b).over_sum(Sum::new(self.parameters.clearance).plus(y))

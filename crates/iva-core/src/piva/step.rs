@@ -9,7 +9,7 @@ use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::polynomial::horners;
 use crate::quintic::{monomials, root};
-use crate::real::{Real, ZERO, larger};
+use crate::real::Real;
 use crate::taylor::{Pendulum, Row, Series, Swing, refined_cosine, unrolled};
 
 /// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
@@ -17,36 +17,36 @@ pub(crate) const STEEP: f64 = 0.7;
 
 /// A series in powers of t over `length`, from a state.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Step<'a> {
-    pub pendulum: &'a Pendulum,
-    pub from: &'a PivaState,
-    pub series: &'a Series<Real>,
-    pub length: Real,
+pub(crate) struct Step<'a, R = f64> {
+    pub pendulum: &'a Pendulum<R>,
+    pub from: &'a PivaState<R>,
+    pub series: &'a Series<R>,
+    pub length: R,
 }
 
-impl Step<'_> {
+impl<R: Real> Step<'_, R> {
     /// The state at h > 0.
     #[inline(always)]
-    pub fn state<const N: usize>(&self, h: Real) -> PivaState {
+    pub fn state<const N: usize>(&self, h: R) -> PivaState<R> {
         let (t, from, series) = (h / self.length, self.from, self.series);
         let rows = [&series.x, &series.u, &series.y, &series.w, &series.c];
         let [x, u, y, w, c] = horners(rows.map(|row| &row[1..=N]), t).map(|beyond| t * beyond);
         let primary = Primary { x: from.primary.x.plus(x), v: from.primary.v.plus(u) };
-        let distance = from.distance.plus(-from.wall.sign() * y);
+        let distance = from.distance.plus(y * -from.wall.sign());
         self.reached(h, primary, distance, from.w.plus(w), from.cosine.plus(c))
     }
 
     /// The same, the linear terms to twice the precision, which leaves the rounding of those from h² on.
     #[inline(always)]
-    pub fn arrival<const N: usize>(&self, h: Real, drive: Option<&Drive<Sum, 2>>) -> PivaState {
+    pub fn arrival<const N: usize>(&self, h: R, drive: Option<&Drive<Sum<R>, 2>>) -> PivaState<R> {
         let (t, from, series) = (h / self.length, self.from, self.series);
         let cosine = self.precise_cosine();
         let start =
             Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
-        let first: Series<Sum, 2> = self.pendulum.beginning(&start, drive);
+        let first: Series<Sum<R>, 2> = self.pendulum.beginning(&start, drive);
         let [x, u, y, w, c] =
-            from_two::<N, 5>([&series.x, &series.u, &series.y, &series.w, &series.c], t);
-        let increment = |first: Sum, beyond: Real| first.times(h).plus(t * t * beyond);
+            from_two::<_, N, 5>([&series.x, &series.u, &series.y, &series.w, &series.c], t);
+        let increment = |first: Sum<R>, beyond: R| first.times(h).plus(t * t * beyond);
         let pull = if from.released { Sum::ZERO } else { first.w[1] };
         let primary = Primary {
             x: from.primary.x + increment(first.x[1], x),
@@ -54,14 +54,14 @@ impl Step<'_> {
         };
         let towards = -from.wall.sign();
         let Sum { value, rest } = increment(first.y[1], y);
-        let distance = from.distance.plus_parts(towards * value, towards * rest);
+        let distance = from.distance.plus_parts(value * towards, rest * towards);
         let own = cosine + increment(first.c[1], c);
         self.reached(h, primary, distance, from.w + increment(pull, w), own)
     }
 
     /// cosθ where the step begins, to twice the precision.
     #[inline(always)]
-    pub fn precise_cosine(&self) -> Sum {
+    pub fn precise_cosine(&self) -> Sum<R> {
         let (pendulum, from) = (self.pendulum, self.from);
         let sine = from.y().over(pendulum.contact_distance);
         // Where the angle is steep the carried cosine knows it better than y does.
@@ -72,7 +72,14 @@ impl Step<'_> {
 
     /// The state at h, with its angle from the distance; `own`: the cosine from its own series.
     #[inline(always)]
-    fn reached(&self, h: Real, primary: Primary, distance: Sum, w: Sum, own: Sum) -> PivaState {
+    fn reached(
+        &self,
+        h: R,
+        primary: Primary<R>,
+        distance: Sum<R>,
+        w: Sum<R>,
+        own: Sum<R>,
+    ) -> PivaState<R> {
         let from = self.from;
         let y = PivaState { distance, ..*from }.y().value;
         let sine = y / self.pendulum.contact_distance;
@@ -84,27 +91,27 @@ impl Step<'_> {
 
     /// Whether and where x turns round on the way to an end.
     #[inline(always)]
-    pub fn turning<const N: usize>(&self, end: &PivaState, h: Real) -> Turning {
+    pub fn turning<const N: usize>(&self, end: &PivaState<R>, h: R) -> Turning<R> {
         let share = h / self.length;
         let u = &self.series.u;
         let Ahead { rate, bend, fourth } = Ahead::of::<N>(u, share);
         let [v, v_end] = [u[0], end.primary.v.value];
         let enclosure = Enclosure::new([v, v_end], [u[1], rate], share, fourth);
         let off = (enclosure.low > 0.0) | (enclosure.high < 0.0);
-        let one_way = enclosure.rises(ZERO) | enclosure.falls(ZERO);
+        let one_way = enclosure.rises(R::ZERO) | enclosure.falls(R::ZERO);
         let turns = one_way & (v * v_end < 0.0);
 
         // Close to the turn by the quintic between both ends, then by the series there.
-        let half_square = 0.5 * (share * share);
-        let begin = [v, share * u[1], half_square * (2.0 * u[2])];
+        let half_square = (share * share) * 0.5;
+        let begin = [v, share * u[1], half_square * (u[2] * 2.0)];
         let guess = share * root(&monomials(&begin, &[v_end, share * rate, half_square * bend]));
-        let mut x = ZERO;
+        let mut x = R::ZERO;
         unrolled!(i < N + 1 => x = x.mul_add(guess, self.series.x[N - i]));
-        let [v, half, third, fourth, fifth] = shifted::<N>(u, 0, guess);
+        let [v, half, third, fourth, fifth] = shifted::<_, N>(u, 0, guess);
         // ẋ and x in powers of the time after the guess.
         let (later, close) = root_close_by([v, half, third, fourth, fifth], share);
         let mean =
-            v + later * (0.5 * half + later * ((1.0 / 3.0) * third + later * (0.25 * fourth)));
+            v + later * (half * 0.5 + later * (third * (1.0 / 3.0) + later * (fourth * 0.25)));
         let turn = guess + later;
         let close = close & (turn > 0.0) & (turn < share);
         Turning {
@@ -118,36 +125,36 @@ impl Step<'_> {
 
 /// Where x turns round: once or not at all if that is `decided`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Turning {
+pub(crate) struct Turning<R = f64> {
     pub decided: bool,
     pub turns: bool,
-    pub h: Real,
-    pub x: Real,
+    pub h: R,
+    pub x: R,
 }
 
 /// What a polynomial of order N does at the end of [0, share], and on the way there.
-pub(super) struct Ahead {
+pub(super) struct Ahead<R = f64> {
     /// f′ and f″ at the end.
-    pub rate: Real,
-    pub bend: Real,
+    pub rate: R,
+    pub bend: R,
     /// Bound on |f⁗|.
-    pub fourth: Real,
+    pub fourth: R,
 }
 
-impl Ahead {
+impl<R: Real> Ahead<R> {
     #[inline(always)]
-    pub fn of<const N: usize>(f: &Row<Real>, share: Real) -> Self {
-        let [mut rate, mut bend, mut fourth] = [ZERO; 3];
+    pub fn of<const N: usize>(f: &Row<R>, share: R) -> Self {
+        let [mut rate, mut bend, mut fourth] = [R::ZERO; 3];
         unrolled!(i < N => {
             let k = N - i;
-            let first = k as f64 * f[k];
+            let first = f[k] * (k as f64);
             rate = rate.mul_add(share, first);
             if k > 1 {
-                bend = bend.mul_add(share, (k * (k - 1)) as f64 * f[k]);
+                bend = bend.mul_add(share, f[k] * ((k * (k - 1)) as f64));
             }
             if k > 3 {
                 let factor = (k * (k - 1) * (k - 2) * (k - 3)) as f64;
-                fourth = fourth.mul_add(share, factor * f[k].abs());
+                fourth = fourth.mul_add(share, f[k].abs() * factor);
             }
         });
         Self { rate, bend, fourth }
@@ -157,41 +164,41 @@ impl Ahead {
 /// Bounds on a function over a stretch and on its rate, from both at both ends and a bound on the fourth
 /// derivative: by the Bernstein coefficients of the cubic between them and its error, as in
 /// [`crate::roots`].
-pub(super) struct Enclosure {
-    pub low: Real,
-    pub high: Real,
-    slowest: Real,
-    fastest: Real,
+pub(super) struct Enclosure<R = f64> {
+    pub low: R,
+    pub high: R,
+    slowest: R,
+    fastest: R,
 }
 
-impl Enclosure {
+impl<R: Real> Enclosure<R> {
     #[inline(always)]
-    pub fn new(values: [Real; 2], rates: [Real; 2], length: Real, fourth: Real) -> Self {
+    pub fn new(values: [R; 2], rates: [R; 2], length: R, fourth: R) -> Self {
         let ([begin, end], [rate, rate_end]) = (values, rates);
         let third = length * (1.0 / 3.0);
         let inner = [begin + third * rate, end - third * rate_end];
-        let middle = 3.0 * (end - begin) / length - (rate + rate_end);
+        let middle = (end - begin) * 3.0 / length - (rate + rate_end);
         let cube = fourth * (length * length * length);
         // 1/384, and √3/216.
         let (off, rate_off) = (cube * length * (1.0 / 384.0), cube * 8.1e-3);
-        let smallest = |a: Real, b: Real| -larger(-a, -b);
+        let smallest = |a: R, b: R| -R::larger(-a, -b);
         Self {
             low: smallest(smallest(begin, end), smallest(inner[0], inner[1])) - off,
-            high: larger(larger(begin, end), larger(inner[0], inner[1])) + off,
+            high: R::larger(R::larger(begin, end), R::larger(inner[0], inner[1])) + off,
             slowest: smallest(smallest(rate, rate_end), middle) - rate_off,
-            fastest: larger(larger(rate, rate_end), middle) + rate_off,
+            fastest: R::larger(R::larger(rate, rate_end), middle) + rate_off,
         }
     }
 
     /// True if it rises all the way, by more than the doubt about its rate.
     #[inline(always)]
-    pub fn rises(&self, doubt: Real) -> bool {
+    pub fn rises(&self, doubt: R) -> bool {
         self.slowest > doubt
     }
 
     /// True if it falls all the way.
     #[inline(always)]
-    pub fn falls(&self, doubt: Real) -> bool {
+    pub fn falls(&self, doubt: R) -> bool {
         self.fastest < -doubt
     }
 }
@@ -199,8 +206,8 @@ impl Enclosure {
 /// The first coefficients, in powers of the time after t, of the polynomial Σ f_k t^(k−from) over
 /// from ≤ k ≤ N.
 #[inline(always)]
-pub(super) fn shifted<const N: usize>(f: &Row<Real>, from: usize, t: Real) -> [Real; 5] {
-    let mut sums = [ZERO; 5];
+pub(super) fn shifted<R: Real, const N: usize>(f: &Row<R>, from: usize, t: R) -> [R; 5] {
+    let mut sums = [R::ZERO; 5];
     unrolled!(i < N + 1 => {
         if N - i >= from {
             for j in (1..5).rev() {
@@ -218,20 +225,20 @@ const CLOSE: f64 = 1e-3;
 
 /// The root of a polynomial close to 0, and whether it is close enough.
 #[inline(always)]
-pub(super) fn root_close_by(f: [Real; 5], share: Real) -> (Real, bool) {
+pub(super) fn root_close_by<R: Real>(f: [R; 5], share: R) -> (R, bool) {
     let mut t = -f[0] / f[1];
     for _ in 0..2 {
         let value = f[0] + t * (f[1] + t * (f[2] + t * (f[3] + t * f[4])));
-        let slope = f[1] + t * (2.0 * f[2] + t * (3.0 * f[3] + t * (4.0 * f[4])));
+        let slope = f[1] + t * (f[2] * 2.0 + t * (f[3] * 3.0 + t * (f[4] * 4.0)));
         t -= value / slope;
     }
-    (t, t.abs() <= CLOSE * share)
+    (t, t.abs() <= share * CLOSE)
 }
 
 /// Σ f_k t^(k−2) over 2 ≤ k ≤ N of several series.
 #[inline(always)]
-fn from_two<const N: usize, const K: usize>(rows: [&Row<Real>; K], t: Real) -> [Real; K] {
-    let mut sums = [ZERO; K];
+fn from_two<R: Real, const N: usize, const K: usize>(rows: [&Row<R>; K], t: R) -> [R; K] {
+    let mut sums = [R::ZERO; K];
     unrolled!(i < N - 1 => {
         for (sum, row) in sums.iter_mut().zip(rows) {
             *sum = sum.mul_add(t, row[N - i]);

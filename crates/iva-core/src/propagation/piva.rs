@@ -3,9 +3,9 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::Differentiable;
-use crate::dual::Dual;
 use crate::force::Drive;
 use crate::piva::{Piva, PivaState, STEEP, Sizes};
+use crate::real::dual::Dual;
 use crate::taylor::{ORDER, Pendulum, Series, Swing, horner};
 
 impl Differentiable for Piva {
@@ -61,7 +61,8 @@ impl Differentiable for Piva {
             primary: drive.primary.map(Dual::constant),
             base: drive.base.map(Dual::constant),
         });
-        let series: Series<Dual<4>> = self.pendulum.series(&start, drive.as_ref(), h, ORDER);
+        let pendulum = self.pendulum.map(Dual::constant);
+        let series: Series<Dual<4>> = pendulum.series(&start, drive.as_ref(), h.into(), ORDER);
         let end = Dual::constant(1.0);
         let rows = [&series.x, &series.u, &series.y, &series.w].map(|row| horner(row, end).slopes);
         Matrix4::from_fn(|row, column| rows[row][column])

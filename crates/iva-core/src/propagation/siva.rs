@@ -24,7 +24,7 @@ fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
 /// Terms of the power series: what is left out after a step of 1.4 over the growth is below 10⁻²⁰.
 const TERMS: usize = 26;
 
-impl<H: Host> Differentiable for Siva<H> {
+impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
         let HostState { primary, acceleration, phase } = &state.host;
         let [base, ..] = self.host.free().base(phase);

@@ -7,25 +7,25 @@ use crate::flight::Side;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
 use crate::observe::{Episode, Jump, Observer};
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 use crate::system::{Clock, System, Wall};
 
 /// Impacts on one wall in a row: what becomes an episode if it ends in stick.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Streak {
+pub(crate) struct Streak<R = f64> {
     pub wall: Wall,
-    pub start_time: Real,
+    pub start_time: R,
     pub listed_before: u64,
     pub low: u64,
     pub low_effective: u64,
-    pub energy_loss: Real,
+    pub energy_loss: R,
 }
 
 /// How far a rebound is searched for its return, in u/A: that comes after 2u/A in the limit of low
 /// rebounds, and what a higher one needs beyond this is one more segment.
 pub(crate) const REBOUND_LOOK: f64 = 2.5;
 
-impl<S: System, O: Observer<S>> Run<'_, S, O> {
+impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// The impact law at the state in contact, then whatever follows.
     pub(super) fn strike(&mut self) {
         let wall = self.system.wall(&self.tally.state);
@@ -39,7 +39,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
                 listed_before: self.tally.impacts,
                 low: 0,
                 low_effective: 0,
-                energy_loss: ZERO,
+                energy_loss: R::ZERO,
             }),
         };
         streak.energy_loss += impact.energy_loss;
@@ -55,7 +55,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         self.depart();
     }
 
-    fn list(&mut self, impact: &Impact) {
+    fn list(&mut self, impact: &Impact<R>) {
         self.tally.impacts += 1;
         self.tally.effective_impacts += u64::from(impact.effective());
         self.observer.impact(self.system, impact);
@@ -66,25 +66,25 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
         let state = self.tally.state;
         let leave = self.system.distance(&state);
         if leave.rate > 0.0 {
-            self.phase = Phase::Flight { first: Real::INFINITY };
+            self.phase = Phase::Flight { first: R::INFINITY };
             if leave.curvature < 0.0 {
                 self.rebound(&state, &leave);
             }
         } else if presses(&leave) {
             self.stick(self.clock);
         } else {
-            self.phase = Phase::Flight { first: Real::INFINITY };
+            self.phase = Phase::Flight { first: R::INFINITY };
         }
     }
 
     /// A rebound from a pressing wall: the rest of the chatter is summed where that is exact.
-    fn rebound(&mut self, state: &S::State, leave: &Jet) {
+    fn rebound(&mut self, state: &S::State, leave: &Jet<R>) {
         let mut rebound = Rebound {
             speed: leave.rate,
             pressure: -leave.curvature,
             jerk: leave.jerk,
             gain: self.system.pressure_gain(),
-            fourth: ZERO,
+            fourth: R::ZERO,
             ratio: self.system.rebound_ratio(),
         };
         // Most rebounds are far too high, whatever D⁗ is.
@@ -99,13 +99,13 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             self.stick(stick_clock);
         } else {
             // The return is expected after 2u/A: look a little further.
-            self.phase = Phase::Flight { first: REBOUND_LOOK * leave.rate / rebound.pressure };
+            self.phase = Phase::Flight { first: leave.rate * REBOUND_LOOK / rebound.pressure };
         }
     }
 
     /// Lists the rebounds of a summed tail that are above the floor, flown one by one beside the
     /// run: the motion does not depend on the floor.
-    fn list_tail(&mut self, mut state: S::State, stick_time: Real) {
+    fn list_tail(&mut self, mut state: S::State, stick_time: R) {
         let mut clock = self.clock;
         while self.system.rebound_ratio() * self.system.distance(&state).rate > 0.0
             && self.listed() < self.limits.max_impacts
@@ -118,7 +118,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
             if !is_finite(&flight.jet(&state), flight.fourth()) {
                 return;
             }
-            let length = flight.reach().min(-REBOUND_LOOK * leave.rate / leave.curvature);
+            let length = flight.reach().min(-leave.rate * REBOUND_LOOK / leave.curvature);
             let stretch = first_contact(&flight, &state, self.system.clearance(), length);
             if stretch.contact != Some(Side::Near) {
                 return;
@@ -137,7 +137,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
     }
 
     /// Begins an episode: the absorber rides on the wall it touches.
-    fn stick(&mut self, stick_clock: Clock) {
+    fn stick(&mut self, stick_clock: Clock<R>) {
         let wall = self.system.wall(&self.tally.state);
         let (state, loss) = self.system.stick(&self.tally.state);
         self.losses = self.losses.plus(loss);
@@ -179,7 +179,7 @@ impl<S: System, O: Observer<S>> Run<'_, S, O> {
 
 /// True if what touches a wall does not leave it: the sign of its velocity decides, then the
 /// acceleration, then the jerk.
-pub(super) fn presses(leave: &Jet) -> bool {
+pub(super) fn presses<R: Real>(leave: &Jet<R>) -> bool {
     let Jet { rate, curvature, jerk, .. } = *leave;
     rate <= 0.0 && (curvature < 0.0 || (curvature == 0.0 && jerk < 0.0))
 }

@@ -4,20 +4,20 @@ use super::{Siva, SivaState};
 use crate::compensated::Sum;
 use crate::flight::{Arcs, Curve, GapPoint, Glide, Jet, Losses, Motion, Rows, Turns};
 use crate::host::{Flown, Host, Integrated, Phase, Structure};
-use crate::real::{Real, STRIDES, ZERO, dispatched};
+use crate::real::Real;
 use crate::system::{Point, System, Wall};
 
 /// The absorber free in its gap.
 #[derive(Debug, Clone, Copy)]
 pub struct SivaFlight<'a, H: Host> {
     pub(super) siva: &'a Siva<H>,
-    pub(super) from: SivaState<Phase<H>>,
+    pub(super) from: SivaState<Phase<H>, H::Real>,
     pub(super) course: <H::Structure as Structure>::Course,
 }
 
-impl<'a, H: Host> SivaFlight<'a, H> {
+impl<'a, R: Real, H: Host<Real = R>> SivaFlight<'a, H> {
     #[inline]
-    pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>>) -> Self {
+    pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>, R>) -> Self {
         Self { siva, from, course: siva.host.free().fast_course(&from.host) }
     }
 
@@ -29,14 +29,14 @@ impl<'a, H: Host> SivaFlight<'a, H> {
 
 /// The state after a flight.
 #[inline(always)]
-pub(crate) fn arrived<S: Structure>(
+pub(crate) fn arrived<R: Real, S: Structure<Real = R>>(
     free: &S,
     course: &S::Course,
-    from: &SivaState<S::Phase>,
-    h: Real,
-) -> SivaState<S::Phase> {
+    from: &SivaState<S::Phase, R>,
+    h: R,
+) -> SivaState<S::Phase, R> {
     let Flown { to, gained } = free.flown(&from.host, course, h);
-    let side = |sum: Sum| Sum { value: from.side * sum.value, rest: from.side * sum.rest };
+    let side = |sum: Sum<R>| Sum { value: from.side * sum.value, rest: from.side * sum.rest };
     SivaState {
         host: to,
         side: from.side,
@@ -45,8 +45,9 @@ pub(crate) fn arrived<S: Structure>(
     }
 }
 
-impl<H: Host> Motion for SivaFlight<'_, H> {
-    type State = SivaState<Phase<H>>;
+impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
+    type Real = R;
+    type State = SivaState<Phase<H>, R>;
     const RIDING: bool = false;
 
     fn origin(&self) -> &Self::State {
@@ -54,46 +55,46 @@ impl<H: Host> Motion for SivaFlight<'_, H> {
     }
 
     #[inline]
-    fn reach(&self) -> Real {
+    fn reach(&self) -> R {
         self.structure().reach(&self.course)
     }
 
-    fn state(&self, h: Real) -> Self::State {
-        dispatched(
+    fn state(&self, h: R) -> Self::State {
+        R::dispatched(
             #[inline(always)]
             || arrived(self.structure(), &self.course, &self.from, h),
         )
     }
 
-    fn arrival(&self, h: Real) -> Self::State {
+    fn arrival(&self, h: R) -> Self::State {
         let mut state = self.state(h);
         self.structure().refresh(&mut state.host);
         state
     }
 
-    fn primary(&self, h: Real) -> Jet {
-        dispatched(
+    fn primary(&self, h: R) -> Jet<R> {
+        R::dispatched(
             #[inline(always)]
             || self.structure().jet(&self.from.host, &self.course, h),
         )
     }
 
     #[inline]
-    fn glide(&self, length: Real) -> Option<Glide<Self::State>> {
-        if !STRIDES {
+    fn glide(&self, length: R) -> Option<Glide<Self::State, R>> {
+        if !R::STRIDES {
             return None;
         }
-        dispatched(
+        R::dispatched(
             #[inline(always)]
             || self.stride(length),
         )
     }
 
-    fn gap(&self, h: Real) -> GapPoint {
+    fn gap(&self, h: R) -> GapPoint<R> {
         self.place(h).1
     }
 
-    fn place(&self, h: Real) -> (Point, GapPoint) {
+    fn place(&self, h: R) -> (Point<R>, GapPoint<R>) {
         let state = self.state(h);
         let d = self.siva.clearance;
         // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
@@ -105,54 +106,54 @@ impl<H: Host> Motion for SivaFlight<'_, H> {
         None
     }
 
-    fn losses(&self, h: Real) -> Losses {
+    fn losses(&self, h: R) -> Losses<R> {
         let motion = Integrated {
             from: &self.from.host,
             course: &self.course,
             mass_ratio: self.siva.mass_ratio,
             gap_velocity: Some(self.from.gap_velocity()),
         };
-        let [viscous, work] = dispatched(
+        let [viscous, work] = R::dispatched(
             #[inline(always)]
             || self.structure().losses(&motion, h),
         );
-        Losses { viscous, pivot: ZERO, work }
+        Losses { viscous, pivot: R::ZERO, work }
     }
 
-    fn square(&self, h: [Real; 2]) -> Real {
-        dispatched(
+    fn square(&self, h: [R; 2]) -> R {
+        R::dispatched(
             #[inline(always)]
             || self.structure().square(&self.from.host, &self.course, h),
         )
     }
 
-    fn arcs(&self, end: &Self::State) -> Option<Arcs> {
-        dispatched(
+    fn arcs(&self, end: &Self::State) -> Option<Arcs<R>> {
+        R::dispatched(
             #[inline(always)]
             || self.structure().arcs(&self.from.host, &end.host),
         )
     }
 
-    fn rows(&self) -> Option<Rows> {
-        dispatched(
+    fn rows(&self) -> Option<Rows<R>> {
+        R::dispatched(
             #[inline(always)]
             || self.structure().rows(&self.from.host, &self.course),
         )
     }
 
-    fn turns(&self, length: Real, end: &Self::State) -> Turns {
+    fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
         let [v, v_end] = [&self.from, end].map(|state| state.host.primary.v.value);
-        if !STRIDES || v * v_end >= 0.0 {
+        if !R::STRIDES || v * v_end >= 0.0 {
             return Turns::Unknown;
         }
-        dispatched(
+        R::dispatched(
             #[inline(always)]
             || self.structure().turns(&self.from.host, &self.course, &end.host, length),
         )
     }
 
-    fn acceleration_turns(&self, length: Real, end: &Self::State) -> Turns {
-        dispatched(
+    fn acceleration_turns(&self, length: R, end: &Self::State) -> Turns<R> {
+        R::dispatched(
             #[inline(always)]
             || {
                 let structure = self.structure();
@@ -162,20 +163,21 @@ impl<H: Host> Motion for SivaFlight<'_, H> {
     }
 }
 
-impl<H: Host> Curve for SivaFlight<'_, H> {
-    type Sample = SivaState<Phase<H>>;
+impl<R: Real, H: Host<Real = R>> Curve for SivaFlight<'_, H> {
+    type Real = R;
+    type Sample = SivaState<Phase<H>, R>;
 
     #[inline]
-    fn sample(&self, h: Real) -> Self::Sample {
+    fn sample(&self, h: R) -> Self::Sample {
         self.state(h)
     }
 
     #[inline]
-    fn jet(&self, sample: &Self::Sample) -> Jet {
+    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
         self.siva.distance(sample)
     }
 
-    fn precise(&self, h: Real) -> Sum {
+    fn precise(&self, h: R) -> Sum<R> {
         let SivaState { side: s, distance, rate, .. } = self.from;
         let travelled = rate.times(h);
         let curved = self.structure().precise(&self.from.host, h);
@@ -186,12 +188,12 @@ impl<H: Host> Curve for SivaFlight<'_, H> {
 
     /// D⁗ = s Ä.
     #[inline]
-    fn fourth(&self) -> Real {
+    fn fourth(&self) -> R {
         self.structure().bound::<2>(&self.from.host.primary)
     }
 
     #[inline]
-    fn magnitude(&self) -> Real {
+    fn magnitude(&self) -> R {
         self.siva.clearance
     }
 }

@@ -5,21 +5,21 @@ use super::{Siva, SivaState};
 use crate::compensated::Sum;
 use crate::flight::{Arcs, Curve, GapPoint, Jet, Losses, Motion, Rows};
 use crate::host::{Host, HostState, Integrated, Phase, Structure};
-use crate::real::{Real, ZERO, dispatched};
+use crate::real::Real;
 use crate::system::Wall;
 
 /// The ride from one state.
 #[derive(Debug, Clone, Copy)]
 pub struct SivaRide<'a, H: Host> {
     siva: &'a Siva<H>,
-    from: SivaState<Phase<H>>,
+    from: SivaState<Phase<H>, H::Real>,
     /// The same structure with the absorber's mass.
-    begin: HostState<Phase<H>>,
+    begin: HostState<Phase<H>, H::Real>,
     course: <H::Structure as Structure>::Course,
 }
 
-impl<'a, H: Host> SivaRide<'a, H> {
-    pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>>) -> Self {
+impl<'a, R: Real, H: Host<Real = R>> SivaRide<'a, H> {
+    pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>, R>) -> Self {
         let loaded = siva.host.loaded();
         let acceleration = loaded.acceleration(&from.host.phase, &from.host.primary);
         let begin = HostState { acceleration, ..from.host };
@@ -32,92 +32,94 @@ impl<'a, H: Host> SivaRide<'a, H> {
     }
 }
 
-impl<H: Host> Motion for SivaRide<'_, H> {
-    type State = SivaState<Phase<H>>;
+impl<R: Real, H: Host<Real = R>> Motion for SivaRide<'_, H> {
+    type Real = R;
+    type State = SivaState<Phase<H>, R>;
     const RIDING: bool = true;
 
     fn origin(&self) -> &Self::State {
         &self.from
     }
 
-    fn reach(&self) -> Real {
+    fn reach(&self) -> R {
         self.structure().reach(&self.course)
     }
 
-    fn state(&self, h: Real) -> Self::State {
-        let host = dispatched(
+    fn state(&self, h: R) -> Self::State {
+        let host = R::dispatched(
             #[inline(always)]
             || self.structure().flown(&self.begin, &self.course, h).to,
         );
         SivaState { host, ..self.from }
     }
 
-    fn arrival(&self, h: Real) -> Self::State {
+    fn arrival(&self, h: R) -> Self::State {
         let mut state = self.state(h);
         self.siva.host.free().refresh(&mut state.host);
         state
     }
 
-    fn primary(&self, h: Real) -> Jet {
-        dispatched(
+    fn primary(&self, h: R) -> Jet<R> {
+        R::dispatched(
             #[inline(always)]
             || self.structure().jet(&self.begin, &self.course, h),
         )
     }
 
-    fn gap(&self, _h: Real) -> GapPoint {
-        GapPoint { y: self.from.side * self.siva.clearance, w: ZERO }
+    fn gap(&self, _h: R) -> GapPoint<R> {
+        GapPoint { y: self.from.side * self.siva.clearance, w: R::ZERO }
     }
 
     fn wall(&self) -> Option<Wall> {
         Some(if self.from.side > 0.0 { Wall::Plus } else { Wall::Minus })
     }
 
-    fn losses(&self, h: Real) -> Losses {
+    fn losses(&self, h: R) -> Losses<R> {
         let motion = Integrated {
             from: &self.begin,
             course: &self.course,
             mass_ratio: self.siva.mass_ratio,
             gap_velocity: None,
         };
-        let [viscous, work] = dispatched(
+        let [viscous, work] = R::dispatched(
             #[inline(always)]
             || self.structure().losses(&motion, h),
         );
-        Losses { viscous, pivot: ZERO, work }
+        Losses { viscous, pivot: R::ZERO, work }
     }
 
-    fn square(&self, h: [Real; 2]) -> Real {
-        dispatched(
+    fn square(&self, h: [R; 2]) -> R {
+        R::dispatched(
             #[inline(always)]
             || self.structure().square(&self.begin, &self.course, h),
         )
     }
 
-    fn arcs(&self, end: &Self::State) -> Option<Arcs> {
-        dispatched(
+    fn arcs(&self, end: &Self::State) -> Option<Arcs<R>> {
+        R::dispatched(
             #[inline(always)]
             || self.structure().arcs(&self.begin, &end.host),
         )
     }
 
-    fn rows(&self) -> Option<Rows> {
-        dispatched(
+    fn rows(&self) -> Option<Rows<R>> {
+        R::dispatched(
             #[inline(always)]
             || self.structure().rows(&self.begin, &self.course),
         )
     }
 }
 
-impl<H: Host> Curve for SivaRide<'_, H> {
-    type Sample = SivaState<Phase<H>>;
+impl<R: Real, H: Host<Real = R>> Curve for SivaRide<'_, H> {
+    type Real = R;
+    type Sample = SivaState<Phase<H>, R>;
 
-    fn sample(&self, h: Real) -> Self::Sample {
+    fn sample(&self, h: R) -> Self::Sample {
         self.state(h)
     }
 
     /// The pressure on the wall; the ride ends where it changes sign.
-    fn jet(&self, sample: &Self::Sample) -> Jet {
+    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
         let factor = -sample.side;
         let HostState { primary, phase, .. } = &sample.host;
         let a = self.structure().acceleration(phase, primary).value;
@@ -131,15 +133,15 @@ impl<H: Host> Curve for SivaRide<'_, H> {
     }
 
     /// The magnitude is that of the terms: plain evaluation is precise enough.
-    fn precise(&self, h: Real) -> Sum {
+    fn precise(&self, h: R) -> Sum<R> {
         Sum::new(self.jet(&self.state(h)).value)
     }
 
-    fn fourth(&self) -> Real {
+    fn fourth(&self) -> R {
         self.structure().bound::<4>(&self.begin.primary)
     }
 
-    fn magnitude(&self) -> Real {
+    fn magnitude(&self) -> R {
         self.structure().bound::<0>(&self.begin.primary)
     }
 }

@@ -27,7 +27,7 @@ use crate::flight::{Glide, Meets};
 use crate::host::{Host, HostState, Phase, Structure};
 use crate::oscillator::Primary;
 use crate::quintic::{monomials, root};
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::roots::DOUBT;
 
 /// M/46080 bounds what H is off.
@@ -44,15 +44,15 @@ pub(crate) const LOOKS: usize = 3;
 
 /// The quintic through two states on their distance to the wall.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Quintic {
+pub(crate) struct Quintic<R = f64> {
     /// Distance, L × rate, ½ L² × curvature at the begin.
-    begin: [Real; 3],
+    begin: [R; 3],
     /// The same at the end.
-    end: [Real; 3],
+    end: [R; 3],
     /// M.
-    sixth: Real,
+    sixth: R,
     /// D = 2d: the far wall.
-    far: Real,
+    far: R,
 }
 
 /// What the quintic proves.
@@ -64,17 +64,17 @@ pub(crate) struct Proof {
     pub meets: [bool; 2],
 }
 
-impl Quintic {
+impl<R: Real> Quintic<R> {
     #[inline(always)]
-    pub fn new<S: Structure>(
+    pub fn new<S: Structure<Real = R>>(
         free: &S,
-        from: &SivaState<S::Phase>,
-        to: &SivaState<S::Phase>,
-        clearance: Real,
-        length: Real,
+        from: &SivaState<S::Phase, R>,
+        to: &SivaState<S::Phase, R>,
+        clearance: R,
+        length: R,
     ) -> Self {
-        let half_square = 0.5 * (length * length);
-        let ends = |state: &SivaState<S::Phase>| {
+        let half_square = (length * length) * 0.5;
+        let ends = |state: &SivaState<S::Phase, R>| {
             let curvature = state.side * state.host.acceleration.value;
             [state.distance.value, length * state.rate.value, half_square * curvature]
         };
@@ -83,15 +83,15 @@ impl Quintic {
             begin: ends(from),
             end: ends(to),
             sixth: free.bound::<4>(&from.host.primary) * (cube * cube),
-            far: 2.0 * clearance,
+            far: clearance * 2.0,
         }
     }
 
     /// The Bernstein coefficients.
     #[inline(always)]
-    fn bernstein(&self) -> [Real; 6] {
+    fn bernstein(&self) -> [R; 6] {
         let ([f, g, k], [u, v, w]) = (self.begin, self.end);
-        [f, f + 0.2 * g, f + (0.4 * g + 0.1 * k), u - (0.4 * v - 0.1 * w), u - 0.2 * v, u]
+        [f, f + g * 0.2, f + (g * 0.4 + k * 0.1), u - (v * 0.4 - w * 0.1), u - v * 0.2, u]
     }
 
     #[inline(always)]
@@ -101,38 +101,38 @@ impl Quintic {
         let m = self.sixth;
         // What rounding could change; a flight that starts on the wall is exact to rounding of its own
         // height over it.
-        let height = (DOUBT * (0.5 * Real::EPSILON)) * size(&self.begin, &self.end);
-        let doubt = height + (DOUBT * (0.5 * Real::EPSILON)) * self.far;
-        let level = OFF * m + doubt;
-        let slope = SLOPE_OFF * m + doubt;
+        let height = ((R::EPSILON * 0.5) * DOUBT) * size(&self.begin, &self.end);
+        let doubt = height + ((R::EPSILON * 0.5) * DOUBT) * self.far;
+        let level = m * OFF + doubt;
+        let slope = m * SLOPE_OFF + doubt;
         let (low, high) = (least(&b), most(&b));
-        let rises = [5.0 * b[1], 2.5 * b[2], (5.0 / 3.0) * b[3], 1.25 * b[4], b[5]];
+        let rises = [b[1] * 5.0, b[2] * 2.5, b[3] * (5.0 / 3.0), b[4] * 1.25, b[5]];
         let turns =
             [rises[1] - rises[0], rises[2] - rises[1], rises[3] - rises[2], rises[4] - rises[3]];
-        let rise = RISE_OFF * m + height;
+        let rise = m * RISE_OFF + height;
         let on_wall = self.begin[0] == 0.0;
         let above = if on_wall { least(&rises) > rise } else { low > level };
         let below = high < self.far - level;
         let falls = if on_wall {
             (rises[0] > height)
-                & (4.0 * most(&turns) < -(RISE_SLOPE_OFF * m + 4.0 * height))
+                & (most(&turns) * 4.0 < -(m * RISE_SLOPE_OFF + height * 4.0))
                 & (b[5] < -height)
         } else {
-            (b[0] > doubt) & (5.0 * most(&steps) < -slope) & (b[5] < -doubt)
+            (b[0] > doubt) & (most(&steps) * 5.0 < -slope) & (b[5] < -doubt)
         };
         let climbs =
-            (b[0] < self.far - doubt) & (5.0 * least(&steps) > slope) & (b[5] > self.far + doubt);
+            (b[0] < self.far - doubt) & (least(&steps) * 5.0 > slope) & (b[5] > self.far + doubt);
         Proof { free: above & below, meets: [falls & below, climbs & above] }
     }
 
     /// A quintic on [0, 1] whose only root is where H meets a wall that it meets once.
     #[inline(always)]
-    pub fn meeting(&self, far: bool) -> [Real; 6] {
+    pub fn meeting(&self, far: bool) -> [R; 6] {
         let c = monomials(&self.begin, &self.end);
         // At the wall that the flight starts from, the root at the begin is divided out.
         let returns = !far & (c[0] == 0.0);
-        let level = if far { self.far } else { ZERO };
-        let last = if returns { ZERO } else { c[5] };
+        let level = if far { self.far } else { R::ZERO };
+        let last = if returns { R::ZERO } else { c[5] };
         let pick = |i: usize| if returns { c[i + 1] } else { c[i] };
         let first = if returns { c[1] } else { c[0] - level };
         [first, pick(1), pick(2), pick(3), pick(4), last]
@@ -142,48 +142,48 @@ impl Quintic {
 /// A state close to a wall: how much later it is met, and whether the Taylor series says so to the last
 /// bit.
 #[inline(always)]
-pub(crate) fn to_wall<S: Structure>(
+pub(crate) fn to_wall<R: Real, S: Structure<Real = R>>(
     free: &S,
-    state: &SivaState<S::Phase>,
-    clearance: Real,
+    state: &SivaState<S::Phase, R>,
+    clearance: R,
     far: bool,
-    h: Real,
-) -> (Real, bool) {
-    let left = if far { state.distance.minus(2.0 * clearance) } else { state.distance.value };
+    h: R,
+) -> (R, bool) {
+    let left = if far { state.distance.minus(clearance * 2.0) } else { state.distance.value };
     let rate = state.rate.value;
     let HostState { primary, acceleration, phase } = &state.host;
     let [jerk, ..] = free.derivatives(phase, primary.v.value, acceleration.value);
     let (curvature, jerk) = (state.side * acceleration.value, state.side * jerk);
     // left + rate t + ½ curvature t² + ⅙ jerk t³ = 0 by reversion of the series.
-    let slowness = 1.0 / rate;
+    let slowness = R::ONE / rate;
     let first = -left * slowness;
-    let (p, q) = ((0.5 * slowness) * curvature, ((1.0 / 6.0) * slowness) * jerk);
+    let (p, q) = ((slowness * 0.5) * curvature, (slowness * (1.0 / 6.0)) * jerk);
     let bend = p * first;
     let later = first - bend * first
-        + first * first * first * ((2.0 * p * p - q) - 5.0 * bend * (p * p - q));
+        + first * first * first * ((p * 2.0 * p - q) - bend * 5.0 * (p * p - q));
     let fourth = free.bound::<2>(primary);
     let square = later * later;
     // The next term of the series against the rounding of rate and distance.
-    let close = fourth * (square * square) <= Real::EPSILON * (rate.abs() * h);
+    let close = fourth * (square * square) <= R::EPSILON * (rate.abs() * h);
     let converged = bend.abs() <= STRAIGHT;
-    (later, close & converged & (later.abs() < 0.5 * h))
+    (later, close & converged & (later.abs() < h * 0.5))
 }
 
 /// The state at the wall that it meets so much later, in contact with it.
 #[inline(always)]
-pub(crate) fn at_wall<S: Structure>(
+pub(crate) fn at_wall<R: Real, S: Structure<Real = R>>(
     free: &S,
-    state: &SivaState<S::Phase>,
+    state: &SivaState<S::Phase, R>,
     far: bool,
-    later: Real,
-) -> SivaState<S::Phase> {
+    later: R,
+) -> SivaState<S::Phase, R> {
     let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
     let a = acceleration.value;
     let [jerk, snap, fifth] = free.derivatives(&phase, v.value, a);
     let t = later;
     // One term more than the search for the wall takes: what every impact lacks would add up.
-    let raised = |[a, jerk, snap, fifth]: [Real; 4]| {
-        t * (a + t * (0.5 * jerk + t * ((1.0 / 6.0) * snap + t * ((1.0 / 24.0) * fifth))))
+    let raised = |[a, jerk, snap, fifth]: [R; 4]| {
+        t * (a + t * (jerk * 0.5 + t * (snap * (1.0 / 6.0) + t * (fifth * (1.0 / 24.0)))))
     };
     let gained = raised([a, jerk, snap, fifth]);
     let (mut faster, mut moved) = (gained, raised([v.value, a, jerk, snap]));
@@ -193,7 +193,7 @@ pub(crate) fn at_wall<S: Structure>(
         moved = raised([v.value, a - base, jerk - rate, snap - second]);
     }
     let primary = Primary { x: x.plus(moved), v: v.plus(faster) };
-    let turn = if far { -ONE } else { ONE };
+    let turn = if far { -R::ONE } else { R::ONE };
     let rate = state.rate.plus(state.side * gained);
     SivaState {
         host: HostState { primary, acceleration, phase: free.later(&phase, later) },
@@ -203,10 +203,10 @@ pub(crate) fn at_wall<S: Structure>(
     }
 }
 
-impl<H: Host> SivaFlight<'_, H> {
+impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
     /// A stride of this length, if it is one.
     #[inline(always)]
-    pub(super) fn stride(&self, length: Real) -> Option<Glide<SivaState<Phase<H>>>> {
+    pub(super) fn stride(&self, length: R) -> Option<Glide<SivaState<Phase<H>, R>, R>> {
         let (free, course, state) = (self.structure(), &self.course, &self.from);
         let clearance = self.siva.clearance;
         let mut end = arrived(free, course, state, length);
@@ -214,7 +214,7 @@ impl<H: Host> SivaFlight<'_, H> {
         let proof = quintic.proof();
         if proof.free {
             free.refresh(&mut end.host);
-            return Some(Glide { length, later: ZERO, end, meets: Meets::Nothing });
+            return Some(Glide { length, later: R::ZERO, end, meets: Meets::Nothing });
         }
         let far = proof.meets[1];
         if !(far || proof.meets[0]) {
@@ -238,18 +238,18 @@ impl<H: Host> SivaFlight<'_, H> {
 }
 
 #[inline(always)]
-fn least<const N: usize>(values: &[Real; N]) -> Real {
+fn least<R: Real, const N: usize>(values: &[R; N]) -> R {
     values[1..].iter().fold(values[0], |least, value| if *value < least { *value } else { least })
 }
 
 #[inline(always)]
-fn most<const N: usize>(values: &[Real; N]) -> Real {
+fn most<R: Real, const N: usize>(values: &[R; N]) -> R {
     values[1..].iter().fold(values[0], |most, value| if *value > most { *value } else { most })
 }
 
 #[inline(always)]
-fn size(begin: &[Real; 3], end: &[Real; 3]) -> Real {
-    begin.iter().chain(end).fold(ZERO, |sum, value| sum + value.abs())
+fn size<R: Real>(begin: &[R; 3], end: &[R; 3]) -> R {
+    begin.iter().chain(end).fold(R::ZERO, |sum, value| sum + value.abs())
 }
 
 #[cfg(test)]

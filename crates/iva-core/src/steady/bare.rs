@@ -6,17 +6,17 @@ use super::{Steady, SteadyWanted, Window};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
 use crate::host::{Alone, DrivenHost};
-use crate::real::{Real, ZERO};
+use crate::real::Real;
 use crate::simulate::{Limits, simulate};
 use crate::system::Point;
 
-impl Harmonic {
+impl<R: Real> Harmonic<R> {
     /// Amplitude of the steady state that it keeps up in an oscillator of damping ratio ζ:
     /// F/√((1 − Ω²)² + (2ζΩ)²); infinite at resonance without damping.
-    pub fn response(&self, damping_ratio: Real) -> Real {
+    pub fn response(&self, damping_ratio: R) -> R {
         let Self { amplitude, frequency, .. } = *self;
-        let detuning = (1.0 - frequency) * (1.0 + frequency);
-        (amplitude / detuning.hypot(2.0 * damping_ratio * frequency)).abs()
+        let detuning = (R::ONE - frequency) * (R::ONE + frequency);
+        (amplitude / detuning.hypot(damping_ratio * 2.0 * frequency)).abs()
     }
 }
 
@@ -25,18 +25,18 @@ impl Harmonic {
 ///
 /// # Errors
 /// [`Invalid`] for numbers out of [`crate::range`].
-pub fn amplitude_without_absorber(
-    force: &Force,
-    damping_ratio: Real,
-    from: Point,
-    window: &Window,
-    limits: &Limits,
+pub fn amplitude_without_absorber<R: Real>(
+    force: &Force<R>,
+    damping_ratio: R,
+    from: Point<R>,
+    window: &Window<R>,
+    limits: &Limits<R>,
     cancel: Option<&AtomicBool>,
-) -> Result<Option<Real>, Invalid> {
+) -> Result<Option<R>, Invalid> {
     if let (Some(harmonic), true) = (force.harmonics().first(), force.is_single()) {
         return Ok(Some(harmonic.response(damping_ratio)));
     }
-    let alone = Alone::new(DrivenHost::new(damping_ratio, ZERO, force.clone()));
+    let alone = Alone::new(DrivenHost::new(damping_ratio, R::ZERO, force.clone()));
     let wanted = SteadyWanted { amplitude: true, ..SteadyWanted::default() };
     let mut steady = Steady::new(Window { cycle: None, ..*window }, wanted);
     simulate(&alone, &from, limits, cancel, &mut steady)?;

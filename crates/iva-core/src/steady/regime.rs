@@ -45,11 +45,11 @@ impl fmt::Display for Regime {
 /// The regime of the last strobes: the shortest period m for which the last 20 states are, within
 /// 1e-6 of the amplitude (velocities over Ω), those of m cycles before. `None` if there are fewer than
 /// 28 and none is found.
-pub(super) fn regime(
-    strobes: &VecDeque<Strobe>,
+pub(super) fn regime<R: Real>(
+    strobes: &VecDeque<Strobe<R>>,
     impacts: u64,
-    amplitude: Real,
-    frequency: Real,
+    amplitude: R,
+    frequency: R,
 ) -> Option<Regime> {
     if impacts == 0 {
         return Some(Regime::NoImpacts);
@@ -68,8 +68,8 @@ pub(super) fn regime(
     (strobes.len() >= RETURNS_KEPT).then_some(Regime::Modulated)
 }
 
-fn close(a: &Strobe, b: &Strobe, amplitude: Real, frequency: Real) -> bool {
-    let near = |one: Real, other: Real, size: Real| (one - other).abs() <= CLOSE * size;
+fn close<R: Real>(a: &Strobe<R>, b: &Strobe<R>, amplitude: R, frequency: R) -> bool {
+    let near = |one: R, other: R, size: R| (one - other).abs() <= size * CLOSE;
     near(a.displacement, b.displacement, amplitude)
         && near(a.gap_displacement, b.gap_displacement, amplitude)
         && near(a.velocity, b.velocity, amplitude * frequency)

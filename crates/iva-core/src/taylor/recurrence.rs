@@ -16,7 +16,7 @@
 
 use super::{Number, Pendulum, Series, Swing};
 use crate::force::Drive;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 
 /// The constants of a step.
 struct Constants<T> {
@@ -53,13 +53,13 @@ pub(super) struct Recurrence<'a, T, const LENGTH: usize> {
     swept: T,
 }
 
-impl<'a, T: Number, const LENGTH: usize> Recurrence<'a, T, LENGTH> {
+impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Recurrence<'a, T, LENGTH> {
     #[inline(always)]
     pub fn new(
-        pendulum: &Pendulum,
+        pendulum: &Pendulum<R>,
         start: &Swing<T>,
         drive: Option<&'a Drive<T, LENGTH>>,
-        h: Real,
+        h: R,
     ) -> Self {
         let n = T::from_real;
         let Pendulum { mass_ratio, damping_ratio, lever, coupling, pivot_damping, .. } = *pendulum;
@@ -69,11 +69,11 @@ impl<'a, T: Number, const LENGTH: usize> Recurrence<'a, T, LENGTH> {
         let over_b2 = one / (n(pendulum.contact_distance) * n(pendulum.contact_distance));
         let (c0, y0, w0) = (start.c, start.y, start.w);
         let freed = one / pendulum.inertia(y0);
-        let turn = if pendulum.small_angles { n(ZERO) } else { y0 * w0 * over_b2 };
+        let turn = if pendulum.small_angles { n(R::ZERO) } else { y0 * w0 * over_b2 };
         let pull = n(mass_ratio) * n(lever) * freed;
         let of_a = pull * c0 * beta;
         let over_step = T::over(h);
-        let row = [n(ZERO); LENGTH];
+        let row = [n(R::ZERO); LENGTH];
         let mut series = Series { x: row, u: row, a: row, y: row, w: row, c: row };
         (series.x[0], series.u[0], series.y[0], series.w[0], series.c[0]) =
             (start.x, start.u, y0, w0, c0);
@@ -89,7 +89,7 @@ impl<'a, T: Number, const LENGTH: usize> Recurrence<'a, T, LENGTH> {
             y0,
             w0,
             freed,
-            of_u: -(n(2.0 * damping_ratio) * freed),
+            of_u: -(n(damping_ratio * 2.0) * freed),
             of_b: -pull,
             of_y: pull * w0 * over_b2,
             of_a,
@@ -99,14 +99,14 @@ impl<'a, T: Number, const LENGTH: usize> Recurrence<'a, T, LENGTH> {
             of_turn: pull * turn,
         };
         let small_angles = pendulum.small_angles;
-        Self { series, drive, constants, small_angles, swept: n(ZERO) }
+        Self { series, drive, constants, small_angles, swept: n(R::ZERO) }
     }
 
     /// From order k to k + 1 (of a: to k).
     #[inline(always)]
     pub fn raise(&mut self, k: usize) {
         let n = T::from_real;
-        let zero = n(ZERO);
+        let zero = n(R::ZERO);
         let (s, is) = (&mut self.series, &self.constants);
         let over = is.step * T::reciprocal(k + 1);
         let (x, u, y, w) = (s.x[k], s.u[k], s.y[k], s.w[k]);
@@ -120,7 +120,7 @@ impl<'a, T: Number, const LENGTH: usize> Recurrence<'a, T, LENGTH> {
         if !self.small_angles && k > 0 {
             let sums = convolutions(&s.y, &s.w, &s.c, &s.a, k);
             (yw, cw) = (y.fused(is.w0, sums[0]), sums[1]);
-            let growing = n((k + 1) as f64 * ONE) * is.over_step * is.of_b;
+            let growing = n(R::from((k + 1) as f64)) * is.over_step * is.of_b;
             a = is.of_a.fused(sums[2], is.of_y.fused(yw, growing.fused(cw, a)));
             rest = is.beta.fused(sums[2], rest);
         }
@@ -129,7 +129,7 @@ impl<'a, T: Number, const LENGTH: usize> Recurrence<'a, T, LENGTH> {
         a = is.of_u.fused(u, is.of_last.fused(last, a));
         let mut of_w = is.of_w;
         if !self.small_angles {
-            let times = n((if k > 0 { k + 2 } else { 1 }) as f64 * ONE);
+            let times = n(R::from((if k > 0 { k + 2 } else { 1 }) as f64));
             of_w = times.fused(is.of_turn, of_w);
             rest = (is.beta * s.c[1]).fused(last, rest);
         }
@@ -152,12 +152,18 @@ impl<'a, T: Number, const LENGTH: usize> Recurrence<'a, T, LENGTH> {
 /// Σ y_i W_{k−i}, Σ c_{i+1} W_{k−i} and Σ c_{i+1} a_{k−1−i} over 0 < i < k, the newest terms last, even and
 /// odd ones apart.
 #[inline(always)]
-fn convolutions<T: Number>(y: &[T], w: &[T], c: &[T], a: &[T], k: usize) -> [T; 3] {
+fn convolutions<R: Real, T: Number<Real = R>>(
+    y: &[T],
+    w: &[T],
+    c: &[T],
+    a: &[T],
+    k: usize,
+) -> [T; 3] {
     let with = |sums: [T; 3], i: usize| {
         let (w, a) = (w[k - i], a[k - 1 - i]);
         [y[i].fused(w, sums[0]), c[i + 1].fused(w, sums[1]), c[i + 1].fused(a, sums[2])]
     };
-    let mut even = [T::from_real(ZERO); 3];
+    let mut even = [T::from_real(R::ZERO); 3];
     let mut odd = even;
     let mut i = 2;
     while i + 1 < k {

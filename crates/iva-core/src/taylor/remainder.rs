@@ -26,27 +26,27 @@
 
 use super::{ORDER, Pendulum, Row, Series};
 use crate::force::Force;
-use crate::real::{self, ONE, Real, ZERO, dispatched, larger};
+use crate::real::Real;
 
 /// Constants of the claim.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Tail {
-    x: Real,
-    u: Real,
-    y: Real,
-    c: Real,
-    w: Real,
-    a: Real,
-    r: Real,
-    s: Real,
+pub(crate) struct Tail<R = f64> {
+    x: R,
+    u: R,
+    y: R,
+    c: R,
+    w: R,
+    a: R,
+    r: R,
+    s: R,
 }
 
 /// Bounds on every coefficient beyond the order of a series.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Remainder {
+pub struct Remainder<R = f64> {
     order: usize,
-    ratio: Real,
-    tail: Tail,
+    ratio: R,
+    tail: Tail<R>,
 }
 
 /// Ratios tried at most, each [`COARSER`] than the one before.
@@ -71,17 +71,17 @@ pub(crate) const ATTEMPTS: usize = 6;
 /// The longest share of a step that a claim with ratio q is used for, times q.
 const WITHIN: f64 = 0.5;
 
-impl Remainder {
+impl<R: Real> Remainder<R> {
     /// Proves bounds for the series of a step of length h; `None` if the state is not finite or
     /// its series converges nowhere near the step.
     pub fn prove(
-        pendulum: &Pendulum,
-        series: &Series<Real>,
-        force: &Force,
-        h: Real,
+        pendulum: &Pendulum<R>,
+        series: &Series<R>,
+        force: &Force<R>,
+        h: R,
         order: usize,
-    ) -> Option<Remainder> {
-        dispatched(
+    ) -> Option<Remainder<R>> {
+        R::dispatched(
             #[inline(always)]
             || with_order!(order, N => Self::proved::<N>(pendulum, series, force, h)),
         )
@@ -89,14 +89,14 @@ impl Remainder {
 
     #[inline(always)]
     fn proved<const N: usize>(
-        pendulum: &Pendulum,
-        series: &Series<Real>,
-        force: &Force,
-        h: Real,
-    ) -> Option<Remainder> {
-        let mut ratio = first_ratio::<N>(series);
+        pendulum: &Pendulum<R>,
+        series: &Series<R>,
+        force: &Force<R>,
+        h: R,
+    ) -> Option<Remainder<R>> {
+        let mut ratio = first_ratio::<_, N>(series);
         for _ in 0..RATIOS {
-            let driven = force.tail(h, N, ratio).unwrap_or([Real::INFINITY; 2]);
+            let driven = force.tail(h, N, ratio).unwrap_or([R::INFINITY; 2]);
             let proof = Proof::new::<N>(pendulum, series, driven, h, ratio);
             let mut tail = proof.first();
             for _ in 0..ATTEMPTS {
@@ -112,7 +112,7 @@ impl Remainder {
 
     /// The bounds that a proof has come to.
     #[inline(always)]
-    pub(crate) fn proven<const N: usize>(ratio: Real, tail: Tail) -> Self {
+    pub(crate) fn proven<const N: usize>(ratio: R, tail: Tail<R>) -> Self {
         Self { order: N, ratio, tail }
     }
 
@@ -124,52 +124,53 @@ impl Remainder {
 
     /// The longest share of the step, up to `most`, on which the bounds mean anything.
     #[inline(always)]
-    pub fn reach(&self, most: Real) -> Real {
-        -larger(-(WITHIN / self.ratio), -most)
+    pub fn reach(&self, most: R) -> R {
+        -R::larger(-(R::from(WITHIN) / self.ratio), -most)
     }
 
     /// Bounds on what is left out up to a share of the step: of primary (x, u) and gap (y, W).
     #[inline(always)]
-    pub fn left_out(&self, share: Real) -> [Real; 2] {
+    pub fn left_out(&self, share: R) -> [R; 2] {
         let beyond = (self.order + 2) as f64;
         let p = self.ratio * share;
-        let sum = power(p, self.order + 1) / (beyond * beyond * (1.0 - WITHIN));
+        let sum = power(p, self.order + 1) / ((R::ONE - WITHIN) * (beyond * beyond));
         let Tail { x, u, y, w, .. } = self.tail;
-        [larger(x, u) * sum, larger(y, w) * sum]
+        [R::larger(x, u) * sum, R::larger(y, w) * sum]
     }
 
     /// Bound on the fourth derivative of the part of y that is left out, in steps.
-    pub fn fourth(&self, share: Real) -> Real {
+    pub fn fourth(&self, share: R) -> R {
         // k(k−1)(k−2)(k−3)/(k+1)² < k², and Σ_{k>N} k² pᵏ < 3 (N+1)² p^(N+1) for p ≤ 1/2, N ≥ 10.
         let first = (self.order + 1) as f64;
         let p = self.ratio * share;
         let share = share * share * share * share;
-        3.0 * first * first * power(p, self.order + 1) / share * self.tail.y
+        power(p, self.order + 1) * (first * 3.0 * first) / share * self.tail.y
     }
 }
 
 /// The first ratio to try.
 #[inline(always)]
-pub(crate) fn first_ratio<const N: usize>(series: &Series<Real>) -> Real {
-    larger(first(N) * decay::<N>(series), FINEST * ONE)
+pub(crate) fn first_ratio<R: Real, const N: usize>(series: &Series<R>) -> R {
+    R::larger(decay::<_, N>(series) * first(N), R::ONE * FINEST)
 }
 
 /// By what factor the coefficients fall from one to the next: the eighth root of eight of them.
 #[inline(always)]
-fn decay<const N: usize>(series: &Series<Real>) -> Real {
-    let of = |row: &Row<Real>| {
-        let size = |k: usize| larger(row[k].abs(), row[k - 1].abs());
+fn decay<R: Real, const N: usize>(series: &Series<R>) -> R {
+    let of = |row: &Row<R>| {
+        let size = |k: usize| R::larger(row[k].abs(), row[k - 1].abs());
         let (last, earlier) = (size(N), size(N - 8));
-        if earlier > 0.0 { last / earlier } else { ZERO }
+        if earlier > 0.0 { last / earlier } else { R::ZERO }
     };
-    let most = larger(larger(of(&series.x), of(&series.u)), larger(of(&series.y), of(&series.w)));
+    let most =
+        R::larger(R::larger(of(&series.x), of(&series.u)), R::larger(of(&series.y), of(&series.w)));
     most.sqrt().sqrt().sqrt()
 }
 
 /// pⁿ of an n < 256 by multiplications alone.
 #[inline(always)]
-fn power(p: Real, n: usize) -> Real {
-    let (mut product, mut square) = (ONE, p);
+fn power<R: Real>(p: R, n: usize) -> R {
+    let (mut product, mut square) = (R::ONE, p);
     for bit in 0..8 {
         if n >> bit == 0 {
             break;
@@ -182,9 +183,9 @@ fn power(p: Real, n: usize) -> Real {
     product
 }
 
-impl Tail {
+impl<R: Real> Tail<R> {
     #[inline(always)]
-    pub fn map(&self, other: &Tail, f: impl Fn(Real, Real) -> Real) -> Tail {
+    pub fn map(&self, other: &Tail<R>, f: impl Fn(R, R) -> R) -> Tail<R> {
         Tail {
             x: f(self.x, other.x),
             u: f(self.u, other.u),
@@ -198,108 +199,108 @@ impl Tail {
     }
 
     #[inline(always)]
-    fn larger(&self, other: &Tail) -> Tail {
-        self.map(other, larger)
+    fn larger(&self, other: &Tail<R>) -> Tail<R> {
+        self.map(other, R::larger)
     }
 
     #[inline(always)]
-    fn times(&self, factor: f64) -> Tail {
+    fn times(&self, factor: f64) -> Tail<R> {
         self.map(self, |value, _| value * factor)
     }
 
     /// False where anything is not finite.
     #[inline(always)]
-    fn within(&self, other: &Tail) -> bool {
+    fn within(&self, other: &Tail<R>) -> bool {
         let Tail { x, u, y, c, w, a, r, s } = *self;
         let pairs = [x, u, y, c, w, a, r, s]
             .into_iter()
             .zip([other.x, other.u, other.y, other.c, other.w, other.a, other.r, other.s]);
-        pairs.into_iter().fold(true, |all, (value, bound)| {
-            all & (value <= bound) & (bound.abs() < Real::INFINITY)
-        })
+        pairs
+            .into_iter()
+            .fold(true, |all, (value, bound)| all & (value <= bound) & (bound.abs() < R::INFINITY))
     }
 }
 
 /// Sums over the heads of the series.
-pub(crate) struct Proof<'a> {
-    pendulum: &'a Pendulum,
+pub(crate) struct Proof<'a, R = f64> {
+    pendulum: &'a Pendulum<R>,
     /// h/q · ((N+2)/(N+1))²
-    step: Real,
+    step: R,
     /// 1/(N+1)
-    beyond: Real,
-    sigma_1: Real,
-    sigma_2: Real,
+    beyond: R,
+    sigma_1: R,
+    sigma_2: R,
     /// Constants of f/M and a_g; infinite if q is too small for them.
-    driven: [Real; 2],
+    driven: [R; 2],
     /// |c₀|
-    cosine: Real,
+    cosine: R,
     /// 1/D of the momentum equation.
-    over_inertia: Real,
+    over_inertia: R,
     /// 1/b²
-    over_b2: Real,
+    over_b2: R,
     /// H₁ of c without its first term, of W.
-    c_1: Real,
-    w_1: Real,
+    c_1: R,
+    w_1: R,
     /// H₂
-    y_2: Real,
-    c_2: Real,
-    w_2: Real,
-    a_2: Real,
-    r_2: Real,
-    s_2: Real,
+    y_2: R,
+    c_2: R,
+    w_2: R,
+    a_2: R,
+    r_2: R,
+    s_2: R,
     /// The smallest constants for J ≤ j ≤ N.
-    known: Tail,
+    known: Tail<R>,
 }
 
-impl<'a> Proof<'a> {
+impl<'a, R: Real> Proof<'a, R> {
     /// What a proof with a ratio starts from; `driven` bounds the series of f/M and a_g.
     #[inline(always)]
     pub fn new<const N: usize>(
-        pendulum: &'a Pendulum,
-        series: &Series<Real>,
-        driven: [Real; 2],
-        h: Real,
-        ratio: Real,
+        pendulum: &'a Pendulum<R>,
+        series: &Series<R>,
+        driven: [R; 2],
+        h: R,
+        ratio: R,
     ) -> Self {
-        let m = (N + 1) as f64 * ONE;
-        let (beyond, n, order) = (1.0 / m, 2.0 * m, N as f64);
+        let m = R::from((N + 1) as f64);
+        let (beyond, n, order) = (R::ONE / m, m * 2.0, N as f64);
         let grown = (m + 1.0) * beyond;
         let mut proof = Self {
             pendulum,
             step: h / ratio * (grown * grown),
             beyond,
-            sigma_1: ONE * 1.74 / order,
-            sigma_2: (2.0 / order + 4.0 * (n / order - 1.0) / n) / n,
+            sigma_1: R::ONE * 1.74 / order,
+            sigma_2: (R::from(2.0) / order + (n / order - 1.0) * 4.0 / n) / n,
             driven,
             cosine: series.c[0].abs(),
-            over_inertia: 1.0 / pendulum.inertia(series.y[0]),
-            over_b2: 1.0 / (pendulum.contact_distance * pendulum.contact_distance),
-            c_1: ZERO,
-            w_1: ZERO,
-            y_2: ZERO,
-            c_2: ZERO,
-            w_2: ZERO,
-            a_2: ZERO,
-            r_2: ZERO,
-            s_2: ZERO,
+            over_inertia: R::ONE / pendulum.inertia(series.y[0]),
+            over_b2: R::ONE / (pendulum.contact_distance * pendulum.contact_distance),
+            c_1: R::ZERO,
+            w_1: R::ZERO,
+            y_2: R::ZERO,
+            c_2: R::ZERO,
+            w_2: R::ZERO,
+            a_2: R::ZERO,
+            r_2: R::ZERO,
+            s_2: R::ZERO,
             known: Tail::default(),
         };
-        let mut scale = ONE; // q⁻ʲ
-        let (over_h, over_ratio) = (1.0 / h, 1.0 / ratio);
+        let mut scale = R::ONE; // q⁻ʲ
+        let (over_h, over_ratio) = (R::ONE / h, R::ONE / ratio);
         // y, c, W, a, R, S, x, u: one operation for all.
-        let (mut sums, mut most) = ([ZERO; 8], [ZERO; 8]);
+        let (mut sums, mut most) = ([R::ZERO; 8], [R::ZERO; 8]);
         unrolled!(j < N + 1 => {
             // a, R and S are known up to N − 1; at N they follow as all later ones do.
-            let next = if j < N { (j + 1) as f64 * over_h } else { ZERO };
+            let next = if j < N { over_h * ((j + 1) as f64) } else { R::ZERO };
             let following = (j + 1).min(ORDER);
             let Series { x, u, y, w, c, a } = series;
             let rates = [w[following].abs() * next, c[following].abs() * next];
-            let a = if j < N { a[j].abs() } else { ZERO };
+            let a = if j < N { a[j].abs() } else { R::ZERO };
             let [r, s] = rates;
             let sizes = [y[j].abs(), c[j].abs(), w[j].abs(), a, r, s, x[j].abs(), u[j].abs()]
                 .map(|size| size * scale);
             let first = N.max(2 * j) + 1;
-            let theta = first as f64 * real::reciprocal(first - j);
+            let theta = R::reciprocal(first - j) * (first as f64);
             let square = theta * theta;
             for (sum, size) in sums.iter_mut().zip(sizes) {
                 *sum += size * square;
@@ -313,7 +314,7 @@ impl<'a> Proof<'a> {
                 let powers = [k * k, k * k, k * k, k, k, k, k * k, k * k];
                 for ((most, size), power) in most.iter_mut().zip(sizes).zip(powers) {
                     let bound = size * power;
-                    *most = larger(bound, *most);
+                    *most = R::larger(bound, *most);
                 }
             }
             #[allow(unused_assignments)] // after the last
@@ -329,20 +330,20 @@ impl<'a> Proof<'a> {
 
     /// The constants to try first.
     #[inline(always)]
-    pub fn first(&self) -> Tail {
+    pub fn first(&self) -> Tail<R> {
         self.known.times(MARGIN)
     }
 
     /// Whether the constants prove themselves, and larger ones to try next.
     #[inline(always)]
-    pub fn tried(&self, tail: &Tail) -> (bool, Tail) {
+    pub fn tried(&self, tail: &Tail<R>) -> (bool, Tail<R>) {
         let next = self.next(tail);
         (next.within(tail), tail.larger(&next.times(MARGIN)))
     }
 
     /// The constants that the recurrences give beyond N if those of the claim hold before.
     #[inline(always)]
-    fn next(&self, t: &Tail) -> Tail {
+    fn next(&self, t: &Tail<R>) -> Tail<R> {
         let Pendulum {
             mass_ratio,
             damping_ratio,
@@ -356,7 +357,7 @@ impl<'a> Proof<'a> {
         let Self { step, beyond, sigma_1, sigma_2, cosine, .. } = *self;
         let pull = mass_ratio * lever;
         let s = if small_angles {
-            ZERO
+            R::ZERO
         } else {
             let yw = (t.w * self.y_2 + t.y * self.w_2) * beyond + sigma_2 * t.y * t.w;
             yw * self.over_b2
@@ -366,7 +367,7 @@ impl<'a> Proof<'a> {
         let s_w = t.s * self.w_1 + t.w * self.s_2 * beyond + sigma_1 * t.w * t.s;
         let linear = (r2 * t.y + nu * t.w) * beyond;
         let [driven, base] = self.driven;
-        let force = driven + (t.x + 2.0 * damping_ratio * t.u) * beyond;
+        let force = driven + (t.x + damping_ratio * 2.0 * t.u) * beyond;
         let a = (force + pull * (s_w + c_r + cosine * (beta * c_a + linear))) * self.over_inertia;
         let r = beta * (cosine * t.a + c_a) + linear;
         let c_w = (t.w * self.c_2 + t.c * self.w_2) * beyond + sigma_2 * t.c * t.w;

@@ -6,7 +6,7 @@
 //! be ranked by, which end is the [`Better`](super::Better) one.
 //!
 //! Each table is a macro that hands its entries to another one: `described!` makes the descriptions of them,
-//! `cells!` the functions that read a row ([`crate::doubles::rows`]), in numbers of each kind.
+//! `cells!` the functions that read a row ([`crate::engine::rows`]), in numbers of each kind.
 
 /// Columns of `summary` after `point`: one row a point.
 macro_rules! summary {

@@ -1,17 +1,11 @@
 //! One design point: from the fields a user gave to the scene the core runs.
+
 //!
 //! [`Spec`] holds fields as given; [`Given::design`] settles the alternatives (mass or mass ratio;
 //! clearance, gap or relative clearance; …) without guessing and converts to natural units.
 
 use std::sync::atomic::AtomicBool;
 
-use super::core::force::Force;
-use super::core::piva::Piva;
-use super::core::real::{ONE, Real, TURN, ZERO};
-use super::core::simulate::Limits;
-use super::core::siva::Siva;
-use super::core::steady::{self, Window};
-use super::core::system::{Point, Start, System};
 use super::forces;
 use super::given::Given;
 use super::pendulum::{self, Common};
@@ -21,31 +15,38 @@ use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
+use iva_core::force::Force;
+use iva_core::piva::Piva;
+use iva_core::real::Real;
+use iva_core::simulate::Limits;
+use iva_core::siva::Siva;
+use iva_core::steady::{self, Window};
+use iva_core::system::{Point, Start, System};
 
 pub use crate::spec::Spec;
 
 /// A design point ready to run, in natural units, with the way back to the user's.
 #[derive(Debug, Clone)]
-pub struct Design {
+pub struct Design<R: Real = f64> {
     /// The absorber on its primary system, and its start.
-    pub scene: Scene,
+    pub scene: Scene<R>,
     /// Duration, limits and chatter floor.
-    pub limits: Limits,
+    pub limits: Limits<R>,
     /// What steady states are measured by.
-    pub window: Window,
+    pub window: Window<R>,
     /// From natural units to the user's.
-    pub scale: Scale,
+    pub scale: Scale<R>,
     /// What the user's units are.
     pub units: UnitSystem,
 }
 
-impl Design {
+impl<R: Real> Design<R> {
     /// Largest displacement of the primary without absorber, see
     /// [`iva_core::steady::amplitude_without_absorber`]; `None` in free decay.
     ///
     /// # Errors
     /// [`Invalid`] for numbers that the core refuses.
-    pub fn amplitude_without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Real>, Invalid> {
+    pub fn amplitude_without_absorber(&self, cancel: &AtomicBool) -> Result<Option<R>, Invalid> {
         let Self { scene, window, limits, .. } = self;
         let Some(force) = scene.force() else { return Ok(None) };
         let from = Point { x: scene.displacement(), v: scene.velocity() };
@@ -54,19 +55,19 @@ impl Design {
     }
 }
 
-impl Given<'_> {
+impl<R: Real> Given<'_, R> {
     /// Settles alternatives, checks what only shows together, and converts to natural units.
     ///
     /// # Errors
     /// [`Invalid`] if something is missing, given twice, or inconsistent (a start outside the gap).
-    pub fn design(&self) -> Result<Design, Invalid> {
+    pub fn design(&self) -> Result<Design<R>, Invalid> {
         let (scale, units) = self.scale()?;
         let omega = scale.natural_frequency;
         let start = Start {
             displacement: self.displacement(units)?,
-            velocity: self.get(FieldId::Velocity).unwrap_or(ZERO) / omega,
-            gap_displacement: self.get(FieldId::GapDisplacement).unwrap_or(ZERO),
-            gap_velocity: self.get(FieldId::GapVelocity).unwrap_or(ZERO) / omega,
+            velocity: self.get(FieldId::Velocity).unwrap_or(R::ZERO) / omega,
+            gap_displacement: self.get(FieldId::GapDisplacement).unwrap_or(R::ZERO),
+            gap_velocity: self.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / omega,
         };
         let common = self.common(&scale, units)?;
         let clearance = common.clearance;
@@ -83,14 +84,14 @@ impl Given<'_> {
             max_work: self.spec.get(FieldId::MaxWork).map_or(Limits::MAX_WORK, |n| n as u64),
             chatter_floor: self
                 .get(FieldId::ChatterFloor)
-                .map_or(Limits::CHATTER_FLOOR * clearance, |floor| floor / omega),
+                .map_or(clearance * Limits::CHATTER_FLOOR, |floor| floor / omega),
         };
         limits.check()?;
         Ok(Design { scene, limits, window, scale, units })
     }
 
     /// What all absorbers and their primary have, in natural units.
-    pub(crate) fn common(&self, scale: &Scale, units: UnitSystem) -> Result<Common, Invalid> {
+    pub(crate) fn common(&self, scale: &Scale<R>, units: UnitSystem) -> Result<Common<R>, Invalid> {
         let damping_ratio = self.damping_ratio(scale, units)?;
         let clearance = self.clearance(self.displacement(units)?, units)?;
         let restitution = self
@@ -100,17 +101,17 @@ impl Given<'_> {
         Ok(Common { mass_ratio, restitution, clearance, damping_ratio })
     }
 
-    fn displacement(&self, units: UnitSystem) -> Result<Real, Invalid> {
-        Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(ZERO))
+    fn displacement(&self, units: UnitSystem) -> Result<R, Invalid> {
+        Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(R::ZERO))
     }
 
     fn scene(
         &self,
-        common: Common,
-        start: Start,
-        force: Force,
-        scale: &Scale,
-    ) -> Result<Scene, Invalid> {
+        common: Common<R>,
+        start: Start<R>,
+        force: Force<R>,
+        scale: &Scale<R>,
+    ) -> Result<Scene<R>, Invalid> {
         match self.spec.choices().kind {
             Kind::Siva => {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
@@ -134,12 +135,12 @@ impl Given<'_> {
         }
     }
 
-    pub(crate) fn scale(&self) -> Result<(Scale, UnitSystem), Invalid> {
+    pub(crate) fn scale(&self) -> Result<(Scale<R>, UnitSystem), Invalid> {
         self.at_most_one(&[FieldId::NaturalFrequency, FieldId::FrequencyHz, FieldId::Stiffness])?;
         let mass = self.get(FieldId::PrimaryMass);
         let omega = self
             .get(FieldId::NaturalFrequency)
-            .or_else(|| self.get(FieldId::FrequencyHz).map(|f| TURN[0] * f));
+            .or_else(|| self.get(FieldId::FrequencyHz).map(|f| R::TURN.value * f));
         let (natural_frequency, units) = match (mass, self.get(FieldId::Stiffness), omega) {
             (Some(m), Some(k), _) => ((k / m).sqrt(), UnitSystem::Si),
             (Some(_), None, Some(w)) => (w, UnitSystem::Si),
@@ -156,24 +157,24 @@ impl Given<'_> {
                 ));
             }
             (None, None, Some(w)) => (w, UnitSystem::Seconds),
-            (None, None, None) => (ONE, UnitSystem::Natural),
+            (None, None, None) => (R::ONE, UnitSystem::Natural),
         };
-        Ok((Scale { natural_frequency, mass: mass.unwrap_or(ONE) }, units))
+        Ok((Scale { natural_frequency, mass: mass.unwrap_or(R::ONE) }, units))
     }
 
-    fn damping_ratio(&self, scale: &Scale, units: UnitSystem) -> Result<Real, Invalid> {
+    fn damping_ratio(&self, scale: &Scale<R>, units: UnitSystem) -> Result<R, Invalid> {
         self.at_most_one(&[FieldId::DampingRatio, FieldId::Damping])?;
         match self.get(FieldId::Damping) {
             Some(c) if units == UnitSystem::Si => {
-                let ratio = c / (2.0 * scale.mass * scale.natural_frequency);
+                let ratio = c / (scale.mass * 2.0 * scale.natural_frequency);
                 derived(FieldId::Damping, c, FieldId::DampingRatio, ratio)
             }
             Some(c) => Err(needs_mass(FieldId::Damping, c, "or give damping_ratio")),
-            None => Ok(self.get(FieldId::DampingRatio).unwrap_or(ZERO)),
+            None => Ok(self.get(FieldId::DampingRatio).unwrap_or(R::ZERO)),
         }
     }
 
-    fn mass_ratio(&self, scale: &Scale, units: UnitSystem) -> Result<Real, Invalid> {
+    fn mass_ratio(&self, scale: &Scale<R>, units: UnitSystem) -> Result<R, Invalid> {
         self.at_most_one(&[FieldId::MassRatio, FieldId::AbsorberMass])?;
         match (self.get(FieldId::MassRatio), self.get(FieldId::AbsorberMass)) {
             (Some(ratio), _) => Ok(ratio),
@@ -188,7 +189,7 @@ impl Given<'_> {
         }
     }
 
-    fn clearance(&self, displacement: Real, units: UnitSystem) -> Result<Real, Invalid> {
+    fn clearance(&self, displacement: R, units: UnitSystem) -> Result<R, Invalid> {
         let alternatives = [
             FieldId::RelativeClearance,
             FieldId::Clearance,
@@ -209,7 +210,7 @@ impl Given<'_> {
         }
         let clearance = self.length(FieldId::Clearance, FieldId::ClearanceMm, units)?;
         let gap = self.length(FieldId::Gap, FieldId::GapMm, units)?;
-        clearance.or(gap.map(|total| 0.5 * total)).ok_or_else(|| {
+        clearance.or(gap.map(|total| total * 0.5)).ok_or_else(|| {
             Invalid::missing(
                 "absorber.clearance",
                 "give clearance (half of the play), gap (all of it) or relative_clearance",
@@ -217,18 +218,18 @@ impl Given<'_> {
         })
     }
 
-    fn duration(&self, omega: Real, force: &Force) -> Result<Real, Invalid> {
+    fn duration(&self, omega: R, force: &Force<R>) -> Result<R, Invalid> {
         self.at_most_one(&[FieldId::Periods, FieldId::Duration, FieldId::Cycles])?;
         if let Some(cycles) = self.get(FieldId::Cycles) {
             return Ok(cycles * cycle(FieldId::Cycles, cycles, force)?);
         }
-        let periods = self.get(FieldId::Periods).map(|n| n * TURN[0]);
+        let periods = self.get(FieldId::Periods).map(|n| n * R::TURN.value);
         periods.or_else(|| self.get(FieldId::Duration).map(|t| t * omega)).ok_or_else(|| {
             Invalid::missing("run.periods", "give periods, duration or, under force, cycles")
         })
     }
 
-    fn window(&self, duration: Real, force: &Force) -> Result<Window, Invalid> {
+    fn window(&self, duration: R, force: &Force<R>) -> Result<Window<R>, Invalid> {
         let from = match self.get(FieldId::Discard).filter(|cycles| *cycles > 0.0) {
             Some(cycles) => {
                 let length = cycle(FieldId::Discard, cycles, force)?;
@@ -239,7 +240,7 @@ impl Given<'_> {
                 }
                 cycles * length
             }
-            None => ZERO,
+            None => R::ZERO,
         };
         Ok(Window { from, cycle: force.harmonics().first().copied() })
     }
@@ -249,7 +250,7 @@ impl Given<'_> {
         plain: FieldId,
         millimetres: FieldId,
         units: UnitSystem,
-    ) -> Result<Option<Real>, Invalid> {
+    ) -> Result<Option<R>, Invalid> {
         self.at_most_one(&[plain, millimetres])?;
         match self.get(millimetres) {
             Some(mm) if units != UnitSystem::Si => Err(Invalid::new(
@@ -267,16 +268,16 @@ impl Given<'_> {
 }
 
 /// Length of a cycle of the harmonic force, which a field is a multiple of.
-fn cycle(field: FieldId, value: Real, force: &Force) -> Result<Real, Invalid> {
+fn cycle<R: Real>(field: FieldId, value: R, force: &Force<R>) -> Result<R, Invalid> {
     let harmonic = force.harmonics().first().ok_or_else(|| {
         let rule = "it counts cycles of a harmonic force, and there is none";
         Invalid::new(field.path(), number(value), rule)
     })?;
-    Ok(TURN[0] / harmonic.frequency)
+    Ok(R::TURN.value / harmonic.frequency)
 }
 
 /// A ratio that follows from a given field, if it is in its own range.
-fn derived(given: FieldId, value: Real, ratio: FieldId, derived: Real) -> Result<Real, Invalid> {
+fn derived<R: Real>(given: FieldId, value: R, ratio: FieldId, derived: R) -> Result<R, Invalid> {
     if ratio.info().allowed.contains(derived) {
         return Ok(derived);
     }
@@ -285,7 +286,7 @@ fn derived(given: FieldId, value: Real, ratio: FieldId, derived: Real) -> Result
     Err(Invalid::new(given.path(), number(value), rule))
 }
 
-fn needs_mass(field: FieldId, value: Real, alternative: &str) -> Invalid {
+fn needs_mass<R: Real>(field: FieldId, value: R, alternative: &str) -> Invalid {
     Invalid::new(
         field.path(),
         number(value),

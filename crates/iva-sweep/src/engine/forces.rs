@@ -1,9 +1,11 @@
 //! What the core makes of the forces of a scene.
 
-use super::core::force::{Acts, Force, Harmonic, Impulse, Record};
-use super::core::real::{ONE, Real, TURN, ZERO};
+use std::sync::Arc;
+
+use iva_core::force::{Acts, Force, Harmonic, Impulse, Record};
+use iva_core::real::Real;
+
 use super::given::Given;
-use super::history;
 use super::scale::Scale;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
@@ -12,12 +14,12 @@ use crate::slot::Slot;
 use crate::units::UnitSystem;
 
 /// What is needed to read one force: the fields, their names and the units.
-struct Reader<'a> {
-    given: &'a Given<'a>,
+struct Reader<'a, R = f64> {
+    given: &'a Given<'a, R>,
     spec: &'a ForceSpec,
     number: usize,
     count: usize,
-    scale: &'a Scale,
+    scale: &'a Scale<R>,
     units: UnitSystem,
 }
 
@@ -25,7 +27,11 @@ struct Reader<'a> {
 ///
 /// # Errors
 /// [`Invalid`] if something is missing, given twice, of another kind of force, or needs a mass.
-pub(crate) fn force(given: &Given<'_>, scale: &Scale, units: UnitSystem) -> Result<Force, Invalid> {
+pub(crate) fn force<R: Real>(
+    given: &Given<'_, R>,
+    scale: &Scale<R>,
+    units: UnitSystem,
+) -> Result<Force<R>, Invalid> {
     let forces = given.spec.forces();
     let (mut harmonics, mut records, mut impulses) = (Vec::new(), Vec::new(), Vec::new());
     for (number, spec) in forces.iter().enumerate() {
@@ -40,7 +46,7 @@ pub(crate) fn force(given: &Given<'_>, scale: &Scale, units: UnitSystem) -> Resu
     Force::new(harmonics, records, &impulses)
 }
 
-impl Reader<'_> {
+impl<R: Real> Reader<'_, R> {
     fn path(&self, field: FieldId) -> String {
         Slot::of_force(field, self.number, self.count).path()
     }
@@ -50,7 +56,7 @@ impl Reader<'_> {
         self.path(FieldId::RecordScale).replace("scale", name)
     }
 
-    fn get(&self, field: FieldId) -> Option<Real> {
+    fn get(&self, field: FieldId) -> Option<R> {
         let slot = Slot::of_force(field, self.number, self.count);
         self.spec.get(field).map(|value| self.given.number(slot, value))
     }
@@ -82,7 +88,7 @@ impl Reader<'_> {
     }
 
     /// Turns N into f/M, N s into P/M.
-    fn per_mass(&self, name: &str, value: Real, alternative: &str) -> Result<Real, Invalid> {
+    fn per_mass(&self, name: &str, value: R, alternative: &str) -> Result<R, Invalid> {
         if self.units == UnitSystem::Si {
             return Ok(value / self.scale.mass);
         }
@@ -92,17 +98,17 @@ impl Reader<'_> {
         Err(Invalid::new(name, number(value), rule))
     }
 
-    fn stiffness(&self) -> Real {
+    fn stiffness(&self) -> R {
         self.scale.natural_frequency * self.scale.natural_frequency
     }
 
-    fn harmonic(&self) -> Result<Harmonic, Invalid> {
+    fn harmonic(&self) -> Result<Harmonic<R>, Invalid> {
         let (amplitude, acts) = self.amplitude()?;
-        let phase = self.get(FieldId::Phase).unwrap_or(ZERO);
+        let phase = self.get(FieldId::Phase).unwrap_or(R::ZERO);
         Ok(Harmonic { amplitude, frequency: self.frequency()?, phase, acts })
     }
 
-    fn amplitude(&self) -> Result<(Real, Acts), Invalid> {
+    fn amplitude(&self) -> Result<(R, Acts), Invalid> {
         let fields = [FieldId::Amplitude, FieldId::ForceAmplitude, FieldId::BaseAcceleration];
         self.at_most_one(&fields)?;
         let [acceleration, force, base] = fields.map(|field| self.get(field));
@@ -122,7 +128,7 @@ impl Reader<'_> {
         Ok((self.per_mass(&name, force, "amplitude (f/M)")? / self.stiffness(), Acts::Primary))
     }
 
-    fn frequency(&self) -> Result<Real, Invalid> {
+    fn frequency(&self) -> Result<R, Invalid> {
         let fields =
             [FieldId::ForceFrequency, FieldId::RelativeFrequency, FieldId::ForceFrequencyHz];
         self.at_most_one(&fields)?;
@@ -130,7 +136,7 @@ impl Reader<'_> {
         let natural = self.scale.natural_frequency;
         relative
             .or_else(|| absolute.map(|frequency| frequency / natural))
-            .or_else(|| hertz.map(|frequency| TURN[0] * frequency / natural))
+            .or_else(|| hertz.map(|frequency| R::TURN.value * frequency / natural))
             .ok_or_else(|| {
                 Invalid::missing(
                     self.path(FieldId::ForceFrequency),
@@ -140,7 +146,7 @@ impl Reader<'_> {
             })
     }
 
-    fn impulse(&self) -> Result<Impulse, Invalid> {
+    fn impulse(&self) -> Result<Impulse<R>, Invalid> {
         let fields = [FieldId::ImpulseVelocity, FieldId::ImpulseMomentum];
         self.at_most_one(&fields)?;
         let velocity = match fields.map(|field| self.get(field)) {
@@ -157,12 +163,12 @@ impl Reader<'_> {
             }
         };
         let natural = self.scale.natural_frequency;
-        let time = self.get(FieldId::ImpulseTime).unwrap_or(ZERO) * natural;
+        let time = self.get(FieldId::ImpulseTime).unwrap_or(R::ZERO) * natural;
         Ok(Impulse { velocity: velocity / natural, time })
     }
 
-    fn record(&self, recorded: &Recorded) -> Result<Record, Invalid> {
-        let factor = self.get(FieldId::RecordScale).unwrap_or(ONE);
+    fn record(&self, recorded: &Recorded) -> Result<Record<R>, Invalid> {
+        let factor = self.get(FieldId::RecordScale).unwrap_or(R::ONE);
         if recorded.is_metric && self.units == UnitSystem::Natural {
             let rule = "its times are in s; give primary.natural_frequency or frequency_hz";
             return Err(Invalid::new(self.named("record"), shown(recorded), rule));
@@ -186,7 +192,7 @@ impl Reader<'_> {
             _ => Acts::Primary,
         };
         Ok(Record {
-            history: history(recorded)?,
+            history: Arc::clone(&recorded.history),
             acts,
             rate: self.scale.natural_frequency,
             scale: per_mass / self.stiffness(),

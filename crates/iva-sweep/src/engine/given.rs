@@ -1,6 +1,9 @@
 //! The numbers of one run as a user gives them, taken as numbers that the motion is carried in.
 
-use super::core::real::{self, Real};
+use std::marker::PhantomData;
+
+use iva_core::real::Real;
+
 use crate::error::Invalid;
 use crate::fields::FieldId;
 use crate::slot::Slot;
@@ -8,33 +11,34 @@ use crate::spec::Spec;
 
 /// The fields of one run.
 #[derive(Debug, Clone, Copy)]
-pub struct Given<'a> {
+pub struct Given<'a, R = f64> {
     /// The fields.
     pub spec: &'a Spec,
     /// The one that results are differentiated by, if any.
     by: Option<Slot>,
+    numbers: PhantomData<R>,
 }
 
-impl<'a> Given<'a> {
+impl<'a, R: Real> Given<'a, R> {
     /// The fields of a spec.
     pub fn new(spec: &'a Spec) -> Self {
-        Self { spec, by: None }
+        Self { spec, by: None, numbers: PhantomData }
     }
 
     /// The same, one of them to differentiate by.
     pub fn differentiated(spec: &'a Spec, by: Slot) -> Self {
-        Self { spec, by: Some(by) }
+        Self { spec, by: Some(by), numbers: PhantomData }
     }
 
     /// The value given for a field that is not of a force.
-    pub(super) fn get(&self, field: FieldId) -> Option<Real> {
+    pub(super) fn get(&self, field: FieldId) -> Option<R> {
         self.spec.get(field).map(|value| self.number(field.into(), value))
     }
 
     /// A value given for a field.
-    pub(super) fn number(&self, slot: Slot, value: f64) -> Real {
+    pub(super) fn number(&self, slot: Slot, value: f64) -> R {
         let chosen = self.by.is_some_and(|by| by.field == slot.field && by.same_quantity(slot));
-        real::given(value, chosen)
+        R::given(value, chosen)
     }
 
     pub(super) fn at_most_one(&self, fields: &[FieldId]) -> Result<(), Invalid> {

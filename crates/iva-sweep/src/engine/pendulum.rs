@@ -1,8 +1,9 @@
 //! Length, gravity and frequency of a pendulum: two of them, and the third follows (g = κ L ωp²).
 
-use super::core::piva::{self, Given as Stated, Parameters, PivaStart};
-use super::core::real::{self, ONE, Real, ZERO};
-use super::core::system::Start;
+use iva_core::piva::{self, Given as Stated, Parameters, PivaStart};
+use iva_core::real::Real;
+use iva_core::system::Start;
+
 use super::given::Given;
 use super::scale::Scale;
 use crate::choices::{Angles, Choices, ImpactLaw};
@@ -13,34 +14,34 @@ use crate::fields::FieldId;
 const AGREEMENT: f64 = 1e-9;
 
 /// What all absorbers have, in natural units.
-pub(crate) struct Common {
-    pub mass_ratio: Real,
-    pub restitution: Real,
-    pub clearance: Real,
-    pub damping_ratio: Real,
+pub(crate) struct Common<R = f64> {
+    pub mass_ratio: R,
+    pub restitution: R,
+    pub clearance: R,
+    pub damping_ratio: R,
 }
 
 /// Frequency ratio; length and gravity unless the motion does not depend on them.
-struct Swing {
-    frequency_ratio: Real,
-    hanging: Option<Hanging>,
+struct Swing<R = f64> {
+    frequency_ratio: R,
+    hanging: Option<Hanging<R>>,
 }
 
-struct Hanging {
-    length: Real,
+struct Hanging<R = f64> {
+    length: R,
     /// In the user's unit.
-    gravity: Real,
+    gravity: R,
 }
 
 /// The parameters of a pendulum, and the gravity on it (in the user's unit) if its length is known.
-pub(crate) fn parameters(
-    given: &Given<'_>,
-    common: Common,
-    scale: &Scale,
-) -> Result<(Parameters, Option<Real>), Invalid> {
+pub(crate) fn parameters<R: Real>(
+    given: &Given<'_, R>,
+    common: Common<R>,
+    scale: &Scale<R>,
+) -> Result<(Parameters<R>, Option<R>), Invalid> {
     let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
     let Choices { angles, impact_law, .. } = *given.spec.choices();
-    let inertia_ratio = given.get(FieldId::InertiaRatio).unwrap_or(ONE);
+    let inertia_ratio = given.get(FieldId::InertiaRatio).unwrap_or(R::ONE);
     let Swing { frequency_ratio, hanging } = swing(given, angles, inertia_ratio, scale)?;
     // Where it drops out, any length will do.
     let length = hanging.as_ref().map_or(clearance, |hanging| hanging.length);
@@ -53,7 +54,7 @@ pub(crate) fn parameters(
         length,
         inertia_ratio,
         contact_distance: given.get(FieldId::ContactDistance).unwrap_or(length),
-        pivot_damping_ratio: given.get(FieldId::PivotDampingRatio).unwrap_or(ZERO),
+        pivot_damping_ratio: given.get(FieldId::PivotDampingRatio).unwrap_or(R::ZERO),
         angles: match angles {
             Angles::Large => piva::Angles::Large,
             Angles::Small => piva::Angles::Small,
@@ -62,17 +63,17 @@ pub(crate) fn parameters(
             ImpactLaw::Consistent => piva::ImpactLaw::Consistent,
             ImpactLaw::Printed => piva::ImpactLaw::Printed,
         },
-        tolerance: given.get(FieldId::Tolerance).unwrap_or(ZERO),
+        tolerance: given.get(FieldId::Tolerance).unwrap_or(R::ZERO),
     };
     Ok((parameters, hanging.map(|hanging| hanging.gravity)))
 }
 
-fn swing(
-    given: &Given<'_>,
+fn swing<R: Real>(
+    given: &Given<'_, R>,
     angles: Angles,
-    inertia_ratio: Real,
-    scale: &Scale,
-) -> Result<Swing, Invalid> {
+    inertia_ratio: R,
+    scale: &Scale<R>,
+) -> Result<Swing<R>, Invalid> {
     let omega = scale.natural_frequency;
     let gravity = given.get(FieldId::Gravity);
     let hang = |frequency_ratio, length, gravity| Swing {
@@ -83,7 +84,7 @@ fn swing(
         (Some(ratio), Some(length)) => {
             let frequency = ratio * omega;
             let follows = inertia_ratio * length * (frequency * frequency);
-            match gravity.filter(|g| (*g - follows).abs() > AGREEMENT * follows) {
+            match gravity.filter(|g| (*g - follows).abs() > follows * AGREEMENT) {
                 None => Ok(hang(ratio, length, gravity.unwrap_or(follows))),
                 Some(g) => Err(Invalid::new(
                     FieldId::Gravity.path(),
@@ -97,7 +98,7 @@ fn swing(
         }
         (None, Some(length)) => {
             let gravity = gravity
-                .or(given.spec.standard_gravity()?.map(|g| real::given(g, false)))
+                .or(given.spec.standard_gravity()?.map(|g| R::given(g, false)))
                 .ok_or_else(|| {
                     Invalid::missing(
                         "absorber.frequency_ratio",
@@ -132,7 +133,11 @@ fn swing(
 }
 
 /// The start of a pendulum: gap or angle, each with or without the other's rate.
-pub(crate) fn start(given: &Given<'_>, start: Start, scale: &Scale) -> PivaStart {
+pub(crate) fn start<R: Real>(
+    given: &Given<'_, R>,
+    start: Start<R>,
+    scale: &Scale<R>,
+) -> PivaStart<R> {
     let mut start = PivaStart::from(start);
     if let Some(angle) = given.get(FieldId::Angle) {
         start.place = Stated::Angle(angle);

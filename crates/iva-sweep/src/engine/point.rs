@@ -2,16 +2,17 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::core::host::DrivenHost;
-use super::core::measures::{Measures, Wanted};
-use super::core::observe::{Events, Observer};
-use super::core::peaks::Envelope;
-use super::core::piva::Piva;
-use super::core::real::Real;
-use super::core::simulate::{Tally, simulate};
-use super::core::siva::Siva;
-use super::core::steady::{Steady, SteadyValues, SteadyWanted};
-use super::core::system::System;
+use iva_core::host::{DrivenHost, UndrivenHost};
+use iva_core::measures::{Measures, Wanted};
+use iva_core::observe::{Events, Observer};
+use iva_core::peaks::Envelope;
+use iva_core::piva::Piva;
+use iva_core::real::Real;
+use iva_core::simulate::{Tally, simulate};
+use iva_core::siva::Siva;
+use iva_core::steady::{Steady, SteadyValues, SteadyWanted};
+use iva_core::system::System;
+
 use super::design::Design;
 use super::rows::{
     Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, RunRow, Settled, StrobeRow,
@@ -67,12 +68,12 @@ impl Request {
     ///
     /// # Errors
     /// As [`Design::amplitude_without_absorber`].
-    pub fn settled<'a>(
+    pub fn settled<'a, R: Real>(
         &self,
-        design: &Design,
-        values: Option<&'a SteadyValues>,
+        design: &Design<R>,
+        values: Option<&'a SteadyValues<R>>,
         cancel: &AtomicBool,
-    ) -> Result<Option<Settled<'a>>, Invalid> {
+    ) -> Result<Option<Settled<'a, R>>, Invalid> {
         let Some(values) = values else { return Ok(None) };
         let bare = match self.reduction {
             true => design.amplitude_without_absorber(cancel)?,
@@ -90,28 +91,34 @@ impl Request {
 /// An observer that has something to say of the exactness of a run.
 pub(crate) trait Estimates<S: System>: Observer<S> {
     /// Of an impact.
-    fn of_impact(&self, _index: usize) -> Estimate {
+    fn of_impact(&self, _index: usize) -> Estimate<S::Real> {
         Estimate::default()
     }
     /// Condition and digits of the run.
-    fn of_run(&self) -> [Option<Real>; 2] {
+    fn of_run(&self) -> [Option<S::Real>; 2] {
         [None; 2]
     }
 }
+
+/// What is done with the rows of each table.
+pub(crate) type Take<'a, R> = dyn FnMut(Table, &mut dyn Iterator<Item = Cell<R>>) + 'a;
 
 /// Runs a point and hands out its rows, table by table; returns how it ended and what it took.
 ///
 /// # Errors
 /// [`Invalid`] if the core refuses the design.
-pub(crate) fn run<E: Estimates<Siva> + Estimates<Siva<DrivenHost>> + Estimates<Piva>>(
+pub(crate) fn run<R: Real, E>(
     study: &Study,
     point: u64,
-    design: &Design,
+    design: &Design<R>,
     request: &Request,
     cancel: &AtomicBool,
     estimates: E,
-    take: &mut dyn FnMut(Table, &mut dyn Iterator<Item = Cell>),
-) -> Result<Done, Invalid> {
+    take: &mut Take<'_, R>,
+) -> Result<Done, Invalid>
+where
+    E: Estimates<Siva<UndrivenHost<R>>> + Estimates<Siva<DrivenHost<R>>> + Estimates<Piva<R>>,
+{
     let point = Point { study, point, design, request, cancel };
     match &design.scene {
         Scene::Siva { system, start } => point.run(system, start, estimates, take),
@@ -120,31 +127,31 @@ pub(crate) fn run<E: Estimates<Siva> + Estimates<Siva<DrivenHost>> + Estimates<P
     }
 }
 
-struct Point<'a> {
+struct Point<'a, R: Real> {
     study: &'a Study,
     point: u64,
-    design: &'a Design,
+    design: &'a Design<R>,
     request: &'a Request,
     cancel: &'a AtomicBool,
 }
 
 /// What has watched a run.
 struct Seen<S: System, E> {
-    tally: Tally<S::State>,
-    events: Option<Events>,
-    envelope: Option<Envelope>,
+    tally: Tally<S::State, S::Real>,
+    events: Option<Events<S::Real>>,
+    envelope: Option<Envelope<S::Real>>,
     measures: Option<Measures<S>>,
-    steady: Option<Steady>,
+    steady: Option<Steady<S::Real>>,
     estimates: E,
 }
 
-impl Point<'_> {
-    fn run<S: System, E: Estimates<S>>(
+impl<R: Real> Point<'_, R> {
+    fn run<S: System<Real = R>, E: Estimates<S>>(
         &self,
         system: &S,
         start: &S::Start,
         estimates: E,
-        take: &mut dyn FnMut(Table, &mut dyn Iterator<Item = Cell>),
+        take: &mut Take<'_, R>,
     ) -> Result<Done, Invalid> {
         let Self { study, design, request, cancel, .. } = *self;
         let mut observers = (
@@ -170,16 +177,16 @@ impl Point<'_> {
         Ok(done)
     }
 
-    fn rows<S: System, E: Estimates<S>>(
+    fn rows<S: System<Real = R>, E: Estimates<S>>(
         &self,
         table: Table,
         system: &S,
         seen: &Seen<S, E>,
-        take: &mut dyn FnMut(Table, &mut dyn Iterator<Item = Cell>),
+        take: &mut Take<'_, R>,
     ) -> Result<(), Invalid> {
         let Self { study, point, design, .. } = *self;
         let (scale, events) = (&design.scale, seen.events.iter());
-        let mut row = |cells: &mut dyn Iterator<Item = Cell>| take(table, cells);
+        let mut row = |cells: &mut dyn Iterator<Item = Cell<R>>| take(table, cells);
         match table {
             Table::Summary => {
                 if let Some(run) = self.summary(seen)? {
@@ -219,15 +226,15 @@ impl Point<'_> {
     }
 
     /// The cells of a row, with the number of the point before them.
-    fn numbered(&self, row: &impl Row) -> impl Iterator<Item = Cell> {
+    fn numbered(&self, row: &impl Row<R>) -> impl Iterator<Item = Cell<R>> {
         // Points are counted below 2^32 by `Study::points`.
         std::iter::once(Cell::Point(self.point as u32)).chain(row.cells())
     }
 
-    fn summary<'a, S: System, E: Estimates<S>>(
+    fn summary<'a, S: System<Real = R>, E: Estimates<S>>(
         &'a self,
         seen: &'a Seen<S, E>,
-    ) -> Result<Option<RunRow<'a, S::State>>, Invalid> {
+    ) -> Result<Option<RunRow<'a, S::State, R>>, Invalid> {
         let Self { design, request, cancel, .. } = *self;
         let Some(measures) = &seen.measures else { return Ok(None) };
         let settled = request.settled(design, seen.steady.as_ref().map(Steady::values), cancel)?;

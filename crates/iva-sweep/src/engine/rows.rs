@@ -1,17 +1,18 @@
 //! Rows of the result tables, in the user's units. Which columns they have, and what stands in them, is told by
+
 //! [`crate::columns::tables`].
 
-use super::core::impact::Impact;
-use super::core::measures::MeasureValues;
-use super::core::observe::Episode;
-use super::core::peaks::Peak;
-use super::core::real::{Real, given};
-use super::core::simulate::Tally;
-use super::core::steady::{SteadyValues, Strobe};
-use super::core::system::Angle;
 use super::design::Design;
 use super::scale::Scale;
 use super::scene::Scene;
+use iva_core::impact::Impact;
+use iva_core::measures::MeasureValues;
+use iva_core::observe::Episode;
+use iva_core::peaks::Peak;
+use iva_core::real::Real;
+use iva_core::simulate::Tally;
+use iva_core::steady::{SteadyValues, Strobe};
+use iva_core::system::Angle;
 
 use crate::columns::tables as entries;
 use crate::columns::{SUMMARY, columns};
@@ -19,63 +20,68 @@ use crate::study::{Study, Table};
 use crate::tables::{self, cells};
 
 /// One value of a row.
-pub(crate) type Cell = tables::Cell<Real>;
+pub(crate) type Cell<R = f64> = tables::Cell<R>;
 
 /// A run, as a row of `summary` tells it.
-pub(crate) struct RunRow<'a, S> {
-    pub tally: &'a Tally<S>,
-    pub values: &'a MeasureValues,
-    pub settled: Option<Settled<'a>>,
-    pub condition: Option<Real>,
-    pub digits: Option<Real>,
-    pub scene: &'a Scene,
-    pub scale: &'a Scale,
+pub(crate) struct RunRow<'a, S, R: Real = f64> {
+    pub tally: &'a Tally<S, R>,
+    pub values: &'a MeasureValues<R>,
+    pub settled: Option<Settled<'a, R>>,
+    pub condition: Option<R>,
+    pub digits: Option<R>,
+    pub scene: &'a Scene<R>,
+    pub scale: &'a Scale<R>,
 }
 
-impl<'a, S> RunRow<'a, S> {
+impl<'a, R: Real, S> RunRow<'a, S, R> {
     /// A run in free decay, without estimates of its errors.
-    pub fn new(design: &'a Design, tally: &'a Tally<S>, values: &'a MeasureValues) -> Self {
+    pub fn new(
+        design: &'a Design<R>,
+        tally: &'a Tally<S, R>,
+        values: &'a MeasureValues<R>,
+    ) -> Self {
         let Design { scene, scale, .. } = design;
         Self { tally, values, settled: None, condition: None, digits: None, scene, scale }
     }
 
-    fn settled<R>(&self, read: impl Fn(&Settled<'a>) -> Option<R>) -> Option<R> {
+    fn settled<T>(&self, read: impl Fn(&Settled<'a, R>) -> Option<T>) -> Option<T> {
         self.settled.as_ref().and_then(read)
     }
 
     /// The row: the point, the swept parameters, then all columns but those that are swept; columns not asked for
     /// are null.
-    pub fn cells(&self, study: &Study, point: u64) -> impl Iterator<Item = Cell> {
-        let cells: [fn(&Self) -> Cell; SUMMARY.len()] = entries::summary!(cells);
+    pub fn cells(&self, study: &Study, point: u64) -> impl Iterator<Item = Cell<R>> {
+        let cells: [fn(&Self) -> Cell<R>; SUMMARY.len()] = entries::summary!(cells);
         let columns = columns(Table::Summary).iter().zip(cells).enumerate();
         let kept = columns.filter(|(_, (column, _))| !study.sweeps(column.name));
         let asked_for = kept.map(|(index, (_, cell))| match study.measures.has(index) {
             true => cell(self),
             false => Cell::Null,
         });
-        let swept = study.swept(point).into_iter().map(|value| Cell::Number(given(value, false)));
+        let swept =
+            study.swept(point).into_iter().map(|value| Cell::Number(R::given(value, false)));
         // Points are counted below 2^32 by `Study::points`.
         std::iter::once(Cell::Point(point as u32)).chain(swept).chain(asked_for)
     }
 }
 
 /// What a driven run settles to.
-pub(crate) struct Settled<'a> {
-    pub values: &'a SteadyValues,
+pub(crate) struct Settled<'a, R = f64> {
+    pub values: &'a SteadyValues<R>,
     /// Largest |x| without absorber.
-    pub bare: Option<Real>,
+    pub bare: Option<R>,
     pub moves_base: bool,
 }
 
-impl Settled<'_> {
+impl<R: Real> Settled<'_, R> {
     /// 1 − amplitude over that without absorber; null where the bare structure does not move, or
     /// without bound.
-    fn reduction(&self) -> Option<Real> {
+    fn reduction(&self) -> Option<R> {
         let share = self.values.amplitude_max? / self.bare.filter(|bare| bare.is_finite())?;
-        share.is_finite().then_some(1.0 - share)
+        share.is_finite().then_some(R::ONE - share)
     }
 
-    fn transmissibility(&self) -> Option<Real> {
+    fn transmissibility(&self) -> Option<R> {
         let base = self.values.base_max.filter(|base| self.moves_base && *base > 0.0)?;
         Some(self.values.acceleration_max? / base)
     }
@@ -83,43 +89,43 @@ impl Settled<'_> {
 
 /// What is told of the exactness of an impact.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Estimate {
+pub(crate) struct Estimate<R = f64> {
     /// Error of its instant, in natural units.
-    pub time: Option<Real>,
+    pub time: Option<R>,
     pub near_grazing: Option<bool>,
 }
 
 /// A row of `impacts`.
-pub(crate) struct ImpactRow<'a> {
+pub(crate) struct ImpactRow<'a, R = f64> {
     pub index: usize,
-    pub impact: &'a Impact,
+    pub impact: &'a Impact<R>,
     /// Of a pendulum, before and after.
-    pub angles: Option<[Angle; 2]>,
-    pub estimate: Estimate,
-    pub scale: &'a Scale,
+    pub angles: Option<[Angle<R>; 2]>,
+    pub estimate: Estimate<R>,
+    pub scale: &'a Scale<R>,
 }
 
 /// A row of `episodes`.
-pub(crate) struct EpisodeRow<'a> {
+pub(crate) struct EpisodeRow<'a, R = f64> {
     pub index: usize,
-    pub episode: &'a Episode,
-    pub scale: &'a Scale,
+    pub episode: &'a Episode<R>,
+    pub scale: &'a Scale<R>,
 }
 
 /// A row of `envelope`.
-pub(crate) struct PeakRow<'a> {
+pub(crate) struct PeakRow<'a, R = f64> {
     pub index: usize,
     /// All peaks of the run.
-    pub peaks: &'a [Peak],
-    pub scale: &'a Scale,
+    pub peaks: &'a [Peak<R>],
+    pub scale: &'a Scale<R>,
 }
 
-impl PeakRow<'_> {
-    fn peak(&self) -> &Peak {
+impl<R: Real> PeakRow<'_, R> {
+    fn peak(&self) -> &Peak<R> {
         &self.peaks[self.index]
     }
 
-    fn log_decrement(&self) -> Option<Real> {
+    fn log_decrement(&self) -> Option<R> {
         let earlier = self.peaks.get(self.index.checked_sub(2)?)?;
         let decrement = (earlier.displacement / self.peak().displacement).abs().ln();
         decrement.is_finite().then_some(decrement)
@@ -127,13 +133,13 @@ impl PeakRow<'_> {
 }
 
 /// A row of `stroboscope`.
-pub(crate) struct StrobeRow<'a> {
-    pub strobe: &'a Strobe,
-    pub before: Option<&'a Strobe>,
-    pub scale: &'a Scale,
+pub(crate) struct StrobeRow<'a, R = f64> {
+    pub strobe: &'a Strobe<R>,
+    pub before: Option<&'a Strobe<R>>,
+    pub scale: &'a Scale<R>,
 }
 
-impl StrobeRow<'_> {
+impl<R: Real> StrobeRow<'_, R> {
     /// Listed impacts since the strobe before.
     fn impacts(&self) -> u64 {
         self.strobe.impacts - self.before.map_or(0, |before| before.impacts)
@@ -141,16 +147,16 @@ impl StrobeRow<'_> {
 }
 
 /// A row that is an entry of a table of events.
-pub(crate) trait Row: Sized {
+pub(crate) trait Row<R>: Sized {
     /// The cells after `point`.
-    fn cells(&self) -> impl Iterator<Item = Cell>;
+    fn cells(&self) -> impl Iterator<Item = Cell<R>>;
 }
 
 macro_rules! rows {
     ($($row:ident: $table:ident;)*) => {
-        $(impl Row for $row<'_> {
-            fn cells(&self) -> impl Iterator<Item = Cell> {
-                let cells: &[fn(&Self) -> Cell] = &entries::$table!(cells);
+        $(impl<R: Real> Row<R> for $row<'_, R> {
+            fn cells(&self) -> impl Iterator<Item = Cell<R>> {
+                let cells: &[fn(&Self) -> Cell<R>] = &entries::$table!(cells);
                 cells.iter().map(|cell| cell(self))
             }
         })*

@@ -1,34 +1,34 @@
 //! The way from the core's natural units to the user's.
 
-use super::core::real::Real;
+use iva_core::real::Real;
 
 /// Factors from the core's natural units to the user's.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
+pub struct Scale<R = f64> {
     /// ωn in rad per user time unit.
-    pub natural_frequency: Real,
+    pub natural_frequency: R,
     /// Primary mass, 1 where energies are per unit mass.
-    pub mass: Real,
+    pub mass: R,
 }
 
-impl Scale {
+impl<R: Real> Scale<R> {
     /// Natural time → user time.
-    pub fn time(&self, tau: Real) -> Real {
+    pub fn time(&self, tau: R) -> R {
         tau / self.natural_frequency
     }
 
     /// Natural velocity → user velocity.
-    pub fn velocity(&self, velocity: Real) -> Real {
+    pub fn velocity(&self, velocity: R) -> R {
         velocity * self.natural_frequency
     }
 
     /// Natural angular velocity → user angular velocity.
-    pub fn angular_velocity(&self, rate: Real) -> Real {
+    pub fn angular_velocity(&self, rate: R) -> R {
         rate * self.natural_frequency
     }
 
     /// Natural energy → user energy.
-    pub fn energy(&self, energy: Real) -> Real {
+    pub fn energy(&self, energy: R) -> R {
         energy * (self.mass * self.natural_frequency * self.natural_frequency)
     }
 }

@@ -1,46 +1,46 @@
 //! What the core runs, whichever absorber it is.
 
-use super::core::force::Force;
-pub use super::core::force::{Acts, Harmonic};
-use super::core::host::DrivenHost;
-use super::core::piva::{self, Piva, PivaStart};
-use super::core::real::Real;
-use super::core::siva::Siva;
-use super::core::system::{Start, System};
+use iva_core::force::Force;
+pub use iva_core::force::{Acts, Harmonic};
+use iva_core::host::{DrivenHost, UndrivenHost};
+use iva_core::piva::{self, Piva, PivaStart};
+use iva_core::real::Real;
+use iva_core::siva::Siva;
+use iva_core::system::{Start, System};
 
 /// What the core runs. It lives on the stack, once a run.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
-pub enum Scene {
+pub enum Scene<R: Real = f64> {
     /// A free mass in free decay.
     Siva {
         /// The absorber.
-        system: Siva,
+        system: Siva<UndrivenHost<R>>,
         /// State at time zero.
-        start: Start,
+        start: Start<R>,
     },
     /// A free mass under force.
     DrivenSiva {
         /// The absorber.
-        system: Siva<DrivenHost>,
+        system: Siva<DrivenHost<R>>,
         /// State at time zero.
-        start: Start,
+        start: Start<R>,
     },
     /// A pendulum.
     Piva {
         /// The absorber.
-        system: Piva,
+        system: Piva<R>,
         /// State at time zero.
-        start: PivaStart,
+        start: PivaStart<R>,
         /// Acceleration of gravity in the user's unit; `None` where angles count as small and no
         /// length was given: then nothing depends on it, and there is no angle to report.
-        gravity: Option<Real>,
+        gravity: Option<R>,
     },
 }
 
-impl Scene {
+impl<R: Real> Scene<R> {
     /// μ = m/M.
-    pub fn mass_ratio(&self) -> Real {
+    pub fn mass_ratio(&self) -> R {
         match self {
             Scene::Siva { system, .. } => system.mass_ratio(),
             Scene::DrivenSiva { system, .. } => system.mass_ratio(),
@@ -49,7 +49,7 @@ impl Scene {
     }
 
     /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> Real {
+    pub fn restitution(&self) -> R {
         match self {
             Scene::Siva { system, .. } => system.restitution(),
             Scene::DrivenSiva { system, .. } => system.restitution(),
@@ -58,7 +58,7 @@ impl Scene {
     }
 
     /// One-sided clearance d.
-    pub fn clearance(&self) -> Real {
+    pub fn clearance(&self) -> R {
         match self {
             Scene::Siva { system, .. } => system.clearance(),
             Scene::DrivenSiva { system, .. } => system.clearance(),
@@ -67,7 +67,7 @@ impl Scene {
     }
 
     /// ζ of the bare primary.
-    pub fn damping_ratio(&self) -> Real {
+    pub fn damping_ratio(&self) -> R {
         match self {
             Scene::Siva { system, .. } => system.damping_ratio(),
             Scene::DrivenSiva { system, .. } => system.damping_ratio(),
@@ -76,7 +76,7 @@ impl Scene {
     }
 
     /// What a pendulum is made of.
-    pub fn pendulum(&self) -> Option<&piva::Parameters> {
+    pub fn pendulum(&self) -> Option<&piva::Parameters<R>> {
         match self {
             Scene::Siva { .. } | Scene::DrivenSiva { .. } => None,
             Scene::Piva { system, .. } => Some(system.parameters()),
@@ -84,7 +84,7 @@ impl Scene {
     }
 
     /// Velocity of the primary at time zero.
-    pub fn velocity(&self) -> Real {
+    pub fn velocity(&self) -> R {
         match self {
             Scene::Siva { start, .. } | Scene::DrivenSiva { start, .. } => start.velocity,
             Scene::Piva { start, .. } => start.velocity,
@@ -92,7 +92,7 @@ impl Scene {
     }
 
     /// Displacement of the primary at time zero.
-    pub fn displacement(&self) -> Real {
+    pub fn displacement(&self) -> R {
         match self {
             Scene::Siva { start, .. } | Scene::DrivenSiva { start, .. } => start.displacement,
             Scene::Piva { start, .. } => start.displacement,
@@ -119,7 +119,7 @@ impl Scene {
     }
 
     /// The sum of all that drives it; `None` in free decay.
-    pub fn force(&self) -> Option<&Force> {
+    pub fn force(&self) -> Option<&Force<R>> {
         match self {
             Scene::Siva { .. } => None,
             Scene::DrivenSiva { system, .. } => system.force(),
@@ -133,7 +133,7 @@ impl Scene {
     }
 
     /// Acceleration of gravity on a pendulum, in the user's unit.
-    pub fn gravity(&self) -> Option<Real> {
+    pub fn gravity(&self) -> Option<R> {
         match self {
             Scene::Siva { .. } | Scene::DrivenSiva { .. } => None,
             Scene::Piva { gravity, .. } => *gravity,

@@ -125,7 +125,7 @@ impl Scene {
         }
     }
 
-    fn watched<S: System>(
+    fn watched<S: System<Real = f64>>(
         &self,
         system: &S,
         start: &S::Start,

@@ -132,12 +132,12 @@ impl Watch {
     }
 }
 
-impl<S: System> Observer<S> for Watch {
+impl<S: System<Real = f64>> Observer<S> for Watch {
     fn start(&mut self, system: &S, state: &S::State, _duration: f64) {
         self.energy[0] = system.energy(state);
     }
 
-    fn span<M: Motion<State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         let length = span.length;
         self.digest(length);
         for value in [span.to.x, span.to.v] {

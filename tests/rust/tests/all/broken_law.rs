@@ -27,6 +27,7 @@ struct Broken {
 }
 
 impl System for Broken {
+    type Real = f64;
     type Start = Start;
     type State = SivaState;
     type Flight<'a> = <Siva as System>::Flight<'a>;

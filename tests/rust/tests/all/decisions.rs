@@ -23,6 +23,7 @@ struct Noisy {
 }
 
 impl Curve for Noisy {
+    type Real = f64;
     type Sample = f64;
 
     fn sample(&self, h: f64) -> f64 {
@@ -125,7 +126,11 @@ fn the_precise_distance_of_a_pendulum_leaves_out_less_than_the_band() {
 
 #[test]
 fn the_pressure_gain_is_the_rise_of_the_pressure_at_a_slow_impact() {
-    fn rise<S: System<Start: From<Start>>>(system: &S, clearance: f64, approach: f64) -> f64 {
+    fn rise<S: System<Real = f64, Start: From<Start>>>(
+        system: &S,
+        clearance: f64,
+        approach: f64,
+    ) -> f64 {
         let start = Start {
             displacement: 1.0,
             velocity: 0.2,

@@ -177,7 +177,7 @@ impl MovingBase {
     /// From a displacement relative to the base, at rest there: as it is, and as seen from outside.
     fn both<S>(&self, under: impl Fn(Force) -> S, x: f64, duration: f64) -> [Run<S::State>; 2]
     where
-        S: System<Start: From<Start>>,
+        S: System<Real = f64, Start: From<Start>>,
     {
         let (Harmonic { frequency, phase, .. }, moved) = (self.acceleration, self.moved());
         let seen = vec![
@@ -199,7 +199,7 @@ impl MovingBase {
     /// The same impacts at the same times, and a ledger that closes.
     fn is_a_force<S>(&self, under: impl Fn(Force) -> S, x: f64) -> TestCaseResult
     where
-        S: System<Start: From<Start>>,
+        S: System<Real = f64, Start: From<Start>>,
     {
         let [one, other] = self.both(under, x, 12.0);
         // Rounding of the inputs, some ulp of 1 + a/Ω², grows by a factor of a few at each impact.
@@ -223,7 +223,7 @@ impl MovingBase {
 /// A mirrored scene is the same to the bit, and one whose phase is a turn further to rounding.
 fn mirror_and_turn<S>(under: impl Fn(Force) -> S, force: Harmonic, x: f64) -> TestCaseResult
 where
-    S: System<Start: From<Start>>,
+    S: System<Real = f64, Start: From<Start>>,
 {
     let scene = |amplitude: f64, phase: f64, displacement: f64| {
         let harmonic = Harmonic { amplitude, phase, ..force };
@@ -373,7 +373,7 @@ proptest! {
 /// Many sticks a cycle keep the ledger and look the same from outside.
 fn many_sticks<S>(under: impl Fn(Force) -> S, damping_ratio: f64)
 where
-    S: System<Start: From<Start>>,
+    S: System<Real = f64, Start: From<Start>>,
 {
     let acceleration = Harmonic { amplitude: 0.3, frequency: 0.8, phase: 0.4, acts: Acts::Base };
     let [one, other] = MovingBase { acceleration, damping_ratio }.both(under, 0.5, 40.0 * TAU);

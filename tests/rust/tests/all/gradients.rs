@@ -10,10 +10,11 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use iva_core::twofold::Twofold;
-use iva_core_twofold::{
+use iva_core::{
     force::{Acts, Force, Harmonic},
+    impact::Impact,
     piva::{Parameters, Piva, PivaStart},
+    real::{Real, dual::Dual, twofold::Twofold},
     run::{Run, run},
     simulate::{Limits, Outcome},
     siva::Siva,
@@ -40,9 +41,9 @@ struct Numbers {
     summary: Vec<(&'static str, Option<Twofold>)>,
 }
 
-fn numbers<S: System>(system: &S, start: &S::Start, duration: f64) -> Numbers {
+fn numbers<S: System<Real = Twofold>>(system: &S, start: &S::Start, duration: f64) -> Numbers {
     let limits = Limits::new(duration.into(), system.clearance());
-    let run: Run<S::State> = run(system, start, &limits).unwrap();
+    let run: Run<S::State, Twofold> = run(system, start, &limits).unwrap();
     assert_eq!(run.tally.outcome, Outcome::Finished);
     let m = run.measures;
     Numbers {
@@ -241,34 +242,31 @@ fn derivatives_of_pendulums_are_right() {
     assert!(check.compared > 3000 && check.flagged < check.compared / 3);
 }
 
-/// Impacts of a free mass or, under force or gravity, a pendulum, with the numbers of one core: bits of values.
-macro_rules! bits {
-    ($core:ident, $fields:expr, $pendulum:expr, $force:expr, $cycles:expr, $value:expr) => {{
-        use $core::force::{Acts, Force, Harmonic};
-        use $core::piva::{Parameters, Piva, PivaStart};
-        use $core::simulate::Limits;
-        use $core::{run::run, siva::Siva, system::Start};
-        let [mass, e, d, zeta, x, v]: [$core::real::Real; 6] = $fields.map(Into::into);
-        let start = Start { displacement: x, velocity: v, ..Start::default() };
-        let duration: $core::real::Real = ($cycles * std::f64::consts::TAU).into();
-        let limits = Limits::new(duration, d);
-        let found = if $pendulum {
-            let [frequency_ratio, amplitude, frequency] = $force.map(Into::into);
-            let bob = Parameters::point_bob(mass, e, d, zeta, d * 2.0);
-            let phase = 0.0.into();
-            let harmonic = Harmonic { amplitude, frequency, phase, acts: Acts::Primary };
-            let force = Force::harmonic(vec![harmonic]).unwrap();
-            let piva = Piva::new(Parameters { frequency_ratio, ..bob }).unwrap().under(force);
-            run(&piva, &PivaStart::from(start), &limits).unwrap().impacts
-        } else {
-            run(&Siva::new(mass, e, d, zeta).unwrap(), &start, &limits).unwrap().impacts
-        };
-        let list = |it: &$core::impact::Impact| {
-            let numbers = [it.time, it.displacement, it.velocity_after, it.gap_velocity_before];
-            (it.wall.number(), numbers.map($value).map(f64::to_bits))
-        };
-        found.iter().map(list).collect::<Vec<(i8, [u64; 4])>>()
-    }};
+/// Impacts of a free mass or, under force or gravity, a pendulum, in numbers of one kind: bits of values.
+fn bits<R: Real>(
+    fields: [f64; 6],
+    pendulum: bool,
+    force: [f64; 3],
+    cycles: f64,
+) -> Vec<(i8, [u64; 4])> {
+    let [mass, e, d, zeta, x, v] = fields.map(R::from);
+    let start = Start { displacement: x, velocity: v, ..Start::default() };
+    let limits = Limits::new(R::from(cycles * std::f64::consts::TAU), d);
+    let found = if pendulum {
+        let [frequency_ratio, amplitude, frequency] = force.map(R::from);
+        let bob = Parameters::point_bob(mass, e, d, zeta, d * 2.0);
+        let harmonic = Harmonic { amplitude, frequency, phase: R::ZERO, acts: Acts::Primary };
+        let force = Force::harmonic(vec![harmonic]).unwrap();
+        let piva = Piva::new(Parameters { frequency_ratio, ..bob }).unwrap().under(force);
+        run(&piva, &PivaStart::from(start), &limits).unwrap().impacts
+    } else {
+        run(&Siva::new(mass, e, d, zeta).unwrap(), &start, &limits).unwrap().impacts
+    };
+    let list = |it: &Impact<R>| {
+        let numbers = [it.time, it.displacement, it.velocity_after, it.gap_velocity_before];
+        (it.wall.number(), numbers.map(|number| number.double().to_bits()))
+    };
+    found.iter().map(list).collect()
 }
 
 /// Chaotic runs too: each decision falls on the same bits.
@@ -287,8 +285,8 @@ fn a_run_with_derivatives_is_the_run_to_the_bit() {
         ];
         let (pendulum, forces) = (number % 3 == 0, [rng.range(0.0, 1.0), 0.5, 1.2]);
         let cycles = if pendulum { 20.0 } else { 60.0 };
-        let run = bits!(iva_core, fields, pendulum, forces, cycles, f64::from);
-        let dual = bits!(iva_core_dual, fields, pendulum, forces, cycles, f64::from);
+        let run = bits::<f64>(fields, pendulum, forces, cycles);
+        let dual = bits::<Dual>(fields, pendulum, forces, cycles);
         assert_eq!(run.len(), dual.len(), "{fields:?}");
         for (index, (run, dual)) in run.iter().zip(&dual).enumerate() {
             assert_eq!(run, dual, "impact {index} of {fields:?}");

@@ -33,7 +33,11 @@ struct Widest {
 }
 
 impl Observer<Siva> for Widest {
-    fn span<M: Motion<State = SivaState>>(&mut self, system: &Siva, span: &Span<'_, M>) {
+    fn span<M: Motion<Real = f64, State = SivaState>>(
+        &mut self,
+        system: &Siva,
+        span: &Span<'_, M>,
+    ) {
         self.spans += 1;
         let near_the_ends = [0.0, 1e-12, 1e-6, 1e-3];
         let shares = (0..=32)

@@ -43,7 +43,7 @@ fn start(displacement: f64) -> Start {
 
 fn driven<S>(under: impl Fn(Force) -> S, force: &Force, from: f64, duration: f64) -> Run<S::State>
 where
-    S: System<Start: From<Start>>,
+    S: System<Real = f64, Start: From<Start>>,
 {
     let system = under(force.clone());
     let limits = Limits::new(duration, system.clearance());
@@ -95,7 +95,10 @@ fn broken_line(cuts: u32) -> Vec<[f64; 2]> {
     points
 }
 
-fn cuts_move_no_event<S: System<Start: From<Start>>>(under: impl Fn(Force) -> S, acts: Acts) {
+fn cuts_move_no_event<S: System<Real = f64, Start: From<Start>>>(
+    under: impl Fn(Force) -> S,
+    acts: Acts,
+) {
     let whole = record(acts, broken_line(1));
     let events = |force: &Force, from| driven(&under, force, from, 35.0).impacts;
     let reference = events(&whole, 1.0);
@@ -122,7 +125,10 @@ fn cutting_the_lines_moves_no_event() {
     }
 }
 
-fn samples_converge<S: System<Start: From<Start>>>(under: impl Fn(Force) -> S, acts: Acts) {
+fn samples_converge<S: System<Real = f64, Start: From<Start>>>(
+    under: impl Fn(Force) -> S,
+    acts: Acts,
+) {
     let (amplitude, frequency, phase) = (0.3, 0.9, 0.4);
     let harmonic = Harmonic { amplitude, frequency, phase, acts };
     let exact = driven(&under, &Force::harmonic(vec![harmonic]).unwrap(), 0.2, 25.0);
@@ -156,7 +162,7 @@ fn a_sampled_harmonic_converges_at_second_order() {
 }
 
 /// A thousand impacts at least, and the ledger closed.
-fn assert_closed<S: System<Start: From<Start>>>(
+fn assert_closed<S: System<Real = f64, Start: From<Start>>>(
     under: impl Fn(Force) -> S,
     force: &Force,
     duration: f64,
@@ -220,7 +226,7 @@ impl Scene {
     /// A run that begins `later` finds the impacts that are after it.
     fn may_begin<S>(&self, under: impl Fn(Force) -> S, later: f64) -> TestCaseResult
     where
-        S: System<Start: From<Start>>,
+        S: System<Real = f64, Start: From<Start>>,
     {
         let run_from = |zero: f64, more: f64, begin: Start| {
             let system = under(self.force(zero, more));
@@ -271,7 +277,7 @@ impl Scene {
     }
 }
 
-fn walls_and_ledger_hold<S: System<Start: From<Start>>>(system: &S) -> TestCaseResult {
+fn walls_and_ledger_hold<S: System<Real = f64, Start: From<Start>>>(system: &S) -> TestCaseResult {
     let begin = start(0.5).into();
     let limits = Limits::new(40.0, system.clearance());
     let run = run(system, &begin, &limits).unwrap();

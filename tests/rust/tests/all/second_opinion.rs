@@ -120,7 +120,7 @@ fn simulated(scene: &Scene, end: f64) -> Answer {
     }
 }
 
-fn answer<S: System>(system: &S, start: &S::Start, clearance: f64, end: f64) -> Answer {
+fn answer<S: System<Real = f64>>(system: &S, start: &S::Start, clearance: f64, end: f64) -> Answer {
     let limits = Limits { chatter_floor: 1e-9, ..Limits::new(end, clearance) };
     let Run { impacts, episodes, .. } = run(system, start, &limits).unwrap();
     let last = states(system, start, &limits, &[end]).unwrap()[0];

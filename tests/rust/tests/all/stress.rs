@@ -153,7 +153,7 @@ impl Grazing<'_> {
     }
 }
 
-fn first_of<S: System>(
+fn first_of<S: System<Real = f64>>(
     system: &S,
     start: &S::Start,
     d: f64,
@@ -329,8 +329,8 @@ struct Counted {
     spans: u64,
 }
 
-impl<S: System> Observer<S> for Counted {
-    fn span<M: iva_core::flight::Motion<State = S::State>>(
+impl<S: System<Real = f64>> Observer<S> for Counted {
+    fn span<M: iva_core::flight::Motion<Real = f64, State = S::State>>(
         &mut self,
         _system: &S,
         _span: &iva_core::observe::Span<'_, M>,

@@ -33,7 +33,7 @@ fn refused<T: std::fmt::Debug>(result: Result<T, Invalid>, field: &str, value: f
     assert!(!error.value.is_empty() && !error.allowed.is_empty());
 }
 
-fn goes<S: System>(system: &S, start: &S::Start, what: &str)
+fn goes<S: System<Real = f64>>(system: &S, start: &S::Start, what: &str)
 where
     S::State: PartialEq,
 {

@@ -327,6 +327,6 @@ fn work_of(study: &Study) -> u64 {
     }
 }
 
-fn tally<S: System>(system: &S, start: &S::Start, limits: &Limits) -> u64 {
+fn tally<S: System<Real = f64>>(system: &S, start: &S::Start, limits: &Limits) -> u64 {
     simulate(system, start, limits, None, &mut ()).unwrap().work
 }

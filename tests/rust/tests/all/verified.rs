@@ -9,11 +9,11 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use iva_core::twofold::Twofold;
-use iva_core_twofold::{
+use iva_core::{
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     piva::{Parameters, Piva, PivaStart},
+    real::{Real, twofold::Twofold},
     run::{Run, run},
     simulate::{Limits, Outcome},
     siva::Siva,
@@ -43,7 +43,7 @@ fn twofold(number: Dd) -> Twofold {
 }
 
 /// Events in order of time; at one instant an impact before the stick that it ends in.
-fn marks<S>(run: &Run<S>) -> Vec<(Kind, f64, Twofold)> {
+fn marks<S>(run: &Run<S, Twofold>) -> Vec<(Kind, f64, Twofold)> {
     let mut marks: Vec<(Kind, f64, Twofold)> = Vec::new();
     for impact in run.impacts.iter().filter(|impact| impact.approach_speed() > FLOOR) {
         marks.push((Kind::Impact, impact.wall.sign(), impact.time));
@@ -56,7 +56,13 @@ fn marks<S>(run: &Run<S>) -> Vec<(Kind, f64, Twofold)> {
     marks
 }
 
-fn check<S: System>(name: &str, system: &S, start: &S::Start, duration: f64, events: &[Expected]) {
+fn check<S: System<Real = Twofold>>(
+    name: &str,
+    system: &S,
+    start: &S::Start,
+    duration: f64,
+    events: &[Expected],
+) {
     let limits =
         Limits { chatter_floor: FLOOR.into(), ..Limits::new(duration.into(), system.clearance()) };
     let run = run(system, start, &limits).unwrap();
@@ -119,7 +125,7 @@ fn runs_of_whole_periods_agree_to_their_very_end() {
     }
 }
 
-fn force(given: &BTreeMap<String, Dd>) -> Force {
+fn force(given: &BTreeMap<String, Dd>) -> Force<Twofold> {
     let harmonic = given.get("F").map(|amplitude| Harmonic {
         amplitude: twofold(*amplitude),
         frequency: twofold(given["Omega"]),
@@ -130,7 +136,7 @@ fn force(given: &BTreeMap<String, Dd>) -> Force {
 }
 
 /// A free mass as what it is; `None` of a pendulum.
-fn mass(given: &BTreeMap<String, Dd>) -> Option<Siva<DrivenHost>> {
+fn mass(given: &BTreeMap<String, Dd>) -> Option<Siva<DrivenHost<Twofold>>> {
     let key = |name: &str| twofold(given[name]);
     if given.contains_key("r") {
         return None;
@@ -140,7 +146,7 @@ fn mass(given: &BTreeMap<String, Dd>) -> Option<Siva<DrivenHost>> {
 }
 
 /// A pendulum; a free mass is one at small angles without gravity.
-fn pendulum(given: &BTreeMap<String, Dd>) -> Piva {
+fn pendulum(given: &BTreeMap<String, Dd>) -> Piva<Twofold> {
     let key = |name: &str| twofold(given[name]);
     let [mass_ratio, restitution, clearance] = ["mu", "e", "gamma"].map(key);
     let damping_ratio = key("zeta");

@@ -6,73 +6,75 @@ use super::{Driven, Forces, Moment};
 use crate::compensated::Sum;
 use crate::force::Force;
 use crate::host::Host;
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::system::Clock;
 
 /// A structure under force and base motion.
 #[derive(Debug, Clone)]
-pub struct DrivenHost {
-    damping_ratio: Real,
-    mass_ratio: Real,
-    forces: Forces,
-    free: Driven,
+pub struct DrivenHost<R: Real = f64> {
+    damping_ratio: R,
+    mass_ratio: R,
+    forces: Forces<R>,
+    free: Driven<Forces<R>>,
     /// With the mass 1 + μ; made where the absorber sticks.
-    loaded: OnceLock<Box<Driven>>,
+    loaded: OnceLock<Box<Driven<Forces<R>>>>,
 }
 
-impl DrivenHost {
+impl<R: Real> DrivenHost<R> {
     /// A structure of damping ratio ζ under a force, for an absorber of mass ratio μ.
-    pub(crate) fn new(damping_ratio: Real, mass_ratio: Real, force: Force) -> Self {
+    pub(crate) fn new(damping_ratio: R, mass_ratio: R, force: Force<R>) -> Self {
         let forces = Forces::new(force);
-        let free = Driven::new(ONE, damping_ratio, &forces);
+        let free = Driven::new(R::ONE, damping_ratio, &forces);
         Self { damping_ratio, mass_ratio, forces, free, loaded: OnceLock::new() }
     }
 }
 
-impl Host for DrivenHost {
-    type Structure = Driven;
+impl<R: Real> Host for DrivenHost<R> {
+    type Real = R;
+    type Structure = Driven<Forces<R>>;
 
-    fn damping_ratio(&self) -> Real {
+    fn damping_ratio(&self) -> R {
         self.damping_ratio
     }
 
     #[inline(always)]
-    fn free(&self) -> &Driven {
+    fn free(&self) -> &Driven<Forces<R>> {
         &self.free
     }
 
-    fn loaded(&self) -> &Driven {
-        let loaded = || Driven::new(1.0 + self.mass_ratio, self.damping_ratio, &self.forces);
+    fn loaded(&self) -> &Driven<Forces<R>> {
+        let loaded = || Driven::new(R::ONE + self.mass_ratio, self.damping_ratio, &self.forces);
         self.loaded.get_or_init(|| Box::new(loaded()))
     }
 
-    fn begin(&self) -> Moment {
+    fn begin(&self) -> Moment<R> {
         self.free.moment(Clock::ZERO, Clock::ZERO, 0)
     }
 
-    fn balanced(&self, phase: &Moment, v: Sum) -> Sum {
+    fn balanced(&self, phase: &Moment<R>, v: Sum<R>) -> Sum<R> {
         phase.pushes.primary.value - v.times(self.free.equation.damping)
     }
 
-    fn leaning(&self, phase: &Moment) -> [Real; 3] {
-        let kicked = self.forces.force.impulses().next().map_or(ZERO, |impulse| impulse.velocity);
+    fn leaning(&self, phase: &Moment<R>) -> [R; 3] {
+        let kicked =
+            self.forces.force.impulses().next().map_or(R::ZERO, |impulse| impulse.velocity);
         [phase.pushes.primary.rate.value, phase.pushes.primary.second.value, kicked]
     }
 
-    fn force(&self) -> Option<&Force> {
+    fn force(&self) -> Option<&Force<R>> {
         Some(&self.forces.force)
     }
 
-    fn smooth_for(&self, phase: &Moment) -> Real {
+    fn smooth_for(&self, phase: &Moment<R>) -> R {
         let end = self.forces.force.smooth_until(phase.time, phase.kicks);
-        end.map_or(Real::INFINITY, |end| (end - phase.time).value)
+        end.map_or(R::INFINITY, |end| (end - phase.time).value)
     }
 
-    fn due(&self, phase: &Moment) -> Option<Real> {
+    fn due(&self, phase: &Moment<R>) -> Option<R> {
         self.forces.force.due(phase.time, phase.kicks)
     }
 
-    fn kicked(&self, phase: &Moment) -> Moment {
+    fn kicked(&self, phase: &Moment<R>) -> Moment<R> {
         self.free.moment(phase.time, phase.time, phase.kicks + 1)
     }
 }

@@ -3,7 +3,7 @@
 //! The square of a motion within one time scale of oscillator and force is integrated to some 10⁻¹⁷ of it, the
 //! nodes side by side. The integrals are no differences of energies, so that the ledger proves something.
 
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::taylor::{ORDER, Row};
 
 /// Number of nodes.
@@ -34,26 +34,26 @@ const WEIGHTS: [(f64, f64); COUNT] = [
 ];
 
 /// A function at all nodes.
-pub(crate) type Nodes = [Real; COUNT];
+pub(crate) type Nodes<R> = [R; COUNT];
 
 /// A node on [from, to].
 #[inline(always)]
-pub(crate) fn node(n: usize, [from, to]: [Real; 2]) -> Real {
+pub(crate) fn node<R: Real>(n: usize, [from, to]: [R; 2]) -> R {
     let (at, rest) = NODES[n];
-    (at + rest * ONE) * (to - from) + from
+    (R::from(at) + R::from(rest)) * (to - from) + from
 }
 
 /// Its weight.
 #[inline(always)]
-pub(crate) fn weight(n: usize) -> Real {
+pub(crate) fn weight<R: Real>(n: usize) -> R {
     let (weight, rest) = WEIGHTS[n];
-    weight + rest * ONE
+    R::from(weight) + R::from(rest)
 }
 
 /// The nodes on [from, to].
 #[inline(always)]
-pub(super) fn nodes(ends: [Real; 2]) -> Nodes {
-    let mut nodes = [ZERO; COUNT];
+pub(super) fn nodes<R: Real>(ends: [R; 2]) -> Nodes<R> {
+    let mut nodes = [R::ZERO; COUNT];
     for (n, at) in nodes.iter_mut().enumerate() {
         *at = node(n, ends);
     }
@@ -62,8 +62,8 @@ pub(super) fn nodes(ends: [Real; 2]) -> Nodes {
 
 /// A polynomial at all nodes.
 #[inline(always)]
-pub(super) fn at_nodes(row: &Row<Real>, t: &Nodes) -> Nodes {
-    let mut values = [ZERO; COUNT];
+pub(super) fn at_nodes<R: Real>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
+    let mut values = [R::ZERO; COUNT];
     for k in (0..=ORDER).rev() {
         for (value, t) in values.iter_mut().zip(t) {
             *value = value.mul_add(*t, row[k]);
@@ -74,17 +74,17 @@ pub(super) fn at_nodes(row: &Row<Real>, t: &Nodes) -> Nodes {
 
 /// The mean of f g.
 #[inline(always)]
-pub(super) fn mean_product(f: &Nodes, g: &Nodes) -> Real {
-    let mut terms = [ZERO; COUNT];
+pub(super) fn mean_product<R: Real>(f: &Nodes<R>, g: &Nodes<R>) -> R {
+    let mut terms = [R::ZERO; COUNT];
     for (n, term) in terms.iter_mut().enumerate() {
-        *term = weight(n) * (f[n] * g[n]);
+        *term = weight::<R>(n) * (f[n] * g[n]);
     }
     sum_of(&terms)
 }
 
 /// The sum over all nodes, those of equal weight first.
 #[inline(always)]
-pub(crate) fn sum_of(terms: &Nodes) -> Real {
+pub(crate) fn sum_of<R: Real>(terms: &Nodes<R>) -> R {
     ((terms[0] + terms[7]) + (terms[1] + terms[6]))
         + ((terms[2] + terms[5]) + (terms[3] + terms[4]))
 }

@@ -5,25 +5,25 @@ use super::{Course, Driven, Moment, Source};
 use crate::flight::{Arc, Arcs};
 use crate::host::turning::{Jets, Turned, guess, turned_once};
 use crate::host::{HostState, Integrated, Structure};
-use crate::real::{ONE, Real, ZERO};
+use crate::real::Real;
 use crate::taylor::{ORDER, Row, unrolled};
 
-impl<D: Source> Driven<D> {
+impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// A row times (n + 1)/step, one power less: its derivative.
     #[inline(always)]
-    pub(crate) fn derivative(&self, row: &Row<Real>) -> Row<Real> {
-        let mut derivative = [ZERO; ORDER + 1];
+    pub(crate) fn derivative(&self, row: &Row<R>) -> Row<R> {
+        let mut derivative = [R::ZERO; ORDER + 1];
         unrolled!(n < ORDER => {
-            derivative[n] = (n + 1) as f64 * (row[n + 1] / self.step);
+            derivative[n] = (row[n + 1] / self.step) * ((n + 1) as f64);
         });
         derivative
     }
 
     /// A series and its derivatives after a time h.
     #[inline(always)]
-    fn jets(&self, row: &Row<Real>, h: Real) -> Jets {
+    fn jets(&self, row: &Row<R>, h: R) -> Jets<R> {
         let t = h / self.step;
-        let mut sums = [ZERO; 5];
+        let mut sums = [R::ZERO; 5];
         unrolled!(k < ORDER + 1 => {
             sums[4] = sums[4].mul_add(t, sums[3]);
             sums[3] = sums[3].mul_add(t, sums[2]);
@@ -31,15 +31,15 @@ impl<D: Source> Driven<D> {
             sums[1] = sums[1].mul_add(t, sums[0]);
             sums[0] = sums[0].mul_add(t, row[ORDER - k]);
         });
-        let over = ONE / self.step;
+        let over = R::ONE / self.step;
         let [square, cube] = [over * over, over * over * over];
         let [x, v, a, j, s] = sums;
-        [x, v * over, 2.0 * (a * square), 6.0 * (j * cube), 24.0 * (s * (square * square))]
+        [x, v * over, (a * square) * 2.0, (j * cube) * 6.0, (s * (square * square)) * 24.0]
     }
 
     /// A of this mass, and its derivative.
     #[inline(always)]
-    fn pulled(&self, state: &HostState<Moment>) -> [Real; 2] {
+    fn pulled(&self, state: &HostState<Moment<R>, R>) -> [R; 2] {
         let a = self.acceleration(&state.phase, &state.primary).value;
         let [jerk, ..] = self.derivatives(&state.phase, state.primary.v.value, a);
         [a, jerk]
@@ -47,7 +47,7 @@ impl<D: Source> Driven<D> {
 
     /// ẋ, ẍ and x⃛ of this mass.
     #[inline(always)]
-    fn moved(&self, state: &HostState<Moment>) -> [Real; 3] {
+    fn moved(&self, state: &HostState<Moment<R>, R>) -> [R; 3] {
         let [a, jerk] = self.pulled(state);
         let [base, base_rate, ..] = self.base(&state.phase);
         [state.primary.v.value, a - base, jerk - base_rate]
@@ -55,13 +55,13 @@ impl<D: Source> Driven<D> {
 
     /// Coefficients of a_g.
     #[inline(always)]
-    pub(crate) fn base_row(&self, course: &Course) -> Row<Real> {
+    pub(crate) fn base_row(&self, course: &Course<R>) -> Row<R> {
         self.derivative(&self.derivative(&course.carried))
     }
 
     /// Coefficients of x.
     #[inline(always)]
-    pub(crate) fn place(&self, from: &HostState<Moment>, course: &Course) -> Row<Real> {
+    pub(crate) fn place(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Row<R> {
         let mut x = course.pulled;
         if self.source.moves_base() {
             for (place, carried) in x.iter_mut().zip(&course.carried) {
@@ -74,15 +74,15 @@ impl<D: Source> Driven<D> {
 
     /// Coefficients of A.
     #[inline(always)]
-    pub(super) fn acceleration_row(&self, course: &Course) -> Row<Real> {
+    pub(super) fn acceleration_row(&self, course: &Course<R>) -> Row<R> {
         self.derivative(&self.derivative(&course.pulled))
     }
 
     /// ∫ 2ζ ẋ², and ∫ (f/M) ẋ − a_g p with p the momentum of structure and absorber.
     #[inline(always)]
-    pub(super) fn taken_and_given(&self, motion: &Integrated<'_, Self>, h: Real) -> [Real; 2] {
+    pub(super) fn taken_and_given(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         let Integrated { from, course, mass_ratio, gap_velocity } = *motion;
-        let t = nodes([ZERO, h / self.step]);
+        let t = nodes([R::ZERO, h / self.step]);
         let velocity = at_nodes(&self.derivative(&self.place(from, course)), &t);
         let viscous = self.equation.damping / self.equation.stiffness;
         let lost = viscous * mean_product(&velocity, &velocity) * h;
@@ -91,7 +91,7 @@ impl<D: Source> Driven<D> {
             let gained = at_nodes(&self.derivative(&course.pulled), &t);
             let base = at_nodes(&self.base_row(course), &t);
             let momentum = std::array::from_fn(|i| {
-                let absorber = gap_velocity.map_or(ZERO, |w| w - gained[i]);
+                let absorber = gap_velocity.map_or(R::ZERO, |w| w - gained[i]);
                 velocity[i] + mass_ratio * (velocity[i] + absorber)
             });
             work -= mean_product(&base, &momentum);
@@ -101,7 +101,11 @@ impl<D: Source> Driven<D> {
 
     /// What is known of a motion between its ends.
     #[inline(always)]
-    pub(crate) fn known(&self, from: &HostState<Moment>, end: &HostState<Moment>) -> Arcs {
+    pub(crate) fn known(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        end: &HostState<Moment<R>, R>,
+    ) -> Arcs<R> {
         let (a, b) = (self.pulled(from), self.pulled(end));
         let primary = &from.primary;
         Arcs {
@@ -124,11 +128,11 @@ impl<D: Source> Driven<D> {
     #[inline(always)]
     pub(crate) fn displacement_turned(
         &self,
-        from: &HostState<Moment>,
-        course: &Course,
-        end: &HostState<Moment>,
-        h: Real,
-    ) -> Turned {
+        from: &HostState<Moment<R>, R>,
+        course: &Course<R>,
+        end: &HostState<Moment<R>, R>,
+        h: R,
+    ) -> Turned<R> {
         let bounds = [
             self.bound::<1>(&from.primary) + self.base[1],
             self.bound::<2>(&from.primary) + self.base[2],
@@ -144,11 +148,11 @@ impl<D: Source> Driven<D> {
     #[inline(always)]
     pub(crate) fn acceleration_turned(
         &self,
-        from: &HostState<Moment>,
-        course: &Course,
-        end: &HostState<Moment>,
-        h: Real,
-    ) -> Turned {
+        from: &HostState<Moment<R>, R>,
+        course: &Course<R>,
+        end: &HostState<Moment<R>, R>,
+        h: R,
+    ) -> Turned<R> {
         let primary = &from.primary;
         let bounds = [self.bound::<3>(primary), self.bound::<4>(primary), self.bound::<5>(primary)];
         let (begin, at_end) = (self.steepened(from), self.steepened(end));
@@ -159,7 +163,7 @@ impl<D: Source> Driven<D> {
 
     /// The first three derivatives of A.
     #[inline(always)]
-    fn steepened(&self, state: &HostState<Moment>) -> [Real; 3] {
+    fn steepened(&self, state: &HostState<Moment<R>, R>) -> [R; 3] {
         let a = self.acceleration(&state.phase, &state.primary).value;
         self.derivatives(&state.phase, state.primary.v.value, a)
     }

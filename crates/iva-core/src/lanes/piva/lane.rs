@@ -6,17 +6,16 @@ use crate::lanes::watch::{Watch, Watches};
 use crate::measures::Measures;
 use crate::oscillator::Primary;
 use crate::piva::{Piva, PivaState};
-use crate::real::Real;
 use crate::simulate::{Phase, Run};
 use crate::system::Wall;
 use crate::taylor::Pendulum;
 
 /// No wall,
-pub(super) const NONE: Real = 0.0;
+pub(super) const NONE: f64 = 0.0;
 /// the near one,
-pub(super) const NEAR: Real = 1.0;
+pub(super) const NEAR: f64 = 1.0;
 /// the far one.
-pub(super) const FAR: Real = 2.0;
+pub(super) const FAR: f64 = 2.0;
 
 arrays! {
     /// A state in flight.
@@ -132,7 +131,7 @@ impl Lane {
     pub fn idle() -> Self {
         let pose =
             Pose { side: 1.0, clearance: 1.0, distance: 1.0, cosine: 1.0, ..Pose::default() };
-        let (never, one) = (Real::INFINITY, 1.0);
+        let (never, one) = (f64::INFINITY, 1.0);
         let still =
             Self { contact_distance: one, inertia_ratio: one, lever: one, ..Self::default() };
         let still = Self { coupling: one, frequency_squared: one, gap_size: one, ..still };
@@ -141,7 +140,7 @@ impl Lane {
     }
 
     /// A run in flight.
-    pub fn of(run: &Run<'_, Piva, Measures<Piva>>, first: Real) -> Self {
+    pub fn of(run: &Run<'_, Piva, Measures<Piva>>, first: f64) -> Self {
         let pendulum = run.system.pendulum;
         Self {
             mass_ratio: pendulum.mass_ratio,
@@ -159,8 +158,8 @@ impl Lane {
             stop: run.stop(),
             first,
             live: 1.0,
-            work: run.tally.work as Real,
-            max_work: run.limits.max_work as Real,
+            work: run.tally.work as f64,
+            max_work: run.limits.max_work as f64,
             viscous: run.observer.viscous.value,
             viscous_rest: run.observer.viscous.rest,
             pivot: run.observer.pivot.value,

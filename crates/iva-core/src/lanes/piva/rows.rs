@@ -1,23 +1,22 @@
 //! The series of a step of every lane.
 
-use crate::real::{Real, ZERO};
 use crate::taylor::{ORDER, Series, unrolled};
 
 /// Of every coefficient an array.
 #[derive(Debug)]
 #[repr(align(64))]
-pub(super) struct Rows<const W: usize>(Series<[Real; W]>);
+pub(super) struct Rows<const W: usize>(Series<[f64; W]>);
 
 impl<const W: usize> Rows<W> {
     pub const fn new() -> Self {
-        let row = [[ZERO; W]; ORDER + 1];
+        let row = [[0.0; W]; ORDER + 1];
         Self(Series { x: row, u: row, a: row, y: row, w: row, c: row })
     }
 
     /// The series of a lane, up to the order N.
     #[inline(always)]
-    pub fn get<const N: usize>(&self, i: usize) -> Series<Real> {
-        let row = [ZERO; ORDER + 1];
+    pub fn get<const N: usize>(&self, i: usize) -> Series<f64> {
+        let row = [0.0; ORDER + 1];
         let mut series = Series { x: row, u: row, a: row, y: row, w: row, c: row };
         unrolled!(k < N + 1 => {
             series.x[k] = self.0.x[k][i];
@@ -31,7 +30,7 @@ impl<const W: usize> Rows<W> {
     }
 
     #[inline(always)]
-    pub fn set<const N: usize>(&mut self, i: usize, series: &Series<Real>) {
+    pub fn set<const N: usize>(&mut self, i: usize, series: &Series<f64>) {
         unrolled!(k < N + 1 => {
             self.0.x[k][i] = series.x[k];
             self.0.u[k][i] = series.u[k];

@@ -13,12 +13,12 @@ use crate::piva::PivaState;
 use crate::piva::accuracy::Sizes;
 use crate::piva::step::{Step, Turning};
 use crate::polynomial::square_integral;
-use crate::real::{Real, TURN, ZERO, larger, power_of_two};
+use crate::real::Real;
 use crate::taylor::remainder::{ATTEMPTS, COARSER, Proof, Remainder, first_ratio};
 use crate::taylor::{ORDER, Series, Swing, unrolled};
 
 /// A proof is tried so often here at most.
-const TRIES: Real = 3.0;
+const TRIES: f64 = 3.0;
 
 /// The series.
 #[inline(always)]
@@ -30,8 +30,8 @@ pub(super) fn series<const W: usize, const N: usize>(
     for i in 0..W {
         let lane = lanes.get(i);
         let (pendulum, state) = (lane.pendulum(), lane.pose.state());
-        let longest = shared.longest / larger(lane.fastest, pendulum.swing(state.w.value));
-        let step = power_of_two(longest);
+        let longest = shared.longest / f64::larger(lane.fastest, pendulum.swing(state.w.value));
+        let step = f64::power_of_two(longest);
         let swing = Swing {
             x: state.primary.x.value,
             u: state.primary.v.value,
@@ -39,10 +39,10 @@ pub(super) fn series<const W: usize, const N: usize>(
             w: state.w.value,
             c: state.cosine.value,
         };
-        let mut series: Series<Real> =
-            pendulum.series_to::<Real, { ORDER + 1 }, N>(&swing, None, step);
-        series.w[1] = pick(state.released, ZERO, series.w[1]);
-        series.y[2] = pick(state.released, ZERO, series.y[2]);
+        let mut series: Series<f64> =
+            pendulum.series_to::<f64, { ORDER + 1 }, N>(&swing, None, step);
+        series.w[1] = pick(state.released, 0.0, series.w[1]);
+        series.y[2] = pick(state.released, 0.0, series.y[2]);
         rows.set::<N>(i, &series);
         lanes.step[i] = step;
         lanes.most[i] = longest / step;
@@ -58,9 +58,9 @@ pub(super) fn prove<const W: usize, const N: usize>(
 ) {
     for i in 0..W {
         let (lane, series) = (lanes.get(i), rows.get::<N>(i));
-        let ratio = pick(lane.tries > 0.0, lane.ratio, first_ratio::<N>(&series));
+        let ratio = pick(lane.tries > 0.0, lane.ratio, first_ratio::<_, N>(&series));
         let pendulum = lane.pendulum();
-        let proof = Proof::new::<N>(&pendulum, &series, [ZERO; 2], lane.step, ratio);
+        let proof = Proof::new::<N>(&pendulum, &series, [0.0; 2], lane.step, ratio);
         let (mut tail, mut proved) = (proof.first(), false);
         unrolled!(_attempt < ATTEMPTS => {
             let (proves, larger) = proof.tried(&tail);
@@ -99,20 +99,20 @@ pub(super) fn arrive<const W: usize, const N: usize>(
         let Turning { decided, turns, h: h_turn, x: x_turn } = step.turning::<N>(&end, length);
 
         let x = from.primary.x.value;
-        let (h_turn, x_turn) = (pick(turns, h_turn, ZERO), pick(turns, x_turn, x));
+        let (h_turn, x_turn) = (pick(turns, h_turn, 0.0), pick(turns, x_turn, x));
         let stretch = Stretch {
             x: [x, x_turn, end.primary.x.value],
-            h: [ZERO, h_turn, length],
+            h: [0.0, h_turn, length],
             turns,
-            loss: ZERO,
+            loss: 0.0,
         };
         // Steps across the instants that measures look at are for the loop.
-        let across = |instant: Real| {
+        let across = |instant: f64| {
             let ahead = -clock.minus(instant);
             (ahead > 0.0) & (ahead <= length)
         };
         let looked_at =
-            across(TURN[0]) | across(lane.watch.late_from) | across(lane.watch.later_from);
+            across(f64::TURN.value) | across(lane.watch.late_from) | across(lane.watch.later_from);
         let simple = stretch.ends(lane.watch.peak_sign).simple() & decided & !looked_at;
         let proved = lane.proved > 0.0;
         let done = proved & (gap.clear | meeting) & simple & (meeting | (length < remaining));
@@ -125,11 +125,11 @@ pub(super) fn arrive<const W: usize, const N: usize>(
         (next.start_time, next.start_time_rest) = (lane.time, lane.time_rest);
         let arrived = Pose::new(&end);
         next.pose = arrived.if_else(done, &lane.pose);
-        let later = clock.plus_parts(length, ZERO);
+        let later = clock.plus_parts(length, 0.0);
         next.time = pick(done, later.value, lane.time);
         next.time_rest = pick(done, later.rest, lane.time_rest);
-        next.first = pick(done, Real::INFINITY, lane.first);
-        next.share = pick(done, share, ZERO);
+        next.first = pick(done, f64::INFINITY, lane.first);
+        next.share = pick(done, share, 0.0);
         next.work = lane.work + pick(done, 1.0, 0.0);
         next.tries = pick(tries, lane.tries + 1.0, pick(looks, lane.tries, 0.0));
         next.meets = pick(looks, pick(gap.near, NEAR, FAR), NONE);
@@ -139,7 +139,7 @@ pub(super) fn arrive<const W: usize, const N: usize>(
             ($level:expr, $passed:ident, $from:ident, $to:ident) => {
                 let Passage { passes, h: [from, to], level } =
                     stretch.passage($level * lane.watch.amplitude);
-                next.$passed = pick(passes & done, level, ZERO);
+                next.$passed = pick(passes & done, level, 0.0);
                 next.$from = from;
                 next.$to = to;
             };
@@ -188,7 +188,7 @@ pub(super) fn lose<const W: usize, const N: usize>(
         let lane = lanes.get(i);
         let loss = 2.0
             * lane.damping_ratio
-            * square_integral::<N>(&rows.get::<N>(i).u, lane.share)
+            * square_integral::<_, N>(&rows.get::<N>(i).u, lane.share)
             * lane.step;
         let sum = Sum { value: lane.viscous, rest: lane.viscous_rest }.plus(loss);
         let done = lane.share > 0.0;
@@ -203,7 +203,7 @@ pub(super) fn lose<const W: usize, const N: usize>(
         let inertia = lane.mass_ratio * lane.inertia_ratio * (lane.lever * lane.lever);
         let loss = inertia
             * lane.pivot_damping
-            * square_integral::<N>(&rows.get::<N>(i).w, lane.share)
+            * square_integral::<_, N>(&rows.get::<N>(i).w, lane.share)
             * lane.step;
         let sum = Sum { value: lane.pivot, rest: lane.pivot_rest }.plus(loss);
         let done = lane.share > 0.0;

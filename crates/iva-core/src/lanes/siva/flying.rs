@@ -5,23 +5,22 @@ use crate::host::{Host, HostState, Phase};
 use crate::impact;
 use crate::lanes::arrays::arrays;
 use crate::oscillator::Primary;
-use crate::real::Real;
 use crate::simulate::wall::Streak;
 use crate::simulate::{Phase as Doing, Run, STOPS};
 use crate::siva::{Siva, SivaState};
 use crate::system::{System, Wall};
 
 /// What to do at the end of the next stride.
-pub(in crate::lanes) const SEARCH: Real = 0.0;
+pub(in crate::lanes) const SEARCH: f64 = 0.0;
 /// … close to the near wall,
-pub(in crate::lanes) const NEAR: Real = 1.0;
+pub(in crate::lanes) const NEAR: f64 = 1.0;
 /// … or the far one.
-pub(in crate::lanes) const FAR: Real = 2.0;
+pub(in crate::lanes) const FAR: f64 = 2.0;
 
 /// Why a lane has stopped: at a stop of the run,
-pub(in crate::lanes) const STOP: Real = 1.0;
+pub(in crate::lanes) const STOP: f64 = 1.0;
 /// or at a limit.
-pub(in crate::lanes) const FULL: Real = 2.0;
+pub(in crate::lanes) const FULL: f64 = 2.0;
 
 arrays! {
     /// The flight of one run.
@@ -81,7 +80,7 @@ impl Flying {
 
     /// Without a run: at rest for ever.
     pub fn idle() -> Self {
-        let never = Real::INFINITY;
+        let never = f64::INFINITY;
         let at_rest = Self { clearance: 1.0, distance: 1.0, side: 1.0, ..Self::default() };
         Self { stop: never, first: never, max_impacts: never, max_work: never, ..at_rest }
     }
@@ -93,9 +92,9 @@ impl Flying {
     }
 
     /// A run that has come to where strides of this length can go on; `None` if it has not.
-    pub fn of<H: Host, O>(run: &Run<'_, Siva<H>, O>, reach: Real) -> Option<Self>
+    pub fn of<H: Host<Real = f64>, O>(run: &Run<'_, Siva<H>, O>, reach: f64) -> Option<Self>
     where
-        Siva<H>: System<State = SivaState<Phase<H>>>,
+        Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
     {
         let Doing::Flight { first } = run.phase else { return None };
         let (siva, tally) = (run.system, &run.tally);
@@ -111,11 +110,11 @@ impl Flying {
             clearance: siva.clearance(),
             loss_factor: impact::energy_loss(siva.mass_ratio(), siva.restitution(), 1.0),
             floor: run.limits.chatter_floor,
-            impacts: tally.impacts as Real,
-            max_impacts: run.limits.max_impacts as Real,
-            effective: tally.effective_impacts as Real,
-            work: tally.work as Real,
-            max_work: run.limits.max_work as Real,
+            impacts: tally.impacts as f64,
+            max_impacts: run.limits.max_impacts as f64,
+            effective: tally.effective_impacts as f64,
+            work: tally.work as f64,
+            max_work: run.limits.max_work as f64,
             losses: run.losses.value,
             losses_rest: run.losses.rest,
             first,
@@ -125,7 +124,7 @@ impl Flying {
         if let Some(streak) = &run.streak {
             flying.streak_side = streak.wall.sign();
             flying.streak_start = streak.start_time;
-            flying.streak_listed = streak.listed_before as Real;
+            flying.streak_listed = streak.listed_before as f64;
             flying.streak_loss = streak.energy_loss;
         }
         let remaining = -run.clock.minus(stop);
@@ -135,9 +134,9 @@ impl Flying {
     }
 
     /// Puts the numbers back into the run; the phase of the drive is where it is.
-    pub fn put_back<H: Host, O>(&self, run: &mut Run<'_, Siva<H>, O>, phase: Phase<H>)
+    pub fn put_back<H: Host<Real = f64>, O>(&self, run: &mut Run<'_, Siva<H>, O>, phase: Phase<H>)
     where
-        Siva<H>: System<State = SivaState<Phase<H>>>,
+        Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
     {
         run.tally.state = self.state(phase);
         // At its end the run has set its clock itself.

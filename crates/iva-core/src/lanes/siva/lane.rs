@@ -7,7 +7,6 @@ use crate::lanes::arrays::arrays;
 use crate::lanes::watch::{Watch, Watches};
 use crate::measures::Measures;
 use crate::oscillator::Primary;
-use crate::real::Real;
 use crate::settling::Crossing;
 use crate::simulate::Run;
 use crate::siva::{Siva, SivaState};
@@ -35,7 +34,7 @@ impl Lane {
     }
 
     /// A run that has come to where strides can go on; `None` if it has not.
-    pub fn of(run: &Run<'_, Siva, Measures<Siva>>, reach: Real) -> Option<Self> {
+    pub fn of(run: &Run<'_, Siva, Measures<Siva>>, reach: f64) -> Option<Self> {
         let watch = Watch::of(&run.observer);
         Some(Lane { flying: Flying::of(run, reach)?, watch, ..Lane::default() })
     }

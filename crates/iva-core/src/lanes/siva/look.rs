@@ -10,7 +10,6 @@ use crate::host::{HostState, Moment, Structure};
 use crate::lanes::pick;
 use crate::oscillator::Primary;
 use crate::quintic::root;
-use crate::real::Real;
 use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::motion::arrived;
 use crate::siva::stride::{LOOKS, Quintic, at_wall, to_wall};
@@ -89,35 +88,35 @@ pub(super) struct Look<P> {
     /// The state at the end of the span that is behind: at the wall, if it was hit.
     pub end: SivaState<P>,
     /// Length of that span.
-    pub length: Real,
+    pub length: f64,
     /// Where, of that span, a quintic of the caller has its root.
-    pub part: Real,
+    pub part: f64,
     /// The impact, if `hit`.
     after: SivaState<P>,
     /// The state at the wall, if `hit`.
     touching: SivaState<P>,
-    approach: Real,
-    pressure: Real,
+    approach: f64,
+    pressure: f64,
     pub hit: bool,
     clock: Sum,
-    remaining: Real,
+    remaining: f64,
     /// True if a span is behind.
     pub passed: bool,
     meets: bool,
     meets_far: bool,
-    guess: Real,
-    next_look: Real,
+    guess: f64,
+    next_look: f64,
     looks_again: bool,
 }
 
 /// Evaluates a flight; `quintic` is what else has a root in the span that is behind, where no wall is met.
 #[inline(always)]
-pub(super) fn look<S: Structure<Phase: Pick>>(
+pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
     free: &S,
     course: &S::Course,
     lane: &Flying,
     from: SivaState<S::Phase>,
-    quintic: impl Fn(&SivaState<S::Phase>, &SivaState<S::Phase>, Real) -> [Real; 6],
+    quintic: impl Fn(&SivaState<S::Phase>, &SivaState<S::Phase>, f64) -> [f64; 6],
 ) -> Look<S::Phase> {
     let near = arrived(free, course, &from, lane.h);
     let search = lane.aim == SEARCH;
@@ -138,7 +137,7 @@ pub(super) fn look<S: Structure<Phase: Pick>>(
     let pressure = -(after.side * after.host.acceleration.value);
     let pressed = pressure > 0.0;
     let leaves = after.rate.value > 0.0;
-    let low = (pressed & (after.rate.value < LOW * pressure * (1.0 - lane.restitution)))
+    let low = (pressed & (after.rate.value < pressure * LOW * (1.0 - lane.restitution)))
         | (approach <= lane.floor);
     let hit = !search & close & leaves & !low;
     let next_look = lane.h + later;
@@ -146,7 +145,7 @@ pub(super) fn look<S: Structure<Phase: Pick>>(
         & !close
         & (next_look > 0.0)
         & (next_look <= lane.length)
-        & (lane.looks < LOOKS as Real - 1.0);
+        & (lane.looks < LOOKS as f64 - 1.0);
 
     // The span that is behind then.
     let later = pick(hit, later, 0.0);
@@ -189,7 +188,7 @@ impl<P: Pick> Look<P> {
 
     /// The flight after it, if the span is `done`.
     #[inline(always)]
-    pub fn next(&self, lane: &Flying, reach: Real, done: bool) -> Flying {
+    pub fn next(&self, lane: &Flying, reach: f64, done: bool) -> Flying {
         let hit = self.hit & done;
         let good_guess = (self.guess > 0.0) & (self.guess <= lane.h);
         let mut next = *lane;
@@ -206,7 +205,7 @@ impl<P: Pick> Look<P> {
         // What comes next.
         let rebounds = hit & (self.pressure > 0.0);
         let ahead = REBOUND_LOOK * self.after.rate.value / self.pressure;
-        let first = pick(rebounds, ahead, Real::INFINITY);
+        let first = pick(rebounds, ahead, f64::INFINITY);
         let length = reach.min(self.remaining).min(first);
         let looking = pick(self.meets, self.guess, self.next_look);
         let aim = pick(self.meets, pick(self.meets_far, FAR, NEAR), lane.aim);

@@ -8,14 +8,13 @@ use crate::host::turning::{turn, turning};
 use crate::lanes::pick;
 use crate::lanes::watch::{Passage, Stretch};
 use crate::oscillator::Oscillator;
-use crate::real::Real;
 use crate::siva::SivaState;
 
 /// The lane after one evaluation.
 #[inline(always)]
 pub(super) fn step<const LEDGER: bool>(free: &Oscillator, lane: &Lane) -> Lane {
     let flying = &lane.flying;
-    let turns = |from: &SivaState, end: &SivaState, length: Real| {
+    let turns = |from: &SivaState, end: &SivaState, length: f64| {
         turn(free.leading(&from.host), free.leading(&end.host), length)
     };
     let look = look(free, &(), flying, flying.state(()), turns);
@@ -30,7 +29,7 @@ pub(super) fn step<const LEDGER: bool>(free: &Oscillator, lane: &Lane) -> Lane {
 
 /// A stretch of motion with where it begins.
 struct Span {
-    origin: [Real; 3],
+    origin: [f64; 3],
     stretch: Stretch,
     simple: bool,
 }
@@ -42,7 +41,7 @@ impl Span {
         lane: &Lane,
         from: &SivaState,
         end: &SivaState,
-        [length, turn]: [Real; 2],
+        [length, turn]: [f64; 2],
     ) -> Self {
         let (x, v) = (from.host.primary.x.value, from.host.primary.v.value);
         let turns = v * end.host.primary.v.value < 0.0;

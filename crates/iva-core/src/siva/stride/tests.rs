@@ -32,7 +32,7 @@ fn spread(i: u32, k: u32) -> f64 {
 
 /// A stretch that starts within the gap and all but touches a wall: at `h` its distance and its rate are
 /// small.
-struct Stretch<H: Host> {
+struct Stretch<H: Host<Real = f64>> {
     siva: Siva<H>,
     from: SivaState<Phase<H>>,
     length: f64,
@@ -55,12 +55,16 @@ fn driven(i: u32) -> Siva<DrivenHost> {
 }
 
 /// The state after a flight.
-fn flown<H: Host>(siva: &Siva<H>, from: &SivaState<Phase<H>>, h: f64) -> SivaState<Phase<H>> {
+fn flown<H: Host<Real = f64>>(
+    siva: &Siva<H>,
+    from: &SivaState<Phase<H>>,
+    h: f64,
+) -> SivaState<Phase<H>> {
     let free = siva.host.free();
     arrived(free, &free.course(&from.host), from, h)
 }
 
-impl<H: Host> Stretch<H> {
+impl<H: Host<Real = f64>> Stretch<H> {
     fn planted(i: u32, siva: Siva<H>) -> Option<Self> {
         let u = |k| spread(i, k);
         let small = |k| 10f64.powf(-12.0 * u(k)) * if u(k + 1) < 0.5 { 1.0 } else { -1.0 };
@@ -117,7 +121,7 @@ fn what_is_proved_of_a_stretch_holds_all_along_it() {
     proofs_hold(driven);
 }
 
-fn proofs_hold<H: Host>(siva: impl Fn(u32) -> Siva<H>) {
+fn proofs_hold<H: Host<Real = f64>>(siva: impl Fn(u32) -> Siva<H>) {
     let mut seen = [0; 4];
     for i in 1..40_000 {
         let Some(stretch) = Stretch::planted(i, siva(i)) else { continue };
@@ -152,7 +156,7 @@ fn a_contact_found_is_on_the_wall() {
     contacts_are_on_the_wall(driven);
 }
 
-fn contacts_are_on_the_wall<H: Host>(siva: impl Fn(u32) -> Siva<H>) {
+fn contacts_are_on_the_wall<H: Host<Real = f64>>(siva: impl Fn(u32) -> Siva<H>) {
     let mut contacts = 0;
     for i in 1..40_000 {
         let Some(stretch) = Stretch::planted(i, siva(i)) else { continue };

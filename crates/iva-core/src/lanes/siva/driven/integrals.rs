@@ -5,11 +5,10 @@ use crate::compensated::Sum;
 use crate::host::driven::integral::{COUNT, node, sum_of, weight};
 use crate::host::{Course, Driven, HostState, Moment};
 use crate::lanes::pick;
-use crate::real::Real;
 use crate::taylor::{ORDER, unrolled};
 
 /// A series of each lane.
-type Series<const W: usize> = [[Real; W]; ORDER + 1];
+type Series<const W: usize> = [[f64; W]; ORDER + 1];
 
 /// The series of the spans that are behind.
 #[derive(Debug)]
@@ -19,11 +18,11 @@ pub(super) struct Integrals<const W: usize> {
     velocity: Series<W>,
     force: Series<W>,
     /// Lengths, and what powers of time are taken in.
-    length: [Real; W],
-    step: [Real; W],
+    length: [f64; W],
+    step: [f64; W],
     /// 1 if the span is behind, and if it counts.
-    pub done: [Real; W],
-    pub counts: [Real; W],
+    pub done: [f64; W],
+    pub counts: [f64; W],
 }
 
 impl<const W: usize> Integrals<W> {
@@ -41,7 +40,7 @@ impl<const W: usize> Integrals<W> {
         free: &Driven<Single>,
         from: &HostState<Moment>,
         course: &Course,
-        [length, step]: [Real; 2],
+        [length, step]: [f64; 2],
     ) {
         let place = free.place(from, course);
         let velocity = free.derivative(&place);
@@ -62,8 +61,8 @@ impl<const W: usize> Integrals<W> {
             let velocity = self.at(&self.velocity, n);
             let force = self.at(&self.force, n);
             for i in 0..W {
-                squares[n][i] = weight(n) * (velocity[i] * velocity[i]);
-                works[n][i] = weight(n) * (force[i] * velocity[i]);
+                squares[n][i] = weight::<f64>(n) * (velocity[i] * velocity[i]);
+                works[n][i] = weight::<f64>(n) * (force[i] * velocity[i]);
             }
         }
         let [square, work] = [sums_of(&squares), sums_of(&works)];
@@ -87,7 +86,7 @@ impl<const W: usize> Integrals<W> {
         for (n, squares) in squares.iter_mut().enumerate() {
             let place = self.at(&self.place, n);
             for i in 0..W {
-                squares[i] = weight(n) * (place[i] * place[i]);
+                squares[i] = weight::<f64>(n) * (place[i] * place[i]);
             }
         }
         let square = sums_of(&squares);
@@ -102,9 +101,9 @@ impl<const W: usize> Integrals<W> {
 
     /// A series at a node.
     #[inline(always)]
-    fn at(&self, series: &Series<W>, n: usize) -> [Real; W] {
-        let t: [Real; W] = std::array::from_fn(|i| node(n, [0.0, self.length[i] / self.step[i]]));
-        let mut values: [Real; W] = [0.0; W];
+    fn at(&self, series: &Series<W>, n: usize) -> [f64; W] {
+        let t: [f64; W] = std::array::from_fn(|i| node(n, [0.0, self.length[i] / self.step[i]]));
+        let mut values: [f64; W] = [0.0; W];
         for k in (0..=ORDER).rev() {
             for i in 0..W {
                 values[i] = values[i].mul_add(t[i], series[k][i]);
@@ -116,6 +115,6 @@ impl<const W: usize> Integrals<W> {
 
 /// The sums over all nodes.
 #[inline(always)]
-fn sums_of<const W: usize>(terms: &[[Real; W]; COUNT]) -> [Real; W] {
+fn sums_of<const W: usize>(terms: &[[f64; W]; COUNT]) -> [f64; W] {
     std::array::from_fn(|i| sum_of(&std::array::from_fn(|n| terms[n][i])))
 }

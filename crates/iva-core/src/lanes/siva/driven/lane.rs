@@ -7,7 +7,6 @@ use crate::lanes::Home;
 use crate::lanes::arrays::arrays;
 use crate::lanes::siva::flying::{Flying, Flyings};
 use crate::oscillator::Equation;
-use crate::real::{ONE, Real, ZERO};
 use crate::siva::{Siva, SivaState};
 use crate::steady::Kept;
 use crate::system::Clock;
@@ -38,26 +37,27 @@ arrays! {
 pub(super) struct Single(Harmonic);
 
 impl Source for Single {
+    type Real = f64;
     #[inline(always)]
     fn pushes(&self, _from: Clock, time: Clock) -> Pushes {
         Pushes::of(&self.0, time)
     }
 
     #[inline(always)]
-    fn drive(&self, time: Clock, h: Real) -> Drive<Real> {
+    fn drive(&self, time: Clock, h: f64) -> Drive<f64> {
         let mut drive = Drive::NONE;
         self.0.add(&mut drive.primary, time, h);
         drive
     }
 
-    fn precise(&self, time: Clock, h: Real) -> Drive<Sum> {
+    fn precise(&self, time: Clock, h: f64) -> Drive<Sum> {
         let mut drive = Drive::NOTHING;
         self.0.add_precise(&mut drive.primary, time, h);
         drive
     }
 
     #[inline(always)]
-    fn until_bend(&self, _moment: &Moment, reach: Real) -> (Real, Option<Clock>) {
+    fn until_bend(&self, _moment: &Moment, reach: f64) -> (f64, Option<Clock>) {
         (reach, None)
     }
 
@@ -76,7 +76,7 @@ impl Lane {
     #[inline(always)]
     pub fn structure(&self) -> Driven<Single> {
         let Self { amplitude, frequency, angle: phase, damping, growth, .. } = *self;
-        let third = Sum::new(ONE).over(3.0);
+        let third = Sum::new(1.0).over(3.0);
         let excess = [
             self.excess_0,
             self.excess_1,
@@ -86,9 +86,9 @@ impl Lane {
             self.excess_5,
         ];
         Driven {
-            equation: Equation { stiffness: ONE, frequency: ONE, damping, growth, third },
+            equation: Equation { stiffness: 1.0, frequency: 1.0, damping, growth, third },
             source: Single(Harmonic { amplitude, frequency, phase, acts: Acts::Primary }),
-            base: [ZERO; 4],
+            base: [0.0; 4],
             reach: self.reach,
             step: self.step,
             excess,
@@ -103,8 +103,8 @@ impl Lane {
 
     /// A lane without a run.
     pub fn idle() -> Self {
-        let never = Real::INFINITY;
-        Self { flying: Flying::idle(), strobe: never, from: never, step: ONE, ..Self::default() }
+        let never = f64::INFINITY;
+        Self { flying: Flying::idle(), strobe: never, from: never, step: 1.0, ..Self::default() }
     }
 
     /// A run that has come to where strides can go on; `None` if it has not.
@@ -138,7 +138,7 @@ impl Lane {
             acceleration,
             square: square.value,
             square_rest: square.rest,
-            counted: impacts as Real,
+            counted: impacts as f64,
             viscous: measures.viscous.value,
             viscous_rest: measures.viscous.rest,
             worked: measures.work.value,

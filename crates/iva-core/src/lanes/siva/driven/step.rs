@@ -10,7 +10,6 @@ use crate::host::Structure;
 use crate::host::turning::Turned;
 use crate::lanes::pick;
 use crate::lanes::siva::look::look;
-use crate::real::Real;
 
 /// A strobe this close to the end of a span, over the time, is for the loop.
 const NEARBY: f64 = 1e-12;
@@ -68,7 +67,7 @@ pub(super) fn steps<const W: usize, const EXTREMES: bool>(
 
 /// The largest size of a function, or `least` if that is larger, and whether that is decided.
 #[inline(always)]
-fn largest_of(arc: &Arc, least: Real, length: Real, turned: Turned) -> (Real, bool) {
+fn largest_of(arc: &Arc, least: f64, length: f64, turned: Turned) -> (f64, bool) {
     let below = arc.is_below(least, length);
     let monotone = arc.is_monotone(length);
     let [a, b] = arc.values;
