@@ -50,7 +50,7 @@ fn scenes(study: &Study) -> Result<Vec<Job<Siva>>, Invalid> {
     for point in 0..study.points()? {
         let design = study.design(point)?;
         if let Scene::Siva { system, start } = design.scene {
-            scenes.push(Job { system, start, limits: design.limits, also: () });
+            scenes.push(Job { system, start, limits: design.limits, steady: None });
         }
     }
     Ok(scenes)

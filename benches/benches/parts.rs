@@ -22,7 +22,7 @@ fn of_a_run<S: System<Real = f64>>(
     system: &S,
     start: &S::Start,
 ) {
-    let (state, _) = system.begin(start);
+    let state = system.begin(start);
     let mut group = criterion.benchmark_group(name);
     group.bench_function("flight", |bencher| {
         bencher.iter(|| {

@@ -32,7 +32,7 @@ pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva>>, Invalid> {
                 let clearance = narrowest + 0.125 * f64::from(step);
                 let system = Siva::new(mu, e, clearance, 0.01)?;
                 let limits = Limits::new(30.0 * TAU, clearance);
-                scenes.push(Job { system, start: START, limits, also: () });
+                scenes.push(Job { system, start: START, limits, steady: None });
             }
         }
     }
@@ -52,7 +52,7 @@ pub fn swinging_decays(
         let (mu, e) = (system.mass_ratio(), system.restitution());
         let point_bob = Parameters::point_bob(mu, e, system.clearance(), 0.01, 10.0);
         let system = Piva::new(Parameters { frequency_ratio: 0.4, tolerance, ..point_bob })?;
-        Ok(Job { system, start: START.into(), limits, also: () })
+        Ok(Job { system, start: START.into(), limits, steady: None })
     };
     decays(masses, narrowest)?.into_iter().map(pendulum).collect()
 }
@@ -86,7 +86,7 @@ pub fn driven_jobs() -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
         let siva = Siva::new(0.1, 0.7, 1.0, 0.02)?.under(Force::harmonic(vec![force])?);
         let limits = Limits::new(60.0 * TAU / frequency, 1.0);
         let window = Window { from: 0.0, cycle: Some(force) };
-        Ok(Job { system: siva, start: START, limits, also: (wanted, window) })
+        Ok(Job { system: siva, start: START, limits, steady: Some((wanted, window)) })
     };
     (0..40).map(job).collect()
 }

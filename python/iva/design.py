@@ -32,13 +32,16 @@ class Pendulum:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """The numbers of a scene, in the units of its run; M = 1 where no mass is given."""
+    """The numbers of a scene, in the units of its run; M = 1 where no mass is given.
+
+    Without absorber `mass_ratio`, `clearance` and `pendulum` are ``None``.
+    """
 
     mass: float
     natural_frequency: float
     damping_ratio: float
-    mass_ratio: float
-    clearance: float
+    mass_ratio: float | None
+    clearance: float | None
     pendulum: Pendulum | None
 
     @property

@@ -317,21 +317,16 @@ def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[st
 
     states = run.at(times).filter(pl.col("displacement").is_finite())
     x, v = states["displacement"].to_numpy(), states["velocity"].to_numpy()
-    reach = design_of(run).lever
-    y, w = reach * states["gap_displacement"].to_numpy(), reach * states["gap_velocity"].to_numpy()
+    motions = [(1, "structure", DISPLACEMENT, x), (1, "structure", VELOCITY, v)]
+    if run.absorber is not None:
+        reach = design_of(run).lever
+        y, w = (reach * states[key].to_numpy() for key in ("gap_displacement", "gap_velocity"))
+        motions += [(2, "absorber", DISPLACEMENT, x + y), (2, "absorber", VELOCITY, v + w)]
     system = run.units.system
     si = system == "si"
     made: list[dict[str, Any]] = [dict(SI)] if si else []
     driven = "; ".join(written(force) for force in listed(run.force)) or "free decay"
-    for number_of_set, (node, body, measure, values) in enumerate(
-        (
-            (1, "structure", DISPLACEMENT, x),
-            (1, "structure", VELOCITY, v),
-            (2, "absorber", DISPLACEMENT, x + y),
-            (2, "absorber", VELOCITY, v + w),
-        ),
-        start=1,
-    ):
+    for number_of_set, (node, body, measure, values) in enumerate(motions, start=1):
         made.append(
             {
                 "type": 58,

@@ -303,6 +303,8 @@ def fields_of(force: Force) -> dict[str, float | _iva.Record]:
     return {**default, **given(force)}
 
 
-def written(part: Part | Force) -> str:
-    """Return the expression that builds a part, or what stands for a record."""
+def written(part: Part | Force | None) -> str:
+    """Return the expression that builds a part, or what stands for a record or no absorber."""
+    if part is None:
+        return "no absorber"
     return repr(part) if isinstance(part, Recorded) else constructor(part)

@@ -15,13 +15,13 @@ def of_run(run: Run) -> str:
     """Return parameters, outcome and all measures of a run, with their units."""
     row = run.summary.row(0, named=True)
     units = run.units["summary"]
-    named: tuple[tuple[str, Part | Force], ...] = (
+    named: tuple[tuple[str, Part | Force | None], ...] = (
         ("absorber", run.absorber),
         ("primary", run.primary),
         *(("force", force) for force in listed(run.force)),
         ("start", run.start),
     )
-    parameters = [(name, written(part), "") for name, part in named]
+    parameters = [(name, "none" if part is None else written(part), "") for name, part in named]
     values = [
         (name, text(value), units[name])
         for name, value in row.items()

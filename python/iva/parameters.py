@@ -340,8 +340,10 @@ class Piva(Part):
 Absorber = Siva | Piva
 
 
-def choices(absorber: Absorber) -> list[tuple[str, str]]:
-    """Return the kind of an absorber and what was chosen by words."""
+def choices(absorber: Absorber | None) -> list[tuple[str, str]]:
+    """Return the kind of an absorber, or that there is none, and what was chosen by words."""
+    if absorber is None:
+        return [("kind", "none")]
     words = [(name, getattr(absorber, name)) for name in absorber._words]
     return [("kind", absorber._kind), *words]
 
@@ -391,12 +393,17 @@ class Start(Part):
     angular_velocity: float | None = None
 
 
-def spec(*parts: Part, run: Mapping[str, float | None] | None = None) -> Spec:
-    """Return all given fields of some parts and of the section ``run`` as ``"part.field"``."""
+def spec(*parts: Part | None, run: Mapping[str, float | None] | None = None) -> Spec:
+    """Return all given fields of some parts and of the section ``run`` as ``"part.field"``.
+
+    A part that is ``None`` stands for no absorber.
+    """
     fields_given: Spec = {}
     for part in parts:
-        if isinstance(part, Absorber):
-            fields_given |= {f"{part._part}.{name}": word for name, word in choices(part)}
+        if part is None or isinstance(part, Absorber):
+            fields_given |= {f"absorber.{name}": word for name, word in choices(part)}
+        if part is None:
+            continue
         fields_given |= {f"{part._part}.{name}": value for name, value in given(part).items()}
     for name, value in (run or {}).items():
         if value is not None:

@@ -1,4 +1,4 @@
-"""Whole scenes: absorber, primary system, forces, start and run as one spec."""
+"""Whole scenes: absorber (or none), primary system, forces, start and run as one spec."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def scene(
     TypeError
         If a part is of the wrong class, or a setting of the run is not a number.
     """
-    if not isinstance(absorber, Absorber):
-        raise TypeError(f"absorber = {shown(absorber)}: give an iva.Siva or iva.Piva")
+    if absorber is not None and not isinstance(absorber, Absorber):
+        raise TypeError(f"absorber = {shown(absorber)}: give an iva.Siva, an iva.Piva or None")
     if not isinstance(primary, Primary):
         raise TypeError(f"primary = {shown(primary)}: give an iva.Primary")
     if not isinstance(start, Start):

@@ -1,4 +1,4 @@
-"""One run of an absorber on its primary system."""
+"""One run of a primary system, with an absorber or without."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Run(RunTables):
 
     def __init__(
         self,
-        absorber: Absorber,
+        absorber: Absorber | None,
         primary: Primary,
         start: Start,
         spec: Spec,
@@ -75,7 +75,8 @@ class Run(RunTables):
         polars.DataFrame
             ``time``, ``displacement``, ``velocity``, ``gap_displacement``, ``gap_velocity``,
             ``wall`` (0 in flight, ±1 stuck), ``angle`` and ``angular_velocity`` (null for a free
-            mass). Besides the samples, an impact appears twice: just before and just after.
+            mass). Besides the samples, an impact appears twice: just before and just after. Without
+            absorber all columns of gap and angle are null, and ``wall`` is 0.
 
         Raises
         ------
@@ -156,8 +157,9 @@ class Run(RunTables):
         """Write the motion into a universal file, which software of test rigs reads; needs pyuff.
 
         Time responses (dataset 58, +X): displacement and velocity of the structure (node 1) and of
-        the absorber (node 2; of a pendulum its centre of mass), relative to the base if that moves.
-        Dataset 164 says SI units, axes say others. No acceleration: no sample shows its impulses.
+        the absorber, if there is one (node 2; of a pendulum its centre of mass), relative to the
+        base if that moves. Dataset 164 says SI units, axes say others. No acceleration: no sample
+        shows its impulses.
 
         Parameters
         ----------
@@ -201,10 +203,13 @@ class Run(RunTables):
             )
             if row[name] is not None and (name != "undecided" or row[name])
         )
-        lines = [f"Run: {row['outcome']}; {counts}"]
         names: tuple[str, ...] = ("settling_time_5", "damping_ratio_3", "residual_amplitude")
         if row["amplitude_max"] is not None:
             names = ("amplitude_max", "reduction", "transmissibility", "impacts_per_cycle")
+        lines = [f"Run: {row['outcome']}; {counts}"]
+        if self.absorber is None:  # nothing to count, and nothing to compare with
+            lines = [f"Run: {row['outcome']}"]
+            names = tuple(name for name in names if name not in ("reduction", "impacts_per_cycle"))
         if shown := [f"{name} {row[name]:.4g}" for name in names if row[name] is not None]:
             lines.append(f"  {', '.join(shown)}")
         parts = (self.absorber, self.primary, *listed(self.force), self.start)
@@ -220,7 +225,7 @@ class Run(RunTables):
 
 
 def simulate(
-    absorber: Absorber,
+    absorber: Absorber | None,
     primary: Primary,
     *,
     start: Start,
@@ -239,12 +244,13 @@ def simulate(
     verify: bool = False,
     gradients: Iterable[str] = (),
 ) -> Run:
-    """Simulate a primary system with an impact absorber, in free decay or under a force.
+    """Simulate a primary system with an impact absorber, or alone, in free decay or under a force.
 
     Parameters
     ----------
-    absorber : Siva or Piva
-        The absorber: a free mass, or a pendulum.
+    absorber : Siva, Piva or None
+        The absorber: a free mass, or a pendulum. Or ``None``: the structure alone. Then the start
+        has no gap and no angle, and there is neither `chatter_floor` nor `tolerance`.
     primary : Primary
         The primary system; what it is given decides the units.
     start : Start
@@ -297,7 +303,8 @@ def simulate(
     TypeError
         If an argument is of the wrong type.
     ValueError
-        If a value is missing, out of range, given twice, or the start lies outside the gap.
+        If a value is missing, out of range, given twice, or belongs to an absorber where there is
+        none, or the start lies outside the gap.
     KeyboardInterrupt
         On Ctrl-C, within about a second; nothing of the run comes back. Python hands the signal to
         its main thread only: a run in another thread goes on to its end.
@@ -312,6 +319,14 @@ def simulate(
     ... )
     >>> run.summary["outcome"].item()
     'finished'
+
+    The same structure without absorber:
+
+    >>> bare = iva.simulate(
+    ...     None, iva.Primary(damping_ratio=0.01), start=iva.Start(displacement=1.0), periods=30
+    ... )
+    >>> round(bare.summary["damping_ratio_3"].item(), 12)
+    0.01
 
     Many scenes that are no grid, in processes of their own. Parameters and results travel between
     processes; start them afresh ("spawn"), for a fork of a process with threads can hang. In a

@@ -29,7 +29,7 @@ MEMORY_LIMIT = 4e9
 
 
 def sweep(
-    absorber: Absorber,
+    absorber: Absorber | None,
     primary: Primary,
     *,
     over: Mapping[str, Any] | pl.DataFrame,
@@ -62,7 +62,8 @@ def sweep(
     Parameters
     ----------
     absorber, primary, start, force
-        As in :func:`iva.simulate`; what is swept may be left out.
+        As in :func:`iva.simulate`, `absorber` also ``None``: the structure alone. What is swept may
+        be left out.
     over : mapping of str to sequence of float, or polars.DataFrame
         The axes: field name (``"mass_ratio"``; ``"absorber.mass"`` where the bare name is not
         unique; ``"force.frequency"`` of a force, ``"force.0.frequency"`` of several) → values,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use arrow_array::RecordBatch;
+use iva_sweep::choices::Kind;
 use iva_sweep::columns::{Better, Column, SUMMARY, ranked};
 use iva_sweep::fields::Quantity;
 use iva_sweep::study::Study;
@@ -17,6 +18,8 @@ use crate::scene::NOTHING_MOVES;
 pub const BEST_DECAY: &str = "settling_time_5";
 /// Default of `report.best_by` under a harmonic or recorded force.
 pub const BEST_DRIVEN: &str = "reduction";
+/// The same without absorber, where there is nothing to compare with.
+pub const BEST_ALONE: &str = "amplitude_max";
 /// Default of `report.count`.
 pub const DEFAULT_COUNT: usize = 10;
 
@@ -28,6 +31,9 @@ const LUCK: &str = "A single best row is often luck: look at its neighbours, and
 const BESIDE_DECAY: [&str; 4] =
     ["settling_time_5", "damping_ratio_3", "residual_amplitude", "impacts"];
 const BESIDE_DRIVEN: [&str; 4] = ["amplitude_max", "reduction", "impacts_per_cycle", "impacts"];
+
+/// Those of them that say nothing without absorber.
+const OF_ABSORBER: [&str; 3] = ["reduction", "impacts_per_cycle", "impacts"];
 
 /// The `[report]` section: what the table of best points shows.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -68,11 +74,13 @@ impl BestPoints {
         let better = ranked().find(|column| column.name == best_by)?.better?;
         let driven = study.spec(0).is_ok_and(|spec| spec.is_driven());
         let shown = if driven { BESIDE_DRIVEN } else { BESIDE_DECAY };
+        let alone = study.spec.choices().kind == Kind::None;
         let beside = SUMMARY
             .iter()
             .filter(|column| {
                 shown.contains(&column.name)
                     && column.name != best_by
+                    && !(alone && OF_ABSORBER.contains(&column.name))
                     && study.measures.contains(column.name)
             })
             .collect();
@@ -145,7 +153,7 @@ impl BestPoints {
             let _ = writeln!(out, "{}\n", wrap(&heading));
             out.push_str(&self.table(study, units).print());
             out.push('\n');
-            if self.rows.len() > 1 {
+            if self.rows.len() > 1 && study.spec.choices().kind != Kind::None {
                 let _ = writeln!(out, "{}", wrap(LUCK));
             }
         }
@@ -186,6 +194,8 @@ impl BestPoints {
         let shown = self.rows.iter().filter(|row| row.impacts == Some(0.0)).count() as u64;
         let sentence = if study.design(0).is_ok_and(|design| design.scene.at_rest()) {
             NOTHING_MOVES.to_owned()
+        } else if study.spec.choices().kind == Kind::None {
+            return;
         } else if self.idle > 0 && self.idle == self.points {
             "The absorber never touches a wall at any of the points: check the gap and the start."
                 .to_owned()

@@ -46,7 +46,7 @@ fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
             spec.set(slot, value)?;
         }
     }
-    let fits = |field: &FieldId| field.info().kind.is_none_or(|kind| kind == choices.kind);
+    let fits = |field: &FieldId| field.info().kinds.contains(&choices.kind);
     for field in FieldId::all().filter(fits) {
         let default = if field == FieldId::Gravity { gravity } else { field.default() };
         let Some(value) = default else { continue };
@@ -141,7 +141,8 @@ fn write_forces(text: &mut String, spec: &Spec) {
 fn write_run(text: &mut String, file: &StudyFile) {
     let study = &file.study;
     let floor = FieldId::ChatterFloor;
-    if study.spec.get(floor).is_none() && !study.sampling.sets(floor.into()) {
+    let listed = floor.info().kinds.contains(&study.spec.choices().kind);
+    if listed && study.spec.get(floor).is_none() && !study.sampling.sets(floor.into()) {
         let _ = writeln!(text, "# chatter_floor: {}", floor.info().help);
     }
     let _ = writeln!(text, "samples_per_period = {}", file.samples_per_period);

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
 use iva_sweep::fields::Quantity;
-use iva_sweep::scene::{Acts, Harmonic};
+use iva_sweep::scene::{Absorber, Acts, Harmonic};
 use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
 
@@ -32,38 +32,59 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
             format!("Structure: {hertz} Hz, damping ratio {damping}")
         }
     };
-    let mass = range(&designs, |design| design.scene.mass_ratio());
-    let restitution = range(&designs, |design| design.scene.restitution());
     // Writing to a String cannot fail.
     let _ = writeln!(out, "{}", wrap(&structure));
     let kind = study.spec.choices().kind;
-    let name = if kind == Kind::Siva { "free mass" } else { "pendulum" };
-    let absorber = format!("Absorber: {name}, mass ratio {mass}, restitution {restitution}");
-    let _ = writeln!(out, "{}", wrap(&absorber));
+    let _ = writeln!(out, "{}", wrap(&absorber(&designs, kind)));
     if kind == Kind::Piva {
         let _ = writeln!(out, "{}", wrap(&pendulum(&designs, units)));
     }
     for line in forces(&designs, units) {
         let _ = writeln!(out, "{}", wrap(&line));
     }
-    let start = range(&designs, |design| design.scene.displacement());
-    let clearance = range(&designs, |design| design.scene.clearance());
-    let relative =
-        range(&designs, |design| design.scene.clearance() / design.scene.displacement().abs());
-    let unit = if units == UnitSystem::Si { " m" } else { "" };
-    let gap = if designs.iter().all(|design| design.scene.displacement() != 0.0) {
-        format!(
-            "Start: displacement {start}{unit}; clearance (half of the play) {clearance}{unit}, \
-             {relative} of it"
-        )
-    } else {
-        format!("Start: displacement {start}{unit}; clearance {clearance}{unit}")
-    };
-    let _ = writeln!(out, "{}", wrap(&gap));
+    let _ = writeln!(out, "{}", wrap(&start(&designs, units)));
     if designs.iter().all(|design| design.scene.at_rest()) {
         let _ = writeln!(out, "{}", wrap(NOTHING_MOVES));
     }
     out
+}
+
+/// Kind, mass ratio and restitution of the absorbers.
+fn absorber(designs: &[Design], kind: Kind) -> String {
+    let name = match kind {
+        Kind::Siva => "free mass",
+        Kind::Piva => "pendulum",
+        Kind::None => return "Absorber: none".to_owned(),
+    };
+    let mass = range_of(designs, |absorber| absorber.mass_ratio);
+    let restitution = range_of(designs, |absorber| absorber.restitution);
+    format!("Absorber: {name}, mass ratio {mass}, restitution {restitution}")
+}
+
+/// Displacement of the structure at time zero, and the clearance beside it.
+fn start(designs: &[Design], units: UnitSystem) -> String {
+    let unit = if units == UnitSystem::Si { " m" } else { "" };
+    let from = range(designs, |design| design.scene.primary().x);
+    if designs.iter().all(|design| design.scene.absorber().is_none()) {
+        return format!("Start: displacement {from}{unit}");
+    }
+    let clearance = range_of(designs, |absorber| absorber.clearance);
+    if designs.iter().any(|design| design.scene.primary().x == 0.0) {
+        return format!("Start: displacement {from}{unit}; clearance {clearance}{unit}");
+    }
+    let relative = range(designs, |design| {
+        let clearance = design.scene.absorber().map_or(f64::NAN, |absorber| absorber.clearance);
+        clearance / design.scene.primary().x.abs()
+    });
+    format!(
+        "Start: displacement {from}{unit}; clearance (half of the play) {clearance}{unit}, \
+         {relative} of it"
+    )
+}
+
+/// A number of the absorbers, from the lowest to the highest.
+fn range_of(designs: &[Design], value: impl Fn(Absorber) -> f64) -> String {
+    range(designs, |design| design.scene.absorber().map_or(f64::NAN, &value))
 }
 
 /// Said where no point of a study has any motion.
@@ -135,7 +156,8 @@ fn pendulum(designs: &[Design], units: UnitSystem) -> String {
         let gravity = range(designs, |design| design.scene.gravity().unwrap_or(f64::NAN));
         let _ = write!(text, ", length {}{metre}, gravity {gravity}{gravity_unit}", length);
     }
-    let out_of_reach = designs.iter().filter(|design| !design.scene.stop_reachable()).count();
+    let out_of_reach =
+        designs.iter().filter(|design| design.scene.stop_reachable() == Some(false)).count();
     if out_of_reach > 0 {
         let which = if out_of_reach == designs.len() {
             "The stops are"

@@ -37,7 +37,7 @@ use toml::de::DeTable;
 use crate::error::Error;
 use crate::forces;
 use crate::regular_file;
-use crate::report::{BEST_DECAY, BEST_DRIVEN, Report};
+use crate::report::{BEST_ALONE, BEST_DECAY, BEST_DRIVEN, Report};
 use crate::sampling;
 use crate::source::Source;
 use crate::value::{
@@ -154,10 +154,10 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
     let tables = tables_or_default(&source, &settings, !sampling.is_empty())?;
     let measures = settings.measures.unwrap_or_else(Selection::all);
     let study = Study { spec, sampling, tables, measures, errors: settings.errors };
-    let driven = study.spec(0).is_ok_and(|spec| spec.is_driven());
+    let report = Report::new(measures, &study.spec(0).unwrap_or_else(|_| study.spec.clone()));
     let report = match root.get_key_value("report") {
-        Some((key, value)) => read_report(&source, key, value, measures, driven)?,
-        None => Report::new(measures, driven),
+        Some((key, value)) => read_report(&source, key, value, report, measures)?,
+        None => report,
     };
     Ok(StudyFile {
         study,
@@ -170,8 +170,8 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
 impl StudyFile {
     /// A study made in a program: what no file says has its default.
     pub fn of(study: Study) -> Self {
-        let driven = study.spec(study.sampling.first()).is_ok_and(|spec| spec.is_driven());
-        let report = Report::new(study.measures, driven);
+        let spec = study.spec(study.sampling.first()).unwrap_or_else(|_| study.spec.clone());
+        let report = Report::new(study.measures, &spec);
         let source = Source::new(Path::new("study"), "");
         Self { study, samples_per_period: SAMPLES_PER_PERIOD, report, source }
     }
@@ -285,7 +285,7 @@ fn read_choices(source: &mut Source, root: &DeTable<'_>) -> Result<Choices, Erro
             if choice.name == "kind" {
                 return Err(source.error(
                     section_key.span(),
-                    format!("{path} is missing: give kind = {}", one_of(choice.words)),
+                    format!("{path} is missing: give {}", one_of(choice.words)),
                 ));
             }
             continue;
@@ -302,12 +302,12 @@ fn read_choices(source: &mut Source, root: &DeTable<'_>) -> Result<Choices, Erro
 
 /// The keys that a section may have, numbers first.
 fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
-    let fits = |only: Option<Kind>| only.is_none_or(|only| only == kind);
     let numbers = FieldId::all()
         .map(FieldId::info)
-        .filter(|info| info.part == part && fits(info.kind))
+        .filter(|info| info.part == part && info.kinds.contains(&kind))
         .map(|info| info.name);
-    let words = CHOICES.iter().filter(|choice| part == Part::Absorber && fits(choice.kind));
+    let words =
+        CHOICES.iter().filter(|choice| part == Part::Absorber && choice.kinds.contains(&kind));
     let others: &[&str] = match part {
         Part::Run => &["tables", "measures", "samples_per_period", "errors"],
         _ => &[],
@@ -357,10 +357,9 @@ fn read_report(
     source: &Source,
     key: &Key<'_>,
     value: &Value<'_>,
+    mut report: Report,
     measures: Selection,
-    driven: bool,
 ) -> Result<Report, Error> {
-    let mut report = Report::new(measures, driven);
     for (key, value) in entries(table(source, "report", key, value)?) {
         match key.get_ref().as_ref() {
             "best_by" => {
@@ -386,10 +385,14 @@ fn read_report(
 }
 
 impl Report {
-    /// The default report of a study that computes these measures, in a decay or under a lasting
-    /// force.
-    pub fn new(measures: Selection, driven: bool) -> Self {
-        let best_by = if driven { BEST_DRIVEN } else { BEST_DECAY };
+    /// The default report of a study that computes these measures: in a decay, under a lasting force, or under one
+    /// without absorber.
+    pub fn new(measures: Selection, spec: &Spec) -> Self {
+        let best_by = match (spec.is_driven(), spec.choices().kind) {
+            (false, _) => BEST_DECAY,
+            (true, Kind::None) => BEST_ALONE,
+            (true, _) => BEST_DRIVEN,
+        };
         Self {
             best_by: Some(best_by).filter(|name| measures.contains(name)),
             count: crate::report::DEFAULT_COUNT,

@@ -200,8 +200,10 @@ pub trait Motion {
     fn wall(&self) -> Option<Wall>;
     /// What it takes and gives up to h.
     fn losses(&self, h: Self::Real) -> Losses<Self::Real>;
-    /// ∫x² from one h to another, of a motion under force.
-    fn square(&self, h: [Self::Real; 2]) -> Self::Real;
+    /// ∫x² from one h to another; asked under force.
+    fn square(&self, _h: [Self::Real; 2]) -> Self::Real {
+        Self::Real::ZERO
+    }
     /// What is known of its way to this state, where that is at hand.
     fn arcs(&self, _end: &Self::State) -> Option<Arcs<Self::Real>> {
         None

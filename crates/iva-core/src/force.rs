@@ -265,6 +265,11 @@ impl<R: Real> Force<R> {
         bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&R::ZERO))
     }
 
+    /// How many kicks lie before an instant.
+    pub(crate) fn kicks_before(&self, time: Sum<R>) -> u32 {
+        self.kicks.iter().take_while(|kick| (kick.time - time).value < 0.0).count() as u32
+    }
+
     /// P/M of the kick that is due, once the first `done` are over.
     pub fn due(&self, time: Sum<R>, done: u32) -> Option<R> {
         let next = self.kicks.get(done as usize)?;

@@ -16,6 +16,7 @@ use crate::flight::{Arcs, Jet, Rows, Turns};
 use crate::force::Force;
 use crate::oscillator::{Arrival, Equation, Primary};
 use crate::real::Real;
+use crate::system::Clock;
 
 pub use alone::{Alone, AloneFlight};
 pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Source};
@@ -175,8 +176,8 @@ pub trait Host: Clone + std::fmt::Debug {
     fn free(&self) -> &Self::Structure;
     /// With the absorber stuck to it.
     fn loaded(&self) -> &Self::Structure;
-    /// Where the drive stands at time zero.
-    fn begin(&self) -> Phase<Self>;
+    /// Where the drive stands at an instant at which a run begins.
+    fn begin_at(&self, time: Clock<Self::Real>) -> Phase<Self>;
     /// The displacement at which A = 0.
     fn balanced(&self, phase: &Phase<Self>, v: Sum<Self::Real>) -> Sum<Self::Real>;
     /// Numbers whose signs say to which side it starts, where the state does not.

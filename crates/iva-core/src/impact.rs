@@ -7,7 +7,7 @@
 
 use crate::compensated::Sum;
 use crate::real::Real;
-use crate::system::Wall;
+use crate::system::{Point, Wall};
 
 /// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13).
 ///
@@ -64,6 +64,28 @@ pub struct Impact<R = f64> {
 }
 
 impl<R: Real> Impact<R> {
+    /// The impact of a free mass of mass ratio μ with restitution e, from the state of the primary and the gap
+    /// velocity w before.
+    pub fn of_free_mass(
+        [mass_ratio, restitution]: [R; 2],
+        time: R,
+        wall: Wall,
+        Point { x, v }: Point<R>,
+        w: R,
+    ) -> Self {
+        Self {
+            time,
+            wall,
+            displacement: x,
+            velocity_before: v,
+            velocity_after: v + primary_share(mass_ratio, restitution).value * w,
+            gap_velocity_before: w,
+            gap_velocity_after: -restitution * w,
+            lever: R::ONE,
+            energy_loss: energy_loss(mass_ratio, restitution, w),
+        }
+    }
+
     /// Absolute horizontal velocity of the absorber's centre of mass just before.
     pub fn absorber_velocity_before(&self) -> R {
         self.velocity_before + self.lever * self.gap_velocity_before

@@ -25,12 +25,11 @@ mod watch;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Invalid;
-use crate::host::DrivenHost;
+use crate::host::{Alone, DrivenHost, Host};
 use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::observe::Observer;
 use crate::piva::Piva;
 use crate::real::Real;
-use crate::simulate::{Limits, Run, Tally, simulate};
+use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::system::System;
@@ -52,45 +51,33 @@ pub struct Job<S: SideBySide> {
     pub start: S::Start,
     /// How long, and where to stop.
     pub limits: Limits,
-    /// What is measured, beside what a decay is measured by.
-    pub also: S::Also,
+    /// What is measured of its steady state, if anything, and where.
+    pub steady: Option<(SteadyWanted, Window)>,
 }
 
-/// What came of it.
-pub type Ended<S> = (Tally<<S as System>::State>, <S as SideBySide>::Values);
+/// What watches a run.
+type Observers<S> = (Measures<S>, Option<Steady>);
 
-/// An absorber whose runs can go side by side.
-pub trait SideBySide: System<Real = f64> + Sized {
-    /// What its runs are measured by.
-    type Watch: Observer<Self>;
-    /// What that comes to.
-    type Values: Clone + std::fmt::Debug;
-    /// What is measured beside the measures of a decay.
-    type Also: Copy + std::fmt::Debug;
+/// How a run ended, its measures, and those of its steady state if they were asked for.
+pub type Ended<S> = (Tally<<S as System>::State>, MeasureValues, Option<SteadyValues>);
 
-    /// Measures a run.
-    fn watch(wanted: Wanted, also: Self::Also) -> Self::Watch;
-    /// What was measured.
-    fn values(watch: &Self::Watch) -> Self::Values;
-    /// What all lanes of a group have in common; `None`: this one is for the event loop.
-    fn common(&self) -> Option<[f64; 2]>;
-    /// Runs a group.
-    fn run(group: Group<'_, Self>);
+/// An absorber whose runs can go side by side; as it stands here, they go one by one.
+pub trait SideBySide: System<Real = f64> {
+    /// What all lanes of a group have in common; `None`: this run is for the event loop.
+    fn common(&self) -> Option<[f64; 2]> {
+        None
+    }
+
+    /// Runs a group of those that have something in common.
+    fn run(group: Group<'_, Self>)
+    where
+        Self: Sized,
+    {
+        group.one_by_one();
+    }
 }
 
 impl SideBySide for Siva {
-    type Watch = Measures<Self>;
-    type Values = MeasureValues;
-    type Also = ();
-
-    fn watch(wanted: Wanted, _also: ()) -> Measures<Self> {
-        Measures::new(wanted)
-    }
-
-    fn values(watch: &Measures<Self>) -> MeasureValues {
-        *watch.values()
-    }
-
     fn common(&self) -> Option<[f64; 2]> {
         Some([self.damping_ratio(), 0.0])
     }
@@ -104,19 +91,9 @@ impl SideBySide for Siva {
     }
 }
 
+impl<H: Host<Real = f64>> SideBySide for Alone<H> {}
+
 impl SideBySide for Siva<DrivenHost> {
-    type Watch = (Measures<Self>, Steady);
-    type Values = (MeasureValues, SteadyValues);
-    type Also = (SteadyWanted, Window);
-
-    fn watch(wanted: Wanted, (steady, window): Self::Also) -> Self::Watch {
-        (Measures::new(wanted), Steady::new(window, steady))
-    }
-
-    fn values((measures, steady): &Self::Watch) -> Self::Values {
-        (*measures.values(), *steady.values())
-    }
-
     fn common(&self) -> Option<[f64; 2]> {
         let force = self.force().filter(|force| force.is_single() && !force.moves_base());
         force.map(|_| [0.0; 2])
@@ -128,18 +105,6 @@ impl SideBySide for Siva<DrivenHost> {
 }
 
 impl SideBySide for Piva {
-    type Watch = Measures<Self>;
-    type Values = MeasureValues;
-    type Also = ();
-
-    fn watch(wanted: Wanted, _also: ()) -> Measures<Self> {
-        Measures::new(wanted)
-    }
-
-    fn values(watch: &Measures<Self>) -> MeasureValues {
-        *watch.values()
-    }
-
     fn common(&self) -> Option<[f64; 2]> {
         let alone = self.pendulum.small_angles || !self.force().is_none();
         let damped = if self.pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
@@ -173,10 +138,10 @@ trait Lockstep<S: SideBySide>: Sized {
 }
 
 /// A run that a lane is at home in.
-type Home<'a, S> = Run<'a, S, <S as SideBySide>::Watch>;
+type Home<'a, S> = Run<'a, S, Observers<S>>;
 
 /// Does runs and hands each out with its index, in the order in which they end. Every one is what
-/// [`simulate`] with [`SideBySide::Watch`] gives, bit for bit. Once cancelled, those begun come back as they are, the
+/// [`simulate`](crate::simulate::simulate) with the same measures gives, bit for bit. Once cancelled, those begun come back as they are, the
 /// others not.
 ///
 /// # Errors
@@ -200,31 +165,13 @@ pub fn run<S: SideBySide>(
         a.total_cmp(&c).then(b.total_cmp(&d))
     });
     for same in order.chunk_by(|a, b| key(a) == key(b)) {
+        let homes = [const { None }; LANES];
+        let group = Group { jobs, order: same, next: 0, wanted, cancel, homes, live: 0, take };
         if same.len() < WORTHWHILE || common(&same[0]).is_none() {
-            one_by_one(jobs, same, wanted, cancel, take)?;
+            group.one_by_one();
         } else {
-            let homes = [const { None }; LANES];
-            S::run(Group { jobs, order: same, next: 0, wanted, cancel, homes, live: 0, take });
+            S::run(group);
         }
-    }
-    Ok(())
-}
-
-fn one_by_one<S: SideBySide>(
-    jobs: &[Job<S>],
-    order: &[usize],
-    wanted: Wanted,
-    cancel: Option<&AtomicBool>,
-    take: &mut dyn FnMut(usize, &Ended<S>),
-) -> Result<(), Invalid> {
-    for index in order {
-        if is_set(cancel) {
-            break;
-        }
-        let Job { system, start, limits, also } = &jobs[*index];
-        let mut watch = S::watch(wanted, *also);
-        let tally = simulate(system, start, limits, cancel, &mut watch)?;
-        take(*index, &(tally, S::values(&watch)));
     }
     Ok(())
 }
@@ -254,7 +201,44 @@ pub struct Group<'a, S: SideBySide> {
     take: &'a mut dyn FnMut(usize, &Ended<S>),
 }
 
-impl<S: SideBySide> Group<'_, S> {
+impl<'a, S: SideBySide> Group<'a, S> {
+    /// A run that has begun.
+    fn begun(&self, job: &'a Job<S>) -> Home<'a, S> {
+        let Job { system, start, limits, steady } = job;
+        let steady = steady.map(|(wanted, window)| Steady::new(window, wanted));
+        let observers = (Measures::new(self.wanted), steady);
+        let start = Instant::start(system, start);
+        let mut run = Run::new(system, &start, limits, self.cancel, observers);
+        run.begin();
+        run
+    }
+
+    /// Hands out what a run came to.
+    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, observers: &Observers<S>) {
+        let (measures, steady) = observers;
+        (self.take)(index, &(tally, *measures.values(), steady.as_ref().map(|it| *it.values())));
+    }
+
+    /// Hands out the run of a lane, which has ended.
+    fn leave(&mut self, i: usize, tally: Tally<S::State>) {
+        if let Some((index, home)) = self.homes[i].take() {
+            self.hand_out(index, tally, &home.observer);
+            self.live -= 1;
+        }
+    }
+
+    fn one_by_one(mut self) {
+        for index in self.order {
+            if is_set(self.cancel) {
+                break;
+            }
+            let mut run = self.begun(&self.jobs[*index]);
+            while run.step() {}
+            let tally = run.finish();
+            self.hand_out(*index, tally, &run.observer);
+        }
+    }
+
     /// The absorber of the first run.
     fn leader(&self) -> &S {
         &self.jobs[self.order[0]].system
@@ -300,16 +284,14 @@ impl<S: SideBySide> Group<'_, S> {
 
     /// Lets the event loop go on until the lane can, or the run ends.
     fn go_on<L: Lockstep<S>>(&mut self, lanes: &mut L, i: usize) {
-        let Some((index, home)) = &mut self.homes[i] else { return };
+        let Some((_, home)) = &mut self.homes[i] else { return };
         while home.step() {
             if lanes.take(i, home) {
                 return;
             }
         }
         let tally = home.finish();
-        (self.take)(*index, &(tally, S::values(&home.observer)));
-        self.homes[i] = None;
-        self.live -= 1;
+        self.leave(i, tally);
         self.refill(lanes, i);
     }
 
@@ -320,12 +302,10 @@ impl<S: SideBySide> Group<'_, S> {
             Some(index) if !is_set(self.cancel) => *index,
             _ => return lanes.idle(i),
         };
-        let Job { system, start, limits, also } = &self.jobs[index];
+        let job = &self.jobs[index];
         self.next += 1;
-        lanes.join(system);
-        let watch = S::watch(self.wanted, *also);
-        let mut run = Run::new(system, start, limits, self.cancel, watch);
-        run.begin();
+        lanes.join(&job.system);
+        let run = self.begun(job);
         self.homes[i] = Some((index, run));
         self.live += 1;
         self.go_on(lanes, i);
@@ -335,12 +315,10 @@ impl<S: SideBySide> Group<'_, S> {
     fn cancel<L: Lockstep<S>>(&mut self, lanes: &mut L) {
         self.next = self.order.len();
         for i in 0..LANES {
-            if let Some((index, home)) = &mut self.homes[i] {
+            if let Some((_, home)) = &mut self.homes[i] {
                 lanes.put_back(i, home);
                 let tally = home.cancelled();
-                (self.take)(*index, &(tally, S::values(&home.observer)));
-                self.homes[i] = None;
-                self.live -= 1;
+                self.leave(i, tally);
                 lanes.idle(i);
             }
         }

@@ -79,7 +79,7 @@ pub mod observe;
 pub mod oscillator;
 pub mod peaks;
 pub mod piva;
-mod polynomial;
+pub mod polynomial;
 pub mod propagation;
 mod quintic;
 pub mod range;

@@ -75,6 +75,8 @@ pub enum Outcome {
     NotFinite,
     /// The caller asked to stop.
     Cancelled,
+    /// An observer had seen enough.
+    Stopped,
 }
 
 impl Outcome {
@@ -86,6 +88,7 @@ impl Outcome {
             Outcome::WorkLimit => "work_limit",
             Outcome::NotFinite => "not_finite",
             Outcome::Cancelled => "cancelled",
+            Outcome::Stopped => "stopped",
         }
     }
 }

@@ -80,6 +80,10 @@ pub trait Observer<S: System> {
     fn unlist(&mut self, _first: u64, _floor: S::Real) {}
     /// An episode, told when it ends.
     fn episode(&mut self, _episode: &Episode<S::Real>) {}
+    /// True once it has seen enough: the run ends at the next instant between two motions.
+    fn is_done(&self) -> bool {
+        false
+    }
     /// The run has ended.
     fn end(&mut self, _system: &S, _tally: &Tally<S::State, S::Real>) {}
 }
@@ -107,6 +111,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for &mut O {
     }
     fn episode(&mut self, episode: &Episode<R>) {
         (**self).episode(episode);
+    }
+    fn is_done(&self) -> bool {
+        (**self).is_done()
     }
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         (**self).end(system, tally);
@@ -149,6 +156,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
             observer.episode(episode);
         }
     }
+    fn is_done(&self) -> bool {
+        self.as_ref().is_some_and(|observer| observer.is_done())
+    }
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         if let Some(observer) = self {
             observer.end(system, tally);
@@ -184,6 +194,9 @@ impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> f
     fn episode(&mut self, episode: &Episode<R>) {
         self.0.episode(episode);
         self.1.episode(episode);
+    }
+    fn is_done(&self) -> bool {
+        self.0.is_done() || self.1.is_done()
     }
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         self.0.end(system, tally);

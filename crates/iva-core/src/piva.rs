@@ -264,8 +264,8 @@ impl<R: Real> System for Piva<R> {
         self.check(start)
     }
 
-    fn begin(&self, start: &PivaStart<R>) -> (PivaState<R>, bool) {
-        self.first_state(start)
+    fn begin_at(&self, start: &PivaStart<R>, time: Clock<R>) -> PivaState<R> {
+        self.first_state(start, time)
     }
 
     fn flight(&self, state: &PivaState<R>) -> PivaFlight<'_, R> {

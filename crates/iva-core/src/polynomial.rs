@@ -32,7 +32,7 @@ pub(crate) fn square_integral<R: Real, const N: usize>(f: &[R], t: R) -> R {
 }
 
 /// ∫₀ᵗ f g of two such polynomials of one order, at most [`ORDER`].
-pub(crate) fn product_integral<R: Real>(f: &[R], g: &[R], t: R) -> R {
+pub fn product_integral<R: Real>(f: &[R], g: &[R], t: R) -> R {
     let (f, g) = (terms(f, t), terms(g, t));
     let order = f.1;
     let mut sum = R::ZERO;

@@ -29,6 +29,7 @@ use crate::system::{System, Wall};
 
 mod piva;
 mod siva;
+mod structure;
 
 /// A system whose motion can be differentiated.
 pub trait Differentiable: System<Real = f64> {
@@ -59,6 +60,20 @@ pub trait Differentiable: System<Real = f64> {
     fn truncation(&self, _from: &Self::State) -> [f64; 2] {
         [0.0; 2]
     }
+}
+
+/// The matrix of an impact of a free mass, from the primary's share of the gap velocity and e.
+pub fn free_mass_impact(share: f64, restitution: f64) -> Matrix4<f64> {
+    let mut matrix = Matrix4::identity();
+    (matrix[(1, 3)], matrix[(3, 3)]) = (share, -restitution);
+    matrix
+}
+
+/// The matrix of a free mass that sticks, from the primary's share of the gap velocity, μ/(1 + μ).
+pub fn free_mass_stick(share: f64) -> Matrix4<f64> {
+    let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
+    (matrix[(0, 2)], matrix[(1, 3)]) = (share, share);
+    matrix
 }
 
 /// Standard deviation of what rounding takes from an increment, over 2⁻⁵³ of it.
@@ -144,6 +159,12 @@ impl Errors {
     /// without impacts, and where the start is forgotten: no number is large enough then.
     pub fn condition(&self) -> Option<f64> {
         (!self.impacts.is_empty() && !self.lost).then_some(self.condition)
+    }
+
+    /// Derivative of the state z by that at the begin of the run: the product of the flows and saltation matrices
+    /// so far, of a periodic orbit its monodromy matrix. `None` once the start is forgotten.
+    pub fn derivative(&self) -> Option<&Matrix4<f64>> {
+        (!self.lost).then_some(&self.derivative)
     }
 
     fn carry(&mut self, map: &Matrix4<f64>) {

@@ -5,7 +5,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contact::{first_contact, first_release, free_stretch};
-use crate::error::Invalid;
+use crate::error::{Invalid, number};
 use crate::flight::Side;
 use crate::flight::{Curve, Glide, Jet, Meets, Motion};
 use crate::observe::{Episode, Jump, Observer, Span};
@@ -40,6 +40,15 @@ pub struct Tally<State, R = f64> {
     pub work: u64,
     /// The last state.
     pub state: State,
+    /// Its instant, with its rounding rest.
+    pub clock: Clock<R>,
+}
+
+impl<State: Copy, R: Real> Tally<State, R> {
+    /// Where the run has ended, to go on from.
+    pub fn instant(&self) -> Instant<State, R> {
+        Instant { time: self.clock, state: self.state }
+    }
 }
 
 /// Runs a system from a start and tells the observer what happens.
@@ -56,8 +65,50 @@ pub fn simulate<R: Real, S: System<Real = R>, O: Observer<S>>(
     observer: &mut O,
 ) -> Result<Tally<S::State, R>, Invalid> {
     system.check_start(start)?;
+    resume(system, &Instant::start(system, start), limits, cancel, observer)
+}
+
+/// An instant of a run, and the state then.
+///
+/// The state of a system under force knows the instant of its drive, which is this one unless it was made at
+/// another ([`System::begin_at`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant<State, R = f64> {
+    /// In 1/ωn.
+    pub time: Clock<R>,
+    /// In flight, or stuck to the wall that it touches.
+    pub state: State,
+}
+
+impl<State, R: Real> Instant<State, R> {
+    /// A start at time zero.
+    pub fn start<S: System<Real = R, State = State>>(system: &S, start: &S::Start) -> Self {
+        Self { time: Clock::ZERO, state: system.begin(start) }
+    }
+}
+
+/// Goes on from an instant of a run, to the same `limits.duration`; `tally` counts from there.
+///
+/// A state that touches its wall sticks if it presses on it at rest, and else leaves or is struck. Impacts of a
+/// chatter that an earlier run has listed stay listed if it ends in stick here. Measures of a decay are defined for
+/// runs from time zero.
+///
+/// # Errors
+/// [`Invalid`] if a limit is not usable, or does not lie after the instant.
+pub fn resume<S: System, O: Observer<S>>(
+    system: &S,
+    from: &Instant<S::State, S::Real>,
+    limits: &Limits<S::Real>,
+    cancel: Option<&AtomicBool>,
+    observer: &mut O,
+) -> Result<Tally<S::State, S::Real>, Invalid> {
     limits.check()?;
-    let mut run = Run::new(system, start, limits, cancel, observer);
+    if from.time.minus(limits.duration) >= 0.0 {
+        let rule =
+            format!("give more than {}, the instant that it goes on from", number(from.time.value));
+        return Err(Invalid::new("run.duration", number(limits.duration), rule));
+    }
+    let mut run = Run::new(system, from, limits, cancel, observer);
     run.begin();
     while run.step() {}
     Ok(run.finish())
@@ -96,19 +147,19 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// A run that has not begun.
     pub(crate) fn new(
         system: &'a S,
-        start: &S::Start,
+        from: &Instant<S::State, R>,
         limits: &'a Limits<R>,
         cancel: Option<&'a AtomicBool>,
         observer: O,
     ) -> Self {
-        let (state, touching) = system.begin(start);
+        let Instant { time, state } = *from;
         Self {
             system,
             limits,
             cancel,
             observer,
-            touching,
-            clock: Clock::ZERO,
+            touching: system.distance(&state).value == 0.0,
+            clock: time,
             phase: Phase::Flight { first: R::INFINITY },
             streak: None,
             riding: None,
@@ -123,6 +174,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 end_time: R::ZERO,
                 work: 0,
                 state,
+                clock: time,
             },
             losses: Clock::ZERO,
             stops: system.stops(limits),
@@ -166,6 +218,8 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             Some(Outcome::WorkLimit)
         } else if self.tally.work.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
             Some(Outcome::Cancelled)
+        } else if self.observer.is_done() {
+            Some(Outcome::Stopped)
         } else {
             None
         };
@@ -346,7 +400,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// Ends the run.
     pub(crate) fn finish(&mut self) -> Tally<S::State, R> {
         self.end_episode(false);
-        self.tally.end_time = self.clock.value;
+        (self.tally.end_time, self.tally.clock) = (self.clock.value, self.clock);
         self.tally.energy_impacts = self.losses.value;
         self.observer.end(self.system, &self.tally);
         self.tally

@@ -14,7 +14,7 @@ use crate::limits::{Limits, STOPS};
 use crate::oscillator::Primary;
 use crate::range;
 use crate::real::Real;
-use crate::system::{Point, Start, System, Wall};
+use crate::system::{Clock, Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
 pub use ride::SivaRide;
@@ -245,11 +245,11 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         check_start(self.clearance, start)
     }
 
-    fn begin(&self, start: &Start<R>) -> (Self::State, bool) {
+    fn begin_at(&self, start: &Start<R>, time: Clock<R>) -> Self::State {
         let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
-        let host = self.host.state(self.host.begin(), primary);
+        let host = self.host.state(self.host.begin_at(time), primary);
         let seen =
             [start.gap_displacement, start.gap_velocity, -host.acceleration.value, start.velocity];
         let side = seen
@@ -260,13 +260,12 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         let s = if side > 0.0 { R::ONE } else { -R::ONE };
         let distance = Sum::new(self.clearance).plus(-s * start.gap_displacement);
         let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * self.clearance;
-        let state = SivaState {
+        SivaState {
             host,
             side: s,
             distance: if touching { Sum::ZERO } else { distance },
             rate: Sum::new(-s * start.gap_velocity),
-        };
-        (state, touching)
+        }
     }
 
     #[inline]

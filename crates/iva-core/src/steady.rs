@@ -163,6 +163,18 @@ pub(crate) struct Kept<R = f64> {
     pub strobe: Sum<R>,
 }
 
+impl<R: Real> Kept<R> {
+    /// Where no steady state is measured.
+    pub const NOTHING: Self = Self {
+        from: R::INFINITY,
+        largest: R::ZERO,
+        acceleration: R::ZERO,
+        square: Sum::ZERO,
+        impacts: 0,
+        strobe: Sum::new(R::INFINITY),
+    };
+}
+
 /// Impacts on one wall in a row, some of which may turn out not to be listed: numbers in the window,
 /// from 1, and approach speeds.
 #[derive(Debug, Clone, Default)]

@@ -112,9 +112,16 @@ pub trait System {
     ///
     /// # Errors
     /// [`Invalid`] naming the field.
-    fn check_start(&self, start: &Self::Start) -> Result<(), Invalid>;
-    /// The state of a start, and whether it touches the wall it is measured from.
-    fn begin(&self, start: &Self::Start) -> (Self::State, bool);
+    fn check_start(&self, _start: &Self::Start) -> Result<(), Invalid> {
+        Ok(())
+    }
+    /// The state of a start under the drive as it stands at an instant; its distance is exactly 0 at a wall.
+    fn begin_at(&self, start: &Self::Start, time: Clock<Self::Real>) -> Self::State;
+
+    /// The same at time zero.
+    fn begin(&self, start: &Self::Start) -> Self::State {
+        self.begin_at(start, Clock::ZERO)
+    }
     /// Free motion from a state.
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
     /// Motion stuck to the wall that the state touches.

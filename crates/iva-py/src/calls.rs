@@ -40,7 +40,7 @@ pub fn fields(part: &str, kind: &str) -> PyResult<Vec<(&'static str, &'static st
     Ok(FieldId::all()
         .map(FieldId::info)
         .filter(|field| field.part == part)
-        .filter(|field| field.kind.is_none_or(|only| only == choices.kind))
+        .filter(|field| field.kinds.contains(&choices.kind))
         .map(|field| (field.name, field.allowed.words(), field.help))
         .collect())
 }
@@ -83,8 +83,9 @@ pub fn design<'py>(py: Python<'py>, spec: &Bound<'py, PyDict>) -> PyResult<Bound
     numbers.set_item("mass", scale.mass)?;
     numbers.set_item("natural_frequency", scale.natural_frequency)?;
     numbers.set_item("damping_ratio", scene.damping_ratio())?;
-    numbers.set_item("mass_ratio", scene.mass_ratio())?;
-    numbers.set_item("clearance", scene.clearance())?;
+    let absorber = scene.absorber();
+    numbers.set_item("mass_ratio", absorber.map(|absorber| absorber.mass_ratio))?;
+    numbers.set_item("clearance", absorber.map(|absorber| absorber.clearance))?;
     let parameters = scene.pendulum().filter(|_| spec.choices().kind == Kind::Piva);
     let pendulum = parameters.map(|pendulum| {
         let own = PyDict::new(py);

@@ -1,4 +1,4 @@
-//! What a user chooses by a word: the kind of absorber, and how a pendulum is modelled.
+//! What a user chooses by a word: the kind of absorber, or none, and how a pendulum is modelled.
 
 use iva_core::error::Invalid;
 pub use iva_core::piva::{Angles, ImpactLaw};
@@ -13,17 +13,22 @@ pub enum Kind {
     Siva,
     /// A pendulum between two stops.
     Piva,
+    /// No absorber: the structure alone.
+    None,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 2] = [Kind::Siva, Kind::Piva];
+    pub const ALL: [Kind; 3] = [Kind::Siva, Kind::Piva, Kind::None];
+    /// The kinds that are an absorber.
+    pub const ABSORBERS: [Kind; 2] = [Kind::Siva, Kind::Piva];
 
     /// The word for it.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Siva => "siva",
             Kind::Piva => "piva",
+            Kind::None => "none",
         }
     }
 
@@ -32,6 +37,7 @@ impl Kind {
         match self {
             Kind::Siva => "a free mass (kind \"siva\")",
             Kind::Piva => "a pendulum (kind \"piva\")",
+            Kind::None => "a structure without absorber (kind \"none\")",
         }
     }
 
@@ -48,8 +54,8 @@ pub struct Choice {
     pub name: &'static str,
     /// The words to choose from, the default first.
     pub words: &'static [&'static str],
-    /// The only kind that has it.
-    pub kind: Option<Kind>,
+    /// The kinds that have it.
+    pub kinds: &'static [Kind],
     /// One line of help.
     pub help: &'static str,
 }
@@ -58,20 +64,20 @@ pub struct Choice {
 pub static CHOICES: [Choice; 3] = [
     Choice {
         name: "kind",
-        words: &["siva", "piva"],
-        kind: None,
-        help: "a free mass in a gap, or a pendulum between two stops",
+        words: &["siva", "piva", "none"],
+        kinds: &Kind::ALL,
+        help: "a free mass in a gap, a pendulum between two stops, or no absorber",
     },
     Choice {
         name: "angles",
         words: &["large", "small"],
-        kind: Some(Kind::Piva),
+        kinds: &[Kind::Piva],
         help: "exact, or linearised: sin θ = θ, cos θ = 1",
     },
     Choice {
         name: "impact_law",
         words: &["consistent", "printed"],
-        kind: Some(Kind::Piva),
+        kinds: &[Kind::Piva],
         help: "momentum and restitution, or the paper's Eqs. 16 and 17 as printed, for comparison",
     },
 ];
@@ -98,8 +104,8 @@ impl Choices {
         let Some(choice) = CHOICES.iter().find(|choice| choice.name == name) else {
             return Err(Invalid::new(path, shown, "no such field"));
         };
-        if let Some(kind) = choice.kind.filter(|kind| *kind != self.kind) {
-            return Err(Invalid::new(path, shown, only(kind)));
+        if !choice.kinds.contains(&self.kind) {
+            return Err(Invalid::new(path, shown, only(choice.kinds)));
         }
         if !choice.words.contains(&word) {
             let words: Vec<String> = choice.words.iter().map(|w| format!("\"{w}\"")).collect();
@@ -123,18 +129,21 @@ impl Choices {
             (choice.name, choice.words[usize::from(!first)])
         };
         let all = [
-            of(0, self.kind == Kind::Siva),
+            ("kind", self.kind.name()),
             of(1, self.angles == Angles::Large),
             of(2, self.impact_law == ImpactLaw::Consistent),
         ];
         let kind = self.kind;
-        all.into_iter().zip(&CHOICES).filter_map(move |(word, choice)| {
-            choice.kind.is_none_or(|only| only == kind).then_some(word)
-        })
+        all.into_iter()
+            .zip(&CHOICES)
+            .filter_map(move |(word, choice)| choice.kinds.contains(&kind).then_some(word))
     }
 }
 
-/// Why a field or choice of another kind is refused.
-pub(crate) fn only(kind: Kind) -> String {
-    format!("only {} has it; leave it out", kind.what())
+/// Why a field or choice that only these kinds have is refused for another.
+pub(crate) fn only(kinds: &[Kind]) -> String {
+    match kinds {
+        [kind] => format!("only {} has it; leave it out", kind.what()),
+        _ => "there is no absorber (kind \"none\"); leave it out".to_owned(),
+    }
 }

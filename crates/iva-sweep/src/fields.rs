@@ -173,22 +173,19 @@ pub struct Field {
     pub allowed: Allowed,
     /// Fields of one part with the same group are alternatives: an axis over one replaces the others.
     pub group: &'static str,
-    /// The only kind of absorber that has it.
-    pub kind: Option<Kind>,
+    /// The kinds of absorber that have it.
+    pub kinds: &'static [Kind],
     /// One line of help.
     pub help: &'static str,
 }
 
-/// The kind a row of the table ends with, if any.
-const fn sole(kinds: &[Kind]) -> Option<Kind> {
-    match kinds {
-        [kind] => Some(*kind),
-        _ => None,
-    }
+/// The kinds that a row of the table ends with; without any, all.
+const fn or_all(kinds: &'static [Kind]) -> &'static [Kind] {
+    if kinds.is_empty() { &Kind::ALL } else { kinds }
 }
 
 macro_rules! fields {
-    ($($id:ident: $part:ident $name:literal $quantity:ident $allowed:ident $group:literal $help:literal $($kind:ident)?;)*) => {
+    ($($id:ident: $part:ident $name:literal $quantity:ident $allowed:ident $group:literal $help:literal $($kind:ident)*;)*) => {
         /// Index of a field in [`FIELDS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         #[allow(missing_docs)] // each is described by its `help`
@@ -201,7 +198,7 @@ macro_rules! fields {
             quantity: Quantity::$quantity,
             allowed: Allowed::$allowed,
             group: $group,
-            kind: sole(&[$(Kind::$kind)?]),
+            kinds: or_all(&[$(Kind::$kind),*]),
             help: $help,
         }),*];
 
@@ -219,14 +216,14 @@ fields! {
     FrequencyHz: Primary "frequency_hz" Hertz Positive "frequency" "natural frequency of the bare primary system in Hz";
     Stiffness: Primary "stiffness" Stiffness Positive "frequency" "spring stiffness k; needs a mass";
     PrimaryMass: Primary "mass" Mass Positive "mass" "mass M of the primary system";
-    MassRatio: Absorber "mass_ratio" Ratio MassRatio "mass" "absorber mass over primary mass";
-    AbsorberMass: Absorber "mass" Mass Positive "mass" "absorber mass m; needs a primary mass";
-    Restitution: Absorber "restitution" Ratio UnitInterval "restitution" "Newton's coefficient on the gap velocity";
-    RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|";
-    Clearance: Absorber "clearance" Length Positive "clearance" "one-sided clearance, half of the total play";
-    ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm";
-    Gap: Absorber "gap" Length Positive "clearance" "total play, twice the clearance";
-    GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm";
+    MassRatio: Absorber "mass_ratio" Ratio MassRatio "mass" "absorber mass over primary mass" Siva Piva;
+    AbsorberMass: Absorber "mass" Mass Positive "mass" "absorber mass m; needs a primary mass" Siva Piva;
+    Restitution: Absorber "restitution" Ratio UnitInterval "restitution" "Newton's coefficient on the gap velocity" Siva Piva;
+    RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|" Siva Piva;
+    Clearance: Absorber "clearance" Length Positive "clearance" "one-sided clearance, half of the total play" Siva Piva;
+    ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm" Siva Piva;
+    Gap: Absorber "gap" Length Positive "clearance" "total play, twice the clearance" Siva Piva;
+    GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm" Siva Piva;
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
     Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity; follows from frequency_ratio and length, else 9.80665 in SI units" Piva;
@@ -247,8 +244,8 @@ fields! {
     Displacement: Start "displacement" Length Size "displacement" "displacement of the primary system";
     DisplacementMm: Start "displacement_mm" Millimetre Size "displacement" "displacement of the primary system in mm";
     Velocity: Start "velocity" Velocity Size "velocity" "velocity of the primary system";
-    GapDisplacement: Start "gap_displacement" Length Size "gap_displacement" "absorber displacement minus primary displacement";
-    GapVelocity: Start "gap_velocity" Velocity Size "gap_velocity" "absorber velocity minus primary velocity";
+    GapDisplacement: Start "gap_displacement" Length Size "gap_displacement" "absorber displacement minus primary displacement" Siva Piva;
+    GapVelocity: Start "gap_velocity" Velocity Size "gap_velocity" "absorber velocity minus primary velocity" Siva Piva;
     Angle: Start "angle" Angle Angle "gap_displacement" "angle of the pendulum from hanging, in rad" Piva;
     AngularVelocity: Start "angular_velocity" AngularVelocity Size "gap_velocity" "angular velocity of the pendulum" Piva;
     Periods: Run "periods" Ratio Positive "duration" "length of the run in periods 2π/ωn of the bare primary system";
@@ -258,7 +255,7 @@ fields! {
     MaxImpacts: Run "max_impacts" Count PositiveInteger "max_impacts" "stop after so many impacts (default 10 million)";
     MaxWork: Run "max_work" Count PositiveInteger "max_work" "stop after so many flight segments (default 100 million)";
     Tolerance: Run "tolerance" Ratio Tolerance "tolerance" "what a step of a pendulum's flight may leave out, relative (default 0: full accuracy)" Piva;
-    ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)";
+    ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)" Siva Piva;
 }
 
 /// Of each field the first that sets the same quantity: asked at every point of a sweep.

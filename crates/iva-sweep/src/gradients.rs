@@ -23,9 +23,9 @@ use crate::design::Design;
 use crate::engine::given::Given;
 use crate::engine::point::{Estimates, Request, run};
 use crate::engine::rows::Estimate;
+use crate::engine::scene::with_system;
 use crate::error::Invalid;
 use crate::fields::{FieldId, Part, Quantity};
-use crate::scene::Scene;
 use crate::slot::Slot;
 use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
@@ -95,17 +95,9 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
 fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, Invalid> {
     let mut observers = (Errors::default(), Events::default());
     let (limits, cancel) = (&design.limits, Some(cancel));
-    match &design.scene {
-        Scene::Siva { system, start } => {
-            simulate(system, start, limits, cancel, &mut observers)?;
-        }
-        Scene::DrivenSiva { system, start } => {
-            simulate(system, start, limits, cancel, &mut observers)?;
-        }
-        Scene::Piva { system, start, .. } => {
-            simulate(system, start, limits, cancel, &mut observers)?;
-        }
-    }
+    with_system!(&design.scene, |system, start| {
+        simulate(system, start, limits, cancel, &mut observers).map(|_| ())
+    })?;
     let (errors, events) = observers;
     let sensitive = |time: Option<f64>| time.is_none_or(|error| error >= SENSITIVE);
     let first = errors.impacts.iter().position(|error| sensitive(error.time));

@@ -14,7 +14,7 @@ use crate::columns::tables as entries;
 
 use crate::design::{Design, Spec};
 use crate::engine::scale::Scale;
-use crate::scene::Scene;
+use crate::engine::scene::with_system;
 use crate::study::{Study, Table};
 use crate::sweep::SweepError;
 use crate::tables::{Cell, TableBuilder, cells, schema_in};
@@ -107,18 +107,9 @@ pub fn states(spec: &Spec, times: &[f64], cancel: &AtomicBool) -> Result<RecordB
 
 fn watch(design: &Design, cancel: &AtomicBool, sampler: &mut Sampler) -> Result<(), Invalid> {
     let (limits, cancel) = (&design.limits, Some(cancel));
-    match &design.scene {
-        Scene::Siva { system, start } => {
-            simulate(system, start, limits, cancel, sampler)?;
-        }
-        Scene::DrivenSiva { system, start } => {
-            simulate(system, start, limits, cancel, sampler)?;
-        }
-        Scene::Piva { system, start, .. } => {
-            simulate(system, start, limits, cancel, sampler)?;
-        }
-    }
-    Ok(())
+    with_system!(&design.scene, |system, start| {
+        simulate(system, start, limits, cancel, sampler).map(|_| ())
+    })
 }
 
 fn table<'a>(
@@ -166,6 +157,11 @@ impl AsGiven<'_> {
 impl MotionRow<'_> {
     fn state<T>(&self, read: fn(&State) -> T) -> Option<T> {
         self.state.map(read)
+    }
+
+    /// Of the absorber, if there is one.
+    fn gap(&self, read: fn(&State) -> f64) -> Option<f64> {
+        self.design.scene.absorber().and(self.state(read))
     }
 
     fn angle(&self) -> Option<Angle> {

@@ -271,8 +271,9 @@ impl Sampling {
             }
         }
         for swept in self.keys() {
-            if let Some(other) = swept.slot.info().kind.filter(|other| *other != kind) {
-                return Err(swept.refused(only(other)));
+            let kinds = swept.slot.info().kinds;
+            if !kinds.contains(&kind) {
+                return Err(swept.refused(only(kinds)));
             }
         }
         Ok(())

@@ -4,9 +4,6 @@ use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use iva_core::lanes::{self, Ended, Job, SideBySide};
-use iva_core::measures::MeasureValues;
-use iva_core::steady::{SteadyValues, SteadyWanted};
-use iva_core::system::System;
 
 use crate::done::Done;
 use crate::engine::design::Design;
@@ -36,78 +33,48 @@ pub(crate) fn summaries(
     points: Range<u64>,
     take: Take<'_>,
 ) -> Result<Option<Done>, Invalid> {
-    let Request { summary, impacts, episodes, envelope, steady, .. } = *asked.request;
+    let Request { summary, impacts, episodes, envelope, ref steady, .. } = *asked.request;
     let more = impacts || episodes || envelope || steady.strobes || asked.study.errors;
     if more || !summary || points.is_empty() {
         return Ok(None);
     }
     match asked.study.design(points.start)?.scene {
         Scene::Siva { .. } => together(asked, points, take, |design| match &design.scene {
-            Scene::Siva { system, start } => Some(job(design, system, start, ())),
+            Scene::Siva { system, start } => Some((system.clone(), *start)),
             _ => None,
         }),
         Scene::DrivenSiva { .. } => together(asked, points, take, |design| match &design.scene {
-            Scene::DrivenSiva { system, start } => {
-                // Impulses alone leave a decay.
-                let steady = if system.is_driven() { steady } else { SteadyWanted::default() };
-                Some(job(design, system, start, (steady, design.window)))
-            }
+            Scene::DrivenSiva { system, start } => Some((system.clone(), *start)),
             _ => None,
         }),
         Scene::Piva { .. } => together(asked, points, take, |design| match &design.scene {
-            Scene::Piva { system, start, .. } if system.force().is_none() => {
-                Some(job(design, system, start, ()))
-            }
+            Scene::Piva { system, start, .. } => Some((system.clone(), *start)),
+            _ => None,
+        }),
+        Scene::Alone { .. } => together(asked, points, take, |design| match &design.scene {
+            Scene::Alone { system, start } => Some((system.clone(), *start)),
+            _ => None,
+        }),
+        Scene::DrivenAlone { .. } => together(asked, points, take, |design| match &design.scene {
+            Scene::DrivenAlone { system, start } => Some((system.clone(), *start)),
             _ => None,
         }),
     }
 }
 
-fn job<S: SideBySide + Clone>(
-    design: &Design,
-    system: &S,
-    start: &S::Start,
-    also: S::Also,
-) -> Job<S> {
-    Job { system: system.clone(), start: *start, limits: design.limits, also }
-}
-
-/// What was measured of a run.
-trait Measured {
-    fn decay(&self) -> &MeasureValues;
-    fn steady(&self) -> Option<&SteadyValues>;
-}
-
-impl Measured for MeasureValues {
-    fn decay(&self) -> &MeasureValues {
-        self
-    }
-    fn steady(&self) -> Option<&SteadyValues> {
-        None
-    }
-}
-
-impl Measured for (MeasureValues, SteadyValues) {
-    fn decay(&self) -> &MeasureValues {
-        &self.0
-    }
-    fn steady(&self) -> Option<&SteadyValues> {
-        Some(&self.1)
-    }
-}
-
-fn together<S: SideBySide<Values: Measured>>(
+fn together<S: SideBySide>(
     asked: &Asked<'_>,
     points: Range<u64>,
     take: Take<'_>,
-    job: impl Fn(&Design) -> Option<Job<S>>,
+    scene: impl Fn(&Design) -> Option<(S, S::Start)>,
 ) -> Result<Option<Done>, Invalid> {
     let Asked { study, request, cancel } = *asked;
     let (mut designs, mut jobs) = (Vec::new(), Vec::new());
     for point in points.clone() {
         let design = study.design(point)?;
-        let Some(job) = job(&design) else { return Ok(None) };
-        jobs.push(job);
+        let Some((system, start)) = scene(&design) else { return Ok(None) };
+        let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
+        jobs.push(Job { system, start, limits: design.limits, steady });
         designs.push(design);
     }
     let mut results: Vec<Option<Ended<S>>> = vec![None; jobs.len()];
@@ -116,9 +83,9 @@ fn together<S: SideBySide<Values: Measured>>(
     let mut done = Done::default();
     // After a cancellation the points before the first that was not begun.
     for (point, (design, result)) in points.zip(designs.iter().zip(&results)) {
-        let Some((tally, values)) = result else { break };
-        let settled = request.settled(design, values.steady(), cancel)?;
-        let row = rows::RunRow { settled, ..rows::RunRow::new(design, tally, values.decay()) };
+        let Some((tally, measures, steady)) = result else { break };
+        let settled = request.settled(design, steady.as_ref(), cancel)?;
+        let row = rows::RunRow { settled, ..rows::RunRow::new(design, tally, measures) };
         take(&mut row.cells(study, point));
         done += Done::run(tally.outcome.name(), tally.work);
     }

@@ -62,8 +62,9 @@ impl Spec {
     /// that is not there.
     pub fn set(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
         let slot = slot.into();
-        if let Some(kind) = slot.info().kind.filter(|kind| *kind != self.choices.kind) {
-            return Err(Invalid::new(slot.path(), number(value), only(kind)));
+        let kinds = slot.info().kinds;
+        if !kinds.contains(&self.choices.kind) {
+            return Err(Invalid::new(slot.path(), number(value), only(kinds)));
         }
         let value = slot.check(value)?;
         if slot.info().part == Part::Force {

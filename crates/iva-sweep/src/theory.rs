@@ -24,7 +24,7 @@ pub struct Answer<T> {
 
 fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     if spec.choices().kind != Kind::Siva {
-        return Err(Invalid::new("absorber.kind", spec.choices().kind.name(), only(Kind::Siva)));
+        return Err(Invalid::new("absorber.kind", spec.choices().kind.name(), only(&[Kind::Siva])));
     }
     let given = Given::new(spec);
     let (scale, units) = given.scale()?;

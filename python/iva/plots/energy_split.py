@@ -38,7 +38,7 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
     gravity), then what has been lost in the damper, in impacts (in steps) and in a pendulum's
     pivot. In free decay everything is relative to the initial energy and fills the height up to 1.
     Under forces energies are drawn in their unit, and the upper edge is the initial energy plus the
-    work done so far.
+    work done so far. Without absorber there are structure and damper alone.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def energy(run: Run, *, ax: Axes | None = None) -> Axes:
         )
         axes.plot(
             split.time,
-            (split.layers["structure"] + split.layers["absorber"]) / scale,
+            (split.layers["structure"] + split.layers.get("absorber", 0.0)) / scale,
             color=BLACK,
             linewidth=0.6,
             label="_in the system",
@@ -159,6 +159,8 @@ def split_of(run: Run) -> Split:
                 f"instead of {column} = {truth:.6g}"
             )
     names = ["structure", "absorber", "damper", "impacts"]
+    if run.absorber is None:
+        names = ["structure", "damper"]
     if design.pendulum is not None and design.pendulum.damping_ratio > 0.0:
         names.append("pivot")
     return Split(time, {name: layers[name] for name in names})
@@ -195,6 +197,8 @@ def energies(design: Design, motion: Motion) -> tuple[Numbers, Numbers]:
     velocity = motion["velocity"]
     stiffness = design.mass * design.natural_frequency**2
     structure = 0.5 * (design.mass * velocity**2 + stiffness * motion["displacement"] ** 2)
+    if design.mass_ratio is None:
+        return structure, np.zeros_like(structure)
     mass = design.mass_ratio * design.mass
     pendulum = design.pendulum
     if pendulum is None:
@@ -229,9 +233,9 @@ def damper_power(design: Design, motion: Motion) -> Numbers:
 
 
 def pivot_power(design: Design, motion: Motion) -> Numbers:
-    """Return 2 ζp ωp κ m (L θ̇)²; 0 for a free mass."""
+    """Return 2 ζp ωp κ m (L θ̇)²; 0 for a free mass, and without absorber."""
     pendulum = design.pendulum
-    if pendulum is None:
+    if pendulum is None or design.mass_ratio is None:
         return np.zeros_like(motion["time"])
     rate = 2.0 * pendulum.damping_ratio * pendulum.frequency * pendulum.inertia_ratio
     return rate * design.mass_ratio * design.mass * arc_velocity(design, motion) ** 2

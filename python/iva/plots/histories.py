@@ -38,8 +38,8 @@ def decay(
     run : Run
         The run.
     bare : Run, optional
-        A run of the same structure without absorber (or with a gap that it never closes), drawn
-        thinly behind; in the same units.
+        A run of the same structure without absorber (``None`` in its place), drawn thinly behind;
+        in the same units.
     relative : bool, default True
         Draw x/A₀, A₀ = |x(0)| (the first peak where x(0) = 0), instead of x in its unit.
     until : float, optional
@@ -49,7 +49,7 @@ def decay(
         is a dot. Left out under a lasting force, for there nothing settles.
     impacts : bool, default True
         Draw a tick for every impact: wall + at the upper edge, wall − at the lower one. The run
-        needs its table ``impacts``.
+        needs its table ``impacts``. Without absorber there is none.
     envelope : bool, default True
         Draw lines through the peaks. The run needs its table ``envelope``.
     label : str, optional
@@ -97,7 +97,8 @@ def decay(
     reference = reference_amplitude(run) if relative or levels else 1.0
     scale = reference if relative else 1.0
     peaks = frame_of(run, "envelope") if envelope else None
-    hits = frame_of(run, "impacts") if impacts else None
+    alone = run.absorber is None
+    hits = frame_of(run, "impacts") if impacts and not alone else None
     with drawing_on(ax) as axes:
         if bare is not None:
             behind, _ = motion_of(bare, until)
@@ -112,7 +113,7 @@ def decay(
             motion["time"],
             motion["displacement"] / scale,
             color=STRUCTURE,
-            label=label or ("with absorber" if bare is not None else "structure"),
+            label=label or ("structure" if bare is None or alone else "with absorber"),
         )
         if peaks is not None:
             drawn = peaks.filter(peaks["time"] <= end)
@@ -194,6 +195,8 @@ def reference_amplitude(run: Run) -> float:
 def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) -> Axes:
     """Draw the velocities of structure and absorber, which jump at every impact.
 
+    Without absorber it is the velocity of the structure alone.
+
     Parameters
     ----------
     run : Run
@@ -232,13 +235,15 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
     ('time t (s)', 'velocity ẋ, ẋ₁ (m/s)')
     """
     motion, end = motion_of(checked_run(run), until)
-    absorber = motion["velocity"] + design_of(run).lever * motion["gap_velocity"]
     units = run.units["trajectory"]
+    symbols = "ẋ" if run.absorber is None else "ẋ, ẋ₁"
     with drawing_on(ax) as axes:
-        axes.plot(motion["time"], absorber, color=ABSORBER, linewidth=0.8, label="absorber ẋ₁")
+        if run.absorber is not None:
+            absorber = motion["velocity"] + design_of(run).lever * motion["gap_velocity"]
+            axes.plot(motion["time"], absorber, color=ABSORBER, linewidth=0.8, label="absorber ẋ₁")
         axes.plot(motion["time"], motion["velocity"], color=STRUCTURE, label="structure ẋ")
         axes.set_xlim(0.0, end)
         axes.set_xlabel(labelled("time", "t", units["time"]))
-        axes.set_ylabel(labelled("velocity", "ẋ, ẋ₁", units["velocity"]))
+        axes.set_ylabel(labelled("velocity", symbols, units["velocity"]))
         legend_above(axes, 2)
     return axes

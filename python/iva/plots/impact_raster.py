@@ -45,7 +45,8 @@ def raster(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If there is no table ``impacts``, no such column, or a value is out of range.
+        If there is no table ``impacts``, no such column, a value is out of range, or the run has no
+        absorber.
 
     Examples
     --------
@@ -63,6 +64,8 @@ def raster(
     """
     if not isinstance(table, Table | Run):
         raise TypeError(f"table = {shown(table)}: give an iva.Table or an iva.Run")
+    if isinstance(table, Run) and table.absorber is None:
+        raise ValueError("this run has no absorber, and so no impacts to draw")
     impacts, summary = frame_of(table, "impacts"), frame_of(table, "summary")
     end = limit(until)
     if by is None:

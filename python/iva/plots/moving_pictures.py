@@ -81,7 +81,7 @@ def animation(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If a value is out of range, or the table is missing.
+        If a value is out of range, the table is missing, or the run has no absorber.
 
     Examples
     --------
@@ -108,7 +108,9 @@ def checked(run: Run, until: float | None, frames: int, fps: int) -> None:
     TypeError, ValueError
         If something cannot be used.
     """
-    frame_of(checked_run(run), "impacts")
+    if checked_run(run).absorber is None:
+        raise ValueError("this run has no absorber, and so no gap to show")
+    frame_of(run, "impacts")
     limit(until)
     for field, value, least, most in (("frames", frames, 2, 100_000), ("fps", fps, 1, 50)):
         given = number(field, value)
@@ -233,8 +235,8 @@ def animate(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If a value is out of range, the suffix is another one, the table is missing, or `path` is
-        not a file in a folder that exists.
+        If a value is out of range, the suffix is another one, the table is missing, the run has no
+        absorber, or `path` is not a file in a folder that exists.
     iva.IvaError
         If the file cannot be written.
 

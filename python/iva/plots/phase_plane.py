@@ -39,7 +39,7 @@ def phase(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If `until` is not greater than 0.
+        If `until` is not greater than 0, or `relative` is asked of a run without absorber.
 
     Examples
     --------
@@ -53,7 +53,9 @@ def phase(
     'gap displacement y (unit of x₀)'
     """
     truth("relative", relative)
-    motion, _ = motion_of(checked_run(run), until)
+    if checked_run(run).absorber is None and relative:
+        raise ValueError("relative = True: this run has no absorber, and so no gap; give False")
+    motion, _ = motion_of(run, until)
     units = run.units["trajectory"]
     across, up = ("gap_displacement", "gap_velocity") if relative else ("displacement", "velocity")
     symbols = ("y", "w") if relative else ("x", "ẋ")
@@ -61,9 +63,12 @@ def phase(
         x, y = motion[across], motion[up]
         # Where time stands still the state has jumped: the line is lifted there.
         still = np.diff(motion["time"]) == 0.0
-        jumps = np.flatnonzero(still & (np.diff(motion["gap_velocity"]) != 0.0))
+        # Without absorber the gap velocity is NaN, and no jump.
+        jumps = np.flatnonzero(still & (np.abs(np.diff(motion["gap_velocity"])) > 0.0))
         if relative:
-            walls(axes, design_of(run).clearance)
+            clearance = design_of(run).clearance
+            assert clearance is not None
+            walls(axes, clearance)
         axes.plot(
             np.insert(x, jumps + 1, np.nan),
             np.insert(y, jumps + 1, np.nan),
@@ -79,7 +84,7 @@ def phase(
                 linewidths=0.7,
                 linestyles=[(0, (2, 1))],
                 zorder=2.5,
-                label="impact",
+                label="impact" if run.absorber is not None else "_no impact",
             )
         )
         axes.plot(x[0], y[0], "o", color=STRUCTURE, label="start", markersize=3)

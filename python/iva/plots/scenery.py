@@ -37,10 +37,11 @@ def scenery(axes: Axes, design: Design, largest: float, reach: float) -> Scenery
     axes : matplotlib axes
         Where to draw; its own frame goes away.
     design : Design
-        The scene.
+        The scene, with an absorber.
     largest, reach : float
         Largest |x| and |y| of the motion, for which there must be room.
     """
+    assert design.clearance is not None
     axes.set_aspect("equal")
     axes.set_axis_off()
     if design.pendulum is None:

@@ -130,6 +130,6 @@ fn a_sweep_without_any_value_says_so() {
 #[test]
 fn a_report_by_a_measure_that_is_not_computed_is_no_report() {
     let measures = Selection::from_names(["impacts"]).unwrap();
-    assert_eq!(Report::new(measures, false).best_by, None);
-    assert!(BestPoints::new(&Report::new(measures, false), &study()).is_none());
+    assert_eq!(Report::new(measures, &study().spec).best_by, None);
+    assert!(BestPoints::new(&Report::new(measures, &study().spec), &study()).is_none());
 }

@@ -66,7 +66,7 @@ fn choices() -> impl Strategy<Value = Choices> {
 
 /// The fields that a kind of absorber has.
 fn fields(kind: Kind) -> Vec<FieldId> {
-    FieldId::all().filter(|field| field.info().kind.is_none_or(|only| only == kind)).collect()
+    FieldId::all().filter(|field| field.info().kinds.contains(&kind)).collect()
 }
 
 fn axes(kind: Kind) -> impl Strategy<Value = Vec<Axis>> {
@@ -159,12 +159,13 @@ fn study_file() -> impl Strategy<Value = StudyFile> {
     (model, tables, measures, report, 1..=1_000_000_u32, any::<bool>()).prop_map(
         |((spec, sampling), tables, measures, (best_by, count), samples_per_period, errors)| {
             let study = Study { spec, sampling, tables, measures, errors };
-            let driven = study.spec(0).unwrap().is_driven();
             StudyFile {
                 report: Report {
-                    best_by: Some(best_by)
-                        .filter(|name| measures.contains(name))
-                        .or(Report::new(measures, driven).best_by),
+                    best_by: Some(best_by).filter(|name| measures.contains(name)).or(Report::new(
+                        measures,
+                        &study.spec(0).unwrap(),
+                    )
+                    .best_by),
                     count,
                 },
                 study,

@@ -147,7 +147,7 @@ const BAD: &[Case] = &[
     ("0.1\nrest", "\"0.1\"\nrest", 6, 14, &["absorber.mass_ratio = \"0.1\"", "a number greater than 0", "not a text in quotes"]),
     ("60", "true", 12, 11, &["run.periods = true", "not a truth value"]),
     ("60", "[60, 70]", 12, 11, &["run.periods = [60, 70]", "not a list"]),
-    ("\"siva\"", "3", 5, 8, &["absorber.kind = 3", "give \"siva\""]),
+    ("\"siva\"", "3", 5, 8, &["absorber.kind = 3", "give one of \"siva\""]),
     ("\"siva\"", "\"sliva\"", 5, 8, &["absorber.kind = \"sliva\"", "did you mean \"siva\"?"]),
     ("[0.05, 0.1, 0.15, 0.2]", "0.05", 16, 14, &["sweep.mass_ratio = 0.05", "give a list of numbers or { start"]),
     ("0.15, 0.2]", "\"x\"]", 16, 26, &["sweep.mass_ratio[2] = \"x\"", "greater than 0"]),
@@ -201,7 +201,7 @@ const BAD: &[Case] = &[
     ("kind = \"siva\"", "kind = siva", 5, 8, &["not valid TOML"]),
     ("damping_ratio = 0.01", "damping_ratio =", 3, 16, &["not valid TOML"]),
     // Missing, with a section to point at.
-    ("kind = \"siva\"", "", 4, 2, &["absorber.kind is missing", "kind = \"siva\""]),
+    ("kind = \"siva\"", "", 4, 2, &["absorber.kind is missing", "give one of \"siva\""]),
 ];
 
 #[test]

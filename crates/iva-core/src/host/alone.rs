@@ -1,26 +1,47 @@
 //! The structure without absorber.
 
-use super::{Flown, Host, HostState, Integrated, Phase, Structure};
+use super::{DrivenHost, Flown, Host, HostState, Integrated, Phase, Structure, UndrivenHost};
 use crate::compensated::Sum;
 use crate::error::Invalid;
-use crate::flight::{Arcs, Curve, GapPoint, Jet, Losses, Motion, Rows};
+use crate::flight::{Arcs, Curve, GapPoint, Glide, Jet, Losses, Meets, Motion, Rows, Turns};
 use crate::force::Force;
 use crate::impact::Impact;
 use crate::oscillator::Primary;
 use crate::range;
 use crate::real::Real;
-use crate::system::{Point, System, Wall};
+use crate::system::{Clock, Point, System, Wall};
 
 /// A structure without absorber, as a system to run: its flight never ends at a wall.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alone<H: Host> {
-    host: H,
+    pub(crate) host: H,
+}
+
+impl<R: Real> Alone<UndrivenHost<R>> {
+    /// A structure of damping ratio ζ that nothing drives.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a damping ratio out of [`crate::range`].
+    pub fn new(damping_ratio: R) -> Result<Self, Invalid> {
+        range::damping_ratio("primary.damping_ratio", damping_ratio)?;
+        Ok(Self { host: UndrivenHost::new(damping_ratio, R::ZERO) })
+    }
+
+    /// The same structure under a force.
+    pub fn under(&self, force: Force<R>) -> Alone<DrivenHost<R>> {
+        Alone { host: DrivenHost::new(self.host.damping_ratio(), R::ZERO, force) }
+    }
 }
 
 impl<R: Real, H: Host<Real = R>> Alone<H> {
-    /// This structure.
-    pub fn new(host: H) -> Self {
-        Self { host }
+    /// ζ.
+    pub fn damping_ratio(&self) -> R {
+        self.host.damping_ratio()
+    }
+
+    /// All that drives it; `None` where nothing can.
+    pub fn force(&self) -> Option<&Force<R>> {
+        self.host.force()
     }
 }
 
@@ -66,6 +87,30 @@ impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
 
     fn primary(&self, h: R) -> Jet<R> {
         self.structure.jet(&self.from, &self.course, h)
+    }
+
+    /// It meets nothing, however it moves.
+    fn glide(&self, length: R) -> Option<Glide<Self::State, R>> {
+        let end = self.arrival(length);
+        let finite = end.primary.x.value.is_finite() && end.primary.v.value.is_finite();
+        finite.then_some(Glide { length, later: R::ZERO, end, meets: Meets::Nothing })
+    }
+
+    fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
+        if !R::STRIDES || self.from.primary.v.value * end.primary.v.value >= 0.0 {
+            return Turns::Unknown;
+        }
+        R::dispatched(
+            #[inline(always)]
+            || self.structure.turns(&self.from, &self.course, end, length),
+        )
+    }
+
+    fn acceleration_turns(&self, length: R, end: &Self::State) -> Turns<R> {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure.acceleration_turns(&self.from, &self.course, end, length),
+        )
     }
 
     fn gap(&self, _h: R) -> GapPoint<R> {
@@ -160,9 +205,9 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         range::size("start.velocity", start.v)
     }
 
-    fn begin(&self, start: &Point<R>) -> (Self::State, bool) {
+    fn begin_at(&self, start: &Point<R>, time: Clock<R>) -> Self::State {
         let primary = Primary { x: Sum::new(start.x), v: Sum::new(start.v) };
-        (self.host.state(self.host.begin(), primary), false)
+        self.host.state(self.host.begin_at(time), primary)
     }
 
     fn flight(&self, state: &Self::State) -> AloneFlight<'_, H> {
@@ -187,18 +232,8 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
     }
 
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
-        let Point { x, v } = self.primary(state);
-        let impact = Impact {
-            time,
-            wall: Wall::Plus,
-            displacement: x,
-            velocity_before: v,
-            velocity_after: v,
-            gap_velocity_before: R::ZERO,
-            gap_velocity_after: R::ZERO,
-            lever: R::ONE,
-            energy_loss: R::ZERO,
-        };
+        let (none, primary) = ([R::ZERO; 2], self.primary(state));
+        let impact = Impact::of_free_mass(none, time, Wall::Plus, primary, R::ZERO);
         (*state, impact)
     }
 

@@ -8,6 +8,7 @@ use crate::compensated::Sum;
 use crate::flight::{Jet, Turns};
 use crate::oscillator::{Equation, Oscillator, Primary};
 use crate::real::Real;
+use crate::system::Clock;
 
 impl<R: Real> Structure for Oscillator<R> {
     type Real = R;
@@ -159,7 +160,7 @@ impl<R: Real> Host for UndrivenHost<R> {
     }
 
     #[inline(always)]
-    fn begin(&self) {}
+    fn begin_at(&self, _time: Clock<R>) {}
 
     #[inline(always)]
     fn balanced(&self, _phase: &(), v: Sum<R>) -> Sum<R> {

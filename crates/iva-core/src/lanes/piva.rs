@@ -76,14 +76,14 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
         let lanes = &self.lanes;
         if lanes.watch.peaked[i] > 0.0 {
             let (peak, index) = lanes.watch.get(i).ended_peak();
-            run.observer.peak(&peak, index);
+            run.observer.0.peak(&peak, index);
         }
         let passages = [
             (lanes.passed_1[i], [lanes.from_1[i], lanes.to_1[i]]),
             (lanes.passed_2[i], [lanes.from_2[i], lanes.to_2[i]]),
             (lanes.passed_3[i], [lanes.from_3[i], lanes.to_3[i]]),
         ];
-        for (last, (level, h)) in run.observer.settling.iter_mut().zip(passages) {
+        for (last, (level, h)) in run.observer.0.settling.iter_mut().zip(passages) {
             if level != 0.0 {
                 let origin = lanes.origin.get(i).state();
                 let start = Sum { value: lanes.start_time[i], rest: lanes.start_time_rest[i] };
@@ -107,7 +107,7 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
 
     fn take(&mut self, i: usize, run: &Home<'_, Piva>) -> bool {
         let Phase::Flight { first } = run.phase else { return false };
-        let settled = run.observer.reference.settled && run.observer.reference.amplitude > 0.0;
+        let settled = run.observer.0.reference.settled && run.observer.0.reference.amplitude > 0.0;
         let lane = Lane::of(run, first);
         let fits = settled && lane.work < lane.max_work && run.listed() < run.limits.max_impacts;
         if fits {

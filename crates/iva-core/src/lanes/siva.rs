@@ -57,7 +57,7 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
         let lanes = &mut self.lanes;
         if lanes.watch.peaked[i] > 0.0 {
             let (peak, index) = lanes.watch.get(i).ended_peak();
-            run.observer.peak(&peak, index);
+            run.observer.0.peak(&peak, index);
         }
         if lanes.flying.stopped[i] == STOP {
             let mut lane = lanes.get(i);
@@ -74,7 +74,7 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
     }
 
     fn take(&mut self, i: usize, run: &Home<'_, Siva>) -> bool {
-        let settled = run.observer.reference.settled && run.observer.reference.amplitude > 0.0;
+        let settled = run.observer.0.reference.settled && run.observer.0.reference.amplitude > 0.0;
         let lane = Lane::of(run, self.free.reach).filter(|_| settled);
         if let Some(lane) = &lane {
             self.lanes.set(i, lane);
@@ -109,7 +109,7 @@ fn evaluate<const W: usize, const LEDGER: bool>(lanes: &mut Lanes<W>, free: &Osc
 fn pass_stop(run: &mut Home<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
     let flying = &mut lane.flying;
     if flying.stop == f64::TURN.value {
-        run.observer.one_period(run.system.energy(&flying.state(())));
+        run.observer.0.one_period(run.system.energy(&flying.state(())));
     }
     run.pass_stop();
     if run.stopped == STOPS || flying.full() {

@@ -127,13 +127,13 @@ impl<R: Real> Piva<R> {
         Ok(())
     }
 
-    /// The state of a start, and whether it touches the wall it is measured from.
-    pub(super) fn first_state(&self, start: &PivaStart<R>) -> (PivaState<R>, bool) {
+    /// The state of a start at an instant of the force.
+    pub(super) fn first_state(&self, start: &PivaStart<R>, time: Clock<R>) -> PivaState<R> {
         let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
         let Pose { y, cosine, w } = self.pose(start);
         // Seen from the wall that the pendulum is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
-        let pushed = self.force.drive::<3>(Clock::ZERO, Clock::ZERO, R::ONE);
+        let pushed = self.force.drive::<3>(time, time, R::ONE);
         let kicked = self.force.impulses().next().map(|impulse| impulse.velocity);
         let side = [y, w, start.displacement, start.velocity]
             .into_iter()
@@ -154,9 +154,9 @@ impl<R: Real> Piva<R> {
             Given::Gap(rate) if w != 0.0 => Sum::new(rate).over_sum(cosine),
             _ => Sum::new(w),
         };
-        let state = PivaState {
-            time: Clock::ZERO,
-            kicks: 0,
+        PivaState {
+            time,
+            kicks: self.force.kicks_before(time),
             primary,
             wall,
             distance: if touching { Sum::ZERO } else { distance },
@@ -164,8 +164,7 @@ impl<R: Real> Piva<R> {
             w,
             cosine: if touching { self.wall_cosine } else { cosine },
             released: false,
-        };
-        (state, touching)
+        }
     }
 
     /// Distance d − y to a wall of an angle with this cosine: b² (cos²θ − cos² at the wall)/(d + y), which

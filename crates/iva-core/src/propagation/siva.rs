@@ -2,33 +2,17 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::Differentiable;
+use super::structure::columns;
+use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::host::{Host, HostState, Structure};
-use crate::oscillator::Equation;
 use crate::siva::Siva;
-
-/// x and ẋ after a time h, from (x, ẋ) = (1, 0) and (0, 1): columns.
-fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
-    [(1.0, 0.0), (0.0, 1.0)].map(|(x, v)| {
-        let (mut lower, mut upper, mut factor) = (x, v, 1.0);
-        let mut sums = [0.0; 2];
-        for k in 1..=TERMS {
-            sums = [sums[0] + factor * lower, sums[1] + factor * upper];
-            factor *= h / k as f64;
-            (lower, upper) = (upper, equation.next_derivative(lower, upper));
-        }
-        sums
-    })
-}
-
-/// Terms of the power series: what is left out after a step of 1.4 over the growth is below 10⁻²⁰.
-const TERMS: usize = 26;
 
 impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
-        let HostState { primary, acceleration, phase } = &state.host;
+        // Computed anew: a state in contact has the acceleration of the one close by that it was found from.
+        let HostState { primary, phase, .. } = &state.host;
+        let a = self.host.free().acceleration(phase, primary).value;
         let [base, ..] = self.host.free().base(phase);
-        let a = acceleration.value;
         Vector4::new(primary.v.value, a - base, state.gap_velocity(), -a)
     }
 
@@ -66,14 +50,10 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     }
 
     fn impact_matrix(&self) -> Matrix4<f64> {
-        let mut jump = Matrix4::identity();
-        (jump[(1, 3)], jump[(3, 3)]) = (self.impact_share.value, -self.restitution());
-        jump
+        free_mass_impact(self.impact_share.value, self.restitution())
     }
 
     fn stick_matrix(&self) -> Matrix4<f64> {
-        let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
-        (matrix[(0, 2)], matrix[(1, 3)]) = (self.stick_share.value, self.stick_share.value);
-        matrix
+        free_mass_stick(self.stick_share.value)
     }
 }

@@ -64,6 +64,7 @@ impl<const N: usize> Real for Dual<N> {
         Self::constant(Real::reciprocal(n))
     }
 
+    #[inline(never)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         let (p, q) = (self.value, factor.value);
         let slope = |i: usize| self.slopes[i] * q + p * factor.slopes[i] + addend.slopes[i];
@@ -153,6 +154,7 @@ impl<const N: usize> PartialOrd for Dual<N> {
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
         self.with(other, self.value + other.value, |a, b| a + b)
     }
@@ -160,6 +162,7 @@ impl<const N: usize> Add for Dual<N> {
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
+    #[inline(never)]
     fn sub(self, other: Self) -> Self {
         self.with(other, self.value - other.value, |a, b| a - b)
     }
@@ -168,6 +171,7 @@ impl<const N: usize> Sub for Dual<N> {
 #[allow(clippy::suspicious_arithmetic_impl)] // the product rule
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let (p, q) = (self.value, other.value);
         self.with(other, p * q, |a, b| a * q + p * b)
@@ -177,6 +181,7 @@ impl<const N: usize> Mul for Dual<N> {
 #[allow(clippy::suspicious_arithmetic_impl)] // the quotient rule
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
+    #[inline(never)]
     fn div(self, other: Self) -> Self {
         let (quotient, q) = (self.value / other.value, other.value);
         self.with(other, quotient, |a, b| (a - quotient * b) / q)

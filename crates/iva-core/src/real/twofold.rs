@@ -162,9 +162,10 @@ impl Neg for Twofold {
     }
 }
 
+// Operations are calls: inlined into the core, they make programs of many megabytes that take minutes to compile.
 impl Add for Twofold {
     type Output = Self;
-    #[inline]
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
         let (sum, lost) = two_sum(self.high, other.high);
         let (low, lower) = two_sum(self.low, other.low);
@@ -183,7 +184,7 @@ impl Sub for Twofold {
 
 impl Mul for Twofold {
     type Output = Self;
-    #[inline]
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let (product, lost) = two_product(self.high, other.high);
         Self::renormalised(product, lost + (self.high * other.low + self.low * other.high))
@@ -192,7 +193,7 @@ impl Mul for Twofold {
 
 impl Div for Twofold {
     type Output = Self;
-    #[inline]
+    #[inline(never)]
     fn div(self, other: Self) -> Self {
         let first = self.high / other.high;
         if first == 0.0 || !first.is_finite() || !other.high.is_finite() {

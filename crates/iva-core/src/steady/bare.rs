@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use super::{Steady, SteadyWanted, Window};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
-use crate::host::{Alone, DrivenHost};
+use crate::host::Alone;
 use crate::real::Real;
 use crate::simulate::{Limits, simulate};
 use crate::system::Point;
@@ -36,7 +36,7 @@ pub fn amplitude_without_absorber<R: Real>(
     if let (Some(harmonic), true) = (force.harmonics().first(), force.is_single()) {
         return Ok(Some(harmonic.response(damping_ratio)));
     }
-    let alone = Alone::new(DrivenHost::new(damping_ratio, R::ZERO, force.clone()));
+    let alone = Alone::new(damping_ratio)?.under(force.clone());
     let wanted = SteadyWanted { amplitude: true, ..SteadyWanted::default() };
     let mut steady = Steady::new(Window { cycle: None, ..*window }, wanted);
     simulate(&alone, &from, limits, cancel, &mut steady)?;

@@ -53,9 +53,9 @@ macro_rules! summary {
             "energy_residual" Energy [Ledger] |run| run.values.energy_residual,
                 "initial + work − impacts − viscous − pivot − final";
             "energy_pivot" Energy [Ledger] |run| run.values.energy_pivot,
-                "energy lost in the pivot of a pendulum, integrated along the flights; 0 for a free mass";
+                "energy lost in the pivot of a pendulum, integrated along the flights; else 0";
             "stop_reachable" Flag [Run] |run| run.scene.stop_reachable(),
-                "the absorber can reach its stops at all";
+                "the absorber can reach its stops at all; null without absorber";
             "gravity" Acceleration [Run] |run| run.scene.gravity(),
                 "acceleration of gravity on a pendulum, given or following from frequency and length";
             "energy_work" Energy [Ledger] |run| run.values.energy_work,
@@ -65,7 +65,7 @@ macro_rules! summary {
             "amplitude_rms" Length [Rms Smaller] |run| run.settled(|it| it.values.amplitude_rms),
                 "root mean square of x under force, after the discarded cycles";
             "reduction" Ratio [Reduction Larger] |run| run.settled(Settled::reduction),
-                "1 - amplitude_max over that without absorber, under the same force";
+                "1 - amplitude_max over that without absorber, under the same force; null without absorber";
             "transmissibility" Ratio [Acceleration Smaller] |run| run.settled(Settled::transmissibility),
                 "largest absolute acceleration between impacts over the largest of the base";
             "impacts_per_cycle" Ratio [ImpactsPerCycle] |run| run.settled(|it| it.values.impacts_per_cycle),
@@ -172,10 +172,10 @@ macro_rules! stroboscope {
                 "displacement of the primary system";
             "velocity" Velocity |row| row.strobe.velocity,
                 "velocity of the primary system";
-            "gap_displacement" Length |row| row.strobe.gap_displacement,
-                "absorber minus primary displacement";
-            "gap_velocity" Velocity |row| row.strobe.gap_velocity,
-                "absorber minus primary velocity";
+            "gap_displacement" Length |row| row.gap(|it| it.gap_displacement),
+                "absorber minus primary displacement; null without absorber";
+            "gap_velocity" Velocity |row| row.gap(|it| it.gap_velocity),
+                "absorber minus primary velocity; null without absorber";
             "amplitude" Length |row| row.strobe.amplitude,
                 "largest |x| since the instant before (first row: since the window began)";
             "impacts" Count |row| row.impacts(),
@@ -194,10 +194,10 @@ macro_rules! trajectory {
                 "displacement of the primary system";
             "velocity" Velocity |row| row.state(|it| it.velocity),
                 "velocity of the primary system";
-            "gap_displacement" Length |row| row.state(|it| it.gap_displacement),
-                "absorber minus primary displacement";
-            "gap_velocity" Velocity |row| row.state(|it| it.gap_velocity),
-                "absorber minus primary velocity";
+            "gap_displacement" Length |row| row.gap(|it| it.gap_displacement),
+                "absorber minus primary displacement; null without absorber";
+            "gap_velocity" Velocity |row| row.gap(|it| it.gap_velocity),
+                "absorber minus primary velocity; null without absorber";
             "wall" Side |row| row.state(|it| it.wall),
                 "0 in flight, +1 or -1 while stuck";
             "angle" Angle |row| row.angle().map(|angle| angle.value),

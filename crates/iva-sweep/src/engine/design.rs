@@ -16,6 +16,7 @@ use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
 use iva_core::force::Force;
+use iva_core::host::Alone;
 use iva_core::piva::Piva;
 use iva_core::real::Real;
 use iva_core::simulate::Limits;
@@ -49,8 +50,8 @@ impl<R: Real> Design<R> {
     pub fn amplitude_without_absorber(&self, cancel: &AtomicBool) -> Result<Option<R>, Invalid> {
         let Self { scene, window, limits, .. } = self;
         let Some(force) = scene.force() else { return Ok(None) };
-        let from = Point { x: scene.displacement(), v: scene.velocity() };
         let zeta = scene.damping_ratio();
+        let from = scene.primary();
         steady::amplitude_without_absorber(force, zeta, from, window, limits, Some(cancel))
     }
 }
@@ -69,12 +70,12 @@ impl<R: Real> Given<'_, R> {
             gap_displacement: self.get(FieldId::GapDisplacement).unwrap_or(R::ZERO),
             gap_velocity: self.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / omega,
         };
-        let common = self.common(&scale, units)?;
-        let clearance = common.clearance;
         let force = forces::force(self, &scale, units)?;
         let duration = self.duration(omega, &force)?;
         let window = self.window(duration, &force)?;
-        let scene = self.scene(common, start, force, &scale)?;
+        let scene = self.scene(start, force, &scale, units)?;
+        // Without absorber nothing is listed.
+        let clearance = scene.absorber().map_or(R::ONE, |absorber| absorber.clearance);
         let limits = Limits {
             duration,
             max_impacts: self
@@ -107,14 +108,15 @@ impl<R: Real> Given<'_, R> {
 
     fn scene(
         &self,
-        common: Common<R>,
         start: Start<R>,
         force: Force<R>,
         scale: &Scale<R>,
+        units: UnitSystem,
     ) -> Result<Scene<R>, Invalid> {
         match self.spec.choices().kind {
             Kind::Siva => {
-                let Common { mass_ratio, restitution, clearance, damping_ratio } = common;
+                let Common { mass_ratio, restitution, clearance, damping_ratio } =
+                    self.common(scale, units)?;
                 let system = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
                 system.check_start(&start)?;
                 if force.is_none() {
@@ -126,11 +128,22 @@ impl<R: Real> Given<'_, R> {
             Kind::Piva => {
                 self.at_most_one(&[FieldId::GapDisplacement, FieldId::Angle])?;
                 self.at_most_one(&[FieldId::GapVelocity, FieldId::AngularVelocity])?;
+                let common = self.common(scale, units)?;
                 let (parameters, gravity) = pendulum::parameters(self, common, scale)?;
                 let system = Piva::new(parameters)?.under(force);
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
                 Ok(Scene::Piva { system, start, gravity })
+            }
+            Kind::None => {
+                let system = Alone::new(self.damping_ratio(scale, units)?)?;
+                let start = Point { x: start.displacement, v: start.velocity };
+                system.check_start(&start)?;
+                if force.is_none() {
+                    Ok(Scene::Alone { system, start })
+                } else {
+                    Ok(Scene::DrivenAlone { system: system.under(force), start })
+                }
             }
         }
     }

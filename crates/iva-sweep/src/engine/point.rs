@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::host::{DrivenHost, UndrivenHost};
+use iva_core::host::{Alone, DrivenHost, UndrivenHost};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::observe::{Events, Observer};
 use iva_core::peaks::Envelope;
@@ -17,7 +17,7 @@ use super::design::Design;
 use super::rows::{
     Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, RunRow, Settled, StrobeRow,
 };
-use super::scene::Scene;
+use super::scene::with_system;
 use crate::columns::Group;
 use crate::done::Done;
 use crate::error::Invalid;
@@ -75,7 +75,7 @@ impl Request {
         cancel: &AtomicBool,
     ) -> Result<Option<Settled<'a, R>>, Invalid> {
         let Some(values) = values else { return Ok(None) };
-        let bare = match self.reduction {
+        let bare = match self.reduction && design.scene.absorber().is_some() {
             true => design.amplitude_without_absorber(cancel)?,
             false => None,
         };
@@ -83,7 +83,7 @@ impl Request {
     }
 
     /// What is wanted of a driven run's steady state; `None` in free decay, and if nothing is.
-    fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
+    pub fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
         Some(self.steady).filter(|it| system.is_driven() && *it != SteadyWanted::default())
     }
 }
@@ -117,14 +117,14 @@ pub(crate) fn run<R: Real, E>(
     take: &mut Take<'_, R>,
 ) -> Result<Done, Invalid>
 where
-    E: Estimates<Siva<UndrivenHost<R>>> + Estimates<Siva<DrivenHost<R>>> + Estimates<Piva<R>>,
+    E: Estimates<Siva<UndrivenHost<R>>>
+        + Estimates<Siva<DrivenHost<R>>>
+        + Estimates<Alone<UndrivenHost<R>>>
+        + Estimates<Alone<DrivenHost<R>>>
+        + Estimates<Piva<R>>,
 {
     let point = Point { study, point, design, request, cancel };
-    match &design.scene {
-        Scene::Siva { system, start } => point.run(system, start, estimates, take),
-        Scene::DrivenSiva { system, start } => point.run(system, start, estimates, take),
-        Scene::Piva { system, start, .. } => point.run(system, start, estimates, take),
-    }
+    with_system!(&design.scene, |system, start| point.run(system, start, estimates, take))
 }
 
 struct Point<'a, R: Real> {
@@ -215,8 +215,9 @@ impl<R: Real> Point<'_, R> {
             }
             Table::Stroboscope => {
                 let mut before = None;
+                let has_absorber = design.scene.absorber().is_some();
                 for strobe in seen.steady.iter().flat_map(Steady::strobes) {
-                    row(&mut self.numbered(&StrobeRow { strobe, before, scale }));
+                    row(&mut self.numbered(&StrobeRow { strobe, before, has_absorber, scale }));
                     before = Some(strobe);
                 }
             }

@@ -136,10 +136,16 @@ impl<R: Real> PeakRow<'_, R> {
 pub(crate) struct StrobeRow<'a, R = f64> {
     pub strobe: &'a Strobe<R>,
     pub before: Option<&'a Strobe<R>>,
+    pub has_absorber: bool,
     pub scale: &'a Scale<R>,
 }
 
 impl<R: Real> StrobeRow<'_, R> {
+    /// Of the absorber, if there is one.
+    fn gap(&self, read: fn(&Strobe<R>) -> R) -> Option<R> {
+        self.has_absorber.then(|| read(self.strobe))
+    }
+
     /// Listed impacts since the strobe before.
     fn impacts(&self) -> u64 {
         self.strobe.impacts - self.before.map_or(0, |before| before.impacts)

@@ -2,11 +2,11 @@
 
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
-use iva_core::host::{DrivenHost, UndrivenHost};
+use iva_core::host::{Alone, DrivenHost, UndrivenHost};
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::real::Real;
 use iva_core::siva::Siva;
-use iva_core::system::{Start, System};
+use iva_core::system::{Point, Start, System};
 
 /// What the core runs. It lives on the stack, once a run.
 #[allow(clippy::large_enum_variant)]
@@ -26,6 +26,20 @@ pub enum Scene<R: Real = f64> {
         /// State at time zero.
         start: Start<R>,
     },
+    /// A structure without absorber in free decay.
+    Alone {
+        /// The structure.
+        system: Alone<UndrivenHost<R>>,
+        /// State at time zero.
+        start: Point<R>,
+    },
+    /// A structure without absorber under force.
+    DrivenAlone {
+        /// The structure.
+        system: Alone<DrivenHost<R>>,
+        /// State at time zero.
+        start: Point<R>,
+    },
     /// A pendulum.
     Piva {
         /// The absorber.
@@ -38,32 +52,48 @@ pub enum Scene<R: Real = f64> {
     },
 }
 
-impl<R: Real> Scene<R> {
+/// Code for the system and the start of a scene, whichever kind it is.
+macro_rules! with_system {
+    ($scene:expr, |$system:ident, $start:ident| $body:expr) => {
+        match $scene {
+            $crate::engine::scene::Scene::Siva { system: $system, start: $start } => $body,
+            $crate::engine::scene::Scene::DrivenSiva { system: $system, start: $start } => $body,
+            $crate::engine::scene::Scene::Alone { system: $system, start: $start } => $body,
+            $crate::engine::scene::Scene::DrivenAlone { system: $system, start: $start } => $body,
+            $crate::engine::scene::Scene::Piva { system: $system, start: $start, .. } => $body,
+        }
+    };
+}
+pub(crate) use with_system;
+
+/// What all absorbers have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Absorber<R = f64> {
     /// μ = m/M.
-    pub fn mass_ratio(&self) -> R {
-        match self {
-            Scene::Siva { system, .. } => system.mass_ratio(),
-            Scene::DrivenSiva { system, .. } => system.mass_ratio(),
-            Scene::Piva { system, .. } => system.parameters().mass_ratio,
-        }
-    }
-
+    pub mass_ratio: R,
     /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> R {
-        match self {
-            Scene::Siva { system, .. } => system.restitution(),
-            Scene::DrivenSiva { system, .. } => system.restitution(),
-            Scene::Piva { system, .. } => system.parameters().restitution,
-        }
-    }
-
+    pub restitution: R,
     /// One-sided clearance d.
-    pub fn clearance(&self) -> R {
-        match self {
-            Scene::Siva { system, .. } => system.clearance(),
-            Scene::DrivenSiva { system, .. } => system.clearance(),
-            Scene::Piva { system, .. } => system.clearance(),
-        }
+    pub clearance: R,
+}
+
+impl<R: Real> Scene<R> {
+    /// The absorber; `None` of a structure alone.
+    pub fn absorber(&self) -> Option<Absorber<R>> {
+        let [mass_ratio, restitution, clearance] = match self {
+            Scene::Siva { system, .. } => {
+                [system.mass_ratio(), system.restitution(), system.clearance()]
+            }
+            Scene::DrivenSiva { system, .. } => {
+                [system.mass_ratio(), system.restitution(), system.clearance()]
+            }
+            Scene::Alone { .. } | Scene::DrivenAlone { .. } => return None,
+            Scene::Piva { system, .. } => {
+                let parameters = system.parameters();
+                [parameters.mass_ratio, parameters.restitution, parameters.clearance]
+            }
+        };
+        Some(Absorber { mass_ratio, restitution, clearance })
     }
 
     /// ζ of the bare primary.
@@ -71,6 +101,8 @@ impl<R: Real> Scene<R> {
         match self {
             Scene::Siva { system, .. } => system.damping_ratio(),
             Scene::DrivenSiva { system, .. } => system.damping_ratio(),
+            Scene::Alone { system, .. } => system.damping_ratio(),
+            Scene::DrivenAlone { system, .. } => system.damping_ratio(),
             Scene::Piva { system, .. } => system.parameters().damping_ratio,
         }
     }
@@ -78,65 +110,48 @@ impl<R: Real> Scene<R> {
     /// What a pendulum is made of.
     pub fn pendulum(&self) -> Option<&piva::Parameters<R>> {
         match self {
-            Scene::Siva { .. } | Scene::DrivenSiva { .. } => None,
             Scene::Piva { system, .. } => Some(system.parameters()),
+            _ => None,
         }
     }
 
-    /// Velocity of the primary at time zero.
-    pub fn velocity(&self) -> R {
-        match self {
-            Scene::Siva { start, .. } | Scene::DrivenSiva { start, .. } => start.velocity,
-            Scene::Piva { start, .. } => start.velocity,
-        }
+    /// Displacement and velocity of the primary at time zero.
+    pub fn primary(&self) -> Point<R> {
+        with_system!(self, |system, start| system.primary(&system.begin(start)))
     }
 
-    /// Displacement of the primary at time zero.
-    pub fn displacement(&self) -> R {
-        match self {
-            Scene::Siva { start, .. } | Scene::DrivenSiva { start, .. } => start.displacement,
-            Scene::Piva { start, .. } => start.displacement,
-        }
-    }
-
-    /// True if the start holds no energy: nothing will ever move.
+    /// True if the start holds no energy, and nothing drives it: nothing will ever move.
     pub fn at_rest(&self) -> bool {
-        match self {
-            Scene::Siva { system, start } => system.energy(&system.begin(start).0) == 0.0,
-            Scene::DrivenSiva { .. } => false,
-            Scene::Piva { system, start, .. } => {
-                system.force().is_none() && system.energy(&system.begin(start).0) == 0.0
-            }
-        }
+        self.force().is_none()
+            && with_system!(self, |system, start| system.energy(&system.begin(start)) == 0.0)
     }
 
-    /// True if the absorber can reach its walls at all.
-    pub fn stop_reachable(&self) -> bool {
-        match self {
-            Scene::Siva { .. } | Scene::DrivenSiva { .. } => true,
-            Scene::Piva { system, .. } => system.stop_reachable(),
-        }
+    /// True if the absorber can reach its walls at all; `None` without absorber.
+    pub fn stop_reachable(&self) -> Option<bool> {
+        self.absorber()?;
+        Some(with_system!(self, |system, _start| system.walls_reachable()))
     }
 
     /// The sum of all that drives it; `None` in free decay.
     pub fn force(&self) -> Option<&Force<R>> {
         match self {
-            Scene::Siva { .. } => None,
+            Scene::Siva { .. } | Scene::Alone { .. } => None,
             Scene::DrivenSiva { system, .. } => system.force(),
+            Scene::DrivenAlone { system, .. } => system.force(),
             Scene::Piva { system, .. } => Some(system.force()).filter(|force| !force.is_none()),
         }
     }
 
     /// True if the base moves.
     pub fn moves_base(&self) -> bool {
-        self.force().is_some_and(Force::moves_base)
+        with_system!(self, |system, _start| system.moves_base())
     }
 
     /// Acceleration of gravity on a pendulum, in the user's unit.
     pub fn gravity(&self) -> Option<R> {
         match self {
-            Scene::Siva { .. } | Scene::DrivenSiva { .. } => None,
             Scene::Piva { gravity, .. } => *gravity,
+            _ => None,
         }
     }
 

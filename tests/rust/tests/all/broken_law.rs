@@ -8,7 +8,7 @@ use iva_core::{
     run::run,
     simulate::Limits,
     siva::{Siva, SivaState},
-    system::{Point, Start, System, Wall},
+    system::{Clock, Point, Start, System, Wall},
 };
 
 /// Which velocity a wrong restitution enters.
@@ -50,7 +50,7 @@ impl System for Broken {
             gap_displacement: impact.wall.sign() * self.siva.clearance(),
             gap_velocity: impact.gap_velocity_after,
         };
-        (self.siva.begin(&after).0, impact)
+        (self.siva.begin(&after), impact)
     }
 
     fn clearance(&self) -> f64 {
@@ -65,8 +65,8 @@ impl System for Broken {
     fn check_start(&self, start: &Start) -> Result<(), Invalid> {
         self.siva.check_start(start)
     }
-    fn begin(&self, start: &Start) -> (SivaState, bool) {
-        self.siva.begin(start)
+    fn begin_at(&self, start: &Start, time: Clock) -> SivaState {
+        self.siva.begin_at(start, time)
     }
     fn flight(&self, state: &SivaState) -> Self::Flight<'_> {
         self.siva.flight(state)

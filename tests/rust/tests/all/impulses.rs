@@ -155,7 +155,7 @@ proptest! {
             place: Given::Gap(angle * parameters.clearance),
             rate: Given::Gap(rate),
         };
-        let before = piva.begin(&start).0;
+        let before = piva.begin(&start);
         let after = piva.kick(&before, velocity, false);
         // Momentum along x of all masses grows by P, that of the pendulum about its pivot, less what
         // the pivot's own motion adds, not at all.

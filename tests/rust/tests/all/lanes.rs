@@ -10,11 +10,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
 use iva_core::lanes::{self, Ended, Job, LANES, SideBySide};
-use iva_core::measures::Wanted;
+use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, Outcome, simulate};
 use iva_core::siva::Siva;
-use iva_core::steady::{SteadyWanted, Window};
+use iva_core::steady::{Steady, SteadyWanted, Window};
 use iva_core::system::{Start, System};
 use iva_tests::case::{any_case, compound};
 use iva_tests::cases;
@@ -25,9 +25,10 @@ fn alone<S: SideBySide>(decay: &Job<S>) -> String {
 }
 
 fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
-    let mut watch = S::watch(wanted, decay.also);
+    let steady = decay.steady.map(|(wanted, window)| Steady::new(window, wanted));
+    let mut watch = (Measures::<S>::new(wanted), steady);
     let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut watch).unwrap();
-    format!("{:?}", (tally, S::values(&watch)))
+    format!("{:?}", (tally, *watch.0.values(), watch.1.as_ref().map(|it| *it.values())))
 }
 
 fn together<S: SideBySide>(scenes: &[Job<S>]) -> Vec<String> {
@@ -49,7 +50,7 @@ fn scene(mu: f64, e: f64, clearance: f64, zeta: f64, periods: f64) -> Job<Siva> 
         system: Siva::new(mu, e, clearance, zeta).unwrap(),
         start: Start { displacement: 1.0, ..Start::default() },
         limits: Limits::new(periods * TAU, clearance),
-        also: (),
+        steady: None,
     }
 }
 
@@ -82,7 +83,7 @@ fn pendulums(tolerance: f64) -> Vec<Job<Piva>> {
                     system: Piva::new(parameters).unwrap(),
                     start: Start { displacement: 1.0, ..Start::default() }.into(),
                     limits: Limits::new(15.0 * TAU, clearance),
-                    also: (),
+                    steady: None,
                 });
             }
         }
@@ -113,7 +114,7 @@ fn driven(steady: SteadyWanted) -> Vec<Job<Siva<DrivenHost>>> {
                     system: siva.under(force),
                     start: Start { displacement: [0.0, 0.5][i % 2], ..Start::default() },
                     limits: Limits::new(35.0 * cycle, clearance),
-                    also: (steady, Window { from, cycle: Some(push) }),
+                    steady: Some((steady, Window { from, cycle: Some(push) })),
                 });
             }
         }
@@ -258,7 +259,7 @@ fn cancelled_runs_come_back_as_they_are() {
             std::thread::sleep(std::time::Duration::from_millis(20));
             cancel.store(true, Ordering::Relaxed);
         });
-        lanes::run(&endless, Wanted::ALL, Some(&cancel), &mut |i, (tally, _)| {
+        lanes::run(&endless, Wanted::ALL, Some(&cancel), &mut |i, (tally, ..)| {
             found.push((i, tally.outcome, tally.impacts));
         })
         .unwrap();
@@ -294,7 +295,7 @@ proptest! {
                 system: Siva::new(case.mu, case.e, case.clearance, zeta).unwrap(),
                 start: case.start,
                 limits: case.limits(),
-                also: (),
+                steady: None,
             })
             .collect();
         for (scene, found) in scenes.iter().zip(together(&scenes)) {
@@ -319,7 +320,7 @@ proptest! {
                 let free = !system.stop_reachable();
                 let start = if free { PivaStart { place: Given::Angle(*angle), ..start } } else { start };
                 let limits = Limits::new(case.duration, system.clearance());
-                Job { system, start, limits, also: () }
+                Job { system, start, limits, steady: None }
             })
             .filter(|scene| scene.system.check_start(&scene.start).is_ok())
             .collect();

@@ -2,9 +2,11 @@
 //!
 //! One file alone: `cargo test --release -p iva-tests planted::`.
 
+mod alone;
 mod bouncing_ball;
 mod broken_law;
 mod closed_forms;
+mod continued;
 mod decisions;
 mod errors;
 mod every_field;
@@ -28,4 +30,5 @@ mod stress;
 mod stress_inputs;
 mod sweep_tables;
 mod theory;
+mod third_absorber;
 mod verified;

@@ -47,8 +47,8 @@ impl<R: Real> Host for DrivenHost<R> {
         self.loaded.get_or_init(|| Box::new(loaded()))
     }
 
-    fn begin(&self) -> Moment<R> {
-        self.free.moment(Clock::ZERO, Clock::ZERO, 0)
+    fn begin_at(&self, time: Clock<R>) -> Moment<R> {
+        self.free.moment(time, time, self.forces.force.kicks_before(time))
     }
 
     fn balanced(&self, phase: &Moment<R>, v: Sum<R>) -> Sum<R> {

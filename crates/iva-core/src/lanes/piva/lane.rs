@@ -1,12 +1,12 @@
 //! One lane: a pendulum's run reduced to the numbers that steps of flight change.
 
 use crate::compensated::Sum;
+use crate::lanes::Home;
 use crate::lanes::arrays::arrays;
 use crate::lanes::watch::{Watch, Watches};
-use crate::measures::Measures;
 use crate::oscillator::Primary;
 use crate::piva::{Piva, PivaState};
-use crate::simulate::{Phase, Run};
+use crate::simulate::Phase;
 use crate::system::Wall;
 use crate::taylor::Pendulum;
 
@@ -140,7 +140,7 @@ impl Lane {
     }
 
     /// A run in flight.
-    pub fn of(run: &Run<'_, Piva, Measures<Piva>>, first: f64) -> Self {
+    pub fn of(run: &Home<'_, Piva>, first: f64) -> Self {
         let pendulum = run.system.pendulum;
         Self {
             mass_ratio: pendulum.mass_ratio,
@@ -160,24 +160,24 @@ impl Lane {
             live: 1.0,
             work: run.tally.work as f64,
             max_work: run.limits.max_work as f64,
-            viscous: run.observer.viscous.value,
-            viscous_rest: run.observer.viscous.rest,
-            pivot: run.observer.pivot.value,
-            pivot_rest: run.observer.pivot.rest,
+            viscous: run.observer.0.viscous.value,
+            viscous_rest: run.observer.0.viscous.rest,
+            pivot: run.observer.0.pivot.value,
+            pivot_rest: run.observer.0.pivot.rest,
             pose: Pose::new(&run.tally.state),
-            watch: Watch::of(&run.observer),
+            watch: Watch::of(&run.observer.0),
             ..Self::default()
         }
     }
 
     /// Puts the numbers back into the run.
-    pub fn put_back(&self, run: &mut Run<'_, Piva, Measures<Piva>>) {
+    pub fn put_back(&self, run: &mut Home<'_, Piva>) {
         run.tally.state = self.pose.state();
         run.tally.work = self.work as u64;
         run.clock = self.clock();
         run.phase = Phase::Flight { first: self.first };
-        self.watch.put_back(&mut run.observer);
-        run.observer.viscous = Sum { value: self.viscous, rest: self.viscous_rest };
-        run.observer.pivot = Sum { value: self.pivot, rest: self.pivot_rest };
+        self.watch.put_back(&mut run.observer.0);
+        run.observer.0.viscous = Sum { value: self.viscous, rest: self.viscous_rest };
+        run.observer.0.pivot = Sum { value: self.pivot, rest: self.pivot_rest };
     }
 }

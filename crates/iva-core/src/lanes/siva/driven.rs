@@ -34,8 +34,9 @@ struct Asked {
 }
 
 impl Lockstep<Siva<DrivenHost>> for DrivenStrides {
-    fn new(Job { also: (steady, _), .. }: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
-        let SteadyWanted { amplitude, rms, acceleration, regime, .. } = *steady;
+    fn new(Job { steady, .. }: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
+        let SteadyWanted { amplitude, rms, acceleration, regime, .. } =
+            steady.map_or_else(SteadyWanted::default, |(steady, _)| steady);
         let extremes = amplitude || acceleration || regime;
         let asked = Asked { extremes, square: rms, ledger: wanted.ledger };
         Self { lanes: Lanes::new(), integrals: Integrals::new(), asked }

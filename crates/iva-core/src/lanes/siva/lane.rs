@@ -3,12 +3,12 @@
 use super::flying::{Flying, Flyings};
 use crate::compensated::Sum;
 use crate::host::HostState;
+use crate::lanes::Home;
 use crate::lanes::arrays::arrays;
 use crate::lanes::watch::{Watch, Watches};
 use crate::measures::Measures;
 use crate::oscillator::Primary;
 use crate::settling::Crossing;
-use crate::simulate::Run;
 use crate::siva::{Siva, SivaState};
 
 arrays! {
@@ -34,15 +34,15 @@ impl Lane {
     }
 
     /// A run that has come to where strides can go on; `None` if it has not.
-    pub fn of(run: &Run<'_, Siva, Measures<Siva>>, reach: f64) -> Option<Self> {
-        let watch = Watch::of(&run.observer);
+    pub fn of(run: &Home<'_, Siva>, reach: f64) -> Option<Self> {
+        let watch = Watch::of(&run.observer.0);
         Some(Lane { flying: Flying::of(run, reach)?, watch, ..Lane::default() })
     }
 
     /// Puts the numbers back into the run.
-    pub fn put_back(&self, run: &mut Run<'_, Siva, Measures<Siva>>) {
+    pub fn put_back(&self, run: &mut Home<'_, Siva>) {
         self.flying.put_back(run, ());
-        self.put_measures(&mut run.observer);
+        self.put_measures(&mut run.observer.0);
     }
 
     fn put_measures(&self, measures: &mut Measures<Siva>) {

@@ -8,7 +8,7 @@ use crate::lanes::arrays::arrays;
 use crate::lanes::siva::flying::{Flying, Flyings};
 use crate::oscillator::Equation;
 use crate::siva::{Siva, SivaState};
-use crate::steady::Kept;
+use crate::steady::{Kept, Steady};
 use crate::system::Clock;
 
 arrays! {
@@ -113,7 +113,8 @@ impl Lane {
         let harmonic = run.system.force().map(Force::harmonics)?.first()?;
         let flying = Flying::of(run, *reach)?;
         let (measures, steady) = &run.observer;
-        let Kept { from, largest, acceleration, square, impacts, strobe } = steady.kept();
+        let Kept { from, largest, acceleration, square, impacts, strobe } =
+            steady.as_ref().map_or(Kept::NOTHING, Steady::kept);
         let time = run.tally.state.host.phase.time;
         Some(Self {
             instant: time.value,
@@ -157,13 +158,15 @@ impl Lane {
         measures.viscous = sum(self.viscous, self.viscous_rest);
         measures.work = sum(self.worked, self.worked_rest);
         measures.moving = true;
-        let kept = Kept {
-            largest: self.largest,
-            acceleration: self.acceleration,
-            square: sum(self.square, self.square_rest),
-            impacts: self.counted as u64,
-            ..steady.kept()
-        };
-        steady.put_back(kept, wall);
+        if let Some(steady) = steady {
+            let kept = Kept {
+                largest: self.largest,
+                acceleration: self.acceleration,
+                square: sum(self.square, self.square_rest),
+                impacts: self.counted as u64,
+                ..steady.kept()
+            };
+            steady.put_back(kept, wall);
+        }
     }
 }

@@ -1,0 +1,132 @@
+//! An absorber that the core has never seen, of one file (`iva_tests::dashpot`): it runs alone and in sweeps, its
+//! errors are estimated, it is verified and differentiated.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::TAU;
+
+use iva_core::{
+    lanes::{self, Job},
+    measures::Wanted,
+    observe::Events,
+    propagation::Errors,
+    real::{Real, dual::Dual, twofold::Twofold},
+    run::{Run, run},
+    simulate::{Limits, Outcome, simulate},
+    siva::Siva,
+    system::Start,
+};
+use iva_tests::{
+    U,
+    dashpot::{Dashpot, State},
+    rng::Rng,
+};
+
+/// μ, e, d and ζ; the dashpot comes last.
+const NUMBERS: [f64; 5] = [0.15, 0.6, 0.4, 0.02, 0.3];
+
+fn start<R: Real>() -> Start<R> {
+    Start { displacement: R::ONE, ..Start::default() }
+}
+
+fn decay<R: Real>(numbers: [R; 5], duration: f64) -> Run<State<R>, R> {
+    let limits = Limits::new(R::from(duration), numbers[2]);
+    run(&Dashpot(numbers), &start(), &limits).unwrap()
+}
+
+#[test]
+fn without_its_dashpot_it_is_a_free_mass() {
+    let mut rng = Rng::new(5);
+    let mut compared = 0;
+    for _ in 0..200 {
+        let [mu, e, d] =
+            [rng.log_range(0.02, 0.4), rng.pick(&[0.0, 0.5, 0.8, 1.0]), rng.log_range(0.1, 1.5)];
+        let zeta = rng.pick(&[0.0, 0.05, 0.3]);
+        let found = decay([mu, e, d, zeta, 0.0], 3.0 * TAU);
+        let mut seen = (Events::default(), Errors::default());
+        let siva = Siva::new(mu, e, d, zeta).unwrap();
+        simulate(&siva, &start(), &Limits::new(3.0 * TAU, d), None, &mut seen).unwrap();
+        let (Events { impacts, episodes }, errors) = seen;
+        for ((a, b), error) in found.impacts.iter().zip(&impacts).zip(&errors.impacts) {
+            // The plain state loses some units in the last place at each event.
+            let allowed = 64.0 * error.time.unwrap_or(f64::INFINITY);
+            if allowed > 1e-9 {
+                break;
+            }
+            assert_eq!(a.wall, b.wall);
+            assert!((a.time - b.time).abs() <= allowed, "{} {} {allowed:e}", a.time, b.time);
+            compared += 1;
+        }
+        if errors.digits().is_some_and(|digits| digits > 12.0) {
+            assert_eq!(found.episodes.len(), episodes.len());
+        }
+    }
+    assert!(compared > 1000, "{compared}");
+}
+
+#[test]
+fn its_energies_add_up() {
+    for gamma in [0.01, 0.3, 2.0] {
+        for e in [0.0, 0.6, 1.0] {
+            let found = decay([0.15, e, 0.4, 0.02, gamma], 15.0 * TAU);
+            let m = found.measures;
+            assert_eq!(found.tally.outcome, Outcome::Finished);
+            assert!(m.energy_pivot > 0.0 && m.energy_viscous > 0.0);
+            assert!(m.energy_residual.abs() < 1e-14, "{gamma} {e}: {:e}", m.energy_residual);
+        }
+    }
+}
+
+#[test]
+fn its_errors_are_what_is_estimated() {
+    let plain = decay(NUMBERS, 6.0 * TAU);
+    let exact = decay(NUMBERS.map(Twofold::from), 6.0 * TAU);
+    let mut errors = Errors::default();
+    let limits = Limits::new(6.0 * TAU, NUMBERS[2]);
+    simulate(&Dashpot(NUMBERS), &start(), &limits, None, &mut errors).unwrap();
+    assert_eq!(plain.impacts.len(), exact.impacts.len());
+    assert!(plain.impacts.len() > 10);
+    for ((a, b), error) in plain.impacts.iter().zip(&exact.impacts).zip(&errors.impacts) {
+        let (off, estimate) = (f64::from(b.time - a.time).abs(), error.time.unwrap());
+        assert!(off <= 16.0 * estimate + 4.0 * U, "{}: {off:e} {estimate:e}", a.time);
+    }
+}
+
+#[test]
+fn its_derivatives_are_those_of_differences() {
+    for varied in 0..5 {
+        let numbers = std::array::from_fn(|i| Real::given(NUMBERS[i], i == varied));
+        let found = decay::<Dual>(numbers, 2.0 * TAU);
+        let step = 1e-9;
+        let near = |sign: f64| {
+            let mut numbers = NUMBERS.map(Twofold::from);
+            numbers[varied] += sign * step;
+            decay(numbers, 2.0 * TAU).impacts
+        };
+        let (low, high) = (near(-1.0), near(1.0));
+        assert_eq!([low.len(), high.len()], [found.impacts.len(); 2]);
+        for ((impact, low), high) in found.impacts.iter().zip(&low).zip(&high) {
+            let [slope] = impact.time.slopes;
+            let truth = f64::from((high.time - low.time) / (2.0 * step));
+            assert!((slope - truth).abs() < 1e-7 * slope.abs().max(1.0), "{slope} {truth}");
+        }
+    }
+}
+
+#[test]
+fn sweeps_of_it_are_its_runs() {
+    let system = |k: u32| Dashpot([0.15, 0.6, 0.2 + 0.02 * f64::from(k), 0.02, 0.3]);
+    let job = |k| {
+        let system = system(k);
+        Job { system, start: start(), limits: Limits::new(10.0 * TAU, system.0[2]), steady: None }
+    };
+    let jobs: Vec<Job<Dashpot>> = (0..40).map(job).collect();
+    let mut seen = vec![false; jobs.len()];
+    lanes::run(&jobs, Wanted::ALL, None, &mut |i, (tally, measures, _)| {
+        let Job { system, start, limits, .. } = &jobs[i];
+        let alone = run(system, start, limits).unwrap();
+        assert_eq!((*tally, *measures), (alone.tally, alone.measures));
+        seen[i] = true;
+    })
+    .unwrap();
+    assert!(seen.iter().all(|seen| *seen));
+}
