@@ -203,7 +203,13 @@ PENDULUM_ONLY = 'only a pendulum (kind "piva") has it; leave it out'
 REFUSED = [
     (STUDY, 'kind = "piva"', 'kind = "pendulum"', "5:8", 'absorber.kind = "pendulum": give'),
     (STUDY, 'kind = "piva"', "kind = 1", "5:8", "absorber.kind = 1: give"),
-    (STUDY, 'kind = "piva"', "", "4:2", 'absorber.kind is missing: give one of "siva", "piva", "none"'),
+    (
+        STUDY,
+        'kind = "piva"',
+        "",
+        "4:2",
+        'absorber.kind is missing: give one of "siva", ',
+    ),
     (
         STUDY,
         'kind = "piva"',

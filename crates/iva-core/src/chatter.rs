@@ -11,7 +11,7 @@
 //! (By perturbation: a rebound lasts 2u/A + (4/3) J u²/A³ and returns with u (1 − ⅔ J u/A²) to a pressure
 //! A − 2 J u/A, which β u then raises; the sums over all rebounds are geometric.) The tail
 //! replaces the simulation once the third-order terms, estimated from A, J, β and the size R of
-//! D⁗, are below rounding ([`NEGLIGIBLE`]). That is an estimate, not an enclosure. Where the absorber then sticks, the common
+//! D⁗, are below rounding ([`Real::NEGLIGIBLE`]). That is an estimate, not an enclosure. Where the absorber then sticks, the common
 //! velocity follows from momentum, and the ride starts at the switch: the centre of mass obeys the
 //! equation of the ride through the whole tail up to terms of third order (rebounds are internal
 //! forces), so the motion after it is as exact. Rebounds of the printed law take momentum as well; what that

@@ -1,4 +1,4 @@
-//! Sums that keep what rounding drops.
+//! Double-doubles: numbers that keep what rounding drops.
 
 use crate::real::Real;
 
@@ -7,16 +7,16 @@ use crate::real::Real;
 ///
 /// Adding many small increments loses nothing but the rounding of the increments themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Sum<R = f64> {
+pub struct DoubleDouble<R = f64> {
     /// The sum, rounded to double precision.
     pub value: R,
     /// What `value` lacks; at most half a unit in its last place.
     pub rest: R,
 }
 
-impl<R: Real> Sum<R> {
+impl<R: Real> DoubleDouble<R> {
     /// Zero.
-    pub const ZERO: Sum<R> = Sum { value: R::ZERO, rest: R::ZERO };
+    pub const ZERO: DoubleDouble<R> = DoubleDouble { value: R::ZERO, rest: R::ZERO };
 
     /// A number without rest.
     pub const fn new(value: R) -> Self {
@@ -49,21 +49,21 @@ impl<R: Real> Sum<R> {
 
     /// The product with another sum.
     #[inline(always)]
-    pub fn times_sum(self, factor: Sum<R>) -> Self {
+    pub fn times_sum(self, factor: DoubleDouble<R>) -> Self {
         self.times(factor.value).plus_parts(R::ZERO, self.value * factor.rest)
     }
 
     /// The product with another sum, as short as it can be had: the rest may be some units in the
     /// last place of the value.
     #[inline(always)]
-    pub(crate) fn product(self, factor: Sum<R>) -> Self {
+    pub(crate) fn product(self, factor: DoubleDouble<R>) -> Self {
         let (value, lost) = two_product(self.value, factor.value);
         Self { value, rest: lost + (self.value * factor.rest + self.rest * factor.value) }
     }
 
     /// The sum after adding two others.
     #[inline(always)]
-    pub(crate) fn plus_both(self, a: Sum<R>, b: Sum<R>) -> Self {
+    pub(crate) fn plus_both(self, a: DoubleDouble<R>, b: DoubleDouble<R>) -> Self {
         let (increment, lost) = two_sum(a.value, b.value);
         self.plus_parts(increment, lost + (a.rest + b.rest))
     }
@@ -71,12 +71,12 @@ impl<R: Real> Sum<R> {
     /// The quotient by a plain number.
     #[inline(always)]
     pub fn over(self, divisor: impl Into<R>) -> Self {
-        self.over_sum(Sum::new(divisor.into()))
+        self.over_sum(DoubleDouble::new(divisor.into()))
     }
 
     /// The quotient by another sum.
     #[inline(always)]
-    pub fn over_sum(self, divisor: Sum<R>) -> Self {
+    pub fn over_sum(self, divisor: DoubleDouble<R>) -> Self {
         let quotient = self.value / divisor.value;
         let (product, lost) = two_product(quotient, divisor.value);
         let remainder = ((self.value - product) - lost) + (self.rest - quotient * divisor.rest);
@@ -102,49 +102,49 @@ impl<R: Real> Sum<R> {
     }
 }
 
-impl<R: Real> std::ops::Neg for Sum<R> {
-    type Output = Sum<R>;
+impl<R: Real> std::ops::Neg for DoubleDouble<R> {
+    type Output = DoubleDouble<R>;
 
     #[inline(always)]
-    fn neg(self) -> Sum<R> {
+    fn neg(self) -> DoubleDouble<R> {
         self.negated()
     }
 }
 
-impl<R: Real> std::ops::Add for Sum<R> {
-    type Output = Sum<R>;
+impl<R: Real> std::ops::Add for DoubleDouble<R> {
+    type Output = DoubleDouble<R>;
 
     #[inline(always)]
-    fn add(self, other: Sum<R>) -> Sum<R> {
+    fn add(self, other: DoubleDouble<R>) -> DoubleDouble<R> {
         self.plus_parts(other.value, other.rest)
     }
 }
 
-impl<R: Real> std::ops::Sub for Sum<R> {
-    type Output = Sum<R>;
+impl<R: Real> std::ops::Sub for DoubleDouble<R> {
+    type Output = DoubleDouble<R>;
 
     #[inline(always)]
-    fn sub(self, other: Sum<R>) -> Sum<R> {
+    fn sub(self, other: DoubleDouble<R>) -> DoubleDouble<R> {
         self.plus_parts(-other.value, -other.rest)
     }
 }
 
-impl<R: Real> std::ops::Mul for Sum<R> {
-    type Output = Sum<R>;
+impl<R: Real> std::ops::Mul for DoubleDouble<R> {
+    type Output = DoubleDouble<R>;
 
     #[inline(always)]
-    fn mul(self, other: Sum<R>) -> Sum<R> {
-        let Sum { value, rest } = self.product(other);
+    fn mul(self, other: DoubleDouble<R>) -> DoubleDouble<R> {
+        let DoubleDouble { value, rest } = self.product(other);
         // The rest is small, so this renormalisation is exact.
         let sum = value + rest;
-        Sum { value: sum, rest: rest - (sum - value) }
+        DoubleDouble { value: sum, rest: rest - (sum - value) }
     }
 }
 
-impl<R: Real> std::ops::Div for Sum<R> {
-    type Output = Sum<R>;
+impl<R: Real> std::ops::Div for DoubleDouble<R> {
+    type Output = DoubleDouble<R>;
 
-    fn div(self, other: Sum<R>) -> Sum<R> {
+    fn div(self, other: DoubleDouble<R>) -> DoubleDouble<R> {
         self.over_sum(other)
     }
 }
@@ -171,14 +171,14 @@ mod tests {
     #[test]
     fn ten_million_tenths_keep_their_sum() {
         // 0.1 is a double slightly above 1/10; 10^7 of them sum to 10^6 + 10^7 · 5.55e-18.
-        let total = (0..10_000_000).fold(Sum::<f64>::ZERO, |sum, _| sum.plus(0.1));
+        let total = (0..10_000_000).fold(DoubleDouble::<f64>::ZERO, |sum, _| sum.plus(0.1));
         assert_eq!(total.value, 1e6);
         assert!((total.rest - 1e7 * 5.551_115_123_125_783e-18).abs() < 1e-14);
     }
 
     #[test]
     fn a_third_times_three_is_one() {
-        let third = Sum::new(1.0).over(3.0);
+        let third = DoubleDouble::new(1.0).over(3.0);
         assert_eq!(third.value, 1.0 / 3.0);
         // 1/3 = 6004799503160661 · 2⁻⁵⁴ + 2⁻⁵⁴/3.
         assert_eq!(third.rest, (1.0 / 3.0) * 2f64.powi(-54));

@@ -4,7 +4,7 @@
 //! [`Motion`]: exact states at any h up to `reach`. What can end them is a [`Curve`]: a scalar
 //! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::real::Real;
 use crate::system::{Point, Wall};
 use crate::taylor::Row;
@@ -34,7 +34,7 @@ pub trait Curve {
     fn jet(&self, sample: &Self::Sample) -> Jet<Self::Real>;
     /// f at h with an error far below 2⁻⁵³ of [`Curve::magnitude`]. Dear; asked only where the sign
     /// of f is in doubt.
-    fn precise(&self, h: Self::Real) -> Sum<Self::Real>;
+    fn precise(&self, h: Self::Real) -> DoubleDouble<Self::Real>;
     /// A number that |f⁗| does not exceed on [0, reach].
     fn fourth(&self) -> Self::Real;
     /// The size of f, of which rounding takes some 2⁻⁵³.
@@ -76,7 +76,7 @@ pub enum Side {
 
 /// A flight that a proof in closed form decides, without a search.
 #[derive(Debug, Clone, Copy)]
-pub struct Glide<State, R = f64> {
+pub struct FastFlight<State, R = f64> {
     /// Its length, rounded.
     pub length: R,
     /// What the length lacks.
@@ -176,7 +176,7 @@ pub trait Motion {
         self.state(h)
     }
     /// What a flight of this length comes to, if that is plain; `None` says nothing.
-    fn glide(&self, _length: Self::Real) -> Option<Glide<Self::State, Self::Real>> {
+    fn fast_path(&self, _length: Self::Real) -> Option<FastFlight<Self::State, Self::Real>> {
         None
     }
     /// Whether x turns round in a motion of this length to this state, if that is plain.

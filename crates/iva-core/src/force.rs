@@ -14,7 +14,7 @@
 //! jumps, at an end that is not 0, there is an impulse of 0, so that what rides on a wall is judged
 //! anew.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::range;
 use crate::real::Real;
@@ -55,7 +55,7 @@ pub struct Force<R = f64> {
 /// An impulse, or a jump of a record (then of velocity 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Kick<R = f64> {
-    time: Sum<R>,
+    time: DoubleDouble<R>,
     velocity: R,
 }
 
@@ -72,11 +72,11 @@ pub struct Drive<T, const LENGTH: usize = { ORDER + 1 }> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Push<R = f64> {
     /// f/M or a_g.
-    pub value: Sum<R>,
+    pub value: DoubleDouble<R>,
     /// Its derivative.
-    pub rate: Sum<R>,
+    pub rate: DoubleDouble<R>,
     /// Its second derivative.
-    pub second: Sum<R>,
+    pub second: DoubleDouble<R>,
     /// Its third derivative.
     pub third: R,
 }
@@ -92,8 +92,12 @@ pub struct Pushes<R = f64> {
 
 impl<R: Real> Push<R> {
     /// Nothing.
-    pub const NONE: Push<R> =
-        Push { value: Sum::ZERO, rate: Sum::ZERO, second: Sum::ZERO, third: R::ZERO };
+    pub const NONE: Push<R> = Push {
+        value: DoubleDouble::ZERO,
+        rate: DoubleDouble::ZERO,
+        second: DoubleDouble::ZERO,
+        third: R::ZERO,
+    };
 
     #[inline(always)]
     fn add(&mut self, other: &Push<R>) {
@@ -124,7 +128,7 @@ impl<R: Real> Force<R> {
                 range::positive("force.time", *time)?;
             }
             if *velocity != 0.0 {
-                kicks.push(Kick { time: Sum::new(*time), velocity: *velocity });
+                kicks.push(Kick { time: DoubleDouble::new(*time), velocity: *velocity });
             }
         }
         kicks.sort_by(|a, b| (a.time - b.time).value.total_cmp(&R::ZERO));
@@ -183,7 +187,12 @@ impl<R: Real> Force<R> {
 
     /// Coefficients of powers of t/h at `time`, of the smooth force that acts from `from` on.
     #[inline(always)]
-    pub fn drive<const LENGTH: usize>(&self, from: Sum<R>, time: Sum<R>, h: R) -> Drive<R, LENGTH> {
+    pub fn drive<const LENGTH: usize>(
+        &self,
+        from: DoubleDouble<R>,
+        time: DoubleDouble<R>,
+        h: R,
+    ) -> Drive<R, LENGTH> {
         let mut drive = Drive::NONE;
         for harmonic in &self.harmonics {
             harmonic.add(drive.row(harmonic.acts), time, h);
@@ -200,7 +209,7 @@ impl<R: Real> Force<R> {
 
     /// f/M and a_g at `time`, of the smooth force that acts from `from` on.
     #[inline(always)]
-    pub fn pushes(&self, from: Sum<R>, time: Sum<R>) -> Pushes<R> {
+    pub fn pushes(&self, from: DoubleDouble<R>, time: DoubleDouble<R>) -> Pushes<R> {
         let mut pushes = Pushes { primary: Push::NONE, base: Push::NONE };
         for harmonic in &self.harmonics {
             pushes.on(harmonic.acts).add(&harmonic.push(time));
@@ -224,8 +233,13 @@ impl<R: Real> Force<R> {
 
     /// How far a motion goes that reaches so far: not beyond the next instant at which the force bends, jumps or
     /// kicks, and then that instant.
-    pub fn until_bend(&self, time: Sum<R>, done: u32, reach: R) -> (R, Option<Sum<R>>) {
-        let until = |bend: Sum<R>| (bend - time).value;
+    pub fn until_bend(
+        &self,
+        time: DoubleDouble<R>,
+        done: u32,
+        reach: R,
+    ) -> (R, Option<DoubleDouble<R>>) {
+        let until = |bend: DoubleDouble<R>| (bend - time).value;
         match self.smooth_until(time, done).filter(|bend| until(*bend) <= reach) {
             Some(bend) => (until(bend), Some(bend)),
             None => (reach, None),
@@ -233,7 +247,11 @@ impl<R: Real> Force<R> {
     }
 
     /// Coefficients of powers of t/h at `from`, to twice the precision.
-    pub fn precise<const LENGTH: usize>(&self, from: Sum<R>, h: R) -> Drive<Sum<R>, LENGTH> {
+    pub fn precise<const LENGTH: usize>(
+        &self,
+        from: DoubleDouble<R>,
+        h: R,
+    ) -> Drive<DoubleDouble<R>, LENGTH> {
         let mut drive = Drive::NOTHING;
         for harmonic in &self.harmonics {
             harmonic.add_precise(drive.row(harmonic.acts), from, h);
@@ -259,19 +277,19 @@ impl<R: Real> Force<R> {
     }
 
     /// The next instant at which it is not smooth, once the first `done` kicks are over.
-    pub fn smooth_until(&self, time: Sum<R>, done: u32) -> Option<Sum<R>> {
+    pub fn smooth_until(&self, time: DoubleDouble<R>, done: u32) -> Option<DoubleDouble<R>> {
         let kick = self.kicks.get(done as usize).map(|kick| kick.time);
         let bends = self.records.iter().filter_map(|record| record.next_knot(time));
         bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&R::ZERO))
     }
 
     /// How many kicks lie before an instant.
-    pub(crate) fn kicks_before(&self, time: Sum<R>) -> u32 {
+    pub(crate) fn kicks_before(&self, time: DoubleDouble<R>) -> u32 {
         self.kicks.iter().take_while(|kick| (kick.time - time).value < 0.0).count() as u32
     }
 
     /// P/M of the kick that is due, once the first `done` are over.
-    pub fn due(&self, time: Sum<R>, done: u32) -> Option<R> {
+    pub fn due(&self, time: DoubleDouble<R>, done: u32) -> Option<R> {
         let next = self.kicks.get(done as usize)?;
         ((next.time - time).value <= 0.0).then_some(next.velocity)
     }
@@ -280,7 +298,7 @@ impl<R: Real> Force<R> {
 impl<R: Real> Pushes<R> {
     /// Those of one harmonic force on the structure.
     #[inline(always)]
-    pub(crate) fn of(harmonic: &Harmonic<R>, time: Sum<R>) -> Self {
+    pub(crate) fn of(harmonic: &Harmonic<R>, time: DoubleDouble<R>) -> Self {
         let mut primary = Push::NONE;
         primary.add(&harmonic.push(time));
         Self { primary, base: Push::NONE }
@@ -295,10 +313,10 @@ impl<R: Real> Pushes<R> {
     }
 }
 
-impl<R: Real, const LENGTH: usize> Drive<Sum<R>, LENGTH> {
+impl<R: Real, const LENGTH: usize> Drive<DoubleDouble<R>, LENGTH> {
     /// No force, to twice the precision.
     pub(crate) const NOTHING: Self =
-        Self { primary: [Sum::ZERO; LENGTH], base: [Sum::ZERO; LENGTH] };
+        Self { primary: [DoubleDouble::ZERO; LENGTH], base: [DoubleDouble::ZERO; LENGTH] };
 }
 
 impl<R: Real, const LENGTH: usize> Drive<R, LENGTH> {

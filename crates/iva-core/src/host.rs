@@ -11,7 +11,7 @@
 //! (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A [`Host`] has both masses, and says when
 //! the drive bends, jumps or kicks. Absorbers are written for any host.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::{Arcs, Jet, Rows, Turns};
 use crate::force::Force;
 use crate::oscillator::{Arrival, Equation, Primary};
@@ -33,7 +33,7 @@ pub struct HostState<Phase, R = f64> {
     /// Displacement and velocity.
     pub(crate) primary: Primary<R>,
     /// A in free motion, small against f/M, x and ẋ where these balance.
-    pub(crate) acceleration: Sum<R>,
+    pub(crate) acceleration: DoubleDouble<R>,
     /// Where the drive stands.
     pub(crate) phase: Phase,
 }
@@ -91,11 +91,19 @@ pub trait Structure: std::fmt::Debug {
         h: Self::Real,
     ) -> Jet<Self::Real>;
     /// ∬A after h, to twice the precision: slow, and asked only where a grazing is to be decided.
-    fn precise(&self, from: &HostState<Self::Phase, Self::Real>, h: Self::Real) -> Sum<Self::Real>;
+    fn precise(
+        &self,
+        from: &HostState<Self::Phase, Self::Real>,
+        h: Self::Real,
+    ) -> DoubleDouble<Self::Real>;
     /// Where the drive stands a little later.
     fn later(&self, phase: &Self::Phase, h: Self::Real) -> Self::Phase;
     /// A of this mass.
-    fn acceleration(&self, phase: &Self::Phase, primary: &Primary<Self::Real>) -> Sum<Self::Real>;
+    fn acceleration(
+        &self,
+        phase: &Self::Phase,
+        primary: &Primary<Self::Real>,
+    ) -> DoubleDouble<Self::Real>;
     /// The first three derivatives of A, from ẋ and A.
     fn derivatives(&self, phase: &Self::Phase, v: Self::Real, a: Self::Real) -> [Self::Real; 3];
     /// a_g and its first three derivatives.
@@ -179,7 +187,11 @@ pub trait Host: Clone + std::fmt::Debug {
     /// Where the drive stands at an instant at which a run begins.
     fn begin_at(&self, time: Clock<Self::Real>) -> Phase<Self>;
     /// The displacement at which A = 0.
-    fn balanced(&self, phase: &Phase<Self>, v: Sum<Self::Real>) -> Sum<Self::Real>;
+    fn balanced(
+        &self,
+        phase: &Phase<Self>,
+        v: DoubleDouble<Self::Real>,
+    ) -> DoubleDouble<Self::Real>;
     /// Numbers whose signs say to which side it starts, where the state does not.
     fn leaning(&self, _phase: &Phase<Self>) -> [Self::Real; 3] {
         [Self::Real::ZERO; 3]
@@ -197,7 +209,7 @@ pub trait Host: Clone + std::fmt::Debug {
         None
     }
     /// Where the drive stands after the impulse that was due.
-    fn kicked(&self, phase: &Phase<Self>) -> Phase<Self> {
+    fn after_impulse(&self, phase: &Phase<Self>) -> Phase<Self> {
         *phase
     }
     /// The structure in motion by itself, from where its velocity has jumped.

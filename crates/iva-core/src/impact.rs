@@ -5,7 +5,7 @@
 //! conditions for an impact (Eqs. 7, 8) the approach (wall · w > 0) is missing; the event loop
 //! demands it.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::real::Real;
 use crate::system::{Point, Wall};
 
@@ -13,9 +13,9 @@ use crate::system::{Point, Wall};
 ///
 /// With its rounding rest: at e = 1 a share off by half a unit in the last place would make the
 /// energy drift from impact to impact.
-pub fn primary_share<R: Real>(mass_ratio: R, restitution: R) -> Sum<R> {
-    let gain = Sum::new(R::ONE).plus(restitution).times(mass_ratio);
-    gain.over_sum(Sum::new(R::ONE).plus(mass_ratio))
+pub fn primary_share<R: Real>(mass_ratio: R, restitution: R) -> DoubleDouble<R> {
+    let gain = DoubleDouble::new(R::ONE).plus(restitution).times(mass_ratio);
+    gain.over_sum(DoubleDouble::new(R::ONE).plus(mass_ratio))
 }
 
 /// ½ μ/(1 + μ) (1 − e²) w², per primary mass.

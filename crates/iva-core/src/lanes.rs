@@ -4,7 +4,7 @@
 //! runs go in step, each in its lane, and every operation is done for all of them by the vector
 //! instructions of the machine. Three things make that possible:
 //!
-//! * **A stretch has no branches.** The strides of a free mass (`lanes/siva.rs`) and the steps of a pendulum
+//! * **A stretch has no branches.** The fast flights of a free mass (`lanes/siva.rs`) and the steps of a pendulum
 //!   (`lanes/piva.rs`) are the code of one lane, written for one number; a loop over
 //!   arrays of numbers becomes vector code by itself, for AVX-512, AVX2 or the baseline, whichever the
 //!   machine has. Each lane does all that any may need, and picks.
@@ -84,9 +84,9 @@ impl SideBySide for Siva {
 
     fn run(group: Group<'_, Self>) {
         if group.wanted.ledger {
-            group.run::<siva::Strides<true>>();
+            group.run::<siva::FastFlights<true>>();
         } else {
-            group.run::<siva::Strides<false>>();
+            group.run::<siva::FastFlights<false>>();
         }
     }
 }
@@ -100,7 +100,7 @@ impl SideBySide for Siva<DrivenHost> {
     }
 
     fn run(group: Group<'_, Self>) {
-        group.run::<siva::DrivenStrides>();
+        group.run::<siva::DrivenFastFlights>();
     }
 }
 
@@ -122,23 +122,23 @@ trait Lockstep<S: SideBySide>: Sized {
     fn new(job: &Job<S>, wanted: Wanted) -> Self;
     /// Gives an absorber what those of the other lanes have as well.
     fn join(&self, _system: &S) {}
-    /// Goes one evaluation on in each lane; true if one calls for its run.
+    /// Goes one evaluation on in each lane; true if one needs its run.
     fn evaluate(&mut self) -> bool;
-    /// True if this lane has called.
-    fn calls(&self, lane: usize) -> bool;
-    /// Does what a lane has called for; false: its numbers are back in its run, and the event loop has to
+    /// True if this lane requests something of its run.
+    fn requests(&self, lane: usize) -> bool;
+    /// Serves what a lane has requested; false: its numbers are back in its run, and the event loop has to
     /// go on.
-    fn attend(&mut self, lane: usize, run: &mut Home<'_, S>) -> bool;
+    fn serve(&mut self, lane: usize, run: &mut ScalarRun<'_, S>) -> bool;
     /// Takes over a run, if it is where the lane can go on.
-    fn take(&mut self, lane: usize, run: &Home<'_, S>) -> bool;
+    fn take(&mut self, lane: usize, run: &ScalarRun<'_, S>) -> bool;
     /// Puts the numbers of a lane back into its run.
-    fn put_back(&self, lane: usize, run: &mut Home<'_, S>);
+    fn put_back(&self, lane: usize, run: &mut ScalarRun<'_, S>);
     /// Leaves a lane without a run.
     fn idle(&mut self, lane: usize);
 }
 
-/// A run that a lane is at home in.
-type Home<'a, S> = Run<'a, S, Observers<S>>;
+/// The run of a lane, which the event loop goes on with where the lane cannot.
+type ScalarRun<'a, S> = Run<'a, S, Observers<S>>;
 
 /// Does runs and hands each out with its index, in the order in which they end. Every one is what
 /// [`simulate`](crate::simulate::simulate) with the same measures gives, bit for bit. Once cancelled, those begun come back as they are, the
@@ -165,8 +165,9 @@ pub fn run<S: SideBySide>(
         a.total_cmp(&c).then(b.total_cmp(&d))
     });
     for same in order.chunk_by(|a, b| key(a) == key(b)) {
-        let homes = [const { None }; LANES];
-        let group = Group { jobs, order: same, next: 0, wanted, cancel, homes, live: 0, take };
+        let scalar_runs = [const { None }; LANES];
+        let group =
+            Group { jobs, order: same, next: 0, wanted, cancel, scalar_runs, live: 0, take };
         if same.len() < WORTHWHILE || common(&same[0]).is_none() {
             group.one_by_one();
         } else {
@@ -195,7 +196,7 @@ pub struct Group<'a, S: SideBySide> {
     wanted: Wanted,
     cancel: Option<&'a AtomicBool>,
     /// The run of each lane, and its index.
-    homes: [Option<(usize, Home<'a, S>)>; LANES],
+    scalar_runs: [Option<(usize, ScalarRun<'a, S>)>; LANES],
     /// Lanes at work.
     live: usize,
     take: &'a mut dyn FnMut(usize, &Ended<S>),
@@ -203,7 +204,7 @@ pub struct Group<'a, S: SideBySide> {
 
 impl<'a, S: SideBySide> Group<'a, S> {
     /// A run that has begun.
-    fn begun(&self, job: &'a Job<S>) -> Home<'a, S> {
+    fn begun(&self, job: &'a Job<S>) -> ScalarRun<'a, S> {
         let Job { system, start, limits, steady } = job;
         let steady = steady.map(|(wanted, window)| Steady::new(window, wanted));
         let observers = (Measures::new(self.wanted), steady);
@@ -221,7 +222,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
 
     /// Hands out the run of a lane, which has ended.
     fn leave(&mut self, i: usize, tally: Tally<S::State>) {
-        if let Some((index, home)) = self.homes[i].take() {
+        if let Some((index, home)) = self.scalar_runs[i].take() {
             self.hand_out(index, tally, &home.observer);
             self.live -= 1;
         }
@@ -257,7 +258,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
                 while self.live > 0 {
                     for _ in 0..CANCEL_EVERY {
                         if lanes.evaluate() {
-                            self.attend(&mut lanes);
+                            self.serve(&mut lanes);
                             if self.live == 0 {
                                 break;
                             }
@@ -273,10 +274,10 @@ impl<'a, S: SideBySide> Group<'a, S> {
 
     /// Does what lanes have called for.
     #[inline(never)]
-    fn attend<L: Lockstep<S>>(&mut self, lanes: &mut L) {
+    fn serve<L: Lockstep<S>>(&mut self, lanes: &mut L) {
         for i in 0..LANES {
-            let Some((_, home)) = &mut self.homes[i] else { continue };
-            if lanes.calls(i) && !lanes.attend(i, home) {
+            let Some((_, home)) = &mut self.scalar_runs[i] else { continue };
+            if lanes.requests(i) && !lanes.serve(i, home) {
                 self.go_on(lanes, i);
             }
         }
@@ -284,7 +285,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
 
     /// Lets the event loop go on until the lane can, or the run ends.
     fn go_on<L: Lockstep<S>>(&mut self, lanes: &mut L, i: usize) {
-        let Some((_, home)) = &mut self.homes[i] else { return };
+        let Some((_, home)) = &mut self.scalar_runs[i] else { return };
         while home.step() {
             if lanes.take(i, home) {
                 return;
@@ -306,7 +307,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
         self.next += 1;
         lanes.join(&job.system);
         let run = self.begun(job);
-        self.homes[i] = Some((index, run));
+        self.scalar_runs[i] = Some((index, run));
         self.live += 1;
         self.go_on(lanes, i);
     }
@@ -315,7 +316,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
     fn cancel<L: Lockstep<S>>(&mut self, lanes: &mut L) {
         self.next = self.order.len();
         for i in 0..LANES {
-            if let Some((_, home)) = &mut self.homes[i] {
+            if let Some((_, home)) = &mut self.scalar_runs[i] {
                 lanes.put_back(i, home);
                 let tally = home.cancelled();
                 self.leave(i, tally);

@@ -4,7 +4,7 @@
 //! envelope fits to sampled data. Reference amplitude A₀ = |x(0)|, or the first peak when
 //! x(0) = 0.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::{Losses, Motion};
 use crate::observe::{Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
@@ -92,9 +92,9 @@ pub struct Measures<S: System> {
     pub(crate) settling: [LastCrossing<S>; 3],
     pub(crate) last_period: S::Real,
     pub(crate) last_half_period: S::Real,
-    pub(crate) viscous: Sum<S::Real>,
-    pub(crate) pivot: Sum<S::Real>,
-    pub(crate) work: Sum<S::Real>,
+    pub(crate) viscous: DoubleDouble<S::Real>,
+    pub(crate) pivot: DoubleDouble<S::Real>,
+    pub(crate) work: DoubleDouble<S::Real>,
 }
 
 /// A₀, which grows with the first half cycle where x(0) = 0.
@@ -121,9 +121,9 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
             settling: [0.10, 0.05, 0.02].map(|share| LastCrossing::new(R::from(share))),
             last_period: R::ZERO,
             last_half_period: R::ZERO,
-            viscous: Sum::ZERO,
-            pivot: Sum::ZERO,
-            work: Sum::ZERO,
+            viscous: DoubleDouble::ZERO,
+            pivot: DoubleDouble::ZERO,
+            work: DoubleDouble::ZERO,
         }
     }
 
@@ -233,7 +233,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         }
     }
 
-    fn kick(&mut self, system: &S, state: &S::State, work: R) {
+    fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         self.work = self.work.plus(work);
         // What is given later hides what is lost.
         self.energy_begin = if self.moving { R::ZERO } else { system.energy(state) };
@@ -272,7 +272,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         values.energy_pivot = self.pivot.value;
         values.energy_work = self.work.value;
         values.energy_final = system.energy(&tally.state);
-        values.energy_residual = Sum::new(values.energy_initial)
+        values.energy_residual = DoubleDouble::new(values.energy_initial)
             .plus(-tally.energy_impacts)
             .plus(-values.energy_viscous)
             .plus(-values.energy_pivot)

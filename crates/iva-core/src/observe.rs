@@ -26,7 +26,7 @@ pub struct Span<'a, M: Motion> {
 /// A chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall. Times in
 /// 1/ωn, energy per primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Episode<R = f64> {
+pub struct StickEpisode<R = f64> {
     /// The wall.
     pub wall: Wall,
     /// Its first impact: the first after which only this wall is met until the stick.
@@ -74,12 +74,12 @@ pub trait Observer<S: System> {
     fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {}
     /// An impulse from outside: the state after it, and the work it does (0 where the force only
     /// jumps).
-    fn kick(&mut self, _system: &S, _state: &S::State, _work: S::Real) {}
+    fn impulse(&mut self, _system: &S, _state: &S::State, _work: S::Real) {}
     /// Of the impacts from index `first` on, those not faster than `floor` are not to be listed:
     /// they turned out to belong to a chatter that ended in stick.
     fn unlist(&mut self, _first: u64, _floor: S::Real) {}
     /// An episode, told when it ends.
-    fn episode(&mut self, _episode: &Episode<S::Real>) {}
+    fn episode(&mut self, _episode: &StickEpisode<S::Real>) {}
     /// True once it has seen enough: the run ends at the next instant between two motions.
     fn is_done(&self) -> bool {
         false
@@ -103,13 +103,13 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for &mut O {
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
         (**self).jump(system, jump);
     }
-    fn kick(&mut self, system: &S, state: &S::State, work: R) {
-        (**self).kick(system, state, work);
+    fn impulse(&mut self, system: &S, state: &S::State, work: R) {
+        (**self).impulse(system, state, work);
     }
     fn unlist(&mut self, first: u64, floor: R) {
         (**self).unlist(first, floor);
     }
-    fn episode(&mut self, episode: &Episode<R>) {
+    fn episode(&mut self, episode: &StickEpisode<R>) {
         (**self).episode(episode);
     }
     fn is_done(&self) -> bool {
@@ -141,9 +141,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
             observer.jump(system, jump);
         }
     }
-    fn kick(&mut self, system: &S, state: &S::State, work: R) {
+    fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         if let Some(observer) = self {
-            observer.kick(system, state, work);
+            observer.impulse(system, state, work);
         }
     }
     fn unlist(&mut self, first: u64, floor: R) {
@@ -151,7 +151,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
             observer.unlist(first, floor);
         }
     }
-    fn episode(&mut self, episode: &Episode<R>) {
+    fn episode(&mut self, episode: &StickEpisode<R>) {
         if let Some(observer) = self {
             observer.episode(episode);
         }
@@ -183,15 +183,15 @@ impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> f
         self.0.jump(system, jump);
         self.1.jump(system, jump);
     }
-    fn kick(&mut self, system: &S, state: &S::State, work: R) {
-        self.0.kick(system, state, work);
-        self.1.kick(system, state, work);
+    fn impulse(&mut self, system: &S, state: &S::State, work: R) {
+        self.0.impulse(system, state, work);
+        self.1.impulse(system, state, work);
     }
     fn unlist(&mut self, first: u64, floor: R) {
         self.0.unlist(first, floor);
         self.1.unlist(first, floor);
     }
-    fn episode(&mut self, episode: &Episode<R>) {
+    fn episode(&mut self, episode: &StickEpisode<R>) {
         self.0.episode(episode);
         self.1.episode(episode);
     }
@@ -210,7 +210,7 @@ pub struct Events<R = f64> {
     /// Listed impacts in the order of time.
     pub impacts: Vec<Impact<R>>,
     /// Episodes in the order of time.
-    pub episodes: Vec<Episode<R>>,
+    pub episodes: Vec<StickEpisode<R>>,
 }
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Events<R> {
@@ -224,7 +224,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Events<R> {
             index <= first || impact.approach_speed() > floor
         });
     }
-    fn episode(&mut self, episode: &Episode<R>) {
+    fn episode(&mut self, episode: &StickEpisode<R>) {
         self.episodes.push(*episode);
     }
 }

@@ -19,7 +19,7 @@
 //! (√k x, v) obeys a linear system of norm Λ = c/2 + √(c²/4 + k), and so do its derivatives. Hence
 //! |x⁽ⁿ⁾| ≤ Λⁿ⁻¹ ρ for n ≥ 1 at every later time, for any ζ: no singularity at ζ = 1.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::Jet;
 use crate::real::Real;
 
@@ -44,7 +44,7 @@ pub struct Equation<R = f64> {
     /// Λ, the factor by which each further derivative can grow.
     pub growth: R,
     /// 1/3.
-    pub(crate) third: Sum<R>,
+    pub(crate) third: DoubleDouble<R>,
 }
 
 impl<R: Real> Equation<R> {
@@ -53,15 +53,16 @@ impl<R: Real> Equation<R> {
         let stiffness = R::ONE / mass;
         let damping = damping_ratio * 2.0 / mass;
         let growth = damping * 0.5 + (damping * 0.25 * damping + stiffness).sqrt();
-        let third = Sum::new(R::ONE).over(3.0);
+        let third = DoubleDouble::new(R::ONE).over(3.0);
         Self { stiffness, frequency: stiffness.sqrt(), damping, growth, third }
     }
 
     /// k p − c r, to twice the precision.
     #[inline(always)]
-    pub(crate) fn pull(&self, p: Sum<R>, r: Sum<R>) -> Sum<R> {
-        let spring = if self.stiffness == 1.0 { p } else { p.product(Sum::new(self.stiffness)) };
-        spring - r.product(Sum::new(self.damping))
+    pub(crate) fn pull(&self, p: DoubleDouble<R>, r: DoubleDouble<R>) -> DoubleDouble<R> {
+        let spring =
+            if self.stiffness == 1.0 { p } else { p.product(DoubleDouble::new(self.stiffness)) };
+        spring - r.product(DoubleDouble::new(self.damping))
     }
 
     /// The derivative that follows two successive derivatives of x.
@@ -111,7 +112,7 @@ pub struct Oscillator<R = f64> {
     /// again.
     full_step_rest: [R; 2],
     /// The coefficients to twice the precision, for [`Oscillator::precise`].
-    exact: [[Sum<R>; 2]; TERMS],
+    exact: [[DoubleDouble<R>; 2]; TERMS],
     loss: [[R; 3]; LOSS_TERMS],
     /// The loss at h = `reach` for the three products.
     full_loss: [R; 3],
@@ -129,8 +130,8 @@ impl<R: Real> Oscillator<R> {
             std::array::from_fn(|n| exact[n + 2].map(|coefficient| coefficient.rest));
         let mut bent = responses;
         (bent[0], bent[1]) = ([R::ZERO; 2], [R::ZERO; 2]);
-        let square = Sum::new(reach).times(reach);
-        let leading: [Sum<R>; 2] =
+        let square = DoubleDouble::new(reach).times(reach);
+        let leading: [DoubleDouble<R>; 2] =
             std::array::from_fn(|i| (exact[0][i] + exact[1][i].times(reach)).times_sum(square));
         let rounded = even_and_odd(&bent, reach).map(|sum| reach * reach * sum);
         let full_step_rest =
@@ -151,25 +152,31 @@ impl<R: Real> Oscillator<R> {
 
     /// ẍ of a state, to twice the precision: it may be a small difference of spring and damper.
     #[inline]
-    pub fn acceleration(&self, primary: &Primary<R>) -> Sum<R> {
+    pub fn acceleration(&self, primary: &Primary<R>) -> DoubleDouble<R> {
         self.next(primary.x, primary.v)
     }
 
     /// The derivative that follows two successive ones, to twice the precision.
     #[inline(always)]
-    fn next(&self, lower: Sum<R>, upper: Sum<R>) -> Sum<R> {
+    fn next(&self, lower: DoubleDouble<R>, upper: DoubleDouble<R>) -> DoubleDouble<R> {
         let Equation { stiffness, damping, .. } = self.equation;
-        let spring = if stiffness == 1.0 { lower } else { lower.product(Sum::new(stiffness)) };
-        -(spring + upper.product(Sum::new(damping)))
+        let spring =
+            if stiffness == 1.0 { lower } else { lower.product(DoubleDouble::new(stiffness)) };
+        -(spring + upper.product(DoubleDouble::new(damping)))
     }
 
     /// What a flight of length h ≤ `reach` adds to a state: the terms up to h³ to twice the precision,
     /// which leaves the rounding of those from h⁴ on.
     #[inline(always)]
-    pub fn arrive(&self, velocity: Sum<R>, acceleration: Sum<R>, h: R) -> Arrival<R> {
+    pub fn arrive(
+        &self,
+        velocity: DoubleDouble<R>,
+        acceleration: DoubleDouble<R>,
+        h: R,
+    ) -> Arrival<R> {
         let (v, a) = (velocity.value, acceleration.value);
         let Equation { stiffness: k, damping: c, third, .. } = self.equation;
-        let length = Sum::new(h);
+        let length = DoubleDouble::new(h);
         let half_square = length.product(length).half();
         let sixth_cube = half_square.product(length).product(third);
         let z = h * h;
@@ -183,9 +190,9 @@ impl<R: Real> Oscillator<R> {
         let snap = self.next(acceleration, jerk);
         let curved = acceleration.product(half_square).plus_both(
             jerk.product(sixth_cube),
-            Sum { value: a * p + v * q, rest: a * p_rest + v * q_rest },
+            DoubleDouble { value: a * p + v * q, rest: a * p_rest + v * q_rest },
         );
-        let bent = Sum {
+        let bent = DoubleDouble {
             value: a * (q - c * p) - k * (v * p),
             rest: a * (q_rest - c * p_rest) - k * (v * p_rest),
         };
@@ -200,7 +207,12 @@ impl<R: Real> Oscillator<R> {
 
     /// x(h) − x − v h to twice the precision, for h ≤ `reach`: dear, and asked only where a
     /// grazing is to be decided.
-    pub fn precise(&self, velocity: Sum<R>, acceleration: Sum<R>, h: R) -> Sum<R> {
+    pub fn precise(
+        &self,
+        velocity: DoubleDouble<R>,
+        acceleration: DoubleDouble<R>,
+        h: R,
+    ) -> DoubleDouble<R> {
         let forced = acceleration.times_sum(horner(&self.exact, 0, h));
         let carried = velocity.times_sum(horner(&self.exact, 1, h));
         forced.plus_parts(carried.value, carried.rest)
@@ -241,32 +253,37 @@ impl<R: Real> Oscillator<R> {
 #[derive(Debug, Clone, Copy)]
 pub struct Arrival<R = f64> {
     /// x(h) − x − v h.
-    pub curved: Sum<R>,
+    pub curved: DoubleDouble<R>,
     /// v(h) − v.
-    pub velocity: Sum<R>,
+    pub velocity: DoubleDouble<R>,
 }
 
 /// A state of the primary, carried with its rounding rests.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Primary<R = f64> {
     /// Displacement.
-    pub x: Sum<R>,
+    pub x: DoubleDouble<R>,
     /// Velocity.
-    pub v: Sum<R>,
+    pub v: DoubleDouble<R>,
 }
 
 impl<R: Real> Primary<R> {
     /// The state after its velocity has jumped.
-    pub fn faster_by(&self, gained: Sum<R>) -> Primary<R> {
+    pub fn faster_by(&self, gained: DoubleDouble<R>) -> Primary<R> {
         Primary { v: self.v + gained, ..*self }
     }
 
     /// The state after a flight, and what the flight has added.
     #[inline(always)]
-    pub fn arrived(&self, oscillator: &Oscillator<R>, a: Sum<R>, h: R) -> (Primary<R>, Arrival<R>) {
+    pub fn arrived(
+        &self,
+        oscillator: &Oscillator<R>,
+        a: DoubleDouble<R>,
+        h: R,
+    ) -> (Primary<R>, Arrival<R>) {
         let arrival = oscillator.arrive(self.v, a, h);
         let later = Primary {
-            x: self.x.plus_both(self.v.product(Sum::new(h)), arrival.curved),
+            x: self.x.plus_both(self.v.product(DoubleDouble::new(h)), arrival.curved),
             v: self.v + arrival.velocity,
         };
         (later, arrival)
@@ -274,7 +291,12 @@ impl<R: Real> Primary<R> {
 
     /// The state after its velocity has jumped by `sign` · `share` · `velocity`.
     #[inline]
-    pub fn kicked(&self, sign: impl Into<R>, velocity: Sum<R>, share: Sum<R>) -> Primary<R> {
+    pub fn jumped(
+        &self,
+        sign: impl Into<R>,
+        velocity: DoubleDouble<R>,
+        share: DoubleDouble<R>,
+    ) -> Primary<R> {
         let sign = sign.into();
         let kick = share.value * (sign * velocity.value);
         let rest = sign * (share.value * velocity.rest + share.rest * velocity.value);
@@ -289,8 +311,8 @@ fn loss<R: Real>(sums: &[R; 3], x: R, v: R, h: R) -> R {
 }
 
 /// P (i = 0) or Q (i = 1) at h to twice the precision.
-fn horner<R: Real>(responses: &[[Sum<R>; 2]; TERMS], i: usize, h: R) -> Sum<R> {
-    let mut sum = Sum::<R>::ZERO;
+fn horner<R: Real>(responses: &[[DoubleDouble<R>; 2]; TERMS], i: usize, h: R) -> DoubleDouble<R> {
+    let mut sum = DoubleDouble::<R>::ZERO;
     for coefficients in responses.iter().rev() {
         sum = sum.times(h).plus_parts(coefficients[i].value, coefficients[i].rest);
     }
@@ -315,10 +337,10 @@ fn even_and_odd<R: Real, const K: usize, const N: usize>(series: &[[R; K]; N], h
 
 /// Coefficients of h², h³, … of P and Q, from P⁽ⁿ⁺²⁾ = −k P⁽ⁿ⁾ − c P⁽ⁿ⁺¹⁾ (n ≥ 1) and Q̇ = −k P; the
 /// leading ones with their rests, the others too small for that to matter.
-fn responses<R: Real>(stiffness: R, damping: R) -> [[Sum<R>; 2]; TERMS] {
-    let mut series = [[Sum::ZERO; 2]; TERMS];
-    let [mut lower, mut upper] = [Sum::ZERO, Sum::new(R::ONE * 0.5)];
-    series[0] = [upper, Sum::ZERO];
+fn responses<R: Real>(stiffness: R, damping: R) -> [[DoubleDouble<R>; 2]; TERMS] {
+    let mut series = [[DoubleDouble::ZERO; 2]; TERMS];
+    let [mut lower, mut upper] = [DoubleDouble::ZERO, DoubleDouble::new(R::ONE * 0.5)];
+    series[0] = [upper, DoubleDouble::ZERO];
     for (n, coefficients) in series.iter_mut().enumerate().skip(1) {
         let (p, q) = ((n + 1) as f64, (n + 2) as f64);
         let (step, carried) = if n < EXACT_TERMS {
@@ -327,7 +349,7 @@ fn responses<R: Real>(stiffness: R, damping: R) -> [[Sum<R>; 2]; TERMS] {
             (spring.plus_parts(damper.value, damper.rest), upper.times(-stiffness).over(q))
         } else {
             let step = -(stiffness * lower.value / p + damping * upper.value) / q;
-            (Sum::new(step), Sum::new(-stiffness * upper.value / q))
+            (DoubleDouble::new(step), DoubleDouble::new(-stiffness * upper.value / q))
         };
         *coefficients = [step, carried];
         (lower, upper) = (upper, step);

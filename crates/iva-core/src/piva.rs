@@ -5,7 +5,7 @@
 //! Flight is a Taylor series ([`crate::taylor`]); stuck on a wall the pendulum rides as one mass
 //! with the primary, in closed form, until gravity or the primary pulls it off.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::flight::Jet;
 use crate::force::{Drive, Force};
@@ -40,7 +40,7 @@ pub struct Piva<R = f64> {
     pub(crate) parameters: Parameters<R>,
     pub(crate) pendulum: Pendulum<R>,
     /// cosθ at the walls.
-    wall_cosine: Sum<R>,
+    wall_cosine: DoubleDouble<R>,
     pub(crate) law: Law<R>,
     /// See [`System::pressure_gain`].
     pressure_gain: R,
@@ -80,7 +80,7 @@ impl<R: Real> Piva<R> {
             pivot_damping: pivot_damping_ratio * 2.0 * frequency_ratio,
             small_angles: angles == Angles::Small,
         };
-        let wall_cosine = pendulum.precise_cosine(Sum::new(clearance));
+        let wall_cosine = pendulum.precise_cosine(DoubleDouble::new(clearance));
         let law = Law::new(&parameters, &pendulum, wall_cosine);
         Ok(Self {
             parameters,
@@ -209,21 +209,22 @@ pub struct PivaState<R = f64> {
     pub(crate) primary: Primary<R>,
     pub(crate) wall: Wall,
     /// d − s y ≥ 0, the distance to the wall last touched.
-    pub(crate) distance: Sum<R>,
+    pub(crate) distance: DoubleDouble<R>,
     pub(crate) clearance: R,
     /// W = b θ̇.
-    pub(crate) w: Sum<R>,
+    pub(crate) w: DoubleDouble<R>,
     /// cosθ.
-    pub(crate) cosine: Sum<R>,
+    pub(crate) cosine: DoubleDouble<R>,
     /// Just released: W and Ẇ are exactly 0.
     pub(crate) released: bool,
 }
 
 impl<R: Real> PivaState<R> {
     /// Gap displacement y.
-    pub(crate) fn y(&self) -> Sum<R> {
+    pub(crate) fn y(&self) -> DoubleDouble<R> {
         let s = self.wall.sign();
-        Sum::new(self.clearance * s).plus_parts(self.distance.value * -s, self.distance.rest * -s)
+        DoubleDouble::new(self.clearance * s)
+            .plus_parts(self.distance.value * -s, self.distance.rest * -s)
     }
 
     /// Distance to a wall.
@@ -297,7 +298,7 @@ impl<R: Real> System for Piva<R> {
             primary: Primary { x: x.plus(v.value * later), v: v.plus(u[1] * later) },
             w: state.w.plus(w[1] * later),
             wall,
-            distance: Sum::ZERO,
+            distance: DoubleDouble::ZERO,
             cosine: self.wall_cosine,
             ..*state
         };
@@ -333,8 +334,8 @@ impl<R: Real> System for Piva<R> {
         let [farther, faster] = self.law.surplus_of_tail(state.w, &self.distance(state), damping);
         let stuck = PivaState {
             primary: Primary { x: state.primary.x.plus(farther), v: (v + gained).plus(faster) },
-            distance: Sum::ZERO,
-            w: Sum::ZERO,
+            distance: DoubleDouble::ZERO,
+            w: DoubleDouble::ZERO,
             ..*state
         };
         (stuck, self.law.stick_loss(v.value, state.w.value))
@@ -342,7 +343,7 @@ impl<R: Real> System for Piva<R> {
 
     fn release(&self, state: &PivaState<R>) -> (PivaState<R>, R) {
         let (primary, later) = self.without_pressure(state);
-        let (distance, w) = (Sum::ZERO, Sum::ZERO);
+        let (distance, w) = (DoubleDouble::ZERO, DoubleDouble::ZERO);
         let time = state.time.plus(later);
         (PivaState { time, primary, distance, w, released: true, ..*state }, later)
     }
@@ -384,16 +385,16 @@ impl<R: Real> System for Piva<R> {
         self.force.due(state.time, state.kicks)
     }
 
-    fn kick(&self, state: &PivaState<R>, velocity: R, stuck: bool) -> PivaState<R> {
+    fn apply_impulse(&self, state: &PivaState<R>, velocity: R, stuck: bool) -> PivaState<R> {
         let Pendulum { mass_ratio, coupling, .. } = self.pendulum;
-        let mass = Sum::new(R::ONE).plus(mass_ratio);
+        let mass = DoubleDouble::new(R::ONE).plus(mass_ratio);
         let kicks = state.kicks + 1;
         if stuck {
-            let gained = Sum::new(velocity).over_sum(mass);
+            let gained = DoubleDouble::new(velocity).over_sum(mass);
             let primary = state.primary.faster_by(gained);
             return PivaState { kicks, primary, released: false, ..*state };
         }
-        let gained = Sum::new(velocity).over_sum(self.pendulum.inertia(state.y()));
+        let gained = DoubleDouble::new(velocity).over_sum(self.pendulum.inertia(state.y()));
         let swing = gained.times(-coupling).times_sum(state.cosine);
         PivaState {
             kicks,

@@ -2,7 +2,7 @@
 //!
 //! The core is written for any [`Real`]: a double, a number of [twice the precision](twofold) to verify a run
 //! by, or a number [with derivatives](dual) to differentiate it. Thresholds that depend on the precision are
-//! constants of the number. Types have doubles as their default: `Sum` is `Sum<f64>`.
+//! constants of the number. Types have doubles as their default: `DoubleDouble` is `DoubleDouble<f64>`.
 //!
 //! In a formula a double stands to the right of a number, as in `x * 0.5`, and [`Real::ONE`] to the left.
 
@@ -11,7 +11,7 @@ use std::fmt::Debug;
 use std::iter;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 
 pub mod dual;
 mod mixed;
@@ -64,15 +64,15 @@ pub trait Real:
     /// As [`f64::MIN_POSITIVE`].
     const MIN_POSITIVE: Self;
     /// 2π with its rounding rest.
-    const TURN: Sum<Self>;
+    const TURN: DoubleDouble<Self>;
     /// π/2 with its rounding rest.
-    const QUARTER: Sum<Self>;
+    const QUARTER: DoubleDouble<Self>;
     /// Largest share of each variable that a step of a pendulum's flight may leave out at full accuracy.
     const LEFT_OUT: Self;
     /// Largest estimated error of the summed duration of a chatter, in 1/ωn.
     const NEGLIGIBLE: Self;
     /// True if flights that a proof in closed form decides need no search.
-    const STRIDES: bool;
+    const FAST_PATHS: bool;
 
     /// A number given by the user; `differentiated` if results are to be differentiated by it.
     fn given(value: f64, differentiated: bool) -> Self;
@@ -105,7 +105,7 @@ pub trait Real:
     fn sincos(self) -> (Self, Self);
 
     /// Sine and cosine of an angle within [−π, π], with their rounding rests.
-    fn precise_sincos(angle: Sum<Self>) -> (Sum<Self>, Sum<Self>);
+    fn precise_sincos(angle: DoubleDouble<Self>) -> (DoubleDouble<Self>, DoubleDouble<Self>);
 
     /// Angle of the point (x, self) from the x axis.
     fn atan2(self, x: Self) -> Self;
@@ -228,14 +228,15 @@ impl Real for f64 {
     const NAN: f64 = f64::NAN;
     const INFINITY: f64 = f64::INFINITY;
     const MIN_POSITIVE: f64 = f64::MIN_POSITIVE;
-    const TURN: Sum = Sum { value: std::f64::consts::TAU, rest: 2.449_293_598_294_706_4e-16 };
-    const QUARTER: Sum =
-        Sum { value: std::f64::consts::FRAC_PI_2, rest: 6.123_233_995_736_766e-17 };
+    const TURN: DoubleDouble =
+        DoubleDouble { value: std::f64::consts::TAU, rest: 2.449_293_598_294_706_4e-16 };
+    const QUARTER: DoubleDouble =
+        DoubleDouble { value: std::f64::consts::FRAC_PI_2, rest: 6.123_233_995_736_766e-17 };
     /// As much as rounding does. It is a proven bound; the true remainder is some ten times smaller or less.
     const LEFT_OUT: f64 = 1e-16;
     /// Rounding of a time of order 1 is ten times larger.
     const NEGLIGIBLE: f64 = 1e-17;
-    const STRIDES: bool = true;
+    const FAST_PATHS: bool = true;
 
     #[inline(always)]
     fn given(value: f64, _differentiated: bool) -> f64 {
@@ -287,7 +288,7 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    fn precise_sincos(angle: Sum) -> (Sum, Sum) {
+    fn precise_sincos(angle: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
         crate::trigonometry::close_sine_cosine(angle)
     }
 

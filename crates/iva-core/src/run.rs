@@ -3,7 +3,7 @@
 use crate::error::{Invalid, number};
 use crate::impact::Impact;
 use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::observe::{Episode, Events};
+use crate::observe::{Events, StickEpisode};
 use crate::peaks::{Envelope, Peak};
 use crate::sample::{Sampler, State};
 use crate::simulate::{Limits, Tally, simulate};
@@ -17,7 +17,7 @@ pub struct Run<S, R = f64> {
     /// Listed impacts.
     pub impacts: Vec<Impact<R>>,
     /// Episodes of sticking.
-    pub episodes: Vec<Episode<R>>,
+    pub episodes: Vec<StickEpisode<R>>,
     /// Peaks of the primary displacement.
     pub peaks: Vec<Peak<R>>,
     /// Damping measures and the energy ledger.

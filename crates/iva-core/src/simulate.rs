@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::contact::{first_contact, first_release, free_stretch};
 use crate::error::{Invalid, number};
 use crate::flight::Side;
-use crate::flight::{Curve, Glide, Jet, Meets, Motion};
-use crate::observe::{Episode, Jump, Observer, Span};
+use crate::flight::{Curve, FastFlight, Jet, Meets, Motion};
+use crate::observe::{Jump, Observer, Span, StickEpisode};
 use crate::real::Real;
 use crate::system::{Clock, System};
 
@@ -130,7 +130,7 @@ pub(crate) struct Run<'a, S: System, O> {
     pub clock: Clock<S::Real>,
     pub phase: Phase<S::Real>,
     pub streak: Option<Streak<S::Real>>,
-    pub riding: Option<Episode<S::Real>>,
+    pub riding: Option<StickEpisode<S::Real>>,
     pub tally: Tally<S::State, S::Real>,
     pub losses: Clock<S::Real>,
     pub stops: [S::Real; STOPS],
@@ -191,9 +191,9 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             self.stopped = STOPS;
         } else if self.touching {
             if system.distance(&state).rate < 0.0 {
-                self.strike();
+                self.apply_impact();
             } else {
-                self.depart();
+                self.leave_or_stick();
             }
         }
     }
@@ -229,7 +229,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
         self.tally.work += 1;
         if let Some(velocity) = self.system.due(&self.tally.state) {
-            self.kick(velocity);
+            self.impulse(velocity);
             return true;
         }
         let finite = match self.phase {
@@ -274,12 +274,12 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let state = self.tally.state;
         let flight = system.flight(&state);
         let length = flight.reach().min(remaining).min(first);
-        if let Some(Glide { length: h, later, end, meets }) = flight.glide(length) {
+        if let Some(FastFlight { length: h, later, end, meets }) = flight.fast_path(length) {
             self.phase = Phase::Flight { first: R::INFINITY };
             self.arrive(&flight, [h, later], end, length == remaining && meets == Meets::Nothing);
             match meets {
                 Meets::Nothing => {}
-                Meets::Wall => self.strike(),
+                Meets::Wall => self.apply_impact(),
                 Meets::Near(side) => self.meet(side),
             }
             return true;
@@ -308,7 +308,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let (state, later) = self.system.touch(&self.tally.state, wall);
         self.tally.state = state;
         self.clock = self.clock.plus(later);
-        self.strike();
+        self.apply_impact();
     }
 
     /// One segment of riding on a wall, ended by its length, the release or the end of the run.
@@ -366,15 +366,15 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
 
     /// An impulse from outside, or a jump of the force: what is stuck comes off if either pulls it
     /// from its wall, else both masses take the impulse together.
-    fn kick(&mut self, velocity: R) {
+    fn impulse(&mut self, velocity: R) {
         let before = self.tally.state;
-        let mut after = self.system.kick(&before, velocity, false);
+        let mut after = self.system.apply_impulse(&before, velocity, false);
         let riding = matches!(self.phase, Phase::Ride);
         if riding && self.system.distance(&after).rate <= 0.0 {
-            after = self.system.kick(&before, velocity, true);
+            after = self.system.apply_impulse(&before, velocity, true);
         }
         let [v_before, v_after] = [before, after].map(|state| self.system.primary(&state).v);
-        self.observer.kick(self.system, &after, velocity * 0.5 * (v_before + v_after));
+        self.observer.impulse(self.system, &after, velocity * 0.5 * (v_before + v_after));
         self.tally.state = after;
         let leave = self.system.distance(&after);
         if riding {
@@ -385,9 +385,9 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         } else if leave.value > 0.0 {
             self.phase = Phase::Flight { first: R::INFINITY };
         } else if leave.rate < 0.0 {
-            self.strike();
+            self.apply_impact();
         } else {
-            self.depart();
+            self.leave_or_stick();
         }
     }
 

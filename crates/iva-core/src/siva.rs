@@ -4,7 +4,7 @@
 //! the absolute acceleration of the structure ([`crate::host`]). With s the sign of the wall last touched and
 //! D = d − s y the distance to it, D̈ = s A: starting from D = 0 neither y nor d enters a rebound.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
 use crate::flight::Jet;
 use crate::force::Force;
@@ -19,9 +19,9 @@ use crate::system::{Clock, Point, Start, System, Wall};
 pub use motion::SivaFlight;
 pub use ride::SivaRide;
 
+pub(crate) mod fast_flight;
 pub(crate) mod motion;
 mod ride;
-pub(crate) mod stride;
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;
@@ -82,9 +82,9 @@ pub struct Siva<H: Host = UndrivenHost> {
     restitution: H::Real,
     clearance: H::Real,
     /// Share of the gap velocity that the primary gains at an impact.
-    pub(crate) impact_share: Sum<H::Real>,
+    pub(crate) impact_share: DoubleDouble<H::Real>,
     /// The same where the absorber sticks.
-    pub(crate) stick_share: Sum<H::Real>,
+    pub(crate) stick_share: DoubleDouble<H::Real>,
     pub(crate) host: H,
 }
 
@@ -184,8 +184,8 @@ pub struct SivaState<P = (), R = f64> {
     pub(crate) host: HostState<P, R>,
     /// +1 at the wall y = +d, −1 at y = −d: the one that distances are measured from.
     pub(crate) side: R,
-    pub(crate) distance: Sum<R>,
-    pub(crate) rate: Sum<R>,
+    pub(crate) distance: DoubleDouble<R>,
+    pub(crate) rate: DoubleDouble<R>,
 }
 
 impl<R: Real, P> SivaState<P, R> {
@@ -200,14 +200,14 @@ impl<R: Real, P> SivaState<P, R> {
 pub(crate) fn collided<R: Real, S: Structure<Real = R>>(
     free: &S,
     state: &SivaState<S::Phase, R>,
-    share: Sum<R>,
+    share: DoubleDouble<R>,
     restitution: R,
 ) -> SivaState<S::Phase, R> {
-    let primary = state.host.primary.kicked(-state.side, state.rate, share);
+    let primary = state.host.primary.jumped(-state.side, state.rate, share);
     let acceleration = free.acceleration(&state.host.phase, &primary);
     SivaState {
         host: HostState { primary, acceleration, ..state.host },
-        rate: state.rate.product(Sum::new(-restitution)),
+        rate: state.rate.product(DoubleDouble::new(-restitution)),
         ..*state
     }
 }
@@ -246,7 +246,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     }
 
     fn begin_at(&self, start: &Start<R>, time: Clock<R>) -> Self::State {
-        let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
+        let primary = Primary {
+            x: DoubleDouble::new(start.displacement),
+            v: DoubleDouble::new(start.velocity),
+        };
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
         let host = self.host.state(self.host.begin_at(time), primary);
@@ -258,13 +261,13 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             .find(|value| *value != 0.0)
             .unwrap_or(R::ONE);
         let s = if side > 0.0 { R::ONE } else { -R::ONE };
-        let distance = Sum::new(self.clearance).plus(-s * start.gap_displacement);
+        let distance = DoubleDouble::new(self.clearance).plus(-s * start.gap_displacement);
         let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * self.clearance;
         SivaState {
             host,
             side: s,
-            distance: if touching { Sum::ZERO } else { distance },
-            rate: Sum::new(-s * start.gap_velocity),
+            distance: if touching { DoubleDouble::ZERO } else { distance },
+            rate: DoubleDouble::new(-s * start.gap_velocity),
         }
     }
 
@@ -309,7 +312,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         let rate = rate.plus(side * gained);
         let phase = self.host.free().later(&phase, later);
         let host = HostState { primary, acceleration, phase };
-        (SivaState { host, side, distance: Sum::ZERO, rate }, later)
+        (SivaState { host, side, distance: DoubleDouble::ZERO, rate }, later)
     }
 
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
@@ -332,9 +335,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
 
     fn stick(&self, state: &Self::State) -> (Self::State, R) {
         let loss = impact::energy_loss(self.mass_ratio, R::ZERO, state.rate.value);
-        let primary = state.host.primary.kicked(-state.side, state.rate, self.stick_share);
+        let primary = state.host.primary.jumped(-state.side, state.rate, self.stick_share);
         let host = self.host.state(state.host.phase, primary);
-        let stuck = SivaState { host, distance: Sum::ZERO, rate: Sum::ZERO, ..*state };
+        let stuck =
+            SivaState { host, distance: DoubleDouble::ZERO, rate: DoubleDouble::ZERO, ..*state };
         (stuck, loss)
     }
 
@@ -348,8 +352,11 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         let [base, ..] = self.host.free().base(&phase);
         let v = v.plus(-base * later);
         let primary = Primary { x: self.host.balanced(&phase, v), v };
-        let host = HostState { primary, acceleration: Sum::ZERO, phase };
-        (SivaState { host, distance: Sum::ZERO, rate: Sum::ZERO, ..*state }, later)
+        let host = HostState { primary, acceleration: DoubleDouble::ZERO, phase };
+        (
+            SivaState { host, distance: DoubleDouble::ZERO, rate: DoubleDouble::ZERO, ..*state },
+            later,
+        )
     }
 
     fn primary(&self, state: &Self::State) -> Point<R> {
@@ -373,11 +380,15 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         self.host.due(&state.host.phase)
     }
 
-    fn kick(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
-        let phase = self.host.kicked(&state.host.phase);
+    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
+        let phase = self.host.after_impulse(&state.host.phase);
         let Primary { x, v } = state.host.primary;
-        let mass = Sum::new(R::ONE).plus(self.mass_ratio);
-        let gained = if stuck { Sum::new(velocity).over_sum(mass) } else { Sum::new(velocity) };
+        let mass = DoubleDouble::new(R::ONE).plus(self.mass_ratio);
+        let gained = if stuck {
+            DoubleDouble::new(velocity).over_sum(mass)
+        } else {
+            DoubleDouble::new(velocity)
+        };
         let host = self.host.state(phase, Primary { x, v: v + gained });
         let rate = if stuck { state.rate } else { state.rate.plus(state.side * velocity) };
         SivaState { host, rate, ..*state }

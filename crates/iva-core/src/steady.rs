@@ -6,7 +6,7 @@
 
 use std::collections::VecDeque;
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::{Arc, Arcs, Motion, Turns};
 use crate::force::Harmonic;
 use crate::impact::Impact;
@@ -36,7 +36,7 @@ pub struct Window<R = f64> {
 
 impl<R: Real> Window<R> {
     /// The instants Ω t + phase = 2π k, from the first at or after time zero on.
-    fn instant(&self, index: u64) -> Option<Sum<R>> {
+    fn instant(&self, index: u64) -> Option<DoubleDouble<R>> {
         let Harmonic { frequency, phase, .. } = self.cycle?;
         let first = (phase / R::TURN.value).ceil();
         let turns = R::TURN.times(first + index as f64);
@@ -141,7 +141,7 @@ pub struct Steady<R = f64> {
     largest: R,
     acceleration: R,
     base: R,
-    square: Sum<R>,
+    square: DoubleDouble<R>,
     base_moves: bool,
     impacts: u64,
     streak: Streak<R>,
@@ -156,11 +156,11 @@ pub(crate) struct Kept<R = f64> {
     pub largest: R,
     pub acceleration: R,
     /// ∫x².
-    pub square: Sum<R>,
+    pub square: DoubleDouble<R>,
     /// Listed impacts.
     pub impacts: u64,
     /// The next strobe to keep; infinite if none is.
-    pub strobe: Sum<R>,
+    pub strobe: DoubleDouble<R>,
 }
 
 impl<R: Real> Kept<R> {
@@ -169,9 +169,9 @@ impl<R: Real> Kept<R> {
         from: R::INFINITY,
         largest: R::ZERO,
         acceleration: R::ZERO,
-        square: Sum::ZERO,
+        square: DoubleDouble::ZERO,
         impacts: 0,
-        strobe: Sum::new(R::INFINITY),
+        strobe: DoubleDouble::new(R::INFINITY),
     };
 }
 
@@ -209,7 +209,7 @@ impl<R: Real> Steady<R> {
             acceleration: self.acceleration,
             square: self.square,
             impacts: self.impacts,
-            strobe: next.unwrap_or(Sum::new(R::INFINITY)),
+            strobe: next.unwrap_or(DoubleDouble::new(R::INFINITY)),
         }
     }
 

@@ -3,7 +3,7 @@
 //! The loop ([`crate::simulate`]) knows flights, contacts, impacts and rides only through these
 //! traits; a new absorber is one file that implements them.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
@@ -170,7 +170,12 @@ pub trait System {
     }
     /// The state after the impulse that is due, of P/M = `velocity`: with the absorber free to
     /// follow its own way, or stuck to its wall.
-    fn kick(&self, state: &Self::State, _velocity: Self::Real, _stuck: bool) -> Self::State {
+    fn apply_impulse(
+        &self,
+        state: &Self::State,
+        _velocity: Self::Real,
+        _stuck: bool,
+    ) -> Self::State {
         *state
     }
     /// Angle and angular velocity of a pendulum; `None` for an absorber without angle.
@@ -184,4 +189,4 @@ pub trait System {
 }
 
 /// An instant of the run, compensated.
-pub type Clock<R = f64> = Sum<R>;
+pub type Clock<R = f64> = DoubleDouble<R>;

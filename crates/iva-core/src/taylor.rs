@@ -16,7 +16,7 @@
 //! Coefficients are those of powers of t/h: the step ends at 1. [`Remainder`] bounds what the
 //! truncation leaves out.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::force::Drive;
 use crate::real::Real;
 
@@ -121,19 +121,19 @@ impl<R: Real> Number for R {
     }
 }
 
-impl<R: Real> Number for Sum<R> {
+impl<R: Real> Number for DoubleDouble<R> {
     type Real = R;
     #[inline(always)]
     fn from_real(value: R) -> Self {
-        Sum::new(value)
+        DoubleDouble::new(value)
     }
     #[inline(always)]
     fn reciprocal(n: usize) -> Self {
-        if n == 1 { Sum::new(R::ONE) } else { Sum::new(R::ONE).over(n as f64) }
+        if n == 1 { DoubleDouble::new(R::ONE) } else { DoubleDouble::new(R::ONE).over(n as f64) }
     }
     #[inline(always)]
     fn over(h: R) -> Self {
-        Sum::new(R::ONE).over(h)
+        DoubleDouble::new(R::ONE).over(h)
     }
 }
 
@@ -232,10 +232,10 @@ impl<R: Real> Pendulum<R> {
     }
 
     /// The same to twice the precision.
-    pub fn precise_cosine(&self, y: Sum<R>) -> Sum<R> {
+    pub fn precise_cosine(&self, y: DoubleDouble<R>) -> DoubleDouble<R> {
         let cosine = self.cosine(y.value);
         if self.small_angles {
-            Sum::new(R::ONE)
+            DoubleDouble::new(R::ONE)
         } else {
             refined_cosine(y.over(self.contact_distance), cosine)
         }
@@ -305,11 +305,11 @@ impl<R: Real> Pendulum<R> {
 
 /// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
 #[inline(always)]
-pub(crate) fn refined_cosine<R: Real>(sine: Sum<R>, cosine: R) -> Sum<R> {
-    let c = Sum::new(cosine);
-    let square = Sum::new(R::ONE) - sine * sine;
+pub(crate) fn refined_cosine<R: Real>(sine: DoubleDouble<R>, cosine: R) -> DoubleDouble<R> {
+    let c = DoubleDouble::new(cosine);
+    let square = DoubleDouble::new(R::ONE) - sine * sine;
     let precise = c + (square - c * c) / c.times(2.0);
-    if cosine == 0.0 { Sum::ZERO } else { precise }
+    if cosine == 0.0 { DoubleDouble::ZERO } else { precise }
 }
 
 /// A polynomial by Horner's rule.

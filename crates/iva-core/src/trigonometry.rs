@@ -1,6 +1,6 @@
 //! Sine and cosine to whatever precision a number carries, twice that of doubles at most.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::real::Real;
 use crate::taylor::Number;
 
@@ -10,7 +10,7 @@ const SIXTH: [f64; 2] = [1.0 / 6.0, 9.251_858_538_542_97e-18];
 /// Sine and cosine of an angle within [−π, π] to some 2⁻⁶⁰, without branches: from their series within a quarter
 /// of a turn, the leading two terms to twice the precision.
 #[inline(always)]
-pub fn close_sine_cosine<R: Real>(angle: Sum<R>) -> (Sum<R>, Sum<R>) {
+pub fn close_sine_cosine<R: Real>(angle: DoubleDouble<R>) -> (DoubleDouble<R>, DoubleDouble<R>) {
     /// 1/5!, −1/7!, … and 1/4!, −1/6!, …
     const SINE: [f64; 8] = factorials(5);
     const COSINE: [f64; 9] = factorials(4);
@@ -21,10 +21,11 @@ pub fn close_sine_cosine<R: Real>(angle: Sum<R>) -> (Sum<R>, Sum<R>) {
     let series = |terms: &[f64]| {
         terms.iter().rev().fold(R::ZERO, |sum, term| sum.mul_add(z, R::from(*term)))
     };
-    let sixth = square.product(Sum { value: R::from(SIXTH[0]), rest: R::from(SIXTH[1]) });
-    let bent = Sum::new(z * z * series(&SINE)) - sixth;
-    let sine = small.plus_both(small.product(bent), Sum::ZERO);
-    let cosine = Sum::new(R::ONE).plus_both(-square.half(), Sum::new(z * z * series(&COSINE)));
+    let sixth = square.product(DoubleDouble { value: R::from(SIXTH[0]), rest: R::from(SIXTH[1]) });
+    let bent = DoubleDouble::new(z * z * series(&SINE)) - sixth;
+    let sine = small.plus_both(small.product(bent), DoubleDouble::ZERO);
+    let cosine = DoubleDouble::new(R::ONE)
+        .plus_both(-square.half(), DoubleDouble::new(z * z * series(&COSINE)));
     let turned = quarter.abs() == 1.0;
     let (s, c) = (pick(turned, cosine, sine), pick(turned, sine, cosine));
     let (down, left) = ((quarter == -1.0) | (quarter.abs() == 2.0), quarter.abs() == 2.0);
@@ -33,9 +34,9 @@ pub fn close_sine_cosine<R: Real>(angle: Sum<R>) -> (Sum<R>, Sum<R>) {
 }
 
 #[inline(always)]
-fn pick<R: Real>(which: bool, yes: Sum<R>, no: Sum<R>) -> Sum<R> {
+fn pick<R: Real>(which: bool, yes: DoubleDouble<R>, no: DoubleDouble<R>) -> DoubleDouble<R> {
     let one = |yes: R, no: R| if which { yes } else { no };
-    Sum { value: one(yes.value, no.value), rest: one(yes.rest, no.rest) }
+    DoubleDouble { value: one(yes.value, no.value), rest: one(yes.rest, no.rest) }
 }
 
 /// 1/n!, −1/(n+2)!, 1/(n+4)!, …

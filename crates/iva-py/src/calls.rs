@@ -147,7 +147,7 @@ pub fn simulate(
     errors: bool,
 ) -> PyResult<Tables> {
     let study = single(spec, measures, tables, errors)?;
-    match worker::at_once(py, || engine::brief(&study, BRIEF))? {
+    match worker::at_once(py, || engine::run_inline(&study, BRIEF))? {
         Some(tables) => Ok(named(tables)),
         None => run(py, study),
     }

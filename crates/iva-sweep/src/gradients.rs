@@ -1,4 +1,4 @@
-//! Derivatives of results by what is given: a run in numbers with a derivative ([`crate::dual`]).
+//! Derivatives of results by what is given: a run in numbers with a derivative ([`iva_core::real::dual`]).
 //!
 //! Every number of every row comes with its derivative, in the user's units: of event times through
 //! the implicit function theorem, of states through impacts with the jump of their rates (the saltation

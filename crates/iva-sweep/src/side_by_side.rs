@@ -78,7 +78,7 @@ fn together<S: SideBySide>(
         designs.push(design);
     }
     let mut results: Vec<Option<Ended<S>>> = vec![None; jobs.len()];
-    let keep = &mut |index: usize, ended: &Ended<S>| results[index] = Some(ended.clone());
+    let keep = &mut |index: usize, ended: &Ended<S>| results[index] = Some(*ended);
     lanes::run(&jobs, request.wanted, Some(cancel), keep)?;
     let mut done = Done::default();
     // After a cancellation the points before the first that was not begun.

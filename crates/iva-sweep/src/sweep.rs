@@ -222,7 +222,7 @@ fn finish(builders: Builders) -> Result<Tables, SweepError> {
 ///
 /// # Errors
 /// [`SweepError`] for an invalid point.
-pub fn brief(study: &Study, work: u64) -> Result<Option<Tables>, SweepError> {
+pub fn run_inline(study: &Study, work: u64) -> Result<Option<Tables>, SweepError> {
     checked(study)?;
     let mut design = study.design(0)?;
     let force = design.scene.force();

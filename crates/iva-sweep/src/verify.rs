@@ -1,7 +1,7 @@
 //! The true errors of a run: it is run again in numbers of twice the precision, and the rows are
 //! laid side by side.
 //!
-//! The second run is the same source in other numbers ([`crate::twofold`]), fed with the same doubles,
+//! The second run is the same source in other numbers ([`iva_core::real::twofold`]), fed with the same doubles,
 //! a pendulum at full accuracy whatever tolerance was given. Its own errors are some 1e-20: what is left
 //! between the two is the error of the first, conversion of units included. A mistake in the method
 //! both would share; that is for the tests against independent programs.

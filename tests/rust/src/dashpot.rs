@@ -7,7 +7,7 @@
 //! with γ the constant of the dashpot over the absorber's mass. The flight is a power series; impacts are those of
 //! a free mass. States are plain numbers, so that runs are less exact than those of `iva_core::siva`.
 
-use iva_core::compensated::Sum;
+use iva_core::compensated::DoubleDouble;
 use iva_core::flight::{Curve, GapPoint, Jet, Losses, Motion};
 use iva_core::impact::{self, Impact};
 use iva_core::lanes::SideBySide;
@@ -119,8 +119,8 @@ impl<R: Real, const STUCK: bool> Curve for Segment<'_, R, STUCK> {
     fn jet(&self, sample: &State<R>) -> Jet<R> {
         jet(&self.system.series::<R>(sample, STUCK)[3])
     }
-    fn precise(&self, h: R) -> Sum<R> {
-        horner(&self.system.series::<Sum<R>>(&self.from, STUCK)[3], Sum::new(h))
+    fn precise(&self, h: R) -> DoubleDouble<R> {
+        horner(&self.system.series::<DoubleDouble<R>>(&self.from, STUCK)[3], DoubleDouble::new(h))
     }
     /// Within the reach nothing grows to more than e times what it is.
     fn fourth(&self) -> R {

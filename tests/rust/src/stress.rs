@@ -148,7 +148,7 @@ fn examined(scene: &Scene, report: &mut Report) -> Result<(), String> {
         let other = scene.scaled(factor).watch(1.0 / factor).map_err(|e| format!("{name}: {e}"))?;
         report.check(name, 1, 0.0);
         if other.digest != watch.digest {
-            return Err(format!("{name}: {:?} for {:?}", other.brief(), watch.brief()));
+            return Err(format!("{name}: {:?} for {:?}", other.run_inline(), watch.run_inline()));
         }
     }
     restart(scene, &watch, report)

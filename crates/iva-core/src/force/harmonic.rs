@@ -1,7 +1,7 @@
 //! A harmonic force: its Taylor coefficients, and a phase that does not drift.
 
 use super::{Acts, Push};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::Real;
@@ -37,7 +37,12 @@ impl<R: Real> Harmonic<R> {
 
     /// Adds the coefficients of powers of t/h from an instant on.
     #[inline(always)]
-    pub(crate) fn add<const LENGTH: usize>(&self, row: &mut [R; LENGTH], time: Sum<R>, h: R) {
+    pub(crate) fn add<const LENGTH: usize>(
+        &self,
+        row: &mut [R; LENGTH],
+        time: DoubleDouble<R>,
+        h: R,
+    ) {
         let (s, c) = R::precise_sincos(self.angle(time));
         let turns = [c.value, -s.value, -c.value, s.value];
         let turn = self.frequency * h;
@@ -53,9 +58,9 @@ impl<R: Real> Harmonic<R> {
 
     /// Its value and derivatives at an instant.
     #[inline(always)]
-    pub(super) fn push(&self, time: Sum<R>) -> Push<R> {
+    pub(super) fn push(&self, time: DoubleDouble<R>) -> Push<R> {
         let (s, c) = R::precise_sincos(self.angle(time));
-        let rate = Sum::new(self.frequency).times(self.amplitude);
+        let rate = DoubleDouble::new(self.frequency).times(self.amplitude);
         let second = rate.times(self.frequency);
         Push {
             value: c.times(self.amplitude),
@@ -71,9 +76,9 @@ impl<R: Real> Harmonic<R> {
     }
 
     /// The same to twice the precision.
-    pub(crate) fn add_precise(&self, row: &mut [Sum<R>], time: Sum<R>, h: R) {
+    pub(crate) fn add_precise(&self, row: &mut [DoubleDouble<R>], time: DoubleDouble<R>, h: R) {
         let (mut s, mut c) = sine_cosine(self.angle(time));
-        let turn = Sum::new(self.frequency).times(h);
+        let turn = DoubleDouble::new(self.frequency).times(h);
         for (k, coefficient) in row.iter_mut().enumerate() {
             *coefficient = *coefficient + c.times(self.amplitude);
             let by = turn.over((k + 1) as f64);
@@ -95,7 +100,7 @@ impl<R: Real> Harmonic<R> {
 
     /// Ω t + phase, reduced to [−π, π].
     #[inline(always)]
-    fn angle(&self, time: Sum<R>) -> Sum<R> {
+    fn angle(&self, time: DoubleDouble<R>) -> DoubleDouble<R> {
         let angle = time.times(self.frequency).plus(self.phase);
         let turns = (angle.value / R::TURN.value).round();
         angle - R::TURN.times(turns)
@@ -109,9 +114,9 @@ mod tests {
     #[test]
     fn sine_and_cosine_lie_on_the_circle() {
         for k in -40..=40 {
-            let angle = Sum::new(f64::from(k) * 0.0785);
+            let angle = DoubleDouble::new(f64::from(k) * 0.0785);
             let (s, c) = sine_cosine(angle);
-            let off = s * s + c * c - Sum::new(1.0);
+            let off = s * s + c * c - DoubleDouble::new(1.0);
             assert!(off.value.abs() < 1e-30, "{k}: {:e}", off.value);
             assert!((s.value - angle.value.sin()).abs() < 2e-16);
             assert!((c.value - angle.value.cos()).abs() < 2e-16);

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::Acts;
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::Real;
@@ -109,16 +109,16 @@ impl<R: Real> Record<R> {
     }
 
     /// The instant of a point.
-    fn knot(&self, index: usize) -> Sum<R> {
-        Sum::new(R::from(self.history.times[index])).times(self.rate)
+    fn knot(&self, index: usize) -> DoubleDouble<R> {
+        DoubleDouble::new(R::from(self.history.times[index])).times(self.rate)
     }
 
-    fn reached(&self, index: usize, time: Sum<R>) -> bool {
+    fn reached(&self, index: usize, time: DoubleDouble<R>) -> bool {
         (self.knot(index) - time).value <= 0.0
     }
 
     /// How many points lie at or before an instant.
-    fn passed(&self, time: Sum<R>) -> usize {
+    fn passed(&self, time: DoubleDouble<R>) -> usize {
         let times = &self.history.times;
         let (first, last) = (times[0], times[times.len() - 1]);
         // Most records are sampled evenly: look there first.
@@ -144,13 +144,13 @@ impl<R: Real> Record<R> {
     }
 
     /// The first point after an instant.
-    pub(super) fn next_knot(&self, time: Sum<R>) -> Option<Sum<R>> {
+    pub(super) fn next_knot(&self, time: DoubleDouble<R>) -> Option<DoubleDouble<R>> {
         let passed = self.passed(time);
         (passed < self.history.times.len()).then(|| self.knot(passed))
     }
 
     /// Where it jumps: its ends, unless it is 0 there.
-    pub(super) fn jumps(&self) -> impl Iterator<Item = Sum<R>> + '_ {
+    pub(super) fn jumps(&self) -> impl Iterator<Item = DoubleDouble<R>> + '_ {
         let last = self.history.times.len() - 1;
         [0, last]
             .into_iter()
@@ -159,12 +159,13 @@ impl<R: Real> Record<R> {
     }
 
     /// The straight piece that acts from an instant on.
-    pub(super) fn piece(&self, from: Sum<R>) -> Piece<R> {
+    pub(super) fn piece(&self, from: DoubleDouble<R>) -> Piece<R> {
         let passed = self.passed(from);
         if passed == 0 || passed == self.history.times.len() {
             return Piece::NOTHING;
         }
-        let value = |index: usize| Sum::new(R::from(self.history.values[index])).times(self.scale);
+        let value =
+            |index: usize| DoubleDouble::new(R::from(self.history.values[index])).times(self.scale);
         let (begin, first) = (self.knot(passed - 1), value(passed - 1));
         let slope = (value(passed) - first) / (self.knot(passed) - begin);
         Piece { begin, first, slope }
@@ -174,16 +175,17 @@ impl<R: Real> Record<R> {
 /// A straight line in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece<R = f64> {
-    begin: Sum<R>,
-    first: Sum<R>,
-    slope: Sum<R>,
+    begin: DoubleDouble<R>,
+    first: DoubleDouble<R>,
+    slope: DoubleDouble<R>,
 }
 
 impl<R: Real> Piece<R> {
-    const NOTHING: Piece<R> = Piece { begin: Sum::ZERO, first: Sum::ZERO, slope: Sum::ZERO };
+    const NOTHING: Piece<R> =
+        Piece { begin: DoubleDouble::ZERO, first: DoubleDouble::ZERO, slope: DoubleDouble::ZERO };
 
     /// Value at an instant, and slope.
-    pub(super) fn at(&self, time: Sum<R>) -> [Sum<R>; 2] {
+    pub(super) fn at(&self, time: DoubleDouble<R>) -> [DoubleDouble<R>; 2] {
         [self.first + self.slope * (time - self.begin), self.slope]
     }
 }

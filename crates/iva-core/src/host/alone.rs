@@ -1,9 +1,9 @@
 //! The structure without absorber.
 
 use super::{DrivenHost, Flown, Host, HostState, Integrated, Phase, Structure, UndrivenHost};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
-use crate::flight::{Arcs, Curve, GapPoint, Glide, Jet, Losses, Meets, Motion, Rows, Turns};
+use crate::flight::{Arcs, Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Turns};
 use crate::force::Force;
 use crate::impact::Impact;
 use crate::oscillator::Primary;
@@ -90,14 +90,14 @@ impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
     }
 
     /// It meets nothing, however it moves.
-    fn glide(&self, length: R) -> Option<Glide<Self::State, R>> {
+    fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
         let end = self.arrival(length);
         let finite = end.primary.x.value.is_finite() && end.primary.v.value.is_finite();
-        finite.then_some(Glide { length, later: R::ZERO, end, meets: Meets::Nothing })
+        finite.then_some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing })
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
-        if !R::STRIDES || self.from.primary.v.value * end.primary.v.value >= 0.0 {
+        if !R::FAST_PATHS || self.from.primary.v.value * end.primary.v.value >= 0.0 {
             return Turns::Unknown;
         }
         R::dispatched(
@@ -158,8 +158,8 @@ impl<R: Real, H: Host<Real = R>> Curve for AloneFlight<'_, H> {
         Jet { value, rate: R::ZERO, curvature: R::ZERO, jerk: R::ZERO }
     }
 
-    fn precise(&self, _h: R) -> Sum<R> {
-        Sum::new(R::ONE)
+    fn precise(&self, _h: R) -> DoubleDouble<R> {
+        DoubleDouble::new(R::ONE)
     }
 
     fn fourth(&self) -> R {
@@ -206,7 +206,7 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
     }
 
     fn begin_at(&self, start: &Point<R>, time: Clock<R>) -> Self::State {
-        let primary = Primary { x: Sum::new(start.x), v: Sum::new(start.v) };
+        let primary = Primary { x: DoubleDouble::new(start.x), v: DoubleDouble::new(start.v) };
         self.host.state(self.host.begin_at(time), primary)
     }
 
@@ -270,8 +270,8 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         self.host.due(&state.phase)
     }
 
-    fn kick(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {
+    fn apply_impulse(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {
         let Primary { x, v } = state.primary;
-        self.host.state(self.host.kicked(&state.phase), Primary { x, v: v.plus(velocity) })
+        self.host.state(self.host.after_impulse(&state.phase), Primary { x, v: v.plus(velocity) })
     }
 }

@@ -20,7 +20,7 @@
 //! where q_i and g_n bound the derivatives of q and a_g.
 
 use super::{Flown, HostState, Integrated, Structure};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::{Arcs, Jet, Rows, Turns};
 use crate::force::{Drive, Force, Pushes};
 use crate::oscillator::{Arrival, Equation, Primary};
@@ -102,7 +102,7 @@ impl<R: Real> Driven<Forces<R>> {
 impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// A and its next two derivatives, to twice the precision.
     #[inline(always)]
-    fn leading(&self, from: &HostState<Moment<R>, R>) -> [Sum<R>; 3] {
+    fn leading(&self, from: &HostState<Moment<R>, R>) -> [DoubleDouble<R>; 3] {
         let Pushes { primary: f, base: g } = from.phase.pushes;
         let a = from.acceleration;
         let j = self.equation.pull(f.rate - from.primary.v, a - g.value);
@@ -158,8 +158,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// What a motion of length h adds to displacement and velocity, from its leading derivatives and its
     /// series.
     #[inline(always)]
-    fn gained(&self, [a, j, s]: [Sum<R>; 3], series: &Row<R>, h: R) -> Arrival<R> {
-        let length = Sum::new(h);
+    fn gained(&self, [a, j, s]: [DoubleDouble<R>; 3], series: &Row<R>, h: R) -> Arrival<R> {
+        let length = DoubleDouble::new(h);
         let half_square = length.product(length).half();
         let sixth_cube = half_square.product(length).product(self.equation.third);
         let t = h / self.step;
@@ -173,7 +173,9 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         let bent = fourth * t.mul_add(sum, series[4]);
         let rate = fourth * t.mul_add(slope, sum * 5.0) / self.step;
         Arrival {
-            curved: a.product(half_square).plus_both(j.product(sixth_cube), Sum::new(bent)),
+            curved: a
+                .product(half_square)
+                .plus_both(j.product(sixth_cube), DoubleDouble::new(bent)),
             velocity: a
                 .product(length)
                 .plus_both(j.product(half_square), s.product(sixth_cube))
@@ -251,7 +253,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     ) -> Flown<Moment<R>, R> {
         let gained = self.gained(self.leading(from), &course.pulled, h);
         let Primary { x, v } = from.primary;
-        let travelled = x.plus_both(v.product(Sum::new(h)), gained.curved);
+        let travelled = x.plus_both(v.product(DoubleDouble::new(h)), gained.curved);
         let mut primary = Primary { x: travelled, v: v + gained.velocity };
         if self.source.moves_base() {
             let base = from.phase.pushes.base;
@@ -287,15 +289,15 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         }
     }
 
-    fn precise(&self, from: &HostState<Moment<R>, R>, h: R) -> Sum<R> {
+    fn precise(&self, from: &HostState<Moment<R>, R>, h: R) -> DoubleDouble<R> {
         let Primary { x, v } = from.primary;
         let drive = self.source.precise(from.phase.time, h);
         let [pulled, _] = self.series([x, v, from.acceleration], &drive, h);
-        pulled[2..].iter().rev().fold(Sum::ZERO, |sum, term| sum + *term)
+        pulled[2..].iter().rev().fold(DoubleDouble::ZERO, |sum, term| sum + *term)
     }
 
     #[inline(always)]
-    fn acceleration(&self, phase: &Moment<R>, primary: &Primary<R>) -> Sum<R> {
+    fn acceleration(&self, phase: &Moment<R>, primary: &Primary<R>) -> DoubleDouble<R> {
         self.equation.pull(phase.pushes.primary.value - primary.x, primary.v)
     }
 

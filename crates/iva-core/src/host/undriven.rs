@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::turning::{Jets, guess, turning};
 use super::{Flown, Host, HostState, Integrated, Structure};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::{Jet, Turns};
 use crate::oscillator::{Equation, Oscillator, Primary};
 use crate::real::Real;
@@ -45,12 +45,12 @@ impl<R: Real> Structure for Oscillator<R> {
         Oscillator::jet(self, x.value, v.value, from.acceleration.value, h)
     }
 
-    fn precise(&self, from: &HostState<(), R>, h: R) -> Sum<R> {
+    fn precise(&self, from: &HostState<(), R>, h: R) -> DoubleDouble<R> {
         Oscillator::precise(self, from.primary.v, from.acceleration, h)
     }
 
     #[inline(always)]
-    fn acceleration(&self, _phase: &(), primary: &Primary<R>) -> Sum<R> {
+    fn acceleration(&self, _phase: &(), primary: &Primary<R>) -> DoubleDouble<R> {
         Oscillator::acceleration(self, primary)
     }
 
@@ -163,7 +163,7 @@ impl<R: Real> Host for UndrivenHost<R> {
     fn begin_at(&self, _time: Clock<R>) {}
 
     #[inline(always)]
-    fn balanced(&self, _phase: &(), v: Sum<R>) -> Sum<R> {
+    fn balanced(&self, _phase: &(), v: DoubleDouble<R>) -> DoubleDouble<R> {
         v.times(-self.free().equation.damping)
     }
 }

@@ -1,15 +1,15 @@
 //! Steps of pendulums at large angles, side by side; they have one tolerance.
 //!
 //! A lane goes through steps of flight that meet no wall, or one in the simplest way: then it goes there in
-//! the next round, and its run strikes. Everything else (a hard search, a ride, a step across the instants that
+//! the next round, and its run applies the impact. Everything else (a hard search, a ride, a step across the instants that
 //! measures look at) is for the event loop.
 
 mod lane;
 mod rows;
 mod step;
 
-use super::{Home, Job, LANES, Lockstep};
-use crate::compensated::Sum;
+use super::{Job, LANES, Lockstep, ScalarRun};
+use crate::compensated::DoubleDouble;
 use crate::flight::Side;
 use crate::measures::Wanted;
 use crate::piva::Piva;
@@ -65,14 +65,14 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
         if shared.ledger {
             step::lose::<LANES, N>(lanes, rows, shared.pivots);
         }
-        any(&lanes.calls)
+        any(&lanes.requests)
     }
 
-    fn calls(&self, i: usize) -> bool {
-        self.lanes.calls[i] > 0.0
+    fn requests(&self, i: usize) -> bool {
+        self.lanes.requests[i] > 0.0
     }
 
-    fn attend(&mut self, i: usize, run: &mut Home<'_, Piva>) -> bool {
+    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
         let lanes = &self.lanes;
         if lanes.watch.peaked[i] > 0.0 {
             let (peak, index) = lanes.watch.get(i).ended_peak();
@@ -86,11 +86,12 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
         for (last, (level, h)) in run.observer.0.settling.iter_mut().zip(passages) {
             if level != 0.0 {
                 let origin = lanes.origin.get(i).state();
-                let start = Sum { value: lanes.start_time[i], rest: lanes.start_time_rest[i] };
+                let start =
+                    DoubleDouble { value: lanes.start_time[i], rest: lanes.start_time_rest[i] };
                 last.passed(Crossing { origin, riding: false, start, h, level });
             }
         }
-        if lanes.care[i] == 0.0 {
+        if lanes.request[i] == 0.0 {
             return true;
         }
         lanes.get(i).put_back(run);
@@ -105,7 +106,7 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
         self.take(i, run)
     }
 
-    fn take(&mut self, i: usize, run: &Home<'_, Piva>) -> bool {
+    fn take(&mut self, i: usize, run: &ScalarRun<'_, Piva>) -> bool {
         let Phase::Flight { first } = run.phase else { return false };
         let settled = run.observer.0.reference.settled && run.observer.0.reference.amplitude > 0.0;
         let lane = Lane::of(run, first);
@@ -116,7 +117,7 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
         fits
     }
 
-    fn put_back(&self, i: usize, run: &mut Home<'_, Piva>) {
+    fn put_back(&self, i: usize, run: &mut ScalarRun<'_, Piva>) {
         self.lanes.get(i).put_back(run);
     }
 

@@ -1,4 +1,4 @@
-//! Strides of free masses, side by side; their primaries have one damping ratio.
+//! FastFlights of free masses, side by side; their primaries have one damping ratio.
 
 mod driven;
 mod flying;
@@ -8,7 +8,7 @@ mod step;
 
 use std::sync::Arc;
 
-use super::{Home, Job, LANES, Lockstep};
+use super::{Job, LANES, Lockstep, ScalarRun};
 use crate::host::Host;
 use crate::measures::Wanted;
 use crate::oscillator::Oscillator;
@@ -16,21 +16,21 @@ use crate::real::Real;
 use crate::simulate::STOPS;
 use crate::siva::Siva;
 use crate::system::System;
-pub(super) use driven::DrivenStrides;
+pub(super) use driven::DrivenFastFlights;
 
 use flying::STOP;
 use lane::{Lane, Lanes};
 
 /// Eight lanes on one kind of primary, with its losses or without.
 #[derive(Debug)]
-pub(super) struct Strides<const LEDGER: bool> {
+pub(super) struct FastFlights<const LEDGER: bool> {
     lanes: Lanes<LANES>,
     /// By value: so the compiler knows that it is not one of the arrays.
     free: Oscillator,
     shared: Arc<Oscillator>,
 }
 
-impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
+impl<const LEDGER: bool> Lockstep<Siva> for FastFlights<LEDGER> {
     fn new(Job { system: siva, .. }: &Job<Siva>, _wanted: Wanted) -> Self {
         Self {
             lanes: Lanes::new(),
@@ -48,12 +48,12 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
         evaluate::<LANES, LEDGER>(&mut self.lanes, &self.free)
     }
 
-    fn calls(&self, i: usize) -> bool {
+    fn requests(&self, i: usize) -> bool {
         let lanes = &self.lanes;
-        lanes.flying.care[i] + lanes.flying.stopped[i] + lanes.watch.peaked[i] > 0.0
+        lanes.flying.request[i] + lanes.flying.stopped[i] + lanes.watch.peaked[i] > 0.0
     }
 
-    fn attend(&mut self, i: usize, run: &mut Home<'_, Siva>) -> bool {
+    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Siva>) -> bool {
         let lanes = &mut self.lanes;
         if lanes.watch.peaked[i] > 0.0 {
             let (peak, index) = lanes.watch.get(i).ended_peak();
@@ -66,14 +66,14 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
                 return true;
             }
         }
-        let goes_on = lanes.flying.care[i] + lanes.flying.stopped[i] == 0.0;
+        let goes_on = lanes.flying.request[i] + lanes.flying.stopped[i] == 0.0;
         if !goes_on {
             lanes.get(i).put_back(run);
         }
         goes_on
     }
 
-    fn take(&mut self, i: usize, run: &Home<'_, Siva>) -> bool {
+    fn take(&mut self, i: usize, run: &ScalarRun<'_, Siva>) -> bool {
         let settled = run.observer.0.reference.settled && run.observer.0.reference.amplitude > 0.0;
         let lane = Lane::of(run, self.free.reach).filter(|_| settled);
         if let Some(lane) = &lane {
@@ -82,7 +82,7 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
         lane.is_some()
     }
 
-    fn put_back(&self, i: usize, run: &mut Home<'_, Siva>) {
+    fn put_back(&self, i: usize, run: &mut ScalarRun<'_, Siva>) {
         self.lanes.get(i).put_back(run);
     }
 
@@ -91,22 +91,22 @@ impl<const LEDGER: bool> Lockstep<Siva> for Strides<LEDGER> {
     }
 }
 
-/// One evaluation of each lane; true if one calls for its run.
+/// One evaluation of each lane; true if one needs its run.
 #[inline(always)]
 fn evaluate<const W: usize, const LEDGER: bool>(lanes: &mut Lanes<W>, free: &Oscillator) -> bool {
     for i in 0..W {
         let lane = step::step::<LEDGER>(free, &lanes.get(i));
         lanes.set(i, &lane);
     }
-    let mut calls = 0.0;
+    let mut requests = 0.0;
     for i in 0..W {
-        calls += lanes.flying.care[i] + lanes.flying.stopped[i] + lanes.watch.peaked[i];
+        requests += lanes.flying.request[i] + lanes.flying.stopped[i] + lanes.watch.peaked[i];
     }
-    calls > 0.0
+    requests > 0.0
 }
 
 /// Goes on after a stop within the run; false: something else has ended it.
-fn pass_stop(run: &mut Home<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
+fn pass_stop(run: &mut ScalarRun<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
     let flying = &mut lane.flying;
     if flying.stop == f64::TURN.value {
         run.observer.0.one_period(run.system.energy(&flying.state(())));

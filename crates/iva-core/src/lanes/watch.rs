@@ -2,7 +2,7 @@
 
 use super::arrays::arrays;
 use super::pick;
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::measures::{Measures, late};
 use crate::peaks::{HalfCycles, Peak};
 use crate::real::Real;
@@ -43,7 +43,7 @@ impl Watch {
     }
 
     pub fn put_back<S: System<Real = f64>>(&self, measures: &mut Measures<S>) {
-        measures.viscous = Sum { value: self.viscous, rest: self.viscous_rest };
+        measures.viscous = DoubleDouble { value: self.viscous, rest: self.viscous_rest };
         measures.half_cycles = HalfCycles {
             current: Peak { time: self.peak_time, displacement: self.peak_x },
             sign: self.peak_sign,
@@ -65,9 +65,10 @@ impl Watch {
 
     /// Takes in a stretch that begins at an instant, if it is `done`.
     #[inline(always)]
-    pub fn after(&self, stretch: &Stretch, clock: Sum, done: bool) -> Self {
+    pub fn after(&self, stretch: &Stretch, clock: DoubleDouble, done: bool) -> Self {
         let mut next = *self;
-        let viscous = Sum { value: self.viscous, rest: self.viscous_rest }.plus(stretch.loss);
+        let viscous =
+            DoubleDouble { value: self.viscous, rest: self.viscous_rest }.plus(stretch.loss);
         next.viscous = pick(done, viscous.value, self.viscous);
         next.viscous_rest = pick(done, viscous.rest, self.viscous_rest);
         self.half_cycle(&mut next, stretch, clock, done);
@@ -82,7 +83,7 @@ impl Watch {
 
     /// The half cycle under way, and the peak of one that has ended.
     #[inline(always)]
-    fn half_cycle(&self, next: &mut Self, stretch: &Stretch, clock: Sum, done: bool) {
+    fn half_cycle(&self, next: &mut Self, stretch: &Stretch, clock: DoubleDouble, done: bool) {
         let mut time = self.peak_time;
         let mut x = self.peak_x;
         let Ends { at_turn, at_end } = stretch.ends(self.peak_sign);

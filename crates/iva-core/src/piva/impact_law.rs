@@ -2,7 +2,7 @@
 //! paper prints it.
 
 use super::parameters::{ImpactLaw, Parameters};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::Jet;
 use crate::impact::primary_share;
 use crate::real::Real;
@@ -23,28 +23,30 @@ pub(crate) struct Law<R = f64> {
     /// W⁺ = −ratio · W⁻: e, or 2μe/(1 + μ) as printed in Eq. 17.
     pub ratio: R,
     /// The same with its rounding rest.
-    pub rebound: Sum<R>,
+    pub rebound: DoubleDouble<R>,
     /// Velocity that the primary gains at an impact, per W⁻.
-    impact_gain: Sum<R>,
+    impact_gain: DoubleDouble<R>,
     /// The same over a whole tail of rebounds, from the last one on.
-    stick_gain: Sum<R>,
+    stick_gain: DoubleDouble<R>,
     /// Velocity of the centre of mass that the printed law takes over a whole tail, per W of the last
     /// rebound; 0 where momentum is conserved.
-    surplus: Sum<R>,
+    surplus: DoubleDouble<R>,
     /// 1 − e² and the like vanish exactly where they should only for the consistent law.
     printed: bool,
 }
 
 impl<R: Real> Law<R> {
-    pub fn new(p: &Parameters<R>, pendulum: &Pendulum<R>, wall_cosine: Sum<R>) -> Self {
+    pub fn new(p: &Parameters<R>, pendulum: &Pendulum<R>, wall_cosine: DoubleDouble<R>) -> Self {
         let (mu, lever, e) = (p.mass_ratio, pendulum.lever, p.restitution);
         let share = |e| primary_share(mu, e).times(lever);
         let (rebound, impact_gain, surplus) = match p.impact_law {
-            ImpactLaw::Consistent => (Sum::new(e), share(e).times_sum(wall_cosine), Sum::ZERO),
+            ImpactLaw::Consistent => {
+                (DoubleDouble::new(e), share(e).times_sum(wall_cosine), DoubleDouble::ZERO)
+            }
             ImpactLaw::Printed => {
                 // Each rebound leaves some momentum over; the tail begins with −W.
-                let one = Sum::new(R::ONE);
-                let ratio = Sum::new(mu * 2.0).times(e).over_sum(one.plus(mu));
+                let one = DoubleDouble::new(R::ONE);
+                let ratio = DoubleDouble::new(mu * 2.0).times(e).over_sum(one.plus(mu));
                 let over = one.plus(e) - wall_cosine * (one + ratio);
                 (ratio, share(e), share(R::ZERO) * over / (one - ratio))
             }
@@ -80,12 +82,12 @@ impl<R: Real> Law<R> {
     }
 
     /// Velocity gained by the primary in an impact with W.
-    pub fn impact(&self, w: Sum<R>) -> Sum<R> {
+    pub fn impact(&self, w: DoubleDouble<R>) -> DoubleDouble<R> {
         w.times_sum(self.impact_gain)
     }
 
     /// Velocity gained by the primary until the rebounds that begin with W have died out.
-    pub fn stick(&self, w: Sum<R>) -> Sum<R> {
+    pub fn stick(&self, w: DoubleDouble<R>) -> DoubleDouble<R> {
         w.times_sum(self.stick_gain)
     }
 
@@ -94,7 +96,7 @@ impl<R: Real> Law<R> {
     ///
     /// A rebound of speed u lasts 2u/A, while which the surplus of it and of all that follow is still there,
     /// and returns with u (1 − ⅔ J u/A²) (see [`crate::chatter`]); `damping` acts on the way.
-    pub fn surplus_of_tail(&self, w: Sum<R>, leave: &Jet<R>, damping: R) -> [R; 2] {
+    pub fn surplus_of_tail(&self, w: DoubleDouble<R>, leave: &Jet<R>, damping: R) -> [R; 2] {
         if self.surplus.value == 0.0 || w.value == 0.0 {
             return [R::ZERO; 2];
         }

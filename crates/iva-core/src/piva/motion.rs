@@ -4,8 +4,8 @@ use super::accuracy::share_kept;
 use super::gap::Gap;
 use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
-use crate::compensated::Sum;
-use crate::flight::{Curve, GapPoint, Glide, Jet, Losses, Meets, Motion, Rows, Side, Turns};
+use crate::compensated::DoubleDouble;
+use crate::flight::{Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Side, Turns};
 use crate::force::Drive;
 use crate::polynomial::{product_integral, square_integral};
 use crate::real::Real;
@@ -92,10 +92,10 @@ impl<'a, R: Real> PivaFlight<'a, R> {
     /// The series to twice the precision, from an angle with this cosine.
     fn precise_series<const LENGTH: usize>(
         &self,
-        cosine: Sum<R>,
+        cosine: DoubleDouble<R>,
         h: R,
         order: usize,
-    ) -> Series<Sum<R>, LENGTH> {
+    ) -> Series<DoubleDouble<R>, LENGTH> {
         let from = &self.from;
         let start =
             Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
@@ -172,8 +172,8 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         )
     }
 
-    fn glide(&self, length: R) -> Option<Glide<PivaState<R>, R>> {
-        if !R::STRIDES || self.remainder.is_none() {
+    fn fast_path(&self, length: R) -> Option<FastFlight<PivaState<R>, R>> {
+        if !R::FAST_PATHS || self.remainder.is_none() {
             return None;
         }
         let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
@@ -186,7 +186,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         );
         let contact = match gap {
             Gap { clear: true, .. } => {
-                return Some(Glide { length, later: R::ZERO, end, meets: Meets::Nothing });
+                return Some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing });
             }
             Gap { near: true, .. } => Side::Near,
             Gap { far: true, .. } => Side::Far,
@@ -199,7 +199,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
                 with_order!(order, N => self.step().meeting::<N>(&end, length, far))
             },
         );
-        exact.then(|| Glide {
+        exact.then(|| FastFlight {
             length: h,
             later: R::ZERO,
             end: self.arrival(h),
@@ -208,7 +208,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
     }
 
     fn turns(&self, length: R, end: &PivaState<R>) -> Turns<R> {
-        if !R::STRIDES || self.remainder.is_none() {
+        if !R::FAST_PATHS || self.remainder.is_none() {
             return Turns::Unknown;
         }
         let order = self.piva.accuracy.order;
@@ -305,15 +305,15 @@ impl<R: Real> Curve for PivaFlight<'_, R> {
         self.piva.jet(self.from.time, sample)
     }
 
-    fn precise(&self, h: R) -> Sum<R> {
+    fn precise(&self, h: R) -> DoubleDouble<R> {
         let from = &self.from;
         let order = self.piva.accuracy.order;
         let cosine = self.step().precise_cosine();
-        let mut series: Series<Sum<R>> = self.precise_series(cosine, self.step, order);
+        let mut series: Series<DoubleDouble<R>> = self.precise_series(cosine, self.step, order);
         if from.released {
-            (series.w[1], series.y[2]) = (Sum::ZERO, Sum::ZERO);
+            (series.w[1], series.y[2]) = (DoubleDouble::ZERO, DoubleDouble::ZERO);
         }
-        let t = Sum::new(h).over(self.step);
+        let t = DoubleDouble::new(h).over(self.step);
         let travelled = horner(&series.y[1..=order], t).times_sum(t);
         let s = from.wall.sign();
         from.distance.plus_parts(travelled.value * -s, travelled.rest * -s)

@@ -6,7 +6,7 @@
 
 use super::motion::work;
 use super::{Parameters, Piva, PivaState};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows};
 use crate::force::Drive;
 use crate::impact::delay;
@@ -83,9 +83,9 @@ impl<R: Real> Piva<R> {
         let Primary { x, v } = state.primary;
         let damping = self.parameters.damping_ratio * 2.0;
         let acceleration = self.release_acceleration(state.wall);
-        let mass = Sum::new(R::ONE).plus(self.parameters.mass_ratio);
-        let rest = Sum::new(self.driven(state.time)) - acceleration * mass;
-        let balanced = |v: Sum<R>| rest - v.times(damping);
+        let mass = DoubleDouble::new(R::ONE).plus(self.parameters.mass_ratio);
+        let rest = DoubleDouble::new(self.driven(state.time)) - acceleration * mass;
+        let balanced = |v: DoubleDouble<R>| rest - v.times(damping);
         // Under a force the pressure changes with the force as well, and much faster: what is written
         // into x says nothing of the instant then.
         let left = if self.force.lasts() { R::ZERO } else { (x - balanced(v)).value };
@@ -101,9 +101,10 @@ impl<R: Real> Piva<R> {
     }
 
     /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.
-    fn release_acceleration(&self, wall: Wall) -> Sum<R> {
+    fn release_acceleration(&self, wall: Wall) -> DoubleDouble<R> {
         let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
-        let pull = Sum::new(frequency_squared * -wall.sign()).times(self.parameters.clearance);
+        let pull =
+            DoubleDouble::new(frequency_squared * -wall.sign()).times(self.parameters.clearance);
         pull.over_sum(self.wall_cosine.times(coupling))
     }
 }
@@ -215,8 +216,8 @@ impl<R: Real> Curve for PivaRide<'_, R> {
     }
 
     /// The magnitude is that of the terms: plain evaluation is precise enough.
-    fn precise(&self, h: R) -> Sum<R> {
-        Sum::new(self.jet(&self.state(h)).value)
+    fn precise(&self, h: R) -> DoubleDouble<R> {
+        DoubleDouble::new(self.jet(&self.state(h)).value)
     }
 
     /// The sum of the terms of A⁗, and as much again for those left out.

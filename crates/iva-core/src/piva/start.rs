@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Piva, PivaState};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
 use crate::oscillator::Primary;
 use crate::range;
@@ -49,7 +49,7 @@ struct Pose<R = f64> {
     /// Gap displacement.
     y: R,
     /// cosθ.
-    cosine: Sum<R>,
+    cosine: DoubleDouble<R>,
     /// W = b θ̇.
     w: R,
 }
@@ -59,11 +59,11 @@ impl<R: Real> Piva<R> {
         let b = self.parameters.contact_distance;
         let small = self.pendulum.small_angles;
         let (y, cosine) = match start.place {
-            Given::Gap(y) => (y, self.pendulum.precise_cosine(Sum::new(y))),
-            Given::Angle(angle) if small => (b * angle, Sum::new(R::ONE)),
+            Given::Gap(y) => (y, self.pendulum.precise_cosine(DoubleDouble::new(y))),
+            Given::Angle(angle) if small => (b * angle, DoubleDouble::new(R::ONE)),
             Given::Angle(angle) => {
                 let (sine, cosine) = R::sincos(angle);
-                (b * sine, Sum::new(cosine))
+                (b * sine, DoubleDouble::new(cosine))
             }
         };
         #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
@@ -129,7 +129,10 @@ impl<R: Real> Piva<R> {
 
     /// The state of a start at an instant of the force.
     pub(super) fn first_state(&self, start: &PivaStart<R>, time: Clock<R>) -> PivaState<R> {
-        let primary = Primary { x: Sum::new(start.displacement), v: Sum::new(start.velocity) };
+        let primary = Primary {
+            x: DoubleDouble::new(start.displacement),
+            v: DoubleDouble::new(start.velocity),
+        };
         let Pose { y, cosine, w } = self.pose(start);
         // Seen from the wall that the pendulum is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
@@ -146,20 +149,20 @@ impl<R: Real> Piva<R> {
         let clearance = self.parameters.clearance;
         let distance = match start.place {
             Given::Angle(_) if self.has_steep_walls() => self.height(cosine, y * wall.sign()),
-            _ => Sum::new(clearance).plus(y * -wall.sign()),
+            _ => DoubleDouble::new(clearance).plus(y * -wall.sign()),
         };
         let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * clearance;
         #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
         let w = match start.rate {
-            Given::Gap(rate) if w != 0.0 => Sum::new(rate).over_sum(cosine),
-            _ => Sum::new(w),
+            Given::Gap(rate) if w != 0.0 => DoubleDouble::new(rate).over_sum(cosine),
+            _ => DoubleDouble::new(w),
         };
         PivaState {
             time,
             kicks: self.force.kicks_before(time),
             primary,
             wall,
-            distance: if touching { Sum::ZERO } else { distance },
+            distance: if touching { DoubleDouble::ZERO } else { distance },
             clearance,
             w,
             cosine: if touching { self.wall_cosine } else { cosine },
@@ -169,9 +172,9 @@ impl<R: Real> Piva<R> {
 
     /// Distance d − y to a wall of an angle with this cosine: b² (cos²θ − cos² at the wall)/(d + y), which
     /// knows it better than y does close to the horizontal.
-    fn height(&self, cosine: Sum<R>, y: R) -> Sum<R> {
+    fn height(&self, cosine: DoubleDouble<R>, y: R) -> DoubleDouble<R> {
         let b = self.parameters.contact_distance;
         let over = (cosine - self.wall_cosine) * (cosine + self.wall_cosine);
-        over.times(b).times(b).over_sum(Sum::new(self.parameters.clearance).plus(y))
+        over.times(b).times(b).over_sum(DoubleDouble::new(self.parameters.clearance).plus(y))
     }
 }

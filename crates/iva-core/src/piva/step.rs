@@ -4,7 +4,7 @@
 //! ([`crate::lanes`]).
 
 use super::PivaState;
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::force::Drive;
 use crate::oscillator::Primary;
 use crate::polynomial::horners;
@@ -38,22 +38,26 @@ impl<R: Real> Step<'_, R> {
 
     /// The same, the linear terms to twice the precision, which leaves the rounding of those from h² on.
     #[inline(always)]
-    pub fn arrival<const N: usize>(&self, h: R, drive: Option<&Drive<Sum<R>, 2>>) -> PivaState<R> {
+    pub fn arrival<const N: usize>(
+        &self,
+        h: R,
+        drive: Option<&Drive<DoubleDouble<R>, 2>>,
+    ) -> PivaState<R> {
         let (t, from, series) = (h / self.length, self.from, self.series);
         let cosine = self.precise_cosine();
         let start =
             Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
-        let first: Series<Sum<R>, 2> = self.pendulum.beginning(&start, drive);
+        let first: Series<DoubleDouble<R>, 2> = self.pendulum.beginning(&start, drive);
         let [x, u, y, w, c] =
             from_two::<_, N, 5>([&series.x, &series.u, &series.y, &series.w, &series.c], t);
-        let increment = |first: Sum<R>, beyond: R| first.times(h).plus(t * t * beyond);
-        let pull = if from.released { Sum::ZERO } else { first.w[1] };
+        let increment = |first: DoubleDouble<R>, beyond: R| first.times(h).plus(t * t * beyond);
+        let pull = if from.released { DoubleDouble::ZERO } else { first.w[1] };
         let primary = Primary {
             x: from.primary.x + increment(first.x[1], x),
             v: from.primary.v + increment(first.u[1], u),
         };
         let towards = -from.wall.sign();
-        let Sum { value, rest } = increment(first.y[1], y);
+        let DoubleDouble { value, rest } = increment(first.y[1], y);
         let distance = from.distance.plus_parts(value * towards, rest * towards);
         let own = cosine + increment(first.c[1], c);
         self.reached(h, primary, distance, from.w + increment(pull, w), own)
@@ -61,7 +65,7 @@ impl<R: Real> Step<'_, R> {
 
     /// cosθ where the step begins, to twice the precision.
     #[inline(always)]
-    pub fn precise_cosine(&self) -> Sum<R> {
+    pub fn precise_cosine(&self) -> DoubleDouble<R> {
         let (pendulum, from) = (self.pendulum, self.from);
         let sine = from.y().over(pendulum.contact_distance);
         // Where the angle is steep the carried cosine knows it better than y does.
@@ -76,14 +80,14 @@ impl<R: Real> Step<'_, R> {
         &self,
         h: R,
         primary: Primary<R>,
-        distance: Sum<R>,
-        w: Sum<R>,
-        own: Sum<R>,
+        distance: DoubleDouble<R>,
+        w: DoubleDouble<R>,
+        own: DoubleDouble<R>,
     ) -> PivaState<R> {
         let from = self.from;
         let y = PivaState { distance, ..*from }.y().value;
         let sine = y / self.pendulum.contact_distance;
-        let exact = Sum::new(self.pendulum.cosine(y).copysign(own.value));
+        let exact = DoubleDouble::new(self.pendulum.cosine(y).copysign(own.value));
         let cosine = if sine.abs() < STEEP { exact } else { own };
         let time = from.time.plus(h);
         PivaState { time, primary, distance, w, cosine, released: false, ..*from }

@@ -5,7 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Real;
 use super::mixed::beside_doubles;
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 
 /// A value and its derivatives by N variables.
 #[derive(Debug, Clone, Copy)]
@@ -48,13 +48,17 @@ impl<const N: usize> Real for Dual<N> {
     const NAN: Self = Self::constant(f64::NAN);
     const INFINITY: Self = Self::constant(f64::INFINITY);
     const MIN_POSITIVE: Self = Self::constant(f64::MIN_POSITIVE);
-    const TURN: Sum<Self> =
-        Sum { value: Self::constant(f64::TURN.value), rest: Self::constant(f64::TURN.rest) };
-    const QUARTER: Sum<Self> =
-        Sum { value: Self::constant(f64::QUARTER.value), rest: Self::constant(f64::QUARTER.rest) };
+    const TURN: DoubleDouble<Self> = DoubleDouble {
+        value: Self::constant(f64::TURN.value),
+        rest: Self::constant(f64::TURN.rest),
+    };
+    const QUARTER: DoubleDouble<Self> = DoubleDouble {
+        value: Self::constant(f64::QUARTER.value),
+        rest: Self::constant(f64::QUARTER.rest),
+    };
     const LEFT_OUT: Self = Self::constant(f64::LEFT_OUT);
     const NEGLIGIBLE: Self = Self::constant(f64::NEGLIGIBLE);
-    const STRIDES: bool = f64::STRIDES;
+    const FAST_PATHS: bool = f64::FAST_PATHS;
 
     fn given(value: f64, differentiated: bool) -> Self {
         if differentiated { Self::variable(value, 0) } else { value.into() }
@@ -102,7 +106,7 @@ impl<const N: usize> Real for Dual<N> {
         self.with(x, libm::atan2(y, x.value), |dy, dx| (dy * x.value - dx * y) / square)
     }
 
-    fn precise_sincos(angle: Sum<Self>) -> (Sum<Self>, Sum<Self>) {
+    fn precise_sincos(angle: DoubleDouble<Self>) -> (DoubleDouble<Self>, DoubleDouble<Self>) {
         crate::trigonometry::close_sine_cosine(angle)
     }
 

@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Real;
 use super::mixed::beside_doubles;
-use crate::compensated::{Sum, two_product, two_sum};
+use crate::compensated::{DoubleDouble, two_product, two_sum};
 use crate::trigonometry::sine_cosine;
 
 /// A number as the sum of its rounded value and what that lacks.
@@ -66,15 +66,16 @@ impl Real for Twofold {
     const INFINITY: Self = Self::new(f64::INFINITY, 0.0);
     const MIN_POSITIVE: Self = Self::new(f64::MIN_POSITIVE, 0.0);
     /// 2π to two doubles; the low part, which is not needed, counts as 0.
-    const TURN: Sum<Self> = Sum::new(Self::new(std::f64::consts::TAU, 2.449_293_598_294_706_4e-16));
-    const QUARTER: Sum<Self> = Sum {
+    const TURN: DoubleDouble<Self> =
+        DoubleDouble::new(Self::new(std::f64::consts::TAU, 2.449_293_598_294_706_4e-16));
+    const QUARTER: DoubleDouble<Self> = DoubleDouble {
         value: Self::new(std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17),
         rest: Self::new(-1.497_384_904_859_169_8e-33, 0.0),
     };
     const LEFT_OUT: Self = Self::new(1e-22, 0.0);
     const NEGLIGIBLE: Self = Self::new(1e-22, 0.0);
     /// Every stretch of flight is searched, which checks the proofs that spare the search.
-    const STRIDES: bool = false;
+    const FAST_PATHS: bool = false;
 
     fn given(value: f64, _differentiated: bool) -> Self {
         value.into()
@@ -128,7 +129,7 @@ impl Real for Twofold {
         if radius == 0.0 { Self::from(angle) } else { (self * c - x * s) / radius + angle }
     }
 
-    fn precise_sincos(angle: Sum<Self>) -> (Sum<Self>, Sum<Self>) {
+    fn precise_sincos(angle: DoubleDouble<Self>) -> (DoubleDouble<Self>, DoubleDouble<Self>) {
         sine_cosine(angle)
     }
 }

@@ -6,7 +6,7 @@ use crate::contact::first_contact;
 use crate::flight::Side;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
-use crate::observe::{Episode, Jump, Observer};
+use crate::observe::{Jump, Observer, StickEpisode};
 use crate::real::Real;
 use crate::system::{Clock, System, Wall};
 
@@ -27,7 +27,7 @@ pub(crate) const REBOUND_LOOK: f64 = 2.5;
 
 impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// The impact law at the state in contact, then whatever follows.
-    pub(super) fn strike(&mut self) {
+    pub(super) fn apply_impact(&mut self) {
         let wall = self.system.wall(&self.tally.state);
         let (after, impact) = self.system.impact(&self.tally.state, self.clock.value);
         self.losses = self.losses.plus(impact.energy_loss);
@@ -52,7 +52,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let before = std::mem::replace(&mut self.tally.state, after);
         self.observer.jump(self.system, &Jump::Impact { before: &before, after: &after });
         self.list(&impact);
-        self.depart();
+        self.leave_or_stick();
     }
 
     fn list(&mut self, impact: &Impact<R>) {
@@ -62,7 +62,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     }
 
     /// Leaves the wall, chatters on it or sticks to it.
-    pub(super) fn depart(&mut self) {
+    pub(super) fn leave_or_stick(&mut self) {
         let state = self.tally.state;
         let leave = self.system.distance(&state);
         if leave.rate > 0.0 {
@@ -143,7 +143,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.losses = self.losses.plus(loss);
         self.observer.jump(self.system, &Jump::Stick);
         self.tally.state = state;
-        let mut episode = Episode {
+        let mut episode = StickEpisode {
             wall,
             start_time: stick_clock.value,
             stick_time: stick_clock.value,

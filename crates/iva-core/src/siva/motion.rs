@@ -1,8 +1,8 @@
 //! The flight of a SIVA: free in its gap.
 
 use super::{Siva, SivaState};
-use crate::compensated::Sum;
-use crate::flight::{Arcs, Curve, GapPoint, Glide, Jet, Losses, Motion, Rows, Turns};
+use crate::compensated::DoubleDouble;
+use crate::flight::{Arcs, Curve, FastFlight, GapPoint, Jet, Losses, Motion, Rows, Turns};
 use crate::host::{Flown, Host, Integrated, Phase, Structure};
 use crate::real::Real;
 use crate::system::{Point, System, Wall};
@@ -36,11 +36,16 @@ pub(crate) fn arrived<R: Real, S: Structure<Real = R>>(
     h: R,
 ) -> SivaState<S::Phase, R> {
     let Flown { to, gained } = free.flown(&from.host, course, h);
-    let side = |sum: Sum<R>| Sum { value: from.side * sum.value, rest: from.side * sum.rest };
+    let side = |sum: DoubleDouble<R>| DoubleDouble {
+        value: from.side * sum.value,
+        rest: from.side * sum.rest,
+    };
     SivaState {
         host: to,
         side: from.side,
-        distance: from.distance.plus_both(from.rate.product(Sum::new(h)), side(gained.curved)),
+        distance: from
+            .distance
+            .plus_both(from.rate.product(DoubleDouble::new(h)), side(gained.curved)),
         rate: from.rate + side(gained.velocity),
     }
 }
@@ -80,13 +85,13 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
     }
 
     #[inline]
-    fn glide(&self, length: R) -> Option<Glide<Self::State, R>> {
-        if !R::STRIDES {
+    fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
+        if !R::FAST_PATHS {
             return None;
         }
         R::dispatched(
             #[inline(always)]
-            || self.stride(length),
+            || self.fast_flight(length),
         )
     }
 
@@ -143,7 +148,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
         let [v, v_end] = [&self.from, end].map(|state| state.host.primary.v.value);
-        if !R::STRIDES || v * v_end >= 0.0 {
+        if !R::FAST_PATHS || v * v_end >= 0.0 {
             return Turns::Unknown;
         }
         R::dispatched(
@@ -177,7 +182,7 @@ impl<R: Real, H: Host<Real = R>> Curve for SivaFlight<'_, H> {
         self.siva.distance(sample)
     }
 
-    fn precise(&self, h: R) -> Sum<R> {
+    fn precise(&self, h: R) -> DoubleDouble<R> {
         let SivaState { side: s, distance, rate, .. } = self.from;
         let travelled = rate.times(h);
         let curved = self.structure().precise(&self.from.host, h);

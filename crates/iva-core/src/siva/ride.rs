@@ -2,7 +2,7 @@
 //! wall changes sign.
 
 use super::{Siva, SivaState};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::{Arcs, Curve, GapPoint, Jet, Losses, Motion, Rows};
 use crate::host::{Host, HostState, Integrated, Phase, Structure};
 use crate::real::Real;
@@ -133,8 +133,8 @@ impl<R: Real, H: Host<Real = R>> Curve for SivaRide<'_, H> {
     }
 
     /// The magnitude is that of the terms: plain evaluation is precise enough.
-    fn precise(&self, h: R) -> Sum<R> {
-        Sum::new(self.jet(&self.state(h)).value)
+    fn precise(&self, h: R) -> DoubleDouble<R> {
+        DoubleDouble::new(self.jet(&self.state(h)).value)
     }
 
     fn fourth(&self) -> R {

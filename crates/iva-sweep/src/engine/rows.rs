@@ -7,7 +7,7 @@ use super::scale::Scale;
 use super::scene::Scene;
 use iva_core::impact::Impact;
 use iva_core::measures::MeasureValues;
-use iva_core::observe::Episode;
+use iva_core::observe::StickEpisode;
 use iva_core::peaks::Peak;
 use iva_core::real::Real;
 use iva_core::simulate::Tally;
@@ -108,7 +108,7 @@ pub(crate) struct ImpactRow<'a, R = f64> {
 /// A row of `episodes`.
 pub(crate) struct EpisodeRow<'a, R = f64> {
     pub index: usize,
-    pub episode: &'a Episode<R>,
+    pub episode: &'a StickEpisode<R>,
     pub scale: &'a Scale<R>,
 }
 

@@ -6,7 +6,7 @@ use crate::{U, dd::Dd};
 use iva_core::{
     flight::{Losses, Motion},
     impact::Impact,
-    observe::{Episode, Observer, Span},
+    observe::{Observer, Span, StickEpisode},
     piva::{Angles, Parameters},
     simulate::{Outcome, Tally},
     system::System,
@@ -98,7 +98,7 @@ impl Watch {
     }
 
     /// What it came to, in short.
-    pub fn brief(&self) -> (Option<Outcome>, u64, u64, u64, f64, Option<Impact>) {
+    pub fn run_inline(&self) -> (Option<Outcome>, u64, u64, u64, f64, Option<Impact>) {
         let Self { outcome, impacts, episodes, undecided, end, .. } = *self;
         (outcome, impacts, episodes, undecided, end, self.first.last().copied())
     }
@@ -194,7 +194,7 @@ impl<S: System<Real = f64>> Observer<S> for Watch {
         self.digest(impact.energy_loss * self.factor * self.factor);
     }
 
-    fn episode(&mut self, episode: &Episode) {
+    fn episode(&mut self, episode: &StickEpisode) {
         self.digest(episode.start_time);
         self.digest(episode.stick_time);
         self.digest(episode.release_time.unwrap_or(-1.0));

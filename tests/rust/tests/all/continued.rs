@@ -8,7 +8,7 @@ use iva_core::{
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
     impact::Impact,
-    observe::{Episode, Events, Observer},
+    observe::{Events, Observer, StickEpisode},
     piva::{Parameters, Piva},
     propagation::{Differentiable, Errors},
     simulate::{Instant, Limits, Outcome, resume, simulate},
@@ -28,7 +28,7 @@ fn harmonic(amplitude: f64, frequency: f64, phase: f64) -> Harmonic {
 struct Seen {
     instant: Option<(Outcome, f64)>,
     impacts: Vec<Impact>,
-    episodes: Vec<Episode>,
+    episodes: Vec<StickEpisode>,
     errors: Vec<f64>,
 }
 
@@ -118,7 +118,7 @@ fn a_start_at_an_instant_has_the_force_of_that_instant() {
             |phase| siva.under(Force::harmonic(vec![harmonic(amplitude, omega, phase)]).unwrap());
         let start = Start { displacement: rng.range(-1.0, 1.0), ..Start::default() };
         let (system, shifted) = (under(0.3), under(0.3 + omega * time));
-        let clock = iva_core::compensated::Sum::new(time);
+        let clock = iva_core::compensated::DoubleDouble::new(time);
         let from = Instant { time: clock, state: system.begin_at(&start, clock) };
         let (late, _) = seen(&system, &from, time + 10.0);
         let (early, _) = seen(&shifted, &Instant::start(&shifted, &start), 10.0);
@@ -185,6 +185,7 @@ struct Orbit {
     multipliers: [[f64; 2]; 4],
 }
 
+#[allow(clippy::excessive_precision)] // as they are printed
 const ORBITS: [Orbit; 2] = [
     Orbit {
         clearance: 4.5,

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
-    compensated::Sum,
+    compensated::DoubleDouble,
     contact::first_contact,
     flight::{Curve, Jet, Motion, Side},
     piva::{Parameters, Piva},
@@ -35,8 +35,8 @@ impl Curve for Noisy {
         Jet { value: t * t + self.lowest + self.noise, rate: 2.0 * t, curvature: 2.0, jerk: 0.0 }
     }
 
-    fn precise(&self, h: f64) -> Sum {
-        Sum::new((h - 0.4) * (h - 0.4)).plus(self.lowest)
+    fn precise(&self, h: f64) -> DoubleDouble {
+        DoubleDouble::new((h - 0.4) * (h - 0.4)).plus(self.lowest)
     }
 
     fn fourth(&self) -> f64 {

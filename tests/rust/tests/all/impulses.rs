@@ -156,7 +156,7 @@ proptest! {
             rate: Given::Gap(rate),
         };
         let before = piva.begin(&start);
-        let after = piva.kick(&before, velocity, false);
+        let after = piva.apply_impulse(&before, velocity, false);
         // Momentum along x of all masses grows by P, that of the pendulum about its pivot, less what
         // the pivot's own motion adds, not at all.
         let mass = parameters.mass_ratio;

@@ -19,7 +19,7 @@ use iva_sweep::sampling::Sampling;
 use iva_sweep::scene::Scene;
 use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::sweep::{Control, Tables, Workers, brief, sweep, validate};
+use iva_sweep::sweep::{Control, Tables, Workers, run_inline, sweep, validate};
 
 fn spec() -> Spec {
     with_scene(Spec::default())
@@ -297,8 +297,8 @@ fn a_brief_run_has_the_rows_of_a_sweep_or_none() {
         let study = Study { errors: true, ..Study::single(spec) };
         let (whole, _) = run(&study, 1, None, false);
         let spent = work_of(&study);
-        assert_eq!(brief(&study, spent).unwrap().as_ref(), Some(&whole));
-        assert_eq!(brief(&study, spent - 1).unwrap(), None);
+        assert_eq!(run_inline(&study, spent).unwrap().as_ref(), Some(&whole));
+        assert_eq!(run_inline(&study, spent - 1).unwrap(), None);
     }
 }
 
@@ -310,11 +310,11 @@ fn a_brief_run_is_never_cut_in_what_it_shows() {
     study.spec.set(FieldId::MaxWork, 10.0).unwrap();
     let (whole, _) = run(&study, 1, None, false);
     assert_eq!(whole[&Table::Summary]["outcome"].as_string::<i32>().value(0), "work_limit");
-    assert_eq!(brief(&study, 10).unwrap(), Some(whole));
+    assert_eq!(run_inline(&study, 10).unwrap(), Some(whole));
     let study = Study::single(beaten());
     let (whole, _) = run(&study, 1, None, false);
     assert!(numbers(&whole[&Table::Summary], "reduction")[0].is_some());
-    assert_eq!(brief(&study, 1_000_000).unwrap(), None);
+    assert_eq!(run_inline(&study, 1_000_000).unwrap(), None);
 }
 
 /// Stretches of motion that a study of one point takes.

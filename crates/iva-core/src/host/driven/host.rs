@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::{Driven, Forces, Moment};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::force::Force;
 use crate::host::Host;
 use crate::real::Real;
@@ -51,7 +51,7 @@ impl<R: Real> Host for DrivenHost<R> {
         self.free.moment(time, time, self.forces.force.kicks_before(time))
     }
 
-    fn balanced(&self, phase: &Moment<R>, v: Sum<R>) -> Sum<R> {
+    fn balanced(&self, phase: &Moment<R>, v: DoubleDouble<R>) -> DoubleDouble<R> {
         phase.pushes.primary.value - v.times(self.free.equation.damping)
     }
 
@@ -74,7 +74,7 @@ impl<R: Real> Host for DrivenHost<R> {
         self.forces.force.due(phase.time, phase.kicks)
     }
 
-    fn kicked(&self, phase: &Moment<R>) -> Moment<R> {
+    fn after_impulse(&self, phase: &Moment<R>) -> Moment<R> {
         self.free.moment(phase.time, phase.time, phase.kicks + 1)
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Moment;
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::force::{Drive, Force, Pushes};
 use crate::real::Real;
 use crate::system::Clock;
@@ -17,7 +17,7 @@ pub trait Source: Clone + std::fmt::Debug {
     /// Their coefficients from an instant on, in powers of t/h.
     fn drive(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<Self::Real>;
     /// The same to twice the precision.
-    fn precise(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<Sum<Self::Real>>;
+    fn precise(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<DoubleDouble<Self::Real>>;
     /// How far a motion goes that reaches so far: not beyond the next instant at which the drive bends, jumps or
     /// kicks, and then that instant.
     fn until_bend(
@@ -57,7 +57,7 @@ impl<R: Real> Source for Forces<R> {
         self.force.drive(time, time, h)
     }
 
-    fn precise(&self, time: Clock<R>, h: R) -> Drive<Sum<R>> {
+    fn precise(&self, time: Clock<R>, h: R) -> Drive<DoubleDouble<R>> {
         self.force.precise(time, h)
     }
 

@@ -1,7 +1,7 @@
 //! One lane: a pendulum's run reduced to the numbers that steps of flight change.
 
-use crate::compensated::Sum;
-use crate::lanes::Home;
+use crate::compensated::DoubleDouble;
+use crate::lanes::ScalarRun;
 use crate::lanes::arrays::arrays;
 use crate::lanes::watch::{Watch, Watches};
 use crate::oscillator::Primary;
@@ -56,7 +56,7 @@ arrays! {
     /// Levels that |x| has fallen below in it, with the sign of x, and between which instants; 0: none.
     passed_1, from_1, to_1, passed_2, from_2, to_2, passed_3, from_3, to_3,
     /// What the run is called for: something that is for the event loop; that or anything else.
-    care, calls;
+    request, requests;
     /// Where the run is, and where the step began.
     pose: Pose, Poses,
     origin: Pose, Poses,
@@ -91,7 +91,7 @@ impl Pose {
     /// In free decay, where there are no impulses.
     #[inline(always)]
     pub fn state(&self) -> PivaState {
-        let sum = |value, rest| Sum { value, rest };
+        let sum = |value, rest| DoubleDouble { value, rest };
         PivaState {
             time: sum(self.age, self.age_rest),
             kicks: 0,
@@ -123,8 +123,8 @@ impl Lane {
     }
 
     #[inline(always)]
-    pub fn clock(&self) -> Sum {
-        Sum { value: self.time, rest: self.time_rest }
+    pub fn clock(&self) -> DoubleDouble {
+        DoubleDouble { value: self.time, rest: self.time_rest }
     }
 
     /// A lane without a run: it never gets anywhere.
@@ -140,7 +140,7 @@ impl Lane {
     }
 
     /// A run in flight.
-    pub fn of(run: &Home<'_, Piva>, first: f64) -> Self {
+    pub fn of(run: &ScalarRun<'_, Piva>, first: f64) -> Self {
         let pendulum = run.system.pendulum;
         Self {
             mass_ratio: pendulum.mass_ratio,
@@ -171,13 +171,13 @@ impl Lane {
     }
 
     /// Puts the numbers back into the run.
-    pub fn put_back(&self, run: &mut Home<'_, Piva>) {
+    pub fn put_back(&self, run: &mut ScalarRun<'_, Piva>) {
         run.tally.state = self.pose.state();
         run.tally.work = self.work as u64;
         run.clock = self.clock();
         run.phase = Phase::Flight { first: self.first };
         self.watch.put_back(&mut run.observer.0);
-        run.observer.0.viscous = Sum { value: self.viscous, rest: self.viscous_rest };
-        run.observer.0.pivot = Sum { value: self.pivot, rest: self.pivot_rest };
+        run.observer.0.viscous = DoubleDouble { value: self.viscous, rest: self.viscous_rest };
+        run.observer.0.pivot = DoubleDouble { value: self.pivot, rest: self.pivot_rest };
     }
 }

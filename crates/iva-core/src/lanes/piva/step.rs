@@ -1,12 +1,12 @@
 //! A step of every lane, in parts that leave their numbers to the next.
 //!
 //! The same numbers in the same order as in the event loop, without branches. What a lane cannot do here
-//! it leaves as it is, and asks for care; a proof that fails is tried again in the next round.
+//! it leaves as it is, and requests its run; a proof that fails is tried again in the next round.
 
 use super::Shared;
 use super::lane::{FAR, Lanes, NEAR, NONE, Pose};
 use super::rows::Rows;
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::lanes::pick;
 use crate::lanes::watch::{Passage, Stretch};
 use crate::piva::PivaState;
@@ -149,8 +149,8 @@ pub(super) fn arrive<const W: usize, const N: usize>(
         passage!(0.02, passed_3, from_3, to_3);
         let full = next.work >= lane.max_work;
         let goes_on = ((done & !meeting) | looks | tries) & !full;
-        next.care = pick(goes_on, 0.0, lane.live);
-        next.calls = next.care
+        next.request = pick(goes_on, 0.0, lane.live);
+        next.requests = next.request
             + next.watch.peaked
             + next.passed_1.abs()
             + next.passed_2.abs()
@@ -166,14 +166,14 @@ pub(super) fn meet<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows: &
         let (lane, series) = (lanes.get(i), rows.get::<N>(i));
         let (pendulum, from) = (lane.pendulum(), lane.pose.state());
         let step = Step { pendulum: &pendulum, from: &from, series: &series, length: lane.step };
-        let distance = Sum::new(lane.end_distance);
+        let distance = DoubleDouble::new(lane.end_distance);
         let end = PivaState { distance, ..from };
         let (until, exact) = step.meeting::<N>(&end, lane.length, lane.meets == FAR);
         let lost = (lane.meets > NONE) & !exact;
         lanes.until[i] = until;
         lanes.meets[i] = pick(lost, NONE, lane.meets);
-        lanes.care[i] = pick(lost, lane.live, lane.care);
-        lanes.calls[i] = pick(lost, lane.live, lane.calls);
+        lanes.request[i] = pick(lost, lane.live, lane.request);
+        lanes.requests[i] = pick(lost, lane.live, lane.requests);
     }
 }
 
@@ -190,7 +190,7 @@ pub(super) fn lose<const W: usize, const N: usize>(
             * lane.damping_ratio
             * square_integral::<_, N>(&rows.get::<N>(i).u, lane.share)
             * lane.step;
-        let sum = Sum { value: lane.viscous, rest: lane.viscous_rest }.plus(loss);
+        let sum = DoubleDouble { value: lane.viscous, rest: lane.viscous_rest }.plus(loss);
         let done = lane.share > 0.0;
         lanes.viscous[i] = pick(done, sum.value, lane.viscous);
         lanes.viscous_rest[i] = pick(done, sum.rest, lane.viscous_rest);
@@ -205,7 +205,7 @@ pub(super) fn lose<const W: usize, const N: usize>(
             * lane.pivot_damping
             * square_integral::<_, N>(&rows.get::<N>(i).w, lane.share)
             * lane.step;
-        let sum = Sum { value: lane.pivot, rest: lane.pivot_rest }.plus(loss);
+        let sum = DoubleDouble { value: lane.pivot, rest: lane.pivot_rest }.plus(loss);
         let done = lane.share > 0.0;
         lanes.pivot[i] = pick(done, sum.value, lane.pivot);
         lanes.pivot_rest[i] = pick(done, sum.rest, lane.pivot_rest);

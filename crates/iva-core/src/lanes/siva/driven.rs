@@ -1,4 +1,4 @@
-//! Strides of free masses under one harmonic force on the structure each, side by side: force, damping and absorber
+//! FastFlights of free masses under one harmonic force on the structure each, side by side: force, damping and absorber
 //! may differ from lane to lane.
 
 mod integrals;
@@ -6,7 +6,7 @@ mod lane;
 mod step;
 
 use crate::host::DrivenHost;
-use crate::lanes::{Home, Job, LANES, Lockstep};
+use crate::lanes::{Job, LANES, Lockstep, ScalarRun};
 use crate::measures::Wanted;
 use crate::siva::Siva;
 use crate::steady::SteadyWanted;
@@ -16,7 +16,7 @@ use lane::{Lane, Lanes};
 
 /// Eight lanes.
 #[derive(Debug)]
-pub(in crate::lanes) struct DrivenStrides {
+pub(in crate::lanes) struct DrivenFastFlights {
     lanes: Lanes<LANES>,
     integrals: Integrals<LANES>,
     asked: Asked,
@@ -33,7 +33,7 @@ struct Asked {
     ledger: bool,
 }
 
-impl Lockstep<Siva<DrivenHost>> for DrivenStrides {
+impl Lockstep<Siva<DrivenHost>> for DrivenFastFlights {
     fn new(Job { steady, .. }: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
         let SteadyWanted { amplitude, rms, acceleration, regime, .. } =
             steady.map_or_else(SteadyWanted::default, |(steady, _)| steady);
@@ -56,23 +56,23 @@ impl Lockstep<Siva<DrivenHost>> for DrivenStrides {
         if asked.square {
             integrals.square(lanes);
         }
-        let mut calls = 0.0;
+        let mut requests = 0.0;
         for i in 0..LANES {
-            calls += lanes.flying.care[i] + lanes.flying.stopped[i];
+            requests += lanes.flying.request[i] + lanes.flying.stopped[i];
         }
-        calls > 0.0
+        requests > 0.0
     }
 
-    fn calls(&self, i: usize) -> bool {
-        self.lanes.flying.care[i] + self.lanes.flying.stopped[i] > 0.0
+    fn requests(&self, i: usize) -> bool {
+        self.lanes.flying.request[i] + self.lanes.flying.stopped[i] > 0.0
     }
 
-    fn attend(&mut self, i: usize, run: &mut Home<'_, Siva<DrivenHost>>) -> bool {
+    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Siva<DrivenHost>>) -> bool {
         self.put_back(i, run);
         false
     }
 
-    fn take(&mut self, i: usize, run: &Home<'_, Siva<DrivenHost>>) -> bool {
+    fn take(&mut self, i: usize, run: &ScalarRun<'_, Siva<DrivenHost>>) -> bool {
         let lane = Lane::of(run);
         if let Some(lane) = &lane {
             self.lanes.set(i, lane);
@@ -80,7 +80,7 @@ impl Lockstep<Siva<DrivenHost>> for DrivenStrides {
         lane.is_some()
     }
 
-    fn put_back(&self, i: usize, run: &mut Home<'_, Siva<DrivenHost>>) {
+    fn put_back(&self, i: usize, run: &mut ScalarRun<'_, Siva<DrivenHost>>) {
         let lane = self.lanes.get(i);
         lane.put_back(run);
         if lane.flying.stopped == super::STOP {

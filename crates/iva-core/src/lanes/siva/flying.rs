@@ -1,6 +1,6 @@
-//! The flight of one run, reduced to the numbers that strides change.
+//! The flight of one run, reduced to the numbers that fast flights change.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::host::{Host, HostState, Phase};
 use crate::impact;
 use crate::lanes::arrays::arrays;
@@ -10,7 +10,7 @@ use crate::simulate::{Phase as Doing, Run, STOPS};
 use crate::siva::{Siva, SivaState};
 use crate::system::{System, Wall};
 
-/// What to do at the end of the next stride.
+/// What to do at the end of the next fast flight.
 pub(in crate::lanes) const SEARCH: f64 = 0.0;
 /// … close to the near wall,
 pub(in crate::lanes) const NEAR: f64 = 1.0;
@@ -42,14 +42,14 @@ arrays! {
     impacts, max_impacts, effective, work, max_work, losses, losses_rest,
     /// Impacts on one wall in a row.
     streak_side, streak_start, streak_listed, streak_loss,
-    /// What the loop is called for: a stretch that is no stride, a stop.
-    care, stopped,
+    /// What the event loop is needed for: a stretch that is no fast flight, a stop.
+    request, stopped,
 }
 
 impl Flying {
     #[inline(always)]
     pub fn state<P>(&self, phase: P) -> SivaState<P> {
-        let sum = |value, rest| Sum { value, rest };
+        let sum = |value, rest| DoubleDouble { value, rest };
         SivaState {
             host: HostState {
                 primary: Primary { x: sum(self.x, self.x_rest), v: sum(self.v, self.v_rest) },
@@ -74,8 +74,8 @@ impl Flying {
     }
 
     #[inline(always)]
-    pub fn clock(&self) -> Sum {
-        Sum { value: self.time, rest: self.time_rest }
+    pub fn clock(&self) -> DoubleDouble {
+        DoubleDouble { value: self.time, rest: self.time_rest }
     }
 
     /// Without a run: at rest for ever.
@@ -91,7 +91,7 @@ impl Flying {
         (self.impacts >= self.max_impacts) | (self.work >= self.max_work)
     }
 
-    /// A run that has come to where strides of this length can go on; `None` if it has not.
+    /// A run that has come to where fast flights of this length can go on; `None` if it has not.
     pub fn of<H: Host<Real = f64>, O>(run: &Run<'_, Siva<H>, O>, reach: f64) -> Option<Self>
     where
         Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
@@ -146,7 +146,7 @@ impl Flying {
         run.tally.impacts = self.impacts as u64;
         run.tally.effective_impacts = self.effective as u64;
         run.tally.work = self.work as u64;
-        run.losses = Sum { value: self.losses, rest: self.losses_rest };
+        run.losses = DoubleDouble { value: self.losses, rest: self.losses_rest };
         run.streak = (self.streak_side != 0.0).then_some(Streak {
             wall: if self.streak_side > 0.0 { Wall::Plus } else { Wall::Minus },
             start_time: self.streak_start,

@@ -1,9 +1,9 @@
-//! One lane: a free decay reduced to the numbers that strides change, and arrays of such lanes.
+//! One lane: a free decay reduced to the numbers that fast flights change, and arrays of such lanes.
 
 use super::flying::{Flying, Flyings};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::host::HostState;
-use crate::lanes::Home;
+use crate::lanes::ScalarRun;
 use crate::lanes::arrays::arrays;
 use crate::lanes::watch::{Watch, Watches};
 use crate::measures::Measures;
@@ -33,14 +33,14 @@ impl Lane {
         Lane { flying: Flying::idle(), watch: Watch::idle(), ..Lane::default() }
     }
 
-    /// A run that has come to where strides can go on; `None` if it has not.
-    pub fn of(run: &Home<'_, Siva>, reach: f64) -> Option<Self> {
+    /// A run that has come to where fast flights can go on; `None` if it has not.
+    pub fn of(run: &ScalarRun<'_, Siva>, reach: f64) -> Option<Self> {
         let watch = Watch::of(&run.observer.0);
         Some(Lane { flying: Flying::of(run, reach)?, watch, ..Lane::default() })
     }
 
     /// Puts the numbers back into the run.
-    pub fn put_back(&self, run: &mut Home<'_, Siva>) {
+    pub fn put_back(&self, run: &mut ScalarRun<'_, Siva>) {
         self.flying.put_back(run, ());
         self.put_measures(&mut run.observer.0);
     }
@@ -84,10 +84,10 @@ impl Lane {
         {
             // Where none was passed here, one before may have been.
             if level != 0.0 {
-                let primary = Primary { x: Sum::new(x), v: Sum::new(v) };
-                let host = HostState { primary, acceleration: Sum::new(a), phase: () };
+                let primary = Primary { x: DoubleDouble::new(x), v: DoubleDouble::new(v) };
+                let host = HostState { primary, acceleration: DoubleDouble::new(a), phase: () };
                 let origin = SivaState { host, ..self.flying.state(()) };
-                let start = Sum { value: time, rest };
+                let start = DoubleDouble { value: time, rest };
                 last.passed(Crossing { origin, riding: false, start, h: [from, to], level });
             }
         }

@@ -1,18 +1,18 @@
 //! One evaluation of a flight, and what follows from it.
 //!
 //! The same numbers in the same order as in the event loop, without branches. What cannot be done here is left
-//! as it is, and asks for care.
+//! as it is, and requests its run.
 
 use super::flying::{FAR, FULL, Flying, NEAR, SEARCH, STOP};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::force::{Push, Pushes};
 use crate::host::{HostState, Moment, Structure};
 use crate::lanes::pick;
 use crate::oscillator::Primary;
 use crate::quintic::root;
 use crate::simulate::wall::REBOUND_LOOK;
+use crate::siva::fast_flight::{LOOKS, Quintic, at_wall, to_wall};
 use crate::siva::motion::arrived;
-use crate::siva::stride::{LOOKS, Quintic, at_wall, to_wall};
 use crate::siva::{SivaState, collided};
 
 /// A rebound this low against what presses, u/(A (1 − e)), may be one whose tail is summed: that is for
@@ -30,7 +30,7 @@ impl Pick for () {
     fn pick(_which: bool, _yes: &Self, _no: &Self) {}
 }
 
-impl Pick for Sum {
+impl Pick for DoubleDouble {
     #[inline(always)]
     fn pick(which: bool, yes: &Self, no: &Self) -> Self {
         Self { value: pick(which, yes.value, no.value), rest: pick(which, yes.rest, no.rest) }
@@ -41,9 +41,9 @@ impl Pick for Push {
     #[inline(always)]
     fn pick(which: bool, yes: &Self, no: &Self) -> Self {
         Self {
-            value: Sum::pick(which, &yes.value, &no.value),
-            rate: Sum::pick(which, &yes.rate, &no.rate),
-            second: Sum::pick(which, &yes.second, &no.second),
+            value: DoubleDouble::pick(which, &yes.value, &no.value),
+            rate: DoubleDouble::pick(which, &yes.rate, &no.rate),
+            second: DoubleDouble::pick(which, &yes.second, &no.second),
             third: pick(which, yes.third, no.third),
         }
     }
@@ -53,7 +53,7 @@ impl Pick for Moment {
     #[inline(always)]
     fn pick(which: bool, yes: &Self, no: &Self) -> Self {
         Self {
-            time: Sum::pick(which, &yes.time, &no.time),
+            time: DoubleDouble::pick(which, &yes.time, &no.time),
             kicks: no.kicks,
             pushes: Pushes {
                 primary: Push::pick(which, &yes.pushes.primary, &no.pushes.primary),
@@ -69,15 +69,19 @@ impl<P: Pick> Pick for SivaState<P> {
         Self {
             host: HostState {
                 primary: Primary {
-                    x: Sum::pick(which, &yes.host.primary.x, &no.host.primary.x),
-                    v: Sum::pick(which, &yes.host.primary.v, &no.host.primary.v),
+                    x: DoubleDouble::pick(which, &yes.host.primary.x, &no.host.primary.x),
+                    v: DoubleDouble::pick(which, &yes.host.primary.v, &no.host.primary.v),
                 },
-                acceleration: Sum::pick(which, &yes.host.acceleration, &no.host.acceleration),
+                acceleration: DoubleDouble::pick(
+                    which,
+                    &yes.host.acceleration,
+                    &no.host.acceleration,
+                ),
                 phase: P::pick(which, &yes.host.phase, &no.host.phase),
             },
             side: pick(which, yes.side, no.side),
-            distance: Sum::pick(which, &yes.distance, &no.distance),
-            rate: Sum::pick(which, &yes.rate, &no.rate),
+            distance: DoubleDouble::pick(which, &yes.distance, &no.distance),
+            rate: DoubleDouble::pick(which, &yes.rate, &no.rate),
         }
     }
 }
@@ -98,7 +102,7 @@ pub(super) struct Look<P> {
     approach: f64,
     pressure: f64,
     pub hit: bool,
-    clock: Sum,
+    clock: DoubleDouble,
     remaining: f64,
     /// True if a span is behind.
     pub passed: bool,
@@ -131,7 +135,7 @@ pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
     // Close to a wall: the contact, the impact, and whether the loop has to see to what follows.
     let (later, close) = to_wall(free, &near, lane.clearance, far, lane.h);
     let touching = at_wall(free, &near, far, later);
-    let share = Sum { value: lane.share, rest: lane.share_rest };
+    let share = DoubleDouble { value: lane.share, rest: lane.share_rest };
     let after = collided(free, &touching, share, lane.restitution);
     let approach = -touching.rate.value;
     let pressure = -(after.side * after.host.acceleration.value);
@@ -192,15 +196,15 @@ impl<P: Pick> Look<P> {
         let hit = self.hit & done;
         let good_guess = (self.guess > 0.0) & (self.guess <= lane.h);
         let mut next = *lane;
-        next.care = pick(done | (self.meets & good_guess) | self.looks_again, 0.0, 1.0);
+        next.request = pick(done | (self.meets & good_guess) | self.looks_again, 0.0, 1.0);
         next.put_state(&self.next_state(done));
         let remaining_before = -lane.clock().minus(lane.stop);
         let whole = !hit & (lane.h == remaining_before);
-        let Sum { value, rest } = self.clock;
+        let DoubleDouble { value, rest } = self.clock;
         (next.time, next.time_rest) =
             (pick(done, value, lane.time), pick(done, rest, lane.time_rest));
         next.work = lane.work + pick(done, 1.0, 0.0);
-        self.strike(&mut next, lane, hit);
+        self.apply_impact(&mut next, lane, hit);
 
         // What comes next.
         let rebounds = hit & (self.pressure > 0.0);
@@ -220,10 +224,10 @@ impl<P: Pick> Look<P> {
 
     /// Counts an impact.
     #[inline(always)]
-    fn strike(&self, next: &mut Flying, lane: &Flying, hit: bool) {
+    fn apply_impact(&self, next: &mut Flying, lane: &Flying, hit: bool) {
         let (approach, side) = (self.approach, self.touching.side);
         let loss = lane.loss_factor * (approach * approach);
-        let losses = Sum { value: lane.losses, rest: lane.losses_rest }.plus(loss);
+        let losses = DoubleDouble { value: lane.losses, rest: lane.losses_rest }.plus(loss);
         next.losses = pick(hit, losses.value, lane.losses);
         next.losses_rest = pick(hit, losses.rest, lane.losses_rest);
         let v = self.touching.host.primary.v.value;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Harmonic};
 use crate::taylor::Swing;
 
@@ -48,8 +48,10 @@ fn no_later_coefficient_exceeds_its_bound() {
         let driven = index % 2 == 1;
         let force = Force::harmonic(Vec::from_iter(driven.then_some(harmonic))).unwrap();
         for (order, h) in [(10, 0.5), (16, 0.6), (20, 0.4), (20, 1.0)] {
-            let (near, far) =
-                (force.drive(Sum::ZERO, Sum::ZERO, h), force.drive(Sum::ZERO, Sum::ZERO, h));
+            let (near, far) = (
+                force.drive(DoubleDouble::ZERO, DoubleDouble::ZERO, h),
+                force.drive(DoubleDouble::ZERO, DoubleDouble::ZERO, h),
+            );
             let short = pendulum.series::<f64, { ORDER + 1 }>(&start, Some(&near), h, order);
             let long = pendulum.series::<f64, LONG>(&start, Some(&far), h, LONG - 1);
             let remainder = Remainder::prove(&pendulum, &short, &force, h, order).unwrap();

@@ -1,7 +1,7 @@
 //! Integrals along the spans of all lanes: the quadrature of [`crate::host`], lane by lane in every operation.
 
 use super::lane::{Lanes, Single};
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::host::driven::integral::{COUNT, node, sum_of, weight};
 use crate::host::{Course, Driven, HostState, Moment};
 use crate::lanes::pick;
@@ -69,8 +69,9 @@ impl<const W: usize> Integrals<W> {
         for i in 0..W {
             let done = self.done[i] > 0.0;
             let lost = lanes.damping[i] * square[i] * self.length[i];
-            let viscous = Sum { value: lanes.viscous[i], rest: lanes.viscous_rest[i] }.plus(lost);
-            let worked = Sum { value: lanes.worked[i], rest: lanes.worked_rest[i] }
+            let viscous =
+                DoubleDouble { value: lanes.viscous[i], rest: lanes.viscous_rest[i] }.plus(lost);
+            let worked = DoubleDouble { value: lanes.worked[i], rest: lanes.worked_rest[i] }
                 .plus(work[i] * self.length[i]);
             lanes.viscous[i] = pick(done, viscous.value, lanes.viscous[i]);
             lanes.viscous_rest[i] = pick(done, viscous.rest, lanes.viscous_rest[i]);
@@ -93,7 +94,8 @@ impl<const W: usize> Integrals<W> {
         for i in 0..W {
             let counts = self.counts[i] > 0.0;
             let square = square[i] * self.length[i];
-            let sum = Sum { value: lanes.square[i], rest: lanes.square_rest[i] }.plus(square);
+            let sum =
+                DoubleDouble { value: lanes.square[i], rest: lanes.square_rest[i] }.plus(square);
             lanes.square[i] = pick(counts, sum.value, lanes.square[i]);
             lanes.square_rest[i] = pick(counts, sum.rest, lanes.square_rest[i]);
         }

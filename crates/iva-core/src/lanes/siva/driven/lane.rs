@@ -1,9 +1,9 @@
-//! One lane: a driven run reduced to the numbers that strides change, and arrays of such lanes.
+//! One lane: a driven run reduced to the numbers that fast flights change, and arrays of such lanes.
 
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Pushes};
 use crate::host::{Driven, DrivenHost, Host, Moment, Source};
-use crate::lanes::Home;
+use crate::lanes::ScalarRun;
 use crate::lanes::arrays::arrays;
 use crate::lanes::siva::flying::{Flying, Flyings};
 use crate::oscillator::Equation;
@@ -50,7 +50,7 @@ impl Source for Single {
         drive
     }
 
-    fn precise(&self, time: Clock, h: f64) -> Drive<Sum> {
+    fn precise(&self, time: Clock, h: f64) -> Drive<DoubleDouble> {
         let mut drive = Drive::NOTHING;
         self.0.add_precise(&mut drive.primary, time, h);
         drive
@@ -76,7 +76,7 @@ impl Lane {
     #[inline(always)]
     pub fn structure(&self) -> Driven<Single> {
         let Self { amplitude, frequency, angle: phase, damping, growth, .. } = *self;
-        let third = Sum::new(1.0).over(3.0);
+        let third = DoubleDouble::new(1.0).over(3.0);
         let excess = [
             self.excess_0,
             self.excess_1,
@@ -97,7 +97,7 @@ impl Lane {
 
     #[inline(always)]
     pub fn state(&self, free: &Driven<Single>) -> SivaState<Moment> {
-        let time = Sum { value: self.instant, rest: self.instant_rest };
+        let time = DoubleDouble { value: self.instant, rest: self.instant_rest };
         self.flying.state(Moment { time, kicks: 0, pushes: free.source.pushes(time, time) })
     }
 
@@ -107,8 +107,8 @@ impl Lane {
         Self { flying: Flying::idle(), strobe: never, from: never, step: 1.0, ..Self::default() }
     }
 
-    /// A run that has come to where strides can go on; `None` if it has not.
-    pub fn of(run: &Home<'_, Siva<DrivenHost>>) -> Option<Self> {
+    /// A run that has come to where fast flights can go on; `None` if it has not.
+    pub fn of(run: &ScalarRun<'_, Siva<DrivenHost>>) -> Option<Self> {
         let Driven { equation, reach, step, excess, .. } = run.system.host.free();
         let harmonic = run.system.force().map(Force::harmonics)?.first()?;
         let flying = Flying::of(run, *reach)?;
@@ -149,10 +149,10 @@ impl Lane {
     }
 
     /// Puts the numbers back into the run.
-    pub fn put_back(&self, run: &mut Home<'_, Siva<DrivenHost>>) {
+    pub fn put_back(&self, run: &mut ScalarRun<'_, Siva<DrivenHost>>) {
         let phase = self.state(&self.structure()).host.phase;
         self.flying.put_back(run, phase);
-        let sum = |value, rest| Sum { value, rest };
+        let sum = |value, rest| DoubleDouble { value, rest };
         let wall = run.streak.as_ref().map(|streak| streak.wall);
         let (measures, steady) = &mut run.observer;
         measures.viscous = sum(self.viscous, self.viscous_rest);

@@ -4,7 +4,7 @@
 
 use super::integrals::Integrals;
 use super::lane::Lanes;
-use crate::compensated::Sum;
+use crate::compensated::DoubleDouble;
 use crate::flight::Arc;
 use crate::host::Structure;
 use crate::host::turning::Turned;
@@ -33,7 +33,7 @@ pub(super) fn steps<const W: usize, const EXTREMES: bool>(
         let clock = flying.clock();
         let ahead = -clock.minus(lane.from);
         let counts = ahead <= 0.0;
-        let strobe = Sum { value: lane.strobe, rest: lane.strobe_rest };
+        let strobe = DoubleDouble { value: lane.strobe, rest: lane.strobe_rest };
         let strobed = (strobe - clock).value <= length + NEARBY * (clock.value + length);
         let mut simple = (counts | (ahead >= length)) & !strobed;
         let (mut largest, mut acceleration) = (lane.largest, lane.acceleration);

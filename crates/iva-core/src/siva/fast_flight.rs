@@ -1,6 +1,6 @@
-//! A stride: a stretch of flight that two evaluations or so decide.
+//! A fast flight: a stretch of flight that two evaluations or so decide.
 //!
-//! Nearly every stretch of flight is simple: it meets no wall, or one wall once and not flatly. A stride
+//! Nearly every stretch of flight is simple: it meets no wall, or one wall once and not flatly. A fast flight
 //! proves that it is simple or gives up; what it gives up is searched by [`crate::contact`]. It goes
 //! without branches, so that many can go side by side ([`crate::lanes`]).
 //!
@@ -22,8 +22,8 @@
 
 use super::SivaState;
 use super::motion::{SivaFlight, arrived};
-use crate::compensated::Sum;
-use crate::flight::{Glide, Meets};
+use crate::compensated::DoubleDouble;
+use crate::flight::{FastFlight, Meets};
 use crate::host::{Host, HostState, Phase, Structure};
 use crate::oscillator::Primary;
 use crate::quintic::{monomials, root};
@@ -198,15 +198,15 @@ pub(crate) fn at_wall<R: Real, S: Structure<Real = R>>(
     SivaState {
         host: HostState { primary, acceleration, phase: free.later(&phase, later) },
         side: turn * state.side,
-        distance: Sum::ZERO,
-        rate: Sum { value: turn * rate.value, rest: turn * rate.rest },
+        distance: DoubleDouble::ZERO,
+        rate: DoubleDouble { value: turn * rate.value, rest: turn * rate.rest },
     }
 }
 
 impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
-    /// A stride of this length, if it is one.
+    /// A fast flight of this length, if it is one.
     #[inline(always)]
-    pub(super) fn stride(&self, length: R) -> Option<Glide<SivaState<Phase<H>, R>, R>> {
+    pub(super) fn fast_flight(&self, length: R) -> Option<FastFlight<SivaState<Phase<H>, R>, R>> {
         let (free, course, state) = (self.structure(), &self.course, &self.from);
         let clearance = self.siva.clearance;
         let mut end = arrived(free, course, state, length);
@@ -214,7 +214,7 @@ impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
         let proof = quintic.proof();
         if proof.free {
             free.refresh(&mut end.host);
-            return Some(Glide { length, later: R::ZERO, end, meets: Meets::Nothing });
+            return Some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing });
         }
         let far = proof.meets[1];
         if !(far || proof.meets[0]) {
@@ -229,7 +229,7 @@ impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
             let (later, close) = to_wall(free, &near, clearance, far, h);
             if close {
                 let end = at_wall(free, &near, far, later);
-                return Some(Glide { length: h, later, end, meets: Meets::Wall });
+                return Some(FastFlight { length: h, later, end, meets: Meets::Wall });
             }
             h += later;
         }

@@ -69,22 +69,22 @@ impl<H: Host<Real = f64>> Stretch<H> {
         let u = |k| spread(i, k);
         let small = |k| 10f64.powf(-12.0 * u(k)) * if u(k + 1) < 0.5 { 1.0 } else { -1.0 };
         let (v, x) = (std::f64::consts::TAU * u(4)).sin_cos();
-        let primary = Primary { x: Sum::new(x), v: Sum::new(v) };
-        let host = siva.host.state(siva.host.begin_at(Sum::ZERO), primary);
+        let primary = Primary { x: DoubleDouble::new(x), v: DoubleDouble::new(v) };
+        let host = siva.host.state(siva.host.begin_at(DoubleDouble::ZERO), primary);
         let course = siva.host.free().course(&host);
         let length = siva.host.free().reach(&course) * if u(2) < 0.5 { 1.0 } else { u(3) };
         let wall = if u(5) < 0.5 { 0.0 } else { 2.0 * siva.clearance };
         let touching = SivaState {
             host,
             side: if u(6) < 0.5 { 1.0 } else { -1.0 },
-            distance: Sum::new(wall + small(7)),
-            rate: Sum::new(if u(9) < 0.5 { 0.0 } else { small(10) }),
+            distance: DoubleDouble::new(wall + small(7)),
+            rate: DoubleDouble::new(if u(9) < 0.5 { 0.0 } else { small(10) }),
         };
         let mut from = flown(&siva, &touching, -(1.2 * u(12) - 0.1) * length);
         if u(13) < 0.3 {
             // A rebound.
-            from.distance = Sum::ZERO;
-            from.rate = Sum::new(small(14).abs());
+            from.distance = DoubleDouble::ZERO;
+            from.rate = DoubleDouble::new(small(14).abs());
         }
         let inside = (0.0..=2.0 * siva.clearance).contains(&from.distance.value);
         inside.then_some(Self { siva, from, length })
@@ -161,7 +161,7 @@ fn contacts_are_on_the_wall<H: Host<Real = f64>>(siva: impl Fn(u32) -> Siva<H>) 
     for i in 1..40_000 {
         let Some(stretch) = Stretch::planted(i, siva(i)) else { continue };
         let Stretch { siva, from, length } = &stretch;
-        let stride = stretch.flight().stride(*length);
+        let stride = stretch.flight().fast_flight(*length);
         let Some(stride) = stride.filter(|stride| stride.meets == Meets::Wall) else { continue };
         contacts += 1;
         let there = flown(siva, from, stride.length + stride.later);
