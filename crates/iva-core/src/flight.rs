@@ -79,7 +79,7 @@ pub enum Side {
 pub struct FastFlight<State, R = f64> {
     /// Its length, rounded.
     pub length: R,
-    /// What the length lacks.
+    /// What the rounded length lacks: to be added to it.
     pub later: R,
     /// The state at its end.
     pub end: State,
@@ -94,7 +94,7 @@ pub enum Meets {
     Nothing,
     /// A wall that the state at its end is in contact with.
     Wall,
-    /// A wall that the state at its end has reached but for rounding.
+    /// A wall that the state at its end has reached within rounding.
     Near(Side),
 }
 

@@ -63,7 +63,7 @@ pub trait Structure: std::fmt::Debug {
     fn equation(&self) -> &Equation<Self::Real>;
     /// The course of the motion from a state.
     fn course(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Course;
-    /// The same by the best instructions that the machine has, where it is much to do.
+    /// The same with the best instructions of the machine, where that is worth it.
     #[inline(always)]
     fn fast_course(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Course {
         self.course(from)
@@ -192,7 +192,8 @@ pub trait Host: Clone + std::fmt::Debug {
         phase: &Phase<Self>,
         v: DoubleDouble<Self::Real>,
     ) -> DoubleDouble<Self::Real>;
-    /// Numbers whose signs say to which side it starts, where the state does not.
+    /// Derivatives of the drive at the begin: the first that is not 0 decides from which wall distances are measured, where
+    /// the state leaves it open.
     fn leaning(&self, _phase: &Phase<Self>) -> [Self::Real; 3] {
         [Self::Real::ZERO; 3]
     }
@@ -212,7 +213,7 @@ pub trait Host: Clone + std::fmt::Debug {
     fn after_impulse(&self, phase: &Phase<Self>) -> Phase<Self> {
         *phase
     }
-    /// The structure in motion by itself, from where its velocity has jumped.
+    /// The state of the structure after its velocity has jumped, with the acceleration computed anew.
     fn state(
         &self,
         phase: Phase<Self>,

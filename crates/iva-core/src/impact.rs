@@ -1,6 +1,11 @@
 //! The impact law of two masses (paper, Eqs. 9–14): momentum is conserved and the gap velocity w
 //! turns into −e w.
 //!
+//! Who applies the law: [`crate::siva`] with rounding rests (`collided`, and where the absorber sticks), the lanes through
+//! it, [`crate::propagation`] as a matrix, [`Impact::of_free_mass`] in plain numbers for absorbers that carry no rests; a
+//! pendulum has a law of its own (`piva/impact_law.rs`), which takes [`primary_share`]. The sum of a chatter
+//! ([`crate::chatter`]) assumes that e does not depend on the speed.
+//!
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. Of the printed
 //! conditions for an impact (Eqs. 7, 8) the approach (wall · w > 0) is missing; the event loop
 //! demands it.
@@ -11,7 +16,7 @@ use crate::system::{Point, Wall};
 
 /// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13).
 ///
-/// With its rounding rest: at e = 1 a share off by half a unit in the last place would make the
+/// Returned as value and rounding rest: at e = 1 a share off by half a unit in the last place would make the
 /// energy drift from impact to impact.
 pub fn primary_share<R: Real>(mass_ratio: R, restitution: R) -> DoubleDouble<R> {
     let gain = DoubleDouble::new(R::ONE).plus(restitution).times(mass_ratio);
@@ -26,8 +31,8 @@ pub fn energy_loss<R: Real>(mass_ratio: R, restitution: R, approach: R) -> R {
         * (approach * approach)
 }
 
-/// The time in which something that rounding has left over is gone, at this rate and with this second
-/// derivative; 0 where the rate would change meanwhile, as in a grazing.
+/// Time in which the small distance that rounding has left over is covered, at constant rate; 0 if the rate
+/// would change noticeably in that time, as in a grazing.
 #[inline]
 pub fn delay<R: Real>(left: R, rate: R, curvature: R) -> R {
     let delay = -left / rate;
@@ -35,7 +40,7 @@ pub fn delay<R: Real>(left: R, rate: R, curvature: R) -> R {
     if steady { delay } else { R::ZERO }
 }
 
-/// Share of the rate that may change meanwhile.
+/// Largest relative change of the rate for which [`delay`] is used.
 const SHORT: f64 = 1e-6;
 
 /// One impact of a run, in natural units: time in 1/ωn, velocities in ωn × length, energies per

@@ -62,24 +62,21 @@ type Observers<S> = (Measures<S>, Option<Steady>);
 pub type Ended<S> = (Tally<<S as System>::State>, MeasureValues, Option<SteadyValues>);
 
 /// An absorber whose runs can go side by side; as it stands here, they go one by one.
-pub trait SideBySide: System<Real = f64> {
+pub trait SideBySide: System<Real = f64> + Sized {
     /// What all lanes of a group have in common; `None`: this run is for the event loop.
-    fn common(&self) -> Option<[f64; 2]> {
+    fn common(_job: &Job<Self>) -> Option<[f64; 2]> {
         None
     }
 
     /// Runs a group of those that have something in common.
-    fn run(group: Group<'_, Self>)
-    where
-        Self: Sized,
-    {
+    fn run(group: Group<'_, Self>) {
         group.one_by_one();
     }
 }
 
 impl SideBySide for Siva {
-    fn common(&self) -> Option<[f64; 2]> {
-        Some([self.damping_ratio(), 0.0])
+    fn common(job: &Job<Self>) -> Option<[f64; 2]> {
+        Some([job.system.damping_ratio(), 0.0])
     }
 
     fn run(group: Group<'_, Self>) {
@@ -94,9 +91,10 @@ impl SideBySide for Siva {
 impl<H: Host<Real = f64>> SideBySide for Alone<H> {}
 
 impl SideBySide for Siva<DrivenHost> {
-    fn common(&self) -> Option<[f64; 2]> {
-        let force = self.force().filter(|force| force.is_single() && !force.moves_base());
-        force.map(|_| [0.0; 2])
+    fn common(job: &Job<Self>) -> Option<[f64; 2]> {
+        let force = job.system.force().filter(|force| force.is_single() && !force.moves_base());
+        let siva::AskedSteady { extremes, square } = siva::AskedSteady::of(job);
+        force.map(|_| [extremes, square].map(|asked| f64::from(u8::from(asked))))
     }
 
     fn run(group: Group<'_, Self>) {
@@ -105,10 +103,11 @@ impl SideBySide for Siva<DrivenHost> {
 }
 
 impl SideBySide for Piva {
-    fn common(&self) -> Option<[f64; 2]> {
-        let alone = self.pendulum.small_angles || !self.force().is_none();
-        let damped = if self.pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
-        (!alone).then_some([self.accuracy.tolerance, damped])
+    fn common(job: &Job<Self>) -> Option<[f64; 2]> {
+        let Piva { pendulum, accuracy, .. } = &job.system;
+        let alone = pendulum.small_angles || !job.system.force().is_none();
+        let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
+        (!alone).then_some([accuracy.tolerance, damped])
     }
 
     fn run(group: Group<'_, Self>) {
@@ -120,7 +119,7 @@ impl SideBySide for Piva {
 trait Lockstep<S: SideBySide>: Sized {
     /// Idle lanes for absorbers like that of a run, and the measures wanted.
     fn new(job: &Job<S>, wanted: Wanted) -> Self;
-    /// Gives an absorber what those of the other lanes have as well.
+    /// Makes an absorber share the tables of those in the other lanes.
     fn join(&self, _system: &S) {}
     /// Goes one evaluation on in each lane; true if one needs its run.
     fn evaluate(&mut self) -> bool;
@@ -156,7 +155,7 @@ pub fn run<S: SideBySide>(
         system.check_start(start)?;
         limits.check()?;
     }
-    let common = |index: &usize| jobs[*index].system.common();
+    let common = |index: &usize| S::common(&jobs[*index]);
     let mut order: Vec<usize> = (0..jobs.len()).collect();
     // What the loop runs comes first, as −∞.
     let key = |index: &usize| common(index).unwrap_or([-f64::INFINITY; 2]);

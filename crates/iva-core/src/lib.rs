@@ -32,12 +32,16 @@
 //!   [`roots`] and [`contact`] the certified search for what ends it, [`impact`] and [`chatter`] what
 //!   happens then.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
+//! * [`lanes`] is the same loop for many runs side by side. Its lanes carry copies of what a run and its measures
+//!   change in simple flights (`lanes/watch.rs`), and go back to the run for everything else.
 //! * [`range`] holds the numbers that a run accepts.
 //! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] and, under force,
 //!   [`steady`] watch a run.
 //! * [`propagation`] watches as well: it estimates what errors have grown to.
 //! * [`run`] does all of it in one call.
 //! * [`theory`] holds steady states known in closed form; no run uses it.
+//!
+//! How to add a measure, a field or an absorber is told in `CONTRIBUTING.md` and `docs/adding-an-absorber.md`.
 //!
 //! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight
 //! ends with a contact and proof that none came earlier, or with proof that there is none (see

@@ -235,7 +235,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
 
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         self.work = self.work.plus(work);
-        // What is given later hides what is lost.
+        // After a later impulse the energy lost since the start cannot be told.
         self.energy_begin = if self.moving { R::ZERO } else { system.energy(state) };
     }
 

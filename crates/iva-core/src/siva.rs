@@ -83,7 +83,7 @@ pub struct Siva<H: Host = UndrivenHost> {
     clearance: H::Real,
     /// Share of the gap velocity that the primary gains at an impact.
     pub(crate) impact_share: DoubleDouble<H::Real>,
-    /// The same where the absorber sticks.
+    /// The same for e = 0, for an absorber that sticks.
     pub(crate) stick_share: DoubleDouble<H::Real>,
     pub(crate) host: H,
 }

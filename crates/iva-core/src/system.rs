@@ -160,7 +160,7 @@ pub trait System {
     fn moves_base(&self) -> bool {
         false
     }
-    /// How long the force stays smooth: until it bends, jumps or kicks.
+    /// How long the force stays smooth: the time until it has a kink, a jump or an impulse.
     fn smooth_for(&self, _state: &Self::State) -> Self::Real {
         Self::Real::INFINITY
     }

@@ -17,7 +17,7 @@ pub struct Column {
     pub quantity: Quantity,
     /// One line of explanation, kept in the Arrow field metadata.
     pub help: &'static str,
-    /// What of a run it is computed with.
+    /// The group of measures that must be computed to get it.
     pub group: Group,
     /// Which end is the better one, of a measure that points can be ranked by.
     pub better: Option<Better>,
@@ -74,7 +74,7 @@ macro_rules! described {
     };
 }
 
-/// The group of an entry; of one that names none it is what every run has.
+/// The group of an entry; [`Group::Run`] if it names none.
 const fn first(groups: &[Group]) -> Group {
     groups[0]
 }

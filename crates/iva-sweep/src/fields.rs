@@ -179,7 +179,7 @@ pub struct Field {
     pub help: &'static str,
 }
 
-/// The kinds that a row of the table ends with; without any, all.
+/// The kinds listed in a row of the table; all kinds if none is listed.
 const fn or_all(kinds: &'static [Kind]) -> &'static [Kind] {
     if kinds.is_empty() { &Kind::ALL } else { kinds }
 }
@@ -258,7 +258,8 @@ fields! {
     ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)" Siva Piva;
 }
 
-/// Of each field the first that sets the same quantity: asked at every point of a sweep.
+/// For each field the index of the first field that sets the same quantity: computed once, because sweeps ask at
+/// every point.
 static QUANTITIES: [usize; FIELD_COUNT] = {
     let mut first = [0; FIELD_COUNT];
     let mut id = 0;

@@ -3,7 +3,8 @@
 //! From what a user gives to Arrow tables:
 //! [`fields`] (every number a user can give) → [`design`] (one point, alternatives settled, in
 //! natural units; [`scene`] is what runs) → [`study`] (points, by [`sampling`], and outputs) → [`sweep`] (rayon over the points) → [`tables`]
-//! (Arrow). No files, no Python.
+//! (Arrow; what stands in each column is told by [`columns`]). No files, no Python. How to add a measure or a field is told
+//! in `CONTRIBUTING.md`.
 //!
 //! What happens to one point, from its fields to the cells of its rows, is [`engine`]: written once, for any
 //! [number](iva_core::real).

@@ -13,7 +13,7 @@ use crate::engine::scene::Scene;
 use crate::error::Invalid;
 use crate::study::Study;
 
-/// What the summaries of some points are asked for with.
+/// What all calls of [`summaries`] of a sweep have in common.
 #[derive(Clone, Copy)]
 pub(crate) struct Asked<'a> {
     pub study: &'a Study,

@@ -16,7 +16,7 @@ use crate::real::Real;
 use crate::simulate::STOPS;
 use crate::siva::Siva;
 use crate::system::System;
-pub(super) use driven::DrivenFastFlights;
+pub(super) use driven::{AskedSteady, DrivenFastFlights};
 
 use flying::STOP;
 use lane::{Lane, Lanes};
@@ -105,7 +105,7 @@ fn evaluate<const W: usize, const LEDGER: bool>(lanes: &mut Lanes<W>, free: &Osc
     requests > 0.0
 }
 
-/// Goes on after a stop within the run; false: something else has ended it.
+/// Goes on after a stop within the run; false: the run goes back to the event loop.
 fn pass_stop(run: &mut ScalarRun<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
     let flying = &mut lane.flying;
     if flying.stop == f64::TURN.value {

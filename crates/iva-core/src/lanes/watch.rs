@@ -17,7 +17,7 @@ arrays! {
     viscous, viscous_rest,
     /// The half cycle under way; how many have ended.
     peak_time, peak_x, peak_sign, half_cycles,
-    /// The largest |x| late in the run, and from when on that is.
+    /// Largest |x| in the last period and in the last half period, and where each begins.
     amplitude, late_from, later_from, late, later,
     /// The peak that has just been ended, if `peaked`.
     peaked, ended_time, ended_x,
@@ -118,7 +118,7 @@ pub(super) struct Stretch {
     pub x: [f64; 3],
     /// and when.
     pub h: [f64; 3],
-    /// Whether it turns; if not, the second of these are the first.
+    /// Whether it turns; if not, `x[1]` is `x[0]` and `h[1]` is `h[0]`.
     pub turns: bool,
     /// What the primary's damper takes.
     pub loss: f64,

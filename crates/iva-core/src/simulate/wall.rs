@@ -43,7 +43,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             }),
         };
         streak.energy_loss += impact.energy_loss;
-        // With e = 1 nothing shrinks towards a stick: a low impact is a row at once.
+        // With e = 1 no chatter dies out, so low impacts are listed immediately.
         let dies_out = self.system.rebound_ratio() < 1.0 || impact.approach_speed() == 0.0;
         if dies_out && impact.approach_speed() <= self.limits.chatter_floor {
             streak.low += 1;

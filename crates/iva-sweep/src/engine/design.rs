@@ -1,5 +1,4 @@
 //! One design point: from the fields a user gave to the scene the core runs.
-
 //!
 //! [`Spec`] holds fields as given; [`Given::design`] settles the alternatives (mass or mass ratio;
 //! clearance, gap or relative clearance; …) without guessing and converts to natural units.

@@ -43,7 +43,7 @@ pub(crate) fn parameters<R: Real>(
     let Choices { angles, impact_law, .. } = *given.spec.choices();
     let inertia_ratio = given.get(FieldId::InertiaRatio).unwrap_or(R::ONE);
     let Swing { frequency_ratio, hanging } = swing(given, angles, inertia_ratio, scale)?;
-    // Where it drops out, any length will do.
+    // If the motion does not depend on the length, the clearance stands in its place.
     let length = hanging.as_ref().map_or(clearance, |hanging| hanging.length);
     let parameters = Parameters {
         mass_ratio,
@@ -132,7 +132,7 @@ fn swing<R: Real>(
     }
 }
 
-/// The start of a pendulum: gap or angle, each with or without the other's rate.
+/// The start of a pendulum: its place as gap or angle, its rate as gap or angular velocity, independently.
 pub(crate) fn start<R: Real>(
     given: &Given<'_, R>,
     start: Start<R>,

@@ -138,6 +138,15 @@ fn driven_free_masses_are_the_same_side_by_side() {
         }
         jobs.reverse();
         assert!(together_wanting(&jobs, wanted).iter().rev().eq(&found));
+        // Neighbours of which something else is asked, or nothing.
+        for (job, other) in
+            jobs.iter_mut().step_by(3).zip([Some(rms), None, Some(all)].iter().cycle())
+        {
+            job.steady = job.steady.and_then(|(_, window)| Some(((*other)?, window)));
+        }
+        for (job, found) in jobs.iter().zip(&together_wanting(&jobs, wanted)) {
+            assert_eq!(*found, alone_wanting(job, wanted), "{:?}", job.steady);
+        }
         for (i, job) in jobs.iter_mut().enumerate() {
             job.limits.max_impacts = [3, 10, 10_000_000][i % 3];
             job.limits.max_work = [23, 100, 100_000_000][i / 3 % 3];

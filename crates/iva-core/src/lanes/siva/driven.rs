@@ -25,27 +25,38 @@ pub(in crate::lanes) struct DrivenFastFlights {
 /// What is asked of all lanes.
 #[derive(Debug, Clone, Copy)]
 struct Asked {
-    /// Largest displacements and accelerations.
-    extremes: bool,
-    /// The mean square.
-    square: bool,
+    steady: AskedSteady,
     /// Losses and work.
     ledger: bool,
 }
 
-impl Lockstep<Siva<DrivenHost>> for DrivenFastFlights {
-    fn new(Job { steady, .. }: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
+/// What is asked of the steady states of all lanes.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::lanes) struct AskedSteady {
+    /// Largest displacements and accelerations.
+    pub extremes: bool,
+    /// The mean square.
+    pub square: bool,
+}
+
+impl AskedSteady {
+    pub fn of(job: &Job<Siva<DrivenHost>>) -> Self {
         let SteadyWanted { amplitude, rms, acceleration, regime, .. } =
-            steady.map_or_else(SteadyWanted::default, |(steady, _)| steady);
-        let extremes = amplitude || acceleration || regime;
-        let asked = Asked { extremes, square: rms, ledger: wanted.ledger };
+            job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
+        Self { extremes: amplitude || acceleration || regime, square: rms }
+    }
+}
+
+impl Lockstep<Siva<DrivenHost>> for DrivenFastFlights {
+    fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
+        let asked = Asked { steady: AskedSteady::of(job), ledger: wanted.ledger };
         Self { lanes: Lanes::new(), integrals: Integrals::new(), asked }
     }
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
         let Self { lanes, integrals, asked } = self;
-        if asked.extremes {
+        if asked.steady.extremes {
             step::steps::<LANES, true>(lanes, integrals);
         } else {
             step::steps::<LANES, false>(lanes, integrals);
@@ -53,7 +64,7 @@ impl Lockstep<Siva<DrivenHost>> for DrivenFastFlights {
         if asked.ledger {
             integrals.lose(lanes);
         }
-        if asked.square {
+        if asked.steady.square {
             integrals.square(lanes);
         }
         let mut requests = 0.0;

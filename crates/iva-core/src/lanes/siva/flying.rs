@@ -36,7 +36,7 @@ arrays! {
     aim, h, length, looks, first,
     /// The absorber.
     share, share_rest, restitution, clearance, loss_factor,
-    /// Rebounds at or below are for the loop.
+    /// Impacts with an approach speed at or below this go back to the event loop.
     floor,
     /// Counts and sums.
     impacts, max_impacts, effective, work, max_work, losses, losses_rest,
