@@ -8,7 +8,7 @@
 //!   (`lanes/piva.rs`) are the code of one lane, written for one number; a loop over
 //!   arrays of numbers becomes vector code by itself, for AVX-512, AVX2 or the baseline, whichever the
 //!   machine has. Each lane does all that any may need, and picks.
-//! * **What is not simple goes to the event loop.** Each lane is at home in a
+//! * **What is not simple goes to the event loop.** Each lane belongs to a
 //!   run of the event loop. What is not decided at a glance, a low rebound, a stick, the end: the numbers
 //!   are put back there, the loop does its work, and the lane goes on.
 //! * **The same operations in the same order.** The parts of a stretch are the functions that the
