@@ -160,8 +160,8 @@ def test_pictures_of_sweeps() -> None:
         discard=400,
     )
     axes = plots.forced_response(table)
-    points, grey = line(axes, "computed")[1], line(axes, "without absorber")[1]
-    assert points == pytest.approx(grey, rel=1e-9)
+    points = line(axes, "computed")[1]
+    assert [drawn.get_label() for drawn in axes.get_lines()] == ["computed"]
     expected = [0.1 / math.hypot(1.0 - ratio**2, 2.0 * 0.02 * ratio) for ratio in (0.95, 1.0, 1.05)]
     assert points == pytest.approx(expected, rel=1e-9)
 

@@ -144,7 +144,7 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
             None if part == Part::Absorber => {
                 return Err(source.missing(
                     "the section [absorber] is missing: give kind = \"siva\", mass_ratio, \
-                     restitution and relative_clearance",
+                     restitution and relative_clearance, or kind = \"none\"",
                 ));
             }
             None => {}
@@ -385,14 +385,19 @@ fn read_report(
 }
 
 impl Report {
-    /// The default report of a study that computes these measures: in a decay, under a lasting force, or under one
-    /// without absorber.
-    pub fn new(measures: Selection, spec: &Spec) -> Self {
-        let best_by = match (spec.is_driven(), spec.choices().kind) {
+    /// The measure that points are ranked by unless the study says another.
+    pub fn default_measure(spec: &Spec) -> &'static str {
+        match (spec.is_driven(), spec.choices().kind) {
             (false, _) => BEST_DECAY,
             (true, Kind::None) => BEST_ALONE,
             (true, _) => BEST_DRIVEN,
-        };
+        }
+    }
+
+    /// The default report of a study that computes these measures: in a decay, under a lasting force, or under one
+    /// without absorber.
+    pub fn new(measures: Selection, spec: &Spec) -> Self {
+        let best_by = Self::default_measure(spec);
         Self {
             best_by: Some(best_by).filter(|name| measures.contains(name)),
             count: crate::report::DEFAULT_COUNT,

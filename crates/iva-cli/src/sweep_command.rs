@@ -10,10 +10,11 @@ use serde_json::{Map, Value, json};
 use crate::args::SweepArgs;
 use crate::error::Error;
 use crate::interrupt;
+use crate::layout::wrap;
 use crate::log::Log;
 use crate::manifest::Manifest;
 use crate::progress::Progress;
-use crate::report::BestPoints;
+use crate::report::{BestPoints, Report};
 use crate::run_study::{folder, load, log_start, print_written};
 use crate::run_sweep::{Sweep, Watch};
 use crate::threads::workers;
@@ -70,10 +71,15 @@ fn run(all: &SweepArgs, log: &Log) -> Result<String, Error> {
             out.push_str(&best.print(&file.study, units));
         }
         Some(_) => out.push_str("No summary table was asked for, so no best points are listed.\n"),
-        None => out.push_str(
-            "run.measures leaves out settling_time_5, so no best points are listed;\nset \
-             report.best_by to another measure.\n",
-        ),
+        None => {
+            let spec = file.study.spec(0).unwrap_or_else(|_| file.study.spec.clone());
+            let left_out = Report::default_measure(&spec);
+            let sentence = format!(
+                "run.measures leaves out {left_out}, so no best points are listed; set report.best_by to another measure."
+            );
+            out.push_str(&wrap(&sentence));
+            out.push('\n');
+        }
     }
     let written: Vec<_> =
         manifest.tables.iter().map(|table| (table.clone(), manifest.total(table))).collect();

@@ -76,7 +76,7 @@ pub trait SideBySide: System<Real = f64> + Sized {
 
 impl SideBySide for Siva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        Some([job.system.damping_ratio(), 0.0])
+        job.steady.is_none().then(|| [job.system.damping_ratio(), 0.0])
     }
 
     fn run(group: Group<'_, Self>) {
@@ -107,7 +107,7 @@ impl SideBySide for Piva {
         let Piva { pendulum, accuracy, .. } = &job.system;
         let alone = pendulum.small_angles || !job.system.force().is_none();
         let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
-        (!alone).then_some([accuracy.tolerance, damped])
+        (!alone && job.steady.is_none()).then_some([accuracy.tolerance, damped])
     }
 
     fn run(group: Group<'_, Self>) {

@@ -10,7 +10,7 @@ use crate::observe::{Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
 use crate::real::Real;
 use crate::settling::LastCrossing;
-use crate::simulate::{Outcome, Tally};
+use crate::simulate::{Instant, Outcome, Tally};
 use crate::system::System;
 
 /// Peaks below this share of A₀ end the least-squares fit.
@@ -203,12 +203,13 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
 }
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
-    fn start(&mut self, system: &S, state: &S::State, duration: R) {
+    fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
+        let Instant { time, state } = from;
         *self = Self::new(self.wanted);
         let x = system.primary(state).x;
         self.duration = duration;
         self.reference = Reference { amplitude: x.abs(), settled: x != 0.0 };
-        self.half_cycles = HalfCycles::start(x);
+        self.half_cycles = HalfCycles::start(time.value, x);
         self.values.energy_initial = system.energy(state);
         self.energy_begin = self.values.energy_initial;
     }

@@ -3,7 +3,7 @@
 use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::real::Real;
-use crate::simulate::Tally;
+use crate::simulate::{Instant, Tally};
 use crate::system::{Clock, Point, System, Wall};
 
 /// Smooth motion between two neighbouring instants of the run.
@@ -60,7 +60,7 @@ pub enum Jump<'a, State> {
 /// Told of everything that happens in a run, in the order of time.
 pub trait Observer<S: System> {
     /// The run begins and is to last until `duration`.
-    fn start(&mut self, _system: &S, _state: &S::State, _duration: S::Real) {}
+    fn start(&mut self, _system: &S, _from: &Instant<S::State, S::Real>, _duration: S::Real) {}
     /// Smooth motion.
     fn span<M: Motion<Real = S::Real, State = S::State>>(
         &mut self,
@@ -91,8 +91,8 @@ pub trait Observer<S: System> {
 impl<R: Real, S: System<Real = R>> Observer<S> for () {}
 
 impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for &mut O {
-    fn start(&mut self, system: &S, state: &S::State, duration: R) {
-        (**self).start(system, state, duration);
+    fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
+        (**self).start(system, from, duration);
     }
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         (**self).span(system, span);
@@ -121,9 +121,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for &mut O {
 }
 
 impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
-    fn start(&mut self, system: &S, state: &S::State, duration: R) {
+    fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         if let Some(observer) = self {
-            observer.start(system, state, duration);
+            observer.start(system, from, duration);
         }
     }
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
@@ -167,9 +167,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
 }
 
 impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
-    fn start(&mut self, system: &S, state: &S::State, duration: R) {
-        self.0.start(system, state, duration);
-        self.1.start(system, state, duration);
+    fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
+        self.0.start(system, from, duration);
+        self.1.start(system, from, duration);
     }
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.0.span(system, span);

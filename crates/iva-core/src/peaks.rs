@@ -4,7 +4,7 @@ use crate::flight::{Jet, Motion, Rows, Turns};
 use crate::observe::{Observer, Span};
 use crate::polynomial::{jet, turned, turnings};
 use crate::real::Real;
-use crate::simulate::Tally;
+use crate::simulate::{Instant, Tally};
 use crate::system::System;
 
 /// The largest |x| between consecutive zero crossings of x.
@@ -75,9 +75,9 @@ pub(crate) struct HalfCycles<R = f64> {
 }
 
 impl<R: Real> HalfCycles<R> {
-    pub fn start(x: R) -> Self {
+    pub fn start(time: R, x: R) -> Self {
         let sign = if x == 0.0 { R::ZERO } else { x.signum() };
-        Self { current: Peak { time: R::ZERO, displacement: x }, sign, ended: 0 }
+        Self { current: Peak { time, displacement: x }, sign, ended: 0 }
     }
 
     /// Takes the end of a monotone stretch; returns the peak that a zero crossing has ended.
@@ -108,9 +108,9 @@ pub struct Envelope<R = f64> {
 }
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Envelope<R> {
-    fn start(&mut self, system: &S, state: &S::State, _duration: R) {
+    fn start(&mut self, system: &S, from: &Instant<S::State, R>, _duration: R) {
         self.peaks.clear();
-        self.half_cycles = HalfCycles::start(system.primary(state).x);
+        self.half_cycles = HalfCycles::start(from.time.value, system.primary(&from.state).x);
     }
 
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {

@@ -31,7 +31,7 @@ pub(crate) fn square_integral<R: Real, const N: usize>(f: &[R], t: R) -> R {
     (sums[0] + sums[1]) * 2.0 * t
 }
 
-/// ∫₀ᵗ f g of two such polynomials of one order, at most [`ORDER`].
+/// ∫₀ᵗ f g of two polynomials of one order, at most [`ORDER`], that are series cut off where their terms no longer count.
 pub fn product_integral<R: Real>(f: &[R], g: &[R], t: R) -> R {
     let (f, g) = (terms(f, t), terms(g, t));
     let order = f.1;

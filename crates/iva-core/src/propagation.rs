@@ -25,6 +25,7 @@ use nalgebra::{Matrix4, Vector4};
 use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::observe::{Jump, Observer, Span};
+use crate::simulate::Instant;
 use crate::system::{System, Wall};
 
 mod piva;
@@ -110,7 +111,7 @@ pub struct Errors {
     /// What is rounded alike at every rebound on a wall adds up: errors, a column for each rate, that it
     /// has made until the last impact on this wall, and since.
     alike: [Matrix4<f64>; 2],
-    /// Derivative of the state by that at time zero.
+    /// Derivative of the state by that at the begin of the run.
     derivative: Matrix4<f64>,
     wall: Option<Wall>,
     /// Lengths that a condition is relative to: of the start, or the clearance.
@@ -241,7 +242,7 @@ impl Errors {
 }
 
 impl<S: Differentiable> Observer<S> for Errors {
-    fn start(&mut self, system: &S, state: &S::State, _duration: f64) {
+    fn start(&mut self, system: &S, Instant { state, .. }: &Instant<S::State>, _duration: f64) {
         *self = Self::default();
         self.clearance = system.clearance();
         self.wall = (system.distance(state).value == 0.0).then(|| system.wall(state));

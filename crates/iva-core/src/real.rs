@@ -49,7 +49,6 @@ pub trait Real:
     + MulAssign<f64>
     + DivAssign<f64>
     + iter::Sum
-    + iter::Product
 {
     /// 0
     const ZERO: Self;
@@ -61,8 +60,6 @@ pub trait Real:
     const NAN: Self;
     /// ∞
     const INFINITY: Self;
-    /// As [`f64::MIN_POSITIVE`].
-    const MIN_POSITIVE: Self;
     /// 2π with its rounding rest.
     const TURN: DoubleDouble<Self>;
     /// π/2 with its rounding rest.
@@ -227,7 +224,6 @@ impl Real for f64 {
     const EPSILON: f64 = f64::EPSILON;
     const NAN: f64 = f64::NAN;
     const INFINITY: f64 = f64::INFINITY;
-    const MIN_POSITIVE: f64 = f64::MIN_POSITIVE;
     const TURN: DoubleDouble =
         DoubleDouble { value: std::f64::consts::TAU, rest: 2.449_293_598_294_706_4e-16 };
     const QUARTER: DoubleDouble =

@@ -4,6 +4,7 @@ use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
 use crate::real::Real;
+use crate::simulate::Instant;
 use crate::system::{Angle, Clock, System};
 
 /// Primary and absorber at one instant.
@@ -56,7 +57,8 @@ impl<R: Real> Sampler<R> {
 }
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
-    fn start(&mut self, system: &S, _state: &S::State, duration: R) {
+    fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
+        self.next = self.times.iter().take_while(|time| **time < from.time.value).count();
         self.duration = duration;
         self.clearance = system.clearance();
     }

@@ -89,9 +89,11 @@ impl<State, R: Real> Instant<State, R> {
 
 /// Goes on from an instant of a run, to the same `limits.duration`; `tally` counts from there.
 ///
-/// A state that touches its wall sticks if it presses on it at rest, and else leaves or is struck. Impacts of a
-/// chatter that an earlier run has listed stay listed if it ends in stick here. Measures of a decay are defined for
-/// runs from time zero.
+/// A state that touches its wall sticks if it presses on it at rest, and else leaves or is struck. A stick that is cut
+/// in two counts as two episodes, the second from the cut on; impacts of a chatter that an earlier run has listed stay
+/// listed if it ends in stick here. Observers see the motion from the instant on: [`crate::measures`] of a decay are defined
+/// for runs from time zero, the window of [`crate::steady`] begins no earlier than the run, samples before it are left out.
+/// The state is taken as it is: nobody checks that it lies in the gap.
 ///
 /// # Errors
 /// [`Invalid`] if a limit is not usable, or does not lie after the instant.
@@ -103,7 +105,8 @@ pub fn resume<S: System, O: Observer<S>>(
     observer: &mut O,
 ) -> Result<Tally<S::State, S::Real>, Invalid> {
     limits.check()?;
-    if from.time.minus(limits.duration) >= 0.0 {
+    let before = from.time.minus(limits.duration) < 0.0;
+    if !before {
         let rule =
             format!("give more than {}, the instant that it goes on from", number(from.time.value));
         return Err(Invalid::new("run.duration", number(limits.duration), rule));
@@ -182,10 +185,11 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
     }
 
-    /// What happens at time zero.
+    /// What happens at the begin.
     pub(crate) fn begin(&mut self) {
         let (system, state) = (self.system, self.tally.state);
-        self.observer.start(system, &state, self.limits.duration);
+        let from = Instant { time: self.clock, state };
+        self.observer.start(system, &from, self.limits.duration);
         if !system.energy(&state).is_finite() {
             self.tally.outcome = Outcome::NotFinite;
             self.stopped = STOPS;

@@ -14,7 +14,7 @@ use crate::observe::{Observer, Span};
 use crate::polynomial::largest;
 use crate::real::Real;
 use crate::sample::{SLACK, span_ends};
-use crate::simulate::{Outcome, Tally};
+use crate::simulate::{Instant, Outcome, Tally};
 use crate::system::{System, Wall};
 
 pub use bare::amplitude_without_absorber;
@@ -329,9 +329,10 @@ fn whole<R: Real>(cycles: R) -> R {
 }
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
-    fn start(&mut self, system: &S, _state: &S::State, duration: R) {
+    fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         let base_moves = system.moves_base();
-        *self = Self { duration, base_moves, ..Self::new(self.window, self.wanted) };
+        let window = Window { from: self.window.from.max(from.time.value), ..self.window };
+        *self = Self { duration, base_moves, ..Self::new(window, self.wanted) };
         self.first = if self.wanted.strobes { 0 } else { self.window.last_kept(duration) };
     }
 

@@ -20,8 +20,6 @@ pub enum Kind {
 impl Kind {
     /// Every kind.
     pub const ALL: [Kind; 3] = [Kind::Siva, Kind::Piva, Kind::None];
-    /// The kinds that are an absorber.
-    pub const ABSORBERS: [Kind; 2] = [Kind::Siva, Kind::Piva];
 
     /// The word for it.
     pub fn name(self) -> &'static str {

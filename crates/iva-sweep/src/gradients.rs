@@ -18,6 +18,7 @@ use iva_core::real::dual::Dual;
 use iva_core::simulate::simulate;
 use iva_core::system::System;
 
+use crate::choices::only;
 use crate::columns::columns;
 use crate::design::Design;
 use crate::engine::given::Given;
@@ -130,6 +131,10 @@ fn given(spec: &mut crate::design::Spec, slot: Slot) -> Result<f64, Invalid> {
     let refused = |rule: &str| Invalid::new("gradients", format!("`{}`", slot.path()), rule);
     if NOT_PHYSICAL.contains(&slot.field) {
         return Err(refused("the motion does not depend on it"));
+    }
+    let kinds = slot.info().kinds;
+    if !kinds.contains(&spec.choices().kind) {
+        return Err(refused(&only(kinds)));
     }
     let found =
         spec.given().find(|(other, _)| other.field == slot.field && other.same_quantity(slot));

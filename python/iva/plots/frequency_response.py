@@ -73,7 +73,8 @@ def forced_response(
     -----
     S. F. Masri and T. K. Caughey, J. Appl. Mech. 33 (1966) 586–592, as
     :func:`iva.theory.masri_caughey`. With "amplitude_max" the structure without absorber is drawn
-    in grey: that of the theory, else `amplitude_max` / (1 − `reduction`) of the table.
+    in grey: that of the theory, else `amplitude_max` / (1 − `reduction`) of the table. A sweep
+    without absorber is that structure itself, and has its points alone.
 
     Examples
     --------
@@ -112,7 +113,8 @@ def forced_response(
                 across, alone = branches.frequency, branches.without
             else:
                 across, alone = without_absorber(frequency, summary)
-            axes.plot(across, alone, color=GREY, label="without absorber", zorder=1)
+            if np.isfinite(alone).any():
+                axes.plot(across, alone, color=GREY, label="without absorber", zorder=1)
         for index, group in enumerate(np.unique(groups)):
             rows = groups == group
             colour, marker = POINTS[index % len(POINTS)]

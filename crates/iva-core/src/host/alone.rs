@@ -184,8 +184,9 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
     where
         H: 'a;
 
+    /// Any: there are no walls. So a default that is a share of it can be used.
     fn clearance(&self) -> R {
-        R::ZERO
+        R::ONE
     }
 
     fn walls_reachable(&self) -> bool {

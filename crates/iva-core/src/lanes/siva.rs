@@ -1,4 +1,4 @@
-//! FastFlights of free masses, side by side; their primaries have one damping ratio.
+//! Fast flights of free masses, side by side; their primaries have one damping ratio.
 
 mod driven;
 mod flying;

@@ -47,7 +47,6 @@ impl<const N: usize> Real for Dual<N> {
     const EPSILON: Self = Self::constant(f64::EPSILON);
     const NAN: Self = Self::constant(f64::NAN);
     const INFINITY: Self = Self::constant(f64::INFINITY);
-    const MIN_POSITIVE: Self = Self::constant(f64::MIN_POSITIVE);
     const TURN: DoubleDouble<Self> = DoubleDouble {
         value: Self::constant(f64::TURN.value),
         rest: Self::constant(f64::TURN.rest),
@@ -68,7 +67,7 @@ impl<const N: usize> Real for Dual<N> {
         Self::constant(Real::reciprocal(n))
     }
 
-    #[inline(never)]
+    #[inline]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         let (p, q) = (self.value, factor.value);
         let slope = |i: usize| self.slopes[i] * q + p * factor.slopes[i] + addend.slopes[i];
@@ -158,7 +157,7 @@ impl<const N: usize> PartialOrd for Dual<N> {
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
-    #[inline(never)]
+    #[inline]
     fn add(self, other: Self) -> Self {
         self.with(other, self.value + other.value, |a, b| a + b)
     }
@@ -166,7 +165,7 @@ impl<const N: usize> Add for Dual<N> {
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
-    #[inline(never)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self.with(other, self.value - other.value, |a, b| a - b)
     }
@@ -175,7 +174,7 @@ impl<const N: usize> Sub for Dual<N> {
 #[allow(clippy::suspicious_arithmetic_impl)] // the product rule
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
-    #[inline(never)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let (p, q) = (self.value, other.value);
         self.with(other, p * q, |a, b| a * q + p * b)
@@ -185,7 +184,7 @@ impl<const N: usize> Mul for Dual<N> {
 #[allow(clippy::suspicious_arithmetic_impl)] // the quotient rule
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
-    #[inline(never)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         let (quotient, q) = (self.value / other.value, other.value);
         self.with(other, quotient, |a, b| (a - quotient * b) / q)

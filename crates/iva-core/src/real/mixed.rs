@@ -33,11 +33,6 @@ macro_rules! beside_doubles {
                 numbers.fold(Self::from(0.0), |sum, number| sum + number)
             }
         }
-        impl$(<const $size: usize>)? std::iter::Product for $number {
-            fn product<I: Iterator<Item = Self>>(numbers: I) -> Self {
-                numbers.fold(Self::from(1.0), |product, number| product * number)
-            }
-        }
     };
     (@operator $number:ty, $operator:ident $method:ident $assign:ident $assign_method:ident $(, $size:ident)?) => {
         impl$(<const $size: usize>)? std::ops::$operator<f64> for $number {

@@ -64,7 +64,6 @@ impl Real for Twofold {
     const EPSILON: Self = Self::new(f64::EPSILON * f64::EPSILON, 0.0);
     const NAN: Self = Self::new(f64::NAN, 0.0);
     const INFINITY: Self = Self::new(f64::INFINITY, 0.0);
-    const MIN_POSITIVE: Self = Self::new(f64::MIN_POSITIVE, 0.0);
     /// 2π to two doubles; the low part, which is not needed, counts as 0.
     const TURN: DoubleDouble<Self> =
         DoubleDouble::new(Self::new(std::f64::consts::TAU, 2.449_293_598_294_706_4e-16));

@@ -8,7 +8,7 @@ use iva_core::{
     impact::Impact,
     observe::{Observer, Span, StickEpisode},
     piva::{Angles, Parameters},
-    simulate::{Outcome, Tally},
+    simulate::{Instant, Outcome, Tally},
     system::System,
 };
 
@@ -133,7 +133,7 @@ impl Watch {
 }
 
 impl<S: System<Real = f64>> Observer<S> for Watch {
-    fn start(&mut self, system: &S, state: &S::State, _duration: f64) {
+    fn start(&mut self, system: &S, Instant { state, .. }: &Instant<S::State>, _duration: f64) {
         self.energy[0] = system.energy(state);
     }
 

@@ -9,10 +9,13 @@ use iva_core::{
     host::DrivenHost,
     impact::Impact,
     observe::{Events, Observer, StickEpisode},
+    peaks::Envelope,
     piva::{Parameters, Piva},
     propagation::{Differentiable, Errors},
+    sample::Sampler,
     simulate::{Instant, Limits, Outcome, resume, simulate},
     siva::Siva,
+    steady::{Steady, SteadyWanted, Window},
     system::{Start, System},
 };
 use iva_tests::rng::Rng;
@@ -163,6 +166,36 @@ fn an_observer_ends_a_run() {
     let mut rest = Events::default();
     resume(&siva, &tally.instant(), &limits, None, &mut rest).unwrap();
     assert_eq!([observers.0.impacts, rest.impacts].concat(), whole.impacts);
+}
+
+/// Samples, peaks and strobes of a run that goes on are those of the whole from there.
+#[test]
+fn observers_see_a_run_from_its_begin_on() {
+    let push = harmonic(0.5, 1.1, 0.2);
+    let siva = Siva::new(0.1, 0.6, 0.7, 0.03).unwrap();
+    let siva = siva.under(Force::harmonic(vec![push]).unwrap());
+    let start = Start { displacement: 1.0, ..Start::default() };
+    let times: Vec<f64> = (0..=300).map(|k| 0.1 * f64::from(k)).collect();
+    let window = Window { from: 0.0, cycle: Some(push) };
+    let wanted = SteadyWanted { strobes: true, ..SteadyWanted::ALL };
+    let observers =
+        || (Sampler::at(times.clone()), (Envelope::default(), Steady::new(window, wanted)));
+    let (mut whole, mut rest) = (observers(), observers());
+    let limits = Limits::new(30.0, 0.7);
+    simulate(&siva, &start, &limits, None, &mut whole).unwrap();
+    let first = simulate(&siva, &start, &Limits::new(12.34, 0.7), None, &mut ()).unwrap();
+    resume(&siva, &first.instant(), &limits, None, &mut rest).unwrap();
+    let (states, peaks) = (&rest.0.states, &rest.1.0.peaks);
+    assert_eq!(states.len(), times.iter().filter(|time| **time >= 12.34).count());
+    for (a, b) in states.iter().rev().zip(whole.0.states.iter().rev()) {
+        assert_eq!(a.time, b.time);
+        assert!((a.displacement - b.displacement).abs() < 1e-10, "{}", a.time);
+    }
+    assert!(peaks[0].time >= 12.34, "{:?}", peaks[0]);
+    let strobes: Vec<f64> = rest.1.1.strobes().map(|strobe| strobe.time).collect();
+    let later: Vec<f64> =
+        whole.1.1.strobes().map(|strobe| strobe.time).filter(|time| *time >= 12.34).collect();
+    assert_eq!(strobes, later);
 }
 
 #[test]

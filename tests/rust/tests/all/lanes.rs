@@ -157,6 +157,20 @@ fn driven_free_masses_are_the_same_side_by_side() {
     }
 }
 
+/// Lanes of decays measure no steady state: with one asked for, runs go one by one.
+#[test]
+fn decays_whose_steady_state_is_asked_for_are_the_same() {
+    let steady = Some((SteadyWanted::ALL, Window { from: 3.0, cycle: None }));
+    let masses: Vec<_> = grid().into_iter().map(|job| Job { steady, ..job }).collect();
+    for (job, found) in masses.iter().zip(&together(&masses)).step_by(7) {
+        assert_eq!(*found, alone(job));
+    }
+    let swinging: Vec<_> = pendulums(0.0).into_iter().map(|job| Job { steady, ..job }).collect();
+    for (job, found) in swinging.iter().zip(&together(&swinging)).step_by(7) {
+        assert_eq!(*found, alone(job));
+    }
+}
+
 #[test]
 fn pendulums_are_the_same_side_by_side() {
     // One for each order of the series.

@@ -1,4 +1,4 @@
-//! FastFlights of free masses under one harmonic force on the structure each, side by side: force, damping and absorber
+//! Fast flights of free masses under one harmonic force on the structure each, side by side: force, damping and absorber
 //! may differ from lane to lane.
 
 mod integrals;

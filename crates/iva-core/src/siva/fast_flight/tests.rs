@@ -161,11 +161,11 @@ fn contacts_are_on_the_wall<H: Host<Real = f64>>(siva: impl Fn(u32) -> Siva<H>) 
     for i in 1..40_000 {
         let Some(stretch) = Stretch::planted(i, siva(i)) else { continue };
         let Stretch { siva, from, length } = &stretch;
-        let stride = stretch.flight().fast_flight(*length);
-        let Some(stride) = stride.filter(|stride| stride.meets == Meets::Wall) else { continue };
+        let fast = stretch.flight().fast_flight(*length);
+        let Some(fast) = fast.filter(|fast| fast.meets == Meets::Wall) else { continue };
         contacts += 1;
-        let there = flown(siva, from, stride.length + stride.later);
-        let far = stride.end.side != from.side;
+        let there = flown(siva, from, fast.length + fast.later);
+        let far = fast.end.side != from.side;
         let left =
             if far { there.distance.minus(2.0 * siva.clearance) } else { there.distance.value };
         // The clock is rounded to `length`, of which the distance takes its rate.
