@@ -93,7 +93,8 @@ impl<State, R: Real> Instant<State, R> {
 /// in two counts as two episodes, the second from the cut on; impacts of a chatter that an earlier run has listed stay
 /// listed if it ends in stick here. Observers see the motion from the instant on: [`crate::measures`] of a decay are defined
 /// for runs from time zero, the window of [`crate::steady`] begins no earlier than the run, samples before it are left out.
-/// The state is taken as it is: nobody checks that it lies in the gap.
+/// A run that was stopped between the sum of a chatter and its stick goes on stuck: `time_stuck` of both pieces then has the
+/// rest of the chatter besides. The state is taken as it is: nobody checks that it lies in the gap.
 ///
 /// # Errors
 /// [`Invalid`] if a limit is not usable, or does not lie after the instant.

@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    compensated::DoubleDouble,
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
     impact::Impact,
@@ -121,7 +122,7 @@ fn a_start_at_an_instant_has_the_force_of_that_instant() {
             |phase| siva.under(Force::harmonic(vec![harmonic(amplitude, omega, phase)]).unwrap());
         let start = Start { displacement: rng.range(-1.0, 1.0), ..Start::default() };
         let (system, shifted) = (under(0.3), under(0.3 + omega * time));
-        let clock = iva_core::compensated::DoubleDouble::new(time);
+        let clock = DoubleDouble::new(time);
         let from = Instant { time: clock, state: system.begin_at(&start, clock) };
         let (late, _) = seen(&system, &from, time + 10.0);
         let (early, _) = seen(&shifted, &Instant::start(&shifted, &start), 10.0);
@@ -135,6 +136,31 @@ fn a_start_at_an_instant_has_the_force_of_that_instant() {
         }
     }
     assert!(compared > 300, "{compared}");
+}
+
+/// A run that begins after an impulse does not have it; one that begins at it or before does.
+#[test]
+fn impulses_before_the_begin_are_over() {
+    let impulses = [2.0, 6.0].map(|time| Impulse { velocity: 0.5, time });
+    let force = Force::new(Vec::new(), Vec::new(), &impulses).unwrap();
+    let siva = Siva::new(0.1, 0.6, 50.0, 0.0).unwrap().under(force.clone());
+    let piva = Piva::new(Parameters::point_bob(0.1, 0.6, 50.0, 0.0, 100.0)).unwrap().under(force);
+    for (begin, left) in
+        [(1.0, [2.0, 6.0].as_slice()), (2.0, &[2.0, 6.0]), (3.0, &[6.0]), (7.0, &[])]
+    {
+        let clock = DoubleDouble::new(begin);
+        let limits = Limits::new(10.0, 50.0);
+        // x = ½ sin(τ − τ₁) + ½ sin(τ − τ₂), and nothing before.
+        let truth: f64 = left.iter().map(|time| 0.5 * (10.0 - time).sin()).sum();
+        let from = Instant { time: clock, state: siva.begin_at(&Start::default(), clock) };
+        let end = resume(&siva, &from, &limits, None, &mut ()).unwrap();
+        let x = siva.primary(&end.state).x;
+        assert!((x - truth).abs() < 1e-14, "from {begin}: {x} {truth}");
+        let from = Instant { time: clock, state: piva.begin_at(&Start::default().into(), clock) };
+        let end = resume(&piva, &from, &limits, None, &mut ()).unwrap();
+        let hit = piva.primary(&end.state).x != 0.0;
+        assert_eq!(hit, !left.is_empty(), "from {begin}");
+    }
 }
 
 /// Ends a run after so many impacts.
