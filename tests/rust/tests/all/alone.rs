@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use iva_core::{
     force::{Acts, Force, Harmonic},
     host::Alone,
+    propagation::Errors,
     real::twofold::Twofold,
     run::{run, states},
     simulate::{Limits, Outcome, simulate},
@@ -52,6 +53,25 @@ fn a_structure_alone_decays_as_it_must() {
             assert!((m.damping_ratio_fit.unwrap() - zeta).abs() < 1e-13);
         }
     }
+}
+
+/// Its derivative by the start is the motion from unit starts; a force changes nothing of it.
+#[test]
+fn its_derivative_is_its_own_motion() {
+    let zeta = 0.1;
+    let push = Harmonic { amplitude: 0.4, frequency: 0.7, phase: 0.2, acts: Acts::Primary };
+    let driven = Alone::new(zeta).unwrap().under(Force::harmonic(vec![push]).unwrap());
+    let mut errors = Errors::default();
+    let start = Point { x: 0.3, v: 0.2 };
+    simulate(&driven, &start, &Limits::new(9.0, 1.0), None, &mut errors).unwrap();
+    let found = *errors.derivative().unwrap();
+    let [x, v] = decay(zeta, 9.0);
+    // From (0, 1) the motion is −v of that from (1, 0), and its rate x + 2ζv there.
+    for (place, truth) in [((0, 0), x), ((1, 0), v), ((0, 1), -v), ((1, 1), x + 2.0 * zeta * v)] {
+        // The formula itself rounds its arguments.
+        assert!((found[place] - truth).abs() < 4e-15, "{place:?}: {} {truth}", found[place]);
+    }
+    assert_eq!((errors.digits(), errors.condition()), (None, None));
 }
 
 #[test]

@@ -151,7 +151,7 @@ fn impulses_before_the_begin_are_over() {
         let clock = DoubleDouble::new(begin);
         let limits = Limits::new(10.0, 50.0);
         // x = ½ sin(τ − τ₁) + ½ sin(τ − τ₂), and nothing before.
-        let truth: f64 = left.iter().map(|time| 0.5 * (10.0 - time).sin()).sum();
+        let truth: f64 = left.iter().map(|time| 0.5 * (10.0_f64 - time).sin()).sum();
         let from = Instant { time: clock, state: siva.begin_at(&Start::default(), clock) };
         let end = resume(&siva, &from, &limits, None, &mut ()).unwrap();
         let x = siva.primary(&end.state).x;
