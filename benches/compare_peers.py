@@ -2,11 +2,17 @@
 
 Usage: compare_peers.py [--quick]
 
-Prints CPU seconds per 1000 scenes of 30 periods over mass ratio, clearance and restitution, the
-ratio to iva's, and how many of the scenes without chatter end with another number of impacts than
-iva's. iva computes its summary with all measures, chatter included; the others count impacts and
-keep the last state. Then the speed-up by a second thread against that of an empty loop, and the
-time of one call from Python. Needs the extra ``bench``.
+Prints for each of the grids of :mod:`sweep_peers.grid` the CPU seconds per 1000 scenes, their ratio
+to those of iva with all measures, and how many of the scenes without chatter end with another
+number of impacts than iva's. Under a force some motions are chaotic: they forget their start, and
+no tool in doubles knows their number of impacts.
+
+The rows of iva differ in the measures asked for; chatter is always included. Their column
+"heyoka's over it" is the time of heyoka's fastest complete mode over that of the row; complete is a
+mode that runs every scene to its end. The others count impacts and keep the last state.
+
+Then the speed-up by a second thread against that of an empty loop, and the time of one call from
+Python. Needs the extra ``bench``.
 """
 
 from __future__ import annotations
@@ -16,11 +22,11 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from sweep_peers import with_heyoka, with_numba, with_scipy
-from sweep_peers.grid import GRIDS, Grid
+from sweep_peers.grid import GRIDS, UNFINISHED, Grid
 
 import iva
 
@@ -29,81 +35,129 @@ FEW = 20
 ROUNDS = 5
 PAIRS = 20
 
-#: The impacts of each point, in order.
+#: Takes a grid and the numbers of its points, and returns the impacts of each, in order. That of
+#: iva always runs all points; its list is empty where it was not asked for impacts.
 Sweep = Callable[[Grid, np.ndarray], list[int]]
 
 
 @dataclass(frozen=True)
 class Tool:
-    """A way to run a grid, on all its points or on a few."""
+    """A way to run some of the grids, on all their points or on a few."""
 
     name: str
     sweep: Sweep
-    kinds: tuple[str, ...] = ("siva", "piva")
+    grids: tuple[str, ...] = tuple(GRIDS)
     few: bool = False
 
 
-def of_iva(tolerance: float) -> Sweep:
-    """Return iva's sweep, on one thread."""
+def of_iva(*measures: str, tolerance: float | None = None) -> Sweep:
+    """Return iva's sweep on one thread, with all measures unless some are named."""
 
     def sweep(grid: Grid, points: np.ndarray) -> list[int]:
         del points  # always the whole grid
-        result = iva.sweep(**grid.scene(tolerance), over=grid.over(), threads=1)
-        return result.summary["impacts"].to_list()
+        result = iva.sweep(
+            **grid.scene(),
+            over=grid.over,
+            measures=measures or None,
+            tolerance=tolerance,
+            threads=1,
+        )
+        return result.summary["impacts"].drop_nulls().to_list()
 
     return sweep
 
 
+#: The row that ratios and counts refer to.
+BASE = "iva, all measures"
+
 TOOLS = (
-    Tool("iva", of_iva(0.0)),
-    Tool("iva, tolerance 1e-9", of_iva(1e-9), ("piva",)),
+    Tool(BASE, of_iva()),
+    Tool("iva, impacts", of_iva("impacts"), ("siva", "siva driven")),
+    Tool("iva, settling_time_5", of_iva("settling_time_5"), ("siva",)),
+    Tool("iva, amplitude_max", of_iva("amplitude_max"), ("siva driven",)),
+    Tool("iva, all measures, tolerance 1e-9", of_iva(tolerance=1e-9), ("piva", "piva driven")),
     Tool("heyoka batch of 8, 1e-9", with_heyoka.batch(1e-9, 8)),
     Tool("heyoka batch of 4, 1e-16", with_heyoka.batch(1e-16, 4)),
     Tool("heyoka one by one, 1e-9", with_heyoka.scalar(1e-9)),
     Tool("heyoka one by one, 1e-16", with_heyoka.scalar(1e-16)),
-    Tool("numba, closed form each 0.05", with_numba.sweep, ("siva",)),
+    Tool("numba, closed form each 0.05", with_numba.sweep, ("siva", "siva driven")),
     Tool("SciPy DOP853 1e-9", with_scipy.sweep, few=True),
 )
 
 
-def seconds(work: Callable[[], object]) -> float:
-    """Return the CPU time of some work."""
-    begin = time.process_time()
-    work()
-    return time.process_time() - begin
+@dataclass
+class Trial:
+    """What a tool took, in CPU seconds per 1000 scenes, and found on its points of a grid."""
+
+    tool: Tool
+    points: np.ndarray
+    times: list[float] = field(default_factory=list)
+    counts: np.ndarray = field(default_factory=lambda: np.empty(0, int))
+
+    def run(self, grid: Grid) -> None:
+        """Run the points once more."""
+        begin = time.process_time()
+        counts = self.tool.sweep(grid, self.points)
+        self.times.append(1000 * (time.process_time() - begin) / len(self.points))
+        self.counts = np.array(counts)
+
+    def seconds(self) -> float:
+        """Return the median of the times."""
+        return statistics.median(self.times)
+
+    def complete(self) -> bool:
+        """Return whether every scene was run to its end."""
+        return not self.tool.few and bool((self.counts != UNFINISHED).all())
+
+    def others(self, truth: np.ndarray, judged: np.ndarray) -> str:
+        """Say how many of the judged scenes have another number of impacts than the true one."""
+        if not len(self.counts):
+            return "–"
+        chosen = judged[self.points]
+        wrong = (self.counts != truth[self.points])[chosen].sum()
+        return f"{wrong} of {chosen.sum()}"
 
 
-def compare(grid: Grid, rounds: int) -> Iterator[str]:
-    """Run all tools in turns and yield the lines of a table."""
-    tools = [tool for tool in TOOLS if grid.kind in tool.kinds]
+def compare(name: str, rounds: int) -> list[Trial]:
+    """Run all tools of a grid in turns."""
+    grid = GRIDS[name]
     everything = np.arange(len(grid))
-    points = {
-        tool.name: everything[:: len(grid) // FEW] if tool.few else everything for tool in tools
-    }
-    times: dict[str, list[float]] = {tool.name: [] for tool in tools}
-    counts: dict[str, list[int]] = {}
+    spread = np.linspace(0, len(grid) - 1, FEW).astype(int)
+    trials = [
+        Trial(tool, spread if tool.few else everything) for tool in TOOLS if name in tool.grids
+    ]
     for turn in range(rounds):
-        for tool in tools:
-            if tool.few and turn > 0:
-                continue
+        for trial in trials:
             if turn == 0:
-                tool.sweep(grid, everything[:8])  # compiles
-            chosen = points[tool.name]
-            spent = seconds(lambda: counts.update({tool.name: tool.sweep(grid, chosen)}))  # noqa: B023
-            of_thousand = len(grid) if tool.name.startswith("iva") else len(chosen)
-            times[tool.name].append(1000 * spent / of_thousand)
-    truth = np.array(counts["iva"])
-    chatters = grid.chatters()
-    base = statistics.median(times["iva"])
-    yield f"| {grid.kind}, {len(grid)} scenes | CPU s per 1000 | over iva | other counts |"
-    yield "|---|--:|--:|--:|"
-    for tool in tools:
-        spent = statistics.median(times[tool.name])
-        chosen = points[tool.name]
-        judged = chosen[~chatters[chosen]]
-        found = np.array(counts[tool.name])[~chatters[chosen]]
-        wrong = int((found != truth[judged]).sum())
-        yield f"| {tool.name} | {spent:.4f} | {spent / base:.1f} | {wrong} of {len(judged)} |"
+                trial.tool.sweep(grid, everything[:8])  # compiles
+            if turn == 0 or not trial.tool.few:
+                trial.run(grid)
+    return trials
+
+
+def table(name: str, trials: list[Trial]) -> Iterator[str]:
+    """Yield the lines of the table of a grid."""
+    grid = GRIDS[name]
+    base = next(trial for trial in trials if trial.tool.name == BASE)
+    heyoka = min(
+        (trial for trial in trials if trial.tool.name.startswith("heyoka") and trial.complete()),
+        key=Trial.seconds,
+        default=None,
+    )
+    columns = ("CPU s per 1000", "over iva", "heyoka's over it", "other counts")
+    yield f"| {name}, {len(grid)} scenes | {' | '.join(columns)} |"
+    yield "|---|--:|--:|--:|--:|"
+    for trial in trials:
+        spent = trial.seconds()
+        gain = "–"
+        if heyoka is not None and trial.tool.name.startswith("iva"):
+            gain = f"{heyoka.seconds() / spent:.2f}"
+        others = trial.others(base.counts, ~grid.chatters())
+        ratio = spent / base.seconds()
+        yield f"| {trial.tool.name} | {spent:.4f} | {ratio:.2f} | {gain} | {others} |"
+    fastest = "none" if heyoka is None else heyoka.tool.name.removeprefix("heyoka ")
+    yield ""
+    yield f"heyoka's fastest complete mode: {fastest}."
 
 
 def wall(work: Callable[[], object]) -> float:
@@ -116,8 +170,8 @@ def wall(work: Callable[[], object]) -> float:
 def threads(pairs: int) -> str:
     """Compare the speed-up of a sweep by a second thread with that of an empty compiled loop."""
     grid = GRIDS["siva"]
-    over = {**grid.over(), "mass_ratio": np.linspace(0.02, 0.2, 100)}
-    scene = grid.scene(0.0)
+    over = {**grid.over, "mass_ratio": np.linspace(0.02, 0.2, 100)}
+    scene = grid.scene()
 
     def gain(one: Callable[[], object], two: Callable[[], object]) -> float:
         return wall(one) / wall(two)
@@ -191,8 +245,8 @@ def conversion() -> str:
 def main() -> None:
     """Print everything."""
     quick = "--quick" in sys.argv[1:]
-    for grid in GRIDS.values():
-        for line in compare(grid, 1 if quick else ROUNDS):
+    for name in GRIDS:
+        for line in table(name, compare(name, 1 if quick else ROUNDS)):
             print(line, flush=True)
         print()
     print(threads(2 if quick else PAIRS))

@@ -1,4 +1,4 @@
-//! Free decays of many absorbers: one by one, and side by side.
+//! Free decays and driven runs of many absorbers: one by one, and side by side.
 //!
 //! `cargo bench -p iva-benches --bench lanes`. Criterion reports elements (points) per second, summary
 //! with all measures included.
@@ -6,20 +6,54 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use iva_benches::{decays as scenes, swinging_decays};
+use iva_benches::{decays as scenes, driven_jobs, swinging_decays};
+use iva_core::force::Acts;
+use iva_core::host::DrivenHost;
 use iva_core::lanes::{self, Job, SideBySide};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::simulate::simulate;
+use iva_core::siva::Siva;
 
 fn lanes(criterion: &mut Criterion) {
     for (name, narrowest) in [("wide gaps", 0.45), ("with chatter", 0.1)] {
         let Ok(scenes) = scenes(5, narrowest) else { continue };
         compare(criterion, &format!("free masses, {name}"), &scenes);
     }
+    for (name, acts) in [("under force", Acts::Primary), ("on a moving base", Acts::Base)] {
+        let Ok(jobs) = driven_jobs(acts) else { continue };
+        driven(criterion, &format!("free masses {name}"), &jobs);
+    }
     for tolerance in [0.0, 1e-9, 1e-6] {
         let Ok(scenes) = swinging_decays(5, 0.6, tolerance) else { continue };
         compare(criterion, &format!("pendulums, tolerance {tolerance:e}"), &scenes);
     }
+}
+
+/// Driven runs one by one, side by side with all measures, and side by side with counts of impacts.
+fn driven(criterion: &mut Criterion, name: &str, jobs: &[Job<Siva<DrivenHost>>]) {
+    let mut group = criterion.benchmark_group(name);
+    group.throughput(Throughput::Elements(jobs.len() as u64));
+    group.sample_size(20);
+    let few: Vec<_> = jobs.iter().map(|job| Job { steady: None, ..job.clone() }).collect();
+    let none = Wanted { peaks: false, settling: false, residual: false, ledger: false };
+    // Fewer than three jobs go one by one.
+    for (way, jobs, wanted, size) in [
+        ("one by one", jobs, Wanted::ALL, 1),
+        ("side by side", jobs, Wanted::ALL, jobs.len()),
+        ("side by side, impacts", &few, none, jobs.len()),
+    ] {
+        group.bench_function(way, |bencher| {
+            bencher.iter(|| {
+                for jobs in black_box(jobs).chunks(size) {
+                    let ended = lanes::run(jobs, wanted, None, &mut |_, ended| {
+                        black_box(ended);
+                    });
+                    black_box(ended.is_ok());
+                }
+            });
+        });
+    }
+    group.finish();
 }
 
 fn compare<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S>]) {

@@ -74,15 +74,15 @@ pub fn driven_measures(window: Window) -> (Measures<Siva<DrivenHost>>, Steady) {
     (Measures::new(Wanted::ALL), Steady::new(window, wanted))
 }
 
-/// Forty driven free masses of one damping ratio, under forces of many frequencies.
+/// Forty driven free masses of one damping ratio, under forces of many frequencies on the structure or its base.
 ///
 /// # Errors
 /// [`Invalid`] for numbers out of range: these are not.
-pub fn driven_jobs() -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
+pub fn driven_jobs(acts: Acts) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
     let wanted = SteadyWanted { strobes: false, ..SteadyWanted::ALL };
     let job = |i: u32| {
         let (amplitude, frequency) = (0.1, 0.8 + 0.01 * f64::from(i));
-        let force = Harmonic { amplitude, frequency, phase: 0.0, acts: Acts::Primary };
+        let force = Harmonic { amplitude, frequency, phase: 0.0, acts };
         let siva = Siva::new(0.1, 0.7, 1.0, 0.02)?.under(Force::harmonic(vec![force])?);
         let limits = Limits::new(60.0 * TAU / frequency, 1.0);
         let window = Window { from: 0.0, cycle: Some(force) };

@@ -1,4 +1,4 @@
-"""The grids: free decays of 30 periods from a displacement of 1, ζ = 0.01."""
+"""The grids: free decays of 30 periods, and 60 periods under a harmonic force; M = ωn = 1."""
 
 from __future__ import annotations
 
@@ -6,66 +6,114 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import iva
 
-END = 60 * math.pi
-DAMPING_RATIO = 0.01
+#: Stands for the impacts of a run that stopped before its end.
+UNFINISHED = -1
 
 
-@dataclass(frozen=True)
+class Point(NamedTuple):
+    """What can differ from scene to scene."""
+
+    mass_ratio: float
+    clearance: float
+    restitution: float
+    frequency: float
+
+
+@dataclass(frozen=True, eq=False)
 class Grid:
-    """10 mass ratios × 10 clearances × 10 coefficients of restitution."""
+    """The scenes over three axes, and what all of them have in common.
 
-    kind: str
-    clearances: tuple[float, float]
+    The `amplitude` is that of a harmonic force on the structure; without one it is a free decay.
+    A free mass has neither `frequency_ratio` nor `length`.
+    """
+
+    over: dict[str, np.ndarray]
+    damping_ratio: float
+    displacement: float
+    end: float
+    amplitude: float = 0.0
     frequency_ratio: float = 0.0
     length: float = 0.0
 
-    def over(self) -> dict[str, np.ndarray]:
-        """Return the axes."""
-        return {
-            "mass_ratio": np.linspace(0.02, 0.2, 10),
-            "clearance": np.linspace(*self.clearances, 10),
-            "restitution": np.linspace(0.4, 0.85, 10),
-        }
-
     def __len__(self) -> int:
         """Return the number of points."""
-        return 1000
+        return len(self.points())
 
-    @lru_cache  # noqa: B019 - there are two grids
-    def points(self) -> list[tuple[float, float, float]]:
-        """Return mass ratio, clearance and restitution of each point."""
-        return [tuple(map(float, point)) for point in product(*self.over().values())]  # type: ignore[misc]
+    @lru_cache  # noqa: B019 - there are four grids
+    def points(self) -> list[Point]:
+        """Return all points, the last axis fastest; the mass ratio is 0.1 where no axis says it."""
+        found = []
+        for values in product(*self.over.values()):
+            point = dict(zip(self.over, map(float, values), strict=True))
+            found.append(
+                Point(
+                    point.get("mass_ratio", 0.1),
+                    point["clearance"],
+                    point["restitution"],
+                    point.get("force.frequency", 1.0),
+                )
+            )
+        return found
 
-    def scene(self, tolerance: float) -> dict[str, Any]:
+    def scene(self) -> dict[str, Any]:
         """Return what all points have in common, as arguments of :func:`iva.sweep`."""
-        mass, clearance, restitution = self.points()[0]
-        common = {"mass_ratio": mass, "clearance": clearance, "restitution": restitution}
-        pendulum = {"frequency_ratio": self.frequency_ratio, "length": self.length}
-        absorber = iva.Piva(**common, **pendulum) if self.length else iva.Siva(**common)
-        accuracy = {"tolerance": tolerance} if self.length else {}
+        first = self.points()[0]
+        absorber: dict[str, Any] = first._asdict()
+        frequency = absorber.pop("frequency")
+        pendulum: dict[str, Any] = {"frequency_ratio": self.frequency_ratio, "length": self.length}
+        force = iva.Harmonic(amplitude=self.amplitude, frequency=frequency)
         return {
-            "primary": iva.Primary(damping_ratio=DAMPING_RATIO),
-            "absorber": absorber,
-            "start": iva.Start(displacement=1.0),
-            "duration": END,
+            "primary": iva.Primary(damping_ratio=self.damping_ratio),
+            "absorber": iva.Piva(**absorber, **pendulum) if self.length else iva.Siva(**absorber),
+            "start": iva.Start(displacement=self.displacement),
+            "force": force if self.amplitude else None,
+            "duration": self.end,
             "tables": ("summary",),
-            **accuracy,
         }
 
-    @lru_cache  # noqa: B019 - there are two grids
+    @lru_cache  # noqa: B019 - there are four grids
     def chatters(self) -> np.ndarray:
         """Return which points have a chatter that ends in stick: others cannot run these."""
-        result = iva.sweep(**self.scene(0.0), over=self.over())
+        result = iva.sweep(**self.scene(), over=self.over)
         return result.summary["episodes"].to_numpy() > 0
 
 
+def decays(clearances: tuple[float, float], **pendulum: float) -> Grid:
+    """Return 1000 free decays over mass ratio, clearance and restitution."""
+    over = {
+        "mass_ratio": np.linspace(0.02, 0.2, 10),
+        "clearance": np.linspace(*clearances, 10),
+        "restitution": np.linspace(0.4, 0.85, 10),
+    }
+    return Grid(over, damping_ratio=0.01, displacement=1.0, end=60 * math.pi, **pendulum)
+
+
+def driven(
+    clearances: tuple[float, float],
+    amplitude: float,
+    restitutions: int = 10,
+    frequencies: int = 10,
+    **pendulum: float,
+) -> Grid:
+    """Return scenes under a force near resonance over 10 clearances, restitution and frequency."""
+    over = {
+        "clearance": np.linspace(*clearances, 10),
+        "restitution": np.linspace(0.4, 0.85, restitutions),
+        "force.frequency": np.linspace(0.85, 1.15, frequencies),
+    }
+    common = {"damping_ratio": 0.02, "displacement": 0.5, "end": 120 * math.pi}
+    return Grid(over, **common, amplitude=amplitude, **pendulum)
+
+
 GRIDS = {
-    "siva": Grid("siva", (0.4, 1.3)),
-    "piva": Grid("piva", (0.6, 1.95), 0.4, 10.0),
+    "siva": decays((0.4, 1.3)),
+    "piva": decays((0.6, 1.95), frequency_ratio=0.4, length=10.0),
+    "siva driven": driven((0.5, 1.4), 0.1),
+    "piva driven": driven((0.6, 1.95), 0.03, 4, 5, frequency_ratio=0.4, length=10.0),
 }

@@ -13,7 +13,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from sweep_peers.grid import DAMPING_RATIO, END, Grid
+from sweep_peers.grid import UNFINISHED, Grid
 
 #: An impact law without chatter would go on for ever.
 MOST = 4000
@@ -42,9 +42,11 @@ class Impact:
 def system(grid: Grid) -> tuple[list[Any], Any]:
     """Return the equations, and the gap displacement."""
     x, v, q, rate, count = hy.make_vars("x", "v", "q", "rate", "count")
-    push = -2 * DAMPING_RATIO * v - x
+    push = -2 * grid.damping_ratio * v - x
+    if grid.amplitude:
+        push = push + grid.amplitude * hy.cos(hy.par[3] * hy.time)
     # The last parameter is 0: with it in an equation heyoka has room for all of them.
-    idle = (count, hy.par[3])
+    idle = (count, hy.par[4])
     if not grid.length:
         return [(x, v), (v, push), (q, rate), (rate, -push), idle], q
     mu, length = hy.par[0], grid.length
@@ -64,27 +66,30 @@ def integrator(grid: Grid, tolerance: float, lanes: int | None) -> Integrator:
     events = [event(side * gap - hy.par[1], callback=law, direction=rising) for side in (1, -1)]
     if lanes is None:
         return hy.taylor_adaptive(
-            equations, np.zeros(5), tol=tolerance, pars=np.ones(4), t_events=events
+            equations, np.zeros(5), tol=tolerance, pars=np.ones(5), t_events=events
         )
     return hy.taylor_adaptive_batch(
-        equations, np.zeros((5, lanes)), tol=tolerance, pars=np.ones((4, lanes)), t_events=events
+        equations, np.zeros((5, lanes)), tol=tolerance, pars=np.ones((5, lanes)), t_events=events
     )
 
 
-START = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+def start(grid: Grid) -> np.ndarray:
+    """Return the state at time zero."""
+    return np.array([grid.displacement, 0.0, 0.0, 0.0, 0.0])
 
 
 def scalar(tolerance: float) -> Callable[[Grid, np.ndarray], list[int]]:
     """Return a sweep one by one."""
 
     def sweep(grid: Grid, points: np.ndarray) -> list[int]:
-        run = integrator(grid, tolerance, None)
+        run, begin = integrator(grid, tolerance, None), start(grid)
         counts = []
         for point in points:
-            run.time, run.state[:], run.pars[:] = 0.0, START, (*grid.points()[point], 0.0)
+            run.time, run.state[:] = 0.0, begin
+            run.pars[:] = (*grid.points()[point], 0.0)
             run.reset_cooldowns()
-            run.propagate_until(END)
-            counts.append(int(run.state[4]))
+            run.propagate_until(grid.end)
+            counts.append(int(run.state[4]) if run.time == grid.end else UNFINISHED)
         return counts
 
     return sweep
@@ -94,16 +99,17 @@ def batch(tolerance: float, lanes: int) -> Callable[[Grid, np.ndarray], list[int
     """Return a sweep in batches."""
 
     def sweep(grid: Grid, points: np.ndarray) -> list[int]:
-        run = integrator(grid, tolerance, lanes)
+        run, begin = integrator(grid, tolerance, lanes), start(grid)
         counts: list[int] = []
         for first in range(0, len(points), lanes):
             chosen = np.resize(points[first : first + lanes], lanes)
             run.set_time(0.0)
-            run.state[:] = START[:, None]
+            run.state[:] = begin[:, None]
             run.pars[:] = np.array([(*grid.points()[point], 0.0) for point in chosen]).T
             run.reset_cooldowns()
-            run.propagate_until(END)
-            counts += run.state[4].astype(int).tolist()
+            run.propagate_until(grid.end)
+            reached = np.where(run.time == grid.end, run.state[4], UNFINISHED)
+            counts += reached.astype(int).tolist()
         return counts[: len(points)]
 
     return sweep

@@ -7,13 +7,12 @@ from numba import njit
 from work_precision.with_numba import solve
 
 from sweep_peers.grid import Grid
-from sweep_peers.with_scipy import scene
+from sweep_peers.with_scipy import impacts, scene
 
 
 def sweep(grid: Grid, points: np.ndarray) -> list[int]:
     """Run points one by one."""
-    runs = [solve(scene(grid, int(point)), "closed 0.05") for point in points]
-    return [sum(event.kind == "impact" for event in run.events) for run in runs]
+    return [impacts(solve(scene(grid, int(point)), "closed 0.05")) for point in points]
 
 
 @njit(nogil=True)

@@ -3,33 +3,40 @@
 from __future__ import annotations
 
 import numpy as np
+from work_precision.results import FINISHED, Motion
 from work_precision.scenes import Scene
 from work_precision.with_scipy import solve
 
-from sweep_peers.grid import DAMPING_RATIO, END, Grid
+from sweep_peers.grid import UNFINISHED, Grid
 
 
 def scene(grid: Grid, point: int) -> Scene:
     """Return a point as a scene."""
-    mass_ratio, clearance, restitution = grid.points()[point]
+    one = grid.points()[point]
     return Scene(
-        name=f"{grid.kind} {point}",
-        mass_ratio=mass_ratio,
-        clearance=clearance,
-        restitution=restitution,
-        damping_ratio=DAMPING_RATIO,
+        name=str(point),
+        mass_ratio=one.mass_ratio,
+        clearance=one.clearance,
+        restitution=one.restitution,
+        damping_ratio=grid.damping_ratio,
         frequency_ratio=grid.frequency_ratio,
         length=grid.length,
-        amplitude=0.0,
-        frequency=1.0,
-        start=(1.0, 0.0, 0.0, 0.0),
-        end=END,
+        amplitude=grid.amplitude,
+        frequency=one.frequency,
+        start=(grid.displacement, 0.0, 0.0, 0.0),
+        end=grid.end,
         events=(),
         final=(),
     )
 
 
+def impacts(run: Motion) -> int:
+    """Return the number of impacts of a run, if it reached its end."""
+    if run.outcome != FINISHED:
+        return UNFINISHED
+    return sum(event.kind == "impact" for event in run.events)
+
+
 def sweep(grid: Grid, points: np.ndarray) -> list[int]:
     """Run points one by one."""
-    runs = [solve(scene(grid, int(point)), "DOP853 1e-9") for point in points]
-    return [sum(event.kind == "impact" for event in run.events) for run in runs]
+    return [impacts(solve(scene(grid, int(point)), "DOP853 1e-9")) for point in points]

@@ -19,7 +19,7 @@ use iva_core::system::System;
 type Run = fn() -> Result<(), Invalid>;
 
 /// Each a name and what it runs; `nothing` is what a program costs that runs nothing.
-const SCENES: [(&str, Run); 10] = [
+const SCENES: [(&str, Run); 12] = [
     ("nothing", || Ok(())),
     ("siva", || decay(&Siva::new(0.15, 0.5, 0.6, 0.01)?, &START)),
     ("siva_chatter", || decay(&Siva::new(0.15, 0.5, 0.1, 0.01)?, &START)),
@@ -36,9 +36,22 @@ const SCENES: [(&str, Run); 10] = [
         })
     }),
     ("siva_forced_side_by_side", || {
-        let jobs = driven_jobs()?;
+        let jobs = driven_jobs(Acts::Primary)?;
         lanes::run(&jobs, Wanted::ALL, None, &mut |_, ended| {
             black_box(ended);
+        })
+    }),
+    ("siva_on_base_side_by_side", || {
+        let jobs = driven_jobs(Acts::Base)?;
+        lanes::run(&jobs, Wanted::ALL, None, &mut |_, ended| {
+            black_box(ended);
+        })
+    }),
+    ("siva_impacts_side_by_side", || {
+        let scenes = decays(2, 0.1)?;
+        let wanted = Wanted { peaks: false, settling: false, residual: false, ledger: false };
+        lanes::run(&scenes, wanted, None, &mut |_, decayed| {
+            black_box(decayed);
         })
     }),
     ("piva_side_by_side", || {

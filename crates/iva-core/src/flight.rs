@@ -5,6 +5,7 @@
 //! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
 
 use crate::compensated::DoubleDouble;
+use crate::quintic::{BEND_OFF, OFF, SLOPE_OFF, bernstein};
 use crate::real::Real;
 use crate::system::{Point, Wall};
 use crate::taylor::Row;
@@ -98,41 +99,109 @@ pub enum Meets {
     Near(Side),
 }
 
-/// What is known of a function between the ends of an interval.
+/// What is known of a function between the ends of an interval: close to the quintic that has its values and first two
+/// derivatives there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc<R = f64> {
-    /// The function at both ends.
-    pub values: [R; 2],
-    /// Its derivative there.
-    pub rates: [R; 2],
-    /// A bound on its second derivative.
-    pub second: R,
-    /// A bound on its third derivative.
-    pub third: R,
+    /// Value, L × first and ½ L² × second derivative at the begin, L being the length of the interval.
+    pub begin: [R; 3],
+    /// The same at the end.
+    pub end: [R; 3],
+    /// L⁶ × a bound on the sixth derivative.
+    pub sixth: R,
 }
+
+/// What rounding takes of the bounds of an [`Arc`], over its size.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl<R: Real> Arc<R> {
-    /// True if its size stays below a number on an interval of this length, rounding included.
-    pub fn is_below(&self, number: R, length: R) -> bool {
-        const ROUNDING: f64 = 32.0 * f64::EPSILON;
-        let [a, b] = self.values.map(R::abs);
-        a.max(b) + self.second * 0.125 * (length * length) < number * (R::ONE - ROUNDING)
+    /// From value and first two derivatives at both ends of an interval of this length, and a bound on the sixth.
+    #[inline(always)]
+    pub fn new(begin: [R; 3], end: [R; 3], sixth: R, length: R) -> Self {
+        let half_square = (length * length) * 0.5;
+        let cube = length * length * length;
+        let scaled = |[f, rate, second]: [R; 3]| [f, length * rate, half_square * second];
+        Self { begin: scaled(begin), end: scaled(end), sixth: sixth * (cube * cube) }
     }
 
-    /// True if it runs one way on an interval of this length: its derivative stays this close to the chord.
-    pub fn is_monotone(&self, length: R) -> bool {
-        let [a, b] = self.rates;
-        a * b > 0.0 && a.abs().min(b.abs()) > self.third * 0.125 * (length * length)
+    /// A number that its size stays below.
+    #[inline(always)]
+    pub fn limit(&self) -> R {
+        (largest(&bernstein(&self.begin, &self.end)) + self.sixth * OFF) * (R::ONE + ROUNDING)
+    }
+
+    /// True if it runs one way.
+    #[inline(always)]
+    pub fn is_monotone(&self) -> bool {
+        let b = bernstein(&self.begin, &self.end);
+        let steps = [b[1] - b[0], b[2] - b[1], b[3] - b[2], b[4] - b[3], b[5] - b[4]];
+        let off = self.sixth * (SLOPE_OFF / 5.0) + largest(&b) * ROUNDING;
+        one_sign(&steps, off)
+    }
+
+    /// True if it turns round once: its first derivative changes its sign and the second keeps its own.
+    #[inline(always)]
+    pub fn turns_once(&self) -> bool {
+        let b = bernstein(&self.begin, &self.end);
+        let bend = |i: usize| (b[i + 2] - b[i + 1]) - (b[i + 1] - b[i]);
+        let off = self.sixth * (BEND_OFF / 20.0) + largest(&b) * ROUNDING;
+        (self.begin[1] * self.end[1] < 0.0) & one_sign(&[bend(0), bend(1), bend(2), bend(3)], off)
     }
 }
 
-/// What is known of a motion between its ends.
+/// True if all have one sign, and are larger than this.
+#[inline(always)]
+fn one_sign<R: Real, const N: usize>(values: &[R; N], off: R) -> bool {
+    let above = values.iter().fold(true, |all, value| all & (*value > off));
+    let below = values.iter().fold(true, |all, value| all & (*value < -off));
+    above | below
+}
+
+/// The largest size.
+#[inline(always)]
+fn largest<R: Real, const N: usize>(values: &[R; N]) -> R {
+    values.iter().fold(R::ZERO, |most, value| R::larger(value.abs(), most))
+}
+
+/// What the largest size of a function on an interval is.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arcs<R = f64> {
-    /// Of x.
-    pub displacement: Arc<R>,
-    /// Of ẍ + a_g.
-    pub acceleration: Arc<R>,
+pub struct Extreme<R = f64> {
+    /// It stays below this.
+    pub limit: R,
+    /// It is this, if `known`.
+    pub most: R,
+    /// True if that is plain.
+    pub known: bool,
+}
+
+impl<R: Real> Extreme<R> {
+    /// Of a function that turns round once, `turned` being its value there, or runs one way.
+    #[inline(always)]
+    pub fn new(arc: &Arc<R>, once: bool, turned: R) -> Self {
+        let ends = R::larger(arc.begin[0].abs(), arc.end[0].abs());
+        let monotone = arc.is_monotone();
+        let turned = R::larger(turned.abs(), ends);
+        let most = if monotone { ends } else { turned };
+        Self { limit: arc.limit(), most, known: monotone | once }
+    }
+
+    /// The largest size, or `least` if that is larger; `None` if it is not plain.
+    #[inline(always)]
+    pub fn largest(&self, least: R) -> Option<R> {
+        if self.limit < least {
+            return Some(least);
+        }
+        self.known.then(|| R::larger(self.most, least))
+    }
+}
+
+/// A function of time whose largest size may be asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// x.
+    Displacement,
+    /// ẍ + a_g.
+    Acceleration,
 }
 
 /// What a motion takes and gives, as integrals.
@@ -183,10 +252,6 @@ pub trait Motion {
     fn turns(&self, _length: Self::Real, _end: &Self::State) -> Turns<Self::Real> {
         Turns::Unknown
     }
-    /// The same of ẍ + a_g.
-    fn acceleration_turns(&self, _length: Self::Real, _end: &Self::State) -> Turns<Self::Real> {
-        Turns::Unknown
-    }
     /// Primary displacement and its derivatives at h.
     fn primary(&self, h: Self::Real) -> Jet<Self::Real>;
     /// Gap displacement and velocity at h.
@@ -204,8 +269,15 @@ pub trait Motion {
     fn square(&self, _h: [Self::Real; 2]) -> Self::Real {
         Self::Real::ZERO
     }
-    /// What is known of its way to this state, where that is at hand.
-    fn arcs(&self, _end: &Self::State) -> Option<Arcs<Self::Real>> {
+    /// The largest size of a quantity in a motion of this length to this state, or `least` if that is larger, if it is
+    /// plain.
+    fn largest(
+        &self,
+        _of: Quantity,
+        _least: Self::Real,
+        _length: Self::Real,
+        _end: &Self::State,
+    ) -> Option<Self::Real> {
         None
     }
     /// The series that it is read from, where it is one.

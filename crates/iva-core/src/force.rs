@@ -180,6 +180,12 @@ impl<R: Real> Force<R> {
             || self.records.iter().any(|record| record.acts == Acts::Base)
     }
 
+    /// Largest |a_g| from one instant to another, if it is one harmonic motion of the base.
+    pub fn largest_base(&self, between: [R; 2]) -> Option<R> {
+        let harmonic = self.harmonics.first().filter(|it| it.acts == Acts::Base)?;
+        self.is_single().then(|| harmonic.largest_between(between))
+    }
+
     /// The highest frequency in it, 0 without any: a straight line has none.
     pub fn fastest(&self) -> R {
         self.harmonics.iter().fold(R::ZERO, |most, harmonic| most.max(harmonic.frequency))
@@ -210,7 +216,7 @@ impl<R: Real> Force<R> {
     /// f/M and a_g at `time`, of the smooth force that acts from `from` on.
     #[inline(always)]
     pub fn pushes(&self, from: DoubleDouble<R>, time: DoubleDouble<R>) -> Pushes<R> {
-        let mut pushes = Pushes { primary: Push::NONE, base: Push::NONE };
+        let mut pushes = Pushes::NONE;
         for harmonic in &self.harmonics {
             pushes.on(harmonic.acts).add(&harmonic.push(time));
         }
@@ -296,13 +302,8 @@ impl<R: Real> Force<R> {
 }
 
 impl<R: Real> Pushes<R> {
-    /// Those of one harmonic force on the structure.
-    #[inline(always)]
-    pub(crate) fn of(harmonic: &Harmonic<R>, time: DoubleDouble<R>) -> Self {
-        let mut primary = Push::NONE;
-        primary.add(&harmonic.push(time));
-        Self { primary, base: Push::NONE }
-    }
+    /// Nothing.
+    pub(crate) const NONE: Self = Self { primary: Push::NONE, base: Push::NONE };
 
     #[inline(always)]
     fn on(&mut self, acts: Acts) -> &mut Push<R> {

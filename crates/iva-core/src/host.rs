@@ -12,7 +12,7 @@
 //! the drive bends, jumps or kicks. Absorbers are written for any host.
 
 use crate::compensated::DoubleDouble;
-use crate::flight::{Arcs, Jet, Rows, Turns};
+use crate::flight::{Jet, Quantity, Rows, Turns};
 use crate::force::Force;
 use crate::oscillator::{Arrival, Equation, Primary};
 use crate::real::Real;
@@ -108,7 +108,7 @@ pub trait Structure: std::fmt::Debug {
     fn derivatives(&self, phase: &Self::Phase, v: Self::Real, a: Self::Real) -> [Self::Real; 3];
     /// a_g and its first three derivatives.
     fn base(&self, phase: &Self::Phase) -> [Self::Real; 4];
-    /// A bound on the nth derivative of A in every motion from a state, n ≤ 5.
+    /// A bound on the nth derivative of A in every motion from a state, n ≤ 6.
     fn bound<const N: usize>(&self, primary: &Primary<Self::Real>) -> Self::Real;
     /// Energy that the damper takes in a motion of length h, and the work of the drive on the structure and on
     /// an absorber of mass ratio μ that starts with a gap velocity w: integrals.
@@ -121,16 +121,6 @@ pub trait Structure: std::fmt::Debug {
         end: &HostState<Self::Phase, Self::Real>,
         h: Self::Real,
     ) -> Turns<Self::Real>;
-    /// The same of A; asked under force.
-    fn acceleration_turns(
-        &self,
-        _from: &HostState<Self::Phase, Self::Real>,
-        _course: &Self::Course,
-        _end: &HostState<Self::Phase, Self::Real>,
-        _h: Self::Real,
-    ) -> Turns<Self::Real> {
-        Turns::Unknown
-    }
     /// ∫x² from one h to another; asked under force.
     fn square(
         &self,
@@ -140,12 +130,16 @@ pub trait Structure: std::fmt::Debug {
     ) -> Self::Real {
         Self::Real::ZERO
     }
-    /// What is known of a motion under force on its way to a state.
-    fn arcs(
+    /// The largest size of a quantity in a motion of length h to a state, or `least` if that is larger, if it is plain;
+    /// asked under force.
+    fn largest(
         &self,
-        _from: &HostState<Self::Phase, Self::Real>,
+        _of: Quantity,
+        _least: Self::Real,
+        _motion: (&HostState<Self::Phase, Self::Real>, &Self::Course),
         _end: &HostState<Self::Phase, Self::Real>,
-    ) -> Option<Arcs<Self::Real>> {
+        _h: Self::Real,
+    ) -> Option<Self::Real> {
         None
     }
     /// The polynomials of a motion under force.

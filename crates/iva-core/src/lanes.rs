@@ -1,4 +1,5 @@
-//! Runs of many absorbers of one kind, side by side: free decays, and free masses under one harmonic force.
+//! Runs of many absorbers of one kind, side by side: free decays, and free masses under one harmonic force or on a base
+//! that it moves.
 //!
 //! One run spends its time waiting: each number of a stretch of motion needs the one before. Here [`LANES`]
 //! runs go in step, each in its lane, and every operation is done for all of them by the vector
@@ -27,6 +28,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::error::Invalid;
 use crate::host::{Alone, DrivenHost, Host};
 use crate::measures::{MeasureValues, Measures, Wanted};
+use crate::observe::Observer;
 use crate::piva::Piva;
 use crate::real::Real;
 use crate::simulate::{Instant, Limits, Run, Tally};
@@ -80,10 +82,11 @@ impl SideBySide for Siva {
     }
 
     fn run(group: Group<'_, Self>) {
-        if group.wanted.ledger {
-            group.run::<siva::FastFlights<true>>();
-        } else {
-            group.run::<siva::FastFlights<false>>();
+        match (group.wanted.ledger, group.wanted.decay()) {
+            (true, true) => group.run::<siva::FastFlights<true, true>>(),
+            (false, true) => group.run::<siva::FastFlights<false, true>>(),
+            (true, false) => group.run::<siva::FastFlights<true, false>>(),
+            (false, false) => group.run::<siva::FastFlights<false, false>>(),
         }
     }
 }
@@ -92,13 +95,18 @@ impl<H: Host<Real = f64>> SideBySide for Alone<H> {}
 
 impl SideBySide for Siva<DrivenHost> {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let force = job.system.force().filter(|force| force.is_single() && !force.moves_base());
-        let siva::AskedSteady { extremes, square } = siva::AskedSteady::of(job);
-        force.map(|_| [extremes, square].map(|asked| f64::from(u8::from(asked))))
+        let force = job.system.force()?;
+        let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
+        let base = if force.moves_base() { 1.0 } else { 0.0 };
+        force.is_single().then(|| [f64::from(wanted.bits()), base])
     }
 
     fn run(group: Group<'_, Self>) {
-        group.run::<siva::DrivenFastFlights>();
+        if group.leader().moves_base() {
+            group.run::<siva::DrivenFastFlights<true>>();
+        } else {
+            group.run::<siva::DrivenFastFlights<false>>();
+        }
     }
 }
 
@@ -117,6 +125,8 @@ impl SideBySide for Piva {
 
 /// Lanes in which runs of one kind of absorber go in step.
 trait Lockstep<S: SideBySide>: Sized {
+    /// What watches the run of a lane.
+    type Observer: Watching<S>;
     /// Idle lanes for absorbers like that of a run, and the measures wanted.
     fn new(job: &Job<S>, wanted: Wanted) -> Self;
     /// Makes an absorber share the tables of those in the other lanes.
@@ -127,17 +137,40 @@ trait Lockstep<S: SideBySide>: Sized {
     fn requests(&self, lane: usize) -> bool;
     /// Serves what a lane has requested; false: its numbers are back in its run, and the event loop has to
     /// go on.
-    fn serve(&mut self, lane: usize, run: &mut ScalarRun<'_, S>) -> bool;
+    fn serve(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>) -> bool;
     /// Takes over a run, if it is where the lane can go on.
-    fn take(&mut self, lane: usize, run: &ScalarRun<'_, S>) -> bool;
+    fn take(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>) -> bool;
     /// Puts the numbers of a lane back into its run.
-    fn put_back(&self, lane: usize, run: &mut ScalarRun<'_, S>);
+    fn put_back(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>);
     /// Leaves a lane without a run.
     fn idle(&mut self, lane: usize);
 }
 
 /// The run of a lane, which the event loop goes on with where the lane cannot.
-type ScalarRun<'a, S> = Run<'a, S, Observers<S>>;
+type ScalarRun<'a, S, O = Observers<S>> = Run<'a, S, O>;
+
+/// A run and its index among the jobs.
+type IndexedRun<'a, S, O> = (usize, ScalarRun<'a, S, O>);
+
+/// What watches a run and has its measures in the end.
+trait Watching<S: SideBySide>: Observer<S> + Sized {
+    /// For a run of which something is wanted; it may take over the memory of one that has ended.
+    fn new(job: &Job<S>, wanted: Wanted, spare: Option<Self>) -> Self;
+    /// What was measured.
+    fn values(&self) -> (MeasureValues, Option<SteadyValues>);
+}
+
+impl<S: SideBySide> Watching<S> for Observers<S> {
+    fn new(job: &Job<S>, wanted: Wanted, _spare: Option<Self>) -> Self {
+        let steady = job.steady.map(|(wanted, window)| Steady::new(window, wanted));
+        (Measures::new(wanted), steady)
+    }
+
+    fn values(&self) -> (MeasureValues, Option<SteadyValues>) {
+        let (measures, steady) = self;
+        (*measures.values(), steady.as_ref().map(|it| *it.values()))
+    }
+}
 
 /// Does runs and hands each out with its index, in the order in which they end. Every one is what
 /// [`simulate`](crate::simulate::simulate) with the same measures gives, bit for bit. Once cancelled, those begun come back as they are, the
@@ -164,9 +197,7 @@ pub fn run<S: SideBySide>(
         a.total_cmp(&c).then(b.total_cmp(&d))
     });
     for same in order.chunk_by(|a, b| key(a) == key(b)) {
-        let scalar_runs = [const { None }; LANES];
-        let group =
-            Group { jobs, order: same, next: 0, wanted, cancel, scalar_runs, live: 0, take };
+        let group = Group { jobs, order: same, next: 0, wanted, cancel, take };
         if same.len() < WORTHWHILE || common(&same[0]).is_none() {
             group.one_by_one();
         } else {
@@ -194,37 +225,25 @@ pub struct Group<'a, S: SideBySide> {
     next: usize,
     wanted: Wanted,
     cancel: Option<&'a AtomicBool>,
-    /// The run of each lane, and its index.
-    scalar_runs: [Option<(usize, ScalarRun<'a, S>)>; LANES],
-    /// Lanes at work.
-    live: usize,
     take: &'a mut dyn FnMut(usize, &Ended<S>),
 }
 
 impl<'a, S: SideBySide> Group<'a, S> {
     /// A run that has begun.
-    fn begun(&self, job: &'a Job<S>) -> ScalarRun<'a, S> {
-        let Job { system, start, limits, steady } = job;
-        let steady = steady.map(|(wanted, window)| Steady::new(window, wanted));
-        let observers = (Measures::new(self.wanted), steady);
+    fn begun<O: Watching<S>>(&self, index: usize, spare: Option<O>) -> ScalarRun<'a, S, O> {
+        let job = &self.jobs[index];
+        let Job { system, start, limits, .. } = job;
+        let observer = O::new(job, self.wanted, spare);
         let start = Instant::start(system, start);
-        let mut run = Run::new(system, &start, limits, self.cancel, observers);
+        let mut run = Run::new(system, &start, limits, self.cancel, observer);
         run.begin();
         run
     }
 
     /// Hands out what a run came to.
-    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, observers: &Observers<S>) {
-        let (measures, steady) = observers;
-        (self.take)(index, &(tally, *measures.values(), steady.as_ref().map(|it| *it.values())));
-    }
-
-    /// Hands out the run of a lane, which has ended.
-    fn leave(&mut self, i: usize, tally: Tally<S::State>) {
-        if let Some((index, home)) = self.scalar_runs[i].take() {
-            self.hand_out(index, tally, &home.observer);
-            self.live -= 1;
-        }
+    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, observer: &impl Watching<S>) {
+        let (measures, steady) = observer.values();
+        (self.take)(index, &(tally, measures, steady));
     }
 
     fn one_by_one(mut self) {
@@ -232,7 +251,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
             if is_set(self.cancel) {
                 break;
             }
-            let mut run = self.begun(&self.jobs[*index]);
+            let mut run = self.begun::<Observers<S>>(*index, None);
             while run.step() {}
             let tally = run.finish();
             self.hand_out(*index, tally, &run.observer);
@@ -244,13 +263,32 @@ impl<'a, S: SideBySide> Group<'a, S> {
         &self.jobs[self.order[0]].system
     }
 
-    fn run<L: Lockstep<S>>(mut self) {
+    fn run<L: Lockstep<S>>(self) {
+        let runs = [const { None }; LANES];
+        Running::<S, L> { group: self, runs, live: 0, spare: None }.run();
+    }
+}
+
+/// A group under way.
+struct Running<'a, S: SideBySide, L: Lockstep<S>> {
+    group: Group<'a, S>,
+    /// The run of each lane, and its index.
+    runs: [Option<IndexedRun<'a, S, L::Observer>>; LANES],
+    /// Lanes at work.
+    live: usize,
+    /// What has watched the run that ended last.
+    spare: Option<L::Observer>,
+}
+
+impl<S: SideBySide, L: Lockstep<S>> Running<'_, S, L> {
+    fn run(mut self) {
         f64::dispatched(
             #[inline(always)]
             || {
                 // In the very function that is vectorised: so the compiler aligns its stack to the
                 // arrays, and with it what it has no registers for.
-                let mut lanes = L::new(&self.jobs[self.order[0]], self.wanted);
+                let group = &self.group;
+                let mut lanes = L::new(&group.jobs[group.order[0]], group.wanted);
                 for i in 0..LANES {
                     self.refill(&mut lanes, i);
                 }
@@ -263,7 +301,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
                             }
                         }
                     }
-                    if is_set(self.cancel) {
+                    if is_set(self.group.cancel) {
                         self.cancel(&mut lanes);
                     }
                 }
@@ -273,51 +311,60 @@ impl<'a, S: SideBySide> Group<'a, S> {
 
     /// Does what lanes have called for.
     #[inline(never)]
-    fn serve<L: Lockstep<S>>(&mut self, lanes: &mut L) {
+    fn serve(&mut self, lanes: &mut L) {
         for i in 0..LANES {
-            let Some((_, home)) = &mut self.scalar_runs[i] else { continue };
-            if lanes.requests(i) && !lanes.serve(i, home) {
+            let Some((_, run)) = &mut self.runs[i] else { continue };
+            if lanes.requests(i) && !lanes.serve(i, run) {
                 self.go_on(lanes, i);
             }
         }
     }
 
     /// Lets the event loop go on until the lane can, or the run ends.
-    fn go_on<L: Lockstep<S>>(&mut self, lanes: &mut L, i: usize) {
-        let Some((_, home)) = &mut self.scalar_runs[i] else { return };
-        while home.step() {
-            if lanes.take(i, home) {
+    fn go_on(&mut self, lanes: &mut L, i: usize) {
+        let Some((_, run)) = &mut self.runs[i] else { return };
+        while run.step() {
+            if lanes.take(i, run) {
                 return;
             }
         }
-        let tally = home.finish();
+        let tally = run.finish();
         self.leave(i, tally);
         self.refill(lanes, i);
     }
 
+    /// Hands out the run of a lane, which has ended.
+    fn leave(&mut self, i: usize, tally: Tally<S::State>) {
+        if let Some((index, run)) = self.runs[i].take() {
+            self.group.hand_out(index, tally, &run.observer);
+            self.spare = Some(run.observer);
+            self.live -= 1;
+        }
+    }
+
     /// Gives a lane the next run, if there is one.
     #[inline(never)]
-    fn refill<L: Lockstep<S>>(&mut self, lanes: &mut L, i: usize) {
-        let index = match self.order.get(self.next) {
-            Some(index) if !is_set(self.cancel) => *index,
+    fn refill(&mut self, lanes: &mut L, i: usize) {
+        let group = &mut self.group;
+        let index = match group.order.get(group.next) {
+            Some(index) if !is_set(group.cancel) => *index,
             _ => return lanes.idle(i),
         };
-        let job = &self.jobs[index];
-        self.next += 1;
-        lanes.join(&job.system);
-        let run = self.begun(job);
-        self.scalar_runs[i] = Some((index, run));
+        group.next += 1;
+        lanes.join(&group.jobs[index].system);
+        let run = group.begun(index, self.spare.take());
+        self.runs[i] = Some((index, run));
         self.live += 1;
         self.go_on(lanes, i);
     }
 
     /// Ends every run where it is; those not begun stay so.
-    fn cancel<L: Lockstep<S>>(&mut self, lanes: &mut L) {
-        self.next = self.order.len();
+    fn cancel(&mut self, lanes: &mut L) {
+        self.group.next = self.group.order.len();
         for i in 0..LANES {
-            if let Some((_, home)) = &mut self.scalar_runs[i] {
-                lanes.put_back(i, home);
-                let tally = home.cancelled();
+            if let Some((_, run)) = &mut self.runs[i] {
+                lanes.put_back(i, run);
+                let tally = run.cancelled();
                 self.leave(i, tally);
                 lanes.idle(i);
             }

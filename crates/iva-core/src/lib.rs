@@ -32,8 +32,9 @@
 //!   [`roots`] and [`contact`] the certified search for what ends it, [`impact`] and [`chatter`] what
 //!   happens then.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
-//! * [`lanes`] is the same loop for many runs side by side. Its lanes carry copies of what a run and its measures
-//!   change in simple flights (`lanes/watch.rs`), and go back to the run for everything else.
+//! * [`lanes`] is the same loop for many runs side by side. Its lanes carry copies of what a run changes in simple flights,
+//!   and go back to the run for everything else. Lanes of free decays carry copies of what their measures change as well
+//!   (`lanes/watch.rs`); lanes of driven runs log their flights, and measures read the log (`lanes/siva/driven/recorder.rs`).
 //! * [`range`] holds the numbers that a run accepts.
 //! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] and, under force,
 //!   [`steady`] watch a run.

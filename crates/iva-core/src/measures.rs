@@ -36,6 +36,11 @@ pub struct Wanted {
 impl Wanted {
     /// Everything.
     pub const ALL: Wanted = Wanted { peaks: true, settling: true, residual: true, ledger: true };
+
+    /// True if something is wanted that is read from the displacement of a decay.
+    pub(crate) fn decay(self) -> bool {
+        self.peaks || self.settling || self.residual
+    }
 }
 
 /// The measures of a run, times in 1/ωn and energies per primary mass in ωn² × length²; `None` where
@@ -217,7 +222,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.moving = true;
         let decays = !system.is_driven();
-        if decays && (self.wanted.peaks || self.wanted.settling || self.wanted.residual) {
+        if decays && self.wanted.decay() {
             monotone::<_, S, M>(span, |stretch| self.stretch(span, stretch));
         }
         if self.wanted.ledger {
@@ -225,6 +230,9 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
             self.viscous = self.viscous.plus(viscous);
             self.pivot = self.pivot.plus(pivot);
             self.work = self.work.plus(work);
+        }
+        if !decays {
+            return;
         }
         let to_period = -span.start.minus(R::TURN.value);
         if (to_period - span.length).abs() <= R::TURN.value * CLOSE {

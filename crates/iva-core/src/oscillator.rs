@@ -88,7 +88,8 @@ impl<R: Real> Equation<R> {
             2 => growth * growth * growth * radius,
             3 => growth * growth * (growth * growth) * radius,
             4 => growth * growth * (growth * growth) * (growth * radius),
-            _ => growth * growth * (growth * growth) * (growth * growth) * radius,
+            5 => growth * growth * (growth * growth) * (growth * growth) * radius,
+            _ => growth * growth * (growth * growth) * (growth * growth) * (growth * radius),
         }
     }
 }

@@ -372,6 +372,10 @@ impl<R: Real> System for Piva<R> {
         self.force.lasts()
     }
 
+    fn largest_base(&self, between: [R; 2]) -> Option<R> {
+        self.force().largest_base(between)
+    }
+
     fn moves_base(&self) -> bool {
         self.force.moves_base()
     }

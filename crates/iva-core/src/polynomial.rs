@@ -1,5 +1,6 @@
 //! Integrals and extrema of the polynomials that a motion consists of.
 
+use crate::flight::Arc;
 use crate::range::{LARGEST, SMALLEST};
 use crate::real::Real;
 use crate::roots::polish;
@@ -79,10 +80,31 @@ fn largest_of<R: Real>(f: &[R], [from, to]: [R; 2], least: R) -> R {
         let over: Vec<R> = f.iter().map(|coefficient| *coefficient / size).collect();
         return (largest(&over, [from, to], least / size) * size).max(least);
     }
+    let arc = arc_of(f, [from, to], size);
+    if arc.limit() < least {
+        return least;
+    }
+    if arc.is_monotone() {
+        return least.max(ends);
+    }
+    if arc.turns_once() {
+        let (_, value) = turned(|t| jet(f, t), [from, to]);
+        return least.max(ends).max(value.abs());
+    }
     let inside = |at: &R| *at > from && *at < to;
     let turns = turnings(f, to).into_iter().map(|bracket| turned(|t| jet(f, t), bracket));
     let values = turns.filter(|(at, _)| inside(at)).map(|(_, value)| value.abs());
     values.fold(least.max(ends), |most, value| most.max(value))
+}
+
+/// What the ends of an interval of [0, ∞) tell of a polynomial whose terms add up to no more than `size` there.
+#[inline(always)]
+fn arc_of<R: Real>(f: &[R], [from, to]: [R; 2], size: R) -> Arc<R> {
+    let first = |[value, rate, second, _]: [R; 4]| [value, rate, second];
+    let (begin, end) = (first(jet(f, from)), first(jet(f, to)));
+    let arc = Arc::new(begin, end, steepest(f, 6, to), to - from);
+    // What rounding takes of its terms is below this share of the bound on what the quintic is off.
+    Arc { sixth: arc.sixth + size * (R::EPSILON * (64.0 * 46080.0)), ..arc }
 }
 
 /// Where a function turns round in a bracket, and its value there; it is given with three derivatives.

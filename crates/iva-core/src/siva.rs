@@ -6,7 +6,7 @@
 
 use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
-use crate::flight::Jet;
+use crate::flight::{GapPoint, Jet};
 use crate::force::Force;
 use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
 use crate::impact::{self, Impact};
@@ -189,7 +189,17 @@ pub struct SivaState<P = (), R = f64> {
 }
 
 impl<R: Real, P> SivaState<P, R> {
+    /// Gap displacement and velocity in a gap of one-sided clearance d.
+    #[inline(always)]
+    pub(crate) fn gap(&self, clearance: R) -> GapPoint<R> {
+        let d = clearance;
+        // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
+        let y = self.side * (d - self.distance.value);
+        GapPoint { y: y.clamp(-d, d), w: self.gap_velocity() }
+    }
+
     /// Gap velocity w = −s Ḋ.
+    #[inline(always)]
     pub(crate) fn gap_velocity(&self) -> R {
         -self.side * self.rate.value
     }
@@ -370,6 +380,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
 
     fn moves_base(&self) -> bool {
         self.host.force().is_some_and(Force::moves_base)
+    }
+
+    fn largest_base(&self, between: [R; 2]) -> Option<R> {
+        self.host.force()?.largest_base(between)
     }
 
     fn smooth_for(&self, state: &Self::State) -> R {

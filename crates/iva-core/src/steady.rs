@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use crate::compensated::DoubleDouble;
-use crate::flight::{Arc, Arcs, Motion, Turns};
+use crate::flight::{Motion, Quantity};
 use crate::force::Harmonic;
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
@@ -82,6 +82,13 @@ impl SteadyWanted {
         strobes: true,
     };
 
+    /// A number that tells them apart.
+    pub(crate) fn bits(self) -> u8 {
+        let Self { amplitude, rms, acceleration, regime, impacts, strobes } = self;
+        let each = [amplitude, rms, acceleration, regime, impacts, strobes];
+        each.iter().fold(0, |bits, wanted| bits * 2 + u8::from(*wanted))
+    }
+
     fn any(self) -> bool {
         self != Self::default()
     }
@@ -134,6 +141,8 @@ pub struct Steady<R = f64> {
     values: SteadyValues<R>,
     strobes: VecDeque<Strobe<R>>,
     next: u64,
+    /// When the next strobe is.
+    instant: Option<DoubleDouble<R>>,
     /// The first strobe to keep.
     first: u64,
     /// Largest |x|: of the cycle under way, where strobes are wanted, and of the window.
@@ -143,36 +152,10 @@ pub struct Steady<R = f64> {
     base: R,
     square: DoubleDouble<R>,
     base_moves: bool,
+    /// True if `base` is known from the begin.
+    base_known: bool,
     impacts: u64,
     streak: Streak<R>,
-}
-
-/// The numbers of a steady state under way.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Kept<R = f64> {
-    /// From when on it counts.
-    pub from: R,
-    /// Largest |x| and |ẍ + a_g|.
-    pub largest: R,
-    pub acceleration: R,
-    /// ∫x².
-    pub square: DoubleDouble<R>,
-    /// Listed impacts.
-    pub impacts: u64,
-    /// The next strobe to keep; infinite if none is.
-    pub strobe: DoubleDouble<R>,
-}
-
-impl<R: Real> Kept<R> {
-    /// Where no steady state is measured.
-    pub const NOTHING: Self = Self {
-        from: R::INFINITY,
-        largest: R::ZERO,
-        acceleration: R::ZERO,
-        square: DoubleDouble::ZERO,
-        impacts: 0,
-        strobe: DoubleDouble::new(R::INFINITY),
-    };
 }
 
 /// Impacts on one wall in a row, some of which may turn out not to be listed: numbers in the window,
@@ -199,70 +182,50 @@ impl<R: Real> Steady<R> {
         self.strobes.iter()
     }
 
-    /// The numbers that every span changes.
-    pub(crate) fn kept(&self) -> Kept<R> {
+    /// The instants of the strobes that are still to be kept, in a run that has begun.
+    pub(crate) fn kept_strobes(&self) -> impl Iterator<Item = DoubleDouble<R>> + '_ {
         let strobes = self.wanted.regime || self.wanted.strobes;
-        let next = self.window.instant(self.next.max(self.first)).filter(|_| strobes);
-        Kept {
-            from: self.window.from,
-            largest: self.largest,
-            acceleration: self.acceleration,
-            square: self.square,
-            impacts: self.impacts,
-            strobe: next.unwrap_or(DoubleDouble::new(R::INFINITY)),
-        }
+        let instants = (self.first.max(self.next)..).map_while(|index| self.window.instant(index));
+        let within = |instant: &DoubleDouble<R>| instant.value <= self.duration * (R::ONE + SLACK);
+        instants.take_while(within).filter(move |_| strobes)
     }
 
-    /// Takes them back; of the impacts on the wall that is being hit none is low.
-    pub(crate) fn put_back(&mut self, kept: Kept<R>, wall: Option<Wall>) {
-        let Kept { largest, acceleration, square, impacts, .. } = kept;
-        self.streak = Streak { wall, impacts: Vec::new() };
-        *self = Self { largest, acceleration, square, impacts, ..std::mem::take(self) };
+    /// Counts an impact.
+    pub(crate) fn count(&mut self, time: R, wall: Wall, approach_speed: R) {
+        if time < self.window.from {
+            return;
+        }
+        self.impacts += 1;
+        if self.streak.wall != Some(wall) {
+            self.streak.wall = Some(wall);
+            self.streak.impacts.clear();
+        }
+        self.streak.impacts.push((self.impacts, approach_speed));
     }
 
     /// What counts in a part of a span.
     fn part<M: Motion<Real = R>>(&mut self, span: &Span<'_, M>, h: [R; 2]) {
         let wanted = self.wanted;
-        let whole = h == [R::ZERO, span.length];
-        let arcs = span.motion.arcs(span.end).filter(|_| whole);
         if wanted.amplitude || wanted.regime {
-            self.largest = largest_displacement(span, arcs.as_ref(), h, self.largest);
+            self.largest = largest_in(span, Quantity::Displacement, h, self.largest);
         }
         if wanted.acceleration {
-            self.accelerations(span, arcs.as_ref(), h);
+            self.acceleration = largest_in(span, Quantity::Acceleration, h, self.acceleration);
+        }
+        let looks = wanted.acceleration && self.base_moves && !self.base_known;
+        if let Some(rows) = looks.then(|| span.motion.rows()).flatten() {
+            let t = h.map(|h| h / rows.step);
+            self.base = largest(&rows.base[..=rows.order], t, self.base);
         }
         if wanted.rms {
             self.square = self.square.plus(span.motion.square(h));
         }
     }
 
-    /// The largest accelerations: those that cannot exceed what was seen are not looked at.
-    fn accelerations<M: Motion<Real = R>>(
-        &mut self,
-        span: &Span<'_, M>,
-        arcs: Option<&Arcs<R>>,
-        h: [R; 2],
-    ) {
-        let turns = || span.motion.acceleration_turns(span.length, span.end);
-        let known = arcs.and_then(|arcs| {
-            largest_known(&arcs.acceleration, self.acceleration, span.length, turns)
-        });
-        if let (Some(most), false) = (known, self.base_moves) {
-            self.acceleration = most;
-            return;
-        }
-        let Some(rows) = span.motion.rows() else { return };
-        let t = h.map(|h| h / rows.step);
-        self.acceleration = largest(&rows.acceleration[..=rows.order], t, self.acceleration);
-        if self.base_moves {
-            self.base = largest(&rows.base[..=rows.order], t, self.base);
-        }
-    }
-
     /// The amplitude of the cycle under way.
     fn until<M: Motion<Real = R>>(&mut self, span: &Span<'_, M>, h: [R; 2]) {
         if self.wanted.strobes && h[0] < h[1] {
-            self.current = largest_displacement(span, None, h, self.current);
+            self.current = largest_in(span, Quantity::Displacement, h, self.current);
         }
     }
 
@@ -285,41 +248,24 @@ impl<R: Real> Steady<R> {
     }
 }
 
-/// The largest |x| in a part of a span, or `least` if that is larger; `arcs` are of the whole span.
-fn largest_displacement<R: Real, M: Motion<Real = R>>(
+/// The largest size of a quantity in a part of a span, or `least` if that is larger.
+fn largest_in<R: Real, M: Motion<Real = R>>(
     span: &Span<'_, M>,
-    arcs: Option<&Arcs<R>>,
+    of: Quantity,
     h: [R; 2],
     least: R,
 ) -> R {
-    let turns = || span.motion.turns(span.length, span.end);
-    let known = |arcs: &Arcs<R>| largest_known(&arcs.displacement, least, span.length, turns);
-    if let Some(most) = arcs.and_then(known) {
+    let whole = h == [R::ZERO, span.length];
+    let plain = whole.then(|| span.motion.largest(of, least, span.length, span.end));
+    if let Some(most) = plain.flatten() {
         return most;
     }
     let Some(rows) = span.motion.rows() else { return least };
-    largest(&rows.x[..=rows.order], h.map(|h| h / rows.step), least)
-}
-
-/// The largest size of a function, or `least` if that is larger, where its ends tell, or where it turns round once.
-fn largest_known<R: Real>(
-    arc: &Arc<R>,
-    least: R,
-    length: R,
-    turns: impl Fn() -> Turns<R>,
-) -> Option<R> {
-    if arc.is_below(least, length) {
-        return Some(least);
-    }
-    let [a, b] = arc.values.map(R::abs);
-    let ends = least.max(a).max(b);
-    if arc.is_monotone(length) {
-        return Some(ends);
-    }
-    match turns() {
-        Turns::Once(_, value) => Some(ends.max(value.abs())),
-        _ => None,
-    }
+    let row = match of {
+        Quantity::Displacement => &rows.x,
+        Quantity::Acceleration => &rows.acceleration,
+    };
+    largest(&row[..=rows.order], h.map(|h| h / rows.step), least)
 }
 
 /// A number of cycles that is whole but for rounding.
@@ -332,7 +278,10 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         let base_moves = system.moves_base();
         let window = Window { from: self.window.from.max(from.time.value), ..self.window };
-        *self = Self { duration, base_moves, ..Self::new(window, self.wanted) };
+        let base = system.largest_base([window.from, duration]);
+        let (base, base_known) = (base.unwrap_or(R::ZERO), base.is_some());
+        *self = Self { duration, base_moves, base, base_known, ..Self::new(window, self.wanted) };
+        self.instant = self.window.instant(0);
         self.first = if self.wanted.strobes { 0 } else { self.window.last_kept(duration) };
     }
 
@@ -348,7 +297,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
             return;
         }
         let mut h = begin;
-        while let Some(instant) = self.window.instant(self.next) {
+        while let Some(instant) = self.instant {
             let at = (instant - span.start).value;
             let beyond = (instant.value - self.duration) / self.duration;
             let last = beyond.abs() <= SLACK && span_ends(&span.start, span.length, self.duration);
@@ -366,19 +315,13 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
                 }
             }
             self.next += 1;
+            self.instant = self.window.instant(self.next);
         }
         self.until(span, [h, span.length]);
     }
 
     fn impact(&mut self, _system: &S, impact: &Impact<R>) {
-        if impact.time < self.window.from {
-            return;
-        }
-        self.impacts += 1;
-        if self.streak.wall != Some(impact.wall) {
-            self.streak = Streak { wall: Some(impact.wall), impacts: Vec::new() };
-        }
-        self.streak.impacts.push((self.impacts, impact.approach_speed()));
+        self.count(impact.time, impact.wall, impact.approach_speed());
     }
 
     fn unlist(&mut self, _first: u64, floor: R) {

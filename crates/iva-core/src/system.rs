@@ -160,6 +160,10 @@ pub trait System {
     fn moves_base(&self) -> bool {
         false
     }
+    /// Largest |a_g| from one instant to another, where it is known in closed form.
+    fn largest_base(&self, _between: [Self::Real; 2]) -> Option<Self::Real> {
+        None
+    }
     /// How long the force stays smooth: the time until it has a kink, a jump or an impulse.
     fn smooth_for(&self, _state: &Self::State) -> Self::Real {
         Self::Real::INFINITY

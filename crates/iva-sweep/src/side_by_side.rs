@@ -70,8 +70,9 @@ fn together<S: SideBySide>(
 ) -> Result<Option<Done>, Invalid> {
     let Asked { study, request, cancel } = *asked;
     let (mut designs, mut jobs) = (Vec::new(), Vec::new());
+    let mut designer = study.designer();
     for point in points.clone() {
-        let design = study.design(point)?;
+        let design = designer.design(point)?;
         let Some((system, start)) = scene(&design) else { return Ok(None) };
         let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
         jobs.push(Job { system, start, limits: design.limits, steady });
@@ -86,7 +87,7 @@ fn together<S: SideBySide>(
         let Some((tally, measures, steady)) = result else { break };
         let settled = request.settled(design, steady.as_ref(), cancel)?;
         let row = rows::RunRow { settled, ..rows::RunRow::new(design, tally, measures) };
-        take(&mut row.cells(study, point));
+        take(&mut row.cells(&request.columns, &study.swept(point), point));
         done += Done::run(tally.outcome.name(), tally.work);
     }
     Ok(Some(done))

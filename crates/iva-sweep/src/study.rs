@@ -79,6 +79,47 @@ pub struct Study {
     pub errors: bool,
 }
 
+/// Makes the designs of points, one after the other.
+#[derive(Debug)]
+pub struct Designer<'a> {
+    study: &'a Study,
+    /// The fields of the point made last.
+    spec: Spec,
+    /// True if swept values stand in the places of their alternatives.
+    replaced: bool,
+}
+
+impl Designer<'_> {
+    /// The design of a point.
+    ///
+    /// # Errors
+    /// As [`Study::design`].
+    pub fn design(&mut self, point: u64) -> Result<Design, Invalid> {
+        let sampling = &self.study.sampling;
+        self.place(point).and_then(|()| self.spec.design()).map_err(|error| {
+            // What is missing is missing at every point.
+            if sampling.is_empty() || error.value.is_empty() {
+                error
+            } else {
+                Invalid { allowed: format!("{} (point {point})", error.allowed), ..error }
+            }
+        })
+    }
+
+    /// Puts the swept values of a point in place.
+    fn place(&mut self, point: u64) -> Result<(), Invalid> {
+        for (swept, value) in self.study.sampling.keys().zip(self.study.swept(point)) {
+            if self.replaced {
+                self.spec.set(swept.slot, value)?;
+            } else {
+                self.spec.replace(swept.slot, value)?;
+            }
+        }
+        self.replaced = true;
+        Ok(())
+    }
+}
+
 impl Study {
     /// A study of a single run with every table of a sweep.
     pub fn single(spec: Spec) -> Self {
@@ -126,14 +167,12 @@ impl Study {
     /// # Errors
     /// [`Invalid`] if the fields together make no valid scene; the message names the point.
     pub fn design(&self, point: u64) -> Result<Design, Invalid> {
-        self.spec(point).and_then(|spec| spec.design()).map_err(|error| {
-            // What is missing is missing at every point.
-            if self.sampling.is_empty() || error.value.is_empty() {
-                error
-            } else {
-                Invalid { allowed: format!("{} (point {point})", error.allowed), ..error }
-            }
-        })
+        self.designer().design(point)
+    }
+
+    /// Makes the designs of many points.
+    pub fn designer(&self) -> Designer<'_> {
+        Designer { study: self, spec: self.spec.clone(), replaced: false }
     }
 
     /// The units of inputs and results: the same at every point.

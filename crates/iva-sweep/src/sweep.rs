@@ -119,7 +119,8 @@ pub fn validate(
         let range = chunk * CHECKED..points.min((chunk + 1) * CHECKED);
         let count = range.end - range.start;
         let mut points = range.take_while(|_| !cancel.load(Ordering::Relaxed));
-        let fault = points.find_map(|point| study.design(point).err()).map(Some);
+        let mut designer = study.designer();
+        let fault = points.find_map(|point| designer.design(point).err()).map(Some);
         progress(count);
         fault
     };
@@ -145,8 +146,11 @@ pub fn sweep(
 ) -> Result<Tables, SweepError> {
     let units = study.units()?;
     let length = points.end.saturating_sub(points.start);
-    // Some chunks a worker, so that a small grid keeps all of them busy.
-    let share = length.div_ceil(8 * control.workers.count() as u64);
+    // Some chunks a worker, so that a small grid keeps all of them busy; each costs lanes that run dry in the end.
+    let share = match control.workers.count() as u64 {
+        1 => length,
+        workers => length.div_ceil(8 * workers),
+    };
     let chunk = control.chunk.map_or(CHUNK.min(share), |chunk| chunk as u64).max(1);
     let parts: Vec<Result<Tables, SweepError>> = control.workers.install(|| {
         (0..length.div_ceil(chunk))

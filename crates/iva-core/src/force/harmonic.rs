@@ -58,7 +58,7 @@ impl<R: Real> Harmonic<R> {
 
     /// Its value and derivatives at an instant.
     #[inline(always)]
-    pub(super) fn push(&self, time: DoubleDouble<R>) -> Push<R> {
+    pub(crate) fn push(&self, time: DoubleDouble<R>) -> Push<R> {
         let (s, c) = R::precise_sincos(self.angle(time));
         let rate = DoubleDouble::new(self.frequency).times(self.amplitude);
         let second = rate.times(self.frequency);
@@ -68,6 +68,14 @@ impl<R: Real> Harmonic<R> {
             second: -c.times_sum(second),
             third: s.value * (second.value * self.frequency),
         }
+    }
+
+    /// Its largest size from one instant to another: its amplitude where a crest lies between them.
+    pub(super) fn largest_between(&self, [from, to]: [R; 2]) -> R {
+        let half_turns = |time: R| (self.frequency * time + self.phase) / (R::TURN.value * 0.5);
+        let crests = half_turns(from).ceil() <= half_turns(to);
+        let at = |time: R| self.push(DoubleDouble::new(time)).value.value.abs();
+        if crests { self.amplitude.abs() } else { at(from).max(at(to)) }
     }
 
     /// The largest size of its derivative of this order.
@@ -120,6 +128,24 @@ mod tests {
             assert!(off.value.abs() < 1e-30, "{k}: {:e}", off.value);
             assert!((s.value - angle.value.sin()).abs() < 2e-16);
             assert!((c.value - angle.value.cos()).abs() < 2e-16);
+        }
+    }
+
+    #[test]
+    fn the_largest_size_is_that_of_a_crest_or_of_an_end() {
+        // Samples miss a crest by less than (0.005 · 1.3)²/2.
+        for (phase, amplitude) in [(0.0, 1.0), (-7.0, 0.3), (2.0, -0.5), (9.1, 2.0)] {
+            let harmonic = Harmonic { amplitude, frequency: 1.3, phase, acts: Acts::Base };
+            for (from, length) in [(0.0, 0.0), (0.0, 0.4), (1.7, 0.9), (0.3, 5.0), (40.0, 0.2)] {
+                let at = |k: i32| {
+                    let time = from + length * f64::from(k) / 1000.0;
+                    (amplitude * (1.3 * time + phase).cos()).abs()
+                };
+                let sampled = (0..=1000).map(at).fold(0.0, f64::max);
+                let found = harmonic.largest_between([from, from + length]);
+                assert!((found - sampled).abs() < 2.2e-5 * amplitude.abs(), "{found} {sampled}");
+                assert!(found >= sampled - 1e-15, "{phase} {from} {length}");
+            }
         }
     }
 

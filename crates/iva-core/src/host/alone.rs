@@ -3,7 +3,9 @@
 use super::{DrivenHost, Flown, Host, HostState, Integrated, Phase, Structure, UndrivenHost};
 use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
-use crate::flight::{Arcs, Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Turns};
+use crate::flight::{
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Turns,
+};
 use crate::force::Force;
 use crate::impact::Impact;
 use crate::oscillator::Primary;
@@ -106,13 +108,6 @@ impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
         )
     }
 
-    fn acceleration_turns(&self, length: R, end: &Self::State) -> Turns<R> {
-        R::dispatched(
-            #[inline(always)]
-            || self.structure.acceleration_turns(&self.from, &self.course, end, length),
-        )
-    }
-
     fn gap(&self, _h: R) -> GapPoint<R> {
         GapPoint { y: R::ZERO, w: R::ZERO }
     }
@@ -135,8 +130,11 @@ impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
         )
     }
 
-    fn arcs(&self, end: &Self::State) -> Option<Arcs<R>> {
-        self.structure.arcs(&self.from, end)
+    fn largest(&self, of: Quantity, least: R, length: R, end: &Self::State) -> Option<R> {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure.largest(of, least, (&self.from, &self.course), end, length),
+        )
     }
 
     fn rows(&self) -> Option<Rows<R>> {
@@ -257,6 +255,10 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
 
     fn is_driven(&self) -> bool {
         self.host.force().is_some_and(Force::lasts)
+    }
+
+    fn largest_base(&self, between: [R; 2]) -> Option<R> {
+        self.host.force()?.largest_base(between)
     }
 
     fn moves_base(&self) -> bool {

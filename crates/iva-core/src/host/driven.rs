@@ -21,7 +21,7 @@
 
 use super::{Flown, HostState, Integrated, Structure};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Arcs, Jet, Rows, Turns};
+use crate::flight::{Jet, Quantity, Rows, Turns};
 use crate::force::{Drive, Force, Pushes};
 use crate::oscillator::{Arrival, Equation, Primary};
 use crate::real::Real;
@@ -31,6 +31,7 @@ use crate::taylor::{Number, ORDER, Row, unrolled};
 use integral::{at_nodes, mean_product, nodes};
 
 pub use host::DrivenHost;
+pub(crate) use measured::Leading;
 pub use source::{Forces, Source};
 
 mod host;
@@ -47,13 +48,13 @@ const LONGEST: f64 = 1.2;
 pub struct Driven<D: Source = Forces> {
     pub(crate) equation: Equation<D::Real>,
     pub(crate) source: D,
-    /// Largest sizes of a_g and its first three derivatives.
-    pub(crate) base: [D::Real; 4],
+    /// Largest sizes of a_g and its first four derivatives.
+    pub(crate) base: [D::Real; 5],
     pub(crate) reach: D::Real,
     /// What powers of time are taken in.
     pub(crate) step: D::Real,
-    /// What the drive adds to the bounds on A and its first five derivatives.
-    pub(crate) excess: [D::Real; 6],
+    /// What the drive adds to the bounds on A and its first six derivatives.
+    pub(crate) excess: [D::Real; 7],
 }
 
 /// Where a drive stands.
@@ -86,8 +87,8 @@ impl<R: Real> Driven<Forces<R>> {
         let equation = Equation::new(mass, damping_ratio);
         let force = &source.force;
         let reach = R::from(LONGEST) / equation.growth.max(force.fastest());
-        let mut excess = [R::ZERO; 6];
-        let mut base = [R::ZERO; 4];
+        let mut excess = [R::ZERO; 7];
+        let mut base = [R::ZERO; 5];
         for (order, excess) in (0..).zip(&mut excess) {
             *excess = exceeding(&equation, force, reach, order);
         }
@@ -344,12 +345,24 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     }
 
     #[inline(always)]
-    fn arcs(
+    fn largest(
         &self,
-        from: &HostState<Moment<R>, R>,
+        of: Quantity,
+        least: R,
+        (from, course): (&HostState<Moment<R>, R>, &Course<R>),
         end: &HostState<Moment<R>, R>,
-    ) -> Option<Arcs<R>> {
-        Some(self.known(from, end))
+        h: R,
+    ) -> Option<R> {
+        let ends = [&self.leading_of(from), &self.leading_of(end)];
+        let arc = self.arc(of, ends, &from.primary, h);
+        if arc.limit() < least {
+            return Some(least);
+        }
+        let row = match of {
+            Quantity::Displacement => self.place(from, course),
+            Quantity::Acceleration => self.acceleration_row(course),
+        };
+        self.extreme(of, ends, &from.primary, &row, h).largest(least)
     }
 
     #[inline(always)]
@@ -360,17 +373,9 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         end: &HostState<Moment<R>, R>,
         h: R,
     ) -> Turns<R> {
-        self.displacement_turned(from, course, end, h).turns()
-    }
-
-    #[inline(always)]
-    fn acceleration_turns(
-        &self,
-        from: &HostState<Moment<R>, R>,
-        course: &Course<R>,
-        end: &HostState<Moment<R>, R>,
-        h: R,
-    ) -> Turns<R> {
-        self.acceleration_turned(from, course, end, h).turns()
+        let ends = [&self.leading_of(from), &self.leading_of(end)];
+        let (of, primary) = (Quantity::Displacement, &from.primary);
+        let arc = self.arc(of, ends, primary, h);
+        self.turned(of, &arc, ends, primary, &self.place(from, course), h).turns()
     }
 }

@@ -39,22 +39,17 @@ pub(crate) fn turning<R: Real>(
     (turn, x, close & (turn > 0.0) & (turn < length))
 }
 
-/// Where a function turns round in a motion of this length, if it is plain that it does so once: its first
-/// derivative changes its sign and the second keeps its own. Given at both ends are the first three derivatives, bounds on
-/// the third, fourth and fifth, and a guess with the function there.
+/// Where a function turns round in a motion of this length, if it is plain that it does so once. Given are what is known
+/// of it between both ends, a guess with the function there, and a bound on its fifth derivative.
 #[inline(always)]
 pub(super) fn turned_once<R: Real>(
-    from: [R; 3],
-    to: [R; 3],
-    [third, fourth, fifth]: [R; 3],
+    arc: &Arc<R>,
     (guess, jets): (R, Jets<R>),
+    fifth: R,
     length: R,
 ) -> Turned<R> {
-    let (values, rates) = ([from[0], to[0]], [from[1], to[1]]);
-    let rate = Arc { values, rates, second: third, third: fourth };
     let (h, value, exact) = turning(jets, fifth, guess, length);
-    let once = (from[0] * to[0] < 0.0) & rate.is_monotone(length) & exact;
-    Turned { once, h, value }
+    Turned { once: arc.turns_once() & exact, h, value }
 }
 
 /// Whether a function turns round once, and if so when, and its value there.

@@ -40,11 +40,13 @@ macro_rules! arrays {
                 Self { $($field: [0.0; W],)* $($($part: $part_many::new(),)*)? }
             }
 
+            #[allow(dead_code)]
             #[inline(always)]
             pub fn get(&self, i: usize) -> $one {
                 $one { $($field: self.$field[i],)* $($($part: self.$part.get(i),)*)? }
             }
 
+            #[allow(dead_code)]
             #[inline(always)]
             pub fn set(&mut self, i: usize, one: &$one) {
                 $(self.$field[i] = one.$field;)*

@@ -8,7 +8,7 @@ mod lane;
 mod rows;
 mod step;
 
-use super::{Job, LANES, Lockstep, ScalarRun};
+use super::{Job, LANES, Lockstep, Observers, ScalarRun};
 use crate::compensated::DoubleDouble;
 use crate::flight::Side;
 use crate::measures::Wanted;
@@ -42,6 +42,8 @@ struct Shared {
 }
 
 impl<const N: usize> Lockstep<Piva> for Steps<N> {
+    type Observer = Observers<Piva>;
+
     fn new(Job { system: piva, .. }: &Job<Piva>, wanted: Wanted) -> Self {
         let shared = Shared {
             tolerance: piva.accuracy.tolerance,
@@ -106,7 +108,7 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
         self.take(i, run)
     }
 
-    fn take(&mut self, i: usize, run: &ScalarRun<'_, Piva>) -> bool {
+    fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
         let Phase::Flight { first } = run.phase else { return false };
         let settled = run.observer.0.reference.settled && run.observer.0.reference.amplitude > 0.0;
         let lane = Lane::of(run, first);
@@ -117,7 +119,7 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
         fits
     }
 
-    fn put_back(&self, i: usize, run: &mut ScalarRun<'_, Piva>) {
+    fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
         self.lanes.get(i).put_back(run);
     }
 

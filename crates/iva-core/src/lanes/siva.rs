@@ -8,7 +8,7 @@ mod step;
 
 use std::sync::Arc;
 
-use super::{Job, LANES, Lockstep, ScalarRun};
+use super::{Job, LANES, Lockstep, Observers, ScalarRun};
 use crate::host::Host;
 use crate::measures::Wanted;
 use crate::oscillator::Oscillator;
@@ -16,21 +16,23 @@ use crate::real::Real;
 use crate::simulate::STOPS;
 use crate::siva::Siva;
 use crate::system::System;
-pub(super) use driven::{AskedSteady, DrivenFastFlights};
+pub(super) use driven::DrivenFastFlights;
 
 use flying::STOP;
 use lane::{Lane, Lanes};
 
-/// Eight lanes on one kind of primary, with its losses or without.
+/// Eight lanes on one kind of primary, with its losses or without, with what is read from its displacement or without.
 #[derive(Debug)]
-pub(super) struct FastFlights<const LEDGER: bool> {
+pub(super) struct FastFlights<const LEDGER: bool, const DECAY: bool> {
     lanes: Lanes<LANES>,
     /// By value: so the compiler knows that it is not one of the arrays.
     free: Oscillator,
     shared: Arc<Oscillator>,
 }
 
-impl<const LEDGER: bool> Lockstep<Siva> for FastFlights<LEDGER> {
+impl<const LEDGER: bool, const DECAY: bool> Lockstep<Siva> for FastFlights<LEDGER, DECAY> {
+    type Observer = Observers<Siva>;
+
     fn new(Job { system: siva, .. }: &Job<Siva>, _wanted: Wanted) -> Self {
         Self {
             lanes: Lanes::new(),
@@ -45,7 +47,7 @@ impl<const LEDGER: bool> Lockstep<Siva> for FastFlights<LEDGER> {
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        evaluate::<LANES, LEDGER>(&mut self.lanes, &self.free)
+        evaluate::<LANES, LEDGER, DECAY>(&mut self.lanes, &self.free)
     }
 
     fn requests(&self, i: usize) -> bool {
@@ -73,8 +75,9 @@ impl<const LEDGER: bool> Lockstep<Siva> for FastFlights<LEDGER> {
         goes_on
     }
 
-    fn take(&mut self, i: usize, run: &ScalarRun<'_, Siva>) -> bool {
-        let settled = run.observer.0.reference.settled && run.observer.0.reference.amplitude > 0.0;
+    fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Siva>) -> bool {
+        let reference = &run.observer.0.reference;
+        let settled = !DECAY || reference.settled && reference.amplitude > 0.0;
         let lane = Lane::of(run, self.free.reach).filter(|_| settled);
         if let Some(lane) = &lane {
             self.lanes.set(i, lane);
@@ -82,7 +85,7 @@ impl<const LEDGER: bool> Lockstep<Siva> for FastFlights<LEDGER> {
         lane.is_some()
     }
 
-    fn put_back(&self, i: usize, run: &mut ScalarRun<'_, Siva>) {
+    fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Siva>) {
         self.lanes.get(i).put_back(run);
     }
 
@@ -93,9 +96,12 @@ impl<const LEDGER: bool> Lockstep<Siva> for FastFlights<LEDGER> {
 
 /// One evaluation of each lane; true if one needs its run.
 #[inline(always)]
-fn evaluate<const W: usize, const LEDGER: bool>(lanes: &mut Lanes<W>, free: &Oscillator) -> bool {
+fn evaluate<const W: usize, const LEDGER: bool, const DECAY: bool>(
+    lanes: &mut Lanes<W>,
+    free: &Oscillator,
+) -> bool {
     for i in 0..W {
-        let lane = step::step::<LEDGER>(free, &lanes.get(i));
+        let lane = step::step::<LEDGER, DECAY>(free, &lanes.get(i));
         lanes.set(i, &lane);
     }
     let mut requests = 0.0;

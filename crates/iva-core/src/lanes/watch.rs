@@ -63,14 +63,20 @@ impl Watch {
         (peak, self.half_cycles as u64 - 1)
     }
 
+    /// Takes in what the primary's damper takes in a stretch, if it is `done`.
+    #[inline(always)]
+    pub fn losing(&self, loss: f64, done: bool) -> Self {
+        let viscous = DoubleDouble { value: self.viscous, rest: self.viscous_rest }.plus(loss);
+        let mut next = *self;
+        next.viscous = pick(done, viscous.value, self.viscous);
+        next.viscous_rest = pick(done, viscous.rest, self.viscous_rest);
+        next
+    }
+
     /// Takes in a stretch that begins at an instant, if it is `done`.
     #[inline(always)]
     pub fn after(&self, stretch: &Stretch, clock: DoubleDouble, done: bool) -> Self {
-        let mut next = *self;
-        let viscous =
-            DoubleDouble { value: self.viscous, rest: self.viscous_rest }.plus(stretch.loss);
-        next.viscous = pick(done, viscous.value, self.viscous);
-        next.viscous_rest = pick(done, viscous.rest, self.viscous_rest);
+        let mut next = self.losing(stretch.loss, done);
         self.half_cycle(&mut next, stretch, clock, done);
         let [x, x_turn, x_end] = stretch.x;
         let largest = x.abs().max(x_turn.abs()).max(x_end.abs());

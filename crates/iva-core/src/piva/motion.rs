@@ -7,7 +7,8 @@ use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::DoubleDouble;
 use crate::flight::{Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Side, Turns};
 use crate::force::Drive;
-use crate::polynomial::{product_integral, square_integral};
+use crate::host::driven::integral::{at_nodes, mean_product, nodes};
+use crate::polynomial::square_integral;
 use crate::real::Real;
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner, with_order};
@@ -286,11 +287,21 @@ pub(crate) fn work<R: Real>(
     let pull = piva.parameters.mass_ratio * piva.pendulum.lever;
     // ẏ in powers of t/step, one order less.
     let rate = |k: usize| if k < order { y[k + 1] * ((k + 1) as f64) / step } else { R::ZERO };
-    let momentum: Row<R> =
-        std::array::from_fn(|k| if k <= order { mass * u[k] + pull * rate(k) } else { R::ZERO });
-    let on_primary = product_integral(&drive.primary[..=order], &u[..=order], t);
-    let on_base = product_integral(&drive.base[..=order], &momentum[..=order], t);
-    (on_primary - on_base) * step
+    let row = |f: &dyn Fn(usize) -> R| -> Row<R> {
+        std::array::from_fn(|k| if k <= order { f(k) } else { R::ZERO })
+    };
+    let (velocity, primary) = (row(&|k| u[k]), row(&|k| drive.primary[k]));
+    let moves = piva.force.moves_base();
+    let base = moves.then(|| [row(&|k| drive.base[k]), row(&|k| mass * u[k] + pull * rate(k))]);
+    let at = nodes([R::ZERO, t]);
+    let mean = |[f, g]: [&Row<R>; 2]| {
+        R::dispatched(
+            #[inline(always)]
+            || mean_product(&at_nodes(f, &at), &at_nodes(g, &at)),
+        )
+    };
+    let on_base = base.map_or(R::ZERO, |[base, momentum]| mean([&base, &momentum]));
+    (mean([&primary, &velocity]) - on_base) * t * step
 }
 
 impl<R: Real> Curve for PivaFlight<'_, R> {

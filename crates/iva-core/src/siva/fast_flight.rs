@@ -5,14 +5,7 @@
 //! without branches, so that many can go side by side ([`crate::lanes`]).
 //!
 //! **Proof.** Distance, rate and curvature at both ends of a stretch of length L define a quintic H,
-//! and with M = L⁶ max |D⁽⁶⁾| the distance obeys (G. Birkhoff and A. Priver, J. Math. Phys. 46, 1967)
-//!
-//! ```text
-//! |D − H| ≤ M/46080,    L |D′ − H′| ≤ M √5/30000,    L² |D″ − H″| ≤ M/1920.
-//! ```
-//!
-//! H lies within the range of its Bernstein coefficients and L H′ within five times that of their
-//! differences. In a flight that starts on the wall it is H/t that counts, with the coefficients 5b₁, 5b₂/2,
+//! and with M = L⁶ max |D⁽⁶⁾| the distance is as close to it as [`crate::quintic`] says. In a flight that starts on the wall it is H/t that counts, with the coefficients 5b₁, 5b₂/2,
 //! 5b₃/3, 5b₄/4, b₅: |D − H|/t ≤ M t² (L−t)³/(720 L⁶) ≤ M/20833 L, and
 //! L² |(D/t)′ − (H/t)′| ≤ ½ M/1920, as t e′ − e = ∫ t e″ dt for the error e.
 //!
@@ -26,14 +19,10 @@ use crate::compensated::DoubleDouble;
 use crate::flight::{FastFlight, Meets};
 use crate::host::{Host, HostState, Phase, Structure};
 use crate::oscillator::Primary;
-use crate::quintic::{monomials, root};
+use crate::quintic::{OFF, SLOPE_OFF, bernstein, monomials, root};
 use crate::real::Real;
 use crate::roots::DOUBT;
 
-/// M/46080 bounds what H is off.
-const OFF: f64 = 1.0 / 46080.0;
-/// √5/30000, for the slope.
-const SLOPE_OFF: f64 = 7.454e-5;
 /// For H/t: max of t² (1−t)³/720, and ½/1920.
 const RISE_OFF: f64 = 4.8001e-5;
 const RISE_SLOPE_OFF: f64 = 2.605e-4;
@@ -87,16 +76,9 @@ impl<R: Real> Quintic<R> {
         }
     }
 
-    /// The Bernstein coefficients.
-    #[inline(always)]
-    fn bernstein(&self) -> [R; 6] {
-        let ([f, g, k], [u, v, w]) = (self.begin, self.end);
-        [f, f + g * 0.2, f + (g * 0.4 + k * 0.1), u - (v * 0.4 - w * 0.1), u - v * 0.2, u]
-    }
-
     #[inline(always)]
     pub fn proof(&self) -> Proof {
-        let b = self.bernstein();
+        let b = bernstein(&self.begin, &self.end);
         let steps = [b[1] - b[0], b[2] - b[1], b[3] - b[2], b[4] - b[3], b[5] - b[4]];
         let m = self.sixth;
         // What rounding could change; a flight that starts on the wall is exact to rounding of its own

@@ -2,7 +2,7 @@
 
 use super::{Siva, SivaState};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Arcs, Curve, FastFlight, GapPoint, Jet, Losses, Motion, Rows, Turns};
+use crate::flight::{Curve, FastFlight, GapPoint, Jet, Losses, Motion, Quantity, Rows, Turns};
 use crate::host::{Flown, Host, Integrated, Phase, Structure};
 use crate::real::Real;
 use crate::system::{Point, System, Wall};
@@ -101,10 +101,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
 
     fn place(&self, h: R) -> (Point<R>, GapPoint<R>) {
         let state = self.state(h);
-        let d = self.siva.clearance;
-        // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
-        let y = state.side * (d - state.distance.value);
-        (self.siva.primary(&state), GapPoint { y: y.clamp(-d, d), w: state.gap_velocity() })
+        (self.siva.primary(&state), state.gap(self.siva.clearance))
     }
 
     fn wall(&self) -> Option<Wall> {
@@ -132,10 +129,18 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         )
     }
 
-    fn arcs(&self, end: &Self::State) -> Option<Arcs<R>> {
+    fn largest(&self, of: Quantity, least: R, length: R, end: &Self::State) -> Option<R> {
         R::dispatched(
             #[inline(always)]
-            || self.structure().arcs(&self.from.host, &end.host),
+            || {
+                self.structure().largest(
+                    of,
+                    least,
+                    (&self.from.host, &self.course),
+                    &end.host,
+                    length,
+                )
+            },
         )
     }
 
@@ -154,16 +159,6 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         R::dispatched(
             #[inline(always)]
             || self.structure().turns(&self.from.host, &self.course, &end.host, length),
-        )
-    }
-
-    fn acceleration_turns(&self, length: R, end: &Self::State) -> Turns<R> {
-        R::dispatched(
-            #[inline(always)]
-            || {
-                let structure = self.structure();
-                structure.acceleration_turns(&self.from.host, &self.course, &end.host, length)
-            },
         )
     }
 }

@@ -3,7 +3,7 @@
 
 use super::{Siva, SivaState};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Arcs, Curve, GapPoint, Jet, Losses, Motion, Rows};
+use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows};
 use crate::host::{Host, HostState, Integrated, Phase, Structure};
 use crate::real::Real;
 use crate::system::Wall;
@@ -95,10 +95,10 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaRide<'_, H> {
         )
     }
 
-    fn arcs(&self, end: &Self::State) -> Option<Arcs<R>> {
+    fn largest(&self, of: Quantity, least: R, length: R, end: &Self::State) -> Option<R> {
         R::dispatched(
             #[inline(always)]
-            || self.structure().arcs(&self.begin, &end.host),
+            || self.structure().largest(of, least, (&self.begin, &self.course), &end.host, length),
         )
     }
 

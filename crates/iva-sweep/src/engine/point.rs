@@ -15,7 +15,7 @@ use iva_core::system::System;
 
 use super::design::Design;
 use super::rows::{
-    Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, RunRow, Settled, StrobeRow,
+    Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, RunRow, Settled, StrobeRow, SummaryColumn,
 };
 use super::scene::with_system;
 use crate::columns::Group;
@@ -33,6 +33,7 @@ pub(crate) struct Request {
     pub wanted: Wanted,
     pub steady: SteadyWanted,
     pub reduction: bool,
+    pub columns: Vec<SummaryColumn>,
 }
 
 impl Request {
@@ -59,6 +60,7 @@ impl Request {
                 strobes: asked(Table::Stroboscope),
             },
             reduction: needs(Group::Reduction),
+            columns: SummaryColumn::of(study),
         }
     }
 }
@@ -190,7 +192,7 @@ impl<R: Real> Point<'_, R> {
         match table {
             Table::Summary => {
                 if let Some(run) = self.summary(seen)? {
-                    row(&mut run.cells(study, point));
+                    row(&mut run.cells(&self.request.columns, &study.swept(point), point));
                 }
             }
             Table::Impacts => {

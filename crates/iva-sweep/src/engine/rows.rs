@@ -14,13 +14,30 @@ use iva_core::simulate::Tally;
 use iva_core::steady::{SteadyValues, Strobe};
 use iva_core::system::Angle;
 
+use crate::columns::SUMMARY;
 use crate::columns::tables as entries;
-use crate::columns::{SUMMARY, columns};
-use crate::study::{Study, Table};
+use crate::study::Study;
 use crate::tables::{self, cells};
 
 /// One value of a row.
 pub(crate) type Cell<R = f64> = tables::Cell<R>;
+
+/// A column of the summary of a study.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SummaryColumn {
+    /// Its number among the entries of [`entries`].
+    entry: usize,
+    /// False: its cells are null.
+    asked: bool,
+}
+
+impl SummaryColumn {
+    /// All columns but those that are swept.
+    pub fn of(study: &Study) -> Vec<Self> {
+        let kept = SUMMARY.iter().enumerate().filter(|(_, column)| !study.sweeps(column.name));
+        kept.map(|(entry, _)| Self { entry, asked: study.measures.has(entry) }).collect()
+    }
+}
 
 /// A run, as a row of `summary` tells it.
 pub(crate) struct RunRow<'a, S, R: Real = f64> {
@@ -48,18 +65,19 @@ impl<'a, R: Real, S> RunRow<'a, S, R> {
         self.settled.as_ref().and_then(read)
     }
 
-    /// The row: the point, the swept parameters, then all columns but those that are swept; columns not asked for
-    /// are null.
-    pub fn cells(&self, study: &Study, point: u64) -> impl Iterator<Item = Cell<R>> {
-        let cells: [fn(&Self) -> Cell<R>; SUMMARY.len()] = entries::summary!(cells);
-        let columns = columns(Table::Summary).iter().zip(cells).enumerate();
-        let kept = columns.filter(|(_, (column, _))| !study.sweeps(column.name));
-        let asked_for = kept.map(|(index, (_, cell))| match study.measures.has(index) {
-            true => cell(self),
+    /// The row: the point, the swept parameters, then the columns.
+    pub fn cells(
+        &self,
+        columns: &[SummaryColumn],
+        swept: &[f64],
+        point: u64,
+    ) -> impl Iterator<Item = Cell<R>> {
+        let cells: &[fn(&Self) -> Cell<R>] = &entries::summary!(cells);
+        let asked_for = columns.iter().map(|column| match column.asked {
+            true => cells[column.entry](self),
             false => Cell::Null,
         });
-        let swept =
-            study.swept(point).into_iter().map(|value| Cell::Number(R::given(value, false)));
+        let swept = swept.iter().map(|value| Cell::Number(R::given(*value, false)));
         // Points are counted below 2^32 by `Study::points`.
         std::iter::once(Cell::Point(point as u32)).chain(swept).chain(asked_for)
     }

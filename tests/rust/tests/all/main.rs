@@ -3,6 +3,7 @@
 //! One file alone: `cargo test --release -p iva-tests planted::`.
 
 mod alone;
+mod arcs;
 mod bouncing_ball;
 mod broken_law;
 mod closed_forms;

@@ -52,7 +52,7 @@ pub(crate) fn weight<R: Real>(n: usize) -> R {
 
 /// The nodes on [from, to].
 #[inline(always)]
-pub(super) fn nodes<R: Real>(ends: [R; 2]) -> Nodes<R> {
+pub(crate) fn nodes<R: Real>(ends: [R; 2]) -> Nodes<R> {
     let mut nodes = [R::ZERO; COUNT];
     for (n, at) in nodes.iter_mut().enumerate() {
         *at = node(n, ends);
@@ -62,7 +62,7 @@ pub(super) fn nodes<R: Real>(ends: [R; 2]) -> Nodes<R> {
 
 /// A polynomial at all nodes.
 #[inline(always)]
-pub(super) fn at_nodes<R: Real>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
+pub(crate) fn at_nodes<R: Real>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
     let mut values = [R::ZERO; COUNT];
     for k in (0..=ORDER).rev() {
         for (value, t) in values.iter_mut().zip(t) {
@@ -74,7 +74,7 @@ pub(super) fn at_nodes<R: Real>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
 
 /// The mean of f g.
 #[inline(always)]
-pub(super) fn mean_product<R: Real>(f: &Nodes<R>, g: &Nodes<R>) -> R {
+pub(crate) fn mean_product<R: Real>(f: &Nodes<R>, g: &Nodes<R>) -> R {
     let mut terms = [R::ZERO; COUNT];
     for (n, term) in terms.iter_mut().enumerate() {
         *term = weight::<R>(n) * (f[n] * g[n]);

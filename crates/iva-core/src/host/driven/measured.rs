@@ -2,9 +2,10 @@
 
 use super::integral::{at_nodes, mean_product, nodes};
 use super::{Course, Driven, Moment, Source};
-use crate::flight::{Arc, Arcs};
+use crate::flight::{Arc, Extreme, Quantity};
 use crate::host::turning::{Jets, Turned, guess, turned_once};
 use crate::host::{HostState, Integrated, Structure};
+use crate::oscillator::Primary;
 use crate::real::Real;
 use crate::taylor::{ORDER, Row, unrolled};
 
@@ -12,9 +13,11 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// A row times (n + 1)/step, one power less: its derivative.
     #[inline(always)]
     pub(crate) fn derivative(&self, row: &Row<R>) -> Row<R> {
+        // A power of two: its reciprocal is exact.
+        let over = R::ONE / self.step;
         let mut derivative = [R::ZERO; ORDER + 1];
         unrolled!(n < ORDER => {
-            derivative[n] = (row[n + 1] / self.step) * ((n + 1) as f64);
+            derivative[n] = (row[n + 1] * over) * ((n + 1) as f64);
         });
         derivative
     }
@@ -37,20 +40,17 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [x, v * over, (a * square) * 2.0, (j * cube) * 6.0, (s * (square * square)) * 24.0]
     }
 
-    /// A of this mass, and its derivative.
+    /// x and A at a state, with their derivatives.
     #[inline(always)]
-    fn pulled(&self, state: &HostState<Moment<R>, R>) -> [R; 2] {
+    pub(crate) fn leading_of(&self, state: &HostState<Moment<R>, R>) -> Leading<R> {
+        let Primary { x, v } = state.primary;
         let a = self.acceleration(&state.phase, &state.primary).value;
-        let [jerk, ..] = self.derivatives(&state.phase, state.primary.v.value, a);
-        [a, jerk]
-    }
-
-    /// ẋ, ẍ and x⃛ of this mass.
-    #[inline(always)]
-    fn moved(&self, state: &HostState<Moment<R>, R>) -> [R; 3] {
-        let [a, jerk] = self.pulled(state);
+        let [jerk, snap, third] = self.derivatives(&state.phase, v.value, a);
         let [base, base_rate, ..] = self.base(&state.phase);
-        [state.primary.v.value, a - base, jerk - base_rate]
+        Leading {
+            displacement: [x.value, v.value, a - base, jerk - base_rate],
+            acceleration: [a, jerk, snap, third],
+        }
     }
 
     /// Coefficients of a_g.
@@ -74,7 +74,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
 
     /// Coefficients of A.
     #[inline(always)]
-    pub(super) fn acceleration_row(&self, course: &Course<R>) -> Row<R> {
+    pub(crate) fn acceleration_row(&self, course: &Course<R>) -> Row<R> {
         self.derivative(&self.derivative(&course.pulled))
     }
 
@@ -99,72 +99,79 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [lost, work * h]
     }
 
-    /// What is known of a motion between its ends.
+    /// What is known of a quantity between the ends of a motion of this length, which begins with this primary.
     #[inline(always)]
-    pub(crate) fn known(
+    pub(crate) fn arc(
         &self,
-        from: &HostState<Moment<R>, R>,
-        end: &HostState<Moment<R>, R>,
-    ) -> Arcs<R> {
-        let (a, b) = (self.pulled(from), self.pulled(end));
-        let primary = &from.primary;
-        Arcs {
-            displacement: Arc {
-                values: [primary.x.value, end.primary.x.value],
-                rates: [primary.v.value, end.primary.v.value],
-                second: self.bound::<0>(primary) + self.base[0],
-                third: self.bound::<1>(primary) + self.base[1],
-            },
-            acceleration: Arc {
-                values: [a[0], b[0]],
-                rates: [a[1], b[1]],
-                second: self.bound::<2>(primary),
-                third: self.bound::<3>(primary),
-            },
+        of: Quantity,
+        [from, to]: [&Leading<R>; 2],
+        begin: &Primary<R>,
+        h: R,
+    ) -> Arc<R> {
+        let sixth = match of {
+            Quantity::Displacement => self.bound::<4>(begin) + self.base[4],
+            Quantity::Acceleration => self.bound::<6>(begin),
+        };
+        let jet = |at: &Leading<R>| {
+            let [value, rate, second, _] = at.jet(of);
+            [value, rate, second]
+        };
+        Arc::new(jet(from), jet(to), sixth, h)
+    }
+
+    /// Where it turns round, if it does so once; `row` has its coefficients.
+    #[inline(always)]
+    pub(super) fn turned(
+        &self,
+        of: Quantity,
+        arc: &Arc<R>,
+        [from, to]: [&Leading<R>; 2],
+        begin: &Primary<R>,
+        row: &Row<R>,
+        h: R,
+    ) -> Turned<R> {
+        let rates = |at: &Leading<R>| {
+            let [_, rate, second, third] = at.jet(of);
+            [rate, second, third]
+        };
+        let fifth = match of {
+            Quantity::Displacement => self.bound::<3>(begin) + self.base[3],
+            Quantity::Acceleration => self.bound::<5>(begin),
+        };
+        let at = guess(rates(from), rates(to), h);
+        turned_once(arc, (at, self.jets(row, at)), fifth, h)
+    }
+
+    /// Its largest size.
+    #[inline(always)]
+    pub(crate) fn extreme(
+        &self,
+        of: Quantity,
+        ends: [&Leading<R>; 2],
+        begin: &Primary<R>,
+        row: &Row<R>,
+        h: R,
+    ) -> Extreme<R> {
+        let arc = self.arc(of, ends, begin, h);
+        let turned = self.turned(of, &arc, ends, begin, row, h);
+        Extreme::new(&arc, turned.once & R::FAST_PATHS, turned.value)
+    }
+}
+
+/// Displacement and absolute acceleration at one instant, each with its first three derivatives.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Leading<R = f64> {
+    pub displacement: [R; 4],
+    pub acceleration: [R; 4],
+}
+
+impl<R: Copy> Leading<R> {
+    /// A quantity and its first three derivatives.
+    #[inline(always)]
+    fn jet(&self, of: Quantity) -> [R; 4] {
+        match of {
+            Quantity::Displacement => self.displacement,
+            Quantity::Acceleration => self.acceleration,
         }
-    }
-
-    /// Where x turns round, if it does so once.
-    #[inline(always)]
-    pub(crate) fn displacement_turned(
-        &self,
-        from: &HostState<Moment<R>, R>,
-        course: &Course<R>,
-        end: &HostState<Moment<R>, R>,
-        h: R,
-    ) -> Turned<R> {
-        let bounds = [
-            self.bound::<1>(&from.primary) + self.base[1],
-            self.bound::<2>(&from.primary) + self.base[2],
-            self.bound::<3>(&from.primary) + self.base[3],
-        ];
-        let (begin, at_end) = (self.moved(from), self.moved(end));
-        let at = guess(begin, at_end, h);
-        let jets = self.jets(&self.place(from, course), at);
-        turned_once(begin, at_end, bounds, (at, jets), h)
-    }
-
-    /// Where A turns round, if it does so once.
-    #[inline(always)]
-    pub(crate) fn acceleration_turned(
-        &self,
-        from: &HostState<Moment<R>, R>,
-        course: &Course<R>,
-        end: &HostState<Moment<R>, R>,
-        h: R,
-    ) -> Turned<R> {
-        let primary = &from.primary;
-        let bounds = [self.bound::<3>(primary), self.bound::<4>(primary), self.bound::<5>(primary)];
-        let (begin, at_end) = (self.steepened(from), self.steepened(end));
-        let at = guess(begin, at_end, h);
-        let jets = self.jets(&self.acceleration_row(course), at);
-        turned_once(begin, at_end, bounds, (at, jets), h)
-    }
-
-    /// The first three derivatives of A.
-    #[inline(always)]
-    fn steepened(&self, state: &HostState<Moment<R>, R>) -> [R; 3] {
-        let a = self.acceleration(&state.phase, &state.primary).value;
-        self.derivatives(&state.phase, state.primary.v.value, a)
     }
 }

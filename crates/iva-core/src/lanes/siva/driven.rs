@@ -1,71 +1,68 @@
-//! Fast flights of free masses under one harmonic force on the structure each, side by side: force, damping and absorber
-//! may differ from lane to lane.
+//! Fast flights of free masses under one harmonic force each, on the structure or on its base, side by side: force,
+//! damping and absorber may differ from lane to lane.
+//!
+//! The lanes only move: they log their flights ([`log`]), and so does the event loop where it goes on. What is measured
+//! follows when a run has ended ([`recorder`]), from its log, eight flights at a time.
 
+mod answers;
 mod integrals;
 mod lane;
+mod log;
+mod logged;
+mod recorder;
 mod step;
 
 use crate::host::DrivenHost;
 use crate::lanes::{Job, LANES, Lockstep, ScalarRun};
 use crate::measures::Wanted;
 use crate::siva::Siva;
-use crate::steady::SteadyWanted;
 
-use integrals::Integrals;
+use answers::Asked;
 use lane::{Lane, Lanes};
+use log::{Flight, Flights, Log};
+use recorder::Recorder;
 
 /// Eight lanes.
 #[derive(Debug)]
-pub(in crate::lanes) struct DrivenFastFlights {
+pub(in crate::lanes) struct DrivenFastFlights<const BASE: bool> {
     lanes: Lanes<LANES>,
-    integrals: Integrals<LANES>,
+    /// The flight that each lane has just ended, if it has.
+    ended: Flights<LANES>,
+    /// What each lane has done so far.
+    logs: [Log; LANES],
     asked: Asked,
 }
 
-/// What is asked of all lanes.
-#[derive(Debug, Clone, Copy)]
-struct Asked {
-    steady: AskedSteady,
-    /// Losses and work.
-    ledger: bool,
-}
+impl<const BASE: bool> Lockstep<Siva<DrivenHost>> for DrivenFastFlights<BASE> {
+    type Observer = Recorder<BASE>;
 
-/// What is asked of the steady states of all lanes.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::lanes) struct AskedSteady {
-    /// Largest displacements and accelerations.
-    pub extremes: bool,
-    /// The mean square.
-    pub square: bool,
-}
-
-impl AskedSteady {
-    pub fn of(job: &Job<Siva<DrivenHost>>) -> Self {
-        let SteadyWanted { amplitude, rms, acceleration, regime, .. } =
-            job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
-        Self { extremes: amplitude || acceleration || regime, square: rms }
-    }
-}
-
-impl Lockstep<Siva<DrivenHost>> for DrivenFastFlights {
     fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
-        let asked = Asked { steady: AskedSteady::of(job), ledger: wanted.ledger };
-        Self { lanes: Lanes::new(), integrals: Integrals::new(), asked }
+        Self {
+            lanes: Lanes::new(),
+            ended: Flights::new(),
+            logs: Default::default(),
+            asked: Asked::new(job, wanted),
+        }
     }
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        let Self { lanes, integrals, asked } = self;
-        if asked.steady.extremes {
-            step::steps::<LANES, true>(lanes, integrals);
+        let Self { lanes, ended, logs, asked } = self;
+        if asked.extremes().next().is_some() {
+            step::steps::<LANES, BASE, true>(lanes, ended);
         } else {
-            step::steps::<LANES, false>(lanes, integrals);
+            step::steps::<LANES, BASE, false>(lanes, ended);
         }
-        if asked.ledger {
-            integrals.lose(lanes);
-        }
-        if asked.steady.square {
-            integrals.square(lanes);
+        if asked.flights {
+            for (i, log) in logs.iter_mut().enumerate() {
+                if ended.length[i] > 0.0 {
+                    log.push(&ended.get(i));
+                    // The event loop shows a full log to what measures it.
+                    if log.is_full() {
+                        lanes.flying.request[i] = 1.0;
+                    }
+                }
+            }
         }
         let mut requests = 0.0;
         for i in 0..LANES {
@@ -78,28 +75,39 @@ impl Lockstep<Siva<DrivenHost>> for DrivenFastFlights {
         self.lanes.flying.request[i] + self.lanes.flying.stopped[i] > 0.0
     }
 
-    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Siva<DrivenHost>>) -> bool {
+    fn serve(
+        &mut self,
+        i: usize,
+        run: &mut ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>,
+    ) -> bool {
         self.put_back(i, run);
         false
     }
 
-    fn take(&mut self, i: usize, run: &ScalarRun<'_, Siva<DrivenHost>>) -> bool {
+    fn take(
+        &mut self,
+        i: usize,
+        run: &mut ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>,
+    ) -> bool {
         let lane = Lane::of(run);
         if let Some(lane) = &lane {
             self.lanes.set(i, lane);
+            std::mem::swap(&mut self.logs[i], &mut run.observer.log);
         }
         lane.is_some()
     }
 
-    fn put_back(&self, i: usize, run: &mut ScalarRun<'_, Siva<DrivenHost>>) {
+    fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>) {
         let lane = self.lanes.get(i);
         lane.put_back(run);
         if lane.flying.stopped == super::STOP {
             run.pass_stop();
         }
+        std::mem::swap(&mut self.logs[i], &mut run.observer.log);
     }
 
     fn idle(&mut self, i: usize) {
         self.lanes.set(i, &Lane::idle());
+        self.ended.set(i, &Flight::default());
     }
 }

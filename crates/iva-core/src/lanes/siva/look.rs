@@ -222,6 +222,13 @@ impl<P: Pick> Look<P> {
         next
     }
 
+    /// The impact that ends the span, if it is behind: when, at which wall, and its approach speed.
+    #[inline(always)]
+    pub fn impact(&self, next: &Flying) -> (f64, f64, f64) {
+        let approach = pick(self.hit & self.passed, self.approach, 0.0);
+        (next.time, self.touching.side, approach)
+    }
+
     /// Counts an impact.
     #[inline(always)]
     fn apply_impact(&self, next: &mut Flying, lane: &Flying, hit: bool) {

@@ -7,13 +7,25 @@ use super::look::look;
 use crate::host::turning::{turn, turning};
 use crate::lanes::pick;
 use crate::lanes::watch::{Passage, Stretch};
-use crate::oscillator::Oscillator;
+use crate::oscillator::{Oscillator, Primary};
 use crate::siva::SivaState;
 
 /// The lane after one evaluation.
 #[inline(always)]
-pub(super) fn step<const LEDGER: bool>(free: &Oscillator, lane: &Lane) -> Lane {
+pub(super) fn step<const LEDGER: bool, const DECAY: bool>(free: &Oscillator, lane: &Lane) -> Lane {
     let flying = &lane.flying;
+    if !DECAY {
+        let nowhere = |_: &SivaState, _: &SivaState, _| [1.0, -1.0, 0.0, 0.0, 0.0, 0.0];
+        let look = look(free, &(), flying, flying.state(()), nowhere);
+        let mut next = *lane;
+        next.flying = look.next(flying, free.reach, look.passed);
+        if LEDGER {
+            let Primary { x, v } = look.from.host.primary;
+            let loss = free.viscous_loss_series(x.value, v.value, look.length);
+            next.watch = lane.watch.losing(loss, look.passed);
+        }
+        return next;
+    }
     let turns = |from: &SivaState, end: &SivaState, length: f64| {
         turn(free.leading(&from.host), free.leading(&end.host), length)
     };

@@ -1,14 +1,14 @@
 //! One lane: a driven run reduced to the numbers that fast flights change, and arrays of such lanes.
 
+use super::recorder::Recorder;
 use crate::compensated::DoubleDouble;
-use crate::force::{Acts, Drive, Force, Harmonic, Pushes};
+use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
 use crate::host::{Driven, DrivenHost, Host, Moment, Source};
 use crate::lanes::ScalarRun;
 use crate::lanes::arrays::arrays;
 use crate::lanes::siva::flying::{Flying, Flyings};
 use crate::oscillator::Equation;
 use crate::siva::{Siva, SivaState};
-use crate::steady::{Kept, Steady};
 use crate::system::Clock;
 
 arrays! {
@@ -16,43 +16,51 @@ arrays! {
     Lane,
     /// Lanes side by side: of every number an array.
     Lanes:
-    /// Where the drive stands.
+    /// Where the drive stands, and f/M or a_g there with its derivatives.
     instant, instant_rest,
-    /// The force, f/M = amplitude · cos(frequency · t + angle).
+    push, push_rest, push_rate, push_rate_rest, push_second, push_second_rest, push_third,
+    /// The force, f/M or a_g = amplitude · cos(frequency · t + angle).
     amplitude, frequency, angle,
     /// The structure.
-    damping, growth, reach, step, excess_0, excess_1, excess_2, excess_3, excess_4, excess_5,
-    /// From when on it counts, and the next strobe to keep.
-    from, strobe, strobe_rest,
-    /// What counts: the largest displacement and acceleration, the integral of x², listed impacts.
-    largest, acceleration, square, square_rest, counted,
-    /// Losses and work.
-    viscous, viscous_rest, worked, worked_rest;
+    damping, growth, reach, step, excess_0, excess_1, excess_2, excess_3, excess_4, excess_5, excess_6;
     /// The flight.
     flying: Flying, Flyings
 }
 
-/// The force of a lane: one harmonic force on the structure.
+/// The force of a lane: one harmonic force, on the structure or its base.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Single(Harmonic);
+pub(super) struct Single<const BASE: bool>(pub Harmonic);
 
-impl Source for Single {
+impl<const BASE: bool> Single<BASE> {
+    /// A push on what it acts on.
+    #[inline(always)]
+    fn pushes_of(push: Push) -> Pushes {
+        if BASE {
+            Pushes { base: push, ..Pushes::NONE }
+        } else {
+            Pushes { primary: push, ..Pushes::NONE }
+        }
+    }
+}
+
+impl<const BASE: bool> Source for Single<BASE> {
     type Real = f64;
     #[inline(always)]
     fn pushes(&self, _from: Clock, time: Clock) -> Pushes {
-        Pushes::of(&self.0, time)
+        Self::pushes_of(self.0.push(time))
     }
 
     #[inline(always)]
     fn drive(&self, time: Clock, h: f64) -> Drive<f64> {
         let mut drive = Drive::NONE;
-        self.0.add(&mut drive.primary, time, h);
+        self.0.add(if BASE { &mut drive.base } else { &mut drive.primary }, time, h);
         drive
     }
 
     fn precise(&self, time: Clock, h: f64) -> Drive<DoubleDouble> {
         let mut drive = Drive::NOTHING;
-        self.0.add_precise(&mut drive.primary, time, h);
+        let row = if BASE { &mut drive.base } else { &mut drive.primary };
+        self.0.add_precise(row, time, h);
         drive
     }
 
@@ -63,7 +71,7 @@ impl Source for Single {
 
     #[inline(always)]
     fn moves_base(&self) -> bool {
-        false
+        BASE
     }
 
     fn bends(&self) -> bool {
@@ -74,7 +82,7 @@ impl Source for Single {
 impl Lane {
     /// The structure under its force.
     #[inline(always)]
-    pub fn structure(&self) -> Driven<Single> {
+    pub fn structure<const BASE: bool>(&self) -> Driven<Single<BASE>> {
         let Self { amplitude, frequency, angle: phase, damping, growth, .. } = *self;
         let third = DoubleDouble::new(1.0).over(3.0);
         let excess = [
@@ -84,11 +92,12 @@ impl Lane {
             self.excess_3,
             self.excess_4,
             self.excess_5,
+            self.excess_6,
         ];
         Driven {
             equation: Equation { stiffness: 1.0, frequency: 1.0, damping, growth, third },
             source: Single(Harmonic { amplitude, frequency, phase, acts: Acts::Primary }),
-            base: [0.0; 4],
+            base: [0.0; 5],
             reach: self.reach,
             step: self.step,
             excess,
@@ -96,29 +105,43 @@ impl Lane {
     }
 
     #[inline(always)]
-    pub fn state(&self, free: &Driven<Single>) -> SivaState<Moment> {
-        let time = DoubleDouble { value: self.instant, rest: self.instant_rest };
-        self.flying.state(Moment { time, kicks: 0, pushes: free.source.pushes(time, time) })
+    pub fn state<const BASE: bool>(&self) -> SivaState<Moment> {
+        let sum = |value, rest| DoubleDouble { value, rest };
+        let push = Push {
+            value: sum(self.push, self.push_rest),
+            rate: sum(self.push_rate, self.push_rate_rest),
+            second: sum(self.push_second, self.push_second_rest),
+            third: self.push_third,
+        };
+        let time = sum(self.instant, self.instant_rest);
+        self.flying.state(Moment { time, kicks: 0, pushes: Single::<BASE>::pushes_of(push) })
+    }
+
+    /// Takes over where the drive stands.
+    #[inline(always)]
+    pub fn put_moment<const BASE: bool>(&mut self, moment: &Moment) {
+        let Pushes { primary, base } = moment.pushes;
+        let Push { value, rate, second, third } = if BASE { base } else { primary };
+        (self.instant, self.instant_rest) = (moment.time.value, moment.time.rest);
+        (self.push, self.push_rest) = (value.value, value.rest);
+        (self.push_rate, self.push_rate_rest) = (rate.value, rate.rest);
+        (self.push_second, self.push_second_rest) = (second.value, second.rest);
+        self.push_third = third;
     }
 
     /// A lane without a run.
     pub fn idle() -> Self {
-        let never = f64::INFINITY;
-        Self { flying: Flying::idle(), strobe: never, from: never, step: 1.0, ..Self::default() }
+        Self { flying: Flying::idle(), step: 1.0, ..Self::default() }
     }
 
     /// A run that has come to where fast flights can go on; `None` if it has not.
-    pub fn of(run: &ScalarRun<'_, Siva<DrivenHost>>) -> Option<Self> {
+    pub fn of<const BASE: bool>(
+        run: &ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>,
+    ) -> Option<Self> {
         let Driven { equation, reach, step, excess, .. } = run.system.host.free();
         let harmonic = run.system.force().map(Force::harmonics)?.first()?;
         let flying = Flying::of(run, *reach)?;
-        let (measures, steady) = &run.observer;
-        let Kept { from, largest, acceleration, square, impacts, strobe } =
-            steady.as_ref().map_or(Kept::NOTHING, Steady::kept);
-        let time = run.tally.state.host.phase.time;
-        Some(Self {
-            instant: time.value,
-            instant_rest: time.rest,
+        let mut lane = Self {
             amplitude: harmonic.amplitude,
             frequency: harmonic.frequency,
             angle: harmonic.phase,
@@ -132,41 +155,20 @@ impl Lane {
             excess_3: excess[3],
             excess_4: excess[4],
             excess_5: excess[5],
-            from,
-            strobe: strobe.value,
-            strobe_rest: strobe.rest,
-            largest,
-            acceleration,
-            square: square.value,
-            square_rest: square.rest,
-            counted: impacts as f64,
-            viscous: measures.viscous.value,
-            viscous_rest: measures.viscous.rest,
-            worked: measures.work.value,
-            worked_rest: measures.work.rest,
+            excess_6: excess[6],
             flying,
-        })
+            ..Self::default()
+        };
+        lane.put_moment::<BASE>(&run.tally.state.host.phase);
+        Some(lane)
     }
 
     /// Puts the numbers back into the run.
-    pub fn put_back(&self, run: &mut ScalarRun<'_, Siva<DrivenHost>>) {
-        let phase = self.state(&self.structure()).host.phase;
+    pub fn put_back<const BASE: bool>(
+        &self,
+        run: &mut ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>,
+    ) {
+        let phase = self.state::<BASE>().host.phase;
         self.flying.put_back(run, phase);
-        let sum = |value, rest| DoubleDouble { value, rest };
-        let wall = run.streak.as_ref().map(|streak| streak.wall);
-        let (measures, steady) = &mut run.observer;
-        measures.viscous = sum(self.viscous, self.viscous_rest);
-        measures.work = sum(self.worked, self.worked_rest);
-        measures.moving = true;
-        if let Some(steady) = steady {
-            let kept = Kept {
-                largest: self.largest,
-                acceleration: self.acceleration,
-                square: sum(self.square, self.square_rest),
-                impacts: self.counted as u64,
-                ..steady.kept()
-            };
-            steady.put_back(kept, wall);
-        }
     }
 }
