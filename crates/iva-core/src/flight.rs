@@ -124,6 +124,13 @@ impl<R: Real> Arc<R> {
         Self { begin: scaled(begin), end: scaled(end), sixth: sixth * (cube * cube) }
     }
 
+    /// The same where rounding takes as much as of numbers of this size.
+    #[inline(always)]
+    pub fn doubted(self, size: R) -> Self {
+        // Enough for the value; slope and second derivative have larger shares of the bound.
+        Self { sixth: self.sixth + size * (R::EPSILON * (64.0 / OFF)), ..self }
+    }
+
     /// A number that its size stays below.
     #[inline(always)]
     pub fn limit(&self) -> R {

@@ -98,7 +98,8 @@ impl SideBySide for Siva<DrivenHost> {
         let force = job.system.force()?;
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let base = if force.moves_base() { 1.0 } else { 0.0 };
-        force.is_single().then(|| [f64::from(wanted.bits()), base])
+        // No strobes come out of lanes.
+        (force.is_single() && !wanted.strobes).then(|| [f64::from(wanted.bits()), base])
     }
 
     fn run(group: Group<'_, Self>) {

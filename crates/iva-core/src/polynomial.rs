@@ -102,9 +102,7 @@ fn largest_of<R: Real>(f: &[R], [from, to]: [R; 2], least: R) -> R {
 fn arc_of<R: Real>(f: &[R], [from, to]: [R; 2], size: R) -> Arc<R> {
     let first = |[value, rate, second, _]: [R; 4]| [value, rate, second];
     let (begin, end) = (first(jet(f, from)), first(jet(f, to)));
-    let arc = Arc::new(begin, end, steepest(f, 6, to), to - from);
-    // What rounding takes of its terms is below this share of the bound on what the quintic is off.
-    Arc { sixth: arc.sixth + size * (R::EPSILON * (64.0 * 46080.0)), ..arc }
+    Arc::new(begin, end, steepest(f, 6, to), to - from).doubted(size)
 }
 
 /// Where a function turns round in a bracket, and its value there; it is given with three derivatives.

@@ -85,8 +85,6 @@ pub struct Designer<'a> {
     study: &'a Study,
     /// The fields of the point made last.
     spec: Spec,
-    /// True if swept values stand in the places of their alternatives.
-    replaced: bool,
 }
 
 impl Designer<'_> {
@@ -108,15 +106,8 @@ impl Designer<'_> {
 
     /// Puts the swept values of a point in place.
     fn place(&mut self, point: u64) -> Result<(), Invalid> {
-        for (swept, value) in self.study.sampling.keys().zip(self.study.swept(point)) {
-            if self.replaced {
-                self.spec.set(swept.slot, value)?;
-            } else {
-                self.spec.replace(swept.slot, value)?;
-            }
-        }
-        self.replaced = true;
-        Ok(())
+        let mut swept = self.study.sampling.keys().zip(self.study.swept(point));
+        swept.try_for_each(|(swept, value)| self.spec.replace(swept.slot, value))
     }
 }
 
@@ -172,7 +163,7 @@ impl Study {
 
     /// Makes the designs of many points.
     pub fn designer(&self) -> Designer<'_> {
-        Designer { study: self, spec: self.spec.clone(), replaced: false }
+        Designer { study: self, spec: self.spec.clone() }
     }
 
     /// The units of inputs and results: the same at every point.

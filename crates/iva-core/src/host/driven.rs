@@ -353,7 +353,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         end: &HostState<Moment<R>, R>,
         h: R,
     ) -> Option<R> {
-        let ends = [&self.leading_of(from), &self.leading_of(end)];
+        let [begin, end] = self.ends_of(from, end);
+        let ends = [&begin, &end];
         let arc = self.arc(of, ends, &from.primary, h);
         if arc.limit() < least {
             return Some(least);
@@ -373,7 +374,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         end: &HostState<Moment<R>, R>,
         h: R,
     ) -> Turns<R> {
-        let ends = [&self.leading_of(from), &self.leading_of(end)];
+        let [begin, end] = self.ends_of(from, end);
+        let ends = [&begin, &end];
         let (of, primary) = (Quantity::Displacement, &from.primary);
         let arc = self.arc(of, ends, primary, h);
         self.turned(of, &arc, ends, primary, &self.place(from, course), h).turns()

@@ -130,6 +130,11 @@ fn driven_free_masses_are_the_same_side_by_side() {
         (all, Wanted::ALL),
         (SteadyWanted::default(), Wanted::ALL),
         (rms, Wanted { ledger: false, ..Wanted::ALL }),
+        (SteadyWanted::default(), Wanted { ledger: false, ..Wanted::ALL }),
+        (
+            SteadyWanted { impacts: true, ..SteadyWanted::default() },
+            Wanted { ledger: false, ..Wanted::ALL },
+        ),
     ] {
         let mut jobs = driven(steady);
         let found = together_wanting(&jobs, wanted);

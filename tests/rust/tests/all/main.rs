@@ -22,6 +22,7 @@ mod measures;
 mod piva;
 mod piva_flight;
 mod planted;
+mod record_extremes;
 mod records;
 mod reference_events;
 mod regressions;

@@ -53,6 +53,20 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
+    /// The same at both ends of a motion, whose own piece of the drive acts up to its end.
+    #[inline(always)]
+    pub(super) fn ends_of(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        end: &HostState<Moment<R>, R>,
+    ) -> [Leading<R>; 2] {
+        let mut end = *end;
+        if self.source.bends() {
+            end.phase = self.moment(from.phase.time, end.phase.time, from.phase.kicks);
+        }
+        [self.leading_of(from), self.leading_of(&end)]
+    }
+
     /// Coefficients of a_g.
     #[inline(always)]
     pub(crate) fn base_row(&self, course: &Course<R>) -> Row<R> {
@@ -116,7 +130,15 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
             let [value, rate, second, _] = at.jet(of);
             [value, rate, second]
         };
-        Arc::new(jet(from), jet(to), sixth, h)
+        let arc = Arc::new(jet(from), jet(to), sixth, h);
+        match of {
+            Quantity::Displacement => arc,
+            Quantity::Acceleration => {
+                // A and its derivatives may be small differences of what they are made of.
+                let size = self.bound::<0>(begin) + self.bound::<1>(begin) * h;
+                arc.doubted(size)
+            }
+        }
     }
 
     /// Where it turns round, if it does so once; `row` has its coefficients.

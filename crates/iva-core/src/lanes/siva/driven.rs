@@ -2,7 +2,7 @@
 //! damping and absorber may differ from lane to lane.
 //!
 //! The lanes only move: they log their flights ([`log`]), and so does the event loop where it goes on. What is measured
-//! follows when a run has ended ([`recorder`]), from its log, eight flights at a time.
+//! follows when a log is full or its run has ended ([`recorder`]), eight flights at a time.
 
 mod answers;
 mod integrals;

@@ -66,7 +66,7 @@ impl End {
     }
 }
 
-/// Flights of a full log: some hundred cycles of a force, and a megabyte.
+/// Flights and events of a full log: some hundred cycles of a force, and a megabyte.
 const FULL: usize = 4096;
 
 /// Something that is no flight.
@@ -136,7 +136,7 @@ impl Log {
     /// True if it is to be shown and cleared, so that long runs take no more memory than others.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
-        self.length >= FULL
+        self.length + self.events.len() >= FULL
     }
 
     /// Logs what is no flight.

@@ -1,4 +1,4 @@
-//! Logs a driven run while it passes, and measures it when it has ended.
+//! Logs a driven run while it passes, and measures it when its log is full or it has ended.
 
 use std::cell::OnceCell;
 
@@ -275,7 +275,9 @@ impl<const BASE: bool> Observer<DrivenSiva> for Recorder<BASE> {
     }
 
     fn unlist(&mut self, _first: u64, floor: f64) {
-        self.log.event(Event::Unlist(floor));
+        if self.asked.flights {
+            self.log.event(Event::Unlist(floor));
+        }
     }
 
     fn end(&mut self, siva: &DrivenSiva, tally: &Tally<SivaState<Moment>>) {
