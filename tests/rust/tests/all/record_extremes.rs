@@ -65,7 +65,7 @@ proptest! {
 
         let structure = Alone::new(zeta).unwrap().under(force);
         let instants: Vec<f64> =
-            (0..=SAMPLES).map(|k| duration * k as f64 / SAMPLES as f64).collect();
+            (0..=SAMPLES).map(|k| (duration * k as f64 / SAMPLES as f64).min(duration)).collect();
         let sampled = states(&structure, &start, &Limits::new(duration, 1.0), &instants).unwrap();
         let (mut most_x, mut most_a) = (0.0f64, 0.0f64);
         for state in &sampled {
