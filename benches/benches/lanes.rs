@@ -5,8 +5,9 @@
 
 use std::hint::black_box;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use iva_benches::{decays as scenes, driven_jobs, swinging_decays};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use iva_benches::{decays as scenes, driven_jobs, fast, swinging_decays};
 use iva_core::force::Acts;
 use iva_core::host::DrivenHost;
 use iva_core::lanes::{self, Job, SideBySide};
@@ -18,10 +19,12 @@ fn lanes(criterion: &mut Criterion) {
     for (name, narrowest) in [("wide gaps", 0.45), ("with chatter", 0.1)] {
         let Ok(scenes) = scenes(5, narrowest) else { continue };
         compare(criterion, &format!("free masses, {name}"), &scenes);
+        side_by_side(criterion, &format!("free masses, {name}, fast"), &fast(scenes));
     }
     for (name, acts) in [("under force", Acts::Primary), ("on a moving base", Acts::Base)] {
         let Ok(jobs) = driven_jobs(acts) else { continue };
         driven(criterion, &format!("free masses {name}"), &jobs);
+        driven(criterion, &format!("free masses {name}, fast"), &fast(jobs));
     }
     for tolerance in [0.0, 1e-9, 1e-6] {
         let Ok(scenes) = swinging_decays(5, 0.6, tolerance) else { continue };
@@ -68,8 +71,26 @@ fn compare<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S
             }
         });
     });
-    for (way, ledger) in [("side by side", true), ("side by side, no losses", false)] {
-        let wanted = Wanted { ledger, ..Wanted::ALL };
+    beside(&mut group, scenes);
+    group.finish();
+}
+
+/// Runs that go side by side even where they are few.
+fn side_by_side<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S>]) {
+    let mut group = criterion.benchmark_group(name);
+    group.throughput(Throughput::Elements(scenes.len() as u64));
+    group.sample_size(20);
+    beside(&mut group, scenes);
+    group.finish();
+}
+
+fn beside<S: SideBySide>(group: &mut BenchmarkGroup<'_, WallTime>, scenes: &[Job<S>]) {
+    let none = Wanted { peaks: false, settling: false, residual: false, ledger: false };
+    for (way, wanted) in [
+        ("side by side", Wanted::ALL),
+        ("side by side, no losses", Wanted { ledger: false, ..Wanted::ALL }),
+        ("side by side, impacts", none),
+    ] {
         group.bench_function(way, |bencher| {
             bencher.iter(|| {
                 lanes::run(black_box(scenes), wanted, None, &mut |_, decayed| {
@@ -78,7 +99,6 @@ fn compare<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S
             });
         });
     }
-    group.finish();
 }
 
 criterion_group!(benches, lanes);

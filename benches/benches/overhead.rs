@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use iva_core::error::Invalid;
-use iva_core::lanes::{self, Job};
+use iva_core::lanes::{self, Job, Tier};
 use iva_core::measures::Wanted;
 use iva_core::siva::Siva;
 use iva_sweep::axis::Axis;
@@ -50,7 +50,13 @@ fn scenes(study: &Study) -> Result<Vec<Job<Siva>>, Invalid> {
     for point in 0..study.points()? {
         let design = study.design(point)?;
         if let Scene::Siva { system, start } = design.scene {
-            scenes.push(Job { system, start, limits: design.limits, steady: None });
+            scenes.push(Job {
+                system,
+                start,
+                limits: design.limits,
+                steady: None,
+                tier: Tier::Exact,
+            });
         }
     }
     Ok(scenes)

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic};
 use iva_core::host::DrivenHost;
-use iva_core::lanes::Job;
+use iva_core::lanes::{Job, SideBySide, Tier};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Parameters, Piva};
 use iva_core::simulate::Limits;
@@ -32,14 +32,19 @@ pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva>>, Invalid> {
                 let clearance = narrowest + 0.125 * f64::from(step);
                 let system = Siva::new(mu, e, clearance, 0.01)?;
                 let limits = Limits::new(30.0 * TAU, clearance);
-                scenes.push(Job { system, start: START, limits, steady: None });
+                scenes.push(Job { system, start: START, limits, steady: None, tier: Tier::Exact });
             }
         }
     }
     Ok(scenes)
 }
 
-/// The same with pendulums, r 0.4 and L 10, of a tolerance.
+/// The same runs in the fast tier.
+pub fn fast<S: SideBySide>(jobs: Vec<Job<S>>) -> Vec<Job<S>> {
+    jobs.into_iter().map(|job| Job { tier: Tier::Fast, ..job }).collect()
+}
+
+/// The decays of [`decays`] with pendulums, r 0.4 and L 10, of a tolerance.
 ///
 /// # Errors
 /// [`Invalid`] for a clearance of 0 or less.
@@ -52,7 +57,7 @@ pub fn swinging_decays(
         let (mu, e) = (system.mass_ratio(), system.restitution());
         let point_bob = Parameters::point_bob(mu, e, system.clearance(), 0.01, 10.0);
         let system = Piva::new(Parameters { frequency_ratio: 0.4, tolerance, ..point_bob })?;
-        Ok(Job { system, start: START.into(), limits, steady: None })
+        Ok(Job { system, start: START.into(), limits, steady: None, tier: Tier::Exact })
     };
     decays(masses, narrowest)?.into_iter().map(pendulum).collect()
 }
@@ -86,7 +91,13 @@ pub fn driven_jobs(acts: Acts) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
         let siva = Siva::new(0.1, 0.7, 1.0, 0.02)?.under(Force::harmonic(vec![force])?);
         let limits = Limits::new(60.0 * TAU / frequency, 1.0);
         let window = Window { from: 0.0, cycle: Some(force) };
-        Ok(Job { system: siva, start: START, limits, steady: Some((wanted, window)) })
+        Ok(Job {
+            system: siva,
+            start: START,
+            limits,
+            steady: Some((wanted, window)),
+            tier: Tier::Exact,
+        })
     };
     (0..40).map(job).collect()
 }

@@ -1,6 +1,7 @@
 """iva itself, with the tables ``impacts`` and ``episodes`` and no measures.
 
-A tolerance is for pendulums at large angles only, so free masses have the setting 0 alone.
+Events are listed, which the fast tier of free masses does not do, so these have the setting 0
+alone.
 """
 
 from __future__ import annotations

@@ -289,9 +289,10 @@ def simulate(
         A velocity: rebounds of a chatter episode at or below it are summed, not listed as
         impacts. Default 1e-6 ωn d, d the clearance. The motion does not depend on it.
     tolerance : float, optional
-        What a step of a pendulum's flight may leave out, relative to the size of each variable:
-        0, the default, for full accuracy, up to 1e-3. Only pendulums have it; small angles do not
-        need it.
+        0, the default, for full accuracy, up to 1e-3. Of a pendulum: what a step of its flight may
+        leave out, relative to the size of each variable; small angles do not need it. Of a free
+        mass: above 0 its summary is made by the fast tier, in plain doubles, where no other table
+        and no errors are asked for. The column ``tier`` of the summary says which tier made it.
 
     Returns
     -------

@@ -228,7 +228,7 @@ CALLS: list[tuple[Callable[[], object], tuple[str, ...]]] = [
         lambda: simulate(start=iva.Start(angular_velocity=0.1)),
         ("start.angular_velocity = 0.1", "only a pendulum"),
     ),
-    (lambda: simulate(tolerance=1e-6), ("run.tolerance = 1e-6", "only a pendulum")),
+    (lambda: simulate(tolerance=0.01), ("run.tolerance = 0.01", "0 (full accuracy)")),
     (lambda: sweep({"length": [1.0]}), ("sweep.length", "only a pendulum")),
     (lambda: piva(angles="tiny"), ('absorber.angles = "tiny"', '"large" or "small"')),
     (

@@ -264,7 +264,6 @@ REFUSED = [
     (FREE, "clearance = 1.4", "clearance = 1\ngravity = 9.8", "7:11", PENDULUM_ONLY),
     (FREE, "displacement = 1.0", "angle = 0.1", "8:9", PENDULUM_ONLY),
     (FREE, "displacement = 1.0", "angular_velocity = 0.1", "8:20", PENDULUM_ONLY),
-    (FREE, "periods = 4", "periods = 4\ntolerance = 1e-6", "11:13", PENDULUM_ONLY),
     (FREE, "periods = 4", "periods = 4\n[sweep]\nlength = [1.0]", "12:1", PENDULUM_ONLY),
 ]
 

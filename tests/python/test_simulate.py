@@ -20,7 +20,7 @@ SUMMARY = """point outcome impacts effective_impacts episodes undecided time_stu
     settling_time_5 settling_time_2 residual_amplitude energy_initial energy_impacts energy_viscous
     energy_final energy_residual energy_pivot stop_reachable gravity
     energy_work amplitude_max amplitude_rms reduction transmissibility impacts_per_cycle
-    regime condition digits""".split()
+    regime condition digits tier""".split()
 IMPACTS = """point impact time wall displacement velocity_before velocity_after
     absorber_velocity_before absorber_velocity_after approach_velocity energy_loss
     effective angle angular_velocity_before angular_velocity_after time_error

@@ -6,10 +6,10 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use iva_benches::{START, decays, driven, driven_jobs, driven_measures, swinging_decays};
+use iva_benches::{START, decays, driven, driven_jobs, driven_measures, fast, swinging_decays};
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic};
-use iva_core::lanes;
+use iva_core::lanes::{self, Job, SideBySide};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Parameters, Piva};
 use iva_core::simulate::{Limits, simulate};
@@ -19,7 +19,7 @@ use iva_core::system::System;
 type Run = fn() -> Result<(), Invalid>;
 
 /// Each a name and what it runs; `nothing` is what a program costs that runs nothing.
-const SCENES: [(&str, Run); 12] = [
+const SCENES: [(&str, Run); 15] = [
     ("nothing", || Ok(())),
     ("siva", || decay(&Siva::new(0.15, 0.5, 0.6, 0.01)?, &START)),
     ("siva_chatter", || decay(&Siva::new(0.15, 0.5, 0.1, 0.01)?, &START)),
@@ -29,37 +29,14 @@ const SCENES: [(&str, Run); 12] = [
         black_box(simulate(black_box(&siva), &START, &limits, None, &mut measures)?);
         Ok(())
     }),
-    ("siva_side_by_side", || {
-        let scenes = decays(2, 0.1)?;
-        lanes::run(&scenes, Wanted::ALL, None, &mut |_, decayed| {
-            black_box(decayed);
-        })
-    }),
-    ("siva_forced_side_by_side", || {
-        let jobs = driven_jobs(Acts::Primary)?;
-        lanes::run(&jobs, Wanted::ALL, None, &mut |_, ended| {
-            black_box(ended);
-        })
-    }),
-    ("siva_on_base_side_by_side", || {
-        let jobs = driven_jobs(Acts::Base)?;
-        lanes::run(&jobs, Wanted::ALL, None, &mut |_, ended| {
-            black_box(ended);
-        })
-    }),
-    ("siva_impacts_side_by_side", || {
-        let scenes = decays(2, 0.1)?;
-        let wanted = Wanted { peaks: false, settling: false, residual: false, ledger: false };
-        lanes::run(&scenes, wanted, None, &mut |_, decayed| {
-            black_box(decayed);
-        })
-    }),
-    ("piva_side_by_side", || {
-        let scenes = swinging_decays(1, 0.6, 0.0)?;
-        lanes::run(&scenes, Wanted::ALL, None, &mut |_, decayed| {
-            black_box(decayed);
-        })
-    }),
+    ("siva_side_by_side", || count(&decays(2, 0.1)?, Wanted::ALL)),
+    ("siva_forced_side_by_side", || count(&driven_jobs(Acts::Primary)?, Wanted::ALL)),
+    ("siva_on_base_side_by_side", || count(&driven_jobs(Acts::Base)?, Wanted::ALL)),
+    ("siva_impacts_side_by_side", || count(&decays(2, 0.1)?, IMPACTS)),
+    ("siva_fast", || count(&fast(decays(2, 0.1)?), Wanted::ALL)),
+    ("siva_impacts_fast", || count(&fast(decays(2, 0.1)?), IMPACTS)),
+    ("siva_forced_fast", || count(&fast(driven_jobs(Acts::Primary)?), Wanted::ALL)),
+    ("piva_side_by_side", || count(&swinging_decays(1, 0.6, 0.0)?, Wanted::ALL)),
     ("piva", || decay(&Piva::new(pendulum(0.5, 1.4))?, &START.into())),
     ("piva_chatter", || decay(&Piva::new(pendulum(0.4, 0.2))?, &START.into())),
     ("piva_forced", || {
@@ -68,6 +45,16 @@ const SCENES: [(&str, Run); 12] = [
         decay(&piva, &START.into())
     }),
 ];
+
+/// No measures.
+const IMPACTS: Wanted = Wanted { peaks: false, settling: false, residual: false, ledger: false };
+
+/// Runs side by side.
+fn count<S: SideBySide>(jobs: &[Job<S>], wanted: Wanted) -> Result<(), Invalid> {
+    lanes::run(jobs, wanted, None, &mut |_, ended| {
+        black_box(ended);
+    })
+}
 
 fn pendulum(restitution: f64, clearance: f64) -> Parameters {
     Parameters {

@@ -174,6 +174,8 @@ pub trait Host: Clone + std::fmt::Debug {
 
     /// ζ.
     fn damping_ratio(&self) -> Self::Real;
+    /// Takes over what is computed once for all structures like this one, which has the same ζ.
+    fn share(&self, _like: &Self) {}
     /// The structure by itself.
     fn free(&self) -> &Self::Structure;
     /// With the absorber stuck to it.

@@ -19,6 +19,8 @@
 //! A lane whose run has ended is given the next one.
 
 mod arrays;
+mod decay;
+mod doubles;
 mod piva;
 mod siva;
 mod watch;
@@ -31,7 +33,7 @@ use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::Observer;
 use crate::piva::Piva;
 use crate::real::Real;
-use crate::simulate::{Instant, Limits, Run, Tally};
+use crate::simulate::{Instant, Limits, Run, STOPS, Tally};
 use crate::siva::Siva;
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::system::System;
@@ -55,6 +57,29 @@ pub struct Job<S: SideBySide> {
     pub limits: Limits,
     /// What is measured of its steady state, if anything, and where.
     pub steady: Option<(SteadyWanted, Window)>,
+    /// How accurate it is to be.
+    pub tier: Tier,
+}
+
+/// How accurate a run is to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Tier {
+    /// As accurate as doubles can tell.
+    #[default]
+    Exact,
+    /// Less accurate by some rounding units: free masses in plain doubles (`lanes/doubles.rs`), pendulums in steps that
+    /// leave out what their tolerance says.
+    Fast,
+}
+
+impl Tier {
+    /// The word in the tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Tier::Exact => "exact",
+            Tier::Fast => "fast",
+        }
+    }
 }
 
 /// What watches a run.
@@ -70,18 +95,41 @@ pub trait SideBySide: System<Real = f64> + Sized {
         None
     }
 
+    /// What runs of a group have in common in part: those that share it go after each other.
+    fn shared(_job: &Job<Self>) -> f64 {
+        0.0
+    }
+
+    /// The tier that a run is made by; where there is none faster, by the exact one.
+    fn tier(_job: &Job<Self>) -> Tier {
+        Tier::Exact
+    }
+
     /// Runs a group of those that have something in common.
     fn run(group: Group<'_, Self>) {
         group.one_by_one();
     }
 }
 
+/// The tier of a free mass.
+fn tier_of_free_mass<S: SideBySide>(job: &Job<S>) -> Tier {
+    if S::common(job).is_some() { job.tier } else { Tier::Exact }
+}
+
 impl SideBySide for Siva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        job.steady.is_none().then(|| [job.system.damping_ratio(), 0.0])
+        let tier = if job.tier == Tier::Fast { 1.0 } else { 0.0 };
+        job.steady.is_none().then(|| [job.system.damping_ratio(), tier])
+    }
+
+    fn tier(job: &Job<Self>) -> Tier {
+        tier_of_free_mass(job)
     }
 
     fn run(group: Group<'_, Self>) {
+        if group.tier() == Tier::Fast {
+            return group.run::<doubles::Doubles<{ doubles::FREE }>>();
+        }
         match (group.wanted.ledger, group.wanted.decay()) {
             (true, true) => group.run::<siva::FastFlights<true, true>>(),
             (false, true) => group.run::<siva::FastFlights<false, true>>(),
@@ -99,11 +147,27 @@ impl SideBySide for Siva<DrivenHost> {
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let base = if force.moves_base() { 1.0 } else { 0.0 };
         // No strobes come out of lanes.
-        (force.is_single() && !wanted.strobes).then(|| [f64::from(wanted.bits()), base])
+        let tier = if job.tier == Tier::Fast { 2.0 } else { 0.0 };
+        (force.is_single() && !wanted.strobes).then(|| [f64::from(wanted.bits()), base + tier])
+    }
+
+    fn shared(job: &Job<Self>) -> f64 {
+        let harmonic = job.system.force().and_then(|force| force.harmonics().first());
+        harmonic.map_or(0.0, |harmonic| harmonic.frequency)
+    }
+
+    fn tier(job: &Job<Self>) -> Tier {
+        tier_of_free_mass(job)
     }
 
     fn run(group: Group<'_, Self>) {
-        if group.leader().moves_base() {
+        if group.tier() == Tier::Fast {
+            if group.leader().moves_base() {
+                group.run::<doubles::Doubles<{ doubles::BASE }>>();
+            } else {
+                group.run::<doubles::Doubles<{ doubles::FORCE }>>();
+            }
+        } else if group.leader().moves_base() {
             group.run::<siva::DrivenFastFlights<true>>();
         } else {
             group.run::<siva::DrivenFastFlights<false>>();
@@ -119,6 +183,10 @@ impl SideBySide for Piva {
         (!alone && job.steady.is_none()).then_some([accuracy.tolerance, damped])
     }
 
+    fn tier(job: &Job<Self>) -> Tier {
+        job.tier
+    }
+
     fn run(group: Group<'_, Self>) {
         with_order!(group.leader().accuracy.order, N => group.run::<piva::Steps<N>>());
     }
@@ -126,12 +194,14 @@ impl SideBySide for Piva {
 
 /// Lanes in which runs of one kind of absorber go in step.
 trait Lockstep<S: SideBySide>: Sized {
+    /// How many.
+    const WIDTH: usize = LANES;
     /// What watches the run of a lane.
     type Observer: Watching<S>;
     /// Idle lanes for absorbers like that of a run, and the measures wanted.
     fn new(job: &Job<S>, wanted: Wanted) -> Self;
-    /// Makes an absorber share the tables of those in the other lanes.
-    fn join(&self, _system: &S) {}
+    /// Makes an absorber share the tables of the first of its group.
+    fn join(_leader: &S, _system: &S) {}
     /// Goes one evaluation on in each lane; true if one needs its run.
     fn evaluate(&mut self) -> bool;
     /// True if this lane requests something of its run.
@@ -193,13 +263,16 @@ pub fn run<S: SideBySide>(
     let mut order: Vec<usize> = (0..jobs.len()).collect();
     // What the loop runs comes first, as −∞.
     let key = |index: &usize| common(index).unwrap_or([-f64::INFINITY; 2]);
-    order.sort_by(|a, b| {
-        let ([a, b], [c, d]) = (key(a), key(b));
-        a.total_cmp(&c).then(b.total_cmp(&d))
+    order.sort_by(|x, y| {
+        let ([a, b], [c, d]) = (key(x), key(y));
+        let shared = |index: usize| S::shared(&jobs[index]);
+        a.total_cmp(&c).then(b.total_cmp(&d)).then(shared(*x).total_cmp(&shared(*y)))
     });
     for same in order.chunk_by(|a, b| key(a) == key(b)) {
         let group = Group { jobs, order: same, next: 0, wanted, cancel, take };
-        if same.len() < WORTHWHILE || common(&same[0]).is_none() {
+        // A run of the fast tier goes in lanes even if it is alone: so it is the same whatever runs beside it.
+        let few = same.len() < WORTHWHILE && group.tier() == Tier::Exact;
+        if few || common(&same[0]).is_none() {
             group.one_by_one();
         } else {
             S::run(group);
@@ -264,8 +337,12 @@ impl<'a, S: SideBySide> Group<'a, S> {
         &self.jobs[self.order[0]].system
     }
 
+    fn tier(&self) -> Tier {
+        self.jobs[self.order[0]].tier
+    }
+
     fn run<L: Lockstep<S>>(self) {
-        let runs = [const { None }; LANES];
+        let runs = std::iter::repeat_with(|| None).take(L::WIDTH).collect();
         Running::<S, L> { group: self, runs, live: 0, spare: None }.run();
     }
 }
@@ -274,7 +351,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
 struct Running<'a, S: SideBySide, L: Lockstep<S>> {
     group: Group<'a, S>,
     /// The run of each lane, and its index.
-    runs: [Option<IndexedRun<'a, S, L::Observer>>; LANES],
+    runs: Vec<Option<IndexedRun<'a, S, L::Observer>>>,
     /// Lanes at work.
     live: usize,
     /// What has watched the run that ended last.
@@ -290,7 +367,7 @@ impl<S: SideBySide, L: Lockstep<S>> Running<'_, S, L> {
                 // arrays, and with it what it has no registers for.
                 let group = &self.group;
                 let mut lanes = L::new(&group.jobs[group.order[0]], group.wanted);
-                for i in 0..LANES {
+                for i in 0..L::WIDTH {
                     self.refill(&mut lanes, i);
                 }
                 while self.live > 0 {
@@ -313,7 +390,7 @@ impl<S: SideBySide, L: Lockstep<S>> Running<'_, S, L> {
     /// Does what lanes have called for.
     #[inline(never)]
     fn serve(&mut self, lanes: &mut L) {
-        for i in 0..LANES {
+        for i in 0..L::WIDTH {
             let Some((_, run)) = &mut self.runs[i] else { continue };
             if lanes.requests(i) && !lanes.serve(i, run) {
                 self.go_on(lanes, i);
@@ -352,17 +429,20 @@ impl<S: SideBySide, L: Lockstep<S>> Running<'_, S, L> {
             _ => return lanes.idle(i),
         };
         group.next += 1;
-        lanes.join(&group.jobs[index].system);
-        let run = group.begun(index, self.spare.take());
+        L::join(group.leader(), &group.jobs[index].system);
+        let mut run = group.begun(index, self.spare.take());
+        let taken = run.stopped < STOPS && lanes.take(i, &mut run);
         self.runs[i] = Some((index, run));
         self.live += 1;
-        self.go_on(lanes, i);
+        if !taken {
+            self.go_on(lanes, i);
+        }
     }
 
     /// Ends every run where it is; those not begun stay so.
     fn cancel(&mut self, lanes: &mut L) {
         self.group.next = self.group.order.len();
-        for i in 0..LANES {
+        for i in 0..L::WIDTH {
             if let Some((_, run)) = &mut self.runs[i] {
                 lanes.put_back(i, run);
                 let tally = run.cancelled();

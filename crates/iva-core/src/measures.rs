@@ -137,11 +137,26 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         &self.values
     }
 
+    /// Adds what many flights have lost and what the force has put in, each with its rounding rest.
+    pub(crate) fn add(&mut self, lost: [R; 2], work: [R; 2]) {
+        self.moving = true;
+        self.viscous = self.viscous.plus_parts(lost[0], lost[1]);
+        self.work = self.work.plus_parts(work[0], work[1]);
+    }
+
+    /// True as long as later peaks than so many change a measure.
+    pub(crate) fn listens(&self, ended: u64) -> bool {
+        self.wanted.peaks && (!self.fit.closed || ended <= 2 * CYCLES[2])
+    }
+
     pub(crate) fn peak(&mut self, peak: &Peak<R>, index: u64) {
         let amplitude = peak.displacement.abs();
         if index == 0 {
             self.first_peak = amplitude;
             self.reference.settled = true;
+        }
+        if !self.wanted.peaks {
+            return;
         }
         for (decrement, cycles) in self.decrements.iter_mut().zip(CYCLES) {
             if index == 2 * cycles {
@@ -289,6 +304,11 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
             .plus(-values.energy_final)
             .value;
     }
+}
+
+/// True of an instant that is one period after time zero, but for rounding.
+pub(crate) fn is_one_period(instant: f64) -> bool {
+    (instant - f64::TURN.value).abs() <= f64::TURN.value * CLOSE
 }
 
 /// From when on a run counts as late, but for rounding.

@@ -23,28 +23,41 @@ pub(crate) const BEND_OFF: f64 = 1.0 / 1920.0;
 #[inline(always)]
 pub(crate) fn bernstein<R: Real>(begin: &[R; 3], end: &[R; 3]) -> [R; 6] {
     let ([f, g, k], [u, v, w]) = (*begin, *end);
-    [f, f + g * 0.2, f + (g * 0.4 + k * 0.1), u - (v * 0.4 - w * 0.1), u - v * 0.2, u]
+    let times = |a: R, factor: f64, b: R| a.mul_add(R::from(factor), b);
+    let (second, fourth) = (times(g, 0.4, f), times(v, -0.4, u));
+    [f, times(g, 0.2, f), times(k, 0.1, second), times(w, 0.1, fourth), times(v, -0.2, u), u]
 }
 
 /// The coefficients of a quintic on [0, 1] from value, slope and half the second derivative at both ends.
 #[inline(always)]
 pub(crate) fn monomials<R: Real>(begin: &[R; 3], end: &[R; 3]) -> [R; 6] {
     let ([f, g, k], [u, v, w]) = (*begin, *end);
-    let (p, q, r) = (u - f - g - k, v - g - k * 2.0, w - k);
-    [f, g, k, p * 10.0 - q * 4.0 + r, q * 7.0 - p * 15.0 - r * 2.0, p * 6.0 - q * 3.0 + r]
+    let times = |a: R, factor: f64, b: R| a.mul_add(R::from(factor), b);
+    let (p, q, r) = ((u - f) - (g + k), times(k, -2.0, v - g), w - k);
+    let (cube, fourth, fifth) = (times(q, -4.0, r), times(r, -2.0, q * 7.0), times(q, -3.0, r));
+    [f, g, k, times(p, 10.0, cube), times(p, -15.0, fourth), times(p, 6.0, fifth)]
 }
 
 /// Close to the only root of a quintic on [0, 1]: Halley's method from its chord.
 #[inline(always)]
 pub(crate) fn root<R: Real>(c: &[R; 6]) -> R {
-    let last = c[0] + c[1] + c[2] + c[3] + c[4] + c[5];
-    let mut t = c[0] / (c[0] - last);
+    root_by(c, |a, b| a / b)
+}
+
+/// The same with quotients made like this.
+#[inline(always)]
+pub(crate) fn root_by<R: Real>(c: &[R; 6], over: impl Fn(R, R) -> R) -> R {
+    let last = (c[1] + c[2]) + (c[3] + c[4]) + c[5];
+    let rates = [c[1], c[2] * 2.0, c[3] * 3.0, c[4] * 4.0, c[5] * 5.0];
+    let bends = [rates[1], rates[2] * 2.0, rates[3] * 3.0, rates[4] * 4.0];
+    let mut t = over(c[0], -last);
     for _ in 0..2 {
-        let value = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
-        let slope =
-            c[1] + t * (c[2] * 2.0 + t * (c[3] * 3.0 + t * (c[4] * 4.0 + t * (c[5] * 5.0))));
-        let bend = c[2] * 2.0 + t * (c[3] * 6.0 + t * (c[4] * 12.0 + t * (c[5] * 20.0)));
-        t -= value * 2.0 * slope / (slope * 2.0 * slope - value * bend);
+        let f = |sum: R, term: R| sum.mul_add(t, term);
+        let value = f(f(f(f(f(c[5], c[4]), c[3]), c[2]), c[1]), c[0]);
+        let slope = f(f(f(f(rates[4], rates[3]), rates[2]), rates[1]), rates[0]);
+        let bend = f(f(f(bends[3], bends[2]), bends[1]), bends[0]);
+        let double = slope + slope;
+        t -= over(value * double, double.mul_add(slope, -(value * bend)));
     }
     t
 }

@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use crate::compensated::DoubleDouble;
-use crate::flight::{Motion, Quantity};
+use crate::flight::{GapPoint, Motion, Quantity};
 use crate::force::Harmonic;
 use crate::impact::Impact;
 use crate::observe::{Observer, Span};
@@ -15,7 +15,7 @@ use crate::polynomial::largest;
 use crate::real::Real;
 use crate::sample::{SLACK, span_ends};
 use crate::simulate::{Instant, Outcome, Tally};
-use crate::system::{System, Wall};
+use crate::system::{Point, System, Wall};
 
 pub use bare::amplitude_without_absorber;
 pub use regime::Regime;
@@ -45,12 +45,22 @@ impl<R: Real> Window<R> {
 }
 
 impl<R: Real> Window<R> {
-    /// The first strobe that a regime is told by, or one a little before.
-    fn last_kept(&self, duration: R) -> u64 {
+    /// The first strobe of the window, or one a little before.
+    fn first(&self) -> u64 {
+        self.before(self.from).saturating_sub(1)
+    }
+
+    /// How many strobes there are before an instant, but for rounding.
+    fn before(&self, instant: R) -> u64 {
         let Some(Harmonic { frequency, phase, .. }) = self.cycle else { return 0 };
         let first = (phase / R::TURN.value).ceil();
-        let last = (frequency * duration + phase) / R::TURN.value - first;
-        last.max(0.0).whole().saturating_sub(RETURNS_KEPT + 1) as u64
+        let count = (frequency * instant + phase) / R::TURN.value - first;
+        count.max(0.0).whole() as u64
+    }
+
+    /// The first strobe that a regime is told by, or one a little before.
+    fn last_kept(&self, duration: R) -> u64 {
+        self.before(duration).saturating_sub(RETURNS_KEPT as u64 + 1)
     }
 }
 
@@ -140,11 +150,9 @@ pub struct Steady<R = f64> {
     duration: R,
     values: SteadyValues<R>,
     strobes: VecDeque<Strobe<R>>,
+    /// The next strobe to keep, and when it is.
     next: u64,
-    /// When the next strobe is.
     instant: Option<DoubleDouble<R>>,
-    /// The first strobe to keep.
-    first: u64,
     /// Largest |x|: of the cycle under way, where strobes are wanted, and of the window.
     current: R,
     largest: R,
@@ -185,9 +193,53 @@ impl<R: Real> Steady<R> {
     /// The instants of the strobes that are still to be kept, in a run that has begun.
     pub(crate) fn kept_strobes(&self) -> impl Iterator<Item = DoubleDouble<R>> + '_ {
         let strobes = self.wanted.regime || self.wanted.strobes;
-        let instants = (self.first.max(self.next)..).map_while(|index| self.window.instant(index));
+        let indices = if strobes { self.next..u64::MAX } else { 0..0 };
+        let instants = indices.map_while(|index| self.window.instant(index));
         let within = |instant: &DoubleDouble<R>| instant.value <= self.duration * (R::ONE + SLACK);
-        instants.take_while(within).filter(move |_| strobes)
+        instants.take_while(within)
+    }
+
+    /// The begin of the window.
+    pub(crate) fn begin(&self) -> R {
+        self.window.from
+    }
+
+    /// The next strobe that is to be kept.
+    pub(crate) fn next_strobe(&self) -> Option<DoubleDouble<R>> {
+        let strobes = self.wanted.regime || self.wanted.strobes;
+        let within = |instant: &DoubleDouble<R>| instant.value <= self.duration * (R::ONE + SLACK);
+        self.instant.filter(|_| strobes).filter(within)
+    }
+
+    /// Keeps the next strobe, with structure and absorber as they are then.
+    pub(crate) fn strobe_at(&mut self, primary: Point<R>, gap: GapPoint<R>) {
+        if let Some(instant) = self.instant {
+            self.keep(primary, gap, instant.value.max(0.0));
+            self.pass_strobe();
+        }
+    }
+
+    fn pass_strobe(&mut self) {
+        self.next += 1;
+        self.instant = self.window.instant(self.next);
+    }
+
+    /// The largest |x| and |A| so far.
+    pub(crate) fn largest(&self) -> [R; 2] {
+        [self.largest, self.acceleration]
+    }
+
+    /// Adds what many flights come to: ∫x² with its rounding rest, the largest |x| and |A|, and impacts that are listed
+    /// for good, with the sign of the wall of the last.
+    pub(crate) fn add(&mut self, square: [R; 2], largest: [R; 2], (impacts, wall): (u64, R)) {
+        self.square = self.square.plus_parts(square[0], square[1]);
+        self.largest = self.largest.max(largest[0]);
+        self.acceleration = self.acceleration.max(largest[1]);
+        self.impacts += impacts;
+        if impacts > 0 {
+            self.streak.wall = Some(if wall > 0.0 { Wall::Plus } else { Wall::Minus });
+            self.streak.impacts.clear();
+        }
     }
 
     /// Counts an impact.
@@ -231,6 +283,10 @@ impl<R: Real> Steady<R> {
 
     fn strobe<M: Motion<Real = R>>(&mut self, motion: &M, h: R, time: R) {
         let (primary, gap) = motion.place(h);
+        self.keep(primary, gap, time);
+    }
+
+    fn keep(&mut self, primary: Point<R>, gap: GapPoint<R>, time: R) {
         self.strobes.push_back(Strobe {
             cycle: self.next,
             time,
@@ -281,8 +337,14 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
         let base = system.largest_base([window.from, duration]);
         let (base, base_known) = (base.unwrap_or(R::ZERO), base.is_some());
         *self = Self { duration, base_moves, base, base_known, ..Self::new(window, self.wanted) };
-        self.instant = self.window.instant(0);
-        self.first = if self.wanted.strobes { 0 } else { self.window.last_kept(duration) };
+        self.next = if self.wanted.strobes { 0 } else { self.window.last_kept(duration) };
+        self.next = self.next.max(self.window.first());
+        self.instant = self.window.instant(self.next);
+        // The window may begin at a strobe, but for rounding.
+        let from = self.window.from * (R::ONE - SLACK);
+        while self.instant.is_some_and(|instant| instant.value < from) {
+            self.pass_strobe();
+        }
     }
 
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
@@ -306,16 +368,10 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
                 break;
             }
             let at = at.clamp(0.0, span.length);
-            // The window may begin at a strobe, but for rounding.
-            if instant.value >= self.window.from * (R::ONE - SLACK) {
-                self.until(span, [h, at]);
-                h = h.max(at);
-                if self.next >= self.first {
-                    self.strobe(span.motion, at, instant.value.max(0.0));
-                }
-            }
-            self.next += 1;
-            self.instant = self.window.instant(self.next);
+            self.until(span, [h, at]);
+            h = h.max(at);
+            self.strobe(span.motion, at, instant.value.max(0.0));
+            self.pass_strobe();
         }
         self.until(span, [h, span.length]);
     }

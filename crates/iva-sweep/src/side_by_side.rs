@@ -75,7 +75,7 @@ fn together<S: SideBySide>(
         let design = designer.design(point)?;
         let Some((system, start)) = scene(&design) else { return Ok(None) };
         let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
-        jobs.push(Job { system, start, limits: design.limits, steady });
+        jobs.push(Job { system, start, limits: design.limits, steady, tier: design.tier });
         designs.push(design);
     }
     let mut results: Vec<Option<Ended<S>>> = vec![None; jobs.len()];
@@ -83,10 +83,11 @@ fn together<S: SideBySide>(
     lanes::run(&jobs, request.wanted, Some(cancel), keep)?;
     let mut done = Done::default();
     // After a cancellation the points before the first that was not begun.
-    for (point, (design, result)) in points.zip(designs.iter().zip(&results)) {
+    for (index, (point, (design, result))) in points.zip(designs.iter().zip(&results)).enumerate() {
         let Some((tally, measures, steady)) = result else { break };
         let settled = request.settled(design, steady.as_ref(), cancel)?;
-        let row = rows::RunRow { settled, ..rows::RunRow::new(design, tally, measures) };
+        let tier = S::tier(&jobs[index]);
+        let row = rows::RunRow { settled, tier, ..rows::RunRow::new(design, tally, measures) };
         take(&mut row.cells(&request.columns, &study.swept(point), point));
         done += Done::run(tally.outcome.name(), tally.work);
     }

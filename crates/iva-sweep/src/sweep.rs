@@ -12,6 +12,7 @@ use arrow_array::{Array, RecordBatch, StringArray};
 use arrow_schema::ArrowError;
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
+use iva_core::lanes::Tier;
 use iva_core::propagation::{Differentiable, Errors};
 use iva_core::simulate::Outcome;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -230,7 +231,7 @@ pub fn run_inline(study: &Study, work: u64) -> Result<Option<Tables>, SweepError
     checked(study)?;
     let mut design = study.design(0)?;
     let force = design.scene.force();
-    if force.is_some_and(|force| !force.is_single()) {
+    if design.tier == Tier::Fast || force.is_some_and(|force| !force.is_single()) {
         return Ok(None);
     }
     let cut = design.limits.max_work > work;

@@ -129,21 +129,20 @@ impl<R: Real> UndrivenHost<R> {
         Self { damping_ratio, mass_ratio, free: OnceLock::new(), loaded: OnceLock::new() }
     }
 
-    /// The structure by itself, to share.
-    #[inline(always)]
-    pub(crate) fn shared(&self) -> &Arc<Oscillator<R>> {
+    fn shared(&self) -> &Arc<Oscillator<R>> {
         self.free.get_or_init(|| Arc::new(Oscillator::new(R::ONE, self.damping_ratio)))
-    }
-
-    /// Takes over the structure of another host of the same damping ratio.
-    pub(crate) fn share(&self, free: &Arc<Oscillator<R>>) {
-        self.free.get_or_init(|| Arc::clone(free));
     }
 }
 
 impl<R: Real> Host for UndrivenHost<R> {
     type Real = R;
     type Structure = Oscillator<R>;
+
+    fn share(&self, like: &Self) {
+        // Made before it is asked for: a host may share with itself.
+        let free = Arc::clone(like.shared());
+        self.free.get_or_init(|| free);
+    }
 
     fn damping_ratio(&self) -> R {
         self.damping_ratio

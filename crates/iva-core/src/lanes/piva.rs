@@ -75,11 +75,12 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
     }
 
     fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
-        let lanes = &self.lanes;
-        if lanes.watch.peaked[i] > 0.0 {
-            let (peak, index) = lanes.watch.get(i).ended_peak();
+        if self.lanes.watch.peaked[i] > 0.0 {
+            let (peak, index) = self.lanes.watch.get(i).ended_peak();
             run.observer.0.peak(&peak, index);
+            self.lanes.watch.listen(i, &run.observer.0);
         }
+        let lanes = &self.lanes;
         let passages = [
             (lanes.passed_1[i], [lanes.from_1[i], lanes.to_1[i]]),
             (lanes.passed_2[i], [lanes.from_2[i], lanes.to_2[i]]),

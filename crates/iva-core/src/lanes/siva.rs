@@ -6,13 +6,10 @@ mod lane;
 mod look;
 mod step;
 
-use std::sync::Arc;
-
 use super::{Job, LANES, Lockstep, Observers, ScalarRun};
 use crate::host::Host;
-use crate::measures::Wanted;
+use crate::measures::{Wanted, is_one_period};
 use crate::oscillator::Oscillator;
-use crate::real::Real;
 use crate::simulate::STOPS;
 use crate::siva::Siva;
 use crate::system::System;
@@ -27,22 +24,17 @@ pub(super) struct FastFlights<const LEDGER: bool, const DECAY: bool> {
     lanes: Lanes<LANES>,
     /// By value: so the compiler knows that it is not one of the arrays.
     free: Oscillator,
-    shared: Arc<Oscillator>,
 }
 
 impl<const LEDGER: bool, const DECAY: bool> Lockstep<Siva> for FastFlights<LEDGER, DECAY> {
     type Observer = Observers<Siva>;
 
     fn new(Job { system: siva, .. }: &Job<Siva>, _wanted: Wanted) -> Self {
-        Self {
-            lanes: Lanes::new(),
-            free: *siva.host.free(),
-            shared: Arc::clone(siva.host.shared()),
-        }
+        Self { lanes: Lanes::new(), free: *siva.host.free() }
     }
 
-    fn join(&self, siva: &Siva) {
-        siva.host.share(&self.shared);
+    fn join(leader: &Siva, siva: &Siva) {
+        siva.host.share(&leader.host);
     }
 
     #[inline(always)]
@@ -52,14 +44,15 @@ impl<const LEDGER: bool, const DECAY: bool> Lockstep<Siva> for FastFlights<LEDGE
 
     fn requests(&self, i: usize) -> bool {
         let lanes = &self.lanes;
-        lanes.flying.request[i] + lanes.flying.stopped[i] + lanes.watch.peaked[i] > 0.0
+        lanes.flying.request[i] + lanes.flying.stopped[i] + lanes.decay.watch.peaked[i] > 0.0
     }
 
     fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Siva>) -> bool {
         let lanes = &mut self.lanes;
-        if lanes.watch.peaked[i] > 0.0 {
-            let (peak, index) = lanes.watch.get(i).ended_peak();
+        if lanes.decay.watch.peaked[i] > 0.0 {
+            let (peak, index) = lanes.decay.watch.get(i).ended_peak();
             run.observer.0.peak(&peak, index);
+            lanes.decay.watch.listen(i, &run.observer.0);
         }
         if lanes.flying.stopped[i] == STOP {
             let mut lane = lanes.get(i);
@@ -106,7 +99,7 @@ fn evaluate<const W: usize, const LEDGER: bool, const DECAY: bool>(
     }
     let mut requests = 0.0;
     for i in 0..W {
-        requests += lanes.flying.request[i] + lanes.flying.stopped[i] + lanes.watch.peaked[i];
+        requests += lanes.flying.request[i] + lanes.flying.stopped[i] + lanes.decay.watch.peaked[i];
     }
     requests > 0.0
 }
@@ -114,7 +107,7 @@ fn evaluate<const W: usize, const LEDGER: bool, const DECAY: bool>(
 /// Goes on after a stop within the run; false: the run goes back to the event loop.
 fn pass_stop(run: &mut ScalarRun<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
     let flying = &mut lane.flying;
-    if flying.stop == f64::TURN.value {
+    if is_one_period(flying.stop) {
         run.observer.0.one_period(run.system.energy(&flying.state(())));
     }
     run.pass_stop();
@@ -126,6 +119,6 @@ fn pass_stop(run: &mut ScalarRun<'_, Siva>, lane: &mut Lane, free: &Oscillator) 
     flying.length = free.reach.min(remaining).min(flying.first);
     flying.h = flying.length;
     flying.stopped = 0.0;
-    lane.watch.peaked = 0.0;
+    lane.decay.watch.peaked = 0.0;
     remaining > 0.0
 }

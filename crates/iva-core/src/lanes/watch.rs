@@ -19,8 +19,8 @@ arrays! {
     peak_time, peak_x, peak_sign, half_cycles,
     /// Largest |x| in the last period and in the last half period, and where each begins.
     amplitude, late_from, later_from, late, later,
-    /// The peak that has just been ended, if `peaked`.
-    peaked, ended_time, ended_x,
+    /// The peak that has just been ended, if `peaked`; 1 if peaks are still looked at.
+    peaked, ended_time, ended_x, listens,
 }
 
 impl Watch {
@@ -36,6 +36,7 @@ impl Watch {
             amplitude: measures.reference.amplitude,
             late_from: late(measures.duration, f64::TURN.value),
             later_from: late(measures.duration, 0.5 * f64::TURN.value),
+            listens: pick(measures.listens(measures.half_cycles.ended), 1.0, 0.0),
             late: measures.last_period,
             later: measures.last_half_period,
             ..Self::default()
@@ -113,7 +114,15 @@ impl Watch {
         next.half_cycles = self.half_cycles + pick(ends, 1.0, 0.0);
         next.ended_time = ended_time;
         next.ended_x = ended_x;
-        next.peaked = pick(ends, 1.0, 0.0);
+        next.peaked = pick(ends, self.listens, 0.0);
+    }
+}
+
+impl<const W: usize> Watches<W> {
+    /// After the measures have taken in the peak of a lane: whether they look at the next.
+    pub fn listen<S: System<Real = f64>>(&mut self, i: usize, measures: &Measures<S>) {
+        let ended = self.half_cycles[i] as u64;
+        (self.peaked[i], self.listens[i]) = (0.0, pick(measures.listens(ended), 1.0, 0.0));
     }
 }
 

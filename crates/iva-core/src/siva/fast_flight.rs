@@ -68,12 +68,14 @@ impl<R: Real> Quintic<R> {
             [state.distance.value, length * state.rate.value, half_square * curvature]
         };
         let cube = length * length * length;
-        Self {
-            begin: ends(from),
-            end: ends(to),
-            sixth: free.bound::<4>(&from.host.primary) * (cube * cube),
-            far: clearance * 2.0,
-        }
+        let sixth = free.bound::<4>(&from.host.primary) * (cube * cube);
+        Self::of([ends(from), ends(to)], sixth, clearance)
+    }
+
+    /// From distance, L × rate and ½ L² × curvature at both ends, M and the clearance.
+    #[inline(always)]
+    pub fn of([begin, end]: [[R; 3]; 2], sixth: R, clearance: R) -> Self {
+        Self { begin, end, sixth, far: clearance * 2.0 }
     }
 
     #[inline(always)]
@@ -84,26 +86,32 @@ impl<R: Real> Quintic<R> {
         // What rounding could change; a flight that starts on the wall is exact to rounding of its own
         // height over it.
         let height = ((R::EPSILON * 0.5) * DOUBT) * size(&self.begin, &self.end);
-        let doubt = height + ((R::EPSILON * 0.5) * DOUBT) * self.far;
-        let level = m * OFF + doubt;
-        let slope = m * SLOPE_OFF + doubt;
+        let doubt = self.far.mul_add((R::EPSILON * 0.5) * DOUBT, height);
+        let level = m.mul_add(R::from(OFF), doubt);
+        let slope = m.mul_add(R::from(SLOPE_OFF), doubt);
+        let fifth = slope * -0.2;
         let (low, high) = (least(&b), most(&b));
         let rises = [b[1] * 5.0, b[2] * 2.5, b[3] * (5.0 / 3.0), b[4] * 1.25, b[5]];
-        let turns =
-            [rises[1] - rises[0], rises[2] - rises[1], rises[3] - rises[2], rises[4] - rises[3]];
-        let rise = m * RISE_OFF + height;
+        let turn = |b: R, factor: f64, before: R| b.mul_add(R::from(factor), -before);
+        let turns = [
+            turn(b[2], 2.5, rises[0]),
+            turn(b[3], 5.0 / 3.0, rises[1]),
+            turn(b[4], 1.25, rises[2]),
+            b[5] - rises[3],
+        ];
+        let rise = m.mul_add(R::from(RISE_OFF), height);
         let on_wall = self.begin[0] == 0.0;
         let above = if on_wall { least(&rises) > rise } else { low > level };
         let below = high < self.far - level;
         let falls = if on_wall {
             (rises[0] > height)
-                & (most(&turns) * 4.0 < -(m * RISE_SLOPE_OFF + height * 4.0))
+                & (most(&turns) < -m.mul_add(R::from(0.25 * RISE_SLOPE_OFF), height))
                 & (b[5] < -height)
         } else {
-            (b[0] > doubt) & (most(&steps) * 5.0 < -slope) & (b[5] < -doubt)
+            (b[0] > doubt) & (most(&steps) < fifth) & (b[5] < -doubt)
         };
         let climbs =
-            (b[0] < self.far - doubt) & (least(&steps) * 5.0 > slope) & (b[5] > self.far + doubt);
+            (b[0] < self.far - doubt) & (least(&steps) > -fifth) & (b[5] > self.far + doubt);
         Proof { free: above & below, meets: [falls & below, climbs & above] }
     }
 

@@ -76,6 +76,8 @@ macro_rules! summary {
                 "largest change of an impact time per unit change of the start (errors asked for)";
             "digits" Ratio [Errors] |run| run.digits,
                 "-log10 of the largest time_error over the time or 1/ωn (errors asked for)";
+            "tier" Text [Run] |run| run.tier.name(),
+                "exact, or fast where a tolerance was given and the fast tier made the row";
         }
     };
 }

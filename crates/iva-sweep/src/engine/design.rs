@@ -16,6 +16,7 @@ use crate::fields::FieldId;
 use crate::units::UnitSystem;
 use iva_core::force::Force;
 use iva_core::host::Alone;
+use iva_core::lanes::Tier;
 use iva_core::piva::Piva;
 use iva_core::real::Real;
 use iva_core::simulate::Limits;
@@ -38,6 +39,8 @@ pub struct Design<R: Real = f64> {
     pub scale: Scale<R>,
     /// What the user's units are.
     pub units: UnitSystem,
+    /// How accurate the run is to be.
+    pub tier: Tier,
 }
 
 impl<R: Real> Design<R> {
@@ -87,7 +90,9 @@ impl<R: Real> Given<'_, R> {
                 .map_or(clearance * Limits::CHATTER_FLOOR, |floor| floor / omega),
         };
         limits.check()?;
-        Ok(Design { scene, limits, window, scale, units })
+        let tolerance = self.get(FieldId::Tolerance).unwrap_or(R::ZERO);
+        let tier = if tolerance > 0.0 { Tier::Fast } else { Tier::Exact };
+        Ok(Design { scene, limits, window, scale, units, tier })
     }
 
     /// What all absorbers and their primary have, in natural units.

@@ -1,11 +1,11 @@
 //! Rows of the result tables, in the user's units. Which columns they have, and what stands in them, is told by
-
 //! [`crate::columns::tables`].
 
 use super::design::Design;
 use super::scale::Scale;
 use super::scene::Scene;
 use iva_core::impact::Impact;
+use iva_core::lanes::Tier;
 use iva_core::measures::MeasureValues;
 use iva_core::observe::StickEpisode;
 use iva_core::peaks::Peak;
@@ -46,19 +46,24 @@ pub(crate) struct RunRow<'a, S, R: Real = f64> {
     pub settled: Option<Settled<'a, R>>,
     pub condition: Option<R>,
     pub digits: Option<R>,
+    pub tier: Tier,
     pub scene: &'a Scene<R>,
     pub scale: &'a Scale<R>,
 }
 
 impl<'a, R: Real, S> RunRow<'a, S, R> {
-    /// A run in free decay, without estimates of its errors.
+    /// A run in free decay by itself, without estimates of its errors.
     pub fn new(
         design: &'a Design<R>,
         tally: &'a Tally<S, R>,
         values: &'a MeasureValues<R>,
     ) -> Self {
         let Design { scene, scale, .. } = design;
-        Self { tally, values, settled: None, condition: None, digits: None, scene, scale }
+        let tier = match scene {
+            Scene::Piva { .. } => design.tier,
+            _ => Tier::Exact,
+        };
+        Self { tally, values, settled: None, condition: None, digits: None, tier, scene, scale }
     }
 
     fn settled<T>(&self, read: impl Fn(&Settled<'a, R>) -> Option<T>) -> Option<T> {

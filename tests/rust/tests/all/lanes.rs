@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
-use iva_core::lanes::{self, Ended, Job, LANES, SideBySide};
+use iva_core::lanes::{self, Ended, Job, LANES, SideBySide, Tier};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, Outcome, simulate};
@@ -51,6 +51,7 @@ fn scene(mu: f64, e: f64, clearance: f64, zeta: f64, periods: f64) -> Job<Siva> 
         start: Start { displacement: 1.0, ..Start::default() },
         limits: Limits::new(periods * TAU, clearance),
         steady: None,
+        tier: Tier::Exact,
     }
 }
 
@@ -84,6 +85,7 @@ fn pendulums(tolerance: f64) -> Vec<Job<Piva>> {
                     start: Start { displacement: 1.0, ..Start::default() }.into(),
                     limits: Limits::new(15.0 * TAU, clearance),
                     steady: None,
+                    tier: Tier::Exact,
                 });
             }
         }
@@ -115,6 +117,7 @@ fn driven(steady: SteadyWanted) -> Vec<Job<Siva<DrivenHost>>> {
                     start: Start { displacement: [0.0, 0.5][i % 2], ..Start::default() },
                     limits: Limits::new(35.0 * cycle, clearance),
                     steady: Some((steady, Window { from, cycle: Some(push) })),
+                    tier: Tier::Exact,
                 });
             }
         }
@@ -362,6 +365,7 @@ proptest! {
                 start: case.start,
                 limits: case.limits(),
                 steady: None,
+                tier: Tier::Exact,
             })
             .collect();
         for (scene, found) in scenes.iter().zip(together(&scenes)) {
@@ -386,7 +390,7 @@ proptest! {
                 let free = !system.stop_reachable();
                 let start = if free { PivaStart { place: Given::Angle(*angle), ..start } } else { start };
                 let limits = Limits::new(case.duration, system.clearance());
-                Job { system, start, limits, steady: None }
+                Job { system, start, limits, steady: None, tier: Tier::Exact }
             })
             .filter(|scene| scene.system.check_start(&scene.start).is_ok())
             .collect();

@@ -11,6 +11,7 @@ mod continued;
 mod decisions;
 mod errors;
 mod every_field;
+mod fast_tier;
 mod flight;
 mod forced;
 mod gradients;

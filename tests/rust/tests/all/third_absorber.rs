@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
-    lanes::{self, Job},
+    lanes::{self, Job, Tier},
     measures::Wanted,
     observe::Events,
     propagation::Errors,
@@ -117,7 +117,13 @@ fn sweeps_of_it_are_its_runs() {
     let system = |k: u32| Dashpot([0.15, 0.6, 0.2 + 0.02 * f64::from(k), 0.02, 0.3]);
     let job = |k| {
         let system = system(k);
-        Job { system, start: start(), limits: Limits::new(10.0 * TAU, system.0[2]), steady: None }
+        Job {
+            system,
+            start: start(),
+            limits: Limits::new(10.0 * TAU, system.0[2]),
+            steady: None,
+            tier: Tier::Exact,
+        }
     };
     let jobs: Vec<Job<Dashpot>> = (0..40).map(job).collect();
     let mut seen = vec![false; jobs.len()];

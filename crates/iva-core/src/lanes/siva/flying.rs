@@ -130,7 +130,8 @@ impl Flying {
         let remaining = -run.clock.minus(stop);
         flying.length = reach.min(remaining).min(first);
         flying.h = flying.length;
-        (!low && remaining > 0.0 && !flying.full()).then_some(flying)
+        let under_way = run.stopped < STOPS && remaining > 0.0;
+        (!low && under_way && !flying.full()).then_some(flying)
     }
 
     /// Puts the numbers back into the run; the phase of the drive is where it is.

@@ -6,7 +6,7 @@ use super::lane::Lane;
 use super::look::look;
 use crate::host::turning::{turn, turning};
 use crate::lanes::pick;
-use crate::lanes::watch::{Passage, Stretch};
+use crate::lanes::watch::Stretch;
 use crate::oscillator::{Oscillator, Primary};
 use crate::siva::SivaState;
 
@@ -22,7 +22,7 @@ pub(super) fn step<const LEDGER: bool, const DECAY: bool>(free: &Oscillator, lan
         if LEDGER {
             let Primary { x, v } = look.from.host.primary;
             let loss = free.viscous_loss_series(x.value, v.value, look.length);
-            next.watch = lane.watch.losing(loss, look.passed);
+            next.decay.watch = lane.decay.watch.losing(loss, look.passed);
         }
         return next;
     }
@@ -35,7 +35,7 @@ pub(super) fn step<const LEDGER: bool, const DECAY: bool>(free: &Oscillator, lan
     let done = look.passed & span.simple;
     let mut next = *lane;
     next.flying = look.next(flying, free.reach, done);
-    span.measure(&mut next, lane, done);
+    next.decay = lane.decay.after(&span.stretch, span.origin, flying.clock(), done);
     next
 }
 
@@ -63,31 +63,7 @@ impl Span {
         let loss = if LEDGER { free.viscous_loss_series(x, v, length) } else { 0.0 };
         let (x_end, h) = (end.host.primary.x.value, [0.0, h_turn, length]);
         let stretch = Stretch { x: [x, x_turn, x_end], h, turns, loss };
-        let simple = (exact | !turns) & stretch.ends(lane.watch.peak_sign).simple();
+        let simple = (exact | !turns) & stretch.ends(lane.decay.watch.peak_sign).simple();
         Self { origin: [x, v, from.host.acceleration.value], stretch, simple }
-    }
-
-    /// Takes the span into the measures, if it is `done`.
-    #[inline(always)]
-    fn measure(&self, next: &mut Lane, lane: &Lane, done: bool) {
-        next.watch = lane.watch.after(&self.stretch, lane.flying.clock(), done);
-        macro_rules! passage {
-            ($share:expr, $level:ident, $x:ident, $v:ident, $a:ident, $time:ident, $rest:ident, $from:ident, $to:ident) => {
-                let Passage { passes, h: [from, to], level } =
-                    self.stretch.passage($share * lane.watch.amplitude);
-                let passes = passes & done;
-                next.$level = pick(passes, level, lane.$level);
-                next.$x = pick(passes, self.origin[0], lane.$x);
-                next.$v = pick(passes, self.origin[1], lane.$v);
-                next.$a = pick(passes, self.origin[2], lane.$a);
-                next.$time = pick(passes, lane.flying.time, lane.$time);
-                next.$rest = pick(passes, lane.flying.time_rest, lane.$rest);
-                next.$from = pick(passes, from, lane.$from);
-                next.$to = pick(passes, to, lane.$to);
-            };
-        }
-        passage!(0.10, level_1, x_1, v_1, a_1, time_1, time_rest_1, from_1, to_1);
-        passage!(0.05, level_2, x_2, v_2, a_2, time_2, time_rest_2, from_2, to_2);
-        passage!(0.02, level_3, x_3, v_3, a_3, time_3, time_rest_3, from_3, to_3);
     }
 }

@@ -1,0 +1,254 @@
+//! The fast tier: free masses in plain doubles.
+//!
+//! The exact tier carries states to twice the precision, so that a run is off by less than a rounding of its numbers. Here
+//! they are plain doubles and only the clock is compensated: every stretch of flight rounds once more, as in any other
+//! program, and a run is off by some rounding units of what its condition allows. Nothing else is given up. Every
+//! stretch is proved free, or to meet one wall once, about the motion as it is carried; and what is not simple (a low
+//! rebound, a chatter to be summed, a stick, a grazing) is done by the event loop on the same state.
+//!
+//! Three things make it fast: flights are sums of four short polynomials whatever the force is ([`responses`]); a round
+//! of a lane evaluates twice, the whole trial and the wall that it meets, so that nearly every round ends a stretch; and
+//! a round is cut into stages that a processor can overlap ([`step`]).
+
+mod lane;
+mod motion;
+mod responses;
+mod step;
+mod stops;
+mod totals;
+mod turning;
+mod watched;
+
+use super::decay::{Decay, Decays};
+use super::{Job, Lockstep, Observers, ScalarRun, SideBySide};
+use crate::force::{Acts, Harmonic};
+use crate::host::{Host, Phase};
+use crate::measures::Wanted;
+use crate::oscillator::Equation;
+use crate::simulate::STOPS;
+use crate::siva::{Siva, SivaState};
+use crate::steady::Steady;
+use crate::system::System;
+
+use lane::{Lane, Lanes};
+use motion::Structure;
+pub(super) use motion::{BASE, FORCE, FREE};
+use responses::{Responses, Tables};
+use step::Rounds;
+use totals::{Asked, Total, Totals};
+
+/// Lanes: enough to keep a processor with wide vectors from waiting.
+const WIDTH: usize = 16;
+
+/// Lanes of free masses in plain doubles.
+#[derive(Debug)]
+pub(super) struct Doubles<const DRIVE: u8> {
+    lanes: Lanes<WIDTH>,
+    tables: Tables<WIDTH>,
+    rounds: Rounds<WIDTH>,
+    totals: Totals<WIDTH>,
+    decays: Decays<WIDTH>,
+    asked: Asked,
+    /// What is read from the displacement of a decay.
+    wanted: Wanted,
+    /// The polynomials made last: runs beside each other often share them.
+    latest: Option<Responses>,
+}
+
+type Watched<'a, H> = ScalarRun<'a, Siva<H>, Observers<Siva<H>>>;
+
+impl<const DRIVE: u8> Doubles<DRIVE> {
+    /// The structure of a run, whose polynomials a lane is given.
+    fn structure<H: Host<Real = f64>>(&mut self, i: usize, host: &H) -> Structure {
+        let equation = Equation::new(1.0, host.damping_ratio());
+        let harmonic = host.force().and_then(|force| force.harmonics().first());
+        let (frequency, amplitude) = harmonic.map_or((0.0, 0.0), |it| (it.frequency, it.amplitude));
+        let same = |it: &Responses| it.damping == equation.damping && it.frequency == frequency;
+        let responses = match self.latest.filter(same) {
+            Some(responses) => responses,
+            None => {
+                let responses = Responses::new(equation.damping, equation.growth, frequency);
+                *self.latest.insert(responses)
+            }
+        };
+        self.tables.set(i, &responses);
+        let structure = Structure::new(&equation, frequency, amplitude, responses.longest);
+        harmonic.map_or(structure, |harmonic| exceeding(structure, harmonic))
+    }
+
+    /// Tells the observers of a run what its lane has added up.
+    fn tell<H: Host<Real = f64>>(&mut self, i: usize, run: &mut Watched<'_, H>)
+    where
+        Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
+    {
+        let total = self.totals.get(i);
+        let (measures, steady) = &mut run.observer;
+        measures.add([total.lost, total.lost_rest], [total.worked, total.worked_rest]);
+        let Total { displacement, acceleration, counts, .. } = total;
+        if let Some(steady) = steady {
+            let wall = self.lanes.streak_side[i];
+            let square = [total.square, total.square_rest];
+            steady.add(square, [displacement, acceleration], (total.impacts as u64, wall));
+        }
+        let told = Total { displacement, acceleration, counts, ..Total::default() };
+        self.totals.set(i, &told);
+    }
+}
+
+/// A structure with what a harmonic force adds to the bounds on its derivatives ([`crate::host::Driven`]).
+fn exceeding(structure: Structure, harmonic: &Harmonic) -> Structure {
+    let Structure { growth, longest, .. } = structure;
+    let mut drives = [harmonic.amplitude.abs(); 7];
+    let mut powers = [1.0; 8];
+    for n in 1..7 {
+        drives[n] = drives[n - 1] * harmonic.frequency;
+    }
+    for n in 1..8 {
+        powers[n] = powers[n - 1] * growth;
+    }
+    let excess = |order: usize| {
+        let sum: f64 = (0..=order).map(|i| powers[order - i] * drives[i]).sum();
+        powers[order + 1] * (longest * drives[0]) + sum + drives[order]
+    };
+    let base = if harmonic.acts == Acts::Base { 1.0 } else { 0.0 };
+    Structure {
+        excess_3: excess(3),
+        excess_4: excess(4),
+        excess_5: excess(5),
+        excess_6: excess(6),
+        base_3: base * drives[3],
+        base_4: base * drives[4],
+        ..structure
+    }
+}
+
+impl<H: Host<Real = f64>, const DRIVE: u8> Lockstep<Siva<H>> for Doubles<DRIVE>
+where
+    Siva<H>: SideBySide + System<Real = f64, State = SivaState<Phase<H>>>,
+{
+    const WIDTH: usize = WIDTH;
+    type Observer = Observers<Siva<H>>;
+
+    fn new(job: &Job<Siva<H>>, wanted: Wanted) -> Self {
+        let steady = job.steady.map(|(steady, _)| steady).unwrap_or_default();
+        let asked = Asked {
+            ledger: wanted.ledger,
+            square: steady.rms,
+            displacement: steady.amplitude || steady.regime,
+            acceleration: steady.acceleration,
+            impacts: job.steady.is_some(),
+        };
+        let decay = DRIVE == FREE;
+        let wanted = Wanted {
+            settling: wanted.settling && decay,
+            residual: wanted.residual && decay,
+            peaks: wanted.peaks && decay,
+            ledger: wanted.ledger,
+        };
+        Self {
+            lanes: Lanes::new(),
+            tables: Tables::new(),
+            rounds: Rounds::new(),
+            totals: Totals::new(),
+            decays: Decays::new(),
+            asked,
+            wanted,
+            latest: None,
+        }
+    }
+
+    fn join(leader: &Siva<H>, siva: &Siva<H>) {
+        siva.host.share(&leader.host);
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self) -> bool {
+        let Self { lanes, tables, rounds, totals, decays, asked, wanted, .. } = self;
+        step::reach::<WIDTH, DRIVE>(lanes, tables, rounds);
+        step::land::<WIDTH, DRIVE>(lanes, tables, rounds);
+        if wanted.decay() {
+            watched::watch::<WIDTH>(lanes, tables, rounds, decays);
+        }
+        if asked.displacement {
+            totals::largest::<WIDTH, DRIVE, false>(lanes, tables, rounds, totals);
+        }
+        if asked.acceleration {
+            totals::largest::<WIDTH, DRIVE, true>(lanes, tables, rounds, totals);
+        }
+        if asked.ledger {
+            totals::lose::<WIDTH, DRIVE>(lanes, tables, rounds, totals);
+        }
+        if asked.square {
+            totals::square::<WIDTH, DRIVE>(lanes, tables, rounds, totals);
+        }
+        if asked.impacts {
+            totals::count(rounds, totals);
+        }
+        step::commit::<WIDTH>(lanes, rounds);
+        let mut requests = 0.0;
+        for i in 0..WIDTH {
+            requests += lanes.request[i] + lanes.stopped[i] + lanes.full[i];
+            requests += decays.watch.peaked[i];
+        }
+        requests > 0.0
+    }
+
+    fn requests(&self, i: usize) -> bool {
+        let Self { lanes, decays, .. } = self;
+        lanes.request[i] + lanes.stopped[i] + lanes.full[i] + decays.watch.peaked[i] > 0.0
+    }
+
+    fn serve(&mut self, i: usize, run: &mut Watched<'_, H>) -> bool {
+        if self.decays.watch.peaked[i] > 0.0 {
+            let (peak, index) = self.decays.watch.get(i).ended_peak();
+            run.observer.0.peak(&peak, index);
+            self.decays.watch.listen(i, &run.observer.0);
+        }
+        let goes_on = self.lanes.stopped[i] == 0.0 || self.pass_stop(i, run);
+        if goes_on && self.lanes.request[i] + self.lanes.full[i] == 0.0 {
+            return true;
+        }
+        self.put_back(i, run);
+        false
+    }
+
+    fn take(&mut self, i: usize, run: &mut Watched<'_, H>) -> bool {
+        let reference = &run.observer.0.reference;
+        let settled = !self.wanted.decay() || reference.settled && reference.amplitude > 0.0;
+        if !settled || run.stopped == STOPS {
+            return false;
+        }
+        // A strobe at this very instant is for the event loop.
+        let strobe = run.observer.1.as_ref().and_then(Steady::next_strobe);
+        if strobe.is_some_and(|instant| stops::is_due(instant.value, run.clock)) {
+            return false;
+        }
+        let structure = self.structure(i, &run.system.host);
+        let stop = self.next_stop(run, run.clock, structure.longest);
+        let Some(lane) = Lane::of(run, &structure, stop) else { return false };
+        self.lanes.set(i, &lane);
+        self.decays.set(i, &Decay::of(&run.observer.0));
+        let counts = stops::counts(run, run.clock);
+        let [displacement, acceleration] =
+            run.observer.1.as_ref().map_or([0.0; 2], |steady| steady.largest());
+        let counts = if counts { 1.0 } else { 0.0 };
+        self.totals.set(i, &Total { displacement, acceleration, counts, ..Total::default() });
+        true
+    }
+
+    fn put_back(&mut self, i: usize, run: &mut Watched<'_, H>) {
+        let lane = self.lanes.get(i);
+        lane.put_back(run);
+        if self.wanted.decay() {
+            let state = run.tally.state;
+            self.decays.get(i).put_back(&mut run.observer.0, &run.system.host, &state);
+        }
+        self.tell(i, run);
+    }
+
+    fn idle(&mut self, i: usize) {
+        self.lanes.set(i, &Lane::idle());
+        self.decays.set(i, &Decay::idle());
+        self.totals.set(i, &Total::default());
+    }
+}

@@ -1,0 +1,239 @@
+//! A free mass on its structure in plain doubles: its state, and where it is after a time.
+//!
+//! With f = F cos(Ω t + φ) the force on the structure, or −a_g on its base, f̂ = F sin(Ω t + φ), a = f − x − 2ζv and the
+//! responses P, Q, C, B of [`super::responses`]
+//!
+//! ```text
+//! x(h) = x + v h + a P + v Q + Ω²f C − Ωf̂ B,
+//! v(h) = v + a S − v P − Ω²f B − Ωf̂ (P + Ω²C),
+//! f(h) = f (1 − Ω²κ) − f̂ Ωσ,    κ = (1 − cos Ωh)/Ω² = P + (Ω² − 1) C + 2ζB,
+//! f̂(h) = f̂ (1 − Ω²κ) + f Ωσ,    σ = sin Ωh/Ω = h + Q + (1 − Ω²) B + 2ζΩ²C.
+//! ```
+//!
+//! The distance to the wall gains ∬A with A = ẍ on a resting and ẍ + a_g on a moving base; there
+//! ∬f = f κ − f̂ (Ωh − sin Ωh)/Ω².
+
+use super::responses::Tables;
+use crate::lanes::arrays::arrays;
+use crate::oscillator::Equation;
+use crate::taylor::unrolled;
+
+/// What drives a structure.
+pub(in crate::lanes) const FREE: u8 = 0;
+/// A harmonic force,
+pub(in crate::lanes) const FORCE: u8 = 1;
+/// or its base in harmonic motion.
+pub(in crate::lanes) const BASE: u8 = 2;
+
+arrays! {
+    /// Structure and absorber at an instant.
+    State,
+    /// In many lanes.
+    States:
+    /// x and ẋ, f and f̂.
+    x, v, force, quadrature,
+    /// Distance to the wall last touched, its rate, and the sign of that wall.
+    distance, rate, side,
+}
+
+arrays! {
+    /// The constants of a structure.
+    Structure,
+    /// In many lanes.
+    Structures:
+    /// 2ζ, Ω, and Λ of [`Equation`].
+    damping, growth, frequency,
+    /// 1/F².
+    over_square,
+    /// The longest flight, and one over it.
+    longest, over_longest,
+    /// What the force adds to the bounds on the derivatives of A of order 3 to 6.
+    excess_3, excess_4, excess_5, excess_6,
+    /// The largest third and fourth derivative of a_g.
+    base_3, base_4,
+}
+
+impl Structure {
+    /// √(x² + v²) is below this at every later time without force.
+    #[inline(always)]
+    fn radius(at: &State) -> f64 {
+        at.x.abs() + at.v.abs()
+    }
+
+    /// A bound on the Nth derivative of A in every motion from a state.
+    #[inline(always)]
+    pub fn bound<const N: usize>(&self, at: &State) -> f64 {
+        let excess = [self.excess_3, self.excess_4, self.excess_5, self.excess_6][N - 3];
+        let square = self.growth * self.growth;
+        let power = square * square;
+        let power = match N {
+            3 => power,
+            4 => power * self.growth,
+            5 => power * square,
+            _ => power * (square * self.growth),
+        };
+        power * Self::radius(at) + excess
+    }
+
+    /// A and its first five derivatives, and those of x from the second on.
+    #[inline(always)]
+    pub fn derivatives<const DRIVE: u8>(&self, at: &State) -> [[f64; 6]; 2] {
+        let Self { damping, frequency, .. } = *self;
+        // −(lower + 2ζ upper).
+        let next = |lower: f64, upper: f64| upper.mul_add(-damping, -lower);
+        if DRIVE == FREE {
+            let a = next(at.x, at.v);
+            let jerk = next(at.v, a);
+            let snap = next(a, jerk);
+            let fifth = next(jerk, snap);
+            let sixth = next(snap, fifth);
+            let all = [a, jerk, snap, fifth, sixth, next(fifth, sixth)];
+            return [all, all];
+        }
+        let rate = -(frequency * at.quadrature);
+        let square = -(frequency * frequency);
+        let (second, third) = (square * at.force, square * rate);
+        let absolute = next(at.x, at.v);
+        let a = absolute + at.force;
+        let absolute_jerk = next(at.v, a);
+        let jerk = absolute_jerk + rate;
+        let absolute_snap = next(a, jerk);
+        let snap = absolute_snap + second;
+        let absolute_fifth = next(jerk, snap);
+        let fifth = absolute_fifth + third;
+        let absolute_sixth = next(snap, fifth);
+        let sixth = square.mul_add(second, absolute_sixth);
+        let absolute_seventh = next(fifth, sixth);
+        let relative = [a, jerk, snap, fifth, sixth, square.mul_add(third, absolute_seventh)];
+        if DRIVE == BASE {
+            let low = [absolute, absolute_jerk, absolute_snap];
+            let high = [absolute_fifth, absolute_sixth, absolute_seventh];
+            return [[low[0], low[1], low[2], high[0], high[1], high[2]], relative];
+        }
+        [relative, relative]
+    }
+
+    /// The same as [`Equation::radius`] and its powers would say.
+    pub fn new(equation: &Equation, frequency: f64, amplitude: f64, longest: f64) -> Self {
+        let Equation { damping, growth, .. } = *equation;
+        let over_square = if amplitude == 0.0 { 0.0 } else { 1.0 / (amplitude * amplitude) };
+        let over_longest = 1.0 / longest;
+        Self { damping, growth, frequency, over_square, longest, over_longest, ..Self::default() }
+    }
+}
+
+impl State {
+    /// The state after a flight of length h from here, in lane `i`.
+    #[inline(always)]
+    pub fn after<const W: usize, const DRIVE: u8>(
+        &self,
+        structure: &Structure,
+        tables: &Tables<W>,
+        i: usize,
+        h: f64,
+    ) -> Self {
+        let Structure { damping: c, frequency, over_square, over_longest, .. } = *structure;
+        let Self { x, v, force: f, quadrature: q, .. } = *self;
+        let t = h * over_longest;
+        let square = h * h;
+        let p = square * tables.at::<0>(i, t);
+        let cube = square * h;
+        let carried = cube * tables.at::<1>(i, t);
+        let s = h + p.mul_add(-c, carried);
+        let a = v.mul_add(-c, f - x);
+        let mut apart = a.mul_add(p, v * carried);
+        let mut faster = a.mul_add(s, -(v * p));
+        if DRIVE == FREE {
+            return self.moved([h, apart, faster], [apart, faster]);
+        }
+        let cosine = (square * square) * tables.at::<2>(i, t);
+        let sine = cube * tables.at::<3>(i, t);
+        let rapid = frequency * frequency;
+        let (k, j) = (rapid * f, frequency * q);
+        apart += k.mul_add(cosine, -(j * sine));
+        faster -= k.mul_add(sine, j * rapid.mul_add(cosine, p));
+        let kappa = p + (rapid - 1.0).mul_add(cosine, c * sine);
+        let sigma = h + (carried + (1.0 - rapid).mul_add(sine, (c * rapid) * cosine));
+        let (less, turn) = (rapid * kappa, frequency * sigma);
+        let force = f - f.mul_add(less, q * turn);
+        let quadrature = q + f.mul_add(turn, -(q * less));
+        // Rounding must not let the force grow or fade: one step towards the circle.
+        let circle = force.mul_add(force, quadrature * quadrature);
+        let circle = (0.5 * over_square).mul_add(-circle, 1.5);
+        let (mut absolute, mut gained) = (apart, faster);
+        if DRIVE == BASE {
+            let angle = frequency * h;
+            let lagging = cube * lag(angle * angle);
+            absolute -= f.mul_add(kappa, -(j * lagging));
+            gained -= f.mul_add(sigma, -(j * kappa));
+        }
+        let moved = self.moved([h, apart, faster], [absolute, gained]);
+        Self { force: force * circle, quadrature: quadrature * circle, ..moved }
+    }
+
+    /// After a time in which the structure has gained so much beyond a uniform motion, and ∬A and ∫A are so much.
+    #[inline(always)]
+    fn moved(&self, [h, apart, faster]: [f64; 3], [absolute, gained]: [f64; 2]) -> Self {
+        Self {
+            x: self.x + self.v.mul_add(h, apart),
+            v: self.v + faster,
+            distance: self.distance + self.rate.mul_add(h, self.side * absolute),
+            rate: self.side.mul_add(gained, self.rate),
+            ..*self
+        }
+    }
+
+    /// The state a little later: five terms of the Taylor series.
+    #[inline(always)]
+    pub fn shortly_after<const DRIVE: u8>(&self, structure: &Structure, t: f64) -> Self {
+        let [absolute, relative] = structure.derivatives::<DRIVE>(self);
+        let sixth = t * (1.0 / 6.0);
+        let (half, fourth) = (t * 0.5, t * 0.25);
+        let rise = |[a, jerk, snap, fifth, ..]: [f64; 6]| {
+            let last = fourth.mul_add(fifth, snap) * sixth;
+            t * half.mul_add(jerk, a) + (t * t) * last
+        };
+        let bend = |[a, jerk, snap, ..]: [f64; 6]| {
+            (t * half) * (sixth * 2.0).mul_add(fourth.mul_add(snap, jerk), a)
+        };
+        let [apart, faster] = [bend(relative), rise(relative)];
+        let moved = match DRIVE {
+            BASE => self.moved([t, apart, faster], [bend(absolute), rise(absolute)]),
+            _ => self.moved([t, apart, faster], [apart, faster]),
+        };
+        let mut next = moved;
+        if DRIVE != FREE {
+            let turn = structure.frequency * t;
+            let z = turn * turn;
+            let less = z * (0.5 - z * (1.0 / 24.0));
+            let sine = turn * (1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0)));
+            next.force = self.force - (self.force * less + self.quadrature * sine);
+            next.quadrature = self.quadrature + (self.force * sine - self.quadrature * less);
+        }
+        next
+    }
+}
+
+/// (θ − sin θ)/θ³ for θ² ≤ 3.3.
+#[inline(always)]
+fn lag(square: f64) -> f64 {
+    const TERMS: [f64; 11] = lags();
+    let mut sum = TERMS[10];
+    unrolled!(k < 10 => {
+        sum = sum.mul_add(square, TERMS[9 - k]);
+    });
+    sum
+}
+
+/// (−1)ᵏ/(2k + 3)!.
+const fn lags() -> [f64; 11] {
+    let mut terms = [0.0; 11];
+    let mut term = 1.0 / 6.0;
+    let mut k = 0;
+    while k < terms.len() {
+        terms[k] = term;
+        term /= -(((2 * k + 4) * (2 * k + 5)) as f64);
+        k += 1;
+    }
+    terms
+}

@@ -1,0 +1,226 @@
+//! One round of each lane, in stages: loops over the lanes that leave numbers in arrays.
+//!
+//! 1. [`reach`]: the state at the end of the trial, and what the quintic through both ends proves
+//!    ([`crate::siva::fast_flight`]): no wall, or one wall once, and about where.
+//! 2. [`land`]: the state there, and from it the instant of the contact by the Taylor series; what the round has
+//!    decided.
+//! 3. Measures ([`super::totals`], [`super::decay`]) of the stretch that is behind.
+//! 4. [`commit`]: the impact, the clock, and the next trial.
+//!
+//! One loop with all of it would be some 600 instructions long, more than a processor looks ahead over.
+
+use super::lane::{Lane, Lanes};
+use super::motion::{State, States};
+use super::responses::Tables;
+use crate::compensated::DoubleDouble;
+use crate::lanes::arrays::arrays;
+use crate::lanes::pick;
+use crate::quintic::root_by;
+use crate::simulate::wall::REBOUND_LOOK;
+use crate::siva::fast_flight::Quintic;
+
+/// A rebound this low against what presses, u/(A (1 − e)), may be one whose tail is summed: that is for the event
+/// loop. (The estimated error of the sum is at least 4 times the cube of it.)
+const LOW: f64 = 1e-4;
+/// So often a trial is halved, or a wall looked for again.
+const TRIES: f64 = 4.0;
+/// Share of the rate that may change on the way from the guess to the wall.
+const STRAIGHT: f64 = 0.05;
+
+arrays! {
+    /// What a round finds out.
+    Round,
+    /// In many lanes.
+    Rounds:
+    /// 1 if no wall is met; if one is, and if that is the far one; where about.
+    free, meets, far, guess,
+    /// 1 if the wall is reached: the approach speed, and what presses after the impact.
+    hit, approach, pressure,
+    /// 1 if a stretch is behind: its length, what that lacks, and whether it ends at the next stop.
+    passed, length, later, whole;
+    /// The state at the end of the trial; then that at the end of the stretch, before an impact.
+    end: State, States
+}
+
+/// The trial as a whole.
+#[inline(always)]
+pub(super) fn reach<const W: usize, const DRIVE: u8>(
+    lanes: &Lanes<W>,
+    tables: &Tables<W>,
+    rounds: &mut Rounds<W>,
+) {
+    for i in 0..W {
+        let lane = lanes.get(i);
+        let Lane { state, structure, length, again, again_far, .. } = lane;
+        let end = state.after::<W, DRIVE>(&structure, tables, i, length);
+        // In units of the clearance, so that rough quotients are in range.
+        let over = lane.over_clearance;
+        let square = length * length;
+        let (first, second) = (length * over, (0.5 * over) * square);
+        let ends = |at: &State| {
+            let [[a, ..], _] = structure.derivatives::<DRIVE>(at);
+            [at.distance * over, first * at.rate, second * (at.side * a)]
+        };
+        let sixth = (structure.bound::<4>(&state) * over) * (square * (square * square));
+        let whole = Quintic::of([ends(&state), ends(&end)], sixth, 1.0);
+        let proof = whole.proof();
+        let meets_far = proof.meets[1];
+        let part = root_by(&whole.meeting(meets_far), about);
+        let looks = again > 0.0;
+        let meets = !proof.free & (proof.meets[0] | meets_far) & (part > 0.0) & (part <= 1.0);
+        let guess = pick(meets, length * part, 0.5 * length);
+        let round = Round {
+            free: pick(proof.free & !looks, 1.0, 0.0),
+            meets: pick(meets | looks, 1.0, 0.0),
+            far: pick(looks, again_far, pick(meets_far, 1.0, 0.0)),
+            guess: pick(looks, again, guess),
+            end,
+            ..Round::default()
+        };
+        rounds.set(i, &round);
+    }
+}
+
+/// A quotient to seven digits, which takes a third of the time of one to all.
+#[inline(always)]
+pub(super) fn about(a: f64, b: f64) -> f64 {
+    f64::from(a as f32 / b as f32)
+}
+
+/// The wall, where one is met.
+#[inline(always)]
+pub(super) fn land<const W: usize, const DRIVE: u8>(
+    lanes: &Lanes<W>,
+    tables: &Tables<W>,
+    rounds: &mut Rounds<W>,
+) {
+    for i in 0..W {
+        let lane = lanes.get(i);
+        let Lane { state, structure, clearance, .. } = lane;
+        let round = rounds.get(i);
+        let (meets, far, guess) = (round.meets > 0.0, round.far > 0.0, round.guess);
+        let near = state.after::<W, DRIVE>(&structure, tables, i, guess);
+        let [[a, jerk, snap, ..], _] = structure.derivatives::<DRIVE>(&near);
+        let left = near.distance - pick(far, clearance + clearance, 0.0);
+        let rate = near.rate;
+        let [bend, jerk, snap] = [near.side * a, near.side * jerk, near.side * snap];
+        // left + rate t + ½ bend t² + … = 0: by reversion of the series, then one step of Newton's method, to which the
+        // quotients need be right to some digits only.
+        let over = lane.over_clearance;
+        let slowness = over * about(1.0, over * rate);
+        let first = -left * slowness;
+        let curved = (0.5 * slowness) * (bend * first);
+        let cubed = ((1.0 / 6.0) * slowness) * (jerk * (first * first));
+        let t = first * (1.0 - curved.mul_add(curved.mul_add(-2.0, 1.0), cubed));
+        let half = 0.5 * bend;
+        let value = ((1.0 / 24.0) * snap).mul_add(t, (1.0 / 6.0) * jerk).mul_add(t, half);
+        let value = value.mul_add(t, rate).mul_add(t, left);
+        let slope = ((1.0 / 6.0) * snap).mul_add(t, 0.5 * jerk).mul_add(t, bend).mul_add(t, rate);
+        let t = t - about(over * value, over * slope);
+        // The next term of the series against the rounding of rate and distance.
+        let square = t * t;
+        let left_out = structure.bound::<3>(&state) * (square * square) * (t.abs() * (1.0 / 120.0));
+        let close = (left_out <= 0.25 * f64::EPSILON * (rate.abs() * guess))
+            & ((slowness * (bend * t)).abs() <= STRAIGHT)
+            & (t.abs() < 0.5 * guess)
+            & (slowness != 0.0);
+        let mut touching = near.shortly_after::<DRIVE>(&structure, t);
+        let turn = pick(far, -1.0, 1.0);
+        touching.side *= turn;
+        touching.rate *= turn;
+        touching.distance = 0.0;
+        let approach = -touching.rate;
+
+        // What presses after the impact, and whether the event loop has to see to what follows.
+        let mut after = touching;
+        after.v += lane.share * (touching.side * approach);
+        let [[a, ..], _] = structure.derivatives::<DRIVE>(&after);
+        let pressure = -(after.side * a);
+        let rebound = lane.restitution * approach;
+        let low = ((pressure > 0.0) & (rebound < pressure * (LOW * (1.0 - lane.restitution))))
+            | (approach <= lane.floor)
+            | (rebound <= 0.0);
+        let remaining = -(lane.clock().minus(lane.stop));
+        let before = guess + t < remaining;
+        let hit = meets & close & !low & before & (approach > 0.0);
+        let free = round.free > 0.0;
+        let looks_again = meets & !close & (guess + t > 0.0) & (guess + t <= lane.length);
+
+        let mut next = round;
+        next.hit = pick(hit, 1.0, 0.0);
+        next.approach = pick(hit, approach, 0.0);
+        next.pressure = pressure;
+        next.passed = pick(hit | free, 1.0, 0.0);
+        next.length = pick(hit, guess, lane.length);
+        next.later = pick(hit, t, 0.0);
+        next.whole = pick(free & (lane.length == remaining), 1.0, 0.0);
+        next.end = touching.if_else(hit, &round.end);
+        // Where to look again, or else half of the trial.
+        next.guess = pick(looks_again, guess + t, 0.0);
+        next.meets = pick(meets & !hit & !looks_again, 1.0, 0.0);
+        rounds.set(i, &next);
+    }
+}
+
+/// The impact, the clock, and the next trial.
+#[inline(always)]
+pub(super) fn commit<const W: usize>(lanes: &mut Lanes<W>, rounds: &Rounds<W>) {
+    for i in 0..W {
+        let lane = lanes.get(i);
+        let round = rounds.get(i);
+        let (passed, hit) = (round.passed > 0.0, round.hit > 0.0);
+        let clock = lane.clock().plus_parts(round.length, round.later);
+        let remaining = -clock.minus(lane.stop);
+        let mut after = round.end;
+        let kick = lane.share * (after.side * round.approach);
+        after.v += pick(hit, kick, 0.0);
+        after.rate = pick(hit, lane.restitution * round.approach, after.rate);
+
+        let mut next = lane;
+        next.state = after.if_else(passed, &lane.state);
+        (next.time, next.time_rest) =
+            (pick(passed, clock.value, lane.time), pick(passed, clock.rest, lane.time_rest));
+        next.work = lane.work + pick(passed, 1.0, 0.0);
+        count(&mut next, &lane, &round, hit);
+
+        let rebounds = hit & (round.pressure > 0.0);
+        let ahead = REBOUND_LOOK
+            * about(
+                lane.over_clearance * (lane.restitution * round.approach),
+                lane.over_clearance * round.pressure,
+            );
+        let first = pick(rebounds, ahead, f64::INFINITY);
+        let longest = lane.structure.longest;
+        let looks_again = round.guess > 0.0;
+        let tried = pick(looks_again, lane.length, 0.5 * lane.length);
+        next.first = pick(passed, first, lane.first);
+        next.length = pick(passed, longest.min(remaining).min(first), tried);
+        next.again = pick(passed, 0.0, round.guess);
+        next.again_far = round.far;
+        next.tries = pick(passed, 0.0, lane.tries + 1.0);
+        next.request = pick(!passed & ((round.meets > 0.0) | (next.tries > TRIES)), 1.0, 0.0);
+        next.stopped = pick(passed & (round.whole > 0.0), 1.0, 0.0);
+        let full = (next.impacts >= lane.max_impacts) | (next.work >= lane.max_work);
+        next.full = pick(passed & full, 1.0, 0.0);
+        lanes.set(i, &next);
+    }
+}
+
+/// Counts an impact.
+#[inline(always)]
+fn count(next: &mut Lane, lane: &Lane, round: &Round, hit: bool) {
+    let (approach, side) = (round.approach, round.end.side);
+    let loss = lane.loss_factor * (approach * approach);
+    let losses = DoubleDouble { value: lane.losses, rest: lane.losses_rest }.plus(loss);
+    next.losses = pick(hit, losses.value, lane.losses);
+    next.losses_rest = pick(hit, losses.rest, lane.losses_rest);
+    let v = round.end.v;
+    let absorber = v + side * approach;
+    next.impacts = lane.impacts + pick(hit, 1.0, 0.0);
+    next.effective = lane.effective + pick(hit & (v * absorber < 0.0), 1.0, 0.0);
+    let fresh = hit & (lane.streak_side != side);
+    next.streak_side = pick(hit, side, lane.streak_side);
+    next.streak_start = pick(fresh, next.time, lane.streak_start);
+    next.streak_listed = pick(fresh, lane.impacts, lane.streak_listed);
+    next.streak_loss = pick(fresh, 0.0, lane.streak_loss) + pick(hit, loss, 0.0);
+}

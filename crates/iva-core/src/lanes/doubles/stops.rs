@@ -1,0 +1,114 @@
+//! Where the stretches of a lane stop, so that none runs across an instant that a measure looks at.
+
+use super::lane::force_at;
+use super::{Doubles, FREE, STOPS, Watched};
+use crate::flight::GapPoint;
+use crate::host::{Host, Phase};
+use crate::measures::is_one_period;
+use crate::real::Real;
+use crate::siva::{Siva, SivaState};
+use crate::steady::Steady;
+use crate::system::{Clock, Point, System};
+
+/// Instants this close, over their size, are the same.
+const SAME: f64 = 4.0 * f64::EPSILON;
+/// The longest flights after which the phase of a force is read off the clock again.
+const FLIGHTS: f64 = 100.0;
+
+/// True if an instant is not after the clock, but for rounding.
+pub(super) fn is_due(instant: f64, clock: Clock) -> bool {
+    -clock.minus(instant) <= SAME * instant.abs()
+}
+
+/// True if the window of the steady state has begun.
+pub(super) fn counts<H: Host<Real = f64>>(run: &Watched<'_, H>, clock: Clock) -> bool
+where
+    Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
+{
+    let begin = run.observer.1.as_ref().map(Steady::begin);
+    begin.is_some_and(|begin| is_due(begin, clock))
+}
+
+impl<const DRIVE: u8> Doubles<DRIVE> {
+    /// The next instant that no stretch runs across.
+    pub(super) fn next_stop<H: Host<Real = f64>>(
+        &self,
+        run: &Watched<'_, H>,
+        clock: Clock,
+        longest: f64,
+    ) -> f64
+    where
+        Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
+    {
+        let duration = run.limits.duration;
+        let mut stop = duration;
+        let mut consider = |instant: f64| {
+            if instant < stop && !is_due(instant, clock) {
+                stop = instant;
+            }
+        };
+        if DRIVE == FREE {
+            let period = f64::TURN.value;
+            consider(period);
+            if self.wanted.residual || self.wanted.settling {
+                consider(duration - period);
+                consider(duration - 0.5 * period);
+            }
+            return stop;
+        }
+        if let Some(steady) = &run.observer.1 {
+            consider(steady.begin());
+            steady.next_strobe().into_iter().for_each(|instant| consider(instant.value));
+        }
+        consider(clock.value + FLIGHTS * longest);
+        stop
+    }
+
+    /// Does what is due at a stop; false: the run goes back to the event loop.
+    pub(super) fn pass_stop<H: Host<Real = f64>>(
+        &mut self,
+        i: usize,
+        run: &mut Watched<'_, H>,
+    ) -> bool
+    where
+        Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
+    {
+        let (stop, clock) = (self.lanes.stop[i], self.lanes.clock(i));
+        let ends = stop == run.limits.duration;
+        if DRIVE == FREE && is_one_period(stop) {
+            let state = self.lanes.get(i).state(&run.system.host, clock);
+            run.observer.0.one_period(run.system.energy(&state));
+        }
+        if run.observer.1.is_some() {
+            self.tell(i, run);
+            let at = self.lanes.state.get(i);
+            if let Some(steady) = &mut run.observer.1 {
+                // At the end of the run also one that rounding puts beyond it.
+                let due = |instant: Clock| ends || is_due(instant.value, clock);
+                while steady.next_strobe().is_some_and(due) {
+                    let y = at.side * (run.system.clearance() - at.distance);
+                    let gap = GapPoint { y, w: -at.side * at.rate };
+                    steady.strobe_at(Point { x: at.x, v: at.v }, gap);
+                }
+            }
+            self.totals.counts[i] = if counts(run, clock) { 1.0 } else { 0.0 };
+        }
+        if ends {
+            while run.stopped < STOPS {
+                run.pass_stop();
+            }
+            return false;
+        }
+        let next = self.next_stop(run, clock, self.lanes.structure.longest[i]);
+        let remaining = -clock.minus(next);
+        let lanes = &mut self.lanes;
+        if DRIVE != FREE {
+            let [force, quadrature] = force_at(&run.system.host, clock);
+            (lanes.state.force[i], lanes.state.quadrature[i]) = (force, quadrature);
+        }
+        lanes.stop[i] = next;
+        lanes.length[i] = lanes.structure.longest[i].min(remaining).min(lanes.first[i]);
+        lanes.stopped[i] = 0.0;
+        remaining > 0.0
+    }
+}
