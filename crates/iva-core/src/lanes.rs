@@ -17,11 +17,15 @@
 //!   beside it.
 //!
 //! A lane whose run has ended is given the next one.
+//!
+//! Free masses have lanes of a second kind, in plain doubles: the fast tier (`lanes/doubles.rs`). Their runs are the same
+//! whatever runs beside them, but not those of the event loop to the last bit.
 
 mod arrays;
 mod decay;
 mod doubles;
 mod piva;
+mod running;
 mod siva;
 mod watch;
 
@@ -32,20 +36,17 @@ use crate::host::{Alone, DrivenHost, Host};
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::Observer;
 use crate::piva::Piva;
-use crate::real::Real;
-use crate::simulate::{Instant, Limits, Run, STOPS, Tally};
+use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::system::System;
 use crate::taylor::with_order;
+use running::Running;
 
 /// Runs side by side.
 pub const LANES: usize = 8;
 /// Fewer runs than this go one by one.
 const WORTHWHILE: usize = 3;
-/// Evaluations between two looks whether to stop.
-const CANCEL_EVERY: u64 = 1024;
-
 /// A run to do.
 #[derive(Debug, Clone)]
 pub struct Job<S: SideBySide> {
@@ -342,113 +343,6 @@ impl<'a, S: SideBySide> Group<'a, S> {
     }
 
     fn run<L: Lockstep<S>>(self) {
-        let runs = std::iter::repeat_with(|| None).take(L::WIDTH).collect();
-        Running::<S, L> { group: self, runs, live: 0, spare: None }.run();
-    }
-}
-
-/// A group under way.
-struct Running<'a, S: SideBySide, L: Lockstep<S>> {
-    group: Group<'a, S>,
-    /// The run of each lane, and its index.
-    runs: Vec<Option<IndexedRun<'a, S, L::Observer>>>,
-    /// Lanes at work.
-    live: usize,
-    /// What has watched the run that ended last.
-    spare: Option<L::Observer>,
-}
-
-impl<S: SideBySide, L: Lockstep<S>> Running<'_, S, L> {
-    fn run(mut self) {
-        f64::dispatched(
-            #[inline(always)]
-            || {
-                // In the very function that is vectorised: so the compiler aligns its stack to the
-                // arrays, and with it what it has no registers for.
-                let group = &self.group;
-                let mut lanes = L::new(&group.jobs[group.order[0]], group.wanted);
-                for i in 0..L::WIDTH {
-                    self.refill(&mut lanes, i);
-                }
-                while self.live > 0 {
-                    for _ in 0..CANCEL_EVERY {
-                        if lanes.evaluate() {
-                            self.serve(&mut lanes);
-                            if self.live == 0 {
-                                break;
-                            }
-                        }
-                    }
-                    if is_set(self.group.cancel) {
-                        self.cancel(&mut lanes);
-                    }
-                }
-            },
-        );
-    }
-
-    /// Does what lanes have called for.
-    #[inline(never)]
-    fn serve(&mut self, lanes: &mut L) {
-        for i in 0..L::WIDTH {
-            let Some((_, run)) = &mut self.runs[i] else { continue };
-            if lanes.requests(i) && !lanes.serve(i, run) {
-                self.go_on(lanes, i);
-            }
-        }
-    }
-
-    /// Lets the event loop go on until the lane can, or the run ends.
-    fn go_on(&mut self, lanes: &mut L, i: usize) {
-        let Some((_, run)) = &mut self.runs[i] else { return };
-        while run.step() {
-            if lanes.take(i, run) {
-                return;
-            }
-        }
-        let tally = run.finish();
-        self.leave(i, tally);
-        self.refill(lanes, i);
-    }
-
-    /// Hands out the run of a lane, which has ended.
-    fn leave(&mut self, i: usize, tally: Tally<S::State>) {
-        if let Some((index, run)) = self.runs[i].take() {
-            self.group.hand_out(index, tally, &run.observer);
-            self.spare = Some(run.observer);
-            self.live -= 1;
-        }
-    }
-
-    /// Gives a lane the next run, if there is one.
-    #[inline(never)]
-    fn refill(&mut self, lanes: &mut L, i: usize) {
-        let group = &mut self.group;
-        let index = match group.order.get(group.next) {
-            Some(index) if !is_set(group.cancel) => *index,
-            _ => return lanes.idle(i),
-        };
-        group.next += 1;
-        L::join(group.leader(), &group.jobs[index].system);
-        let mut run = group.begun(index, self.spare.take());
-        let taken = run.stopped < STOPS && lanes.take(i, &mut run);
-        self.runs[i] = Some((index, run));
-        self.live += 1;
-        if !taken {
-            self.go_on(lanes, i);
-        }
-    }
-
-    /// Ends every run where it is; those not begun stay so.
-    fn cancel(&mut self, lanes: &mut L) {
-        self.group.next = self.group.order.len();
-        for i in 0..L::WIDTH {
-            if let Some((_, run)) = &mut self.runs[i] {
-                lanes.put_back(i, run);
-                let tally = run.cancelled();
-                self.leave(i, tally);
-                lanes.idle(i);
-            }
-        }
+        Running::<S, L>::new(self).run();
     }
 }

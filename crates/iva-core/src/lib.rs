@@ -35,6 +35,7 @@
 //! * [`lanes`] is the same loop for many runs side by side. Its lanes carry copies of what a run changes in simple flights,
 //!   and go back to the run for everything else. Lanes of free decays carry copies of what their measures change as well
 //!   (`lanes/watch.rs`); lanes of driven runs log their flights, and measures read the log (`lanes/siva/driven/recorder.rs`).
+//!   Free masses in plain doubles, the fast tier, have lanes of their own (`lanes/doubles.rs`).
 //! * [`range`] holds the numbers that a run accepts.
 //! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] and, under force,
 //!   [`steady`] watch a run.

@@ -1,0 +1,123 @@
+//! A group of runs under way in its lanes: a lane whose run has ended is given the next one.
+
+use std::iter::repeat_with;
+
+use super::{Group, IndexedRun, Lockstep, SideBySide, is_set};
+use crate::real::Real;
+use crate::simulate::{STOPS, Tally};
+
+/// Evaluations between two looks whether to stop.
+const CANCEL_EVERY: u64 = 1024;
+
+/// A group under way.
+pub(super) struct Running<'a, S: SideBySide, L: Lockstep<S>> {
+    group: Group<'a, S>,
+    /// The run of each lane, and its index.
+    runs: Vec<Option<IndexedRun<'a, S, L::Observer>>>,
+    /// Lanes at work.
+    live: usize,
+    /// What has watched the run that ended last.
+    spare: Option<L::Observer>,
+}
+
+impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
+    /// A group that has not begun.
+    pub fn new(group: Group<'a, S>) -> Self {
+        let runs = repeat_with(|| None).take(L::WIDTH).collect();
+        Self { group, runs, live: 0, spare: None }
+    }
+
+    /// Does its runs.
+    pub fn run(mut self) {
+        f64::dispatched(
+            #[inline(always)]
+            || {
+                // In the very function that is vectorised: so the compiler aligns its stack to the
+                // arrays, and with it what it has no registers for.
+                let group = &self.group;
+                let mut lanes = L::new(&group.jobs[group.order[0]], group.wanted);
+                for i in 0..L::WIDTH {
+                    self.refill(&mut lanes, i);
+                }
+                while self.live > 0 {
+                    for _ in 0..CANCEL_EVERY {
+                        if lanes.evaluate() {
+                            self.serve(&mut lanes);
+                            if self.live == 0 {
+                                break;
+                            }
+                        }
+                    }
+                    if is_set(self.group.cancel) {
+                        self.cancel(&mut lanes);
+                    }
+                }
+            },
+        );
+    }
+
+    /// Does what lanes have called for.
+    #[inline(never)]
+    fn serve(&mut self, lanes: &mut L) {
+        for i in 0..L::WIDTH {
+            let Some((_, run)) = &mut self.runs[i] else { continue };
+            if lanes.requests(i) && !lanes.serve(i, run) {
+                self.go_on(lanes, i);
+            }
+        }
+    }
+
+    /// Lets the event loop go on until the lane can, or the run ends.
+    fn go_on(&mut self, lanes: &mut L, i: usize) {
+        let Some((_, run)) = &mut self.runs[i] else { return };
+        while run.step() {
+            if lanes.take(i, run) {
+                return;
+            }
+        }
+        let tally = run.finish();
+        self.leave(i, tally);
+        self.refill(lanes, i);
+    }
+
+    /// Hands out the run of a lane, which has ended.
+    fn leave(&mut self, i: usize, tally: Tally<S::State>) {
+        if let Some((index, run)) = self.runs[i].take() {
+            self.group.hand_out(index, tally, &run.observer);
+            self.spare = Some(run.observer);
+            self.live -= 1;
+        }
+    }
+
+    /// Gives a lane the next run, if there is one.
+    #[inline(never)]
+    fn refill(&mut self, lanes: &mut L, i: usize) {
+        let group = &mut self.group;
+        let index = match group.order.get(group.next) {
+            Some(index) if !is_set(group.cancel) => *index,
+            _ => return lanes.idle(i),
+        };
+        group.next += 1;
+        L::join(group.leader(), &group.jobs[index].system);
+        let mut run = group.begun(index, self.spare.take());
+        let taken = run.stopped < STOPS && lanes.take(i, &mut run);
+        self.runs[i] = Some((index, run));
+        self.live += 1;
+        if !taken {
+            self.go_on(lanes, i);
+        }
+    }
+
+    /// Ends every run where it is; those not begun stay so.
+    fn cancel(&mut self, lanes: &mut L) {
+        self.group.next = self.group.order.len();
+        for i in 0..L::WIDTH {
+            if let Some((_, run)) = &mut self.runs[i] {
+                lanes.put_back(i, run);
+                let tally = run.cancelled();
+                self.leave(i, tally);
+                lanes.idle(i);
+            }
+        }
+    }
+}
