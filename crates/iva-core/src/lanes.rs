@@ -22,6 +22,7 @@
 //! whatever runs beside them, but not those of the event loop to the last bit.
 
 mod arrays;
+mod counts;
 mod decay;
 mod doubles;
 mod piva;

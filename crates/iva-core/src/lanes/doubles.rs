@@ -86,7 +86,7 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
         measures.add([total.lost, total.lost_rest], [total.worked, total.worked_rest]);
         let Total { displacement, acceleration, counts, .. } = total;
         if let Some(steady) = steady {
-            let wall = self.lanes.streak_side[i];
+            let wall = self.lanes.counts.streak_side[i];
             let square = [total.square, total.square_rest];
             steady.add(square, [displacement, acceleration], (total.impacts as u64, wall));
         }

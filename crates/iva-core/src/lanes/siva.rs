@@ -111,7 +111,7 @@ fn pass_stop(run: &mut ScalarRun<'_, Siva>, lane: &mut Lane, free: &Oscillator) 
         run.observer.0.one_period(run.system.energy(&flying.state(())));
     }
     run.pass_stop();
-    if run.stopped == STOPS || flying.full() {
+    if run.stopped == STOPS || flying.counts.full() {
         return false;
     }
     flying.stop = run.stop();

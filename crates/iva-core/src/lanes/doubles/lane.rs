@@ -4,13 +4,12 @@ use super::motion::{State, States, Structure, Structures};
 use crate::compensated::DoubleDouble;
 use crate::force::Acts;
 use crate::host::{Host, Phase};
-use crate::impact;
 use crate::lanes::arrays::arrays;
+use crate::lanes::counts::{Counts, ManyCounts};
 use crate::oscillator::Primary;
-use crate::simulate::wall::Streak;
 use crate::simulate::{Phase as Doing, Run, STOPS};
 use crate::siva::{Siva, SivaState};
-use crate::system::{Clock, System, Wall};
+use crate::system::{Clock, System};
 
 arrays! {
     /// The numbers of one run.
@@ -24,19 +23,17 @@ arrays! {
     /// Where to look for a wall again, 0: nowhere; which wall that is, and how often one has looked or halved.
     again, again_far, tries,
     /// The absorber.
-    mass_ratio, share, restitution, clearance, over_clearance, loss_factor,
+    mass_ratio, share, restitution, clearance, over_clearance,
     /// Impacts with an approach speed at or below this are for the event loop.
     floor,
-    /// Counts and sums.
-    impacts, max_impacts, effective, work, max_work, losses, losses_rest,
-    /// Impacts on one wall in a row.
-    streak_side, streak_start, streak_listed, streak_loss,
     /// What the event loop is needed for: a stretch that is not simple; the next stop; a limit.
     request, stopped, full;
     /// Where it is.
     state: State, States,
     /// What moves.
-    structure: Structure, Structures
+    structure: Structure, Structures,
+    /// What is counted and summed up.
+    counts: Counts, ManyCounts
 }
 
 /// A lane takes no run that leaves a wall as slowly as this, over |x| + |ẋ|.
@@ -65,7 +62,7 @@ impl Lane {
             structure,
             ..Self::default()
         };
-        Self { stop: never, max_impacts: never, max_work: never, ..at_rest }
+        Self { stop: never, counts: Counts::idle(), ..at_rest }
     }
 
     pub fn clock(&self) -> DoubleDouble {
@@ -83,7 +80,6 @@ impl Lane {
     {
         let Doing::Flight { first } = run.phase else { return None };
         let (siva, tally) = (run.system, &run.tally);
-        let low = run.streak.as_ref().is_some_and(|streak| streak.low > 0);
         // What has just come off its wall is told from what presses by more digits than a lane has.
         let Primary { x, v } = &tally.state.host.primary;
         let slow = SLOW * (x.value.abs() + v.value.abs());
@@ -101,15 +97,8 @@ impl Lane {
             restitution: siva.restitution(),
             clearance: siva.clearance(),
             over_clearance: 1.0 / siva.clearance(),
-            loss_factor: impact::energy_loss(siva.mass_ratio(), siva.restitution(), 1.0),
             floor: run.limits.chatter_floor,
-            impacts: tally.impacts as f64,
-            max_impacts: run.limits.max_impacts as f64,
-            effective: tally.effective_impacts as f64,
-            work: tally.work as f64,
-            max_work: run.limits.max_work as f64,
-            losses: run.losses.value,
-            losses_rest: run.losses.rest,
+            counts: Counts::of(run, [siva.mass_ratio(), siva.restitution()])?,
             first,
             state: State {
                 x: host.primary.x.value,
@@ -123,17 +112,10 @@ impl Lane {
             structure: *structure,
             ..Self::default()
         };
-        if let Some(streak) = &run.streak {
-            lane.streak_side = streak.wall.sign();
-            lane.streak_start = streak.start_time;
-            lane.streak_listed = streak.listed_before as f64;
-            lane.streak_loss = streak.energy_loss;
-        }
         let remaining = -run.clock.minus(stop);
         lane.length = structure.longest.min(remaining).min(first);
-        let full = (lane.impacts >= lane.max_impacts) | (lane.work >= lane.max_work);
         let under_way = run.stopped < STOPS && remaining > 0.0;
-        (!low && under_way && !full).then_some(lane)
+        under_way.then_some(lane)
     }
 
     /// Puts the numbers back into the run.
@@ -146,18 +128,7 @@ impl Lane {
             run.clock = self.clock();
         }
         run.tally.state = self.state(&run.system.host, run.clock);
-        run.tally.impacts = self.impacts as u64;
-        run.tally.effective_impacts = self.effective as u64;
-        run.tally.work = self.work as u64;
-        run.losses = DoubleDouble { value: self.losses, rest: self.losses_rest };
-        run.streak = (self.streak_side != 0.0).then_some(Streak {
-            wall: if self.streak_side > 0.0 { Wall::Plus } else { Wall::Minus },
-            start_time: self.streak_start,
-            listed_before: self.streak_listed as u64,
-            low: 0,
-            low_effective: 0,
-            energy_loss: self.streak_loss,
-        });
+        self.counts.put_back(run);
         run.phase = Doing::Flight { first: self.first };
     }
 

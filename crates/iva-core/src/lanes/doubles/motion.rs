@@ -18,11 +18,11 @@ use crate::lanes::arrays::arrays;
 use crate::oscillator::Equation;
 use crate::taylor::unrolled;
 
-/// What drives a structure.
+/// A structure that nothing drives.
 pub(in crate::lanes) const FREE: u8 = 0;
-/// A harmonic force,
+/// A structure under a harmonic force.
 pub(in crate::lanes) const FORCE: u8 = 1;
-/// or its base in harmonic motion.
+/// A structure on a base in harmonic motion.
 pub(in crate::lanes) const BASE: u8 = 2;
 
 arrays! {
@@ -54,7 +54,7 @@ arrays! {
 }
 
 impl Structure {
-    /// √(x² + v²) is below this at every later time without force.
+    /// A number that √(x² + v²) stays below without force.
     #[inline(always)]
     fn radius(at: &State) -> f64 {
         at.x.abs() + at.v.abs()
@@ -113,7 +113,7 @@ impl Structure {
         [relative, relative]
     }
 
-    /// The same as [`Equation::radius`] and its powers would say.
+    /// Under no force, or under one whose part in the bounds is added later.
     pub fn new(equation: &Equation, frequency: f64, amplitude: f64, longest: f64) -> Self {
         let Equation { damping, growth, .. } = *equation;
         let over_square = if amplitude == 0.0 { 0.0 } else { 1.0 / (amplitude * amplitude) };
@@ -214,7 +214,7 @@ impl State {
     }
 }
 
-/// (θ − sin θ)/θ³ for θ² ≤ 3.3.
+/// (θ − sin θ)/θ³ for θ² ≤ 4.
 #[inline(always)]
 fn lag(square: f64) -> f64 {
     const TERMS: [f64; 11] = lags();

@@ -12,8 +12,8 @@
 use super::lane::{Lane, Lanes};
 use super::motion::{State, States};
 use super::responses::Tables;
-use crate::compensated::DoubleDouble;
 use crate::lanes::arrays::arrays;
+use crate::lanes::counts::Hit;
 use crate::lanes::pick;
 use crate::quintic::root_by;
 use crate::simulate::wall::REBOUND_LOOK;
@@ -180,8 +180,9 @@ pub(super) fn commit<const W: usize>(lanes: &mut Lanes<W>, rounds: &Rounds<W>) {
         next.state = after.if_else(passed, &lane.state);
         (next.time, next.time_rest) =
             (pick(passed, clock.value, lane.time), pick(passed, clock.rest, lane.time_rest));
-        next.work = lane.work + pick(passed, 1.0, 0.0);
-        count(&mut next, &lane, &round, hit);
+        let (v, side) = (round.end.v, round.end.side);
+        let impact = Hit { time: next.time, v, side, approach: round.approach };
+        next.counts = lane.counts.after(passed, hit, &impact);
 
         let rebounds = hit & (round.pressure > 0.0);
         let ahead = REBOUND_LOOK
@@ -200,27 +201,8 @@ pub(super) fn commit<const W: usize>(lanes: &mut Lanes<W>, rounds: &Rounds<W>) {
         next.tries = pick(passed, 0.0, lane.tries + 1.0);
         next.request = pick(!passed & ((round.meets > 0.0) | (next.tries > TRIES)), 1.0, 0.0);
         next.stopped = pick(passed & (round.whole > 0.0), 1.0, 0.0);
-        let full = (next.impacts >= lane.max_impacts) | (next.work >= lane.max_work);
+        let full = next.counts.full();
         next.full = pick(passed & full, 1.0, 0.0);
         lanes.set(i, &next);
     }
-}
-
-/// Counts an impact.
-#[inline(always)]
-fn count(next: &mut Lane, lane: &Lane, round: &Round, hit: bool) {
-    let (approach, side) = (round.approach, round.end.side);
-    let loss = lane.loss_factor * (approach * approach);
-    let losses = DoubleDouble { value: lane.losses, rest: lane.losses_rest }.plus(loss);
-    next.losses = pick(hit, losses.value, lane.losses);
-    next.losses_rest = pick(hit, losses.rest, lane.losses_rest);
-    let v = round.end.v;
-    let absorber = v + side * approach;
-    next.impacts = lane.impacts + pick(hit, 1.0, 0.0);
-    next.effective = lane.effective + pick(hit & (v * absorber < 0.0), 1.0, 0.0);
-    let fresh = hit & (lane.streak_side != side);
-    next.streak_side = pick(hit, side, lane.streak_side);
-    next.streak_start = pick(fresh, next.time, lane.streak_start);
-    next.streak_listed = pick(fresh, lane.impacts, lane.streak_listed);
-    next.streak_loss = pick(fresh, 0.0, lane.streak_loss) + pick(hit, loss, 0.0);
 }

@@ -2,13 +2,12 @@
 
 use crate::compensated::DoubleDouble;
 use crate::host::{Host, HostState, Phase};
-use crate::impact;
 use crate::lanes::arrays::arrays;
+use crate::lanes::counts::{Counts, ManyCounts};
 use crate::oscillator::Primary;
-use crate::simulate::wall::Streak;
 use crate::simulate::{Phase as Doing, Run, STOPS};
 use crate::siva::{Siva, SivaState};
-use crate::system::{System, Wall};
+use crate::system::System;
 
 /// What to do at the end of the next fast flight.
 pub(in crate::lanes) const SEARCH: f64 = 0.0;
@@ -35,15 +34,13 @@ arrays! {
     /// to the wall.
     aim, h, length, looks, first,
     /// The absorber.
-    share, share_rest, restitution, clearance, loss_factor,
+    share, share_rest, restitution, clearance,
     /// Impacts with an approach speed at or below this go back to the event loop.
     floor,
-    /// Counts and sums.
-    impacts, max_impacts, effective, work, max_work, losses, losses_rest,
-    /// Impacts on one wall in a row.
-    streak_side, streak_start, streak_listed, streak_loss,
     /// What the event loop is needed for: a stretch that is no fast flight, a stop.
-    request, stopped,
+    request, stopped;
+    /// What is counted and summed up.
+    counts: Counts, ManyCounts
 }
 
 impl Flying {
@@ -82,13 +79,7 @@ impl Flying {
     pub fn idle() -> Self {
         let never = f64::INFINITY;
         let at_rest = Self { clearance: 1.0, distance: 1.0, side: 1.0, ..Self::default() };
-        Self { stop: never, first: never, max_impacts: never, max_work: never, ..at_rest }
-    }
-
-    /// True if the run has reached a limit.
-    #[inline(always)]
-    pub fn full(&self) -> bool {
-        (self.impacts >= self.max_impacts) | (self.work >= self.max_work)
+        Self { stop: never, first: never, counts: Counts::idle(), ..at_rest }
     }
 
     /// A run that has come to where fast flights of this length can go on; `None` if it has not.
@@ -98,7 +89,6 @@ impl Flying {
     {
         let Doing::Flight { first } = run.phase else { return None };
         let (siva, tally) = (run.system, &run.tally);
-        let low = run.streak.as_ref().is_some_and(|streak| streak.low > 0);
         let stop = run.stops[run.stopped.min(STOPS - 1)];
         let mut flying = Self {
             time: run.clock.value,
@@ -108,30 +98,17 @@ impl Flying {
             share_rest: siva.impact_share.rest,
             restitution: siva.restitution(),
             clearance: siva.clearance(),
-            loss_factor: impact::energy_loss(siva.mass_ratio(), siva.restitution(), 1.0),
             floor: run.limits.chatter_floor,
-            impacts: tally.impacts as f64,
-            max_impacts: run.limits.max_impacts as f64,
-            effective: tally.effective_impacts as f64,
-            work: tally.work as f64,
-            max_work: run.limits.max_work as f64,
-            losses: run.losses.value,
-            losses_rest: run.losses.rest,
+            counts: Counts::of(run, [siva.mass_ratio(), siva.restitution()])?,
             first,
             ..Self::default()
         };
         flying.put_state(&tally.state);
-        if let Some(streak) = &run.streak {
-            flying.streak_side = streak.wall.sign();
-            flying.streak_start = streak.start_time;
-            flying.streak_listed = streak.listed_before as f64;
-            flying.streak_loss = streak.energy_loss;
-        }
         let remaining = -run.clock.minus(stop);
         flying.length = reach.min(remaining).min(first);
         flying.h = flying.length;
         let under_way = run.stopped < STOPS && remaining > 0.0;
-        (!low && under_way && !flying.full()).then_some(flying)
+        under_way.then_some(flying)
     }
 
     /// Puts the numbers back into the run; the phase of the drive is where it is.
@@ -144,18 +121,7 @@ impl Flying {
         if run.stopped < STOPS {
             run.clock = self.clock();
         }
-        run.tally.impacts = self.impacts as u64;
-        run.tally.effective_impacts = self.effective as u64;
-        run.tally.work = self.work as u64;
-        run.losses = DoubleDouble { value: self.losses, rest: self.losses_rest };
-        run.streak = (self.streak_side != 0.0).then_some(Streak {
-            wall: if self.streak_side > 0.0 { Wall::Plus } else { Wall::Minus },
-            start_time: self.streak_start,
-            listed_before: self.streak_listed as u64,
-            low: 0,
-            low_effective: 0,
-            energy_loss: self.streak_loss,
-        });
+        self.counts.put_back(run);
         run.phase = Doing::Flight { first: self.first };
     }
 }

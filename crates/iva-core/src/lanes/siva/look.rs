@@ -7,6 +7,7 @@ use super::flying::{FAR, FULL, Flying, NEAR, SEARCH, STOP};
 use crate::compensated::DoubleDouble;
 use crate::force::{Push, Pushes};
 use crate::host::{HostState, Moment, Structure};
+use crate::lanes::counts::Hit;
 use crate::lanes::pick;
 use crate::oscillator::Primary;
 use crate::quintic::root;
@@ -203,8 +204,9 @@ impl<P: Pick> Look<P> {
         let DoubleDouble { value, rest } = self.clock;
         (next.time, next.time_rest) =
             (pick(done, value, lane.time), pick(done, rest, lane.time_rest));
-        next.work = lane.work + pick(done, 1.0, 0.0);
-        self.apply_impact(&mut next, lane, hit);
+        let (v, side) = (self.touching.host.primary.v.value, self.touching.side);
+        let impact = Hit { time: next.time, v, side, approach: self.approach };
+        next.counts = lane.counts.after(done, hit, &impact);
 
         // What comes next.
         let rebounds = hit & (self.pressure > 0.0);
@@ -218,7 +220,7 @@ impl<P: Pick> Look<P> {
         next.h = pick(done, length, looking);
         next.aim = pick(done, SEARCH, aim);
         next.looks = pick(done | self.meets, 0.0, lane.looks + 1.0);
-        next.stopped = pick(done & whole, STOP, pick(done & next.full(), FULL, 0.0));
+        next.stopped = pick(done & whole, STOP, pick(done & next.counts.full(), FULL, 0.0));
         next
     }
 
@@ -227,24 +229,5 @@ impl<P: Pick> Look<P> {
     pub fn impact(&self, next: &Flying) -> (f64, f64, f64) {
         let approach = pick(self.hit & self.passed, self.approach, 0.0);
         (next.time, self.touching.side, approach)
-    }
-
-    /// Counts an impact.
-    #[inline(always)]
-    fn apply_impact(&self, next: &mut Flying, lane: &Flying, hit: bool) {
-        let (approach, side) = (self.approach, self.touching.side);
-        let loss = lane.loss_factor * (approach * approach);
-        let losses = DoubleDouble { value: lane.losses, rest: lane.losses_rest }.plus(loss);
-        next.losses = pick(hit, losses.value, lane.losses);
-        next.losses_rest = pick(hit, losses.rest, lane.losses_rest);
-        let v = self.touching.host.primary.v.value;
-        let absorber = v + side * approach;
-        next.impacts = lane.impacts + pick(hit, 1.0, 0.0);
-        next.effective = lane.effective + pick(hit & (v * absorber < 0.0), 1.0, 0.0);
-        let fresh = hit & (lane.streak_side != side);
-        next.streak_side = pick(hit, side, lane.streak_side);
-        next.streak_start = pick(fresh, next.time, lane.streak_start);
-        next.streak_listed = pick(fresh, lane.impacts, lane.streak_listed);
-        next.streak_loss = pick(fresh, 0.0, lane.streak_loss) + pick(hit, loss, 0.0);
     }
 }
