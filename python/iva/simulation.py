@@ -367,7 +367,13 @@ def simulate(
     asked = (names("measures", measures), names("tables", tables))
     by = names("gradients", gradients) or []
     truth("verify", verify)
-    made = _iva.simulate(spec, *asked, truth("errors", errors))
+    measured, tabled = asked
+    # Derivatives are those of the exact tier, which makes whatever is more than a summary.
+    more = ["episodes"] if by and tabled is not None and "episodes" not in tabled else []
+    listed_tables = None if tabled is None else tabled + more
+    made = _iva.simulate(spec, measured, listed_tables, truth("errors", errors))
+    for name in more:
+        del made[name]
     units = from_metadata(made["summary"].metadata)
     kept = tuple(force) if isinstance(force, Sequence) else force
     return Run(

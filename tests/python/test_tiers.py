@@ -44,6 +44,7 @@ def sweep(over: Any = None, absorber: Any = SIVA, **given: Any) -> pl.DataFrame:
         ({"force": BASE}, "fast"),
         ({"force": RECORD}, "exact"),
         ({"force": [FORCE, iva.Harmonic(amplitude=0.05, frequency=1.3)]}, "exact"),
+        ({"force": iva.Impulse(velocity=0.1)}, "exact"),
         ({"tables": ("summary", "impacts")}, "exact"),
         ({"errors": True}, "exact"),
         ({"absorber": PENDULUM}, "fast"),
@@ -130,6 +131,25 @@ def test_the_errors_of_the_fast_tier_are_found(force: Any) -> None:
     numbers = found.summary.select(pl.col(pl.Float64)).row(0)
     largest = max(abs(number) for number in numbers if number is not None)
     assert 0.0 < largest < 1e-11
+
+
+def test_a_run_is_a_row_of_a_sweep() -> None:
+    run = iva.simulate(SIVA, PRIMARY, start=START, periods=20, tolerance=1e-9, tables=("summary",))
+    assert run.summary.drop("point").equals(sweep().drop("point", "clearance"))
+
+
+def test_derivatives_stand_beside_the_exact_tier() -> None:
+    run = iva.simulate(
+        SIVA,
+        PRIMARY,
+        start=START,
+        periods=4,
+        tolerance=1e-9,
+        tables=("summary",),
+        gradients=("clearance",),
+    )
+    assert run.summary["tier"].item() == "exact"
+    assert run.gradients["clearance"].summary["impacts"].equals(run.summary["impacts"])
 
 
 def test_other_tables_are_those_of_the_exact_tier() -> None:
