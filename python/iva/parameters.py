@@ -201,6 +201,10 @@ class Primary(Part):
 class Siva(Part):
     """Single-mass impact vibration absorber: a free mass in a gap of the primary system.
 
+    The line of motion is level unless `inclination` says otherwise. Where it rises, gravity acts
+    along it, displacements are measured from where the structure rests with the absorber on its
+    lower stop, y = −d, and there the absorber starts unless `Start` says otherwise.
+
     Parameters
     ----------
     mass_ratio : float, optional
@@ -220,6 +224,15 @@ class Siva(Part):
         Total play 2d > 0, in the unit of lengths.
     gap_mm : float, optional
         The same in mm; SI units only.
+    inclination : float, optional
+        Angle in rad by which the line of motion rises, from 0 (level, the default) to π/2
+        (upright).
+    inclination_deg : float, optional
+        The same in degrees, from 0 to 90.
+    gravity : float, optional
+        Acceleration of gravity g > 0, of a motion that rises; 9.80665 m/s² by default in SI units,
+        needed in others. Of a level motion nothing depends on it: it is refused without an
+        inclination.
 
     Raises
     ------
@@ -245,6 +258,9 @@ class Siva(Part):
     clearance_mm: float | None = None
     gap: float | None = None
     gap_mm: float | None = None
+    inclination: float | None = None
+    inclination_deg: float | None = None
+    gravity: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
@@ -361,7 +377,8 @@ class Start(Part):
     velocity : float, optional
         Velocity of the primary system.
     gap_displacement : float, optional
-        Absorber displacement minus primary displacement, at most the clearance in size.
+        Absorber displacement minus primary displacement, at most the clearance in size. By default
+        0, and where the line of motion rises the lower stop.
     gap_velocity : float, optional
         Absorber velocity minus primary velocity.
     angle : float, optional

@@ -26,12 +26,11 @@ pub const HEADER: &str = "# Resolved by iva-dynamics";
 pub fn resolve(file: &StudyFile) -> Result<StudyFile, Error> {
     let located = |invalid| file.source.locate(&invalid);
     file.study.design(0).map_err(located)?;
-    let gravity = file.study.spec(0).and_then(|spec| spec.standard_gravity()).map_err(located)?;
-    fill_in(file, gravity)
+    fill_in(file)
 }
 
 /// The chatter floor is no plain number: it follows the clearance of each point.
-fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
+fn fill_in(file: &StudyFile) -> Result<StudyFile, Error> {
     let mut resolved = file.clone();
     let choices = *file.study.spec.choices();
     let mut spec = Spec::new(choices);
@@ -48,8 +47,7 @@ fn fill_in(file: &StudyFile, gravity: Option<f64>) -> Result<StudyFile, Error> {
     }
     let fits = |field: &FieldId| field.info().kinds.contains(&choices.kind);
     for field in FieldId::all().filter(fits) {
-        let default = if field == FieldId::Gravity { gravity } else { field.default() };
-        let Some(value) = default else { continue };
+        let Some(value) = file.study.default(field) else { continue };
         let slots: Vec<Slot> = if field.info().part == Part::Force {
             let own = (0..forces.len()).filter(|number| !forces[*number].is_foreign(field));
             own.map(|number| Slot::of_force(field, number, forces.len())).collect()

@@ -1,13 +1,14 @@
 //! What a study is about, in two or three lines: mistaken units show here before anything is run.
 
 use std::fmt::Write;
+use std::sync::atomic::AtomicBool;
 
 use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
 use iva_sweep::fields::Quantity;
 use iva_sweep::scene::{Absorber, Acts, Harmonic};
 use iva_sweep::study::Study;
-use iva_sweep::units::UnitSystem;
+use iva_sweep::units::{STANDARD_GRAVITY, UnitSystem};
 
 use crate::cell::short;
 use crate::layout::wrap;
@@ -43,6 +44,9 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
         let _ = writeln!(out, "{}", wrap(&line));
     }
     let _ = writeln!(out, "{}", wrap(&start(&designs, units)));
+    if let Some(line) = gravity(&designs, units) {
+        let _ = writeln!(out, "{}", wrap(&line));
+    }
     if designs.iter().all(|design| design.scene.at_rest()) {
         let _ = writeln!(out, "{}", wrap(NOTHING_MOVES));
     }
@@ -82,6 +86,55 @@ fn start(designs: &[Design], units: UnitSystem) -> String {
     )
 }
 
+/// Gravity along the motion of free masses against the acceleration of the structure; where the motion is level, what that
+/// would be upright.
+fn gravity(designs: &[Design], units: UnitSystem) -> Option<String> {
+    let along: Vec<(f64, f64)> = designs
+        .iter()
+        .filter_map(|design| {
+            let along = design.scene.gravity_along()?;
+            let frequency = design.scale.natural_frequency;
+            Some((along, STANDARD_GRAVITY / (frequency * frequency)))
+        })
+        .collect();
+    let level = along.iter().all(|(along, _)| *along == 0.0);
+    if along.is_empty() || (level && units != UnitSystem::Si) {
+        return None;
+    }
+    let shares: Vec<f64> = designs
+        .iter()
+        .zip(&along)
+        .map(|(design, (along, upright))| if level { *upright } else { *along } / amplitude(design))
+        .filter(|share| share.is_finite())
+        .collect();
+    let (least, most) = shares
+        .iter()
+        .fold((f64::INFINITY, 0.0), |(low, high), share| (share.min(low), share.max(high)));
+    let line = if level { "The line of motion is level" } else { "The line of motion rises" };
+    if shares.is_empty() {
+        return Some(line.to_owned());
+    }
+    let gravity = if level {
+        "Upright (inclination_deg = 90) gravity would be"
+    } else {
+        "Gravity along it is"
+    };
+    let share = span(least, most);
+    Some(format!(
+        "{line}. {gravity} {share} times ωn² A, with A the amplitude without absorber; above 1 the mass rests on its \
+         lower stop"
+    ))
+}
+
+/// The largest displacement without absorber, as far as the start and one harmonic force tell.
+fn amplitude(design: &Design) -> f64 {
+    let from = design.scene.primary();
+    let driven = design.scene.force().filter(|force| force.is_single());
+    let never = AtomicBool::new(false);
+    let forced = driven.and_then(|_| design.amplitude_without_absorber(&never).ok().flatten());
+    from.x.hypot(from.v).max(forced.unwrap_or(0.0))
+}
+
 /// A number of the absorbers, from the lowest to the highest.
 fn range_of(designs: &[Design], value: impl Fn(Absorber) -> f64) -> String {
     range(designs, |design| design.scene.absorber().map_or(f64::NAN, &value))
@@ -97,7 +150,12 @@ fn range(designs: &[Design], value: impl Fn(&Design) -> f64) -> String {
         .iter()
         .map(value)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    if low == high { short(low, 4) } else { format!("{} … {}", short(low, 4), short(high, 4)) }
+    span(low, high)
+}
+
+fn span(low: f64, high: f64) -> String {
+    let [low, high] = [low, high].map(|value| short(value, 4));
+    if low == high { low } else { format!("{low} … {high}") }
 }
 
 /// A line for each force: harmonic ones by amplitude (over what the spring makes of a length of 1) and

@@ -7,6 +7,9 @@
 //! m A + 2ζ ẋ + x = f/M,    A = ẍ + a_g,    m = 1 in flight, m = 1 + μ with the absorber stuck to it.
 //! ```
 //!
+//! Where the line of motion is not level, A has gravity along it as well, and the spring what it lifts
+//! (`host/driven/weight.rs`).
+//!
 //! A [`Structure`] is that equation for one mass: [`Oscillator`](crate::oscillator::Oscillator) without drive, in closed form
 //! (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A [`Host`] has both masses, and says when
 //! the drive bends, jumps or kicks. Absorbers are written for any host.
@@ -19,7 +22,7 @@ use crate::real::Real;
 use crate::system::Clock;
 
 pub use alone::{Alone, AloneFlight};
-pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Source};
+pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Source, Weight};
 pub use undriven::UndrivenHost;
 
 mod alone;
@@ -68,7 +71,7 @@ pub trait Structure: std::fmt::Debug {
     fn fast_course(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Course {
         self.course(from)
     }
-    /// True if the base moves.
+    /// True if A is not ẍ: the base moves, or gravity acts along the motion.
     fn moves_base(&self) -> bool;
     /// How far it may be followed.
     fn reach(&self, course: &Self::Course) -> Self::Real;
@@ -106,7 +109,7 @@ pub trait Structure: std::fmt::Debug {
     ) -> DoubleDouble<Self::Real>;
     /// The first three derivatives of A, from ẋ and A.
     fn derivatives(&self, phase: &Self::Phase, v: Self::Real, a: Self::Real) -> [Self::Real; 3];
-    /// a_g and its first three derivatives.
+    /// A − ẍ and its first three derivatives.
     fn base(&self, phase: &Self::Phase) -> [Self::Real; 4];
     /// A bound on the nth derivative of A in every motion from a state, n ≤ 6.
     fn bound<const N: usize>(&self, primary: &Primary<Self::Real>) -> Self::Real;
@@ -196,6 +199,10 @@ pub trait Host: Clone + std::fmt::Debug {
     /// All that drives it; `None` where nothing can.
     fn force(&self) -> Option<&Force<Self::Real>> {
         None
+    }
+    /// Gravity γ along the motion, in ωn² × length.
+    fn gravity(&self) -> Self::Real {
+        Self::Real::ZERO
     }
     /// How long the drive stays smooth.
     fn smooth_for(&self, _phase: &Phase<Self>) -> Self::Real {

@@ -150,7 +150,9 @@ impl SideBySide for Siva<DrivenHost> {
         let base = if force.moves_base() { 1.0 } else { 0.0 };
         // No strobes come out of lanes.
         let tier = if job.tier == Tier::Fast { 2.0 } else { 0.0 };
-        (force.is_single() && !wanted.strobes).then(|| [f64::from(wanted.bits()), base + tier])
+        let level = job.system.gravity() == 0.0;
+        (level && force.is_single() && !wanted.strobes)
+            .then(|| [f64::from(wanted.bits()), base + tier])
     }
 
     fn shared(job: &Job<Self>) -> f64 {

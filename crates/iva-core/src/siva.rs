@@ -1,6 +1,7 @@
 //! The single-mass impact absorber: a free mass between two walls (paper, Eqs. 1, 2, 7, 9–14).
 //!
-//! In flight no force acts on the mass: ẍ₁ = −a_g relative to the base, so the gap y = x₁ − x obeys ÿ = −A with A = ẍ + a_g
+//! In flight no force acts on the mass but, where the line of motion is not level, gravity along it, which counts as an
+//! acceleration of the base ([`crate::host`]): ẍ₁ = −a_g relative to the base, so the gap y = x₁ − x obeys ÿ = −A with A = ẍ + a_g
 //! the absolute acceleration of the structure ([`crate::host`]). With s the sign of the wall last touched and
 //! D = d − s y the distance to it, D̈ = s A: starting from D = 0 neither y nor d enters a rebound.
 
@@ -112,10 +113,16 @@ impl<R: Real> Siva<UndrivenHost<R>> {
 
     /// The same absorber on the same structure under a force.
     pub fn under(&self, force: Force<R>) -> Siva<DrivenHost<R>> {
+        self.inclined(R::ZERO, force)
+    }
+
+    /// The same absorber under a force and under gravity γ = g sin α along its motion, in ωn² × length, with displacements
+    /// measured from where the structure rests with the absorber on its lower stop.
+    pub fn inclined(&self, gravity: R, force: Force<R>) -> Siva<DrivenHost<R>> {
         let Self { mass_ratio, restitution, clearance, .. } = *self;
         let damping_ratio = self.host.damping_ratio();
         let parameters = Parameters { mass_ratio, restitution, clearance, damping_ratio };
-        Siva::on(DrivenHost::new(damping_ratio, mass_ratio, force), &parameters)
+        Siva::on(DrivenHost::new(damping_ratio, mass_ratio, force, gravity), &parameters)
     }
 }
 
@@ -150,6 +157,17 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
     /// ζ of the bare primary.
     pub fn damping_ratio(&self) -> R {
         self.host.damping_ratio()
+    }
+
+    /// Gravity γ = g sin α along the motion, in ωn² × length; 0 where that is level.
+    pub fn gravity(&self) -> R {
+        self.host.gravity()
+    }
+
+    /// How far the absorber is from its lower stop.
+    fn height(&self, state: &SivaState<Phase<H>, R>) -> R {
+        let from_below = state.side < 0.0;
+        if from_below { state.distance.value } else { -state.distance.minus(self.clearance * 2.0) }
     }
 }
 
@@ -411,7 +429,12 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     fn energy(&self, state: &Self::State) -> R {
         let Point { x, v } = self.primary(state);
         let absorber = v + state.gap_velocity();
-        (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber)
+        let moving = (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber);
+        let gravity = self.host.gravity();
+        if gravity == 0.0 {
+            return moving;
+        }
+        moving + self.mass_ratio * gravity * self.height(state)
     }
 }
 

@@ -86,10 +86,13 @@ pub fn design<'py>(py: Python<'py>, spec: &Bound<'py, PyDict>) -> PyResult<Bound
     let absorber = scene.absorber();
     numbers.set_item("mass_ratio", absorber.map(|absorber| absorber.mass_ratio))?;
     numbers.set_item("clearance", absorber.map(|absorber| absorber.clearance))?;
+    let stiffness = scale.natural_frequency * scale.natural_frequency;
+    let along = scene.gravity_along().map(|along| along * stiffness);
+    numbers.set_item("gravity_along", along.unwrap_or(0.0))?;
     let parameters = scene.pendulum().filter(|_| spec.choices().kind == Kind::Piva);
     let pendulum = parameters.map(|pendulum| {
         let own = PyDict::new(py);
-        let hangs = scene.gravity().is_some();
+        let hangs = scene.has_angle();
         own.set_item("length", hangs.then_some(pendulum.length))?;
         own.set_item("contact_distance", hangs.then_some(pendulum.contact_distance))?;
         own.set_item("inertia_ratio", pendulum.inertia_ratio)?;

@@ -6,6 +6,7 @@
 
 pub mod design;
 pub(crate) mod forces;
+pub(crate) mod free_mass;
 pub mod given;
 pub(crate) mod pendulum;
 pub(crate) mod point;

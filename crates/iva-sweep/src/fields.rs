@@ -3,7 +3,7 @@
 //! The study file, the Python classes and the sweep axes all read this table, so that a name, a
 //! range or a unit is written once.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use iva_core::error::{Invalid, number};
 use iva_core::range::{LARGEST_RATIO, LARGEST_TOLERANCE};
@@ -77,6 +77,8 @@ pub enum Quantity {
     Energy,
     /// Angle.
     Angle,
+    /// An angle given in degrees.
+    Degree,
     /// Rate of an angle.
     AngularVelocity,
     /// Acceleration: of gravity, of the base, force over mass.
@@ -114,6 +116,10 @@ pub enum Allowed {
     InertiaRatio,
     /// An angle in rad, from −π to π.
     Angle,
+    /// The angle in rad by which a line of motion rises, from 0 to π/2.
+    Inclination,
+    /// The same in degrees.
+    InclinationDeg,
     /// A phase in rad, of up to two turns: enough to shift one by a turn, too few for degrees.
     Phase,
     /// A tolerance, 0 for full accuracy.
@@ -137,6 +143,8 @@ impl Allowed {
             }
             Allowed::InertiaRatio => (1.0..=LARGEST_RATIO).contains(&value),
             Allowed::Angle => value.abs() <= PI,
+            Allowed::Inclination => (0.0..=FRAC_PI_2).contains(&value),
+            Allowed::InclinationDeg => (0.0..=90.0).contains(&value),
             Allowed::Phase => value.abs() <= 4.0 * PI,
             Allowed::Tolerance => (0.0..=LARGEST_TOLERANCE).contains(&value),
         }
@@ -154,6 +162,8 @@ impl Allowed {
             Allowed::PositiveInteger => "a whole number from 1 to 2^53",
             Allowed::InertiaRatio => "a number from 1 (point bob) to 1e9",
             Allowed::Angle => "an angle in rad, from -π to π",
+            Allowed::Inclination => "an angle in rad, from 0 (level) to π/2 (upright)",
+            Allowed::InclinationDeg => "an angle in degrees, from 0 (level) to 90 (upright)",
             Allowed::Phase => "an angle in rad, from -4π to 4π",
             Allowed::Tolerance => "0 (full accuracy) or a number up to 1e-3",
         }
@@ -226,7 +236,9 @@ fields! {
     GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm" Siva Piva;
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
-    Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity; follows from frequency_ratio and length, else 9.80665 in SI units" Piva;
+    Gravity: Absorber "gravity" Acceleration Positive "gravity" "acceleration of gravity (default 9.80665 in SI units); of a pendulum it may follow from frequency_ratio and length, of a free mass it needs an inclination" Siva Piva;
+    Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright" Siva;
+    InclinationDeg: Absorber "inclination_deg" Degree InclinationDeg "inclination" "angle by which the line of motion rises, in degrees: 90 upright" Siva;
     InertiaRatio: Absorber "inertia_ratio" Ratio InertiaRatio "inertia" "moment of inertia about the pivot over m L²" Piva;
     ContactDistance: Absorber "contact_distance" Length Positive "contact" "from the pivot to the point that meets the stops (default: the length)" Piva;
     PivotDampingRatio: Absorber "pivot_damping_ratio" Ratio DampingRatio "pivot" "damping ratio of the hanging pendulum" Piva;
@@ -244,7 +256,7 @@ fields! {
     Displacement: Start "displacement" Length Size "displacement" "displacement of the primary system";
     DisplacementMm: Start "displacement_mm" Millimetre Size "displacement" "displacement of the primary system in mm";
     Velocity: Start "velocity" Velocity Size "velocity" "velocity of the primary system";
-    GapDisplacement: Start "gap_displacement" Length Size "gap_displacement" "absorber displacement minus primary displacement" Siva Piva;
+    GapDisplacement: Start "gap_displacement" Length Size "gap_displacement" "absorber displacement minus primary displacement (default 0; on an inclined line of motion the lower stop)" Siva Piva;
     GapVelocity: Start "gap_velocity" Velocity Size "gap_velocity" "absorber velocity minus primary velocity" Siva Piva;
     Angle: Start "angle" Angle Angle "gap_displacement" "angle of the pendulum from hanging, in rad" Piva;
     AngularVelocity: Start "angular_velocity" AngularVelocity Size "gap_velocity" "angular velocity of the pendulum" Piva;
@@ -327,6 +339,7 @@ impl FieldId {
             | F::Velocity
             | F::GapDisplacement
             | F::GapVelocity
+            | F::Inclination
             | F::Phase
             | F::ImpulseTime
             | F::Discard

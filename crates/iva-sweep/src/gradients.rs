@@ -20,7 +20,7 @@ use iva_core::system::System;
 
 use crate::choices::only;
 use crate::columns::columns;
-use crate::design::Design;
+use crate::design::{Design, Spec};
 use crate::engine::given::Given;
 use crate::engine::point::{Estimates, Request, run};
 use crate::engine::rows::Estimate;
@@ -63,7 +63,7 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
     let slot =
         Slot::from_key(key).map_err(|error| Invalid { field: "gradients".to_owned(), ..error })?;
     let mut spec = study.spec(0)?;
-    let value = given(&mut spec, slot)?;
+    let value = given(study, &mut spec, slot)?;
     let design = Given::<Dual>::differentiated(&spec, slot).design()?;
     let request = Request::new(study);
     let plain = spec.design()?;
@@ -127,7 +127,7 @@ fn is_known(table: Table, row: &[Cell<Dual>], index: usize, from: f64, period: f
 }
 
 /// The value of what is differentiated by; a default is filled in.
-fn given(spec: &mut crate::design::Spec, slot: Slot) -> Result<f64, Invalid> {
+fn given(study: &Study, spec: &mut Spec, slot: Slot) -> Result<f64, Invalid> {
     let refused = |rule: &str| Invalid::new("gradients", format!("`{}`", slot.path()), rule);
     if NOT_PHYSICAL.contains(&slot.field) {
         return Err(refused("the motion does not depend on it"));
@@ -139,12 +139,18 @@ fn given(spec: &mut crate::design::Spec, slot: Slot) -> Result<f64, Invalid> {
     let found =
         spec.given().find(|(other, _)| other.field == slot.field && other.same_quantity(slot));
     if let Some((_, value)) = found {
-        return Ok(value);
+        // With any inclination at all the absorber starts elsewhere.
+        let level = slot.field.same_quantity(FieldId::Inclination) && value == 0.0;
+        return if level {
+            Err(refused("it is 0; give a line of motion that rises"))
+        } else {
+            Ok(value)
+        };
     }
     if let Some((other, _)) = spec.given().find(|(other, _)| other.same_quantity(slot)) {
         return Err(refused(&format!("{} is given in its place; give that name", other.path())));
     }
-    match slot.field.default().filter(|_| slot.info().part != Part::Force) {
+    match study.default(slot.field).filter(|_| slot.info().part != Part::Force) {
         Some(value) => spec.set(slot, value).map(|()| value),
         None => Err(refused("it is not given")),
     }

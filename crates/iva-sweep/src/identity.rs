@@ -52,13 +52,13 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
         }
     }
     let spec = study.spec(study.sampling.first())?;
-    let standard_gravity = spec.standard_gravity()?;
     for (slot, value) in spec.given() {
         let swept = study.sampling.sets(slot);
-        let gravity = slot.field == FieldId::Gravity;
-        let default = if gravity { standard_gravity } else { slot.field.default() };
+        let default = study.default(slot.field);
         // The same quantity under another name (displacement_mm) may be 0 as well, the default of most.
-        let nothing = value == 0.0 && default.is_none_or(|default| default == 0.0);
+        let nothing = value == 0.0
+            && default.is_none_or(|default| default == 0.0)
+            && !(slot.field == FieldId::GapDisplacement && study.rises());
         if !swept && !nothing && default != Some(value) {
             add(slot.path().as_bytes());
             add(&value.to_le_bytes());

@@ -44,7 +44,7 @@ pub(crate) fn summaries(
             _ => None,
         }),
         Scene::DrivenSiva { .. } => together(asked, points, take, |design| match &design.scene {
-            Scene::DrivenSiva { system, start } => Some((system.clone(), *start)),
+            Scene::DrivenSiva { system, start, .. } => Some((system.clone(), *start)),
             _ => None,
         }),
         Scene::Piva { .. } => together(asked, points, take, |design| match &design.scene {

@@ -139,14 +139,17 @@ impl Spec {
         Ok(())
     }
 
-    /// The gravity on a pendulum of which none was given, nor follows.
+    /// The acceleration of gravity where none was given, nor follows.
     ///
     /// # Errors
     /// As [`Spec::units`].
     pub fn standard_gravity(&self) -> Result<Option<f64>, Invalid> {
-        let standard = self.choices().kind == Kind::Piva
-            && self.units()? == UnitSystem::Si
-            && self.get(FieldId::FrequencyRatio).is_none();
+        let weighs = match self.choices().kind {
+            Kind::Siva => true,
+            Kind::Piva => self.get(FieldId::FrequencyRatio).is_none(),
+            Kind::None => false,
+        };
+        let standard = weighs && self.units()? == UnitSystem::Si;
         Ok(standard.then_some(STANDARD_GRAVITY))
     }
 

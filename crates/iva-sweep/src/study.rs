@@ -6,6 +6,7 @@ use iva_core::error::Invalid;
 
 use crate::columns::Selection;
 use crate::design::{Design, Spec};
+use crate::fields::FieldId;
 use crate::sampling::Sampling;
 use crate::units::UnitSystem;
 
@@ -164,6 +165,22 @@ impl Study {
     /// Makes the designs of many points.
     pub fn designer(&self) -> Designer<'_> {
         Designer { study: self, spec: self.spec.clone() }
+    }
+
+    /// What a field is unless it is given; `None` where that is not one number for all points.
+    pub fn default(&self, field: FieldId) -> Option<f64> {
+        match field {
+            FieldId::Gravity => self.spec(self.sampling.first()).ok()?.standard_gravity().ok()?,
+            FieldId::GapDisplacement if self.rises() => None,
+            _ => field.default(),
+        }
+    }
+
+    /// True if the line of motion rises at a point: then the absorber starts on its lower stop by default.
+    pub(crate) fn rises(&self) -> bool {
+        let fields = [FieldId::Inclination, FieldId::InclinationDeg];
+        let given = |field: FieldId| self.spec.get(field).is_some_and(|value| value != 0.0);
+        self.sampling.sets(FieldId::Inclination.into()) || fields.into_iter().any(given)
     }
 
     /// The units of inputs and results: the same at every point.

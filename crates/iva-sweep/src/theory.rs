@@ -1,14 +1,15 @@
 //! Exact steady states of a scene as given, see [`iva_core::theory`].
 
-use iva_core::error::Invalid;
+use iva_core::error::{Invalid, number};
 pub use iva_core::theory::{Complex, MasriCaughey, Orbit, SlowManifold};
 use iva_core::theory::{SymmetricScene, masri_caughey as symmetric, slow_manifold as manifold};
 
 use crate::choices::{Kind, only};
 use crate::design::Spec;
-use crate::engine::forces;
 use crate::engine::given::Given;
 use crate::engine::pendulum::Common;
+use crate::engine::{forces, free_mass};
+use crate::fields::FieldId;
 use crate::units::Scale;
 
 /// A theory's answer in natural units, and the way back to the user's.
@@ -28,6 +29,16 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     }
     let given = Given::new(spec);
     let (scale, units) = given.scale()?;
+    if free_mass::inclined(&given, &scale)?.is_some() {
+        let field = FieldId::Inclination;
+        let given =
+            spec.get(field).or(spec.get(FieldId::InclinationDeg)).map_or(String::new(), number);
+        return Err(Invalid::new(
+            field.path(),
+            given,
+            "the theory is of a level motion; leave it out",
+        ));
+    }
     Ok((given.common(&scale, units)?, scale))
 }
 

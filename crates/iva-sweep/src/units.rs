@@ -32,6 +32,7 @@ impl UnitSystem {
             (Q::Ratio | Q::Count | Q::Side, _) => "1",
             (Q::Text | Q::Flag, _) => "",
             (Q::Angle, _) => "rad",
+            (Q::Degree, _) => "°",
             (Q::AngularVelocity, Self::Natural) => "rad · ωn",
             (Q::AngularVelocity, _) => "rad/s",
             (Q::Acceleration, Self::Si) => "m/s²",

@@ -34,11 +34,12 @@ Motion = dict[str, Numbers]
 def energy(run: Run, *, ax: Axes | None = None) -> Axes:
     """Draw how the energy splits over time: what the masses have, and what each loss has taken.
 
-    From below: structure (kinetic, and of its spring), absorber (kinetic, and a pendulum's in
-    gravity), then what has been lost in the damper, in impacts (in steps) and in a pendulum's
-    pivot. In free decay everything is relative to the initial energy and fills the height up to 1.
-    Under forces energies are drawn in their unit, and the upper edge is the initial energy plus the
-    work done so far. Without absorber there are structure and damper alone.
+    From below: structure (kinetic, and of its spring), absorber (kinetic, and in gravity, where it
+    is a pendulum or its motion rises), then what has been lost in the damper, in impacts (in steps)
+    and in a pendulum's pivot. In free decay everything is relative to the initial energy and fills
+    the height up to 1. Under forces energies are drawn in their unit, and the upper edge is the
+    initial energy plus the work done so far. Without absorber there are structure and damper
+    alone.
 
     Parameters
     ----------
@@ -202,8 +203,11 @@ def energies(design: Design, motion: Motion) -> tuple[Numbers, Numbers]:
     mass = design.mass_ratio * design.mass
     pendulum = design.pendulum
     if pendulum is None:
-        return structure, 0.5 * mass * (velocity + motion["gap_velocity"]) ** 2
-    # L θ̇ of the centre of mass along its arc, and its horizontal part.
+        assert design.clearance is not None
+        height = motion["gap_displacement"] + design.clearance
+        kinetic = 0.5 * (velocity + motion["gap_velocity"]) ** 2
+        return structure, mass * (kinetic + design.gravity_along * height)
+    # Of a pendulum: L θ̇ of the centre of mass along its arc, and its horizontal part.
     swing = arc_velocity(design, motion)
     across = pendulum.lever * motion["gap_velocity"]
     kinetic = velocity**2 + 2.0 * velocity * across + pendulum.inertia_ratio * swing**2

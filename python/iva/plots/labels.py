@@ -45,6 +45,8 @@ NAMES = {
     "frequency_ratio": ("frequency ratio", "r = ωₚ/ωₙ"),
     "length": ("length", "L"),
     "gravity": ("gravity", "g"),
+    "inclination": ("inclination", "α"),
+    "inclination_deg": ("inclination", "α"),
     "inertia_ratio": ("inertia ratio", "κ"),
     "contact_distance": ("contact distance", "b"),
     "pivot_damping_ratio": ("pivot damping ratio", "ζₚ"),

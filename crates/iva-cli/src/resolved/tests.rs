@@ -30,6 +30,8 @@ fn accepted(field: FieldId) -> BoxedStrategy<f64> {
         Allowed::UnitInterval => (0.0..=1.0).boxed(),
         Allowed::InertiaRatio => prop_oneof![1.0..2.0, Just(1.0), Just(1e9)].boxed(),
         Allowed::Angle => (-3.1..3.1).boxed(),
+        Allowed::Inclination => (0.0..1.57).boxed(),
+        Allowed::InclinationDeg => (0.0..=90.0).boxed(),
         Allowed::Phase => (-12.5..12.5).boxed(),
         Allowed::Tolerance => prop_oneof![0.0..1e-3, Just(0.0), Just(1e-3)].boxed(),
         Allowed::PositiveInteger => (1..=9_007_199_254_740_992_u64).prop_map(|n| n as f64).boxed(),
@@ -185,13 +187,13 @@ fn assert_same(one: &StudyFile, other: &StudyFile, text: &str) {
 proptest! {
     #[test]
     fn what_is_written_reads_back_the_same(file in study_file()) {
-        let resolved = fill_in(&file, None).unwrap();
+        let resolved = fill_in(&file).unwrap();
         let text = text_of(&resolved, "any units");
         let read = parse_study(Path::new("study.toml"), &text)
             .unwrap_or_else(|error| panic!("{error}\n{text}"));
         assert_same(&read, &resolved, &text);
         // Nothing is left to resolve, and the bytes are the same again.
-        let again = fill_in(&read, None).unwrap();
+        let again = fill_in(&read).unwrap();
         assert_same(&again, &resolved, &text);
         prop_assert_eq!(text_of(&again, "any units"), text);
     }

@@ -31,7 +31,7 @@ impl<R: Real> Alone<UndrivenHost<R>> {
 
     /// The same structure under a force.
     pub fn under(&self, force: Force<R>) -> Alone<DrivenHost<R>> {
-        Alone { host: DrivenHost::new(self.host.damping_ratio(), R::ZERO, force) }
+        Alone { host: DrivenHost::new(self.host.damping_ratio(), R::ZERO, force, R::ZERO) }
     }
 }
 

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! gives the coefficients of ∬A and of x one by one, with those of f/M and a_g ([`crate::force`]): no closed form with
-//! its resonances, and no other variable. Powers are those of t/`step`, a power of two, so that scaling is
+//! its resonances, and no other variable. Gravity along the motion adds a constant to f/M and to a_g
+//! (`host/driven/weight.rs`). Powers are those of t/`step`, a power of two, so that scaling is
 //! exact. Terms up to h³ are taken to twice the precision, as in [`crate::oscillator`].
 //!
 //! **Bounds.** With q = k f/M − a_g the pair z = (√k x, ẋ) obeys ż = M z + q e₂, |M| ≤ Λ, and |e^{Mt}| ≤ 1. Hence, in a
@@ -22,7 +23,7 @@
 use super::{Flown, HostState, Integrated, Structure};
 use crate::compensated::DoubleDouble;
 use crate::flight::{Jet, Quantity, Rows, Turns};
-use crate::force::{Drive, Force, Pushes};
+use crate::force::{Drive, Pushes};
 use crate::oscillator::{Arrival, Equation, Primary};
 use crate::real::Real;
 use crate::system::Clock;
@@ -33,11 +34,13 @@ use integral::{at_nodes, mean_product, nodes};
 pub use host::DrivenHost;
 pub(crate) use measured::Leading;
 pub use source::{Forces, Source};
+pub use weight::Weight;
 
 mod host;
 pub(crate) mod integral;
 mod measured;
 mod source;
+mod weight;
 
 /// Longest step over the fastest rate of oscillator and force: the first dropped term is below 1.2²¹/21! = 9e-19 of
 /// the motion.
@@ -48,7 +51,7 @@ const LONGEST: f64 = 1.2;
 pub struct Driven<D: Source = Forces> {
     pub(crate) equation: Equation<D::Real>,
     pub(crate) source: D,
-    /// Largest sizes of a_g and its first four derivatives.
+    /// Largest sizes of ẍ − A and its first four derivatives.
     pub(crate) base: [D::Real; 5],
     pub(crate) reach: D::Real,
     /// What powers of time are taken in.
@@ -64,7 +67,7 @@ pub struct Moment<R = f64> {
     pub(crate) time: Clock<R>,
     /// Impulses that are over.
     pub(crate) kicks: u32,
-    /// f/M and a_g.
+    /// f/M, and a_g with gravity along the motion.
     pub(crate) pushes: Pushes<R>,
 }
 
@@ -90,10 +93,10 @@ impl<R: Real> Driven<Forces<R>> {
         let mut excess = [R::ZERO; 7];
         let mut base = [R::ZERO; 5];
         for (order, excess) in (0..).zip(&mut excess) {
-            *excess = exceeding(&equation, force, reach, order);
+            *excess = exceeding(&equation, source, reach, order);
         }
         for (order, base) in (0..).zip(&mut base) {
-            *base = force.largest(order)[1];
+            *base = largest(source, order)[1];
         }
         let step = R::power_of_two(reach);
         Self { equation, source: source.clone(), base, reach, step, excess }
@@ -197,16 +200,25 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     }
 }
 
+/// The largest size that the derivatives of this order of f/M and a_g have where they are smooth, gravity included.
+fn largest<R: Real>(source: &Forces<R>, order: i32) -> [R; 2] {
+    let [f, g] = source.force.largest(order);
+    match source.weight().filter(|_| order == 0) {
+        None => [f, g],
+        Some(Weight { gravity, lift }) => [f + lift.value + gravity, g + gravity],
+    }
+}
+
 /// What the drive adds to the bound on the derivative of A of this order.
-fn exceeding<R: Real>(equation: &Equation<R>, force: &Force<R>, reach: R, order: i32) -> R {
+fn exceeding<R: Real>(equation: &Equation<R>, source: &Forces<R>, reach: R, order: i32) -> R {
     let Equation { stiffness, growth, .. } = *equation;
     let drive = |order: i32| {
-        let [f, g] = force.largest(order);
+        let [f, g] = largest(source, order);
         stiffness * f + g
     };
     let power = |n: i32| (0..n).fold(R::ONE, |power, _| power * growth);
     let sum = (0..=order).fold(R::ZERO, |sum, i| sum + power(order - i) * drive(i));
-    power(order + 1) * (reach * drive(0)) + sum + force.largest(order)[1]
+    power(order + 1) * (reach * drive(0)) + sum + largest(source, order)[1]
 }
 
 impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
@@ -299,7 +311,13 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn acceleration(&self, phase: &Moment<R>, primary: &Primary<R>) -> DoubleDouble<R> {
-        self.equation.pull(phase.pushes.primary.value - primary.x, primary.v)
+        let force = phase.pushes.primary.value;
+        match self.source.weight() {
+            None => self.equation.pull(force - primary.x, primary.v),
+            Some(Weight { gravity, lift }) => {
+                self.equation.pull(force + lift - primary.x, primary.v).plus(gravity)
+            }
+        }
     }
 
     #[inline(always)]

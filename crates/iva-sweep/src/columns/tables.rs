@@ -57,7 +57,7 @@ macro_rules! summary {
             "stop_reachable" Flag [Run] |run| run.scene.stop_reachable(),
                 "the absorber can reach its stops at all; null without absorber";
             "gravity" Acceleration [Run] |run| run.scene.gravity(),
-                "acceleration of gravity on a pendulum, given or following from frequency and length";
+                "acceleration of gravity: on a pendulum, given or following from frequency and length; on a free mass whose line of motion rises";
             "energy_work" Energy [Ledger] |run| run.values.energy_work,
                 "work of force and base, integrated along the motion; 0 in free decay";
             "amplitude_max" Length [Amplitude Smaller] |run| run.settled(|it| it.values.amplitude_max),

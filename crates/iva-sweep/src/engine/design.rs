@@ -6,6 +6,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::forces;
+use super::free_mass::{self, Inclined};
 use super::given::Given;
 use super::pendulum::{self, Common};
 use super::scale::Scale;
@@ -122,11 +123,20 @@ impl<R: Real> Given<'_, R> {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } =
                     self.common(scale, units)?;
                 let system = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
+                let inclined = free_mass::inclined(self, scale)?;
+                let start = match inclined {
+                    Some(_) => free_mass::start(self, start, clearance),
+                    None => start,
+                };
                 system.check_start(&start)?;
-                if force.is_none() {
-                    Ok(Scene::Siva { system, start })
-                } else {
-                    Ok(Scene::DrivenSiva { system: system.under(force), start })
+                let gravity = inclined.map(|inclined| inclined.gravity);
+                match inclined {
+                    Some(Inclined { along, .. }) => {
+                        let system = system.inclined(along, force);
+                        Ok(Scene::DrivenSiva { system, start, gravity })
+                    }
+                    None if force.is_none() => Ok(Scene::Siva { system, start }),
+                    None => Ok(Scene::DrivenSiva { system: system.under(force), start, gravity }),
                 }
             }
             Kind::Piva => {

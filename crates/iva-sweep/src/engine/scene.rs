@@ -19,12 +19,14 @@ pub enum Scene<R: Real = f64> {
         /// State at time zero.
         start: Start<R>,
     },
-    /// A free mass under force.
+    /// A free mass under force, or with gravity along its motion.
     DrivenSiva {
         /// The absorber.
         system: Siva<DrivenHost<R>>,
         /// State at time zero.
         start: Start<R>,
+        /// Acceleration of gravity in the user's unit; `None` where the motion is level.
+        gravity: Option<R>,
     },
     /// A structure without absorber in free decay.
     Alone {
@@ -57,7 +59,9 @@ macro_rules! with_system {
     ($scene:expr, |$system:ident, $start:ident| $body:expr) => {
         match $scene {
             $crate::engine::scene::Scene::Siva { system: $system, start: $start } => $body,
-            $crate::engine::scene::Scene::DrivenSiva { system: $system, start: $start } => $body,
+            $crate::engine::scene::Scene::DrivenSiva { system: $system, start: $start, .. } => {
+                $body
+            }
             $crate::engine::scene::Scene::Alone { system: $system, start: $start } => $body,
             $crate::engine::scene::Scene::DrivenAlone { system: $system, start: $start } => $body,
             $crate::engine::scene::Scene::Piva { system: $system, start: $start, .. } => $body,
@@ -136,7 +140,7 @@ impl<R: Real> Scene<R> {
     pub fn force(&self) -> Option<&Force<R>> {
         match self {
             Scene::Siva { .. } | Scene::Alone { .. } => None,
-            Scene::DrivenSiva { system, .. } => system.force(),
+            Scene::DrivenSiva { system, .. } => system.force().filter(|force| !force.is_none()),
             Scene::DrivenAlone { system, .. } => system.force(),
             Scene::Piva { system, .. } => Some(system.force()).filter(|force| !force.is_none()),
         }
@@ -147,16 +151,25 @@ impl<R: Real> Scene<R> {
         with_system!(self, |system, _start| system.moves_base())
     }
 
-    /// Acceleration of gravity on a pendulum, in the user's unit.
+    /// Acceleration of gravity on a pendulum, or along the motion of a free mass, in the user's unit.
     pub fn gravity(&self) -> Option<R> {
         match self {
-            Scene::Piva { gravity, .. } => *gravity,
+            Scene::Piva { gravity, .. } | Scene::DrivenSiva { gravity, .. } => *gravity,
+            _ => None,
+        }
+    }
+
+    /// Gravity along the motion γ = g sin α, in ωn² × length: 0 where that is level, `None` of other than a free mass.
+    pub fn gravity_along(&self) -> Option<R> {
+        match self {
+            Scene::Siva { .. } => Some(R::ZERO),
+            Scene::DrivenSiva { system, .. } => Some(system.gravity()),
             _ => None,
         }
     }
 
     /// True if the absorber has an angle to report.
     pub fn has_angle(&self) -> bool {
-        self.gravity().is_some()
+        matches!(self, Scene::Piva { gravity: Some(_), .. })
     }
 }

@@ -31,8 +31,8 @@ enum Drive {
     Record,
 }
 
-/// A structure of 100 kg at 30 rad/s with its absorber.
-fn scene(kind: Kind, drive: Drive) -> Spec {
+/// A structure of 100 kg at 30 rad/s with its absorber, on a line of motion that is level or rises.
+fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
     use FieldId as F;
     let mut spec = Spec::new(Choices { kind, ..Choices::default() });
     let mut fields = vec![
@@ -47,6 +47,9 @@ fn scene(kind: Kind, drive: Drive) -> Spec {
     ];
     if kind == Kind::Piva {
         fields.push((F::Length, 0.4));
+    }
+    if rises {
+        fields.extend([(F::InclinationDeg, 20.0), (F::Gravity, 9.81)]);
     }
     match drive {
         Drive::Nothing => {}
@@ -90,6 +93,8 @@ fn usual(field: FieldId) -> f64 {
         F::FrequencyRatio => 0.2,
         F::Length | F::ContactDistance => 0.4,
         F::Gravity => 9.0,
+        F::Inclination => 0.3,
+        F::InclinationDeg => 40.0,
         F::InertiaRatio | F::RelativeFrequency | F::RecordScale => 1.1,
         F::Amplitude | F::BaseAcceleration => 2.0,
         F::ForceAmplitude => 200.0,
@@ -201,8 +206,17 @@ fn a_sweep_over_any_field_has_the_rows_of_its_points() {
     let workers = [1, 2].map(|threads| Workers::new(Some(threads)).unwrap());
     for kind in Kind::ALL {
         let mut tried = BTreeSet::new();
-        for drive in [Drive::Nothing, Drive::Harmonic, Drive::Impulse, Drive::Record] {
-            let spec = scene(kind, drive);
+        let mut scenes = vec![
+            (Drive::Nothing, false),
+            (Drive::Harmonic, false),
+            (Drive::Impulse, false),
+            (Drive::Record, false),
+        ];
+        if kind == Kind::Siva {
+            scenes.extend([(Drive::Nothing, true), (Drive::Harmonic, true)]);
+        }
+        for (drive, rises) in scenes {
+            let spec = scene(kind, drive, rises);
             for field in FieldId::all() {
                 let of_force = field.info().part == Part::Force;
                 if !(of_force && drive == Drive::Nothing) && check(&spec, field, &workers) {

@@ -191,6 +191,45 @@ fn derivatives_of_free_masses_are_right() {
     assert!(check.compared > 5000 && check.flagged < check.compared / 3);
 }
 
+/// Of free masses with gravity along their motion, that start on their lower stop.
+#[test]
+fn derivatives_where_the_motion_rises_are_right() {
+    let mut rng = Rng::new(64);
+    let mut check = Check { largest: 1.0, worst: 0.0, compared: 0, flagged: 0 };
+    for _ in 0..40 {
+        let fields = [
+            (F::MassRatio, rng.log_range(0.02, 0.5)),
+            (F::Restitution, rng.range(0.1, 0.9)),
+            (F::Clearance, rng.log_range(0.1, 1.5)),
+            (F::DampingRatio, rng.pick(&[0.01, 0.1])),
+            (F::Displacement, rng.range(-2.0, 2.0)),
+            (F::Gravity, rng.log_range(0.1, 2.0)),
+            (F::Inclination, rng.range(0.1, 1.5)),
+        ];
+        let cycles = rng.range(1.0, 4.0);
+        let mut spec = spec(Kind::Siva, &fields);
+        spec.set(F::Periods, cycles).unwrap();
+        let duration = cycles * std::f64::consts::TAU;
+        for (number, (field, value)) in fields.into_iter().enumerate() {
+            check.gradient(&spec, field, value, &|changed| {
+                let mut all = fields.map(|(_, value)| Twofold::from(value));
+                all[number] = changed;
+                let [mass, e, d, zeta, displacement, gravity, inclination] = all;
+                let (sine, _) = inclination.sincos();
+                let siva = Siva::new(mass, e, d, zeta).unwrap();
+                let siva = siva.inclined(gravity * sine, Force::default());
+                let start = Start { displacement, gap_displacement: -d, ..Start::default() };
+                numbers(&siva, &start, duration)
+            });
+        }
+    }
+    println!(
+        "{} derivatives, worst {:.1e}, {} close to a grazing",
+        check.compared, check.worst, check.flagged
+    );
+    assert!(check.compared > 3000 && check.flagged < check.compared / 3);
+}
+
 #[test]
 fn derivatives_of_pendulums_are_right() {
     let mut rng = Rng::new(62);

@@ -16,6 +16,7 @@ mod flight;
 mod forced;
 mod gradients;
 mod impulses;
+mod inclined;
 mod invariants;
 mod lanes;
 mod limits;

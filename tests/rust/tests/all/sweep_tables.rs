@@ -322,7 +322,7 @@ fn work_of(study: &Study) -> u64 {
     let design = study.design(0).unwrap();
     match design.scene {
         Scene::Siva { system, start } => tally(&system, &start, &design.limits),
-        Scene::DrivenSiva { system, start } => tally(&system, &start, &design.limits),
+        Scene::DrivenSiva { system, start, .. } => tally(&system, &start, &design.limits),
         Scene::Alone { system, start } => tally(&system, &start, &design.limits),
         Scene::DrivenAlone { system, start } => tally(&system, &start, &design.limits),
         Scene::Piva { system, start, .. } => tally(&system, &start, &design.limits),

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::{Driven, Forces, Moment};
+use super::{Driven, Forces, Moment, Source, Weight};
 use crate::compensated::DoubleDouble;
 use crate::force::Force;
 use crate::host::Host;
@@ -21,9 +21,9 @@ pub struct DrivenHost<R: Real = f64> {
 }
 
 impl<R: Real> DrivenHost<R> {
-    /// A structure of damping ratio ζ under a force, for an absorber of mass ratio μ.
-    pub(crate) fn new(damping_ratio: R, mass_ratio: R, force: Force<R>) -> Self {
-        let forces = Forces::new(force);
+    /// A structure of damping ratio ζ under a force and gravity γ along its motion, for an absorber of mass ratio μ.
+    pub(crate) fn new(damping_ratio: R, mass_ratio: R, force: Force<R>, gravity: R) -> Self {
+        let forces = Forces::new(force, Weight::new(gravity, mass_ratio));
         let free = Driven::new(R::ONE, damping_ratio, &forces);
         Self { damping_ratio, mass_ratio, forces, free, loaded: OnceLock::new() }
     }
@@ -43,7 +43,8 @@ impl<R: Real> Host for DrivenHost<R> {
     }
 
     fn loaded(&self) -> &Driven<Forces<R>> {
-        let loaded = || Driven::new(R::ONE + self.mass_ratio, self.damping_ratio, &self.forces);
+        let mass = R::ONE + self.mass_ratio;
+        let loaded = || Driven::new(mass, self.damping_ratio, &self.forces.loaded());
         self.loaded.get_or_init(|| Box::new(loaded()))
     }
 
@@ -52,7 +53,11 @@ impl<R: Real> Host for DrivenHost<R> {
     }
 
     fn balanced(&self, phase: &Moment<R>, v: DoubleDouble<R>) -> DoubleDouble<R> {
-        phase.pushes.primary.value - v.times(self.free.equation.damping)
+        let balanced = phase.pushes.primary.value - v.times(self.free.equation.damping);
+        match self.forces.weight() {
+            None => balanced,
+            Some(Weight { gravity, lift }) => (balanced + lift).plus(gravity),
+        }
     }
 
     fn leaning(&self, phase: &Moment<R>) -> [R; 3] {
@@ -63,6 +68,10 @@ impl<R: Real> Host for DrivenHost<R> {
 
     fn force(&self) -> Option<&Force<R>> {
         Some(&self.forces.force)
+    }
+
+    fn gravity(&self) -> R {
+        self.forces.weight().map_or(R::ZERO, |weight| weight.gravity)
     }
 
     fn smooth_for(&self, phase: &Moment<R>) -> R {

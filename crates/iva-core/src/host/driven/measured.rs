@@ -40,7 +40,13 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [x, v * over, (a * square) * 2.0, (j * cube) * 6.0, (s * (square * square)) * 24.0]
     }
 
-    /// x and A at a state, with their derivatives.
+    /// Gravity along the motion.
+    #[inline(always)]
+    fn gravity(&self) -> R {
+        self.source.weight().map_or(R::ZERO, |weight| weight.gravity)
+    }
+
+    /// x and the absolute acceleration at a state, with their derivatives.
     #[inline(always)]
     pub(crate) fn leading_of(&self, state: &HostState<Moment<R>, R>) -> Leading<R> {
         let Primary { x, v } = state.primary;
@@ -49,7 +55,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         let [base, base_rate, ..] = self.base(&state.phase);
         Leading {
             displacement: [x.value, v.value, a - base, jerk - base_rate],
-            acceleration: [a, jerk, snap, third],
+            acceleration: [a - self.gravity(), jerk, snap, third],
         }
     }
 
@@ -70,7 +76,9 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// Coefficients of a_g.
     #[inline(always)]
     pub(crate) fn base_row(&self, course: &Course<R>) -> Row<R> {
-        self.derivative(&self.derivative(&course.carried))
+        let mut base = self.derivative(&self.derivative(&course.carried));
+        base[0] -= self.gravity();
+        base
     }
 
     /// Coefficients of x.
@@ -86,10 +94,12 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         x
     }
 
-    /// Coefficients of A.
+    /// Coefficients of the absolute acceleration.
     #[inline(always)]
     pub(crate) fn acceleration_row(&self, course: &Course<R>) -> Row<R> {
-        self.derivative(&self.derivative(&course.pulled))
+        let mut acceleration = self.derivative(&self.derivative(&course.pulled));
+        acceleration[0] -= self.gravity();
+        acceleration
     }
 
     /// ∫ 2ζ ẋ², and ∫ (f/M) ẋ − a_g p with p the momentum of structure and absorber.
@@ -100,6 +110,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         let velocity = at_nodes(&self.derivative(&self.place(from, course)), &t);
         let viscous = self.equation.damping / self.equation.stiffness;
         let lost = viscous * mean_product(&velocity, &velocity) * h;
+        // That of gravity is none: it is in the energy of the absorber.
         let mut work = mean_product(&at_nodes(&course.pushed, &t), &velocity);
         if self.source.moves_base() {
             let gained = at_nodes(&self.derivative(&course.pulled), &t);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Moment;
+use super::{Moment, Weight};
 use crate::compensated::DoubleDouble;
 use crate::force::{Drive, Force, Pushes};
 use crate::real::Real;
@@ -29,6 +29,11 @@ pub trait Source: Clone + std::fmt::Debug {
     fn moves_base(&self) -> bool;
     /// True if it consists of pieces.
     fn bends(&self) -> bool;
+    /// Gravity along the motion; `None` where that is level.
+    #[inline(always)]
+    fn weight(&self) -> Option<Weight<Self::Real>> {
+        None
+    }
 }
 
 /// A sum of forces, shared by a structure with and without its absorber.
@@ -36,12 +41,19 @@ pub trait Source: Clone + std::fmt::Debug {
 pub struct Forces<R = f64> {
     pub(super) force: Arc<Force<R>>,
     moves_base: bool,
+    weight: Option<Weight<R>>,
 }
 
 impl<R: Real> Forces<R> {
-    pub(super) fn new(force: Force<R>) -> Self {
-        let moves_base = force.moves_base();
-        Self { force: Arc::new(force), moves_base }
+    /// A force on a structure by itself, with gravity along its motion.
+    pub(super) fn new(force: Force<R>, weight: Option<Weight<R>>) -> Self {
+        let moves_base = force.moves_base() || weight.is_some();
+        Self { force: Arc::new(force), moves_base, weight }
+    }
+
+    /// The same on a structure with the absorber stuck to it.
+    pub(super) fn loaded(&self) -> Self {
+        Self { weight: self.weight.map(Weight::loaded), ..self.clone() }
     }
 }
 
@@ -49,16 +61,28 @@ impl<R: Real> Source for Forces<R> {
     type Real = R;
     #[inline(always)]
     fn pushes(&self, from: Clock<R>, time: Clock<R>) -> Pushes<R> {
-        self.force.pushes(from, time)
+        let mut pushes = self.force.pushes(from, time);
+        if let Some(Weight { gravity, .. }) = self.weight {
+            pushes.base.value = pushes.base.value.plus(gravity);
+        }
+        pushes
     }
 
     #[inline(always)]
     fn drive(&self, time: Clock<R>, h: R) -> Drive<R> {
-        self.force.drive(time, time, h)
+        let mut drive: Drive<R> = self.force.drive(time, time, h);
+        if let Some(Weight { gravity, .. }) = self.weight {
+            drive.base[0] += gravity;
+        }
+        drive
     }
 
     fn precise(&self, time: Clock<R>, h: R) -> Drive<DoubleDouble<R>> {
-        self.force.precise(time, h)
+        let mut drive: Drive<DoubleDouble<R>> = self.force.precise(time, h);
+        if let Some(Weight { gravity, .. }) = self.weight {
+            drive.base[0] = drive.base[0].plus(gravity);
+        }
+        drive
     }
 
     #[inline(always)]
@@ -73,5 +97,10 @@ impl<R: Real> Source for Forces<R> {
 
     fn bends(&self) -> bool {
         !self.force.records().is_empty()
+    }
+
+    #[inline(always)]
+    fn weight(&self) -> Option<Weight<R>> {
+        self.weight
     }
 }

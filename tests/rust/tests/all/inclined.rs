@@ -1,0 +1,274 @@
+//! Free masses whose line of motion rises: gravity along it.
+//!
+//! A uniform field of gravity cannot be told from a base with constant acceleration, only the origin of x differs: x
+//! on such a base is smaller by (1 + μ)γ, what the spring carries when the absorber lies on its lower stop. Such a base is
+//! a record of two points, whose motion other tests judge. The run in numbers of twice the precision judges the run in
+//! doubles.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::sync::Arc;
+
+use iva_core::{
+    force::{Acts, Force, Harmonic, History, Record},
+    host::DrivenHost,
+    measures::{Measures, Wanted},
+    propagation::Errors,
+    real::{Real, twofold::Twofold},
+    run::{Run, run},
+    simulate::{Limits, Outcome, simulate},
+    siva::Siva,
+    system::Start,
+};
+use iva_tests::{U, UNITS_ALLOWED, rng::Rng, units};
+
+/// Relative change of gravity that shows how much depends on it: far below what changes the events, far above the roundings
+/// of numbers of twice the precision.
+const MOVED: f64 = 1e-14;
+
+/// An absorber, gravity γ along its motion, and the structure that starts from a displacement, or with a velocity in
+/// the case of a motion under force.
+#[derive(Debug, Clone, Copy)]
+struct Scene {
+    mass_ratio: f64,
+    restitution: f64,
+    clearance: f64,
+    damping_ratio: f64,
+    gravity: f64,
+    displacement: f64,
+    /// Above the lower stop.
+    height: f64,
+    harmonic: Option<Harmonic>,
+    duration: f64,
+}
+
+impl Scene {
+    fn random(rng: &mut Rng, driven: bool) -> Self {
+        let clearance = rng.log_range(0.1, 2.0);
+        let mut harmonic = |acts| Harmonic {
+            amplitude: rng.range(0.1, 0.6),
+            frequency: rng.range(0.6, 1.6),
+            phase: rng.range(-3.0, 3.0),
+            acts,
+        };
+        let acts = if clearance > 0.5 { Acts::Base } else { Acts::Primary };
+        let harmonic = driven.then(|| harmonic(acts));
+        Self {
+            mass_ratio: rng.log_range(0.02, 0.3),
+            restitution: rng.range(0.2, 0.9),
+            clearance,
+            damping_ratio: rng.pick(&[0.0, 0.01, 0.05]),
+            gravity: rng.log_range(0.03, 10.0),
+            displacement: rng.range(-2.0, 2.0),
+            height: rng.pick(&[0.0, 0.5, 1.2]) * clearance,
+            harmonic,
+            duration: 40.0,
+        }
+    }
+
+    fn force<R: Real>(&self, more: Vec<Record<R>>) -> Force<R> {
+        let of = |it: Harmonic| Harmonic {
+            amplitude: it.amplitude.into(),
+            frequency: it.frequency.into(),
+            phase: it.phase.into(),
+            acts: it.acts,
+        };
+        Force::new(self.harmonic.map(of).into_iter().collect(), more, &[]).unwrap()
+    }
+
+    fn absorber<R: Real>(&self) -> Siva<iva_core::host::UndrivenHost<R>> {
+        let of = R::from;
+        Siva::new(
+            of(self.mass_ratio),
+            of(self.restitution),
+            of(self.clearance),
+            of(self.damping_ratio),
+        )
+        .unwrap()
+    }
+
+    fn inclined<R: Real>(&self) -> Siva<DrivenHost<R>> {
+        self.absorber().inclined(self.gravity.into(), self.force(Vec::new()))
+    }
+
+    /// The same with a relative change of gravity.
+    fn heavier(&self, by: f64) -> Siva<DrivenHost<Twofold>> {
+        let gravity = (Twofold::ONE + by) * self.gravity;
+        self.absorber().inclined(gravity, self.force(Vec::new()))
+    }
+
+    fn start<R: Real>(&self) -> Start<R> {
+        Start {
+            displacement: self.displacement.into(),
+            velocity: R::ZERO,
+            gap_displacement: R::from(self.height) - self.clearance,
+            gap_velocity: R::ZERO,
+        }
+    }
+
+    fn limits<R: Real>(&self) -> Limits<R> {
+        Limits::new(self.duration.into(), self.clearance.into())
+    }
+}
+
+/// Impacts, sticks and releases with their walls.
+fn instants<S, R: Real>(run: &Run<S, R>) -> Vec<(char, f64, R)> {
+    let impacts = run.impacts.iter().map(|it| ('i', it.wall.sign(), it.time));
+    let sticks = run.episodes.iter().map(|it| ('s', it.wall.sign(), it.stick_time));
+    let releases =
+        run.episodes.iter().filter_map(|it| Some(('r', it.wall.sign(), it.release_time?)));
+    let mut all: Vec<_> = impacts.chain(sticks).chain(releases).collect();
+    all.sort_by(|a, b| a.2.total_cmp(&b.2));
+    all
+}
+
+fn assert_same_events<R: Real, Q: Real>(
+    one: &[(char, f64, R)],
+    other: &[(char, f64, Q)],
+    scene: &Scene,
+) {
+    let kinds = |events: &[(char, f64)]| events.to_vec();
+    let one: Vec<_> = one.iter().map(|it| (it.0, it.1)).collect();
+    let other: Vec<_> = other.iter().map(|it| (it.0, it.1)).collect();
+    assert_eq!(kinds(&one), kinds(&other), "{scene:?}");
+}
+
+/// True if rounding could decide which events there are: far beyond what two programs can agree on.
+fn is_too_sensitive(errors: &Errors) -> bool {
+    errors.condition().is_none_or(|condition| condition > 1e6)
+        || errors.impacts.iter().any(|impact| impact.grazing || impact.time.is_none())
+}
+
+#[test]
+fn gravity_is_an_acceleration_of_the_base() {
+    let mut rng = Rng::new(20_261_124);
+    let mut compared = 0;
+    for number in 0..120 {
+        let scene = Scene::random(&mut rng, number % 2 == 1);
+        let inclined = scene.inclined::<Twofold>();
+        let found = run(&inclined, &scene.start(), &scene.limits()).unwrap();
+
+        let constant = vec![scene.gravity; 2];
+        let record = Record {
+            history: Arc::new(History::new(vec![0.0, 100.0], constant).unwrap()),
+            acts: Acts::Base,
+            rate: Twofold::ONE,
+            scale: Twofold::ONE,
+        };
+        let level = scene.absorber().under(scene.force(vec![record]));
+        let carried = (Twofold::ONE + scene.mass_ratio) * scene.gravity;
+        let start = scene.start::<Twofold>();
+        let start = Start { displacement: start.displacement - carried, ..start };
+        let expected = run(&level, &start, &scene.limits()).unwrap();
+        let [found, expected] = [instants(&found), instants(&expected)];
+
+        let mut errors = Errors::default();
+        simulate(&scene.inclined(), &scene.start(), &scene.limits(), None, &mut errors).unwrap();
+        if is_too_sensitive(&errors) {
+            continue;
+        }
+        compared += found.len();
+        assert_same_events(&found, &expected, &scene);
+        for (one, other) in found.iter().zip(&expected) {
+            let off = (one.2 - other.2).abs();
+            assert!(off < 1e-18, "{off:?} at {:?} of {scene:?}", one.2);
+        }
+    }
+    assert!(compared > 1500, "{compared}");
+}
+
+#[test]
+fn doubles_are_off_by_some_rounding_units() {
+    let mut rng = Rng::new(20_261_125);
+    let mut found = Vec::new();
+    for number in 0..400 {
+        let scene = Scene::random(&mut rng, number % 2 == 1);
+        let mut errors = Errors::default();
+        simulate(&scene.inclined(), &scene.start(), &scene.limits(), None, &mut errors).unwrap();
+        if is_too_sensitive(&errors) {
+            continue;
+        }
+        let exact = run(&scene.inclined::<Twofold>(), &scene.start(), &scene.limits()).unwrap();
+        let plain = run(&scene.inclined::<f64>(), &scene.start(), &scene.limits()).unwrap();
+        assert_eq!(plain.tally.undecided, 0, "{scene:?}");
+        assert_eq!(plain.tally.outcome, Outcome::Finished);
+        let [exact, plain] = [
+            instants(&exact),
+            instants(&plain).into_iter().map(|it| (it.0, it.1, it.2.into())).collect(),
+        ];
+        assert_same_events(&plain, &exact, &scene);
+        let condition = errors.condition().unwrap_or(1.0);
+        let moved = run(&scene.heavier(MOVED), &scene.start(), &scene.limits()).unwrap();
+        let moved = instants(&moved);
+        assert_same_events(&moved, &exact, &scene);
+        for ((one, truth), moved) in plain.iter().zip(&exact).zip(&moved) {
+            let off = f64::from(one.2 - truth.2);
+            let by_gravity = f64::from(moved.2 - truth.2).abs() / MOVED;
+            found.push((units(off, condition.max(by_gravity), f64::from(truth.2)), number));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let median = found[found.len() / 2];
+    println!("{} events, median {median:?}, worst {:?}", found.len(), found.last());
+    assert!(found.len() > 3000 && median.0 < 1.0, "{median:?}");
+    assert!(found.last().unwrap().0 <= UNITS_ALLOWED, "{:?}", found.last());
+}
+
+/// Without damper and at e = 1 nothing is lost: gravity, structure and absorber exchange all they have.
+#[test]
+fn elastic_impacts_on_an_undamped_structure_keep_the_energy() {
+    let scene = Scene {
+        mass_ratio: 0.1,
+        restitution: 1.0,
+        clearance: 0.8,
+        damping_ratio: 0.0,
+        gravity: 0.7,
+        displacement: 1.0,
+        height: 0.3,
+        harmonic: None,
+        duration: 3000.0,
+    };
+    let system = scene.inclined::<f64>();
+    let mut measures = Measures::new(Wanted::ALL);
+    let tally = simulate(&system, &scene.start(), &scene.limits(), None, &mut measures).unwrap();
+    let values = measures.values();
+    let initial = 0.5 + 0.1 * 0.7 * 0.3;
+    assert!(tally.impacts > 1000, "{}", tally.impacts);
+    assert!((values.energy_initial - initial).abs() < 1e-15, "{}", values.energy_initial);
+    // A random walk of one rounding an impact and a stretch.
+    let stretches = tally.work as f64;
+    assert!((values.energy_final - initial).abs() < 4.0 * U * stretches.sqrt(), "{values:?}");
+    assert_eq!(values.energy_work, 0.0);
+}
+
+/// Stuck on its lower stop the absorber moves as one mass with the structure, x = x₀ cos(t/√(1 + μ)) without a damper:
+/// it lifts off where the structure falls faster than it, at cos(t/√(1 + μ)) = (1 + μ)γ/x₀, if it does at all.
+#[test]
+fn a_resting_absorber_lifts_off_where_gravity_no_longer_holds_it() {
+    let mass = 1.25_f64;
+    for (gravity, lifts) in [(0.7, true), (0.799, true), (0.8, false), (0.9, false), (30.0, false)]
+    {
+        let scene = Scene {
+            mass_ratio: 0.25,
+            restitution: 0.5,
+            clearance: 0.4,
+            damping_ratio: 0.0,
+            gravity,
+            // The structure is pushed down, and on its way up slows down.
+            displacement: -1.0,
+            height: 0.0,
+            harmonic: None,
+            duration: 4.0,
+        };
+        let run = run(&scene.inclined::<f64>(), &scene.start(), &scene.limits()).unwrap();
+        let first = run.episodes.first().expect("it begins at rest on its stop");
+        assert_eq!((first.wall.sign(), first.stick_time), (-1.0, 0.0));
+        let Some(release) = first.release_time else {
+            assert!(!lifts, "γ = {gravity}");
+            continue;
+        };
+        let turned = mass.sqrt() * (-mass * gravity).acos();
+        // The slope of the arc cosine there.
+        let condition = mass.sqrt() * gravity / (1.0 - (mass * gravity).powi(2)).sqrt();
+        assert!(lifts && units(release - turned, condition, turned) <= 2.0, "{release} {turned}");
+    }
+}
