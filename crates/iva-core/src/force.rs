@@ -18,7 +18,7 @@ use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::range;
 use crate::real::Real;
-use crate::taylor::ORDER;
+use crate::taylor::{ORDER, unrolled};
 
 pub use harmonic::Harmonic;
 pub use record::{History, Record};
@@ -98,6 +98,12 @@ impl<R: Real> Push<R> {
         second: DoubleDouble::ZERO,
         third: R::ZERO,
     };
+
+    /// Its first two coefficients in powers of time.
+    #[inline(always)]
+    pub(crate) fn beginning(&self) -> [DoubleDouble<R>; 2] {
+        [self.value, self.rate]
+    }
 
     #[inline(always)]
     fn add(&mut self, other: &Push<R>) {
@@ -252,6 +258,13 @@ impl<R: Real> Force<R> {
         }
     }
 
+    /// The first two coefficients of powers of t at an instant, to twice the precision.
+    #[inline(always)]
+    pub(crate) fn beginning(&self, time: DoubleDouble<R>) -> Drive<DoubleDouble<R>, 2> {
+        let Pushes { primary, base } = self.pushes(time, time);
+        Drive { primary: primary.beginning(), base: base.beginning() }
+    }
+
     /// Coefficients of powers of t/h at `from`, to twice the precision.
     pub fn precise<const LENGTH: usize>(
         &self,
@@ -272,14 +285,15 @@ impl<R: Real> Force<R> {
         drive
     }
 
-    /// Bounds |F_k| ≤ F̂ qᵏ/(k+1) on the coefficients of f/M and of a_g for every k ≥ N ≥ 2; `None` if
-    /// this q is too small. A straight line has no such coefficients.
-    pub fn tail(&self, h: R, order: usize, ratio: R) -> Option<[R; 2]> {
+    /// Bounds |F_k| ≤ F̂ qᵏ/(k+1) on the coefficients of f/M and of a_g for every k ≥ N ≥ 2, of powers of t/h; ∞ if this
+    /// q is too small. A straight line has no such coefficients.
+    #[inline(always)]
+    pub fn tail<const N: usize>(&self, h: R, ratio: R) -> [R; 2] {
         let mut tail = [R::ZERO; 2];
         for harmonic in &self.harmonics {
-            tail[usize::from(harmonic.acts == Acts::Base)] += harmonic.tail(h, order, ratio)?;
+            tail[usize::from(harmonic.acts == Acts::Base)] += harmonic.tail::<N>(h, ratio);
         }
-        Some(tail)
+        tail
     }
 
     /// The next instant at which it is not smooth, once the first `done` kicks are over.
@@ -325,8 +339,13 @@ impl<R: Real, const LENGTH: usize> Drive<R, LENGTH> {
     pub(crate) const NONE: Self = Self { primary: [R::ZERO; LENGTH], base: [R::ZERO; LENGTH] };
 
     /// Neither |f/M| nor |a_g| exceeds it within the step.
+    #[inline(always)]
     pub fn size(&self) -> R {
-        self.primary.iter().chain(&self.base).map(|coefficient| coefficient.abs()).sum()
+        let mut size = R::ZERO;
+        unrolled!(k < ORDER + 1 => if k < LENGTH {
+            size += self.primary[k].abs() + self.base[k].abs();
+        });
+        size
     }
 }
 

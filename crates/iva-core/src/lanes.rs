@@ -181,10 +181,16 @@ impl SideBySide for Siva<DrivenHost> {
 
 impl SideBySide for Piva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let Piva { pendulum, accuracy, .. } = &job.system;
-        let alone = pendulum.small_angles || !job.system.force().is_none();
+        let (Piva { pendulum, accuracy, .. }, force) = (&job.system, job.system.force());
         let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
-        (!alone && job.steady.is_none()).then_some([accuracy.tolerance, damped])
+        let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
+        let driven = if force.is_none() { 0.0 } else { 2.0 + 2.0 * f64::from(wanted.bits()) };
+        // No strobes come out of lanes.
+        let fits = match force.is_none() {
+            true => job.steady.is_none(),
+            false => force.is_single() && !wanted.strobes,
+        };
+        (fits && !pendulum.small_angles).then_some([accuracy.tolerance, driven + damped])
     }
 
     fn tier(job: &Job<Self>) -> Tier {
@@ -192,7 +198,12 @@ impl SideBySide for Piva {
     }
 
     fn run(group: Group<'_, Self>) {
-        with_order!(group.leader().accuracy.order, N => group.run::<piva::Steps<N>>());
+        let order = group.leader().accuracy.order;
+        if group.leader().force().is_none() {
+            with_order!(order, N => group.run::<piva::Steps<N, false>>());
+        } else {
+            with_order!(order, N => group.run::<piva::Steps<N, true>>());
+        }
     }
 }
 

@@ -15,6 +15,7 @@ use crate::real::Real;
 use crate::system::{Angle, Clock, Point, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
 
+pub(crate) use motion::Known;
 pub use motion::PivaFlight;
 pub use parameters::{Angles, ImpactLaw, Parameters};
 pub use ride::PivaRide;
@@ -28,6 +29,7 @@ pub(crate) use step::STEEP;
 pub(crate) mod accuracy;
 mod gap;
 mod impact_law;
+pub(crate) mod integrals;
 mod motion;
 mod parameters;
 mod ride;
@@ -154,6 +156,7 @@ impl<R: Real> Piva<R> {
     }
 
     /// Coefficients of the force at a state, of the smooth piece that acts from `from` on.
+    #[inline(always)]
     pub(crate) fn drive<const LENGTH: usize>(
         &self,
         from: Clock<R>,
@@ -165,6 +168,7 @@ impl<R: Real> Piva<R> {
 
     /// First coefficients of the flight at a state, in powers of t, under the force that acts from
     /// `from` on.
+    #[inline(always)]
     pub(crate) fn beginning<const LENGTH: usize>(
         &self,
         from: Clock<R>,
@@ -177,7 +181,10 @@ impl<R: Real> Piva<R> {
 
     /// Jet of the distance to the wall, in free motion under the force that acts from `from` on.
     fn jet(&self, from: Clock<R>, state: &PivaState<R>) -> Jet<R> {
-        let series = self.beginning::<4>(from, state);
+        let series = R::dispatched(
+            #[inline(always)]
+            || self.beginning::<4>(from, state),
+        );
         let s = state.wall.sign();
         Jet {
             value: state.distance.value,
@@ -286,7 +293,10 @@ impl<R: Real> System for Piva<R> {
     }
 
     fn touch(&self, state: &PivaState<R>, wall: Wall) -> (PivaState<R>, R) {
-        let Series { u, w, y, c, .. } = self.beginning::<3>(state.time, state);
+        let Series { u, w, y, c, .. } = R::dispatched(
+            #[inline(always)]
+            || self.beginning::<3>(state.time, state),
+        );
         let later = if self.has_steep_walls() {
             delay((state.cosine - self.wall_cosine).value, c[1], c[2] * 2.0)
         } else {
@@ -307,9 +317,11 @@ impl<R: Real> System for Piva<R> {
 
     fn impact(&self, state: &PivaState<R>, time: R) -> (PivaState<R>, Impact<R>) {
         let v = state.primary.v;
-        let gained = self.law.impact(state.w);
+        let (gained, w) = R::dispatched(
+            #[inline(always)]
+            || (self.law.impact(state.w), state.w.times_sum(-self.law.rebound)),
+        );
         let primary = Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary };
-        let w = state.w.times_sum(-self.law.rebound);
         let after = PivaState { primary, w, released: false, ..*state };
         let restitution = self.parameters.restitution;
         let impact = Impact {

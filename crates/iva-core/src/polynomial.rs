@@ -4,33 +4,10 @@ use crate::flight::Arc;
 use crate::range::{LARGEST, SMALLEST};
 use crate::real::Real;
 use crate::roots::polish;
-use crate::taylor::{ORDER, Row, horner, unrolled};
+use crate::taylor::{ORDER, Row, horner};
 
 /// Products of terms are summed up to this many powers beyond the order.
 const BEYOND: usize = 4;
-
-/// ∫₀ᵗ f² of a polynomial f of order N that is a series cut off where its terms no longer count: nor do
-/// products of far higher powers.
-#[inline(always)]
-pub(crate) fn square_integral<R: Real, const N: usize>(f: &[R], t: R) -> R {
-    // At t the terms are moderate, whatever the coefficients are.
-    let (f, _) = terms(&f[..=N], t);
-    // Half the coefficients of f², row by row of its products: neighbours are added side by side.
-    let mut half = [R::ZERO; 2 * ORDER + 1];
-    unrolled!(i < (N + BEYOND) / 2 + 1 => {
-        half[2 * i] = (f[i] * 0.5).mul_add(f[i], half[2 * i]);
-        let last = N.min(N + BEYOND - i);
-        for (sum, term) in half[2 * i + 1..].iter_mut().zip(&f[i + 1..=last]) {
-            *sum = f[i].mul_add(*term, *sum);
-        }
-    });
-    let mut sums = [R::ZERO; 2];
-    for i in 0..N + BEYOND + 1 {
-        let k = N + BEYOND - i;
-        sums[k % 2] = half[k].mul_add(R::reciprocal(k + 1), sums[k % 2]);
-    }
-    (sums[0] + sums[1]) * 2.0 * t
-}
 
 /// ∫₀ᵗ f g of two polynomials of one order, at most [`ORDER`], that are series cut off where their terms no longer count.
 pub fn product_integral<R: Real>(f: &[R], g: &[R], t: R) -> R {
@@ -275,12 +252,5 @@ mod tests {
         let tiny: Vec<f64> = cosine(2.0, -1.0).iter().map(|c| 1e-300 * c).collect();
         near(largest(&tiny, [0.0, 1.0], 0.0) / 1e-300, 1.0);
         assert_eq!(largest(&[f64::NAN; 5], [0.0, 1.0], 0.5), 0.5);
-    }
-
-    #[test]
-    fn the_integral_of_a_square_is_exact() {
-        // ∫₀¹ cos²(t − 1/2) dt = 1/2 + (sin 1 + sin 1)/4
-        let truth = 0.5 + 0.5 * 1f64.sin();
-        assert!((square_integral::<_, ORDER>(&cosine(1.0, -0.5), 1.0) - truth).abs() < 1e-15);
     }
 }

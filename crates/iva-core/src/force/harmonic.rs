@@ -94,16 +94,16 @@ impl<R: Real> Harmonic<R> {
         }
     }
 
-    /// The bound F̂ of [`super::Force::tail`].
-    pub(super) fn tail(&self, h: R, order: usize, ratio: R) -> Option<R> {
-        let n = (order + 1) as f64;
+    /// The bound F̂ of [`super::Force::tail`]; ∞ if q is too small.
+    #[inline(always)]
+    pub(crate) fn tail<const N: usize>(&self, h: R, ratio: R) -> R {
+        let n = (N + 1) as f64;
         // (Ωh/q)ᵏ (k+1)/k! falls from k = N on if Ωh/q < (N+1)²/(N+2).
         let turn = self.frequency * h / ratio;
-        if turn * (n + 1.0) >= n * n {
-            return None;
-        }
-        let first = (1..=order).fold(R::from(n), |product, k| product * (turn / k as f64));
-        Some(self.amplitude.abs() * first)
+        let mut first = R::from(n);
+        unrolled!(k < N => first *= turn * R::reciprocal(k + 1));
+        let falls = turn * (n + 1.0) < n * n;
+        if falls { self.amplitude.abs() * first } else { R::INFINITY }
     }
 
     /// Ω t + phase, reduced to [−π, π].

@@ -1,8 +1,11 @@
-//! Steps of pendulums at large angles, side by side; they have one tolerance.
+//! Steps of pendulums at large angles, side by side, free or under one harmonic force; they have one tolerance.
 //!
 //! A lane goes through steps of flight that meet no wall, or one in the simplest way: then it goes there in
 //! the next round, and its run applies the impact. Everything else (a hard search, a ride, a step across the instants that
 //! measures look at) is for the event loop.
+//!
+//! The measures of a decay are taken in the lanes. Those of a driven run are shown each step as the event loop shows it
+//! them.
 
 mod lane;
 mod rows;
@@ -10,17 +13,20 @@ mod step;
 
 use super::{Job, LANES, Lockstep, Observers, ScalarRun};
 use crate::compensated::DoubleDouble;
-use crate::flight::Side;
+use crate::flight::{Losses, Side};
 use crate::measures::Wanted;
-use crate::piva::Piva;
+use crate::observe::{Observer, Span};
+use crate::piva::{Known, Piva, PivaFlight};
 use crate::settling::Crossing;
 use crate::simulate::Phase;
+use crate::steady::SteadyWanted;
+use crate::system::System;
 use lane::{FAR, Lane, Lanes, NEAR};
 use rows::Rows;
 
 /// Eight lanes whose series have the order N.
 #[derive(Debug)]
-pub(super) struct Steps<const N: usize> {
+pub(super) struct Steps<const N: usize, const DRIVEN: bool> {
     lanes: Lanes<LANES>,
     rows: Rows<LANES>,
     shared: Shared,
@@ -39,18 +45,68 @@ struct Shared {
     ledger: bool,
     /// True if pivots are damped.
     pivots: bool,
+    /// 1 if the measures of driven runs are shown their steps.
+    tells: f64,
+    /// True if mean squares of displacements are asked for, and largest displacements or accelerations.
+    squares: bool,
+    extremes: bool,
 }
 
-impl<const N: usize> Lockstep<Piva> for Steps<N> {
+impl<const N: usize, const DRIVEN: bool> Steps<N, DRIVEN> {
+    /// Goes on if the lane can; where it has met a wall, after the impact; false: the event loop has to.
+    fn meet(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
+        let lanes = &self.lanes;
+        if lanes.request[i] == 0.0 {
+            return true;
+        }
+        lanes.get(i).put_back::<DRIVEN>(run);
+        let side = if lanes.met[i] == NEAR {
+            Side::Near
+        } else if lanes.met[i] == FAR {
+            Side::Far
+        } else {
+            return false;
+        };
+        run.meet(side);
+        self.take(i, run)
+    }
+
+    /// Shows the measures of a driven run the step that its lane has done.
+    fn tell(&self, i: usize, run: &mut ScalarRun<'_, Piva>) {
+        let (lane, system) = (self.lanes.get(i), run.system);
+        let (from, end) = (lane.origin.state(), lane.pose.state());
+        let (series, drive) = (self.rows.get::<N>(i), self.rows.drive(i));
+        let losses = Losses { viscous: lane.lost, pivot: lane.lost_in_pivot, work: lane.worked };
+        let known = Known { losses, square: lane.square, limits: [lane.limit_x, lane.limit_a] };
+        let rows = (series, drive);
+        let motion = PivaFlight::flown(system, from, rows, lane.step, (lane.length, known));
+        let span = Span {
+            motion: &motion,
+            start: DoubleDouble { value: lane.start_time, rest: lane.start_time_rest },
+            length: lane.length,
+            from: system.primary(&from),
+            to: system.primary(&end),
+            end: &end,
+        };
+        run.observer.span(system, &span);
+    }
+}
+
+impl<const N: usize, const DRIVEN: bool> Lockstep<Piva> for Steps<N, DRIVEN> {
     type Observer = Observers<Piva>;
 
-    fn new(Job { system: piva, .. }: &Job<Piva>, wanted: Wanted) -> Self {
+    fn new(Job { system: piva, steady, .. }: &Job<Piva>, wanted: Wanted) -> Self {
+        let steady = steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
+        let tells = wanted.ledger || steady != SteadyWanted::default();
         let shared = Shared {
             tolerance: piva.accuracy.tolerance,
             longest: piva.accuracy.longest_step,
             doubt: piva.accuracy.doubt(),
             ledger: wanted.ledger,
             pivots: piva.pendulum.pivot_damping != 0.0,
+            tells: if tells { 1.0 } else { 0.0 },
+            squares: steady.rms,
+            extremes: steady.amplitude || steady.regime || steady.acceleration,
         };
         Self { lanes: Lanes::new(), rows: Rows::new(), shared }
     }
@@ -58,14 +114,21 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
         let Self { lanes, rows, shared } = self;
-        step::series::<LANES, N>(lanes, rows, shared);
-        step::prove::<LANES, N>(lanes, rows, shared);
-        step::arrive::<LANES, N>(lanes, rows, shared);
+        step::begin::<LANES, DRIVEN>(lanes, rows, shared);
+        step::series::<LANES, N, DRIVEN>(lanes, rows);
+        step::prove::<LANES, N, DRIVEN>(lanes, rows, shared);
+        step::arrive::<LANES, N, DRIVEN>(lanes, rows, shared);
         if any(&lanes.meets) {
             step::meet::<LANES, N>(lanes, rows);
         }
         if shared.ledger {
-            step::lose::<LANES, N>(lanes, rows, shared.pivots);
+            step::lose::<LANES, N, DRIVEN>(lanes, rows, shared);
+        }
+        if DRIVEN && shared.squares {
+            step::square::<LANES, N>(lanes, rows);
+        }
+        if DRIVEN && shared.extremes {
+            step::limit::<LANES, N>(lanes, rows);
         }
         any(&lanes.requests)
     }
@@ -75,6 +138,12 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
     }
 
     fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
+        if DRIVEN {
+            if self.shared.tells > 0.0 && self.lanes.share[i] > 0.0 {
+                self.tell(i, run);
+            }
+            return self.meet(i, run);
+        }
         if self.lanes.watch.peaked[i] > 0.0 {
             let (peak, index) = self.lanes.watch.get(i).ended_peak();
             run.observer.0.peak(&peak, index);
@@ -94,24 +163,13 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
                 last.passed(Crossing { origin, riding: false, start, h, level });
             }
         }
-        if lanes.request[i] == 0.0 {
-            return true;
-        }
-        lanes.get(i).put_back(run);
-        let side = if lanes.met[i] == NEAR {
-            Side::Near
-        } else if lanes.met[i] == FAR {
-            Side::Far
-        } else {
-            return false;
-        };
-        run.meet(side);
-        self.take(i, run)
+        self.meet(i, run)
     }
 
     fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
         let Phase::Flight { first } = run.phase else { return false };
-        let settled = run.observer.0.reference.settled && run.observer.0.reference.amplitude > 0.0;
+        let reference = &run.observer.0.reference;
+        let settled = DRIVEN || (reference.settled && reference.amplitude > 0.0);
         let lane = Lane::of(run, first);
         let fits = settled && lane.work < lane.max_work && run.listed() < run.limits.max_impacts;
         if fits {
@@ -121,7 +179,7 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
     }
 
     fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
-        self.lanes.get(i).put_back(run);
+        self.lanes.get(i).put_back::<DRIVEN>(run);
     }
 
     fn idle(&mut self, i: usize) {
@@ -131,6 +189,6 @@ impl<const N: usize> Lockstep<Piva> for Steps<N> {
 
 /// True if one of these is not 0; none is negative.
 #[inline(always)]
-fn any(flags: &[f64; LANES]) -> bool {
+fn any<const W: usize>(flags: &[f64; W]) -> bool {
     flags.iter().fold(0.0, |sum, flag| sum + flag) > 0.0
 }

@@ -154,6 +154,9 @@ impl Ends {
 }
 
 impl Stretch {
+    /// Of a run whose measures look at none.
+    pub const NONE: Self = Self { x: [0.0; 3], h: [0.0; 3], turns: false, loss: 0.0 };
+
     /// Whether a half cycle with this sign of x ends.
     #[inline(always)]
     pub fn ends(&self, sign: f64) -> Ends {

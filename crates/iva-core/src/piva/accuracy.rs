@@ -91,7 +91,9 @@ impl<R: Real> Sizes<R> {
         Self { primary: moved.max(mass_ratio * gap), gap }
     }
 
-    fn with(self, driven: R) -> Self {
+    /// Under a force of this size.
+    #[inline(always)]
+    pub(crate) fn with(self, driven: R) -> Self {
         Self { primary: self.primary.max(driven), ..self }
     }
 

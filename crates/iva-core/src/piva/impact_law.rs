@@ -82,6 +82,7 @@ impl<R: Real> Law<R> {
     }
 
     /// Velocity gained by the primary in an impact with W.
+    #[inline(always)]
     pub fn impact(&self, w: DoubleDouble<R>) -> DoubleDouble<R> {
         w.times_sum(self.impact_gain)
     }

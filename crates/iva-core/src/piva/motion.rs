@@ -2,13 +2,14 @@
 
 use super::accuracy::share_kept;
 use super::gap::Gap;
+use super::integrals::{Factors, Integrands, alone, drive_alone, square};
 use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Rows, Side, Turns};
+use crate::flight::{
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Side, Turns,
+};
 use crate::force::Drive;
-use crate::host::driven::integral::{at_nodes, mean_product, nodes};
-use crate::polynomial::square_integral;
 use crate::real::Real;
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner, with_order};
@@ -27,6 +28,18 @@ pub struct PivaFlight<'a, R = f64> {
     bend: Option<Clock<R>>,
     /// What the series leaves out; `None` where nothing could be proved.
     remainder: Option<Remainder<R>>,
+    /// What lanes have made of it up to its reach.
+    known: Option<Known<R>>,
+}
+
+/// What is known of a flight over its whole length.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Known<R = f64> {
+    pub losses: Losses<R>,
+    /// ∫x²
+    pub square: R,
+    /// What |x| and |ẍ + a_g| stay below.
+    pub limits: [R; 2],
 }
 
 impl<'a, R: Real> PivaFlight<'a, R> {
@@ -54,10 +67,24 @@ impl<'a, R: Real> PivaFlight<'a, R> {
                 reach: step,
                 bend: None,
                 remainder: None,
+                known: None,
             };
         };
         let (reach, bend) = piva.until_bend(&from, share * step);
-        Self { piva, from, series, drive, step, reach, bend, remainder: Some(remainder) }
+        let (remainder, known) = (Some(remainder), None);
+        Self { piva, from, series, drive, step, reach, bend, remainder, known }
+    }
+
+    /// A flight that lanes have proved and flown to its end, to be measured.
+    pub(crate) fn flown(
+        piva: &'a Piva<R>,
+        from: PivaState<R>,
+        (series, drive): (Series<R>, Drive<R>),
+        step: R,
+        (reach, known): (R, Known<R>),
+    ) -> Self {
+        let (drive, known) = (Some(drive), Some(known));
+        Self { piva, from, series, drive, step, reach, bend: None, remainder: None, known }
     }
 
     /// h in steps.
@@ -84,7 +111,7 @@ impl<'a, R: Real> PivaFlight<'a, R> {
             return self.from;
         }
         let force = &self.piva.force;
-        let drive = force.lasts().then(|| force.precise(self.from.time, R::ONE));
+        let drive = force.lasts().then(|| force.beginning(self.from.time));
         let order = self.piva.accuracy.order;
         let state = with_order!(order, N => self.step().arrival::<N>(h, drive.as_ref()));
         self.at_bend(h, state)
@@ -103,19 +130,6 @@ impl<'a, R: Real> PivaFlight<'a, R> {
         let force = &self.piva.force;
         let drive = force.lasts().then(|| force.precise(from.time, h));
         self.piva.pendulum.series(&start, drive.as_ref(), h, order)
-    }
-
-    /// factor · ∫ f² up to h.
-    fn loss(&self, factor: R, f: &Row<R>, h: R) -> R {
-        if factor == 0.0 || h == 0.0 {
-            return R::ZERO;
-        }
-        let (t, order) = (self.share(h), self.piva.accuracy.order);
-        let integral = R::dispatched(
-            #[inline(always)]
-            || with_order!(order, N => square_integral::<_, N>(f, t)),
-        );
-        factor * integral * self.step
     }
 }
 
@@ -254,54 +268,68 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
     }
 
     fn square(&self, h: [R; 2]) -> R {
-        let [from, to] = h.map(|h| self.loss(R::ONE, &self.series.x, h));
-        to - from
+        if let Some(known) = self.known.filter(|_| h == [R::ZERO, self.reach]) {
+            return known.square;
+        }
+        let ([from, to], order) = (h.map(|h| [self.share(h)]), self.piva.accuracy.order);
+        let [square] = R::dispatched(
+            #[inline(always)]
+            || {
+                let x = alone(&self.series.x);
+                with_order!(order, N => square::<R, 1, N>(&x, from, to, [self.step]))
+            },
+        );
+        square
+    }
+
+    fn largest(&self, of: Quantity, least: R, length: R, _end: &PivaState<R>) -> Option<R> {
+        let known = self.known.filter(|_| length == self.reach)?;
+        let limit = match of {
+            Quantity::Displacement => known.limits[0],
+            Quantity::Acceleration => known.limits[1],
+        };
+        (limit < least).then_some(least)
     }
 
     fn losses(&self, h: R) -> Losses<R> {
-        let Pendulum { mass_ratio, damping_ratio, lever, pivot_damping, .. } = self.piva.pendulum;
-        let inertia = mass_ratio * self.piva.parameters.inertia_ratio * (lever * lever);
-        let work = self.drive.as_ref().map_or(R::ZERO, |drive| {
-            work(self.piva, drive, &self.series.u, &self.series.y, self.share(h), self.step)
-        });
-        Losses {
-            viscous: self.loss(damping_ratio * 2.0, &self.series.u, h),
-            pivot: self.loss(inertia * pivot_damping, &self.series.w, h),
-            work,
+        if let Some(known) = self.known.filter(|_| h == self.reach) {
+            return known.losses;
         }
+        let (piva, order) = (self.piva, self.piva.accuracy.order);
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let Series { u, y, w, .. } = &self.series;
+                let [u, y, w] = [u, y, w].map(alone);
+                let drive = self.drive.as_ref().map(drive_alone);
+                let integrands = Integrands {
+                    u: &u,
+                    y: &y,
+                    w: &w,
+                    drive: drive.as_ref().map(|[force, base]| [force, base]),
+                    pivots: piva.pendulum.pivot_damping != 0.0,
+                    base: piva.force.moves_base(),
+                };
+                let (t, step) = ([self.share(h)], [self.step]);
+                with_order!(order, N => integrands.taken::<N>(&piva.factors(), t, step)).one()
+            },
+        )
     }
 }
 
-/// Work of force and base over a share t of a step: ∫ (f/M) ẋ − a_g ((1 + μ) ẋ + μλ ẏ) dt, the
-/// momentum of all masses along x behind a_g.
-pub(crate) fn work<R: Real>(
-    piva: &Piva<R>,
-    drive: &Drive<R>,
-    u: &Row<R>,
-    y: &Row<R>,
-    t: R,
-    step: R,
-) -> R {
-    let order = piva.accuracy.order;
-    let mass = R::ONE + piva.parameters.mass_ratio;
-    let pull = piva.parameters.mass_ratio * piva.pendulum.lever;
-    // ẏ in powers of t/step, one order less.
-    let rate = |k: usize| if k < order { y[k + 1] * ((k + 1) as f64) / step } else { R::ZERO };
-    let row = |f: &dyn Fn(usize) -> R| -> Row<R> {
-        std::array::from_fn(|k| if k <= order { f(k) } else { R::ZERO })
-    };
-    let (velocity, primary) = (row(&|k| u[k]), row(&|k| drive.primary[k]));
-    let moves = piva.force.moves_base();
-    let base = moves.then(|| [row(&|k| drive.base[k]), row(&|k| mass * u[k] + pull * rate(k))]);
-    let at = nodes([R::ZERO, t]);
-    let mean = |[f, g]: [&Row<R>; 2]| {
-        R::dispatched(
-            #[inline(always)]
-            || mean_product(&at_nodes(f, &at), &at_nodes(g, &at)),
-        )
-    };
-    let on_base = base.map_or(R::ZERO, |[base, momentum]| mean([&base, &momentum]));
-    (mean([&primary, &velocity]) - on_base) * t * step
+impl<R: Real> Piva<R> {
+    /// What losses and work depend on.
+    #[inline(always)]
+    pub(crate) fn factors(&self) -> Factors<R, 1> {
+        let Pendulum { mass_ratio, damping_ratio, lever, inertia_ratio, pivot_damping, .. } =
+            self.pendulum;
+        Factors {
+            damping: [damping_ratio * 2.0],
+            pivot: [mass_ratio * inertia_ratio * (lever * lever) * pivot_damping],
+            mass: [R::ONE + mass_ratio],
+            pull: [mass_ratio * lever],
+        }
+    }
 }
 
 impl<R: Real> Curve for PivaFlight<'_, R> {

@@ -4,14 +4,13 @@
 //! Linear, so the power series is the solution: with steps of [`LONGEST`] over the fastest rate what
 //! it leaves out after [`ORDER`] terms is below 10⁻²¹ of it.
 
-use super::motion::work;
+use super::integrals::{Integrands, alone, drive_alone, square};
 use super::{Parameters, Piva, PivaState};
 use crate::compensated::DoubleDouble;
 use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows};
 use crate::force::Drive;
 use crate::impact::delay;
 use crate::oscillator::Primary;
-use crate::polynomial::square_integral;
 use crate::real::Real;
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Row, horner};
@@ -155,27 +154,24 @@ impl<R: Real> Motion for PivaRide<'_, R> {
     }
 
     fn square(&self, h: [R; 2]) -> R {
-        let up_to = |h: R| square_integral::<_, ORDER>(&self.x, self.share(h));
-        let before = if h[0] == 0.0 { R::ZERO } else { up_to(h[0]) };
-        (up_to(h[1]) - before) * self.step
+        let [from, to] = h.map(|h| [self.share(h)]);
+        let [square] = square::<R, 1, ORDER>(&alone(&self.x), from, to, [self.step]);
+        square
     }
 
     fn losses(&self, h: R) -> Losses<R> {
-        let factor = self.piva.parameters.damping_ratio * 2.0;
-        let (t, still) = (self.share(h), [R::ZERO; ORDER + 1]);
-        let driven = self.piva.force.lasts();
-        let damped = factor != 0.0;
-        let viscous = if damped {
-            factor * square_integral::<_, ORDER>(&self.u, t) * self.step
-        } else {
-            R::ZERO
+        let (u, still) = (alone(&self.u), [[R::ZERO]; ORDER + 1]);
+        let [force, base] = drive_alone(&self.drive);
+        let integrands = Integrands {
+            u: &u,
+            y: &still,
+            w: &still,
+            drive: Some([&force, &base]),
+            pivots: false,
+            base: self.piva.force.moves_base(),
         };
-        let work = if driven {
-            work(self.piva, &self.drive, &self.u, &still, t, self.step)
-        } else {
-            R::ZERO
-        };
-        Losses { viscous, pivot: R::ZERO, work }
+        let (t, step) = ([self.share(h)], [self.step]);
+        integrands.taken::<ORDER>(&self.piva.factors(), t, step).one()
     }
 }
 

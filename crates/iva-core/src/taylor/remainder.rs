@@ -96,7 +96,7 @@ impl<R: Real> Remainder<R> {
     ) -> Option<Remainder<R>> {
         let mut ratio = first_ratio::<_, N>(series);
         for _ in 0..RATIOS {
-            let driven = force.tail(h, N, ratio).unwrap_or([R::INFINITY; 2]);
+            let driven = force.tail::<N>(h, ratio);
             let proof = Proof::new::<N>(pendulum, series, driven, h, ratio);
             let mut tail = proof.first();
             for _ in 0..ATTEMPTS {

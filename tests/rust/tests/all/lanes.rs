@@ -24,7 +24,7 @@ fn alone<S: SideBySide>(decay: &Job<S>) -> String {
     alone_wanting(decay, Wanted::ALL)
 }
 
-fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
+pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
     let steady = decay.steady.map(|(wanted, window)| Steady::new(window, wanted));
     let mut watch = (Measures::<S>::new(wanted), steady);
     let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut watch).unwrap();
@@ -35,7 +35,7 @@ fn together<S: SideBySide>(scenes: &[Job<S>]) -> Vec<String> {
     together_wanting(scenes, Wanted::ALL)
 }
 
-fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted) -> Vec<String> {
+pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted) -> Vec<String> {
     let mut found = vec![String::new(); scenes.len()];
     lanes::run(scenes, wanted, None, &mut |i, decayed: &Ended<S>| {
         assert!(found[i].is_empty(), "scene {i} came twice");

@@ -9,6 +9,7 @@ mod broken_law;
 mod closed_forms;
 mod continued;
 mod decisions;
+mod driven_pendulums;
 mod errors;
 mod every_field;
 mod fast_tier;

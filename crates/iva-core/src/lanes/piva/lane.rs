@@ -1,14 +1,16 @@
 //! One lane: a pendulum's run reduced to the numbers that steps of flight change.
 
 use crate::compensated::DoubleDouble;
+use crate::force::{Acts, Drive, Force, Harmonic, Push};
 use crate::lanes::ScalarRun;
 use crate::lanes::arrays::arrays;
+use crate::lanes::pick;
 use crate::lanes::watch::{Watch, Watches};
 use crate::oscillator::Primary;
 use crate::piva::{Piva, PivaState};
 use crate::simulate::Phase;
 use crate::system::Wall;
-use crate::taylor::Pendulum;
+use crate::taylor::{ORDER, Pendulum, unrolled};
 
 /// No wall,
 pub(super) const NONE: f64 = 0.0;
@@ -34,8 +36,10 @@ arrays! {
     /// The pendulum, and what its gap is measured against.
     mass_ratio, damping_ratio, contact_distance, inertia_ratio, lever, coupling, frequency_squared,
     pivot_damping, gap_size,
-    /// The fastest rate of both but for the swing.
+    /// The fastest rate of both but for the swing, and of the force.
     fastest,
+    /// The harmonic force, and 1 if it moves the base.
+    amplitude, frequency, angle, moves_base,
     /// The clock, the instant of the next stop, how far to look first.
     time, time_rest, stop, first,
     work, max_work,
@@ -43,6 +47,8 @@ arrays! {
     live,
     /// Losses in the dampers of primary and pivot.
     viscous, viscous_rest, pivot, pivot_rest,
+    /// What the step has come to: losses, work, ∫x², and what |x| and |ẍ + a_g| stay below.
+    lost, lost_in_pivot, worked, square, limit_x, limit_a,
     /// The step: its length, how much of it is wanted, how much of it is proven.
     step, most, reach,
     /// Whether that is, with which ratio, and how often one was tried.
@@ -88,7 +94,7 @@ impl Pose {
         }
     }
 
-    /// In free decay, where there are no impulses.
+    /// Without impulses.
     #[inline(always)]
     pub fn state(&self) -> PivaState {
         let sum = |value, rest| DoubleDouble { value, rest };
@@ -122,6 +128,49 @@ impl Lane {
         }
     }
 
+    /// The force as if it acted on the primary.
+    #[inline(always)]
+    fn harmonic(&self) -> Harmonic {
+        let Self { amplitude, frequency, angle: phase, .. } = *self;
+        Harmonic { amplitude, frequency, phase, acts: Acts::Primary }
+    }
+
+    /// Numbers of the force: those of f/M and a_g.
+    #[inline(always)]
+    fn acting(&self, number: f64) -> [f64; 2] {
+        let base = self.moves_base > 0.0;
+        [pick(base, 0.0, number), pick(base, number, 0.0)]
+    }
+
+    /// Coefficients of the force over a step of length h.
+    #[inline(always)]
+    pub fn drive(&self, h: f64) -> Drive<f64> {
+        let mut row = [0.0; ORDER + 1];
+        self.harmonic().add(&mut row, self.pose.state().time, h);
+        let mut drive = Drive::NONE;
+        unrolled!(k < ORDER + 1 => {
+            [drive.primary[k], drive.base[k]] = self.acting(row[k]);
+        });
+        drive
+    }
+
+    /// Its first two in powers of time, to twice the precision.
+    #[inline(always)]
+    pub fn beginning(&self) -> Drive<DoubleDouble, 2> {
+        let push: Push = self.harmonic().push(self.pose.state().time);
+        let [value, rate] = push.beginning().map(|DoubleDouble { value, rest }| {
+            let ([f, g], [f_rest, g_rest]) = (self.acting(value), self.acting(rest));
+            [DoubleDouble { value: f, rest: f_rest }, DoubleDouble { value: g, rest: g_rest }]
+        });
+        Drive { primary: [value[0], rate[0]], base: [value[1], rate[1]] }
+    }
+
+    /// Bounds on the coefficients that are left out ([`Force::tail`]); infinite if the ratio is too small.
+    #[inline(always)]
+    pub fn tail<const N: usize>(&self, h: f64, ratio: f64) -> [f64; 2] {
+        self.acting(self.harmonic().tail::<N>(h, ratio))
+    }
+
     #[inline(always)]
     pub fn clock(&self) -> DoubleDouble {
         DoubleDouble { value: self.time, rest: self.time_rest }
@@ -142,6 +191,9 @@ impl Lane {
     /// A run in flight.
     pub fn of(run: &ScalarRun<'_, Piva>, first: f64) -> Self {
         let pendulum = run.system.pendulum;
+        let force: &Force = run.system.force();
+        let still = Harmonic { amplitude: 0.0, frequency: 0.0, phase: 0.0, acts: Acts::Primary };
+        let harmonic = force.harmonics().first().copied().unwrap_or(still);
         Self {
             mass_ratio: pendulum.mass_ratio,
             damping_ratio: pendulum.damping_ratio,
@@ -152,7 +204,11 @@ impl Lane {
             frequency_squared: pendulum.frequency_squared,
             pivot_damping: pendulum.pivot_damping,
             gap_size: run.system.gap_size(),
-            fastest: pendulum.fastest(),
+            fastest: pendulum.fastest().max(force.fastest()),
+            amplitude: harmonic.amplitude,
+            frequency: harmonic.frequency,
+            angle: harmonic.phase,
+            moves_base: pick(force.moves_base(), 1.0, 0.0),
             time: run.clock.value,
             time_rest: run.clock.rest,
             stop: run.stop(),
@@ -170,12 +226,15 @@ impl Lane {
         }
     }
 
-    /// Puts the numbers back into the run.
-    pub fn put_back(&self, run: &mut ScalarRun<'_, Piva>) {
+    /// Puts the numbers back into the run; the measures of a driven one have been told.
+    pub fn put_back<const DRIVEN: bool>(&self, run: &mut ScalarRun<'_, Piva>) {
         run.tally.state = self.pose.state();
         run.tally.work = self.work as u64;
         run.clock = self.clock();
         run.phase = Phase::Flight { first: self.first };
+        if DRIVEN {
+            return;
+        }
         self.watch.put_back(&mut run.observer.0);
         run.observer.0.viscous = DoubleDouble { value: self.viscous, rest: self.viscous_rest };
         run.observer.0.pivot = DoubleDouble { value: self.pivot, rest: self.pivot_rest };

@@ -1,16 +1,56 @@
 //! The series of a step of every lane.
 
+use crate::force::Drive;
+use crate::piva::integrals::Integrands;
 use crate::taylor::{ORDER, Series, unrolled};
 
 /// Of every coefficient an array.
 #[derive(Debug)]
 #[repr(align(64))]
-pub(super) struct Rows<const W: usize>(Series<[f64; W]>);
+pub(super) struct Rows<const W: usize>(Series<[f64; W]>, Drive<[f64; W]>);
 
 impl<const W: usize> Rows<W> {
     pub const fn new() -> Self {
         let row = [[0.0; W]; ORDER + 1];
-        Self(Series { x: row, u: row, a: row, y: row, w: row, c: row })
+        let drive = Drive { primary: row, base: row };
+        Self(Series { x: row, u: row, a: row, y: row, w: row, c: row }, drive)
+    }
+
+    /// What is integrated over a step of every lane; its drive too if it is driven.
+    #[inline(always)]
+    pub fn integrands<const DRIVEN: bool>(
+        &self,
+        pivots: bool,
+        base: bool,
+    ) -> Integrands<'_, f64, W> {
+        let Self(Series { u, y, w, .. }, drive) = self;
+        let drive = if DRIVEN { Some([&drive.primary, &drive.base]) } else { None };
+        Integrands { u, y, w, drive, pivots, base }
+    }
+
+    /// Displacements and accelerations of all lanes.
+    #[inline(always)]
+    pub fn primary(&self) -> [&[[f64; W]; ORDER + 1]; 2] {
+        [&self.0.x, &self.0.a]
+    }
+
+    /// The drive of a lane.
+    #[inline(always)]
+    pub fn drive(&self, i: usize) -> Drive<f64> {
+        let mut drive = Drive::NONE;
+        unrolled!(k < ORDER + 1 => {
+            drive.primary[k] = self.1.primary[k][i];
+            drive.base[k] = self.1.base[k][i];
+        });
+        drive
+    }
+
+    #[inline(always)]
+    pub fn set_drive(&mut self, i: usize, drive: &Drive<f64>) {
+        unrolled!(k < ORDER + 1 => {
+            self.1.primary[k][i] = drive.primary[k];
+            self.1.base[k][i] = drive.base[k];
+        });
     }
 
     /// The series of a lane, up to the order N.

@@ -4,15 +4,17 @@
 //! it leaves as it is, and requests its run; a proof that fails is tried again in the next round.
 
 use super::Shared;
-use super::lane::{FAR, Lanes, NEAR, NONE, Pose};
+use super::any;
+use super::lane::{FAR, Lane, Lanes, NEAR, NONE, Pose};
 use super::rows::Rows;
 use crate::compensated::DoubleDouble;
+use crate::flight::Arc;
 use crate::lanes::pick;
 use crate::lanes::watch::{Passage, Stretch};
 use crate::piva::PivaState;
 use crate::piva::accuracy::Sizes;
+use crate::piva::integrals::{self, Factors, Taken};
 use crate::piva::step::{Step, Turning};
-use crate::polynomial::square_integral;
 use crate::real::Real;
 use crate::taylor::remainder::{ATTEMPTS, COARSER, Proof, Remainder, first_ratio};
 use crate::taylor::{ORDER, Series, Swing, unrolled};
@@ -20,18 +22,38 @@ use crate::taylor::{ORDER, Series, Swing, unrolled};
 /// A proof is tried so often here at most.
 const TRIES: f64 = 3.0;
 
-/// The series.
+/// The length of a step, and the force over it.
 #[inline(always)]
-pub(super) fn series<const W: usize, const N: usize>(
+pub(super) fn begin<const W: usize, const DRIVEN: bool>(
     lanes: &mut Lanes<W>,
     rows: &mut Rows<W>,
     shared: &Shared,
 ) {
     for i in 0..W {
         let lane = lanes.get(i);
-        let (pendulum, state) = (lane.pendulum(), lane.pose.state());
-        let longest = shared.longest / f64::larger(lane.fastest, pendulum.swing(state.w.value));
+        let swing = lane.pendulum().swing(lane.pose.w);
+        let longest = shared.longest / f64::larger(lane.fastest, swing);
         let step = f64::power_of_two(longest);
+        lanes.step[i] = step;
+        lanes.most[i] = longest / step;
+    }
+    if DRIVEN {
+        for i in 0..W {
+            let lane = lanes.get(i);
+            rows.set_drive(i, &lane.drive(lane.step));
+        }
+    }
+}
+
+/// The series.
+#[inline(always)]
+pub(super) fn series<const W: usize, const N: usize, const DRIVEN: bool>(
+    lanes: &Lanes<W>,
+    rows: &mut Rows<W>,
+) {
+    for i in 0..W {
+        let lane = lanes.get(i);
+        let (pendulum, state) = (lane.pendulum(), lane.pose.state());
         let swing = Swing {
             x: state.primary.x.value,
             u: state.primary.v.value,
@@ -39,19 +61,20 @@ pub(super) fn series<const W: usize, const N: usize>(
             w: state.w.value,
             c: state.cosine.value,
         };
-        let mut series: Series<f64> =
-            pendulum.series_to::<f64, { ORDER + 1 }, N>(&swing, None, step);
+        let mut series: Series<f64> = if DRIVEN {
+            pendulum.series_to::<_, { ORDER + 1 }, N>(&swing, Some(&rows.drive(i)), lane.step)
+        } else {
+            pendulum.series_to::<_, { ORDER + 1 }, N>(&swing, None, lane.step)
+        };
         series.w[1] = pick(state.released, 0.0, series.w[1]);
         series.y[2] = pick(state.released, 0.0, series.y[2]);
         rows.set::<N>(i, &series);
-        lanes.step[i] = step;
-        lanes.most[i] = longest / step;
     }
 }
 
 /// How much of its step each series is good for.
 #[inline(always)]
-pub(super) fn prove<const W: usize, const N: usize>(
+pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool>(
     lanes: &mut Lanes<W>,
     rows: &Rows<W>,
     shared: &Shared,
@@ -60,7 +83,8 @@ pub(super) fn prove<const W: usize, const N: usize>(
         let (lane, series) = (lanes.get(i), rows.get::<N>(i));
         let ratio = pick(lane.tries > 0.0, lane.ratio, first_ratio::<_, N>(&series));
         let pendulum = lane.pendulum();
-        let proof = Proof::new::<N>(&pendulum, &series, [0.0; 2], lane.step, ratio);
+        let driven = if DRIVEN { lane.tail::<N>(lane.step, ratio) } else { [0.0; 2] };
+        let proof = Proof::new::<N>(&pendulum, &series, driven, lane.step, ratio);
         let (mut tail, mut proved) = (proof.first(), false);
         unrolled!(_attempt < ATTEMPTS => {
             let (proves, larger) = proof.tried(&tail);
@@ -68,7 +92,8 @@ pub(super) fn prove<const W: usize, const N: usize>(
             tail = tail.map(&larger, |now, next| pick(proved, now, next));
         });
         let remainder = Remainder::proven::<N>(ratio, tail);
-        let sizes = Sizes::at(lane.mass_ratio, lane.gap_size, &lane.pose.state());
+        let size = if DRIVEN { rows.drive(i).size() } else { 0.0 };
+        let sizes = Sizes::at(lane.mass_ratio, lane.gap_size, &lane.pose.state()).with(size);
         let (share, kept) = sizes.share(&remainder, lane.most, shared.tolerance);
         lanes.reach[i] = share * lane.step;
         lanes.proved[i] = pick(proved, pick(kept, 1.0, -1.0), 0.0);
@@ -78,7 +103,7 @@ pub(super) fn prove<const W: usize, const N: usize>(
 
 /// Goes to the end of the step, if it meets no wall, and measures on the way.
 #[inline(always)]
-pub(super) fn arrive<const W: usize, const N: usize>(
+pub(super) fn arrive<const W: usize, const N: usize, const DRIVEN: bool>(
     lanes: &mut Lanes<W>,
     rows: &Rows<W>,
     shared: &Shared,
@@ -94,26 +119,11 @@ pub(super) fn arrive<const W: usize, const N: usize>(
         let whole = lane.reach.min(remaining).min(lane.first);
         let length = pick(meeting, lane.until, whole);
         let share = length / lane.step;
-        let end = step.arrival::<N>(length, None);
+        let drive = if DRIVEN { Some(lane.beginning()) } else { None };
+        let end = step.arrival::<N>(length, drive.as_ref());
         let gap = step.gap::<N>(&end, length, shared.doubt);
-        let Turning { decided, turns, h: h_turn, x: x_turn } = step.turning::<N>(&end, length);
-
-        let x = from.primary.x.value;
-        let (h_turn, x_turn) = (pick(turns, h_turn, 0.0), pick(turns, x_turn, x));
-        let stretch = Stretch {
-            x: [x, x_turn, end.primary.x.value],
-            h: [0.0, h_turn, length],
-            turns,
-            loss: 0.0,
-        };
-        // Steps across the instants that measures look at are for the loop.
-        let across = |instant: f64| {
-            let ahead = -clock.minus(instant);
-            (ahead > 0.0) & (ahead <= length)
-        };
-        let looked_at =
-            across(f64::TURN.value) | across(lane.watch.late_from) | across(lane.watch.later_from);
-        let simple = stretch.ends(lane.watch.peak_sign).simple() & decided & !looked_at;
+        let (simple, stretch) =
+            if DRIVEN { (true, Stretch::NONE) } else { looked_at::<N>(&lane, &step, &end, length) };
         let proved = lane.proved > 0.0;
         let done = proved & (gap.clear | meeting) & simple & (meeting | (length < remaining));
         let looks = proved & !meeting & (gap.near | gap.far);
@@ -134,29 +144,63 @@ pub(super) fn arrive<const W: usize, const N: usize>(
         next.tries = pick(tries, lane.tries + 1.0, pick(looks, lane.tries, 0.0));
         next.meets = pick(looks, pick(gap.near, NEAR, FAR), NONE);
         next.met = pick(done, lane.meets, NONE);
-        next.watch = lane.watch.after(&stretch, clock, done);
-        macro_rules! passage {
-            ($level:expr, $passed:ident, $from:ident, $to:ident) => {
-                let Passage { passes, h: [from, to], level } =
-                    stretch.passage($level * lane.watch.amplitude);
-                next.$passed = pick(passes & done, level, 0.0);
-                next.$from = from;
-                next.$to = to;
-            };
-        }
-        passage!(0.10, passed_1, from_1, to_1);
-        passage!(0.05, passed_2, from_2, to_2);
-        passage!(0.02, passed_3, from_3, to_3);
         let full = next.work >= lane.max_work;
         let goes_on = ((done & !meeting) | looks | tries) & !full;
         next.request = pick(goes_on, 0.0, lane.live);
-        next.requests = next.request
-            + next.watch.peaked
-            + next.passed_1.abs()
-            + next.passed_2.abs()
-            + next.passed_3.abs();
+        if DRIVEN {
+            next.requests = next.request + pick(done, shared.tells, 0.0);
+        } else {
+            watch(&mut next, &stretch, clock, done);
+        }
         lanes.set(i, &next);
     }
+}
+
+/// Where x turns round in a stretch of a decay to an end, and whether it is simple enough for what measures look at.
+#[inline(always)]
+fn looked_at<const N: usize>(
+    lane: &Lane,
+    step: &Step<'_>,
+    end: &PivaState,
+    length: f64,
+) -> (bool, Stretch) {
+    let Turning { decided, turns, h: h_turn, x: x_turn } = step.turning::<N>(end, length);
+    let x = step.from.primary.x.value;
+    let (h_turn, x_turn) = (pick(turns, h_turn, 0.0), pick(turns, x_turn, x));
+    let stretch =
+        Stretch { x: [x, x_turn, end.primary.x.value], h: [0.0, h_turn, length], turns, loss: 0.0 };
+    // Steps across the instants that measures look at are for the loop.
+    let across = |instant: f64| {
+        let ahead = -lane.clock().minus(instant);
+        (ahead > 0.0) & (ahead <= length)
+    };
+    let looked_at =
+        across(f64::TURN.value) | across(lane.watch.late_from) | across(lane.watch.later_from);
+    (stretch.ends(lane.watch.peak_sign).simple() & decided & !looked_at, stretch)
+}
+
+/// What measures of a decay take in of a stretch that begins at an instant, if it is `done`.
+#[inline(always)]
+fn watch(next: &mut Lane, stretch: &Stretch, clock: DoubleDouble, done: bool) {
+    let before = next.watch;
+    next.watch = before.after(stretch, clock, done);
+    macro_rules! passage {
+        ($level:expr, $passed:ident, $from:ident, $to:ident) => {
+            let Passage { passes, h: [from, to], level } =
+                stretch.passage($level * before.amplitude);
+            next.$passed = pick(passes & done, level, 0.0);
+            next.$from = from;
+            next.$to = to;
+        };
+    }
+    passage!(0.10, passed_1, from_1, to_1);
+    passage!(0.05, passed_2, from_2, to_2);
+    passage!(0.02, passed_3, from_3, to_3);
+    next.requests = next.request
+        + next.watch.peaked
+        + next.passed_1.abs()
+        + next.passed_2.abs()
+        + next.passed_3.abs();
 }
 
 /// Where lanes meet the wall that they have been found to meet.
@@ -177,37 +221,88 @@ pub(super) fn meet<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows: &
     }
 }
 
-/// What dampers take in a step that is done: the primary's and, if they have one, those of the pivots.
+/// What dampers take and forces give in a step that is done.
 #[inline(always)]
-pub(super) fn lose<const W: usize, const N: usize>(
+pub(super) fn lose<const W: usize, const N: usize, const DRIVEN: bool>(
     lanes: &mut Lanes<W>,
     rows: &Rows<W>,
-    pivots: bool,
+    shared: &Shared,
 ) {
+    let zero = [0.0; W];
+    let mut factors = Factors { damping: zero, pivot: zero, mass: zero, pull: zero };
     for i in 0..W {
         let lane = lanes.get(i);
-        let loss = 2.0
-            * lane.damping_ratio
-            * square_integral::<_, N>(&rows.get::<N>(i).u, lane.share)
-            * lane.step;
-        let sum = DoubleDouble { value: lane.viscous, rest: lane.viscous_rest }.plus(loss);
-        let done = lane.share > 0.0;
-        lanes.viscous[i] = pick(done, sum.value, lane.viscous);
-        lanes.viscous_rest[i] = pick(done, sum.rest, lane.viscous_rest);
+        let inertia = lane.mass_ratio * lane.inertia_ratio * (lane.lever * lane.lever);
+        factors.damping[i] = lane.damping_ratio * 2.0;
+        factors.pivot[i] = inertia * lane.pivot_damping;
+        factors.mass[i] = 1.0 + lane.mass_ratio;
+        factors.pull[i] = lane.mass_ratio * lane.lever;
     }
-    if !pivots {
+    let base = DRIVEN && any(&lanes.moves_base);
+    let integrands = rows.integrands::<DRIVEN>(shared.pivots, base);
+    let Taken { viscous, pivot, work } = integrands.taken::<N>(&factors, lanes.share, lanes.step);
+    (lanes.lost, lanes.lost_in_pivot, lanes.worked) = (viscous, pivot, work);
+    if DRIVEN {
         return;
     }
     for i in 0..W {
         let lane = lanes.get(i);
-        let inertia = lane.mass_ratio * lane.inertia_ratio * (lane.lever * lane.lever);
-        let loss = inertia
-            * lane.pivot_damping
-            * square_integral::<_, N>(&rows.get::<N>(i).w, lane.share)
-            * lane.step;
-        let sum = DoubleDouble { value: lane.pivot, rest: lane.pivot_rest }.plus(loss);
         let done = lane.share > 0.0;
-        lanes.pivot[i] = pick(done, sum.value, lane.pivot);
-        lanes.pivot_rest[i] = pick(done, sum.rest, lane.pivot_rest);
+        let viscous = DoubleDouble { value: lane.viscous, rest: lane.viscous_rest }.plus(lane.lost);
+        let pivot =
+            DoubleDouble { value: lane.pivot, rest: lane.pivot_rest }.plus(lane.lost_in_pivot);
+        lanes.viscous[i] = pick(done, viscous.value, lane.viscous);
+        lanes.viscous_rest[i] = pick(done, viscous.rest, lane.viscous_rest);
+        lanes.pivot[i] = pick(done, pivot.value, lane.pivot);
+        lanes.pivot_rest[i] = pick(done, pivot.rest, lane.pivot_rest);
+    }
+}
+
+/// ∫x² over a step that is done.
+#[inline(always)]
+pub(super) fn square<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows: &Rows<W>) {
+    let [x, _] = rows.primary();
+    lanes.square = integrals::square::<f64, W, N>(x, [0.0; W], lanes.share, lanes.step);
+}
+
+/// What |x| and |ẍ + a_g| stay below in a step that is done.
+#[inline(always)]
+pub(super) fn limit<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows: &Rows<W>) {
+    let [x, a] = rows.primary();
+    limits::<W, N>(x, &lanes.share, &mut lanes.limit_x);
+    // Its coefficient of the order N is not known: it is left out as in the event loop.
+    match N {
+        10 => limits::<W, 9>(a, &lanes.share, &mut lanes.limit_a),
+        16 => limits::<W, 15>(a, &lanes.share, &mut lanes.limit_a),
+        18 => limits::<W, 17>(a, &lanes.share, &mut lanes.limit_a),
+        _ => limits::<W, 19>(a, &lanes.share, &mut lanes.limit_a),
+    }
+}
+
+/// What polynomials of order N stay below on shares of a step.
+#[inline(always)]
+fn limits<const W: usize, const N: usize>(
+    row: &[[f64; W]; ORDER + 1],
+    share: &[f64; W],
+    limits: &mut [f64; W],
+) {
+    for i in 0..W {
+        let t = share[i];
+        let [mut value, mut rate, mut half, mut size, mut sixth] = [0.0_f64; 5];
+        unrolled!(j < N + 1 => {
+            let k = N - j;
+            let coefficient = row[k][i];
+            half = half.mul_add(t, rate);
+            rate = rate.mul_add(t, value);
+            value = value.mul_add(t, coefficient);
+            size = size.mul_add(t, coefficient.abs());
+            if k > 5 {
+                let falling = k * (k - 1) * (k - 2) * (k - 3) * (k - 4) * (k - 5);
+                sixth = sixth.mul_add(t, coefficient.abs() * (falling as f64));
+            }
+        });
+        let begin = [row[0][i], row[1][i], row[2][i] * 2.0];
+        let arc = Arc::new(begin, [value, rate, half * 2.0], sixth, t).doubted(size);
+        limits[i] = arc.limit();
     }
 }
