@@ -7,13 +7,13 @@ use std::hint::black_box;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use iva_benches::{decays as scenes, driven_jobs, fast, swinging_decays};
+use iva_benches::{
+    decays as scenes, driven_jobs, driven_pendulums, fast, swinging_decays, upright_decays,
+};
 use iva_core::force::Acts;
-use iva_core::host::DrivenHost;
 use iva_core::lanes::{self, Job, SideBySide};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::simulate::simulate;
-use iva_core::siva::Siva;
 
 fn lanes(criterion: &mut Criterion) {
     for (name, narrowest) in [("wide gaps", 0.45), ("with chatter", 0.1)] {
@@ -29,15 +29,20 @@ fn lanes(criterion: &mut Criterion) {
     for tolerance in [0.0, 1e-9, 1e-6] {
         let Ok(scenes) = swinging_decays(5, 0.6, tolerance) else { continue };
         compare(criterion, &format!("pendulums, tolerance {tolerance:e}"), &scenes);
+        let Ok(jobs) = driven_pendulums(Acts::Primary, tolerance) else { continue };
+        driven(criterion, &format!("pendulums under force, tolerance {tolerance:e}"), &jobs);
+    }
+    if let Ok(scenes) = upright_decays(5, 0.45) {
+        compare(criterion, "free masses, upright", &scenes);
     }
 }
 
 /// Driven runs one by one, side by side with all measures, and side by side with counts of impacts.
-fn driven(criterion: &mut Criterion, name: &str, jobs: &[Job<Siva<DrivenHost>>]) {
+fn driven<S: SideBySide + Clone>(criterion: &mut Criterion, name: &str, jobs: &[Job<S>]) {
     let mut group = criterion.benchmark_group(name);
     group.throughput(Throughput::Elements(jobs.len() as u64));
     group.sample_size(20);
-    let few: Vec<_> = jobs.iter().map(|job| Job { steady: None, ..job.clone() }).collect();
+    let few: Vec<_> = jobs.iter().map(|job| Job { steady: None, ..Job::clone(job) }).collect();
     let none = Wanted { peaks: false, settling: false, residual: false, ledger: false };
     // Fewer than three jobs go one by one.
     for (way, jobs, wanted, size) in [

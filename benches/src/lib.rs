@@ -62,6 +62,21 @@ pub fn swinging_decays(
     decays(masses, narrowest)?.into_iter().map(pendulum).collect()
 }
 
+/// The decays of [`decays`] upright, with a tenth of the largest gravity at which the absorber would fly at all; it starts on its
+/// lower stop.
+///
+/// # Errors
+/// [`Invalid`] for a clearance of 0 or less.
+pub fn upright_decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
+    let upright = |Job { system, start, limits, steady, tier }: Job<Siva>| {
+        let gravity = 0.1 / (1.0 + system.mass_ratio());
+        let start = Start { gap_displacement: -system.clearance(), ..start };
+        let system = system.inclined(gravity, Force::default());
+        Job { system, start, limits, steady, tier }
+    };
+    Ok(decays(masses, narrowest)?.into_iter().map(upright).collect())
+}
+
 /// A free mass under a harmonic force for 60 cycles, and what its steady state is measured by.
 ///
 /// # Errors
@@ -100,4 +115,20 @@ pub fn driven_jobs(acts: Acts) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
         })
     };
     (0..40).map(job).collect()
+}
+
+/// The runs of [`driven_jobs`] with pendulums, r 0.3 and L 10, of a tolerance.
+///
+/// # Errors
+/// [`Invalid`] for numbers out of range: these are not.
+pub fn driven_pendulums(acts: Acts, tolerance: f64) -> Result<Vec<Job<Piva>>, Invalid> {
+    let pendulum = |Job { system, limits, steady, tier, .. }: Job<Siva<DrivenHost>>| {
+        let force = system.force().cloned().unwrap_or_default();
+        let (mu, e) = (system.mass_ratio(), system.restitution());
+        let point_bob = Parameters::point_bob(mu, e, system.clearance(), 0.02, 10.0);
+        let swinging = Parameters { frequency_ratio: 0.3, tolerance, ..point_bob };
+        let system = Piva::new(swinging)?.under(force);
+        Ok(Job { system, start: START.into(), limits, steady, tier })
+    };
+    driven_jobs(acts)?.into_iter().map(pendulum).collect()
 }

@@ -167,3 +167,10 @@ def test_gradients_are_a_mapping_that_travels() -> None:
     refused(lambda: run.gradients["mass"], "gradients=")
     refused(lambda: simulated(in_si(), (1,)), "give names")  # type: ignore[arg-type]
     assert len(simulated(in_si()).gradients) == 0
+
+
+def test_what_a_level_motion_does_not_depend_on_is_refused() -> None:
+    """With any inclination the absorber starts elsewhere: at 0 there is no derivative."""
+    for name in ("inclination", "inclination_deg", "gravity"):
+        with pytest.raises(ValueError, match="the line of motion is level; give one that rises"):
+            simulated(in_si(), gradients=(name,))

@@ -109,6 +109,11 @@ def test_what_cannot_be_answered() -> None:
     with pytest.raises(TypeError, match=r"primary = 3: give an iva\.Primary"):
         theory.slow_manifold(SIVA, 3)  # type: ignore[arg-type]
     relative = iva.Siva(mass_ratio=0.1, restitution=0.6, relative_clearance=1.0)
+    rising = iva.Siva(
+        mass_ratio=0.01, restitution=0.6, clearance=1.0, inclination_deg=30, gravity=1.0
+    )
+    with pytest.raises(ValueError, match=r"inclination_deg = 30: the theory is of a level motion"):
+        iva.theory.slow_manifold(rising)
     with pytest.raises(ValueError, match="use clearance instead"):
         theory.slow_manifold(relative)
     with pytest.raises(ValueError, match="damping"):

@@ -6,7 +6,10 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use iva_benches::{START, decays, driven, driven_jobs, driven_measures, fast, swinging_decays};
+use iva_benches::{
+    START, decays, driven, driven_jobs, driven_measures, driven_pendulums, fast, swinging_decays,
+    upright_decays,
+};
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic};
 use iva_core::lanes::{self, Job, SideBySide};
@@ -19,7 +22,7 @@ use iva_core::system::System;
 type Run = fn() -> Result<(), Invalid>;
 
 /// Each a name and what it runs; `nothing` is what a program costs that runs nothing.
-const SCENES: [(&str, Run); 15] = [
+const SCENES: [(&str, Run); 17] = [
     ("nothing", || Ok(())),
     ("siva", || decay(&Siva::new(0.15, 0.5, 0.6, 0.01)?, &START)),
     ("siva_chatter", || decay(&Siva::new(0.15, 0.5, 0.1, 0.01)?, &START)),
@@ -36,6 +39,8 @@ const SCENES: [(&str, Run); 15] = [
     ("siva_fast", || count(&fast(decays(2, 0.1)?), Wanted::ALL)),
     ("siva_impacts_fast", || count(&fast(decays(2, 0.1)?), IMPACTS)),
     ("siva_forced_fast", || count(&fast(driven_jobs(Acts::Primary)?), Wanted::ALL)),
+    ("siva_upright", || count(&upright_decays(1, 0.1)?, Wanted::ALL)),
+    ("piva_forced_side_by_side", || count(&driven_pendulums(Acts::Primary, 0.0)?, Wanted::ALL)),
     ("piva_side_by_side", || count(&swinging_decays(1, 0.6, 0.0)?, Wanted::ALL)),
     ("piva", || decay(&Piva::new(pendulum(0.5, 1.4))?, &START.into())),
     ("piva_chatter", || decay(&Piva::new(pendulum(0.4, 0.2))?, &START.into())),

@@ -89,50 +89,48 @@ fn start(designs: &[Design], units: UnitSystem) -> String {
 /// Gravity along the motion of free masses against the acceleration of the structure; where the motion is level, what that
 /// would be upright.
 fn gravity(designs: &[Design], units: UnitSystem) -> Option<String> {
-    let along: Vec<(f64, f64)> = designs
-        .iter()
-        .filter_map(|design| {
-            let along = design.scene.gravity_along()?;
-            let frequency = design.scale.natural_frequency;
-            Some((along, STANDARD_GRAVITY / (frequency * frequency)))
-        })
-        .collect();
-    let level = along.iter().all(|(along, _)| *along == 0.0);
-    if along.is_empty() || (level && units != UnitSystem::Si) {
+    let along: Option<Vec<f64>> =
+        designs.iter().map(|design| design.scene.gravity_along()).collect();
+    let along = along.filter(|along| !along.is_empty())?;
+    let level = along.iter().all(|along| *along == 0.0);
+    if level && units != UnitSystem::Si {
         return None;
     }
-    let shares: Vec<f64> = designs
-        .iter()
-        .zip(&along)
-        .map(|(design, (along, upright))| if level { *upright } else { *along } / amplitude(design))
-        .filter(|share| share.is_finite())
-        .collect();
-    let (least, most) = shares
-        .iter()
-        .fold((f64::INFINITY, 0.0), |(low, high), share| (share.min(low), share.max(high)));
+    let share = |(design, along): (&Design, &f64)| {
+        let frequency = design.scale.natural_frequency;
+        let upright = STANDARD_GRAVITY / (frequency * frequency);
+        let gravity = if level { upright } else { *along };
+        Some(gravity / acceleration(design)?).filter(|share| share.is_finite())
+    };
+    let shares: Option<Vec<f64>> = designs.iter().zip(&along).map(share).collect();
     let line = if level { "The line of motion is level" } else { "The line of motion rises" };
-    if shares.is_empty() {
-        return Some(line.to_owned());
-    }
+    let Some(shares) = shares else { return Some(line.to_owned()) };
     let gravity = if level {
         "Upright (inclination_deg = 90) gravity would be"
     } else {
         "Gravity along it is"
     };
+    let (least, most) = shares
+        .iter()
+        .fold((f64::INFINITY, 0.0), |(low, high), share| (share.min(low), share.max(high)));
     let share = span(least, most);
     Some(format!(
-        "{line}. {gravity} {share} times ωn² A, with A the amplitude without absorber; above 1 the mass rests on its \
-         lower stop"
+        "{line}. {gravity} {share} times the largest acceleration of the structure without absorber (ωn² A in a \
+         decay from A); above 1 a mass that lies on its lower stop stays there"
     ))
 }
 
-/// The largest displacement without absorber, as far as the start and one harmonic force tell.
-fn amplitude(design: &Design) -> f64 {
+/// The largest acceleration without absorber, in ωn² × length: of a decay, and under one harmonic force at most; `None` where a
+/// run would have to tell.
+fn acceleration(design: &Design) -> Option<f64> {
     let from = design.scene.primary();
-    let driven = design.scene.force().filter(|force| force.is_single());
+    let decaying = from.x.hypot(from.v);
+    let Some(force) = design.scene.force() else { return Some(decaying) };
+    let harmonic = force.harmonics().first().filter(|_| force.is_single())?;
     let never = AtomicBool::new(false);
-    let forced = driven.and_then(|_| design.amplitude_without_absorber(&never).ok().flatten());
-    from.x.hypot(from.v).max(forced.unwrap_or(0.0))
+    let forced = design.amplitude_without_absorber(&never).ok().flatten()?;
+    let square = harmonic.frequency * harmonic.frequency;
+    (!force.moves_base()).then_some(decaying + square * forced)
 }
 
 /// A number of the absorbers, from the lowest to the highest.

@@ -41,7 +41,7 @@ use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::system::System;
-use crate::taylor::with_order;
+use crate::taylor::{ORDER, with_order};
 use running::Running;
 
 /// Runs side by side.
@@ -190,7 +190,8 @@ impl SideBySide for Piva {
             true => job.steady.is_none(),
             false => force.is_single() && !wanted.strobes,
         };
-        (fits && !pendulum.small_angles).then_some([accuracy.tolerance, driven + damped])
+        let small = if pendulum.small_angles { 1000.0 } else { 0.0 };
+        fits.then_some([accuracy.tolerance, small + driven + damped])
     }
 
     fn tier(job: &Job<Self>) -> Tier {
@@ -198,11 +199,14 @@ impl SideBySide for Piva {
     }
 
     fn run(group: Group<'_, Self>) {
-        let order = group.leader().accuracy.order;
-        if group.leader().force().is_none() {
-            with_order!(order, N => group.run::<piva::Steps<N, false>>());
-        } else {
-            with_order!(order, N => group.run::<piva::Steps<N, true>>());
+        let Piva { pendulum, accuracy, .. } = group.leader();
+        let (order, driven) = (accuracy.order, !group.leader().force().is_none());
+        match (driven, pendulum.small_angles) {
+            (false, false) => with_order!(order, N => group.run::<piva::Steps<N, false, false>>()),
+            (true, false) => with_order!(order, N => group.run::<piva::Steps<N, true, false>>()),
+            // At small angles the order is always the highest.
+            (false, true) => group.run::<piva::Steps<ORDER, false, true>>(),
+            (true, true) => group.run::<piva::Steps<ORDER, true, true>>(),
         }
     }
 }

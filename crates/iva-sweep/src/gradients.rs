@@ -18,7 +18,7 @@ use iva_core::real::dual::Dual;
 use iva_core::simulate::simulate;
 use iva_core::system::System;
 
-use crate::choices::only;
+use crate::choices::{Kind, only};
 use crate::columns::columns;
 use crate::design::{Design, Spec};
 use crate::engine::given::Given;
@@ -138,14 +138,14 @@ fn given(study: &Study, spec: &mut Spec, slot: Slot) -> Result<f64, Invalid> {
     }
     let found =
         spec.given().find(|(other, _)| other.field == slot.field && other.same_quantity(slot));
+    // With any inclination at all the absorber starts elsewhere.
+    let inclines = slot.field.same_quantity(FieldId::Inclination);
+    let weighs = slot.field == FieldId::Gravity && spec.choices().kind == Kind::Siva;
+    if (inclines || weighs) && !study.rises() {
+        return Err(refused("the line of motion is level; give one that rises"));
+    }
     if let Some((_, value)) = found {
-        // With any inclination at all the absorber starts elsewhere.
-        let level = slot.field.same_quantity(FieldId::Inclination) && value == 0.0;
-        return if level {
-            Err(refused("it is 0; give a line of motion that rises"))
-        } else {
-            Ok(value)
-        };
+        return Ok(value);
     }
     if let Some((other, _)) = spec.given().find(|(other, _)| other.same_quantity(slot)) {
         return Err(refused(&format!("{} is given in its place; give that name", other.path())));

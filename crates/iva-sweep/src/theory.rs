@@ -30,14 +30,11 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     let given = Given::new(spec);
     let (scale, units) = given.scale()?;
     if free_mass::inclined(&given, &scale)?.is_some() {
-        let field = FieldId::Inclination;
-        let given =
-            spec.get(field).or(spec.get(FieldId::InclinationDeg)).map_or(String::new(), number);
-        return Err(Invalid::new(
-            field.path(),
-            given,
-            "the theory is of a level motion; leave it out",
-        ));
+        let fields = [FieldId::Inclination, FieldId::InclinationDeg];
+        let given = fields.into_iter().find_map(|field| Some((field, spec.get(field)?)));
+        let (field, angle) = given.unwrap_or((FieldId::Inclination, 0.0));
+        let rule = "the theory is of a level motion; leave it out";
+        return Err(Invalid::new(field.path(), number(angle), rule));
     }
     Ok((given.common(&scale, units)?, scale))
 }

@@ -74,7 +74,8 @@ pub struct Moment<R = f64> {
 /// The coefficients of a motion.
 #[derive(Debug, Clone, Copy)]
 pub struct Course<R = f64> {
-    /// ∬A in powers of t/`step`, from the second on.
+    /// ∬A in powers of t/`step`, from the second on, gravity along the motion left out: beside a small motion rounding would
+    /// show.
     pub(crate) pulled: Row<R>,
     /// ∬a_g.
     pub(crate) carried: Row<R>,
@@ -187,6 +188,25 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
+    /// The absolute acceleration that goes with A: without gravity along the motion.
+    #[inline(always)]
+    pub(crate) fn without_gravity(&self, a: DoubleDouble<R>) -> DoubleDouble<R> {
+        match self.source.weight() {
+            None => a,
+            Some(Weight { gravity, .. }) => a.plus(-gravity),
+        }
+    }
+
+    /// ẍ, to twice the precision before it is rounded where gravity acts along the motion: it may be small beside that.
+    #[inline(always)]
+    pub(crate) fn relative(&self, a: DoubleDouble<R>, phase: &Moment<R>) -> R {
+        let base = phase.pushes.base.value;
+        match self.source.weight() {
+            None => a.value - base.value,
+            Some(_) => (a - base).value,
+        }
+    }
+
     /// The coefficients of f/M and a_g in a motion.
     #[inline(always)]
     fn drive(&self, from: &HostState<Moment<R>, R>) -> Drive<R> {
@@ -246,7 +266,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     fn course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
         let drive = self.drive(from);
         let Primary { x, v } = from.primary;
-        let state = [x.value, v.value, from.acceleration.value];
+        let a = self.without_gravity(from.acceleration);
+        let state = [x.value, v.value, a.value];
         let [pulled, carried] = self.series(state, &drive, self.step);
         let (reach, bend) = self.source.until_bend(&from.phase, self.reach);
         Course { pulled, carried, pushed: drive.primary, reach, bend }
@@ -293,11 +314,11 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         let Flown { to: HostState { primary, acceleration, phase }, .. } =
             self.flown(from, course, h);
         let [jerk, ..] = self.derivatives(&phase, primary.v.value, acceleration.value);
-        let [base, base_rate, ..] = self.base(&phase);
+        let [_, base_rate, ..] = self.base(&phase);
         Jet {
             value: primary.x.value,
             rate: primary.v.value,
-            curvature: acceleration.value - base,
+            curvature: self.relative(acceleration, &phase),
             jerk: jerk - base_rate,
         }
     }

@@ -1,4 +1,4 @@
-//! Steps of pendulums at large angles, side by side, free or under one harmonic force; they have one tolerance.
+//! Steps of pendulums, side by side, free or under one harmonic force; they have one tolerance, and large angles or small.
 //!
 //! A lane goes through steps of flight that meet no wall, or one in the simplest way: then it goes there in
 //! the next round, and its run applies the impact. Everything else (a hard search, a ride, a step across the instants that
@@ -26,7 +26,7 @@ use rows::Rows;
 
 /// Eight lanes whose series have the order N.
 #[derive(Debug)]
-pub(super) struct Steps<const N: usize, const DRIVEN: bool> {
+pub(super) struct Steps<const N: usize, const DRIVEN: bool, const SMALL: bool> {
     lanes: Lanes<LANES>,
     rows: Rows<LANES>,
     shared: Shared,
@@ -52,7 +52,7 @@ struct Shared {
     extremes: bool,
 }
 
-impl<const N: usize, const DRIVEN: bool> Steps<N, DRIVEN> {
+impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMALL> {
     /// Goes on if the lane can; where it has met a wall, after the impact; false: the event loop has to.
     fn meet(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
         let lanes = &self.lanes;
@@ -92,7 +92,9 @@ impl<const N: usize, const DRIVEN: bool> Steps<N, DRIVEN> {
     }
 }
 
-impl<const N: usize, const DRIVEN: bool> Lockstep<Piva> for Steps<N, DRIVEN> {
+impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
+    for Steps<N, DRIVEN, SMALL>
+{
     type Observer = Observers<Piva>;
 
     fn new(Job { system: piva, steady, .. }: &Job<Piva>, wanted: Wanted) -> Self {
@@ -114,12 +116,12 @@ impl<const N: usize, const DRIVEN: bool> Lockstep<Piva> for Steps<N, DRIVEN> {
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
         let Self { lanes, rows, shared } = self;
-        step::begin::<LANES, DRIVEN>(lanes, rows, shared);
-        step::series::<LANES, N, DRIVEN>(lanes, rows);
-        step::prove::<LANES, N, DRIVEN>(lanes, rows, shared);
-        step::arrive::<LANES, N, DRIVEN>(lanes, rows, shared);
+        step::begin::<LANES, DRIVEN, SMALL>(lanes, rows, shared);
+        step::series::<LANES, N, DRIVEN, SMALL>(lanes, rows);
+        step::prove::<LANES, N, DRIVEN, SMALL>(lanes, rows, shared);
+        step::arrive::<LANES, N, DRIVEN, SMALL>(lanes, rows, shared);
         if any(&lanes.meets) {
-            step::meet::<LANES, N>(lanes, rows);
+            step::meet::<LANES, N, SMALL>(lanes, rows);
         }
         if shared.ledger {
             step::lose::<LANES, N, DRIVEN>(lanes, rows, shared);

@@ -1,4 +1,4 @@
-//! Pendulums under one harmonic force, side by side, are the runs one by one, bit for bit.
+//! Pendulums under one harmonic force, at large and small angles, side by side, are the runs one by one, bit for bit.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -7,7 +7,7 @@ use iva_core::{
     force::{Acts, Force, Harmonic, Impulse},
     lanes::{Job, Tier},
     measures::Wanted,
-    piva::{Parameters, Piva},
+    piva::{Angles, Parameters, Piva},
     simulate::Limits,
     steady::{SteadyWanted, Window},
     system::Start,
@@ -25,6 +25,7 @@ fn driven(rng: &mut Rng, steady: SteadyWanted, tolerance: f64) -> Vec<Job<Piva>>
         let parameters = Parameters {
             frequency_ratio: rng.range(0.1, 1.5),
             pivot_damping_ratio: rng.pick(&[0.0, 0.03]),
+            angles: if i % 5 == 4 { Angles::Small } else { Angles::Large },
             tolerance,
             ..Parameters::point_bob(
                 rng.log_range(0.01, 0.5),

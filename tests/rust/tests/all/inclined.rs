@@ -17,7 +17,7 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
-    system::Start,
+    system::{Start, System},
 };
 use iva_tests::{U, UNITS_ALLOWED, rng::Rng, units};
 
@@ -270,5 +270,34 @@ fn a_resting_absorber_lifts_off_where_gravity_no_longer_holds_it() {
         // The slope of the arc cosine there.
         let condition = mass.sqrt() * gravity / (1.0 - (mass * gravity).powi(2)).sqrt();
         assert!(lifts && units(release - turned, condition, turned) <= 2.0, "{release} {turned}");
+    }
+}
+
+/// What is stuck is a dead weight: nothing of gravity is left in its motion, which is x₀ cos(t/√(1 + μ)) without a damper,
+/// however large gravity is against it.
+#[test]
+fn a_dead_weight_keeps_its_digits_under_any_gravity() {
+    for gravity in [2.0, 1e4, 1e8, 1e12] {
+        let scene = Scene {
+            mass_ratio: 0.21,
+            restitution: 0.5,
+            clearance: 0.4,
+            damping_ratio: 0.0,
+            gravity,
+            displacement: 1.0,
+            height: 0.0,
+            harmonic: None,
+            duration: 60.0,
+        };
+        let system = scene.inclined::<f64>();
+        let mut measures = Measures::new(Wanted::ALL);
+        let tally =
+            simulate(&system, &scene.start(), &scene.limits(), None, &mut measures).unwrap();
+        assert_eq!((tally.impacts, tally.time_stuck), (0, scene.duration));
+        let truth = (scene.duration / 1.21_f64.sqrt()).cos();
+        let off = system.primary(&tally.state).x - truth;
+        assert!(off.abs() < 100.0 * U, "γ = {gravity:e}: {off:e}");
+        let values = measures.values();
+        assert!(values.energy_residual.abs() < 100.0 * U, "γ = {gravity:e}: {values:?}");
     }
 }

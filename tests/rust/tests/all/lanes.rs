@@ -214,6 +214,13 @@ fn pendulums_are_the_same_side_by_side() {
         let backwards: Vec<Job<Piva>> = scenes.iter().rev().cloned().collect();
         assert!(together(&backwards).iter().rev().eq(&found));
     }
+    let mut linear = pendulums(0.0);
+    for Job { system, .. } in &mut linear {
+        *system = Piva::new(Parameters { angles: Angles::Small, ..*system.parameters() }).unwrap();
+    }
+    for (scene, found) in linear.iter().zip(&together(&linear)) {
+        assert_eq!(*found, alone(scene), "{:?}", scene.system.parameters());
+    }
 }
 
 #[test]

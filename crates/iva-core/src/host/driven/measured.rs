@@ -40,22 +40,17 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [x, v * over, (a * square) * 2.0, (j * cube) * 6.0, (s * (square * square)) * 24.0]
     }
 
-    /// Gravity along the motion.
-    #[inline(always)]
-    fn gravity(&self) -> R {
-        self.source.weight().map_or(R::ZERO, |weight| weight.gravity)
-    }
-
     /// x and the absolute acceleration at a state, with their derivatives.
     #[inline(always)]
     pub(crate) fn leading_of(&self, state: &HostState<Moment<R>, R>) -> Leading<R> {
         let Primary { x, v } = state.primary;
-        let a = self.acceleration(&state.phase, &state.primary).value;
-        let [jerk, snap, third] = self.derivatives(&state.phase, v.value, a);
-        let [base, base_rate, ..] = self.base(&state.phase);
+        let a = self.acceleration(&state.phase, &state.primary);
+        let [jerk, snap, third] = self.derivatives(&state.phase, v.value, a.value);
+        let [_, base_rate, ..] = self.base(&state.phase);
+        let bend = self.relative(a, &state.phase);
         Leading {
-            displacement: [x.value, v.value, a - base, jerk - base_rate],
-            acceleration: [a - self.gravity(), jerk, snap, third],
+            displacement: [x.value, v.value, bend, jerk - base_rate],
+            acceleration: [self.without_gravity(a).value, jerk, snap, third],
         }
     }
 
@@ -76,9 +71,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// Coefficients of a_g.
     #[inline(always)]
     pub(crate) fn base_row(&self, course: &Course<R>) -> Row<R> {
-        let mut base = self.derivative(&self.derivative(&course.carried));
-        base[0] -= self.gravity();
-        base
+        self.derivative(&self.derivative(&course.carried))
     }
 
     /// Coefficients of x.
@@ -97,9 +90,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// Coefficients of the absolute acceleration.
     #[inline(always)]
     pub(crate) fn acceleration_row(&self, course: &Course<R>) -> Row<R> {
-        let mut acceleration = self.derivative(&self.derivative(&course.pulled));
-        acceleration[0] -= self.gravity();
-        acceleration
+        self.derivative(&self.derivative(&course.pulled))
     }
 
     /// ∫ 2ζ ẋ², and ∫ (f/M) ẋ − a_g p with p the momentum of structure and absorber.
@@ -115,8 +106,9 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         if self.source.moves_base() {
             let gained = at_nodes(&self.derivative(&course.pulled), &t);
             let base = at_nodes(&self.base_row(course), &t);
+            let fallen = self.source.weight().map_or(R::ZERO, |weight| weight.gravity * self.step);
             let momentum = std::array::from_fn(|i| {
-                let absorber = gap_velocity.map_or(R::ZERO, |w| w - gained[i]);
+                let absorber = gap_velocity.map_or(R::ZERO, |w| w - gained[i] - fallen * t[i]);
                 velocity[i] + mass_ratio * (velocity[i] + absorber)
             });
             work -= mean_product(&base, &momentum);

@@ -12,11 +12,11 @@ use crate::system::Clock;
 pub trait Source: Clone + std::fmt::Debug {
     /// The numbers that it is evaluated in.
     type Real: Real;
-    /// f/M and a_g at an instant, of the smooth piece that acts from an earlier one on.
+    /// f/M, and a_g with gravity along the motion, at an instant, of the smooth piece that acts from an earlier one on.
     fn pushes(&self, from: Clock<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real>;
-    /// Their coefficients from an instant on, in powers of t/h.
+    /// The coefficients of f/M and a_g from an instant on, in powers of t/h.
     fn drive(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<Self::Real>;
-    /// The same to twice the precision.
+    /// The same to twice the precision, gravity along the motion included.
     fn precise(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<DoubleDouble<Self::Real>>;
     /// How far a motion goes that reaches so far: not beyond the next instant at which the drive bends, jumps or
     /// kicks, and then that instant.
@@ -70,11 +70,7 @@ impl<R: Real> Source for Forces<R> {
 
     #[inline(always)]
     fn drive(&self, time: Clock<R>, h: R) -> Drive<R> {
-        let mut drive: Drive<R> = self.force.drive(time, time, h);
-        if let Some(Weight { gravity, .. }) = self.weight {
-            drive.base[0] += gravity;
-        }
-        drive
+        self.force.drive(time, time, h)
     }
 
     fn precise(&self, time: Clock<R>, h: R) -> Drive<DoubleDouble<R>> {

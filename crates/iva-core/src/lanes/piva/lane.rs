@@ -114,7 +114,7 @@ impl Pose {
 
 impl Lane {
     #[inline(always)]
-    pub fn pendulum(&self) -> Pendulum {
+    pub fn pendulum<const SMALL: bool>(&self) -> Pendulum {
         Pendulum {
             mass_ratio: self.mass_ratio,
             damping_ratio: self.damping_ratio,
@@ -124,7 +124,7 @@ impl Lane {
             coupling: self.coupling,
             frequency_squared: self.frequency_squared,
             pivot_damping: self.pivot_damping,
-            small_angles: false,
+            small_angles: SMALL,
         }
     }
 

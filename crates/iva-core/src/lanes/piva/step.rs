@@ -24,14 +24,14 @@ const TRIES: f64 = 3.0;
 
 /// The length of a step, and the force over it.
 #[inline(always)]
-pub(super) fn begin<const W: usize, const DRIVEN: bool>(
+pub(super) fn begin<const W: usize, const DRIVEN: bool, const SMALL: bool>(
     lanes: &mut Lanes<W>,
     rows: &mut Rows<W>,
     shared: &Shared,
 ) {
     for i in 0..W {
         let lane = lanes.get(i);
-        let swing = lane.pendulum().swing(lane.pose.w);
+        let swing = lane.pendulum::<SMALL>().swing(lane.pose.w);
         let longest = shared.longest / f64::larger(lane.fastest, swing);
         let step = f64::power_of_two(longest);
         lanes.step[i] = step;
@@ -47,13 +47,13 @@ pub(super) fn begin<const W: usize, const DRIVEN: bool>(
 
 /// The series.
 #[inline(always)]
-pub(super) fn series<const W: usize, const N: usize, const DRIVEN: bool>(
+pub(super) fn series<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>(
     lanes: &Lanes<W>,
     rows: &mut Rows<W>,
 ) {
     for i in 0..W {
         let lane = lanes.get(i);
-        let (pendulum, state) = (lane.pendulum(), lane.pose.state());
+        let (pendulum, state) = (lane.pendulum::<SMALL>(), lane.pose.state());
         let swing = Swing {
             x: state.primary.x.value,
             u: state.primary.v.value,
@@ -74,7 +74,7 @@ pub(super) fn series<const W: usize, const N: usize, const DRIVEN: bool>(
 
 /// How much of its step each series is good for.
 #[inline(always)]
-pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool>(
+pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>(
     lanes: &mut Lanes<W>,
     rows: &Rows<W>,
     shared: &Shared,
@@ -82,7 +82,7 @@ pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool>(
     for i in 0..W {
         let (lane, series) = (lanes.get(i), rows.get::<N>(i));
         let ratio = pick(lane.tries > 0.0, lane.ratio, first_ratio::<_, N>(&series));
-        let pendulum = lane.pendulum();
+        let pendulum = lane.pendulum::<SMALL>();
         let driven = if DRIVEN { lane.tail::<N>(lane.step, ratio) } else { [0.0; 2] };
         let proof = Proof::new::<N>(&pendulum, &series, driven, lane.step, ratio);
         let (mut tail, mut proved) = (proof.first(), false);
@@ -103,14 +103,14 @@ pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool>(
 
 /// Goes to the end of the step, if it meets no wall, and measures on the way.
 #[inline(always)]
-pub(super) fn arrive<const W: usize, const N: usize, const DRIVEN: bool>(
+pub(super) fn arrive<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>(
     lanes: &mut Lanes<W>,
     rows: &Rows<W>,
     shared: &Shared,
 ) {
     for i in 0..W {
         let (lane, series) = (lanes.get(i), rows.get::<N>(i));
-        let (pendulum, from) = (lane.pendulum(), lane.pose.state());
+        let (pendulum, from) = (lane.pendulum::<SMALL>(), lane.pose.state());
         let step = Step { pendulum: &pendulum, from: &from, series: &series, length: lane.step };
         let clock = lane.clock();
         let remaining = -clock.minus(lane.stop);
@@ -205,10 +205,13 @@ fn watch(next: &mut Lane, stretch: &Stretch, clock: DoubleDouble, done: bool) {
 
 /// Where lanes meet the wall that they have been found to meet.
 #[inline(always)]
-pub(super) fn meet<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows: &Rows<W>) {
+pub(super) fn meet<const W: usize, const N: usize, const SMALL: bool>(
+    lanes: &mut Lanes<W>,
+    rows: &Rows<W>,
+) {
     for i in 0..W {
         let (lane, series) = (lanes.get(i), rows.get::<N>(i));
-        let (pendulum, from) = (lane.pendulum(), lane.pose.state());
+        let (pendulum, from) = (lane.pendulum::<SMALL>(), lane.pose.state());
         let step = Step { pendulum: &pendulum, from: &from, series: &series, length: lane.step };
         let distance = DoubleDouble::new(lane.end_distance);
         let end = PivaState { distance, ..from };
