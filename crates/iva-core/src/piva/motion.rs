@@ -2,7 +2,7 @@
 
 use super::accuracy::share_kept;
 use super::gap::Gap;
-use super::integrals::{Factors, Integrands, alone, drive_alone, square};
+use super::integrals::{Integrands, square};
 use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::DoubleDouble;
@@ -12,7 +12,7 @@ use crate::flight::{
 use crate::force::Drive;
 use crate::real::Real;
 use crate::system::{Clock, Wall};
-use crate::taylor::{ORDER, Pendulum, Remainder, Row, Series, Swing, horner, with_order};
+use crate::taylor::{ORDER, Remainder, Row, Series, Swing, horner, with_order};
 
 /// The pendulum free in its gap.
 #[derive(Debug, Clone)]
@@ -271,15 +271,11 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         if let Some(known) = self.known.filter(|_| h == [R::ZERO, self.reach]) {
             return known.square;
         }
-        let ([from, to], order) = (h.map(|h| [self.share(h)]), self.piva.accuracy.order);
-        let [square] = R::dispatched(
+        let (ends, order) = (h.map(|h| self.share(h)), self.piva.accuracy.order);
+        R::dispatched(
             #[inline(always)]
-            || {
-                let x = alone(&self.series.x);
-                with_order!(order, N => square::<R, 1, N>(&x, from, to, [self.step]))
-            },
-        );
-        square
+            || with_order!(order, N => square::<R, N>(&self.series.x, ends, self.step)),
+        )
     }
 
     fn largest(&self, of: Quantity, least: R, length: R, _end: &PivaState<R>) -> Option<R> {
@@ -300,35 +296,13 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
             #[inline(always)]
             || {
                 let Series { u, y, w, .. } = &self.series;
-                let [u, y, w] = [u, y, w].map(alone);
-                let drive = self.drive.as_ref().map(drive_alone);
-                let integrands = Integrands {
-                    u: &u,
-                    y: &y,
-                    w: &w,
-                    drive: drive.as_ref().map(|[force, base]| [force, base]),
-                    pivots: piva.pendulum.pivot_damping != 0.0,
-                    base: piva.force.moves_base(),
-                };
-                let (t, step) = ([self.share(h)], [self.step]);
-                with_order!(order, N => integrands.taken::<N>(&piva.factors(), t, step)).one()
+                let (pivots, base) = (piva.pendulum.pivot_damping != 0.0, piva.force.moves_base());
+                let drive = self.drive.as_ref();
+                let integrands = Integrands { u, y, w, drive, pivots, base };
+                let (t, step) = (self.share(h), self.step);
+                with_order!(order, N => integrands.taken::<N>(&piva.pendulum, t, step))
             },
         )
-    }
-}
-
-impl<R: Real> Piva<R> {
-    /// What losses and work depend on.
-    #[inline(always)]
-    pub(crate) fn factors(&self) -> Factors<R, 1> {
-        let Pendulum { mass_ratio, damping_ratio, lever, inertia_ratio, pivot_damping, .. } =
-            self.pendulum;
-        Factors {
-            damping: [damping_ratio * 2.0],
-            pivot: [mass_ratio * inertia_ratio * (lever * lever) * pivot_damping],
-            mass: [R::ONE + mass_ratio],
-            pull: [mass_ratio * lever],
-        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! Linear, so the power series is the solution: with steps of [`LONGEST`] over the fastest rate what
 //! it leaves out after [`ORDER`] terms is below 10⁻²¹ of it.
 
-use super::integrals::{Integrands, alone, drive_alone, square};
+use super::integrals::{Integrands, square};
 use super::{Parameters, Piva, PivaState};
 use crate::compensated::DoubleDouble;
 use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows};
@@ -154,24 +154,15 @@ impl<R: Real> Motion for PivaRide<'_, R> {
     }
 
     fn square(&self, h: [R; 2]) -> R {
-        let [from, to] = h.map(|h| [self.share(h)]);
-        let [square] = square::<R, 1, ORDER>(&alone(&self.x), from, to, [self.step]);
-        square
+        square::<R, ORDER>(&self.x, h.map(|h| self.share(h)), self.step)
     }
 
     fn losses(&self, h: R) -> Losses<R> {
-        let (u, still) = (alone(&self.u), [[R::ZERO]; ORDER + 1]);
-        let [force, base] = drive_alone(&self.drive);
-        let integrands = Integrands {
-            u: &u,
-            y: &still,
-            w: &still,
-            drive: Some([&force, &base]),
-            pivots: false,
-            base: self.piva.force.moves_base(),
-        };
-        let (t, step) = ([self.share(h)], [self.step]);
-        integrands.taken::<ORDER>(&self.piva.factors(), t, step).one()
+        let Self { piva, u, drive, .. } = self;
+        let (still, base) = ([R::ZERO; ORDER + 1], piva.force.moves_base());
+        let (y, w, drive) = (&still, &still, Some(drive));
+        let integrands = Integrands { u, y, w, drive, pivots: false, base };
+        integrands.taken::<ORDER>(&piva.pendulum, self.share(h), self.step)
     }
 }
 

@@ -1,7 +1,6 @@
 //! The series of a step of every lane.
 
 use crate::force::Drive;
-use crate::piva::integrals::Integrands;
 use crate::taylor::{ORDER, Series, unrolled};
 
 /// Of every coefficient an array.
@@ -14,18 +13,6 @@ impl<const W: usize> Rows<W> {
         let row = [[0.0; W]; ORDER + 1];
         let drive = Drive { primary: row, base: row };
         Self(Series { x: row, u: row, a: row, y: row, w: row, c: row }, drive)
-    }
-
-    /// What is integrated over a step of every lane; its drive too if it is driven.
-    #[inline(always)]
-    pub fn integrands<const DRIVEN: bool>(
-        &self,
-        pivots: bool,
-        base: bool,
-    ) -> Integrands<'_, f64, W> {
-        let Self(Series { u, y, w, .. }, drive) = self;
-        let drive = if DRIVEN { Some([&drive.primary, &drive.base]) } else { None };
-        Integrands { u, y, w, drive, pivots, base }
     }
 
     /// Displacements and accelerations of all lanes.

@@ -8,12 +8,12 @@ use super::any;
 use super::lane::{FAR, Lane, Lanes, NEAR, NONE, Pose};
 use super::rows::Rows;
 use crate::compensated::DoubleDouble;
-use crate::flight::Arc;
+use crate::flight::{Arc, Losses};
 use crate::lanes::pick;
 use crate::lanes::watch::{Passage, Stretch};
 use crate::piva::PivaState;
 use crate::piva::accuracy::Sizes;
-use crate::piva::integrals::{self, Factors, Taken};
+use crate::piva::integrals::{self, Integrands};
 use crate::piva::step::{Step, Turning};
 use crate::real::Real;
 use crate::taylor::remainder::{ATTEMPTS, COARSER, Proof, Remainder, first_ratio};
@@ -231,20 +231,19 @@ pub(super) fn lose<const W: usize, const N: usize, const DRIVEN: bool>(
     rows: &Rows<W>,
     shared: &Shared,
 ) {
-    let zero = [0.0; W];
-    let mut factors = Factors { damping: zero, pivot: zero, mass: zero, pull: zero };
+    let (pivots, base) = (shared.pivots, DRIVEN && any(&lanes.moves_base));
     for i in 0..W {
-        let lane = lanes.get(i);
-        let inertia = lane.mass_ratio * lane.inertia_ratio * (lane.lever * lane.lever);
-        factors.damping[i] = lane.damping_ratio * 2.0;
-        factors.pivot[i] = inertia * lane.pivot_damping;
-        factors.mass[i] = 1.0 + lane.mass_ratio;
-        factors.pull[i] = lane.mass_ratio * lane.lever;
+        let (lane, series) = (lanes.get(i), rows.get::<N>(i));
+        let Series { u, y, w, .. } = &series;
+        let (pendulum, t, step) = (lane.pendulum::<false>(), lane.share, lane.step);
+        let free = Integrands { u, y, w, drive: None, pivots, base };
+        let Losses { viscous, pivot, work } = if DRIVEN {
+            Integrands { drive: Some(&rows.drive(i)), ..free }.taken::<N>(&pendulum, t, step)
+        } else {
+            free.taken::<N>(&pendulum, t, step)
+        };
+        (lanes.lost[i], lanes.lost_in_pivot[i], lanes.worked[i]) = (viscous, pivot, work);
     }
-    let base = DRIVEN && any(&lanes.moves_base);
-    let integrands = rows.integrands::<DRIVEN>(shared.pivots, base);
-    let Taken { viscous, pivot, work } = integrands.taken::<N>(&factors, lanes.share, lanes.step);
-    (lanes.lost, lanes.lost_in_pivot, lanes.worked) = (viscous, pivot, work);
     if DRIVEN {
         return;
     }
@@ -264,8 +263,10 @@ pub(super) fn lose<const W: usize, const N: usize, const DRIVEN: bool>(
 /// ∫x² over a step that is done.
 #[inline(always)]
 pub(super) fn square<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows: &Rows<W>) {
-    let [x, _] = rows.primary();
-    lanes.square = integrals::square::<f64, W, N>(x, [0.0; W], lanes.share, lanes.step);
+    for i in 0..W {
+        let (lane, series) = (lanes.get(i), rows.get::<N>(i));
+        lanes.square[i] = integrals::square::<f64, N>(&series.x, [0.0, lane.share], lane.step);
+    }
 }
 
 /// What |x| and |ẍ + a_g| stay below in a step that is done.
