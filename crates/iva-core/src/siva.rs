@@ -18,63 +18,16 @@ use crate::real::Real;
 use crate::system::{Clock, Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
+pub use parameters::Parameters;
 pub use ride::SivaRide;
 
 pub(crate) mod fast_flight;
 pub(crate) mod motion;
+mod parameters;
 mod ride;
 
 /// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
 const ON_WALL_ULPS: f64 = 4.0;
-
-/// Checked parameters of a SIVA on its primary system, in natural units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters<R = f64> {
-    mass_ratio: R,
-    restitution: R,
-    clearance: R,
-    damping_ratio: R,
-}
-
-impl<R: Real> Parameters<R> {
-    /// Mass ratio μ > 0, restitution e in [0, 1], one-sided clearance d > 0, and the damping ratio
-    /// ζ ≥ 0 of the primary, within the bounds of [`crate::range`].
-    ///
-    /// # Errors
-    /// [`Invalid`] naming field, value and allowed range.
-    pub fn new(
-        mass_ratio: R,
-        restitution: R,
-        clearance: R,
-        damping_ratio: R,
-    ) -> Result<Self, Invalid> {
-        range::mass_ratio("absorber.mass_ratio", mass_ratio)?;
-        range::positive("absorber.clearance", clearance)?;
-        range::restitution("absorber.restitution", restitution)?;
-        range::damping_ratio("primary.damping_ratio", damping_ratio)?;
-        Ok(Self { mass_ratio, restitution, clearance, damping_ratio })
-    }
-
-    /// μ = m/M.
-    pub fn mass_ratio(&self) -> R {
-        self.mass_ratio
-    }
-
-    /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> R {
-        self.restitution
-    }
-
-    /// One-sided clearance d.
-    pub fn clearance(&self) -> R {
-        self.clearance
-    }
-
-    /// ζ of the bare primary.
-    pub fn damping_ratio(&self) -> R {
-        self.damping_ratio
-    }
-}
 
 /// A SIVA on its primary system: parameters, and what follows from them for every flight.
 #[derive(Debug, Clone, PartialEq)]

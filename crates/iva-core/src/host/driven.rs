@@ -10,15 +10,6 @@
 //! its resonances, and no other variable. Gravity along the motion adds a constant to f/M and to a_g
 //! (`host/driven/weight.rs`). Powers are those of t/`step`, a power of two, so that scaling is
 //! exact. Terms up to h³ are taken to twice the precision, as in [`crate::oscillator`].
-//!
-//! **Bounds.** With q = k f/M − a_g the pair z = (√k x, ẋ) obeys ż = M z + q e₂, |M| ≤ Λ, and |e^{Mt}| ≤ 1. Hence, in a
-//! motion of length L,
-//!
-//! ```text
-//! |A⁽ⁿ⁾| ≤ Λⁿ⁺¹ (ρ + L q₀) + Σ_{i ≤ n} Λⁿ⁻ⁱ q_i + g_n
-//! ```
-//!
-//! where q_i and g_n bound the derivatives of q and a_g.
 
 use super::{Flown, HostState, Integrated, Structure};
 use crate::compensated::DoubleDouble;
@@ -29,6 +20,7 @@ use crate::real::Real;
 use crate::system::Clock;
 use crate::taylor::{Number, ORDER, Row, unrolled};
 
+use bounds::{exceeding, largest};
 use integral::{at_nodes, mean_product, nodes};
 
 pub use host::DrivenHost;
@@ -36,6 +28,7 @@ pub(crate) use measured::Leading;
 pub use source::{Forces, Source};
 pub use weight::Weight;
 
+mod bounds;
 mod host;
 pub(crate) mod integral;
 mod measured;
@@ -51,7 +44,7 @@ const LONGEST: f64 = 1.2;
 pub struct Driven<D: Source = Forces> {
     pub(crate) equation: Equation<D::Real>,
     pub(crate) source: D,
-    /// Largest sizes of ẍ − A and its first four derivatives.
+    /// Largest sizes of a_g and its first four derivatives.
     pub(crate) base: [D::Real; 5],
     pub(crate) reach: D::Real,
     /// What powers of time are taken in.
@@ -218,27 +211,6 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     fn moment(&self, from: Clock<R>, time: Clock<R>, kicks: u32) -> Moment<R> {
         Moment { time, kicks, pushes: self.source.pushes(from, time) }
     }
-}
-
-/// The largest size that the derivatives of this order of f/M and a_g have where they are smooth, gravity included.
-fn largest<R: Real>(source: &Forces<R>, order: i32) -> [R; 2] {
-    let [f, g] = source.force.largest(order);
-    match source.weight().filter(|_| order == 0) {
-        None => [f, g],
-        Some(Weight { gravity, lift }) => [f + lift.value + gravity, g + gravity],
-    }
-}
-
-/// What the drive adds to the bound on the derivative of A of this order.
-fn exceeding<R: Real>(equation: &Equation<R>, source: &Forces<R>, reach: R, order: i32) -> R {
-    let Equation { stiffness, growth, .. } = *equation;
-    let drive = |order: i32| {
-        let [f, g] = largest(source, order);
-        stiffness * f + g
-    };
-    let power = |n: i32| (0..n).fold(R::ONE, |power, _| power * growth);
-    let sum = (0..=order).fold(R::ZERO, |sum, i| sum + power(order - i) * drive(i));
-    power(order + 1) * (reach * drive(0)) + sum + largest(source, order)[1]
 }
 
 impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
