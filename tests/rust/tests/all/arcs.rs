@@ -2,6 +2,7 @@
 //! a sum of two cosines, whose extremes are found by brute force.
 
 use iva_core::flight::{Arc, Extreme};
+use iva_tests::cases;
 use proptest::prelude::*;
 
 /// a cos(ω t + φ), and its nth derivative.
@@ -31,7 +32,7 @@ fn wave() -> impl Strategy<Value = Wave> {
 const SAMPLES: usize = 4000;
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #![proptest_config(cases(400))]
 
     /// No statement is false, and on short intervals one of them is made.
     #[test]
