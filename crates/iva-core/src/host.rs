@@ -200,7 +200,7 @@ pub trait Host: Clone + std::fmt::Debug {
     fn force(&self) -> Option<&Force<Self::Real>> {
         None
     }
-    /// Gravity γ along the motion, in ωn² × length.
+    /// Gravity G along the motion, in ωn² × length.
     fn gravity(&self) -> Self::Real {
         Self::Real::ZERO
     }

@@ -69,7 +69,7 @@ impl<R: Real> Siva<UndrivenHost<R>> {
         self.inclined(R::ZERO, force)
     }
 
-    /// The same absorber under a force and under gravity γ = g sin α along its motion, in ωn² × length, with displacements
+    /// The same absorber under a force and under gravity G = g sin α along its motion, in ωn² × length, with displacements
     /// measured from where the structure rests with the absorber on its lower stop.
     pub fn inclined(&self, gravity: R, force: Force<R>) -> Siva<DrivenHost<R>> {
         let Self { mass_ratio, restitution, clearance, .. } = *self;
@@ -112,7 +112,7 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         self.host.damping_ratio()
     }
 
-    /// Gravity γ = g sin α along the motion, in ωn² × length; 0 where that is level.
+    /// Gravity G = g sin α along the motion, in ωn² × length; 0 where that is level.
     pub fn gravity(&self) -> R {
         self.host.gravity()
     }

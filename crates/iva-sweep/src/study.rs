@@ -167,7 +167,8 @@ impl Study {
         Designer { study: self, spec: self.spec.clone() }
     }
 
-    /// What a field is unless it is given; `None` where that is not one number for all points.
+    /// What a field is unless it is given; `None` where that is not one number for all points, or hangs on units that are not
+    /// known: a design of the study says so.
     pub fn default(&self, field: FieldId) -> Option<f64> {
         match field {
             FieldId::Gravity => self.spec(self.sampling.first()).ok()?.standard_gravity().ok()?,

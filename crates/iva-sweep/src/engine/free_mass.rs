@@ -14,7 +14,7 @@ use crate::fields::FieldId;
 pub(crate) struct Inclined<R = f64> {
     /// g, in the user's unit.
     pub gravity: R,
-    /// γ = g sin α along the motion, in natural units.
+    /// G = g sin α along the motion, in natural units.
     pub along: R,
 }
 

@@ -159,7 +159,7 @@ impl<R: Real> Scene<R> {
         }
     }
 
-    /// Gravity along the motion γ = g sin α, in ωn² × length: 0 where that is level, `None` of other than a free mass.
+    /// Gravity along the motion G = g sin α, in ωn² × length: 0 where that is level, `None` of other than a free mass.
     pub fn gravity_along(&self) -> Option<R> {
         match self {
             Scene::Siva { .. } => Some(R::ZERO),

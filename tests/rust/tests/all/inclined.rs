@@ -1,7 +1,7 @@
-//! Free masses whose line of motion rises: gravity along it.
+//! Free masses whose line of motion rises: gravity G = g sin α along it.
 //!
 //! A uniform field of gravity cannot be told from a base with constant acceleration, only the origin of x differs: x
-//! on such a base is smaller by (1 + μ)γ, what the spring carries when the absorber lies on its lower stop. Such a base is
+//! on such a base is smaller by (1 + μ)G, what the spring carries when the absorber lies on its lower stop. Such a base is
 //! a record of two points, whose motion other tests judge. The run in numbers of twice the precision judges the run in
 //! doubles.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -25,8 +25,7 @@ use iva_tests::{U, UNITS_ALLOWED, rng::Rng, units};
 /// of numbers of twice the precision.
 const MOVED: f64 = 1e-14;
 
-/// An absorber, gravity γ along its motion, and the structure that starts from a displacement, or with a velocity in
-/// the case of a motion under force.
+/// An absorber with gravity G = g sin α along its motion, on a structure that is let go from a displacement and may be driven.
 #[derive(Debug, Clone, Copy)]
 struct Scene {
     mass_ratio: f64,
@@ -241,7 +240,7 @@ fn elastic_impacts_on_an_undamped_structure_keep_the_energy() {
 }
 
 /// Stuck on its lower stop the absorber moves as one mass with the structure, x = x₀ cos(t/√(1 + μ)) without a damper:
-/// it lifts off where the structure falls faster than it, at cos(t/√(1 + μ)) = (1 + μ)γ/x₀, if it does at all.
+/// it lifts off where the structure falls faster than it, at cos(t/√(1 + μ)) = (1 + μ)G/x₀, if it does at all.
 #[test]
 fn a_resting_absorber_lifts_off_where_gravity_no_longer_holds_it() {
     let mass = 1.25_f64;
@@ -263,7 +262,7 @@ fn a_resting_absorber_lifts_off_where_gravity_no_longer_holds_it() {
         let first = run.episodes.first().expect("it begins at rest on its stop");
         assert_eq!((first.wall.sign(), first.stick_time), (-1.0, 0.0));
         let Some(release) = first.release_time else {
-            assert!(!lifts, "γ = {gravity}");
+            assert!(!lifts, "G = {gravity}");
             continue;
         };
         let turned = mass.sqrt() * (-mass * gravity).acos();
@@ -296,8 +295,8 @@ fn a_dead_weight_keeps_its_digits_under_any_gravity() {
         assert_eq!((tally.impacts, tally.time_stuck), (0, scene.duration));
         let truth = (scene.duration / 1.21_f64.sqrt()).cos();
         let off = system.primary(&tally.state).x - truth;
-        assert!(off.abs() < 100.0 * U, "γ = {gravity:e}: {off:e}");
+        assert!(off.abs() < 100.0 * U, "G = {gravity:e}: {off:e}");
         let values = measures.values();
-        assert!(values.energy_residual.abs() < 100.0 * U, "γ = {gravity:e}: {values:?}");
+        assert!(values.energy_residual.abs() < 100.0 * U, "G = {gravity:e}: {values:?}");
     }
 }

@@ -21,7 +21,7 @@ pub struct DrivenHost<R: Real = f64> {
 }
 
 impl<R: Real> DrivenHost<R> {
-    /// A structure of damping ratio ζ under a force and gravity γ along its motion, for an absorber of mass ratio μ.
+    /// A structure of damping ratio ζ under a force and gravity G along its motion, for an absorber of mass ratio μ.
     pub(crate) fn new(damping_ratio: R, mass_ratio: R, force: Force<R>, gravity: R) -> Self {
         let forces = Forces::new(force, Weight::new(gravity, mass_ratio));
         let free = Driven::new(R::ONE, damping_ratio, &forces);
