@@ -126,3 +126,40 @@ fn is_still(file: &File, work: &Directory) -> Result<bool, Error> {
 fn is_still(_file: &File, work: &Directory) -> Result<bool, Error> {
     Ok(work.kind(Path::new(MARK_FILE))?.is_some())
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::thread;
+
+    use super::*;
+    use crate::folder::WORK;
+
+    /// A worker of a cluster does not know that the sweep was interrupted, and goes on to put the files of its part
+    /// into the folder of unfinished files while that is removed.
+    #[test]
+    fn a_folder_that_a_late_worker_writes_into_can_be_taken_again() {
+        let home = tempfile::tempdir().unwrap();
+        let (dir, ended) = (home.path().join("out"), AtomicBool::new(false));
+        fs::create_dir(&dir).unwrap();
+        thread::scope(|scope| {
+            let work = scope.spawn(|| {
+                let mut made = 0;
+                while !ended.load(Ordering::Relaxed) {
+                    let Ok(work) = Directory::open(&dir.join(WORK)) else { continue };
+                    let Ok((name, folder)) = work.make_new_folder("part-of-0") else { continue };
+                    made += u32::from(folder.write_new(Path::new("summary"), b"rows").is_ok());
+                    let _ = work.remove_folder(Path::new(&name));
+                }
+                made
+            });
+            // The thread ends before a failure is told.
+            let failure = (0..2000).find_map(|_| Claim::take(&dir).map(drop).err());
+            ended.store(true, Ordering::Relaxed);
+            let made = work.join().unwrap();
+            assert!(failure.is_none(), "{failure:?}");
+            assert!(made > 0, "the worker never met the folder");
+        });
+    }
+}

@@ -17,6 +17,9 @@ use crate::error::Error;
 #[cfg(test)]
 pub(crate) mod faults;
 
+/// How often a folder is emptied that another process puts files into meanwhile.
+const ATTEMPTS: u32 = 8;
+
 /// An open folder.
 #[derive(Debug)]
 pub(crate) struct Directory {
@@ -89,6 +92,17 @@ impl Directory {
             }
         }
         Ok(Some(found))
+    }
+
+    /// Makes a folder in this one; false if something of that name is there already.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be made.
+    pub(crate) fn make_absent_folder(&self, name: &Path) -> Result<bool, Error> {
+        match self.attempt("create", name, |dir| dir.create_dir(name)) {
+            Err(Error::Io { source, .. }) if source.kind() == ErrorKind::AlreadyExists => Ok(false),
+            made => made.map(|()| true),
+        }
     }
 
     /// The folder of that name, made if there is none.
@@ -283,7 +297,15 @@ impl Directory {
     /// [`Error::Io`] if something cannot be removed.
     pub(crate) fn remove_folder(&self, name: &Path) -> Result<(), Error> {
         let Some((folder, leaf)) = self.above(name)? else { return Ok(()) };
-        absent_is_fine(folder.attempt("remove", leaf, |dir| dir.remove_dir_all(leaf)))
+        let remove = || folder.attempt("remove", leaf, |dir| dir.remove_dir_all(leaf));
+        for _ in 1..ATTEMPTS {
+            match remove() {
+                // Another process has just put a file into it.
+                Err(Error::Io { source, .. }) if source.kind() == ErrorKind::DirectoryNotEmpty => {}
+                other => return absent_is_fine(other),
+            }
+        }
+        absent_is_fine(remove())
     }
 
     /// Removes a folder if nothing is in it.

@@ -1,5 +1,6 @@
 //! Hidden folders of this program in the folder of a result, told by a mark that stands in them.
 
+use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::directory::{Directory, Kind};
@@ -17,8 +18,13 @@ pub(crate) const MARK: &[u8] = b"Made by iva-dynamics for unfinished files; iva 
 /// # Errors
 /// [`Error::Refused`] if a folder of that name is not ours, [`Error::Io`] if it cannot be made.
 pub(crate) fn work_folder(dir: &Directory) -> Result<Directory, Error> {
-    let work = dir.make_folder(Path::new(WORK))?;
-    refuse_unmarked(&work)?;
+    let name = Path::new(WORK);
+    // A worker of a cluster may put files into a new folder before it is marked.
+    let is_new = dir.make_absent_folder(name)?;
+    let work = dir.make_folder(name)?;
+    if !is_new {
+        refuse_unmarked(&work)?;
+    }
     Ok(work)
 }
 
@@ -94,12 +100,25 @@ pub(crate) fn empty(hidden: &Directory) -> Result<(), Error> {
     Ok(())
 }
 
-/// The mark goes last, so that what a kill leaves of the folder can still be told as ours.
+/// The mark goes last, so that what a kill leaves of the folder can still be told as ours. If the folder stays,
+/// because a worker of a cluster has just put files into it, it is marked again.
 fn remove_hidden(dir: &Directory, hidden: &Directory, name: &Path) -> Result<(), Error> {
     empty(hidden)?;
-    hidden.remove_file(Path::new(MARK_FILE))?;
+    let mark = Path::new(MARK_FILE);
+    hidden.remove_file(mark)?;
     dir.remove_if_empty(name);
-    Ok(())
+    if dir.kind(name)?.is_none() {
+        return Ok(());
+    }
+    match hidden.write_new(mark, MARK) {
+        // Another process has taken the folder meanwhile, or removed it.
+        Err(Error::Io { source, .. })
+            if matches!(source.kind(), ErrorKind::AlreadyExists | ErrorKind::NotFound) =>
+        {
+            Ok(())
+        }
+        marked => marked,
+    }
 }
 
 /// True if parts of a sweep that is to replace another have been kept.
