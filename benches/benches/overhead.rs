@@ -51,6 +51,7 @@ fn scenes(study: &Study) -> Result<Vec<Job<Siva>>, Invalid> {
         let design = study.design(point)?;
         if let Scene::Siva { system, start } = design.scene {
             scenes.push(Job {
+                begin: 0.0,
                 system,
                 start,
                 limits: design.limits,

@@ -12,7 +12,7 @@ use iva_core::piva::{Parameters, Piva};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyWanted, Window};
-use iva_core::system::{Start, System};
+use iva_core::system::{Start, System, Wall};
 
 /// The start of all scenes here: displaced by 1, at rest.
 pub const START: Start =
@@ -32,7 +32,14 @@ pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva>>, Invalid> {
                 let clearance = narrowest + 0.125 * f64::from(step);
                 let system = Siva::new(mu, e, clearance, 0.01)?;
                 let limits = Limits::new(30.0 * TAU, clearance);
-                scenes.push(Job { system, start: START, limits, steady: None, tier: Tier::Exact });
+                scenes.push(Job {
+                    begin: 0.0,
+                    system,
+                    start: START,
+                    limits,
+                    steady: None,
+                    tier: Tier::Exact,
+                });
             }
         }
     }
@@ -54,10 +61,10 @@ pub fn swinging_decays(
     tolerance: f64,
 ) -> Result<Vec<Job<Piva>>, Invalid> {
     let pendulum = |Job { system, limits, .. }: Job<Siva>| {
-        let (mu, e) = (system.mass_ratio(), system.restitution());
+        let (mu, e) = (system.mass_ratio(), system.restitution(Wall::Plus));
         let point_bob = Parameters::point_bob(mu, e, system.clearance(), 0.01, 10.0);
         let system = Piva::new(Parameters { frequency_ratio: 0.4, tolerance, ..point_bob })?;
-        Ok(Job { system, start: START.into(), limits, steady: None, tier: Tier::Exact })
+        Ok(Job { begin: 0.0, system, start: START.into(), limits, steady: None, tier: Tier::Exact })
     };
     decays(masses, narrowest)?.into_iter().map(pendulum).collect()
 }
@@ -68,11 +75,11 @@ pub fn swinging_decays(
 /// # Errors
 /// [`Invalid`] for a clearance of 0 or less.
 pub fn upright_decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
-    let upright = |Job { system, start, limits, steady, tier }: Job<Siva>| {
+    let upright = |Job { system, start, begin, limits, steady, tier }: Job<Siva>| {
         let gravity = 0.1 / (1.0 + system.mass_ratio());
         let start = Start { gap_displacement: -system.clearance(), ..start };
         let system = system.inclined(gravity, Force::default());
-        Job { system, start, limits, steady, tier }
+        Job { system, start, begin, limits, steady, tier }
     };
     Ok(decays(masses, narrowest)?.into_iter().map(upright).collect())
 }
@@ -107,6 +114,7 @@ pub fn driven_jobs(acts: Acts) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
         let limits = Limits::new(60.0 * TAU / frequency, 1.0);
         let window = Window { from: 0.0, cycle: Some(force) };
         Ok(Job {
+            begin: 0.0,
             system: siva,
             start: START,
             limits,
@@ -124,11 +132,11 @@ pub fn driven_jobs(acts: Acts) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
 pub fn driven_pendulums(acts: Acts, tolerance: f64) -> Result<Vec<Job<Piva>>, Invalid> {
     let pendulum = |Job { system, limits, steady, tier, .. }: Job<Siva<DrivenHost>>| {
         let force = system.force().cloned().unwrap_or_default();
-        let (mu, e) = (system.mass_ratio(), system.restitution());
+        let (mu, e) = (system.mass_ratio(), system.restitution(Wall::Plus));
         let point_bob = Parameters::point_bob(mu, e, system.clearance(), 0.02, 10.0);
         let swinging = Parameters { frequency_ratio: 0.3, tolerance, ..point_bob };
         let system = Piva::new(swinging)?.under(force);
-        Ok(Job { system, start: START.into(), limits, steady, tier })
+        Ok(Job { begin: 0.0, system, start: START.into(), limits, steady, tier })
     };
     driven_jobs(acts)?.into_iter().map(pendulum).collect()
 }

@@ -34,8 +34,9 @@ class Pendulum:
 class Design:
     """The numbers of a scene, in the units of its run; M = 1 where no mass is given.
 
-    Without absorber `mass_ratio`, `clearance` and `pendulum` are ``None``. `gravity_along` is that
-    part of gravity which acts along the motion of a free mass, 0 where that is level.
+    Without absorber `mass_ratio`, `clearance` and `pendulum` are ``None``. The stops are at
+    `gap_offset` ± `clearance`. `gravity_along` is that part of gravity which acts along the motion
+    of a free mass, 0 where that is level.
     """
 
     mass: float
@@ -43,6 +44,7 @@ class Design:
     damping_ratio: float
     mass_ratio: float | None
     clearance: float | None
+    gap_offset: float
     gravity_along: float
     pendulum: Pendulum | None
 

@@ -213,6 +213,8 @@ class Siva(Part):
         Absorber mass m > 0 in kg; needs a primary mass.
     restitution : float
         Newton's coefficient e on the gap velocity, from 0 (plastic) to 1 (elastic).
+    restitution_minus : float, optional
+        The same at the wall y = −d, if it is another there.
     relative_clearance : float, optional
         γ > 0, clearance over the size of the start displacement. One of the five ways to give the
         clearance is needed.
@@ -224,6 +226,16 @@ class Siva(Part):
         Total play 2d > 0, in the unit of lengths.
     gap_mm : float, optional
         The same in mm; SI units only.
+    gap_offset : float, optional
+        Gap displacement of the middle of the gap, 0 by default: the stops are at this ± d. With the
+        start at y = 0 it says how far from the middle the mass starts.
+    gap_offset_mm : float, optional
+        The same in mm; SI units only.
+    contact_time : float, optional
+        How long an impact lasts. It turns each impulse into an estimate of the largest force, that
+        of a half sine: ``peak_force_estimate``. The motion does not depend on it.
+    contact_stiffness : float, optional
+        Stiffness of a stop in N/m, from which that time is estimated; SI units only.
     inclination : float, optional
         Angle in rad by which the line of motion rises, from 0 (level, the default) to π/2
         (upright).
@@ -253,11 +265,16 @@ class Siva(Part):
     mass_ratio: float | None = None
     mass: float | None = None
     restitution: float | None = None
+    restitution_minus: float | None = None
     relative_clearance: float | None = None
     clearance: float | None = None
     clearance_mm: float | None = None
     gap: float | None = None
     gap_mm: float | None = None
+    gap_offset: float | None = None
+    gap_offset_mm: float | None = None
+    contact_time: float | None = None
+    contact_stiffness: float | None = None
     inclination: float | None = None
     inclination_deg: float | None = None
     gravity: float | None = None
@@ -279,6 +296,8 @@ class Piva(Part):
         Absorber mass m > 0 in kg; needs a primary mass.
     restitution : float
         Newton's coefficient e on the gap velocity, from 0 (plastic) to 1 (elastic).
+    restitution_minus : float, optional
+        The same at the wall y = −d, if it is another there.
     relative_clearance : float, optional
         γ > 0, clearance over the size of the start displacement. One of the five ways to give the
         clearance is needed.
@@ -332,6 +351,7 @@ class Piva(Part):
     mass_ratio: float | None = None
     mass: float | None = None
     restitution: float | None = None
+    restitution_minus: float | None = None
     relative_clearance: float | None = None
     clearance: float | None = None
     clearance_mm: float | None = None
@@ -366,7 +386,9 @@ def choices(absorber: Absorber | None) -> list[tuple[str, str]]:
 
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Start(Part):
-    """The state at time zero; what is not given is 0.
+    """The state at the begin of a run; what is not given is 0.
+
+    :meth:`Run.state_at` gives that of another run, to go on from.
 
     Parameters
     ----------
@@ -385,6 +407,13 @@ class Start(Part):
         Angle of a pendulum from hanging in rad, −π to π, instead of `gap_displacement`.
     angular_velocity : float, optional
         Angular velocity of a pendulum, instead of `gap_velocity`.
+    time : float, optional
+        Instant at which the run begins, 0 or later: forces, base and records are where they stand
+        then, and all instants of the results are on the same clock. Impulses up to then are over;
+        in a run from time zero those of time zero act.
+    reference : float, optional
+        Displacement that the `relative_clearance` of the absorber is a multiple of; by default
+        `displacement`.
 
     Raises
     ------
@@ -408,6 +437,8 @@ class Start(Part):
     gap_velocity: float | None = None
     angle: float | None = None
     angular_velocity: float | None = None
+    time: float | None = None
+    reference: float | None = None
 
 
 def spec(*parts: Part | None, run: Mapping[str, float | None] | None = None) -> Spec:

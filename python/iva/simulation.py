@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
 from iva import _iva
-from iva.forces import Force, listed, written
+from iva.forces import Force, Impulse, listed, written
 from iva.frames import Frames, from_arrow, to_polars
-from iva.parameters import Absorber, Primary, Start, numbers, shown
+from iva.parameters import Absorber, Primary, Start, number, numbers, shown
 from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
 from iva.scenes import scene
 from iva.units import Units, from_metadata
@@ -75,8 +76,9 @@ class Run(RunTables):
         polars.DataFrame
             ``time``, ``displacement``, ``velocity``, ``gap_displacement``, ``gap_velocity``,
             ``wall`` (0 in flight, ±1 stuck), ``angle`` and ``angular_velocity`` (null for a free
-            mass). Besides the samples, an impact appears twice: just before and just after. Without
-            absorber all columns of gap and angle are null, and ``wall`` is 0.
+            mass), and the absolute ``acceleration`` and ``absorber_acceleration``, impacts apart.
+            Besides the samples, an impact appears twice: just before and just after. Without
+            absorber all columns of gap, angle and absorber are null, and ``wall`` is 0.
 
         Raises
         ------
@@ -123,6 +125,51 @@ class Run(RunTables):
         [-0.989992, 1.0]
         """
         return to_polars(_iva.states(self._spec, numbers("times", times)))
+
+    def state_at(self, time: float) -> Start:
+        """Return the state at an instant, for another run to go on from.
+
+        Parameters
+        ----------
+        time : float
+            An instant within the run, in its unit of time.
+
+        Returns
+        -------
+        Start
+            Displacements and velocities as :meth:`at` gives them, after the impact or the impulse of
+            that instant if there is one, the instant, and the displacement that a relative clearance
+            refers to. A run that starts from it goes on as this one does, stuck if this one is, to a
+            rounding unit of each number: they are doubles, where a run carries their rounding rests
+            too.
+
+        Raises
+        ------
+        TypeError
+            If `time` is not a number.
+        ValueError
+            If it is outside the run, or after its early end.
+
+        Examples
+        --------
+        >>> siva = iva.Siva(mass_ratio=0.1, clearance=0.5, restitution=0.5)
+        >>> run = iva.simulate(siva, iva.Primary(), start=iva.Start(displacement=1), periods=20)
+        >>> later = iva.simulate(
+        ...     siva, iva.Primary(damping_ratio=0.05), start=run.state_at(12.5), periods=20
+        ... )
+        >>> later.trajectory()["time"].min()
+        12.5
+        """
+        at = number("time", time)
+        begin = self.start.time or 0.0
+        blows = (force for force in listed(self.force) if isinstance(force, Impulse))
+        if at == begin == 0.0 and any((blow.time or 0.0) == 0.0 for blow in blows):
+            return self.start  # before the impulses of time zero, which act in a run from it
+        row = to_polars(_iva.state(self._spec, at)).row(0, named=True)
+        if row["displacement"] is None:
+            end = self.summary["outcome"].item()
+            raise ValueError(f"time = {at!r}: the run ended before ({end}); give an earlier one")
+        return state_of(row, self.start)
 
     def write_mat(self, path: str | PathLike[str], *, samples_per_period: int = 200) -> None:
         """Write all tables and the trajectory into a file for MATLAB and Octave; needs SciPy.
@@ -254,7 +301,10 @@ def simulate(
     primary : Primary
         The primary system; what it is given decides the units.
     start : Start
-        The state at time zero.
+        The state at the begin, at time zero unless it says another instant: ``run.state_at(t)``
+        goes on from another run. Lengths of a run count from there. Instants of results, settling
+        times among them, are on the clock of the forces; ``damping_ratio_energy`` is that of the
+        first period from time zero, null in a run that begins later.
     force : Harmonic, Impulse, Recorded, or a list of them, optional
         What drives it; free decay without. A list is a sum. Under harmonic and recorded forces
         damping ratios and settling times are null; steady states have columns of their own.
@@ -267,7 +317,9 @@ def simulate(
     discard : float, optional
         Cycles that the steady-state columns and the stroboscope leave out at the begin, or 0.
     measures : iterable of str, optional
-        Summary columns to compute, the others are null; all by default.
+        Summary columns to compute, the others are null. By default all but those that take more
+        time and are computed only if named: ``acceleration_max``, ``gap_displacement_max``,
+        ``stroke`` and ``absorber_displacement_max``.
     tables : iterable of str, optional
         Tables to make beside the summary: ``impacts``, ``episodes``, ``envelope``,
         ``stroboscope``; all by default. A long run without tables takes no memory.
@@ -387,6 +439,27 @@ def simulate(
         verified(spec, *asked) if verify else None,
         differentiated(spec, by, *asked),
     )
+
+
+#: Where cos θ is smaller than this, the angle tells the place of a pendulum better than y does.
+STEEP = 0.5
+
+
+def state_of(row: dict[str, float | None], start: Start) -> Start:
+    """Return the state of a row of a trajectory, in a run from a start."""
+    reference = start.reference
+    if reference is None and start.displacement_mm is not None:
+        reference = start.displacement_mm / 1000
+    if reference is None:
+        reference = start.displacement
+    kept = {name: row[name] for name in ("time", "displacement", "velocity")}
+    angle = row["angle"]
+    if angle is not None and math.cos(angle) < STEEP:
+        place = ("angle", "angular_velocity")
+    else:
+        place = ("gap_displacement", "gap_velocity")
+    kept |= {name: row[name] for name in place}
+    return Start(reference=None if row["gap_displacement"] is None else reference, **kept)
 
 
 def truth(field: str, value: object) -> bool:

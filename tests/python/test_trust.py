@@ -46,10 +46,11 @@ def swept(out: Path, style: str = "parquet") -> Path:
 
 
 def changed(file: Path) -> None:
-    """Change a bit; in text the last digit behind a point, so that it is a number still."""
+    """Change a bit of a value; in text the last digit behind a point: a number still."""
     content = bytearray(file.read_bytes())
-    at = content.rindex(b".") + 1 if file.suffix == ".csv" else len(content) // 3
-    content[at] ^= 1
+    # Values come first in Parquet, and after the schema in Arrow.
+    places = {".csv": content.rindex(b".") + 1, ".parquet": 100, ".arrow": len(content) // 2}
+    content[places[file.suffix]] ^= 1
     file.write_bytes(content)
 
 

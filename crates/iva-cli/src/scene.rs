@@ -62,7 +62,11 @@ fn absorber(designs: &[Design], kind: Kind) -> String {
     };
     let mass = range_of(designs, |absorber| absorber.mass_ratio);
     let restitution = range_of(designs, |absorber| absorber.restitution);
-    format!("Absorber: {name}, mass ratio {mass}, restitution {restitution}")
+    let minus = match range_of(designs, |absorber| absorber.restitution_minus) {
+        minus if minus == restitution => String::new(),
+        minus => format!(", at the wall - {minus}"),
+    };
+    format!("Absorber: {name}, mass ratio {mass}, restitution {restitution}{minus}")
 }
 
 /// Displacement of the structure at time zero, and the clearance beside it.
@@ -128,7 +132,7 @@ fn acceleration(design: &Design) -> Option<f64> {
     let Some(force) = design.scene.force() else { return Some(decaying) };
     let harmonic = force.harmonics().first().filter(|_| force.is_single())?;
     let never = AtomicBool::new(false);
-    let forced = design.amplitude_without_absorber(&never).ok().flatten()?;
+    let forced = design.without_absorber(&never).ok().flatten()?.amplitude;
     let square = harmonic.frequency * harmonic.frequency;
     (!force.moves_base()).then_some(decaying + square * forced)
 }

@@ -152,7 +152,7 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
     }
     let sampling = sampling::read(&mut source, root, spec.choices().kind)?;
     let tables = tables_or_default(&source, &settings, !sampling.is_empty())?;
-    let measures = settings.measures.unwrap_or_else(Selection::all);
+    let measures = settings.measures.unwrap_or_default();
     let study = Study { spec, sampling, tables, measures, errors: settings.errors };
     let report = Report::new(measures, &study.spec(0).unwrap_or_else(|_| study.spec.clone()));
     let report = match root.get_key_value("report") {

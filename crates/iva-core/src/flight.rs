@@ -66,6 +66,25 @@ pub struct Rows<R = f64> {
     pub base: Row<R>,
 }
 
+/// The polynomials of a motion with that of the gap displacement.
+#[derive(Debug, Clone, Copy)]
+pub struct Travel<R = f64> {
+    /// Those of the structure.
+    pub rows: Rows<R>,
+    /// Gap displacement.
+    pub gap: Row<R>,
+    /// Displacement of the absorber's centre of mass, measured as that of the structure.
+    pub absorber: Row<R>,
+}
+
+impl<R: Real> Travel<R> {
+    /// From the series of structure and gap; `lever` is how far the centre of mass goes per gap displacement.
+    pub fn new(rows: Rows<R>, gap: Row<R>, lever: R) -> Self {
+        let absorber = std::array::from_fn(|k| rows.x[k] + lever * gap[k]);
+        Self { rows, gap, absorber }
+    }
+}
+
 /// Which wall a contact is made with, seen from the wall last touched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -261,6 +280,10 @@ pub trait Motion {
     }
     /// Primary displacement and its derivatives at h.
     fn primary(&self, h: Self::Real) -> Jet<Self::Real>;
+    /// Absolute acceleration ẍ + a_g of the structure at h; as it stands here, of one whose base is at rest.
+    fn acceleration(&self, h: Self::Real) -> Self::Real {
+        self.primary(h).curvature
+    }
     /// Gap displacement and velocity at h.
     fn gap(&self, h: Self::Real) -> GapPoint<Self::Real>;
     /// Structure and absorber at h.
@@ -289,6 +312,10 @@ pub trait Motion {
     }
     /// The series that it is read from, where it is one.
     fn rows(&self) -> Option<Rows<Self::Real>> {
+        None
+    }
+    /// Series of structure and gap, whatever it is read from; `None` where the absorber has none to offer.
+    fn travel(&self) -> Option<Travel<Self::Real>> {
         None
     }
 }

@@ -18,6 +18,7 @@ use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::range;
 use crate::real::Real;
+use crate::sample::SLACK;
 use crate::taylor::{ORDER, unrolled};
 
 pub use harmonic::Harmonic;
@@ -303,9 +304,12 @@ impl<R: Real> Force<R> {
         bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&R::ZERO))
     }
 
-    /// How many kicks lie before an instant.
+    /// How many kicks are over where a run begins at an instant: all up to then, but for those of time zero in a run
+    /// from time zero.
     pub(crate) fn kicks_before(&self, time: DoubleDouble<R>) -> u32 {
-        self.kicks.iter().take_while(|kick| (kick.time - time).value < 0.0).count() as u32
+        let slack = time.value * SLACK;
+        let over = |kick: &&Kick<R>| kick.time.minus(time.value) < slack;
+        self.kicks.iter().take_while(over).count() as u32
     }
 
     /// P/M of the kick that is due, once the first `done` are over.

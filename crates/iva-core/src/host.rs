@@ -153,6 +153,12 @@ pub trait Structure: std::fmt::Debug {
     ) -> Option<Rows<Self::Real>> {
         None
     }
+    /// The polynomials of any motion.
+    fn series(
+        &self,
+        from: &HostState<Self::Phase, Self::Real>,
+        course: &Self::Course,
+    ) -> Rows<Self::Real>;
 }
 
 /// A motion to integrate over.
@@ -203,6 +209,10 @@ pub trait Host: Clone + std::fmt::Debug {
     /// Gravity G along the motion, in ωn² × length.
     fn gravity(&self) -> Self::Real {
         Self::Real::ZERO
+    }
+    /// The absolute acceleration ẍ + a_g that goes with A, which has gravity along the motion besides.
+    fn absolute(&self, a: DoubleDouble<Self::Real>) -> Self::Real {
+        a.minus(self.gravity())
     }
     /// How long the drive stays smooth.
     fn smooth_for(&self, _phase: &Phase<Self>) -> Self::Real {

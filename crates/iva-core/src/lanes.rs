@@ -53,8 +53,10 @@ const WORTHWHILE: usize = 3;
 pub struct Job<S: SideBySide> {
     /// The absorber on its primary.
     pub system: S,
-    /// The state at time zero.
+    /// The state at the begin.
     pub start: S::Start,
+    /// The instant of that.
+    pub begin: f64,
     /// How long, and where to stop.
     pub limits: Limits,
     /// What is measured of its steady state, if anything, and where.
@@ -92,7 +94,8 @@ pub type Ended<S> = (Tally<<S as System>::State>, MeasureValues, Option<SteadyVa
 
 /// An absorber whose runs can go side by side; as it stands here, they go one by one.
 pub trait SideBySide: System<Real = f64> + Sized {
-    /// What all lanes of a group have in common; `None`: this run is for the event loop.
+    /// What all lanes of a group have in common; `None`: this run is for the event loop, as those are that begin later
+    /// than at time zero.
     fn common(_job: &Job<Self>) -> Option<[f64; 2]> {
         None
     }
@@ -121,7 +124,8 @@ fn tier_of_free_mass<S: SideBySide>(job: &Job<S>) -> Tier {
 impl SideBySide for Siva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let tier = if job.tier == Tier::Fast { 1.0 } else { 0.0 };
-        job.steady.is_none().then(|| [job.system.damping_ratio(), tier])
+        let fits = job.steady.is_none() && job.begin == 0.0;
+        (fits && job.system.common_law().is_some()).then(|| [job.system.damping_ratio(), tier])
     }
 
     fn tier(job: &Job<Self>) -> Tier {
@@ -150,8 +154,8 @@ impl SideBySide for Siva<DrivenHost> {
         let base = if force.moves_base() { 1.0 } else { 0.0 };
         // No strobes come out of lanes.
         let tier = if job.tier == Tier::Fast { 2.0 } else { 0.0 };
-        let level = job.system.gravity() == 0.0;
-        (level && force.is_single() && !wanted.strobes)
+        let level = job.system.gravity() == 0.0 && job.system.common_law().is_some();
+        (level && force.is_single() && !wanted.strobes && job.begin == 0.0)
             .then(|| [f64::from(wanted.bits()), base + tier])
     }
 
@@ -191,7 +195,8 @@ impl SideBySide for Piva {
             false => force.is_single() && !wanted.strobes,
         };
         let small = if pendulum.small_angles { 1000.0 } else { 0.0 };
-        fits.then_some([accuracy.tolerance, small + driven + damped])
+        (fits && job.begin == 0.0 && job.system.has_common_law())
+            .then_some([accuracy.tolerance, small + driven + damped])
     }
 
     fn tier(job: &Job<Self>) -> Tier {
@@ -325,9 +330,9 @@ impl<'a, S: SideBySide> Group<'a, S> {
     /// A run that has begun.
     fn begun<O: Watching<S>>(&self, index: usize, spare: Option<O>) -> ScalarRun<'a, S, O> {
         let job = &self.jobs[index];
-        let Job { system, start, limits, .. } = job;
+        let Job { system, start, begin, limits, .. } = job;
         let observer = O::new(job, self.wanted, spare);
-        let start = Instant::start(system, start);
+        let start = Instant::at(system, start, *begin);
         let mut run = Run::new(system, &start, limits, self.cancel, observer);
         run.begin();
         run

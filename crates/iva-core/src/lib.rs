@@ -38,7 +38,7 @@
 //!   Free masses in plain doubles, the fast tier, have lanes of their own (`lanes/doubles.rs`).
 //! * [`range`] holds the numbers that a run accepts.
 //! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] and, under force,
-//!   [`steady`] watch a run.
+//!   [`steady`] watch a run, and so does [`extremes`]: how far the absorber goes.
 //! * [`propagation`] watches as well: it estimates what errors have grown to.
 //! * [`run`] does all of it in one call.
 //! * [`theory`] holds steady states known in closed form; no run uses it.
@@ -74,6 +74,7 @@ pub mod chatter;
 pub mod compensated;
 pub mod contact;
 pub mod error;
+pub mod extremes;
 pub mod flight;
 pub mod force;
 pub mod host;

@@ -86,6 +86,8 @@ pub struct Measures<S: System> {
     pub(crate) wanted: Wanted,
     pub(crate) values: MeasureValues<S::Real>,
     pub(crate) duration: S::Real,
+    /// The instant at which the run has begun.
+    begin: S::Real,
     pub(crate) reference: Reference<S::Real>,
     /// Energy at time zero, after the impulses of that instant.
     pub(crate) energy_begin: S::Real,
@@ -116,6 +118,7 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
             wanted,
             values: MeasureValues::default(),
             duration: R::ZERO,
+            begin: R::ZERO,
             reference: Reference { amplitude: R::ZERO, settled: false },
             energy_begin: R::ZERO,
             moving: false,
@@ -227,7 +230,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         let Instant { time, state } = from;
         *self = Self::new(self.wanted);
         let x = system.primary(state).x;
-        self.duration = duration;
+        (self.begin, self.duration) = (time.value, duration);
         self.reference = Reference { amplitude: x.abs(), settled: x != 0.0 };
         self.half_cycles = HalfCycles::start(time.value, x);
         self.values.energy_initial = system.energy(state);
@@ -246,7 +249,8 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
             self.pivot = self.pivot.plus(pivot);
             self.work = self.work.plus(work);
         }
-        if !decays {
+        // The energy lost in a period is that from time zero on.
+        if !decays || self.begin != 0.0 {
             return;
         }
         let to_period = -span.start.minus(R::TURN.value);
@@ -287,7 +291,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         }
         if whole
             && self.wanted.residual
-            && self.duration >= R::TURN.value * (R::ONE - CLOSE)
+            && self.duration - self.begin >= R::TURN.value * (R::ONE - CLOSE)
             && !driven
         {
             values.residual_amplitude = Some(self.last_period / amplitude);

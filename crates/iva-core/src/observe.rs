@@ -57,6 +57,29 @@ pub enum Jump<'a, State> {
     Release,
 }
 
+/// Where an impact happens.
+#[derive(Debug)]
+pub struct Contact<'a, State, R = f64> {
+    /// Instant.
+    pub time: R,
+    /// The states just before and just after.
+    pub states: [&'a State; 2],
+    /// True of a rebound of a summed tail: the run does not go through these states.
+    pub summed: bool,
+}
+
+impl<State, R: Real> Contact<'_, State, R> {
+    /// The largest |ẍ + a_g| around it, or `least` if that is larger; of a rebound of a summed tail only. Between these
+    /// the acceleration has no other extremes, for the damper feels their jumps, and all others are seen in the motion.
+    pub fn hardest_shaking<S: System<Real = R, State = State>>(&self, system: &S, least: R) -> R {
+        if !self.summed {
+            return least;
+        }
+        let around = self.states.map(|state| system.flight(state).acceleration(R::ZERO).abs());
+        around.into_iter().fold(least, R::max)
+    }
+}
+
 /// Told of everything that happens in a run, in the order of time.
 pub trait Observer<S: System> {
     /// The run begins and is to last until `duration`.
@@ -70,6 +93,8 @@ pub trait Observer<S: System> {
     }
     /// An impact.
     fn impact(&mut self, _system: &S, _impact: &Impact<S::Real>) {}
+    /// The states around an impact, told before [`Observer::impact`]; first of all the one that a summed tail begins with.
+    fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State, S::Real>) {}
     /// The state changes in an instant; of an impact before [`Observer::impact`].
     fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {}
     /// An impulse from outside: the state after it, and the work it does (0 where the force only
@@ -99,6 +124,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for &mut O {
     }
     fn impact(&mut self, system: &S, impact: &Impact<R>) {
         (**self).impact(system, impact);
+    }
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+        (**self).contact(system, contact);
     }
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
         (**self).jump(system, jump);
@@ -134,6 +162,11 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
     fn impact(&mut self, system: &S, impact: &Impact<R>) {
         if let Some(observer) = self {
             observer.impact(system, impact);
+        }
+    }
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+        if let Some(observer) = self {
+            observer.contact(system, contact);
         }
     }
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
@@ -178,6 +211,10 @@ impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> f
     fn impact(&mut self, system: &S, impact: &Impact<R>) {
         self.0.impact(system, impact);
         self.1.impact(system, impact);
+    }
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+        self.0.contact(system, contact);
+        self.1.contact(system, contact);
     }
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
         self.0.jump(system, jump);

@@ -11,6 +11,7 @@ use crate::flight::Jet;
 use crate::force::{Drive, Force};
 use crate::impact::{Impact, delay};
 use crate::oscillator::Primary;
+use crate::range;
 use crate::real::Real;
 use crate::system::{Angle, Clock, Point, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
@@ -43,9 +44,8 @@ pub struct Piva<R = f64> {
     pub(crate) pendulum: Pendulum<R>,
     /// cosθ at the walls.
     wall_cosine: DoubleDouble<R>,
-    pub(crate) law: Law<R>,
-    /// See [`System::pressure_gain`].
-    pressure_gain: R,
+    /// Of the walls + and −.
+    laws: [Law<R>; 2],
     pub(crate) accuracy: Accuracy<R>,
     /// What drives it.
     force: Force<R>,
@@ -83,13 +83,12 @@ impl<R: Real> Piva<R> {
             small_angles: angles == Angles::Small,
         };
         let wall_cosine = pendulum.precise_cosine(DoubleDouble::new(clearance));
-        let law = Law::new(&parameters, &pendulum, wall_cosine);
+        let law = Law::new(&parameters, parameters.restitution, &pendulum, wall_cosine);
         Ok(Self {
             parameters,
             pendulum,
             wall_cosine,
-            law,
-            pressure_gain: law.pressure_gain(&pendulum),
+            laws: [law; 2],
             // Small angles cost little, and are exact whatever was asked.
             accuracy: Accuracy::of(if pendulum.small_angles {
                 R::ZERO
@@ -106,7 +105,33 @@ impl<R: Real> Piva<R> {
         Self { force, ..self }
     }
 
-    /// What it was made of.
+    /// The same absorber with another restitution at the wall −.
+    ///
+    /// # Errors
+    /// [`Invalid`] for one outside [0, 1].
+    pub fn with_restitution_minus(mut self, restitution: R) -> Result<Self, Invalid> {
+        range::restitution("absorber.restitution_minus", restitution)?;
+        let Self { parameters, pendulum, wall_cosine, .. } = &self;
+        self.laws[1] = Law::new(parameters, restitution, pendulum, *wall_cosine);
+        Ok(self)
+    }
+
+    /// The law of impact at a wall.
+    pub(crate) fn law(&self, wall: Wall) -> &Law<R> {
+        &self.laws[wall.index()]
+    }
+
+    /// True if both walls have the same law of impact.
+    pub(crate) fn has_common_law(&self) -> bool {
+        self.laws[0].restitution == self.laws[1].restitution
+    }
+
+    /// Newton's coefficient e on the gap velocity, at a wall.
+    pub fn restitution(&self, wall: Wall) -> R {
+        self.law(wall).restitution
+    }
+
+    /// What it was made of; its restitution is that of the wall +.
     pub fn parameters(&self) -> &Parameters<R> {
         &self.parameters
     }
@@ -260,12 +285,21 @@ impl<R: Real> System for Piva<R> {
         self.parameters.clearance
     }
 
-    fn rebound_ratio(&self) -> R {
-        self.law.ratio
+    fn rebound_ratio(&self, wall: Wall) -> R {
+        self.law(wall).ratio
     }
 
-    fn pressure_gain(&self) -> R {
-        self.pressure_gain
+    /// The law tells it per W, and the gap velocity is W cosθ.
+    fn impact_gain(&self, wall: Wall) -> R {
+        self.law(wall).impact_gain() / self.wall_cosine.value
+    }
+
+    fn lever(&self) -> R {
+        self.pendulum.lever
+    }
+
+    fn pressure_gain(&self, wall: Wall) -> R {
+        self.law(wall).pressure_gain
     }
 
     fn check_start(&self, start: &PivaStart<R>) -> Result<(), Invalid> {
@@ -316,14 +350,13 @@ impl<R: Real> System for Piva<R> {
     }
 
     fn impact(&self, state: &PivaState<R>, time: R) -> (PivaState<R>, Impact<R>) {
-        let v = state.primary.v;
+        let (v, law) = (state.primary.v, self.law(state.wall));
         let (gained, w) = R::dispatched(
             #[inline(always)]
-            || (self.law.impact(state.w), state.w.times_sum(-self.law.rebound)),
+            || (law.impact(state.w), state.w.times_sum(-law.rebound)),
         );
         let primary = Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary };
         let after = PivaState { primary, w, released: false, ..*state };
-        let restitution = self.parameters.restitution;
         let impact = Impact {
             time,
             wall: state.wall,
@@ -333,24 +366,24 @@ impl<R: Real> System for Piva<R> {
             gap_velocity_before: state.gap_velocity(),
             gap_velocity_after: after.gap_velocity(),
             lever: self.pendulum.lever,
-            energy_loss: self.law.impact_loss(v.value, state.w.value, restitution),
+            energy_loss: law.impact_loss(v.value, state.w.value),
         };
         (after, impact)
     }
 
     fn stick(&self, state: &PivaState<R>) -> (PivaState<R>, R) {
-        let v = state.primary.v;
-        let gained = self.law.stick(state.w);
+        let (v, law) = (state.primary.v, self.law(state.wall));
+        let gained = law.stick(state.w);
         let Parameters { mass_ratio, damping_ratio, .. } = self.parameters;
         let damping = damping_ratio * 2.0 / (R::ONE + mass_ratio);
-        let [farther, faster] = self.law.surplus_of_tail(state.w, &self.distance(state), damping);
+        let [farther, faster] = law.surplus_of_tail(state.w, &self.distance(state), damping);
         let stuck = PivaState {
             primary: Primary { x: state.primary.x.plus(farther), v: (v + gained).plus(faster) },
             distance: DoubleDouble::ZERO,
             w: DoubleDouble::ZERO,
             ..*state
         };
-        (stuck, self.law.stick_loss(v.value, state.w.value))
+        (stuck, law.stick_loss(v.value, state.w.value))
     }
 
     fn release(&self, state: &PivaState<R>) -> (PivaState<R>, R) {

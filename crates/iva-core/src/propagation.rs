@@ -45,10 +45,10 @@ pub trait Differentiable: System<Real = f64> {
     fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
     /// The same while stuck on a wall, where y and ẏ do not change.
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
-    /// Derivative of the velocity jump of an impact.
-    fn impact_matrix(&self) -> Matrix4<f64>;
-    /// Derivative of the state at the end of a chatter by that after one of its rebounds.
-    fn stick_matrix(&self) -> Matrix4<f64>;
+    /// Derivative of the velocity jump of an impact on a wall.
+    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64>;
+    /// Derivative of the state at the end of a chatter on a wall by that after one of its rebounds.
+    fn stick_matrix(&self, wall: Wall) -> Matrix4<f64>;
     /// What a rounding of the place is worth in y at a state: 1, or cosθ where that tells the place.
     fn sharpness(&self, _state: &Self::State) -> f64 {
         1.0
@@ -220,7 +220,7 @@ impl Errors {
             let scale = self.unit / approach;
             self.condition = self.condition.max((scale * self.derivative[(2, column)]).abs());
         }
-        let jump = system.impact_matrix();
+        let jump = system.impact_matrix(system.wall(before));
         let (f_after, normal) = (system.rates(after), Vector4::new(0.0, 0.0, 1.0 / f[2], 0.0));
         self.carry(&(jump + (f_after - jump * f) * normal.transpose()));
         let speeds = Vector4::new(0.0, f_after[0].abs(), 0.0, f_after[2].abs());
@@ -232,7 +232,7 @@ impl Errors {
     /// T = 2u/(A(1 − e)).
     fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State, time: f64) -> f64 {
         let leave = system.distance(after);
-        let left = 1.0 - system.rebound_ratio();
+        let left = 1.0 - system.rebound_ratio(system.wall(after));
         let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
         let speed = self.deviation(3) / leave.rate;
         let pressure = (self.deviation(0) + self.deviation(1)) / leave.curvature.abs();
@@ -284,7 +284,10 @@ impl<S: Differentiable> Observer<S> for Errors {
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
         match jump {
             Jump::Impact { before, after } => Errors::impact(self, system, before, after),
-            Jump::Stick => self.carry(&system.stick_matrix()),
+            Jump::Stick => {
+                // On the wall hit last; a plastic stick at the begin changes nothing.
+                self.carry(&system.stick_matrix(self.wall.unwrap_or(Wall::Plus)));
+            }
             Jump::Release => {
                 self.carry(&Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0)));
             }

@@ -30,6 +30,8 @@ pub struct Tally<State, R = f64> {
     pub episodes: u64,
     /// Grazing extrema within rounding of a wall, counted as no contact.
     pub undecided: u64,
+    /// Largest approach speed of all impacts on the wall + and on the wall −; 0 without any.
+    pub approach_speeds: [R; 2],
     /// Total time on a wall.
     pub time_stuck: R,
     /// Energy lost in all impacts, listed or summed.
@@ -64,8 +66,24 @@ pub fn simulate<R: Real, S: System<Real = R>, O: Observer<S>>(
     cancel: Option<&AtomicBool>,
     observer: &mut O,
 ) -> Result<Tally<S::State, R>, Invalid> {
+    simulate_from(system, start, R::ZERO, limits, cancel, observer)
+}
+
+/// As [`simulate`], from a start at another instant than zero, in 1/ωn: the drive is where it stands then, and instants
+/// count on the same clock, that of the end of the run (`limits.duration`) as well.
+///
+/// # Errors
+/// As [`simulate`]; if the run would end before it begins.
+pub fn simulate_from<R: Real, S: System<Real = R>, O: Observer<S>>(
+    system: &S,
+    start: &S::Start,
+    time: R,
+    limits: &Limits<R>,
+    cancel: Option<&AtomicBool>,
+    observer: &mut O,
+) -> Result<Tally<S::State, R>, Invalid> {
     system.check_start(start)?;
-    resume(system, &Instant::start(system, start), limits, cancel, observer)
+    resume(system, &Instant::at(system, start, time), limits, cancel, observer)
 }
 
 /// An instant of a run, and the state then.
@@ -83,7 +101,13 @@ pub struct Instant<State, R = f64> {
 impl<State, R: Real> Instant<State, R> {
     /// A start at time zero.
     pub fn start<S: System<Real = R, State = State>>(system: &S, start: &S::Start) -> Self {
-        Self { time: Clock::ZERO, state: system.begin(start) }
+        Self::at(system, start, R::ZERO)
+    }
+
+    /// A start at an instant.
+    pub fn at<S: System<Real = R, State = State>>(system: &S, start: &S::Start, time: R) -> Self {
+        let time = Clock::new(time);
+        Self { time, state: system.begin_at(start, time) }
     }
 }
 
@@ -173,6 +197,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 effective_impacts: 0,
                 episodes: 0,
                 undecided: 0,
+                approach_speeds: [R::ZERO; 2],
                 time_stuck: R::ZERO,
                 energy_impacts: R::ZERO,
                 end_time: R::ZERO,

@@ -33,19 +33,42 @@ const ON_WALL_ULPS: f64 = 4.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Siva<H: Host = UndrivenHost> {
     mass_ratio: H::Real,
-    restitution: H::Real,
     clearance: H::Real,
-    /// Share of the gap velocity that the primary gains at an impact.
-    pub(crate) impact_share: DoubleDouble<H::Real>,
-    /// The same for e = 0, for an absorber that sticks.
+    /// Of the middle of the gap, from y = 0.
+    offset: H::Real,
+    /// Of the walls + and −.
+    laws: [Law<H::Real>; 2],
+    /// Share of the gap velocity that the primary gains where the absorber sticks: that for e = 0.
     pub(crate) stick_share: DoubleDouble<H::Real>,
     pub(crate) host: H,
 }
 
+/// What an impact on one of the walls does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Law<R = f64> {
+    /// Newton's coefficient e on the gap velocity.
+    pub restitution: R,
+    /// Share of the gap velocity that the primary gains.
+    pub share: DoubleDouble<R>,
+}
+
+impl<R: Real> Law<R> {
+    fn new(mass_ratio: R, restitution: R) -> Self {
+        Self { restitution, share: impact::primary_share(mass_ratio, restitution) }
+    }
+}
+
 impl<R: Real> From<Parameters<R>> for Siva<UndrivenHost<R>> {
     fn from(parameters: Parameters<R>) -> Self {
-        let Parameters { mass_ratio, damping_ratio, .. } = parameters;
-        Self::on(UndrivenHost::new(damping_ratio, mass_ratio), &parameters)
+        let Parameters { mass_ratio, restitution, clearance, damping_ratio } = parameters;
+        Self {
+            mass_ratio,
+            clearance,
+            offset: R::ZERO,
+            laws: [Law::new(mass_ratio, restitution); 2],
+            stick_share: impact::primary_share(mass_ratio, R::ZERO),
+            host: UndrivenHost::new(damping_ratio, mass_ratio),
+        }
     }
 }
 
@@ -72,24 +95,42 @@ impl<R: Real> Siva<UndrivenHost<R>> {
     /// The same absorber under a force and under gravity G = g sin α along its motion, in ωn² × length, with displacements
     /// measured from where the structure rests with the absorber on its lower stop.
     pub fn inclined(&self, gravity: R, force: Force<R>) -> Siva<DrivenHost<R>> {
-        let Self { mass_ratio, restitution, clearance, .. } = *self;
-        let damping_ratio = self.host.damping_ratio();
-        let parameters = Parameters { mass_ratio, restitution, clearance, damping_ratio };
-        Siva::on(DrivenHost::new(damping_ratio, mass_ratio, force, gravity), &parameters)
+        let Self { mass_ratio, clearance, offset, laws, stick_share, .. } = *self;
+        let host = DrivenHost::new(self.host.damping_ratio(), mass_ratio, force, gravity);
+        Siva { mass_ratio, clearance, offset, laws, stick_share, host }
     }
 }
 
 impl<R: Real, H: Host<Real = R>> Siva<H> {
-    fn on(host: H, parameters: &Parameters<R>) -> Self {
-        let Parameters { mass_ratio, restitution, clearance, .. } = *parameters;
-        Self {
-            mass_ratio,
-            restitution,
-            clearance,
-            impact_share: impact::primary_share(mass_ratio, restitution),
-            stick_share: impact::primary_share(mass_ratio, R::ZERO),
-            host,
-        }
+    /// The same absorber with another restitution at the wall −.
+    ///
+    /// # Errors
+    /// [`Invalid`] for one outside [0, 1].
+    pub fn with_restitution_minus(mut self, restitution: R) -> Result<Self, Invalid> {
+        range::restitution("absorber.restitution_minus", restitution)?;
+        self.laws[1] = Law::new(self.mass_ratio, restitution);
+        Ok(self)
+    }
+
+    /// The same absorber in a gap whose middle is at y = `offset`.
+    ///
+    /// # Errors
+    /// [`Invalid`] for an offset out of [`crate::range`].
+    pub fn with_offset(self, offset: R) -> Result<Self, Invalid> {
+        range::size("absorber.gap_offset", offset)?;
+        Ok(Self { offset, ..self })
+    }
+
+    /// The law of impact at a wall, by its sign.
+    #[inline(always)]
+    pub(crate) fn law(&self, side: R) -> &Law<R> {
+        if side > 0.0 { &self.laws[0] } else { &self.laws[1] }
+    }
+
+    /// The law of impact of both walls, if it is the same.
+    pub(crate) fn common_law(&self) -> Option<&Law<R>> {
+        let [plus, minus] = &self.laws;
+        (plus.restitution == minus.restitution).then_some(plus)
     }
 
     /// μ = m/M.
@@ -97,9 +138,14 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         self.mass_ratio
     }
 
-    /// Newton's coefficient e on the gap velocity.
-    pub fn restitution(&self) -> R {
-        self.restitution
+    /// Newton's coefficient e on the gap velocity, at a wall.
+    pub fn restitution(&self, wall: Wall) -> R {
+        self.law(R::from(wall.sign())).restitution
+    }
+
+    /// Where the middle of the gap is.
+    pub fn offset(&self) -> R {
+        self.offset
     }
 
     /// What drives it; `None` where nothing can.
@@ -117,6 +163,12 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         self.host.gravity()
     }
 
+    /// Gap displacement and velocity.
+    pub(crate) fn gap(&self, state: &SivaState<Phase<H>, R>) -> GapPoint<R> {
+        let GapPoint { y, w } = state.gap(self.clearance);
+        GapPoint { y: self.offset + y, w }
+    }
+
     /// How far the absorber is from its lower stop.
     fn height(&self, state: &SivaState<Phase<H>, R>) -> R {
         let from_below = state.side < 0.0;
@@ -124,11 +176,11 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
     }
 }
 
-/// Checks that a start is in [`crate::range`] and lies in a gap of one-sided clearance d.
+/// Checks that a start is in [`crate::range`] and lies in a gap of one-sided clearance d with its middle at an offset.
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
-pub fn check_start<R: Real>(clearance: R, start: &Start<R>) -> Result<(), Invalid> {
+pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result<(), Invalid> {
     let fields = [
         ("start.displacement", start.displacement),
         ("start.velocity", start.velocity),
@@ -138,12 +190,13 @@ pub fn check_start<R: Real>(clearance: R, start: &Start<R>) -> Result<(), Invali
     for (field, value) in fields {
         range::size(field, value)?;
     }
-    let beyond = start.gap_displacement.abs() - clearance;
-    if beyond > R::EPSILON * ON_WALL_ULPS * clearance {
+    let beyond = (start.gap_displacement - offset).abs() - clearance;
+    if beyond > R::EPSILON * ON_WALL_ULPS * (clearance + offset.abs()) {
+        let [low, high] = [offset - clearance, offset + clearance].map(number);
         return Err(Invalid::new(
             "start.gap_displacement",
             number(start.gap_displacement),
-            format!("it must lie in the gap, from -{0} to {0}", number(clearance)),
+            format!("it must lie in the gap, from {low} to {high}"),
         ));
     }
     Ok(())
@@ -160,7 +213,7 @@ pub struct SivaState<P = (), R = f64> {
 }
 
 impl<R: Real, P> SivaState<P, R> {
-    /// Gap displacement and velocity in a gap of one-sided clearance d.
+    /// Gap displacement from the middle of a gap of one-sided clearance d, and gap velocity.
     #[inline(always)]
     pub(crate) fn gap(&self, clearance: R) -> GapPoint<R> {
         let d = clearance;
@@ -181,14 +234,13 @@ impl<R: Real, P> SivaState<P, R> {
 pub(crate) fn collided<R: Real, S: Structure<Real = R>>(
     free: &S,
     state: &SivaState<S::Phase, R>,
-    share: DoubleDouble<R>,
-    restitution: R,
+    law: &Law<R>,
 ) -> SivaState<S::Phase, R> {
-    let primary = state.host.primary.jumped(-state.side, state.rate, share);
+    let primary = state.host.primary.jumped(-state.side, state.rate, law.share);
     let acceleration = free.acceleration(&state.host.phase, &primary);
     SivaState {
         host: HostState { primary, acceleration, ..state.host },
-        rate: state.rate.product(DoubleDouble::new(-restitution)),
+        rate: state.rate.product(DoubleDouble::new(-law.restitution)),
         ..*state
     }
 }
@@ -210,12 +262,20 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         self.clearance
     }
 
-    fn rebound_ratio(&self) -> R {
-        self.restitution
+    fn offset(&self) -> R {
+        self.offset
     }
 
-    fn pressure_gain(&self) -> R {
-        self.host.damping_ratio() * 2.0 * self.impact_share.value
+    fn rebound_ratio(&self, wall: Wall) -> R {
+        self.restitution(wall)
+    }
+
+    fn impact_gain(&self, wall: Wall) -> R {
+        self.law(R::from(wall.sign())).share.value
+    }
+
+    fn pressure_gain(&self, wall: Wall) -> R {
+        self.host.damping_ratio() * 2.0 * self.impact_gain(wall)
     }
 
     fn stops(&self, limits: &Limits<R>) -> [R; STOPS] {
@@ -223,7 +283,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
-        check_start(self.clearance, start)
+        check_start(self.clearance, self.offset, start)
     }
 
     fn begin_at(&self, start: &Start<R>, time: Clock<R>) -> Self::State {
@@ -234,16 +294,18 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
         // start runs through mirrored numbers.
         let host = self.host.state(self.host.begin_at(time), primary);
-        let seen =
-            [start.gap_displacement, start.gap_velocity, -host.acceleration.value, start.velocity];
+        let place = DoubleDouble::new(start.gap_displacement).plus(-self.offset);
+        let seen = [place.value, start.gap_velocity, -host.acceleration.value, start.velocity];
         let side = seen
             .into_iter()
             .chain(self.host.leaning(&host.phase))
             .find(|value| *value != 0.0)
             .unwrap_or(R::ONE);
         let s = if side > 0.0 { R::ONE } else { -R::ONE };
-        let distance = DoubleDouble::new(self.clearance).plus(-s * start.gap_displacement);
-        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * self.clearance;
+        let distance =
+            DoubleDouble::new(self.clearance).plus_parts(-s * place.value, -s * place.rest);
+        let size = self.clearance + self.offset.abs();
+        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * size;
         SivaState {
             host,
             side: s,
@@ -299,7 +361,8 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
         let s = state.side;
         let approach = -state.rate.value;
-        let after = collided(self.host.free(), state, self.impact_share, self.restitution);
+        let law = self.law(s);
+        let after = collided(self.host.free(), state, law);
         let impact = Impact {
             time,
             wall: self.wall(state),
@@ -309,7 +372,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             gap_velocity_before: s * approach,
             gap_velocity_after: after.gap_velocity(),
             lever: R::ONE,
-            energy_loss: impact::energy_loss(self.mass_ratio, self.restitution, approach),
+            energy_loss: impact::energy_loss(self.mass_ratio, law.restitution, approach),
         };
         (after, impact)
     }

@@ -9,14 +9,14 @@ use std::collections::VecDeque;
 use crate::compensated::DoubleDouble;
 use crate::flight::{GapPoint, Motion, Quantity};
 use crate::impact::Impact;
-use crate::observe::{Observer, Span};
+use crate::observe::{Contact, Observer, Span};
 use crate::polynomial::largest;
 use crate::real::Real;
 use crate::sample::{SLACK, span_ends};
 use crate::simulate::{Instant, Outcome, Tally};
 use crate::system::{Point, System, Wall};
 
-pub use bare::amplitude_without_absorber;
+pub use bare::{Bare, without_absorber};
 pub use regime::Regime;
 pub use window::Window;
 
@@ -336,6 +336,12 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
             self.pass_strobe();
         }
         self.until(span, [h, span.length]);
+    }
+
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+        if self.wanted.acceleration && contact.time >= self.window.from {
+            self.acceleration = contact.hardest_shaking(system, self.acceleration);
+        }
     }
 
     fn impact(&mut self, _system: &S, impact: &Impact<R>) {

@@ -20,6 +20,15 @@ pub enum Wall {
 }
 
 impl Wall {
+    /// 0 or 1, for what there is of each wall.
+    #[inline]
+    pub fn index(self) -> usize {
+        match self {
+            Wall::Plus => 0,
+            Wall::Minus => 1,
+        }
+    }
+
     /// +1 or −1.
     #[inline]
     pub fn sign(self) -> f64 {
@@ -102,11 +111,22 @@ pub trait System {
 
     /// Half of the total play, d.
     fn clearance(&self) -> Self::Real;
-    /// The ratio by which each rebound of a chatter shrinks.
-    fn rebound_ratio(&self) -> Self::Real;
-    /// How much an impact of unit approach speed raises the pressure on the wall (through the
+    /// Where the middle of the gap is: the walls are at y = offset ± d.
+    fn offset(&self) -> Self::Real {
+        Self::Real::ZERO
+    }
+    /// The ratio by which each rebound of a chatter on a wall shrinks.
+    fn rebound_ratio(&self, wall: Wall) -> Self::Real;
+    /// Velocity that the structure gains in an impact on a wall, per gap velocity: the impulse on it, over its mass.
+    fn impact_gain(&self, wall: Wall) -> Self::Real;
+    /// Displacement of the absorber's centre of mass beside the structure, per gap displacement: 1 for a free mass,
+    /// L/b for a pendulum.
+    fn lever(&self) -> Self::Real {
+        Self::Real::ONE
+    }
+    /// How much an impact of unit approach speed raises the pressure on its wall (through the
     /// damper, which feels the jump of the primary's velocity).
-    fn pressure_gain(&self) -> Self::Real;
+    fn pressure_gain(&self, wall: Wall) -> Self::Real;
 
     /// Checks that a start lies in the gap.
     ///

@@ -204,7 +204,7 @@ fn tables(names: &[String]) -> Result<Vec<Table>, Invalid> {
 
 fn measures(names: Option<&[String]>) -> Result<Selection, Invalid> {
     let Some(names) = names else {
-        return Ok(Selection::all());
+        return Ok(Selection::default());
     };
     Selection::from_names(names.iter().map(String::as_str)).map_err(|name| {
         let allowed: Vec<&str> = SUMMARY.iter().map(|column| column.name).collect();

@@ -86,6 +86,7 @@ pub fn design<'py>(py: Python<'py>, spec: &Bound<'py, PyDict>) -> PyResult<Bound
     let absorber = scene.absorber();
     numbers.set_item("mass_ratio", absorber.map(|absorber| absorber.mass_ratio))?;
     numbers.set_item("clearance", absorber.map(|absorber| absorber.clearance))?;
+    numbers.set_item("gap_offset", scene.gap_offset())?;
     let stiffness = scale.natural_frequency * scale.natural_frequency;
     let along = scene.gravity_along().map(|along| along * stiffness);
     numbers.set_item("gravity_along", along.unwrap_or(0.0))?;
@@ -247,7 +248,15 @@ pub fn trajectory(
 #[pyfunction]
 pub fn states(py: Python<'_>, spec: &Bound<'_, PyDict>, times: Vec<f64>) -> PyResult<ArrowTable> {
     let spec: Spec = arguments::spec(spec)?;
-    motion(py, move |cancel| paths::states(&spec, &times, cancel))
+    let field = |index| format!("times[{index}]");
+    motion(py, move |cancel| paths::states(&spec, &times, &field, cancel))
+}
+
+/// The state of one scene at one time.
+#[pyfunction]
+pub fn state(py: Python<'_>, spec: &Bound<'_, PyDict>, time: f64) -> PyResult<ArrowTable> {
+    let spec: Spec = arguments::spec(spec)?;
+    motion(py, move |cancel| paths::states(&spec, &[time], &|_| "time".to_owned(), cancel))
 }
 
 fn motion(

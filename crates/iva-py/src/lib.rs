@@ -26,7 +26,7 @@ mod _iva {
     #[pymodule_export]
     use super::calls::{
         check, check_choices, column_units, design, fields, gradients, larger_is_better, main,
-        primary_units, simulate, states, trajectory, verify,
+        primary_units, simulate, state, states, trajectory, verify,
     };
     #[pymodule_export]
     use super::errors::IvaError;

@@ -42,8 +42,14 @@ pub enum Group {
     Rms,
     /// The largest displacement and that without absorber.
     Reduction,
+    /// The root mean square of the displacement and that without absorber.
+    RmsReduction,
     /// Largest accelerations of primary and base.
     Acceleration,
+    /// Largest acceleration of the structure, of free decays as well. Only if asked for by name.
+    Shaking,
+    /// How far the absorber goes. Only if asked for by name.
+    Travel,
     /// Listed impacts in the window of the steady state.
     ImpactsPerCycle,
     /// The kind of motion that comes back.
@@ -119,6 +125,21 @@ pub fn columns(table: Table) -> &'static [Column] {
 /// The set of summary columns to compute; the others are null. `outcome` is always there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Selection(u64);
+
+impl Group {
+    /// True if it takes so much that it is computed only where one of its columns is asked for by name.
+    const fn by_name(self) -> bool {
+        matches!(self, Self::Shaking | Self::Travel)
+    }
+}
+
+impl Default for Selection {
+    /// What is computed where nothing is said: all but the columns that must be asked for by name.
+    fn default() -> Self {
+        let usual = SUMMARY.iter().enumerate().filter(|(_, column)| !column.group.by_name());
+        Self(usual.fold(0, |set, (index, _)| set | (1 << index)))
+    }
+}
 
 impl Selection {
     /// Every summary column.

@@ -229,11 +229,16 @@ fields! {
     MassRatio: Absorber "mass_ratio" Ratio MassRatio "mass" "absorber mass over primary mass" Siva Piva;
     AbsorberMass: Absorber "mass" Mass Positive "mass" "absorber mass m; needs a primary mass" Siva Piva;
     Restitution: Absorber "restitution" Ratio UnitInterval "restitution" "Newton's coefficient on the gap velocity" Siva Piva;
+    RestitutionMinus: Absorber "restitution_minus" Ratio UnitInterval "restitution_minus" "the same at the wall -, the lower stop where the line of motion rises (default: restitution)" Siva Piva;
     RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|" Siva Piva;
     Clearance: Absorber "clearance" Length Positive "clearance" "one-sided clearance, half of the total play" Siva Piva;
     ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm" Siva Piva;
     Gap: Absorber "gap" Length Positive "clearance" "total play, twice the clearance" Siva Piva;
     GapMm: Absorber "gap_mm" Millimetre Positive "clearance" "total play in mm" Siva Piva;
+    GapOffset: Absorber "gap_offset" Length Size "gap_offset" "gap displacement of the middle of the gap: the stops are at gap_offset ± clearance (default 0)" Siva;
+    GapOffsetMm: Absorber "gap_offset_mm" Millimetre Size "gap_offset" "the same in mm" Siva;
+    ContactTime: Absorber "contact_time" Time Positive "contact_time" "how long an impact lasts, to estimate its largest force; the motion does not depend on it" Siva;
+    ContactStiffness: Absorber "contact_stiffness" Stiffness Positive "contact_time" "stiffness of a stop, to estimate how long an impact lasts; needs a primary mass" Siva;
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
     Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright" Siva;
@@ -260,6 +265,8 @@ fields! {
     GapVelocity: Start "gap_velocity" Velocity Size "gap_velocity" "absorber velocity minus primary velocity" Siva Piva;
     Angle: Start "angle" Angle Angle "gap_displacement" "angle of the pendulum from hanging, in rad" Piva;
     AngularVelocity: Start "angular_velocity" AngularVelocity Size "gap_velocity" "angular velocity of the pendulum" Piva;
+    StartTime: Start "time" Time NonNegative "time" "instant at which the run begins, on the clock of the forces (default 0)";
+    Reference: Start "reference" Length Size "reference" "displacement that relative_clearance is a multiple of (default: displacement)" Siva Piva;
     Periods: Run "periods" Ratio Positive "duration" "length of the run in periods 2π/ωn of the bare primary system";
     Duration: Run "duration" Time Positive "duration" "length of the run as a time";
     Cycles: Run "cycles" Ratio Positive "duration" "length of the run in cycles of the harmonic force (of several, the first)";
@@ -339,6 +346,8 @@ impl FieldId {
             | F::Velocity
             | F::GapDisplacement
             | F::GapVelocity
+            | F::GapOffset
+            | F::StartTime
             | F::Inclination
             | F::Phase
             | F::ImpulseTime

@@ -15,7 +15,7 @@ use iva_core::impact::Impact;
 use iva_core::observe::{Events, Jump, Observer};
 use iva_core::propagation::Errors;
 use iva_core::real::dual::Dual;
-use iva_core::simulate::simulate;
+use iva_core::simulate::simulate_from;
 use iva_core::system::System;
 
 use crate::choices::{Kind, only};
@@ -97,7 +97,7 @@ fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, I
     let mut observers = (Errors::default(), Events::default());
     let (limits, cancel) = (&design.limits, Some(cancel));
     with_system!(&design.scene, |system, start| {
-        simulate(system, start, limits, cancel, &mut observers).map(|_| ())
+        simulate_from(system, start, design.begin, limits, cancel, &mut observers).map(|_| ())
     })?;
     let (errors, events) = observers;
     let sensitive = |time: Option<f64>| time.is_none_or(|error| error >= SENSITIVE);

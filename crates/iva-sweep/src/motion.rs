@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::RecordBatch;
 use iva_core::error::{Invalid, number};
 use iva_core::sample::{Sampler, State};
-use iva_core::simulate::simulate;
+use iva_core::simulate::simulate_from;
 use iva_core::system::Angle;
 
 use crate::columns::tables as entries;
@@ -53,10 +53,11 @@ pub fn trajectory(
     cancel: &AtomicBool,
 ) -> Result<RecordBatch, SweepError> {
     let design = spec.design()?;
-    let duration = design.limits.duration;
-    let count = samples(duration, samples_per_period)?;
+    let (begin, duration) = (design.begin, design.limits.duration);
+    let count = samples(duration - begin, samples_per_period)?;
     let step = std::f64::consts::TAU / f64::from(samples_per_period);
-    let mut times: Vec<f64> = (0..=count).map(|k| (k as f64 * step).min(duration)).collect();
+    let sample = |k: u64| (begin + k as f64 * step).min(duration);
+    let mut times: Vec<f64> = (0..=count).map(sample).collect();
     if times.last().is_some_and(|last| *last < duration) {
         times.push(duration);
     }
@@ -74,11 +75,17 @@ pub fn trajectory(
 }
 
 /// The state of one design at given times (user units, any order), exact at any instant; at an
-/// impact the state after it. Times after an early end of the run give nulls.
+/// impact the state after it. Times after an early end of the run give nulls. `field` is what a time is called in a message,
+/// by its index.
 ///
 /// # Errors
 /// [`SweepError`] for an invalid design or a time outside the run.
-pub fn states(spec: &Spec, times: &[f64], cancel: &AtomicBool) -> Result<RecordBatch, SweepError> {
+pub fn states(
+    spec: &Spec,
+    times: &[f64],
+    field: &dyn Fn(usize) -> String,
+    cancel: &AtomicBool,
+) -> Result<RecordBatch, SweepError> {
     let design = spec.design()?;
     let duration = design.limits.duration;
     let mut order: Vec<usize> = (0..times.len()).collect();
@@ -86,15 +93,20 @@ pub fn states(spec: &Spec, times: &[f64], cancel: &AtomicBool) -> Result<RecordB
     let mut instants = Vec::with_capacity(times.len());
     for &index in &order {
         let tau = times[index] * design.scale.natural_frequency;
-        if !(0.0..=duration * (1.0 + 4.0 * f64::EPSILON)).contains(&tau) {
+        let slack = 4.0 * f64::EPSILON;
+        if !(design.begin * (1.0 - slack)..=duration * (1.0 + slack)).contains(&tau) {
+            let [begin, end] = [design.begin, duration].map(|tau| number(design.scale.time(tau)));
             return Err(Invalid::new(
-                format!("times[{index}]"),
+                field(index),
                 number(times[index]),
-                format!("give times from 0 to {}", number(design.scale.time(duration))),
+                format!(
+                    "give {} from {begin} to {end}",
+                    if times.len() > 1 { "times" } else { "a time" }
+                ),
             )
             .into());
         }
-        instants.push(tau.min(duration));
+        instants.push(tau.clamp(design.begin, duration));
     }
     let mut sampler = Sampler::at(instants);
     watch(&design, cancel, &mut sampler)?;
@@ -108,7 +120,7 @@ pub fn states(spec: &Spec, times: &[f64], cancel: &AtomicBool) -> Result<RecordB
 fn watch(design: &Design, cancel: &AtomicBool, sampler: &mut Sampler) -> Result<(), Invalid> {
     let (limits, cancel) = (&design.limits, Some(cancel));
     with_system!(&design.scene, |system, start| {
-        simulate(system, start, limits, cancel, sampler).map(|_| ())
+        simulate_from(system, start, design.begin, limits, cancel, sampler).map(|_| ())
     })
 }
 
@@ -162,6 +174,14 @@ impl MotionRow<'_> {
     /// Of the absorber, if there is one.
     fn gap(&self, read: fn(&State) -> f64) -> Option<f64> {
         self.design.scene.absorber().and(self.state(read))
+    }
+
+    fn acceleration(&self, read: fn(&State) -> f64) -> Option<f64> {
+        self.state(read).map(|acceleration| self.scale.0.acceleration(acceleration))
+    }
+
+    fn absorber_acceleration(&self) -> Option<f64> {
+        self.design.scene.absorber().and(self.acceleration(|it| it.absorber_acceleration))
     }
 
     fn angle(&self) -> Option<Angle> {

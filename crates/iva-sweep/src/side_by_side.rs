@@ -9,7 +9,7 @@ use crate::done::Done;
 use crate::engine::design::Design;
 use crate::engine::point::Request;
 use crate::engine::rows::{self, Cell};
-use crate::engine::scene::Scene;
+use crate::engine::scene::{Scene, with_system};
 use crate::error::Invalid;
 use crate::study::Study;
 
@@ -38,7 +38,11 @@ pub(crate) fn summaries(
     if more || !summary || points.is_empty() {
         return Ok(None);
     }
-    match asked.study.design(points.start)?.scene {
+    let design = asked.study.design(points.start)?;
+    if with_system!(&design.scene, |system, _start| asked.request.wants_extremes(system)) {
+        return Ok(None);
+    }
+    match design.scene {
         Scene::Siva { .. } => together(asked, points, take, |design| match &design.scene {
             Scene::Siva { system, start } => Some((system.clone(), *start)),
             _ => None,
@@ -75,7 +79,8 @@ fn together<S: SideBySide>(
         let design = designer.design(point)?;
         let Some((system, start)) = scene(&design) else { return Ok(None) };
         let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
-        jobs.push(Job { system, start, limits: design.limits, steady, tier: design.tier });
+        let Design { begin, limits, tier, .. } = design;
+        jobs.push(Job { system, start, begin, limits, steady, tier });
         designs.push(design);
     }
     let mut results: Vec<Option<Ended<S>>> = vec![None; jobs.len()];

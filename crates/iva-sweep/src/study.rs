@@ -119,7 +119,7 @@ impl Study {
             spec,
             sampling: Sampling::default(),
             tables: Table::SWEEP.to_vec(),
-            measures: Selection::all(),
+            measures: Selection::default(),
             errors: false,
         }
     }

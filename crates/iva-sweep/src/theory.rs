@@ -36,7 +36,23 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
         let rule = "the theory is of a level motion; leave it out";
         return Err(Invalid::new(field.path(), number(angle), rule));
     }
-    Ok((given.common(&scale, units)?, scale))
+    let common = given.common(&scale, units)?;
+    let same = spec.get(FieldId::Restitution);
+    let other = spec.get(FieldId::RestitutionMinus).filter(|e| Some(*e) != same);
+    let offset = |field| spec.get(field).filter(|offset| *offset != 0.0);
+    let asymmetric = [
+        (FieldId::RestitutionMinus, other),
+        (FieldId::GapOffset, offset(FieldId::GapOffset)),
+        (FieldId::GapOffsetMm, offset(FieldId::GapOffsetMm)),
+    ];
+    match asymmetric.into_iter().find_map(|(field, value)| Some((field, value?))) {
+        None => Ok((common, scale)),
+        Some((field, value)) => {
+            let rule =
+                "the theory is of two walls alike, with the mass in the middle; leave it out";
+            Err(Invalid::new(field.path(), number(value), rule))
+        }
+    }
 }
 
 /// The symmetric motions with two impacts a cycle under the one harmonic force of a spec.

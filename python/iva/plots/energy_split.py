@@ -204,7 +204,7 @@ def energies(design: Design, motion: Motion) -> tuple[Numbers, Numbers]:
     pendulum = design.pendulum
     if pendulum is None:
         assert design.clearance is not None
-        height = motion["gap_displacement"] + design.clearance
+        height = motion["gap_displacement"] - (design.gap_offset - design.clearance)
         kinetic = 0.5 * (velocity + motion["gap_velocity"]) ** 2
         return structure, mass * (kinetic + design.gravity_along * height)
     # Of a pendulum: L θ̇ of the centre of mass along its arc, and its horizontal part.

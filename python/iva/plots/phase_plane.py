@@ -66,9 +66,9 @@ def phase(
         # Without absorber the gap velocity is NaN, and no jump.
         jumps = np.flatnonzero(still & (np.abs(np.diff(motion["gap_velocity"])) > 0.0))
         if relative:
-            clearance = design_of(run).clearance
-            assert clearance is not None
-            walls(axes, clearance)
+            design = design_of(run)
+            assert design.clearance is not None
+            walls(axes, design.clearance, design.gap_offset)
         axes.plot(
             np.insert(x, jumps + 1, np.nan),
             np.insert(y, jumps + 1, np.nan),
@@ -95,18 +95,18 @@ def phase(
     return axes
 
 
-def walls(axes: Axes, clearance: float) -> None:
+def walls(axes: Axes, clearance: float, middle: float) -> None:
     """Draw the walls of the gap, hatched on the side where the absorber never is."""
     outside = 1.12 * clearance
     for sign, name in ((1.0, "walls"), (-1.0, "_wall −")):
-        axes.axvline(sign * clearance, color="0.3", linewidth=0.8, label=name)
+        axes.axvline(middle + sign * clearance, color="0.3", linewidth=0.8, label=name)
         axes.axvspan(
-            sign * clearance,
-            sign * outside,
+            middle + sign * clearance,
+            middle + sign * outside,
             facecolor="0.92",
             edgecolor="0.6",
             hatch="////",
             linewidth=0.0,
             zorder=0,
         )
-    axes.set_xlim(-outside, outside)
+    axes.set_xlim(middle - outside, middle + outside)

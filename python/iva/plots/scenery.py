@@ -45,7 +45,7 @@ def scenery(axes: Axes, design: Design, largest: float, reach: float) -> Scenery
     axes.set_aspect("equal")
     axes.set_axis_off()
     if design.pendulum is None:
-        return MassInGap(axes, design.clearance, largest)
+        return MassInGap(axes, design.clearance, design.gap_offset, largest)
     return PendulumBetweenStops(axes, design.clearance, design.pendulum, largest, reach)
 
 
@@ -96,7 +96,7 @@ class Body:
 class MassInGap(Body):
     """A free mass between two walls of the structure."""
 
-    def __init__(self, axes: Axes, clearance: float, largest: float) -> None:
+    def __init__(self, axes: Axes, clearance: float, middle: float, largest: float) -> None:
         # The size of the mass is no number of the scene; its play is.
         radius = max(0.3 * clearance, 0.08 * largest)
         inside, thick = clearance + radius, 0.35 * radius
@@ -107,11 +107,13 @@ class MassInGap(Body):
         self._mass = Circle((0.0, 0.0), radius, facecolor=ABSORBER, edgecolor="none", zorder=3)
         axes.add_patch(self._mass)
         axes.set_ylim(-1.8 * radius, 1.8 * radius)
+        # The structure is drawn around the middle of the gap.
+        self._middle = middle
 
     def move(self, x: float, y: float, angle: float) -> None:  # noqa: ARG002 (of a pendulum)
         """Show an instant."""
         self.shift(x)
-        self._mass.center = (x + y, 0.0)
+        self._mass.center = (x + y - self._middle, 0.0)
 
 
 class PendulumBetweenStops(Body):

@@ -10,7 +10,7 @@ use iva_core::piva::Parameters;
 use iva_core::propagation::{Differentiable, Errors};
 use iva_core::sample::{Sampler, State};
 use iva_core::simulate::{Limits, Outcome, Tally, simulate};
-use iva_core::steady::{Steady, SteadyValues, SteadyWanted, Window, amplitude_without_absorber};
+use iva_core::steady::{Steady, SteadyValues, SteadyWanted, Window, without_absorber};
 use iva_core::system::Point;
 
 use crate::scene::{Absorber, Scene};
@@ -93,9 +93,10 @@ fn bare(
     window: &Window,
     limits: &Limits,
 ) -> Result<(), Invalid> {
-    let amplitude = amplitude_without_absorber(force, damping_ratio, from, window, limits, None)?;
+    let bare = without_absorber(force, damping_ratio, (from, 0.0), window, limits, None)?;
     // Without bound at resonance.
-    assert!(amplitude.is_none_or(|amplitude| amplitude >= 0.0), "bare: {amplitude:?}");
+    let sizes = bare.into_iter().flat_map(|bare| [bare.amplitude, bare.rms]);
+    assert!(sizes.into_iter().all(|size| size >= 0.0), "bare: {bare:?}");
     Ok(())
 }
 

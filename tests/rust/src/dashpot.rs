@@ -142,10 +142,13 @@ impl<R: Real> System for Dashpot<R> {
     fn clearance(&self) -> R {
         self.0[2]
     }
-    fn rebound_ratio(&self) -> R {
+    fn rebound_ratio(&self, _wall: Wall) -> R {
         self.0[1]
     }
-    fn pressure_gain(&self) -> R {
+    fn impact_gain(&self, _wall: Wall) -> R {
+        impact::primary_share(self.0[0], self.0[1]).value
+    }
+    fn pressure_gain(&self, _wall: Wall) -> R {
         let [mu, e, _, zeta, gamma] = self.0;
         zeta * 2.0 * impact::primary_share(mu, e).value + (R::ONE + mu) * gamma * (e + 1.0)
     }
@@ -211,10 +214,10 @@ impl Differentiable for Dashpot {
     fn ride_tangent(&self, _from: &State, h: f64) -> Matrix4<f64> {
         self.tangent(h, true)
     }
-    fn impact_matrix(&self) -> Matrix4<f64> {
+    fn impact_matrix(&self, _wall: Wall) -> Matrix4<f64> {
         free_mass_impact(impact::primary_share(self.0[0], self.0[1]).value, self.0[1])
     }
-    fn stick_matrix(&self) -> Matrix4<f64> {
+    fn stick_matrix(&self, _wall: Wall) -> Matrix4<f64> {
         free_mass_stick(impact::primary_share(self.0[0], 0.0).value)
     }
 }

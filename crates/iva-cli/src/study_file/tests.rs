@@ -62,7 +62,7 @@ fn the_example_reads() {
     assert_eq!(axes[0].values[110], 1.2);
     assert_eq!(axes[1].values, [0.05, 0.1, 0.15, 0.2]);
     assert_eq!(study.tables, [Table::Summary, Table::Impacts]);
-    assert_eq!(study.measures, Selection::all());
+    assert_eq!(study.measures, Selection::default());
     assert_eq!(study.spec.get(FieldId::Periods), Some(60.0));
     assert_eq!(file.samples_per_period, 200);
     assert_eq!(file.report.best_by, Some("settling_time_5"));

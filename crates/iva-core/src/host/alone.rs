@@ -4,7 +4,7 @@ use super::{DrivenHost, Flown, Host, HostState, Integrated, Phase, Structure, Un
 use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::flight::{
-    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Turns,
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Travel, Turns,
 };
 use crate::force::Force;
 use crate::impact::Impact;
@@ -12,6 +12,7 @@ use crate::oscillator::Primary;
 use crate::range;
 use crate::real::Real;
 use crate::system::{Clock, Point, System, Wall};
+use crate::taylor::ORDER;
 
 /// A structure without absorber, as a system to run: its flight never ends at a wall.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,6 +141,15 @@ impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
     fn rows(&self) -> Option<Rows<R>> {
         self.structure.rows(&self.from, &self.course)
     }
+
+    fn acceleration(&self, h: R) -> R {
+        self.flown(h).to.acceleration.value
+    }
+
+    fn travel(&self) -> Option<Travel<R>> {
+        let rows = self.structure.series(&self.from, &self.course);
+        Some(Travel::new(rows, [R::ZERO; ORDER + 1], R::ONE))
+    }
 }
 
 /// How far it is from a wall: there is none.
@@ -191,11 +201,15 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         false
     }
 
-    fn rebound_ratio(&self) -> R {
+    fn rebound_ratio(&self, _wall: Wall) -> R {
         R::ZERO
     }
 
-    fn pressure_gain(&self) -> R {
+    fn impact_gain(&self, _wall: Wall) -> R {
+        R::ZERO
+    }
+
+    fn pressure_gain(&self, _wall: Wall) -> R {
         R::ZERO
     }
 

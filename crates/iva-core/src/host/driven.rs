@@ -109,7 +109,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
 
     /// The coefficients of ∬A and ∬a_g, in powers of t/h.
     #[inline(always)]
-    fn series<T: Number<Real = R>>(
+    fn powers<T: Number<Real = R>>(
         &self,
         [x, v, a]: [T; 3],
         drive: &Drive<T>,
@@ -240,7 +240,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         let Primary { x, v } = from.primary;
         let a = self.without_gravity(from.acceleration);
         let state = [x.value, v.value, a.value];
-        let [pulled, carried] = self.series(state, &drive, self.step);
+        let [pulled, carried] = self.powers(state, &drive, self.step);
         let (reach, bend) = self.source.until_bend(&from.phase, self.reach);
         Course { pulled, carried, pushed: drive.primary, reach, bend }
     }
@@ -298,7 +298,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     fn precise(&self, from: &HostState<Moment<R>, R>, h: R) -> DoubleDouble<R> {
         let Primary { x, v } = from.primary;
         let drive = self.source.precise(from.phase.time, h);
-        let [pulled, _] = self.series([x, v, from.acceleration], &drive, h);
+        let [pulled, _] = self.powers([x, v, from.acceleration], &drive, h);
         pulled[2..].iter().rev().fold(DoubleDouble::ZERO, |sum, term| sum + *term)
     }
 
@@ -350,9 +350,13 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     }
 
     fn rows(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Option<Rows<R>> {
+        Some(self.series(from, course))
+    }
+
+    fn series(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Rows<R> {
         let acceleration = self.acceleration_row(course);
         let (x, base) = (self.place(from, course), self.base_row(course));
-        Some(Rows { step: self.step, order: ORDER, x, acceleration, base })
+        Rows { step: self.step, order: ORDER, x, acceleration, base }
     }
 
     #[inline(always)]

@@ -5,10 +5,11 @@ use std::sync::{Arc, OnceLock};
 use super::turning::{Jets, guess, turning};
 use super::{Flown, Host, HostState, Integrated, Structure};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Jet, Turns};
+use crate::flight::{Jet, Rows, Turns};
 use crate::oscillator::{Equation, Oscillator, Primary};
 use crate::real::Real;
 use crate::system::Clock;
+use crate::taylor::ORDER;
 
 impl<R: Real> Structure for Oscillator<R> {
     type Real = R;
@@ -87,6 +88,20 @@ impl<R: Real> Structure for Oscillator<R> {
         let fifth = self.equation.bound::<3>(&from.primary);
         let (h, x, exact) = turning(self.jets(from, guess), fifth, guess, h);
         if exact { Turns::Once(h, x) } else { Turns::Unknown }
+    }
+
+    fn series(&self, from: &HostState<(), R>, _course: &()) -> Rows<R> {
+        let Equation { stiffness, damping, .. } = self.equation;
+        let zero = [R::ZERO; ORDER + 1];
+        let (mut x, mut v, mut acceleration) = (zero, zero, zero);
+        (x[0], v[0]) = (from.primary.x.value, from.primary.v.value);
+        acceleration[0] = from.acceleration.value;
+        for k in 0..ORDER {
+            let over = R::reciprocal(k + 1);
+            (x[k + 1], v[k + 1]) = (v[k] * over, acceleration[k] * over);
+            acceleration[k + 1] = -(stiffness * x[k + 1] + damping * v[k + 1]);
+        }
+        Rows { step: R::ONE, order: ORDER, x, acceleration, base: zero }
     }
 
     #[inline(always)]

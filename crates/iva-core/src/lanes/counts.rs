@@ -4,6 +4,7 @@ use super::arrays::arrays;
 use super::pick;
 use crate::compensated::DoubleDouble;
 use crate::impact;
+use crate::real::Real;
 use crate::simulate::Run;
 use crate::simulate::wall::Streak;
 use crate::system::{System, Wall};
@@ -15,6 +16,8 @@ arrays! {
     ManyCounts:
     /// Impacts and stretches with their limits, and how many impacts were effective.
     impacts, max_impacts, effective, work, max_work,
+    /// The largest approach speed on each wall.
+    fastest_plus, fastest_minus,
     /// Energy lost in impacts, and in one over the square of its approach speed.
     losses, losses_rest, loss_factor,
     /// Impacts on one wall in a row.
@@ -55,6 +58,8 @@ impl Counts {
             impacts: tally.impacts as f64,
             max_impacts: limits.max_impacts as f64,
             effective: tally.effective_impacts as f64,
+            fastest_plus: tally.approach_speeds[0],
+            fastest_minus: tally.approach_speeds[1],
             work: tally.work as f64,
             max_work: limits.max_work as f64,
             losses: run.losses.value,
@@ -78,6 +83,7 @@ impl Counts {
     pub fn put_back<S: System<Real = f64>, O>(&self, run: &mut Run<'_, S, O>) {
         run.tally.impacts = self.impacts as u64;
         run.tally.effective_impacts = self.effective as u64;
+        run.tally.approach_speeds = [self.fastest_plus, self.fastest_minus];
         run.tally.work = self.work as u64;
         run.losses = DoubleDouble { value: self.losses, rest: self.losses_rest };
         run.streak = (self.streak_side != 0.0).then_some(Streak {
@@ -104,6 +110,9 @@ impl Counts {
         next.losses_rest = pick(hit, losses.rest, self.losses_rest);
         next.impacts = self.impacts + pick(hit, 1.0, 0.0);
         next.effective = self.effective + pick(hit & (v * absorber < 0.0), 1.0, 0.0);
+        let faster = |wall: bool, so_far| pick(hit & wall, f64::larger(so_far, approach), so_far);
+        next.fastest_plus = faster(side > 0.0, self.fastest_plus);
+        next.fastest_minus = faster(side < 0.0, self.fastest_minus);
         next.streak_side = pick(hit, side, self.streak_side);
         next.streak_start = pick(fresh, time, self.streak_start);
         next.streak_listed = pick(fresh, self.impacts, self.streak_listed);

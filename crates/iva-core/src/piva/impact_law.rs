@@ -11,6 +11,8 @@ use crate::taylor::Pendulum;
 /// The impact law at the walls, in terms of W = b θ̇.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Law<R = f64> {
+    /// Newton's coefficient e on the gap velocity.
+    pub restitution: R,
     mass_ratio: R,
     /// μλ
     pull: R,
@@ -33,11 +35,19 @@ pub(crate) struct Law<R = f64> {
     surplus: DoubleDouble<R>,
     /// 1 − e² and the like vanish exactly where they should only for the consistent law.
     printed: bool,
+    /// See [`crate::system::System::pressure_gain`].
+    pub pressure_gain: R,
 }
 
 impl<R: Real> Law<R> {
-    pub fn new(p: &Parameters<R>, pendulum: &Pendulum<R>, wall_cosine: DoubleDouble<R>) -> Self {
-        let (mu, lever, e) = (p.mass_ratio, pendulum.lever, p.restitution);
+    /// Of an impact with restitution e.
+    pub fn new(
+        p: &Parameters<R>,
+        e: R,
+        pendulum: &Pendulum<R>,
+        wall_cosine: DoubleDouble<R>,
+    ) -> Self {
+        let (mu, lever) = (p.mass_ratio, pendulum.lever);
         let share = |e| primary_share(mu, e).times(lever);
         let (rebound, impact_gain, surplus) = match p.impact_law {
             ImpactLaw::Consistent => {
@@ -56,7 +66,8 @@ impl<R: Real> Law<R> {
         let sine = if pendulum.small_angles { R::ZERO } else { p.clearance / p.contact_distance };
         let free = (p.inertia_ratio - 1.0) + if cosine > 0.0 { sine * sine } else { R::ONE };
         let effective = mu * (lever * lever) * ((p.inertia_ratio + mu * free) / (R::ONE + mu));
-        Self {
+        let law = Self {
+            restitution: e,
             effective,
             mass_ratio: mu,
             pull: mu * lever,
@@ -68,7 +79,9 @@ impl<R: Real> Law<R> {
             stick_gain: share(R::ZERO).times_sum(wall_cosine) - surplus,
             surplus,
             printed: p.impact_law == ImpactLaw::Printed,
-        }
+            pressure_gain: R::ZERO,
+        };
+        Self { pressure_gain: law.pressure_gain(pendulum), ..law }
     }
 
     /// Velocity that the primary gains at an impact, per W.
@@ -107,11 +120,11 @@ impl<R: Real> Law<R> {
     }
 
     /// Energy lost in an impact with W at primary velocity v.
-    pub fn impact_loss(&self, v: R, w: R, restitution: R) -> R {
+    pub fn impact_loss(&self, v: R, w: R) -> R {
         if self.printed {
             self.difference(v, w, self.impact_gain.value, self.ratio)
         } else {
-            self.consistent_loss(w, restitution)
+            self.consistent_loss(w, self.restitution)
         }
     }
 
@@ -140,7 +153,7 @@ impl<R: Real> Law<R> {
 
     /// How much an impact of unit approach speed raises the pressure on the wall: through the
     /// dampers of primary and pivot, which feel the jumps of u and W.
-    pub fn pressure_gain(&self, pendulum: &Pendulum<R>) -> R {
+    fn pressure_gain(&self, pendulum: &Pendulum<R>) -> R {
         let Pendulum { damping_ratio, coupling, pivot_damping, .. } = *pendulum;
         let c = self.cosine;
         if c == 0.0 {

@@ -7,7 +7,7 @@ use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
 use crate::compensated::DoubleDouble;
 use crate::flight::{
-    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Side, Turns,
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Side, Travel, Turns,
 };
 use crate::force::Drive;
 use crate::real::Real;
@@ -249,6 +249,10 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         }
     }
 
+    fn acceleration(&self, h: R) -> R {
+        self.piva.beginning::<3>(self.from.time, &self.state(h)).a[0]
+    }
+
     fn gap(&self, h: R) -> GapPoint<R> {
         let state = self.state(h);
         let d = state.clearance;
@@ -265,6 +269,10 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         let mut acceleration = self.series.a;
         acceleration[order] = R::ZERO;
         Some(Rows { step: self.step, order, x: self.series.x, acceleration, base })
+    }
+
+    fn travel(&self) -> Option<Travel<R>> {
+        Some(Travel::new(self.rows()?, self.series.y, self.piva.pendulum.lever))
     }
 
     fn square(&self, h: [R; 2]) -> R {

@@ -7,7 +7,7 @@
 use super::integrals::{Integrands, square};
 use super::{Parameters, Piva, PivaState};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows};
+use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows, Travel};
 use crate::force::Drive;
 use crate::impact::delay;
 use crate::oscillator::Primary;
@@ -140,6 +140,10 @@ impl<R: Real> Motion for PivaRide<'_, R> {
         Jet { value: state.primary.x.value, rate: state.primary.v.value, curvature, jerk }
     }
 
+    fn acceleration(&self, h: R) -> R {
+        horner(&self.a, self.share(h))
+    }
+
     fn gap(&self, _h: R) -> GapPoint<R> {
         GapPoint { y: self.from.clearance * self.from.wall.sign(), w: R::ZERO }
     }
@@ -151,6 +155,12 @@ impl<R: Real> Motion for PivaRide<'_, R> {
     fn rows(&self) -> Option<Rows<R>> {
         let Self { step, x, a: acceleration, drive: Drive { base, .. }, .. } = *self;
         Some(Rows { step, order: ORDER, x, acceleration, base })
+    }
+
+    fn travel(&self) -> Option<Travel<R>> {
+        let mut gap = [R::ZERO; ORDER + 1];
+        gap[0] = self.from.clearance * self.from.wall.sign();
+        Some(Travel::new(self.rows()?, gap, self.piva.pendulum.lever))
     }
 
     fn square(&self, h: [R; 2]) -> R {

@@ -6,6 +6,7 @@ use super::Differentiable;
 use crate::force::Drive;
 use crate::piva::{Piva, PivaState, STEEP, Sizes};
 use crate::real::dual::Dual;
+use crate::system::Wall;
 use crate::taylor::{ORDER, Pendulum, Series, Swing, horner};
 
 impl Differentiable for Piva {
@@ -83,18 +84,19 @@ impl Differentiable for Piva {
         matrix
     }
 
-    fn impact_matrix(&self) -> Matrix4<f64> {
+    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64> {
         let mut jump = Matrix4::identity();
-        (jump[(1, 3)], jump[(3, 3)]) = (self.law.impact_gain(), -self.law.ratio);
+        let law = self.law(wall);
+        (jump[(1, 3)], jump[(3, 3)]) = (law.impact_gain(), -law.ratio);
         jump
     }
 
-    fn stick_matrix(&self) -> Matrix4<f64> {
+    fn stick_matrix(&self, wall: Wall) -> Matrix4<f64> {
         let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
         let Pendulum { mass_ratio, lever, .. } = self.pendulum;
         // (1 + μ) x + μλ y is the centre of mass.
         matrix[(0, 2)] = mass_ratio * lever / (1.0 + mass_ratio);
-        matrix[(1, 3)] = self.law.stick_gain();
+        matrix[(1, 3)] = self.law(wall).stick_gain();
         matrix
     }
 

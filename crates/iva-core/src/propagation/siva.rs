@@ -6,6 +6,7 @@ use super::structure::columns;
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::host::{Host, HostState, Structure};
 use crate::siva::Siva;
+use crate::system::{System, Wall};
 
 impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
@@ -49,11 +50,11 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
         )
     }
 
-    fn impact_matrix(&self) -> Matrix4<f64> {
-        free_mass_impact(self.impact_share.value, self.restitution())
+    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64> {
+        free_mass_impact(self.impact_gain(wall), self.restitution(wall))
     }
 
-    fn stick_matrix(&self) -> Matrix4<f64> {
+    fn stick_matrix(&self, _wall: Wall) -> Matrix4<f64> {
         free_mass_stick(self.stick_share.value)
     }
 }

@@ -5,6 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::Differentiable;
 use crate::host::{Alone, Host, HostState, Structure};
 use crate::oscillator::Equation;
+use crate::system::Wall;
 
 /// x and ẋ after a time h, from (x, ẋ) = (1, 0) and (0, 1): columns.
 pub(super) fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
@@ -44,11 +45,11 @@ impl<H: Host<Real = f64>> Differentiable for Alone<H> {
         self.flight_tangent(from, h)
     }
 
-    fn impact_matrix(&self) -> Matrix4<f64> {
+    fn impact_matrix(&self, _wall: Wall) -> Matrix4<f64> {
         Matrix4::identity()
     }
 
-    fn stick_matrix(&self) -> Matrix4<f64> {
+    fn stick_matrix(&self, _wall: Wall) -> Matrix4<f64> {
         Matrix4::identity()
     }
 }

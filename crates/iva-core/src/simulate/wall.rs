@@ -6,7 +6,7 @@ use crate::contact::first_contact;
 use crate::flight::Side;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
-use crate::observe::{Jump, Observer, StickEpisode};
+use crate::observe::{Contact, Jump, Observer, StickEpisode};
 use crate::real::Real;
 use crate::system::{Clock, System, Wall};
 
@@ -31,6 +31,8 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let wall = self.system.wall(&self.tally.state);
         let (after, impact) = self.system.impact(&self.tally.state, self.clock.value);
         self.losses = self.losses.plus(impact.energy_loss);
+        let fastest = &mut self.tally.approach_speeds[wall.index()];
+        *fastest = R::larger(*fastest, impact.approach_speed());
         let streak = match &mut self.streak {
             Some(streak) if streak.wall == wall => streak,
             other => other.insert(Streak {
@@ -44,20 +46,21 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         };
         streak.energy_loss += impact.energy_loss;
         // With e = 1 no chatter dies out, so low impacts are listed immediately.
-        let dies_out = self.system.rebound_ratio() < 1.0 || impact.approach_speed() == 0.0;
+        let dies_out = self.system.rebound_ratio(wall) < 1.0 || impact.approach_speed() == 0.0;
         if dies_out && impact.approach_speed() <= self.limits.chatter_floor {
             streak.low += 1;
             streak.low_effective += u64::from(impact.effective());
         }
         let before = std::mem::replace(&mut self.tally.state, after);
         self.observer.jump(self.system, &Jump::Impact { before: &before, after: &after });
-        self.list(&impact);
+        self.list(&impact, [&before, &after], false);
         self.leave_or_stick();
     }
 
-    fn list(&mut self, impact: &Impact<R>) {
+    fn list(&mut self, impact: &Impact<R>, states: [&S::State; 2], summed: bool) {
         self.tally.impacts += 1;
         self.tally.effective_impacts += u64::from(impact.effective());
+        self.observer.contact(self.system, &Contact { time: impact.time, states, summed });
         self.observer.impact(self.system, impact);
     }
 
@@ -79,13 +82,14 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
 
     /// A rebound from a pressing wall: the rest of the chatter is summed where that is exact.
     fn rebound(&mut self, state: &S::State, leave: &Jet<R>) {
+        let wall = self.system.wall(state);
         let mut rebound = Rebound {
             speed: leave.rate,
             pressure: -leave.curvature,
             jerk: leave.jerk,
-            gain: self.system.pressure_gain(),
+            gain: self.system.pressure_gain(wall),
             fourth: R::ZERO,
-            ratio: self.system.rebound_ratio(),
+            ratio: self.system.rebound_ratio(wall),
         };
         // Most rebounds are far too high, whatever D⁗ is.
         let low = rebound.summable();
@@ -107,7 +111,10 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// run: the motion does not depend on the floor.
     fn list_tail(&mut self, mut state: S::State, stick_time: R) {
         let mut clock = self.clock;
-        while self.system.rebound_ratio() * self.system.distance(&state).rate > 0.0
+        let begin = Contact { time: clock.value, states: [&state; 2], summed: true };
+        self.observer.contact(self.system, &begin);
+        let ratio = self.system.rebound_ratio(self.system.wall(&state));
+        while ratio * self.system.distance(&state).rate > 0.0
             && self.listed() < self.limits.max_impacts
         {
             if self.tally.impacts.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
@@ -131,7 +138,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             if impact.approach_speed() <= self.limits.chatter_floor {
                 return;
             }
-            self.list(&impact);
+            self.list(&impact, [&touching, &after], true);
             state = after;
         }
     }

@@ -2,10 +2,13 @@
 
 use super::{Siva, SivaState};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Curve, FastFlight, GapPoint, Jet, Losses, Motion, Quantity, Rows, Turns};
+use crate::flight::{
+    Curve, FastFlight, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel, Turns,
+};
 use crate::host::{Flown, Host, Integrated, Phase, Structure};
 use crate::real::Real;
 use crate::system::{Point, System, Wall};
+use crate::taylor::ORDER;
 
 /// The absorber free in its gap.
 #[derive(Debug, Clone, Copy)]
@@ -95,13 +98,17 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         )
     }
 
+    fn acceleration(&self, h: R) -> R {
+        self.siva.host.absolute(self.state(h).host.acceleration)
+    }
+
     fn gap(&self, h: R) -> GapPoint<R> {
         self.place(h).1
     }
 
     fn place(&self, h: R) -> (Point<R>, GapPoint<R>) {
         let state = self.state(h);
-        (self.siva.primary(&state), state.gap(self.siva.clearance))
+        (self.siva.primary(&state), self.siva.gap(&state))
     }
 
     fn wall(&self) -> Option<Wall> {
@@ -149,6 +156,23 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
             #[inline(always)]
             || self.structure().rows(&self.from.host, &self.course),
         )
+    }
+
+    /// ÿ = −A and ẍ₁ = −a_g; gravity, which is in both, is left out of the series of A.
+    fn travel(&self) -> Option<Travel<R>> {
+        let rows = self.structure().series(&self.from.host, &self.course);
+        let Rows { step, x, acceleration, base, .. } = &rows;
+        let GapPoint { y, w } = self.siva.gap(&self.from);
+        let (mut gap, mut absorber) = ([R::ZERO; ORDER + 1], [R::ZERO; ORDER + 1]);
+        (gap[0], gap[1]) = (y, w * *step);
+        (absorber[0], absorber[1]) = (x[0] + gap[0], x[1] + gap[1]);
+        for k in 0..=ORDER - 2 {
+            let gravity = if k == 0 { self.siva.host.gravity() } else { R::ZERO };
+            let over = R::reciprocal(k + 1) * R::reciprocal(k + 2) * (*step * *step);
+            gap[k + 2] = -(acceleration[k] + gravity) * over;
+            absorber[k + 2] = -(base[k] + gravity) * over;
+        }
+        Some(Travel { rows, gap, absorber })
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {

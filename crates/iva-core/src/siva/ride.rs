@@ -3,10 +3,11 @@
 
 use super::{Siva, SivaState};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows};
+use crate::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel};
 use crate::host::{Host, HostState, Integrated, Phase, Structure};
 use crate::real::Real;
 use crate::system::Wall;
+use crate::taylor::ORDER;
 
 /// The ride from one state.
 #[derive(Debug, Clone, Copy)]
@@ -66,8 +67,13 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaRide<'_, H> {
         )
     }
 
+    fn acceleration(&self, h: R) -> R {
+        let HostState { primary, phase, .. } = self.state(h).host;
+        self.siva.host.absolute(self.structure().acceleration(&phase, &primary))
+    }
+
     fn gap(&self, _h: R) -> GapPoint<R> {
-        GapPoint { y: self.from.side * self.siva.clearance, w: R::ZERO }
+        GapPoint { y: self.siva.offset + self.from.side * self.siva.clearance, w: R::ZERO }
     }
 
     fn wall(&self) -> Option<Wall> {
@@ -107,6 +113,13 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaRide<'_, H> {
             #[inline(always)]
             || self.structure().rows(&self.begin, &self.course),
         )
+    }
+
+    fn travel(&self) -> Option<Travel<R>> {
+        let mut gap = [R::ZERO; ORDER + 1];
+        gap[0] = self.siva.offset + self.from.side * self.siva.clearance;
+        let rows = self.structure().series(&self.begin, &self.course);
+        Some(Travel::new(rows, gap, R::ONE))
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::{Steady, SteadyWanted, Window};
+use super::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
 use crate::host::Alone;
 use crate::real::Real;
-use crate::simulate::{Limits, simulate};
+use crate::simulate::{Limits, simulate_from};
 use crate::system::Point;
 
 impl<R: Real> Harmonic<R> {
@@ -20,27 +20,38 @@ impl<R: Real> Harmonic<R> {
     }
 }
 
-/// Largest |x| of the primary without absorber: of the steady state under a single harmonic force, in
-/// closed form; else in the same window of a run from the same state. `None` if that was cancelled.
+/// How much the primary moves without absorber.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bare<R = f64> {
+    /// Largest |x|.
+    pub amplitude: R,
+    /// √ of the mean of x².
+    pub rms: R,
+}
+
+/// What the primary does without absorber: in the steady state under a single harmonic force, in closed form; else in
+/// the same window of a run from the same state at the same instant. `None` if that was cancelled.
 ///
 /// # Errors
 /// [`Invalid`] for numbers out of [`crate::range`].
-pub fn amplitude_without_absorber<R: Real>(
+pub fn without_absorber<R: Real>(
     force: &Force<R>,
     damping_ratio: R,
-    from: Point<R>,
+    (from, begin): (Point<R>, R),
     window: &Window<R>,
     limits: &Limits<R>,
     cancel: Option<&AtomicBool>,
-) -> Result<Option<R>, Invalid> {
+) -> Result<Option<Bare<R>>, Invalid> {
     if let (Some(harmonic), true) = (force.harmonics().first(), force.is_single()) {
-        return Ok(Some(harmonic.response(damping_ratio)));
+        let amplitude = harmonic.response(damping_ratio);
+        return Ok(Some(Bare { amplitude, rms: amplitude * R::from(0.5).sqrt() }));
     }
     let alone = Alone::new(damping_ratio)?.under(force.clone());
-    let wanted = SteadyWanted { amplitude: true, ..SteadyWanted::default() };
+    let wanted = SteadyWanted { amplitude: true, rms: true, ..SteadyWanted::default() };
     let mut steady = Steady::new(Window { cycle: None, ..*window }, wanted);
-    simulate(&alone, &from, limits, cancel, &mut steady)?;
-    Ok(steady.values().amplitude_max)
+    simulate_from(&alone, &from, begin, limits, cancel, &mut steady)?;
+    let SteadyValues { amplitude_max, amplitude_rms, .. } = *steady.values();
+    Ok(amplitude_max.zip(amplitude_rms).map(|(amplitude, rms)| Bare { amplitude, rms }))
 }
 
 #[cfg(test)]
@@ -57,12 +68,23 @@ mod tests {
             Force::new(Vec::new(), Vec::new(), &[Impulse { velocity: 1.0, time: 2.0 }]).unwrap();
         let at_rest = Point { x: 0.0, v: 0.0 };
         let limits = Limits::new(10.0, 1.0);
-        let found =
-            amplitude_without_absorber(&force, zeta, at_rest, &Window::default(), &limits, None);
+        let (from, window) = ((at_rest, 0.0), Window::default());
+        let found = without_absorber(&force, zeta, from, &window, &limits, None);
         let time = (omega / zeta).atan() / omega;
         let truth = (omega * time).sin() * (-zeta * time).exp() / omega;
         let found = found.unwrap().unwrap();
-        assert!((found - truth).abs() < 1e-15, "{found} {truth}");
+        assert!((found.amplitude - truth).abs() < 1e-15, "{found:?} {truth}");
+        // ∫x² from the impulse on, all but exp(−3.2) of 1/(4ζ); by Simpson's rule.
+        let x = |tau: f64| (omega * tau).sin() * (-zeta * tau).exp() / omega;
+        let steps = 2000;
+        let sum: f64 = (0..=steps)
+            .map(|k| {
+                let weight = if k % steps == 0 { 1.0 } else { 2.0 + 2.0 * f64::from(k % 2) };
+                weight * x(8.0 * f64::from(k) / f64::from(steps)).powi(2)
+            })
+            .sum();
+        let mean = sum * 8.0 / (3.0 * f64::from(steps)) / 10.0;
+        assert!((found.rms - mean.sqrt()).abs() < 1e-12, "{found:?} {mean}");
     }
 
     #[test]

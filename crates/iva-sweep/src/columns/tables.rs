@@ -78,6 +78,22 @@ macro_rules! summary {
                 "-log10 of the largest time_error over the time or 1/ωn (errors asked for)";
             "tier" Text [Run] |run| run.tier.name(),
                 "exact, or fast where a tolerance was given and the fast tier made the row";
+            "approach_speed_max" Velocity [Run Smaller] |run| run.approach_speed(),
+                "largest approach speed of all impacts, 0 without any; null without absorber";
+            "impulse_max" Impulse [Run Smaller] |run| run.impulse(),
+                "largest impulse of an impact on the structure, 0 without any; null without absorber";
+            "peak_force_estimate" Force [Run Smaller] |run| run.peak_force(),
+                "largest force of an impact as a half sine of the contact time given; null without one";
+            "reduction_rms" Ratio [RmsReduction Larger] |run| run.settled(Settled::reduction_rms),
+                "1 - amplitude_rms over that without absorber, under the same force; null without absorber";
+            "acceleration_max" Acceleration [Shaking Smaller] |run| run.acceleration(),
+                "largest absolute acceleration of the structure between impacts, under force after the discarded cycles (asked for by name)";
+            "gap_displacement_max" Length [Travel Smaller] |run| run.extreme(|it| it.gap_displacement),
+                "largest |y|, under force after the discarded cycles (asked for by name)";
+            "stroke" Length [Travel Smaller] |run| run.extreme(|it| it.stroke),
+                "largest minus least y, under force after the discarded cycles (asked for by name)";
+            "absorber_displacement_max" Length [Travel Smaller] |run| run.extreme(|it| it.absorber_displacement),
+                "largest displacement of the absorber's centre of mass, measured as x is, under force after the discarded cycles (asked for by name)";
         }
     };
 }
@@ -118,6 +134,8 @@ macro_rules! impacts {
                 "estimated error of the time (errors asked for)";
             "near_grazing" Flag |row| row.estimate.near_grazing,
                 "an error of that size could turn the impact into a grazing (errors asked for)";
+            "peak_force_estimate" Force |row| row.peak_force.map(|force| row.scale.force(force)),
+                "largest force as a half sine of the contact time given; null without one";
         }
     };
 }
@@ -206,6 +224,10 @@ macro_rules! trajectory {
                 "angle of a pendulum";
             "angular_velocity" AngularVelocity |row| row.angle().map(|angle| angle.rate),
                 "angular velocity of a pendulum";
+            "acceleration" Acceleration |row| row.acceleration(|it| it.acceleration),
+                "absolute acceleration of the primary system, that of the base included; impacts apart";
+            "absorber_acceleration" Acceleration |row| row.absorber_acceleration(),
+                "the same of the absorber's centre of mass, along the motion; null without absorber";
         }
     };
 }

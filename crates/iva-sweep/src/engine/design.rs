@@ -22,7 +22,7 @@ use iva_core::piva::Piva;
 use iva_core::real::Real;
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
-use iva_core::steady::{self, Window};
+use iva_core::steady::{self, Bare, Window};
 use iva_core::system::{Point, Start, System};
 
 pub use crate::spec::Spec;
@@ -34,6 +34,11 @@ pub struct Design<R: Real = f64> {
     pub scene: Scene<R>,
     /// Duration, limits and chatter floor.
     pub limits: Limits<R>,
+    /// The instant at which it begins.
+    pub begin: R,
+    /// Largest force over the primary mass in an impact, per velocity that the structure gains; `None` where nothing is
+    /// known of the contact.
+    pub contact_rate: Option<R>,
     /// What steady states are measured by.
     pub window: Window<R>,
     /// From natural units to the user's.
@@ -45,17 +50,16 @@ pub struct Design<R: Real = f64> {
 }
 
 impl<R: Real> Design<R> {
-    /// Largest displacement of the primary without absorber, see
-    /// [`iva_core::steady::amplitude_without_absorber`]; `None` in free decay.
+    /// What the primary does without absorber, see [`iva_core::steady::without_absorber`]; `None` in free decay.
     ///
     /// # Errors
     /// [`Invalid`] for numbers that the core refuses.
-    pub fn amplitude_without_absorber(&self, cancel: &AtomicBool) -> Result<Option<R>, Invalid> {
+    pub fn without_absorber(&self, cancel: &AtomicBool) -> Result<Option<Bare<R>>, Invalid> {
         let Self { scene, window, limits, .. } = self;
         let Some(force) = scene.force() else { return Ok(None) };
         let zeta = scene.damping_ratio();
-        let from = scene.primary();
-        steady::amplitude_without_absorber(force, zeta, from, window, limits, Some(cancel))
+        let from = (scene.primary(), self.begin);
+        steady::without_absorber(force, zeta, from, window, limits, Some(cancel))
     }
 }
 
@@ -74,9 +78,16 @@ impl<R: Real> Given<'_, R> {
             gap_velocity: self.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / omega,
         };
         let force = forces::force(self, &scale, units)?;
-        let duration = self.duration(omega, &force)?;
-        let window = self.window(duration, &force)?;
+        let begin = self.get(FieldId::StartTime).unwrap_or(R::ZERO) * omega;
+        let length = self.duration(omega, &force)?;
+        let duration = begin + length;
+        if duration <= begin {
+            let rule = format!("it is lost beside run length {}", number(length));
+            return Err(Invalid::new(FieldId::StartTime.path(), number(begin / omega), rule));
+        }
+        let window = self.window([begin, length], &force)?;
         let scene = self.scene(start, force, &scale, units)?;
+        let contact_rate = self.contact_rate(&scene, &scale, units)?;
         // Without absorber nothing is listed.
         let clearance = scene.absorber().map_or(R::ONE, |absorber| absorber.clearance);
         let limits = Limits {
@@ -93,7 +104,7 @@ impl<R: Real> Given<'_, R> {
         limits.check()?;
         let tolerance = self.get(FieldId::Tolerance).unwrap_or(R::ZERO);
         let tier = if tolerance > 0.0 { Tier::Fast } else { Tier::Exact };
-        Ok(Design { scene, limits, window, scale, units, tier })
+        Ok(Design { scene, limits, begin, contact_rate, window, scale, units, tier })
     }
 
     /// What all absorbers and their primary have, in natural units.
@@ -111,6 +122,32 @@ impl<R: Real> Given<'_, R> {
         Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(R::ZERO))
     }
 
+    /// A half sine of length t is largest π/2t times its integral. On a spring k between two masses it lasts π/ω, with
+    /// ω² = k (1/m + 1/M).
+    fn contact_rate(
+        &self,
+        scene: &Scene<R>,
+        scale: &Scale<R>,
+        units: UnitSystem,
+    ) -> Result<Option<R>, Invalid> {
+        self.at_most_one(&[FieldId::ContactTime, FieldId::ContactStiffness])?;
+        let half_pi = R::TURN.value * 0.25;
+        let omega = scale.natural_frequency;
+        if let Some(time) = self.get(FieldId::ContactTime) {
+            return Ok(Some(half_pi / (time * omega)));
+        }
+        match (self.get(FieldId::ContactStiffness), scene.absorber()) {
+            (Some(stiffness), Some(absorber)) if units == UnitSystem::Si => {
+                let share = absorber.mass_ratio / (R::ONE + absorber.mass_ratio);
+                Ok(Some((stiffness / (scale.mass * share)).sqrt() * 0.5 / omega))
+            }
+            (Some(stiffness), Some(_)) => {
+                Err(needs_mass(FieldId::ContactStiffness, stiffness, "or give contact_time"))
+            }
+            _ => Ok(None),
+        }
+    }
+
     fn scene(
         &self,
         start: Start<R>,
@@ -122,13 +159,18 @@ impl<R: Real> Given<'_, R> {
             Kind::Siva => {
                 let Common { mass_ratio, restitution, clearance, damping_ratio } =
                     self.common(scale, units)?;
-                let system = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
+                let offset = self.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
+                let mut system = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?
+                    .with_offset(offset.unwrap_or(R::ZERO))?;
+                if let Some(restitution) = self.get(FieldId::RestitutionMinus) {
+                    system = system.with_restitution_minus(restitution)?;
+                }
                 let inclined = free_mass::inclined(self, scale)?;
                 let start = match inclined {
-                    Some(_) => free_mass::start(self, start, clearance),
+                    Some(_) => free_mass::start(self, start, system.offset() - clearance),
                     None => start,
                 };
-                system.check_start(&start)?;
+                system.check_start(&start).map_err(|error| free_mass::misplaced(self, error))?;
                 let gravity = inclined.map(|inclined| inclined.gravity);
                 match inclined {
                     Some(Inclined { along, .. }) => {
@@ -144,7 +186,10 @@ impl<R: Real> Given<'_, R> {
                 self.at_most_one(&[FieldId::GapVelocity, FieldId::AngularVelocity])?;
                 let common = self.common(scale, units)?;
                 let (parameters, gravity) = pendulum::parameters(self, common, scale)?;
-                let system = Piva::new(parameters)?.under(force);
+                let mut system = Piva::new(parameters)?.under(force);
+                if let Some(restitution) = self.get(FieldId::RestitutionMinus) {
+                    system = system.with_restitution_minus(restitution)?;
+                }
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
                 Ok(Scene::Piva { system, start, gravity })
@@ -226,6 +271,7 @@ impl<R: Real> Given<'_, R> {
         ];
         self.at_most_one(&alternatives)?;
         if let Some(relative) = self.get(FieldId::RelativeClearance) {
+            let displacement = self.get(FieldId::Reference).unwrap_or(displacement);
             if displacement == 0.0 {
                 return Err(Invalid::new(
                     FieldId::RelativeClearance.path(),
@@ -256,7 +302,7 @@ impl<R: Real> Given<'_, R> {
         })
     }
 
-    fn window(&self, duration: R, force: &Force<R>) -> Result<Window<R>, Invalid> {
+    fn window(&self, [begin, duration]: [R; 2], force: &Force<R>) -> Result<Window<R>, Invalid> {
         let from = match self.get(FieldId::Discard).filter(|cycles| *cycles > 0.0) {
             Some(cycles) => {
                 let length = cycle(FieldId::Discard, cycles, force)?;
@@ -265,9 +311,9 @@ impl<R: Real> Given<'_, R> {
                     let rule = format!("the run has {all} cycles; leave some of them");
                     return Err(Invalid::new(FieldId::Discard.path(), number(cycles), rule));
                 }
-                cycles * length
+                begin + cycles * length
             }
-            None => R::ZERO,
+            None => begin,
         };
         Ok(Window { from, cycle: force.harmonics().first().copied() })
     }

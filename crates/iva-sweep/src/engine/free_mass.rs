@@ -60,9 +60,25 @@ pub(crate) fn inclined<R: Real>(
 }
 
 /// The start of a free mass: where gravity acts along the motion, on its lower stop unless something else is given.
-pub(crate) fn start<R: Real>(given: &Given<'_, R>, start: Start<R>, clearance: R) -> Start<R> {
+pub(crate) fn start<R: Real>(given: &Given<'_, R>, start: Start<R>, lower_stop: R) -> Start<R> {
     match given.get(FieldId::GapDisplacement) {
         Some(_) => start,
-        None => Start { gap_displacement: -clearance, ..start },
+        None => Start { gap_displacement: lower_stop, ..start },
+    }
+}
+
+/// What is wrong with a start: where no gap displacement is given, it is the offset that takes the gap away from y = 0.
+pub(crate) fn misplaced<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
+    let offsets = [FieldId::GapOffset, FieldId::GapOffsetMm];
+    let offset = offsets.into_iter().find_map(|field| Some((field, given.spec.get(field)?)));
+    match offset {
+        Some((field, value))
+            if error.field == FieldId::GapDisplacement.path()
+                && given.get(FieldId::GapDisplacement).is_none() =>
+        {
+            let rule = "the mass starts at y = 0, outside the gap; give start.gap_displacement too";
+            Invalid::new(field.path(), number(value), rule)
+        }
+        _ => error,
     }
 }

@@ -2,13 +2,14 @@
 
 use std::sync::atomic::AtomicBool;
 
+use iva_core::extremes::Extremes;
 use iva_core::host::{Alone, DrivenHost, UndrivenHost};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::observe::{Events, Observer};
 use iva_core::peaks::Envelope;
 use iva_core::piva::Piva;
 use iva_core::real::Real;
-use iva_core::simulate::{Tally, simulate};
+use iva_core::simulate::{Tally, simulate_from};
 use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyValues, SteadyWanted};
 use iva_core::system::System;
@@ -33,6 +34,9 @@ pub(crate) struct Request {
     pub wanted: Wanted,
     pub steady: SteadyWanted,
     pub reduction: bool,
+    /// Of every run, of runs in free decay alone.
+    pub extremes: bool,
+    pub extremes_of_decays: bool,
     pub columns: Vec<SummaryColumn>,
 }
 
@@ -53,13 +57,15 @@ impl Request {
             },
             steady: SteadyWanted {
                 amplitude: needs(Group::Amplitude) || needs(Group::Reduction),
-                rms: needs(Group::Rms),
-                acceleration: needs(Group::Acceleration),
+                rms: needs(Group::Rms) || needs(Group::RmsReduction),
+                acceleration: needs(Group::Acceleration) || needs(Group::Shaking),
                 regime: needs(Group::Regime),
                 impacts: needs(Group::ImpactsPerCycle),
                 strobes: asked(Table::Stroboscope),
             },
-            reduction: needs(Group::Reduction),
+            reduction: needs(Group::Reduction) || needs(Group::RmsReduction),
+            extremes: needs(Group::Travel),
+            extremes_of_decays: needs(Group::Shaking),
             columns: SummaryColumn::of(study),
         }
     }
@@ -69,7 +75,7 @@ impl Request {
     /// What a driven run settles to, beside what it does without absorber; `None` if nothing is wanted of that.
     ///
     /// # Errors
-    /// As [`Design::amplitude_without_absorber`].
+    /// As [`Design::without_absorber`].
     pub fn settled<'a, R: Real>(
         &self,
         design: &Design<R>,
@@ -78,10 +84,15 @@ impl Request {
     ) -> Result<Option<Settled<'a, R>>, Invalid> {
         let Some(values) = values else { return Ok(None) };
         let bare = match self.reduction && design.scene.absorber().is_some() {
-            true => design.amplitude_without_absorber(cancel)?,
+            true => design.without_absorber(cancel)?,
             false => None,
         };
         Ok(Some(Settled { values, bare, moves_base: design.scene.moves_base() }))
+    }
+
+    /// True if the extremes of a run are to be looked for.
+    pub fn wants_extremes<S: System>(&self, system: &S) -> bool {
+        self.extremes || (self.extremes_of_decays && !system.is_driven())
     }
 
     /// What is wanted of a driven run's steady state; `None` in free decay, and if nothing is.
@@ -144,6 +155,7 @@ struct Seen<S: System, E> {
     envelope: Option<Envelope<S::Real>>,
     measures: Option<Measures<S>>,
     steady: Option<Steady<S::Real>>,
+    extremes: Option<Extremes<S::Real>>,
     estimates: E,
 }
 
@@ -156,6 +168,9 @@ impl<R: Real> Point<'_, R> {
         take: &mut Take<'_, R>,
     ) -> Result<Done, Invalid> {
         let Self { study, design, request, cancel, .. } = *self;
+        // Those of a free decay count from its begin.
+        let from = if system.is_driven() { design.window.from } else { design.begin };
+        let extremes = request.summary && request.wants_extremes(system);
         let mut observers = (
             (request.impacts || request.episodes).then(Events::default),
             (
@@ -164,15 +179,16 @@ impl<R: Real> Point<'_, R> {
                     request.summary.then(|| Measures::<S>::new(request.wanted)),
                     (
                         request.steady_of(system).map(|wanted| Steady::new(design.window, wanted)),
-                        estimates,
+                        (extremes.then(|| Extremes::new(from)), estimates),
                     ),
                 ),
             ),
         );
-        let tally = simulate(system, start, &design.limits, Some(cancel), &mut observers)?;
+        let (begin, limits) = (design.begin, &design.limits);
+        let tally = simulate_from(system, start, begin, limits, Some(cancel), &mut observers)?;
         let done = Done::run(tally.outcome.name(), tally.work);
-        let (events, (envelope, (measures, (steady, estimates)))) = observers;
-        let seen = Seen { tally, events, envelope, measures, steady, estimates };
+        let (events, (envelope, (measures, (steady, (extremes, estimates))))) = observers;
+        let seen = Seen { tally, events, envelope, measures, steady, extremes, estimates };
         for table in &study.tables {
             self.rows(*table, system, &seen, take)?;
         }
@@ -200,7 +216,10 @@ impl<R: Real> Point<'_, R> {
                 for (index, impact) in impacts {
                     let angles = system.impact_angles(impact).filter(|_| design.scene.has_angle());
                     let estimate = seen.estimates.of_impact(index);
-                    let of_impact = ImpactRow { index, impact, angles, estimate, scale };
+                    let gained = system.impact_gain(impact.wall) * impact.approach_speed();
+                    let peak_force = design.contact_rate.map(|rate| rate * gained);
+                    let of_impact =
+                        ImpactRow { index, impact, peak_force, angles, estimate, scale };
                     row(&mut self.numbered(&of_impact));
                 }
             }
@@ -242,7 +261,8 @@ impl<R: Real> Point<'_, R> {
         let Some(measures) = &seen.measures else { return Ok(None) };
         let settled = request.settled(design, seen.steady.as_ref().map(Steady::values), cancel)?;
         let [condition, digits] = seen.estimates.of_run();
+        let extremes = seen.extremes.as_ref().map(Extremes::values);
         let run = RunRow::new(design, &seen.tally, measures.values());
-        Ok(Some(RunRow { settled, condition, digits, ..run }))
+        Ok(Some(RunRow { settled, extremes, condition, digits, ..run }))
     }
 }

@@ -4,6 +4,7 @@
 use super::design::Design;
 use super::scale::Scale;
 use super::scene::Scene;
+use iva_core::extremes::ExtremeValues;
 use iva_core::impact::Impact;
 use iva_core::lanes::Tier;
 use iva_core::measures::MeasureValues;
@@ -11,8 +12,8 @@ use iva_core::observe::StickEpisode;
 use iva_core::peaks::Peak;
 use iva_core::real::Real;
 use iva_core::simulate::Tally;
-use iva_core::steady::{SteadyValues, Strobe};
-use iva_core::system::Angle;
+use iva_core::steady::{Bare, SteadyValues, Strobe};
+use iva_core::system::{Angle, Wall};
 
 use crate::columns::SUMMARY;
 use crate::columns::tables as entries;
@@ -44,9 +45,11 @@ pub(crate) struct RunRow<'a, S, R: Real = f64> {
     pub tally: &'a Tally<S, R>,
     pub values: &'a MeasureValues<R>,
     pub settled: Option<Settled<'a, R>>,
+    pub extremes: Option<&'a ExtremeValues<R>>,
     pub condition: Option<R>,
     pub digits: Option<R>,
     pub tier: Tier,
+    pub contact_rate: Option<R>,
     pub scene: &'a Scene<R>,
     pub scale: &'a Scale<R>,
 }
@@ -58,12 +61,64 @@ impl<'a, R: Real, S> RunRow<'a, S, R> {
         tally: &'a Tally<S, R>,
         values: &'a MeasureValues<R>,
     ) -> Self {
-        let Design { scene, scale, .. } = design;
+        let Design { scene, scale, contact_rate, .. } = design;
+        let contact_rate = *contact_rate;
         let tier = match scene {
             Scene::Piva { .. } => design.tier,
             _ => Tier::Exact,
         };
-        Self { tally, values, settled: None, condition: None, digits: None, tier, scene, scale }
+        let (settled, extremes, condition, digits) = (None, None, None, None);
+        Self {
+            tally,
+            values,
+            settled,
+            extremes,
+            condition,
+            digits,
+            tier,
+            contact_rate,
+            scene,
+            scale,
+        }
+    }
+
+    /// Largest approach speed; `None` without absorber.
+    fn approach_speed(&self) -> Option<R> {
+        let [plus, minus] = self.tally.approach_speeds;
+        self.scene.absorber().map(|_| R::larger(plus, minus))
+    }
+
+    /// Estimate of the largest force of an impact; `None` where nothing is known of the contact.
+    fn peak_force(&self) -> Option<R> {
+        Some(self.scale.force(self.gained()? * self.contact_rate?))
+    }
+
+    /// Largest impulse on the structure; `None` without absorber.
+    fn impulse(&self) -> Option<R> {
+        self.gained().map(|gained| self.scale.impulse(gained))
+    }
+
+    /// Largest velocity that the structure gains in an impact; `None` without absorber.
+    fn gained(&self) -> Option<R> {
+        self.scene.absorber()?;
+        let gained = [Wall::Plus, Wall::Minus].map(|wall| {
+            let speed = self.tally.approach_speeds[wall.index()];
+            // A pendulum that cannot reach its stops has no law of impact.
+            if speed > 0.0 { self.scene.impact_gain(wall).abs() * speed } else { R::ZERO }
+        });
+        Some(R::larger(gained[0], gained[1]))
+    }
+
+    /// Largest acceleration: under force in the steady state, else of the whole decay.
+    fn acceleration(&self) -> Option<R> {
+        let driven = self.settled(|it| it.values.acceleration_max);
+        let found = driven.or_else(|| self.extremes.and_then(|it| it.acceleration));
+        found.map(|acceleration| self.scale.acceleration(acceleration))
+    }
+
+    /// Of the absorber, if there is one.
+    fn extreme(&self, read: fn(&ExtremeValues<R>) -> Option<R>) -> Option<R> {
+        self.scene.absorber().and(self.extremes).and_then(read)
     }
 
     fn settled<T>(&self, read: impl Fn(&Settled<'a, R>) -> Option<T>) -> Option<T> {
@@ -91,8 +146,8 @@ impl<'a, R: Real, S> RunRow<'a, S, R> {
 /// What a driven run settles to.
 pub(crate) struct Settled<'a, R = f64> {
     pub values: &'a SteadyValues<R>,
-    /// Largest |x| without absorber.
-    pub bare: Option<R>,
+    /// What the structure does without absorber.
+    pub bare: Option<Bare<R>>,
     pub moves_base: bool,
 }
 
@@ -100,14 +155,24 @@ impl<R: Real> Settled<'_, R> {
     /// 1 − amplitude over that without absorber; null where the bare structure does not move, or
     /// without bound.
     fn reduction(&self) -> Option<R> {
-        let share = self.values.amplitude_max? / self.bare.filter(|bare| bare.is_finite())?;
-        share.is_finite().then_some(R::ONE - share)
+        reduced(self.values.amplitude_max?, self.bare?.amplitude)
+    }
+
+    /// The same of the root mean square.
+    fn reduction_rms(&self) -> Option<R> {
+        reduced(self.values.amplitude_rms?, self.bare?.rms)
     }
 
     fn transmissibility(&self) -> Option<R> {
         let base = self.values.base_max.filter(|base| self.moves_base && *base > 0.0)?;
         Some(self.values.acceleration_max? / base)
     }
+}
+
+/// By what share a size is smaller than without absorber; `None` where that is 0 or without bound.
+fn reduced<R: Real>(size: R, bare: R) -> Option<R> {
+    let share = Some(bare).filter(|bare| bare.is_finite()).map(|bare| size / bare)?;
+    share.is_finite().then_some(R::ONE - share)
 }
 
 /// What is told of the exactness of an impact.
@@ -122,6 +187,8 @@ pub(crate) struct Estimate<R = f64> {
 pub(crate) struct ImpactRow<'a, R = f64> {
     pub index: usize,
     pub impact: &'a Impact<R>,
+    /// Estimate of its largest force, over the primary mass.
+    pub peak_force: Option<R>,
     /// Of a pendulum, before and after.
     pub angles: Option<[Angle<R>; 2]>,
     pub estimate: Estimate<R>,

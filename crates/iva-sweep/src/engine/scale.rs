@@ -27,6 +27,21 @@ impl<R: Real> Scale<R> {
         rate * self.natural_frequency
     }
 
+    /// Natural acceleration → user acceleration.
+    pub fn acceleration(&self, acceleration: R) -> R {
+        acceleration * (self.natural_frequency * self.natural_frequency)
+    }
+
+    /// Natural force over the primary mass → user force.
+    pub fn force(&self, force: R) -> R {
+        force * (self.mass * self.natural_frequency * self.natural_frequency)
+    }
+
+    /// Velocity gained by the structure → impulse on it.
+    pub fn impulse(&self, velocity: R) -> R {
+        velocity * (self.mass * self.natural_frequency)
+    }
+
     /// Natural energy → user energy.
     pub fn energy(&self, energy: R) -> R {
         energy * (self.mass * self.natural_frequency * self.natural_frequency)

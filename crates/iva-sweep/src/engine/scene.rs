@@ -6,7 +6,7 @@ use iva_core::host::{Alone, DrivenHost, UndrivenHost};
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::real::Real;
 use iva_core::siva::Siva;
-use iva_core::system::{Point, Start, System};
+use iva_core::system::{Point, Start, System, Wall};
 
 /// What the core runs. It lives on the stack, once a run.
 #[allow(clippy::large_enum_variant)]
@@ -75,29 +75,34 @@ pub(crate) use with_system;
 pub struct Absorber<R = f64> {
     /// μ = m/M.
     pub mass_ratio: R,
-    /// Newton's coefficient e on the gap velocity.
+    /// Newton's coefficient e on the gap velocity, at the wall +.
     pub restitution: R,
+    /// The same at the wall −.
+    pub restitution_minus: R,
     /// One-sided clearance d.
     pub clearance: R,
 }
 
+const WALLS: [Wall; 2] = [Wall::Plus, Wall::Minus];
+
 impl<R: Real> Scene<R> {
     /// The absorber; `None` of a structure alone.
     pub fn absorber(&self) -> Option<Absorber<R>> {
-        let [mass_ratio, restitution, clearance] = match self {
+        let (mass_ratio, restitution): (R, [R; 2]) = match self {
             Scene::Siva { system, .. } => {
-                [system.mass_ratio(), system.restitution(), system.clearance()]
+                (system.mass_ratio(), WALLS.map(|wall| system.restitution(wall)))
             }
             Scene::DrivenSiva { system, .. } => {
-                [system.mass_ratio(), system.restitution(), system.clearance()]
+                (system.mass_ratio(), WALLS.map(|wall| system.restitution(wall)))
             }
             Scene::Alone { .. } | Scene::DrivenAlone { .. } => return None,
             Scene::Piva { system, .. } => {
-                let parameters = system.parameters();
-                [parameters.mass_ratio, parameters.restitution, parameters.clearance]
+                (system.parameters().mass_ratio, WALLS.map(|wall| system.restitution(wall)))
             }
         };
-        Some(Absorber { mass_ratio, restitution, clearance })
+        let clearance = with_system!(self, |system, _start| system.clearance());
+        let [restitution, restitution_minus] = restitution;
+        Some(Absorber { mass_ratio, restitution, restitution_minus, clearance })
     }
 
     /// ζ of the bare primary.
@@ -136,6 +141,11 @@ impl<R: Real> Scene<R> {
         Some(with_system!(self, |system, _start| system.walls_reachable()))
     }
 
+    /// Velocity that the structure gains in an impact on a wall, per gap velocity.
+    pub fn impact_gain(&self, wall: Wall) -> R {
+        with_system!(self, |system, _start| system.impact_gain(wall))
+    }
+
     /// The sum of all that drives it; `None` in free decay.
     pub fn force(&self) -> Option<&Force<R>> {
         match self {
@@ -144,6 +154,11 @@ impl<R: Real> Scene<R> {
             Scene::DrivenAlone { system, .. } => system.force(),
             Scene::Piva { system, .. } => Some(system.force()).filter(|force| !force.is_none()),
         }
+    }
+
+    /// Where the middle of the gap is; 0 without absorber.
+    pub fn gap_offset(&self) -> R {
+        with_system!(self, |system, _start| system.offset())
     }
 
     /// True if the base moves.

@@ -56,11 +56,14 @@ impl System for Broken {
     fn clearance(&self) -> f64 {
         self.siva.clearance()
     }
-    fn rebound_ratio(&self) -> f64 {
-        self.siva.rebound_ratio()
+    fn rebound_ratio(&self, wall: Wall) -> f64 {
+        self.siva.rebound_ratio(wall)
     }
-    fn pressure_gain(&self) -> f64 {
-        self.siva.pressure_gain()
+    fn impact_gain(&self, wall: Wall) -> f64 {
+        self.siva.impact_gain(wall)
+    }
+    fn pressure_gain(&self, wall: Wall) -> f64 {
+        self.siva.pressure_gain(wall)
     }
     fn check_start(&self, start: &Start) -> Result<(), Invalid> {
         self.siva.check_start(start)

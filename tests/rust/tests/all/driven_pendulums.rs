@@ -48,6 +48,7 @@ fn driven(rng: &mut Rng, steady: SteadyWanted, tolerance: f64) -> Vec<Job<Piva>>
         let cycle = TAU / push.frequency;
         let from = [0.0, 5.0 * cycle, 7.3][i % 3];
         Job {
+            begin: 0.0,
             system: Piva::new(parameters).unwrap().under(force),
             start: Start { displacement: [0.0, 0.5][i % 2], ..Start::default() }.into(),
             limits: Limits::new((20.0 * cycle).min(90.0).max(from + 1.0), clearance),

@@ -90,7 +90,7 @@ fn references_are_met_to_some_units() {
         let limits =
             Limits { chatter_floor: FLOOR, ..Limits::new(scene.duration, scene.clearance.hi) };
         let (system, start) = (scene.absorber(), scene.begin());
-        let job = Job { system, start, limits, steady: None, tier: Tier::Fast };
+        let job = Job { system, start, begin: 0.0, limits, steady: None, tier: Tier::Fast };
         errors.extend(judged(&job, &reference.events));
     }
     for reference in forced_scenes() {
@@ -98,7 +98,7 @@ fn references_are_met_to_some_units() {
         let limits = Limits::new(reference.duration, reference.parameters.clearance);
         let limits = Limits { chatter_floor: FLOOR, ..limits };
         let start = Start { displacement: reference.displacement, ..Start::default() };
-        let job = Job { system, start, limits, steady: None, tier: Tier::Fast };
+        let job = Job { system, start, begin: 0.0, limits, steady: None, tier: Tier::Fast };
         errors.extend(judged(&job, &reference.events));
     }
     small("references", errors);
@@ -116,7 +116,7 @@ fn decay(rng: &mut Rng) -> Job<Siva> {
         gap_velocity: rng.range(-1.0, 1.0),
     };
     let limits = Limits::new(rng.range(5.0, 100.0), clearance);
-    Job { system, start, limits, steady: None, tier: Tier::Fast }
+    Job { system, start, begin: 0.0, limits, steady: None, tier: Tier::Fast }
 }
 
 /// The force that drives a system.
@@ -128,7 +128,7 @@ fn harmonic(rng: &mut Rng, acts: Acts) -> Harmonic {
 fn driven(rng: &mut Rng, acts: Acts) -> Job<Siva<DrivenHost>> {
     let Job { system, start, limits, tier, .. } = decay(rng);
     let force = Force::new(vec![harmonic(rng, acts)], Vec::new(), &[]).unwrap();
-    Job { system: system.under(force), start, limits, steady: None, tier }
+    Job { system: system.under(force), start, begin: 0.0, limits, steady: None, tier }
 }
 
 /// The error of an impact of a random run in rounding units, by the exact tier; `None` if there is none to judge: without
@@ -301,6 +301,7 @@ fn a_tier_that_is_not_there_is_not_named() {
     };
     let siva = Siva::new(0.1, 0.6, 0.7, 0.01).unwrap();
     let job = |frequencies: &[f64]| Job {
+        begin: 0.0,
         system: siva.under(force(frequencies)),
         start: Start { displacement: 0.5, ..Start::default() },
         limits: Limits::new(20.0 * period, 0.7),
@@ -334,6 +335,7 @@ fn strobes_at_stops_are_taken_once() {
             let siva = Siva::new(0.1, 0.6, 0.4, 0.1).unwrap();
             let cycle = TAU / frequency;
             jobs.push(Job {
+                begin: 0.0,
                 system: siva.under(Force::new(vec![force], Vec::new(), &[]).unwrap()),
                 start: Start { displacement: 0.5, ..Start::default() },
                 limits: Limits::new(cycles * cycle, 0.4),
@@ -359,7 +361,8 @@ fn the_energy_after_one_period_is_told_beside_another_stop() {
     for duration in [TAU, 1.5 * TAU, 2.0 * TAU].into_iter().flat_map(below) {
         let limits = Limits::new(duration, 0.7);
         let start = Start { displacement: 1.0, ..Start::default() };
-        let job = Job { system: siva.clone(), start, limits, steady: None, tier: Tier::Fast };
+        let job =
+            Job { system: siva.clone(), start, begin: 0.0, limits, steady: None, tier: Tier::Fast };
         let jobs = vec![job; 3];
         let [exact, fast] = both(&jobs);
         let mut by_itself = iva_core::measures::Measures::new(Wanted::ALL);
@@ -379,6 +382,7 @@ fn forces_too_fast_for_the_lanes_leave_no_trace() {
         let force = Harmonic { amplitude: 1e-3, frequency, phase: 0.3, acts: Acts::Primary };
         let limits = Limits { max_work: 2000, ..Limits::new(1e3 / frequency, 0.7) };
         jobs.push(Job {
+            begin: 0.0,
             system: Siva::new(0.1, 0.6, 0.7, 0.01)
                 .unwrap()
                 .under(Force::new(vec![force], Vec::new(), &[]).unwrap()),

@@ -47,6 +47,7 @@ pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted)
 
 fn scene(mu: f64, e: f64, clearance: f64, zeta: f64, periods: f64) -> Job<Siva> {
     Job {
+        begin: 0.0,
         system: Siva::new(mu, e, clearance, zeta).unwrap(),
         start: Start { displacement: 1.0, ..Start::default() },
         limits: Limits::new(periods * TAU, clearance),
@@ -81,6 +82,7 @@ fn pendulums(tolerance: f64) -> Vec<Job<Piva>> {
                     ..Parameters::point_bob(0.12, e, clearance, zeta, 2.5)
                 };
                 scenes.push(Job {
+                    begin: 0.0,
                     system: Piva::new(parameters).unwrap(),
                     start: Start { displacement: 1.0, ..Start::default() }.into(),
                     limits: Limits::new(15.0 * TAU, clearance),
@@ -113,6 +115,7 @@ fn driven(steady: SteadyWanted) -> Vec<Job<Siva<DrivenHost>>> {
                 let from = [0.0, 5.0 * cycle, 7.3][i % 3];
                 let siva = Siva::new(0.02 + 0.2 * number as f64, e, clearance, zeta).unwrap();
                 jobs.push(Job {
+                    begin: 0.0,
                     system: siva.under(force),
                     start: Start { displacement: [0.0, 0.5][i % 2], ..Start::default() },
                     limits: Limits::new(35.0 * cycle, clearance),
@@ -367,7 +370,7 @@ proptest! {
     ) {
         let scenes: Vec<Job<Siva>> = all
             .iter()
-            .map(|case| Job {
+            .map(|case| Job { begin: 0.0,
                 system: Siva::new(case.mu, case.e, case.clearance, zeta).unwrap(),
                 start: case.start,
                 limits: case.limits(),
@@ -397,7 +400,7 @@ proptest! {
                 let free = !system.stop_reachable();
                 let start = if free { PivaStart { place: Given::Angle(*angle), ..start } } else { start };
                 let limits = Limits::new(case.duration, system.clearance());
-                Job { system, start, limits, steady: None, tier: Tier::Exact }
+                Job { system, start, begin: 0.0, limits, steady: None, tier: Tier::Exact }
             })
             .filter(|scene| scene.system.check_start(&scene.start).is_ok())
             .collect();

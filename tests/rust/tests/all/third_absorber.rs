@@ -118,6 +118,7 @@ fn sweeps_of_it_are_its_runs() {
     let job = |k| {
         let system = system(k);
         Job {
+            begin: 0.0,
             system,
             start: start(),
             limits: Limits::new(10.0 * TAU, system.0[2]),

@@ -80,6 +80,7 @@ impl Lane {
     {
         let Doing::Flight { first } = run.phase else { return None };
         let (siva, tally) = (run.system, &run.tally);
+        let law = siva.common_law()?;
         // What has just come off its wall is told from what presses by more digits than a lane has.
         let Primary { x, v } = &tally.state.host.primary;
         let slow = SLOW * (x.value.abs() + v.value.abs());
@@ -93,12 +94,12 @@ impl Lane {
             time_rest: run.clock.rest,
             stop,
             mass_ratio: siva.mass_ratio(),
-            share: siva.impact_share.value,
-            restitution: siva.restitution(),
+            share: law.share.value,
+            restitution: law.restitution,
             clearance: siva.clearance(),
             over_clearance: 1.0 / siva.clearance(),
             floor: run.limits.chatter_floor,
-            counts: Counts::of(run, [siva.mass_ratio(), siva.restitution()])?,
+            counts: Counts::of(run, [siva.mass_ratio(), law.restitution])?,
             first,
             state: State {
                 x: host.primary.x.value,

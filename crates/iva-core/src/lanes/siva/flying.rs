@@ -89,17 +89,18 @@ impl Flying {
     {
         let Doing::Flight { first } = run.phase else { return None };
         let (siva, tally) = (run.system, &run.tally);
+        let law = siva.common_law()?;
         let stop = run.stops[run.stopped.min(STOPS - 1)];
         let mut flying = Self {
             time: run.clock.value,
             time_rest: run.clock.rest,
             stop,
-            share: siva.impact_share.value,
-            share_rest: siva.impact_share.rest,
-            restitution: siva.restitution(),
+            share: law.share.value,
+            share_rest: law.share.rest,
+            restitution: law.restitution,
             clearance: siva.clearance(),
             floor: run.limits.chatter_floor,
-            counts: Counts::of(run, [siva.mass_ratio(), siva.restitution()])?,
+            counts: Counts::of(run, [siva.mass_ratio(), law.restitution])?,
             first,
             ..Self::default()
         };

@@ -14,7 +14,7 @@ use crate::quintic::root;
 use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::fast_flight::{LOOKS, Quintic, at_wall, to_wall};
 use crate::siva::motion::arrived;
-use crate::siva::{SivaState, collided};
+use crate::siva::{Law, SivaState, collided};
 
 /// A rebound this low against what presses, u/(A (1 − e)), may be one whose tail is summed: that is for
 /// the loop. (The estimated error of the sum is at least 4 times the cube of it.)
@@ -137,7 +137,7 @@ pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
     let (later, close) = to_wall(free, &near, lane.clearance, far, lane.h);
     let touching = at_wall(free, &near, far, later);
     let share = DoubleDouble { value: lane.share, rest: lane.share_rest };
-    let after = collided(free, &touching, share, lane.restitution);
+    let after = collided(free, &touching, &Law { restitution: lane.restitution, share });
     let approach = -touching.rate.value;
     let pressure = -(after.side * after.host.acceleration.value);
     let pressed = pressure > 0.0;

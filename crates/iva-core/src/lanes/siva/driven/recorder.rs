@@ -14,7 +14,7 @@ use crate::host::{Driven, DrivenHost, Host, HostState, Moment};
 use crate::impact::Impact;
 use crate::lanes::{Job, Observers, Watching};
 use crate::measures::{MeasureValues, Wanted};
-use crate::observe::{Observer, Span};
+use crate::observe::{Contact, Observer, Span};
 use crate::oscillator::Primary;
 use crate::simulate::{Instant, Tally};
 use crate::siva::{Siva, SivaState};
@@ -262,6 +262,10 @@ impl<const BASE: bool> Observer<DrivenSiva> for Recorder<BASE> {
             let ends = [from, *end].map(|state| End::new(free, &state.host, extremes));
             self.log.push(&Flight::new(from, *start, *length, ends));
         }
+    }
+
+    fn contact(&mut self, siva: &DrivenSiva, contact: &Contact<'_, SivaState<Moment>>) {
+        self.observers.contact(siva, contact);
     }
 
     fn impact(&mut self, _siva: &DrivenSiva, impact: &Impact) {
