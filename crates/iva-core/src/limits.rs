@@ -10,7 +10,7 @@ pub const STOPS: usize = 4;
 /// How long to run and where to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<R = f64> {
-    /// Length of the run, in 1/ωn.
+    /// The instant at which the run ends, in 1/ωn: its length, where it begins at time zero.
     pub duration: R,
     /// Stop after so many listed impacts. Rebounds at or below the floor count once it is known
     /// that their chatter does not end in stick.

@@ -82,7 +82,8 @@ impl<R: Real> Given<'_, R> {
         let length = self.duration(omega, &force)?;
         let duration = begin + length;
         if duration <= begin {
-            let rule = format!("it is lost beside run length {}", number(length));
+            let length = number(length / omega);
+            let rule = format!("a run of {length} from there has no length in doubles; give less");
             return Err(Invalid::new(FieldId::StartTime.path(), number(begin / omega), rule));
         }
         let window = self.window([begin, length], &force)?;

@@ -138,15 +138,16 @@ fn a_start_at_an_instant_has_the_force_of_that_instant() {
     assert!(compared > 300, "{compared}");
 }
 
-/// A run that begins after an impulse does not have it; one that begins at it or before does.
+/// A run that begins at an impulse or after it does not have it, one that begins before it does; a run from time zero has
+/// those of time zero.
 #[test]
-fn impulses_before_the_begin_are_over() {
+fn impulses_up_to_the_begin_are_over() {
     let impulses = [2.0, 6.0].map(|time| Impulse { velocity: 0.5, time });
     let force = Force::new(Vec::new(), Vec::new(), &impulses).unwrap();
     let siva = Siva::new(0.1, 0.6, 50.0, 0.0).unwrap().under(force.clone());
     let piva = Piva::new(Parameters::point_bob(0.1, 0.6, 50.0, 0.0, 100.0)).unwrap().under(force);
     for (begin, left) in
-        [(1.0, [2.0, 6.0].as_slice()), (2.0, &[2.0, 6.0]), (3.0, &[6.0]), (7.0, &[])]
+        [(1.0, [2.0, 6.0].as_slice()), (2.0, &[6.0]), (3.0, &[6.0]), (6.0, &[]), (7.0, &[])]
     {
         let clock = DoubleDouble::new(begin);
         let limits = Limits::new(10.0, 50.0);

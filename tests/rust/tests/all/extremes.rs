@@ -205,6 +205,8 @@ fn measures_of_a_decay_that_begins_later_count_from_there() {
     // Instants are on the clock.
     near(one.settling_time_10, other.settling_time_10, 8.0);
     assert!(one.damping_ratio_energy.is_none() && other.damping_ratio_energy.is_some());
+    // Within the first period of the clock as well.
+    assert!(measured(2.0, 9.0).damping_ratio_energy.is_none());
     assert!(short.residual_amplitude.is_none());
     let end = Limits::new(8.0, 0.6);
     assert!(simulate_from(&siva, &start, 8.0, &end, None, &mut ()).is_err());

@@ -234,3 +234,20 @@ fn beside_others_it_runs_as_alone() {
     .unwrap();
     assert_eq!(seen, jobs.len());
 }
+
+#[test]
+fn its_derivative_has_the_determinant_of_both_restitutions() {
+    // Liouville: a time T of flight gives exp(−2ζT), an impact with restitution e gives e².
+    let (e, zeta, duration) = ([0.95, 0.8], 0.02, 12.0);
+    let siva: Siva = free_mass(0.1, e, 0.4, 0.0, zeta);
+    let start = Start { displacement: 1.0, ..Start::default() };
+    let mut seen = (Events::default(), Errors::default());
+    let tally = simulate(&siva, &start, &Limits::new(duration, 0.4), None, &mut seen).unwrap();
+    let (events, errors) = seen;
+    assert!(tally.episodes == 0 && tally.impacts > 8, "{tally:?}");
+    let of_impact = |wall: Wall| siva.restitution(wall).powi(2);
+    let impacts: f64 = events.impacts.iter().map(|impact| of_impact(impact.wall)).product();
+    let truth = (-2.0 * zeta * duration).exp() * impacts;
+    let found = errors.derivative().unwrap().determinant();
+    assert!((found / truth - 1.0).abs() < 1e-9, "{found} {truth}");
+}
