@@ -137,11 +137,11 @@ class Run(RunTables):
         Returns
         -------
         Start
-            Displacements and velocities as :meth:`at` gives them, after the impact or the impulse of
-            that instant if there is one, the instant, and the displacement that a relative clearance
-            refers to. A run that starts from it goes on as this one does, stuck if this one is, to a
-            rounding unit of each number: they are doubles, where a run carries their rounding rests
-            too.
+            Displacements and velocities as :meth:`at` gives them, after the impact or the impulse
+            of that instant if there is one, the instant, and the displacement that a relative
+            clearance refers to. A run that starts from it goes on as this one does, stuck if this
+            one is, to a rounding unit of each number: they are doubles, where a run carries their
+            rounding rests too.
 
         Raises
         ------
