@@ -153,7 +153,7 @@ def test_si_is_the_natural_scene_scaled() -> None:
         pivot_damping_ratio=0.03,
     )
     assert "SI units" in repr(run)
-    factors = {"s": 1 / 20, "m": 0.01, "m/s": 0.2, "J": 0.08, "N s": 0.4, "1": 1.0}
+    factors = {"s": 1 / 20, "m": 0.01, "m/s": 0.2, "J": 0.08, "N s": 0.4, "N": 8.0, "1": 1.0}
     factors |= {"rad": 1.0, "rad/s": 20.0, "m/s²": 4.0}
     seen = set()
     for name in ("summary", "impacts", "envelope"):

@@ -40,6 +40,7 @@ def compare(run: iva.Run, natural: iva.Run, omega: float, length: float, mass: f
         "m/s²": length * omega**2,
         "J": mass * (length * omega) ** 2,
         "N s": mass * length * omega,
+        "N": mass * length * omega**2,
         "1": 1.0,
     }
     units = iva.Units("si")
