@@ -1,46 +1,47 @@
-//! The infinite tail of a chatter, summed.
+//! The duration of the infinite tail of a chatter, as a sum in closed form.
 //!
-//! A rebound of speed u at a wall that presses with A = −D̈ > 0 lasts 2u/A and meets the wall again
-//! with u; each further rebound is smaller by e. To second order in u, with J = D⃛ the change of
-//! the pressure in flight and β its gain at an impact of unit speed, the whole tail lasts
+//! A rebound of speed u at a wall that presses with A = −D̈ > 0 lasts 2u/A and meets the wall again with u;
+//! each further rebound is slower by the factor e. Let J = D⃛ be the rate at which the pressure A falls in
+//! flight and β its rise at an impact of unit speed. To second order in u the whole tail lasts
 //!
 //! ```text
 //! T = 2u/(A(1−e)) + (4/3) J u²/(A³(1−e)²) − 2βe u²/(A²(1−e)²(1+e)).
 //! ```
 //!
-//! (By perturbation: a rebound lasts 2u/A + (4/3) J u²/A³ and returns with u (1 − ⅔ J u/A²) to a pressure
-//! A − 2 J u/A, which β u then raises; the sums over all rebounds are geometric.) The tail
-//! replaces the simulation once the third-order terms, estimated from A, J, β and the size R of
-//! D⁗, are below rounding ([`Real::NEGLIGIBLE`]). That is an estimate, not an enclosure. Where the absorber then sticks, the common
-//! velocity follows from momentum, and the ride starts at the switch: the centre of mass obeys the
-//! equation of the ride through the whole tail up to terms of third order (rebounds are internal
-//! forces), so the motion after it is as exact. Rebounds of the printed law take momentum as well; what that
-//! does to the ride, to second order, is in `piva/impact_law.rs`.
+//! (By perturbation: a rebound lasts 2u/A + (4/3) J u²/A³ and returns with u (1 − ⅔ J u/A²) to a pressure A −
+//! 2 J u/A, which the impact then raises by β u; the sums over all rebounds are geometric.) The sum replaces
+//! the simulation once the third-order terms, estimated from A, J, β and the size R of D⁗, are below rounding
+//! ([`Real::NEGLIGIBLE`]). That is an estimate, not an enclosure. Where the absorber then sticks, the common
+//! velocity follows from momentum, and the stick episode starts at the instant of the switch: rebounds are
+//! internal forces, so the centre of mass obeys the equation of the stuck pair through the whole tail up to
+//! terms of third order, and the motion after it has the same accuracy. Rebounds of the impact law as the
+//! paper prints it change the momentum as well; `piva/impact_law.rs` gives the effect on the stick episode to
+//! second order.
 
 use crate::real::Real;
 
-/// What the third-order terms are taken times: their coefficients are of order 1, not below.
+/// Safety factor of the estimated third-order terms, whose coefficients are of order 1.
 const SAFETY: f64 = 4.0;
 
-/// A rebound at a pressing wall, right after the impact.
+/// A rebound from a pressing wall, at the instant after the impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rebound<R = f64> {
-    /// u: speed away from the wall, > 0.
+    /// u: speed away from the wall, > 0, in ωn × length.
     pub speed: R,
-    /// A = −D̈: pressure per unit mass, > 0.
+    /// A = −D̈: acceleration towards the wall, > 0, in ωn² × length.
     pub pressure: R,
     /// J = D⃛ in free motion.
     pub jerk: R,
-    /// β: rise of the pressure at an impact of unit approach speed.
+    /// β: rise of A at an impact of unit approach speed.
     pub gain: R,
-    /// R: size of D⁗ and of the motion.
+    /// R: bound on |D⁗|, and at least the size of the motion.
     pub fourth: R,
     /// e: ratio of successive rebound speeds, < 1 for a tail.
     pub ratio: R,
 }
 
 impl<R: Real> Rebound<R> {
-    /// Duration of the infinite tail, to second order in the speed.
+    /// Duration of the infinite tail in 1/ωn, to second order in the speed.
     pub fn tail(&self) -> R {
         let Self { speed: u, pressure: a, jerk: j, gain: b, ratio: e, .. } = *self;
         let x = u / (a * (R::ONE - e));
@@ -67,9 +68,9 @@ impl<R: Real> Rebound<R> {
 mod tests {
     use super::*;
 
-    /// The jerk and the gain to second order: against the rebounds summed one by one, of a wall
-    /// whose pressure falls by J h in flight and rises by β w at an impact. What is left over is of
-    /// third order in the speed.
+    /// The second-order terms in the jerk and the gain agree with rebounds summed one by one, at a wall whose
+    /// pressure falls by J h in flight and rises by β w at an impact. The difference is of third order in the
+    /// speed.
     #[test]
     fn jerk_and_gain_enter_to_second_order() {
         let one_by_one = |mut tail: Rebound| {
@@ -108,7 +109,7 @@ mod tests {
         }
     }
 
-    /// A ball dropped from h bounces for √(2h/g)(1+e)/(1−e) in all (closed form).
+    /// A ball dropped from height h comes to rest after √(2h/g)(1+e)/(1−e) (closed form).
     #[test]
     fn bouncing_ball_comes_to_rest_on_time() {
         let cases =

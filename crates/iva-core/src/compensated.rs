@@ -1,16 +1,17 @@
-//! Double-doubles: numbers that keep what rounding drops.
+//! Double-doubles: numbers held as the unevaluated sum of a high and a low part.
 
 use crate::real::Real;
 
-/// A number carried as its rounded value and the rest that rounding dropped (T. J. Dekker,
+/// A double-double: a number held as its rounded value and the rounding error of that value (T. J. Dekker,
 /// Numer. Math. 18, 1971; the addition is D. Knuth's two-sum).
 ///
-/// Adding many small increments loses nothing but the rounding of the increments themselves.
+/// A sum of many small increments keeps full accuracy; only the rounding of the increments themselves
+/// remains.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DoubleDouble<R = f64> {
-    /// The sum, rounded to double precision.
+    /// High part: the number rounded to double precision.
     pub value: R,
-    /// What `value` lacks; at most half a unit in its last place.
+    /// Low part: the number minus `value`; at most half a unit in the last place of `value`.
     pub rest: R,
 }
 
@@ -18,18 +19,18 @@ impl<R: Real> DoubleDouble<R> {
     /// Zero.
     pub const ZERO: DoubleDouble<R> = DoubleDouble { value: R::ZERO, rest: R::ZERO };
 
-    /// A number without rest.
+    /// A plain number as a double-double, with low part 0.
     pub const fn new(value: R) -> Self {
         Self { value, rest: R::ZERO }
     }
 
-    /// The sum after adding an increment.
+    /// The sum with a plain number.
     #[inline(always)]
     pub fn plus(self, increment: impl Into<R>) -> Self {
         self.plus_parts(increment.into(), R::ZERO)
     }
 
-    /// The sum after adding an increment that is itself given with its rounding rest.
+    /// The sum with a number given by its high and low part.
     #[inline(always)]
     pub fn plus_parts(self, increment: R, rest: R) -> Self {
         let (sum, lost) = two_sum(self.value, increment);
@@ -47,21 +48,21 @@ impl<R: Real> DoubleDouble<R> {
         Self { value: product, rest: R::ZERO }.plus_parts(R::ZERO, lost + self.rest * factor)
     }
 
-    /// The product with another sum.
+    /// The product with another double-double.
     #[inline(always)]
     pub fn times_sum(self, factor: DoubleDouble<R>) -> Self {
         self.times(factor.value).plus_parts(R::ZERO, self.value * factor.rest)
     }
 
-    /// The product with another sum, as short as it can be had: the rest may be some units in the
-    /// last place of the value.
+    /// The product with another double-double by the shortest formula, not renormalised: the low part may be
+    /// some units in the last place of the high part.
     #[inline(always)]
     pub(crate) fn product(self, factor: DoubleDouble<R>) -> Self {
         let (value, lost) = two_product(self.value, factor.value);
         Self { value, rest: lost + (self.value * factor.rest + self.rest * factor.value) }
     }
 
-    /// The sum after adding two others.
+    /// The sum with two other double-doubles.
     #[inline(always)]
     pub(crate) fn plus_both(self, a: DoubleDouble<R>, b: DoubleDouble<R>) -> Self {
         let (increment, lost) = two_sum(a.value, b.value);
@@ -74,7 +75,7 @@ impl<R: Real> DoubleDouble<R> {
         self.over_sum(DoubleDouble::new(divisor.into()))
     }
 
-    /// The quotient by another sum.
+    /// The quotient by another double-double.
     #[inline(always)]
     pub fn over_sum(self, divisor: DoubleDouble<R>) -> Self {
         let quotient = self.value / divisor.value;
@@ -83,19 +84,19 @@ impl<R: Real> DoubleDouble<R> {
         Self::new(quotient).plus_parts(R::ZERO, remainder / divisor.value)
     }
 
-    /// The difference to a plain number, rounded once.
+    /// The difference to a plain number, rounded to a plain number.
     #[inline(always)]
     pub fn minus(self, other: impl Into<R>) -> R {
         (self.value - other.into()) + self.rest
     }
 
-    /// Half of it, exactly.
+    /// Half of the number, exactly.
     #[inline(always)]
     pub fn half(self) -> Self {
         Self { value: self.value * 0.5, rest: self.rest * 0.5 }
     }
 
-    /// The negative.
+    /// The number with the opposite sign, exactly.
     #[inline(always)]
     pub fn negated(self) -> Self {
         Self { value: -self.value, rest: -self.rest }
@@ -157,7 +158,7 @@ pub(crate) fn two_sum<R: Real>(a: R, b: R) -> (R, R) {
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
-/// `a · b` as the rounded product and its exact error; far from underflow.
+/// `a · b` as the rounded product and its exact error, provided that the error does not underflow.
 #[inline(always)]
 pub(crate) fn two_product<R: Real>(a: R, b: R) -> (R, R) {
     let product = a * b;

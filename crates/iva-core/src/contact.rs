@@ -1,9 +1,10 @@
 //! The first contact of a flight, with proof that none came earlier.
 //!
-//! Distances are measured from the wall last touched: the *near* wall is met where D returns to 0,
-//! the *far* one where D reaches 2d. Both are searched by [`crate::roots`]; the earlier wins. At
-//! the wall that the flight left, D = 0 is no contact: leaving is decided by the sign of the
-//! velocity, then acceleration, then jerk, without cool-down time or nudge.
+//! Distances D are measured from the wall last touched. The *near* wall, the one last touched, is met where D
+//! returns to 0; the *far* wall, across the gap, where D reaches 2d. Both zeros are searched by
+//! [`crate::roots`]; the earlier one is the contact. At the wall that the flight left, D = 0 is no contact:
+//! whether the absorber leaves is decided by the sign of the velocity, then acceleration, then jerk, without
+//! waiting time or displacement.
 
 use crate::flight::{Curve, Jet, Side};
 use crate::real::Real;
@@ -13,14 +14,14 @@ use crate::roots::{DOUBT, Node, Searched, highest_change};
 /// curve's magnitude (d for the gap).
 pub const UNDECIDED_BAND: f64 = 16.0;
 
-/// What a stretch of flight ends in.
+/// The result of the search over one stretch of motion.
 #[derive(Debug, Clone, Copy)]
 pub struct Stretch<T, R = f64> {
-    /// The end: of the stretch, or the contact.
+    /// The end of the stretch, or the contact if there is one.
     pub end: Node<T, R>,
-    /// The wall touched; `None`: proof that no wall is met.
+    /// The wall touched; `None` if it is proved that no wall is met.
     pub contact: Option<Side>,
-    /// Grazing extrema within the band, counted as no contact.
+    /// Number of grazing extrema within [`UNDECIDED_BAND`], counted as no contact.
     pub undecided: u64,
 }
 
@@ -34,7 +35,7 @@ pub fn first_contact<R: Real, C: Curve<Real = R>>(
     let jet = flight.jet(start);
     let fourth = flight.fourth();
     let size = flight.magnitude();
-    // A flight that starts from a wall is exact to rounding of its own height over it.
+    // A flight that starts at a wall has rounding errors in proportion to its own height over that wall.
     let height = if jet.value == 0.0 { size.min(highest(&jet, fourth, length)) } else { size };
     let near = searched(flight, (R::ZERO, R::ONE), fourth, height);
     let far = searched(flight, (clearance * 2.0, -R::ONE), fourth, size);
@@ -57,7 +58,7 @@ pub fn first_contact<R: Real, C: Curve<Real = R>>(
             stretch.end = Node { jet: flight.jet(&zero.sample), ..zero };
             stretch.contact = Some(Side::Far);
             if stretch.undecided > 0 {
-                // Only what grazes the near wall before the contact counts.
+                // The search over the whole stretch also counted grazings after the contact.
                 stretch.undecided = near.first_zero(&a, &stretch.end).undecided;
             }
         }
@@ -66,14 +67,14 @@ pub fn first_contact<R: Real, C: Curve<Real = R>>(
     stretch
 }
 
-/// A flight of this length that meets no wall, because none can be reached.
+/// The stretch of a flight of this length that can reach no wall.
 pub fn free_stretch<R: Real, C: Curve<Real = R>>(flight: &C, length: R) -> Stretch<C::Sample, R> {
     let sample = flight.sample(length);
     let end = Node { h: length, sample, jet: flight.jet(&sample) };
     Stretch { end, contact: None, undecided: 0 }
 }
 
-/// The first instant within `length` at which the pressure of a ride vanishes.
+/// The first instant within `length` at which the pressure of a stick episode vanishes: the release.
 pub fn first_release<R: Real, C: Curve<Real = R>>(
     ride: &C,
     start: &C::Sample,
@@ -104,7 +105,7 @@ fn searched<R: Real, C: Curve<Real = R>>(
     Searched { curve, level, sign, fourth, band: unit * UNDECIDED_BAND, doubt: unit * DOUBT }
 }
 
-/// What a function does not exceed within `length`.
+/// A bound on the size of a function within `length`.
 fn highest<R: Real>(jet: &Jet<R>, fourth: R, length: R) -> R {
     jet.value.abs() + highest_change(jet, fourth, length)
 }

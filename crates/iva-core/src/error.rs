@@ -1,4 +1,4 @@
-//! What a constructor says when a value cannot be used.
+//! The error for a value that cannot be used.
 
 /// A value outside what the model allows: one sentence with field, value and what is allowed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -18,7 +18,7 @@ impl Invalid {
         Self { field: field.into(), value: value.to_string(), allowed: allowed.into() }
     }
 
-    /// The error of a field that is not there.
+    /// The error for a field that is missing.
     pub fn missing(field: impl Into<String>, allowed: impl Into<String>) -> Self {
         Self::new(field, "", allowed)
     }
@@ -33,8 +33,8 @@ impl Invalid {
     }
 }
 
-/// A number as messages print it: the shortest digits that mean it, with an exponent where that is
-/// shorter and the number very large or small.
+/// A number as messages print it: the fewest digits that identify it, with an exponent where that is shorter
+/// and the number very large or very small.
 pub fn number(value: impl Into<f64>) -> String {
     let value = value.into();
     let (plain, scientific) = (value.to_string(), format!("{value:e}"));

@@ -1,6 +1,6 @@
-//! How far the absorber goes and how hard the structure is shaken: what a design has room and strength for.
+//! The largest displacements of the absorber and the largest acceleration of the structure in a run.
 //!
-//! All is read off the series of the motion, where they turn round: nothing is sampled.
+//! They are extrema of the power series of the motion, not of samples.
 
 use crate::flight::{Motion, Travel};
 use crate::impact::Impact;
@@ -23,23 +23,23 @@ pub struct ExtremeValues<R = f64> {
     pub acceleration: Option<R>,
 }
 
-/// Looks for the extremes of a run from an instant on.
+/// An observer that finds the extremes of a run from a given instant on.
 #[derive(Debug, Clone)]
 pub struct Extremes<R = f64> {
     from: R,
-    /// y at the walls.
+    /// Gap displacement y at wall − and wall +.
     walls: [R; 2],
     /// Least and largest y.
     gap: Option<[R; 2]>,
     absorber: R,
     acceleration: R,
-    /// False once a motion was met whose series is not known.
+    /// False once a motion had no known series.
     known: bool,
     values: ExtremeValues<R>,
 }
 
 impl<R: Real> Extremes<R> {
-    /// From an instant on, in 1/ωn.
+    /// Starts to look at an instant, in 1/ωn.
     pub fn new(from: R) -> Self {
         Self {
             from,
@@ -52,7 +52,7 @@ impl<R: Real> Extremes<R> {
         }
     }
 
-    /// What was found; complete once the run has ended.
+    /// The extremes; complete once the run has ended.
     pub fn values(&self) -> &ExtremeValues<R> {
         &self.values
     }
@@ -68,7 +68,7 @@ impl<R: Real> Extremes<R> {
             return;
         }
         let so_far = self.gap.unwrap_or([R::INFINITY, -R::INFINITY]);
-        // Certified to stay in the gap; rounding could say otherwise.
+        // The flight is proved to stay in the gap; rounding errors of the series could exceed it.
         self.gap = Some(range(&gap[terms], t, so_far).map(|y| y.max(low).min(high)));
     }
 }
@@ -96,7 +96,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Extremes<R> {
         }
     }
 
-    /// At a wall y is what that says, whatever rounding makes of it.
+    /// At an impact y is set to the position of the wall, free of rounding errors.
     fn impact(&mut self, _system: &S, impact: &Impact<R>) {
         if impact.time >= self.from {
             let [low, high] = self.walls;

@@ -1,8 +1,9 @@
-//! What smooth motion between two events must say of itself.
+//! The interface of smooth motion between two events.
 //!
-//! A flight (the absorber free in its gap) and a ride (the absorber stuck on a wall) are both a
-//! [`Motion`]: exact states at any h up to `reach`. What can end them is a [`Curve`]: a scalar
-//! function with its derivatives and a bound on the fourth, enough to enclose it without gaps.
+//! A flight (the absorber free in its gap) and a stick episode or *ride* (the absorber stuck on a wall) are
+//! both a [`Motion`]: exact states at any h up to `reach`. The event that ends a motion is a zero of a
+//! [`Curve`]: a scalar function with its first three derivatives and a bound on the fourth, enough for
+//! rigorous enclosures.
 
 use crate::compensated::DoubleDouble;
 use crate::quintic::{BEND_OFF, OFF, SLOPE_OFF, bernstein};
@@ -25,20 +26,20 @@ pub struct Jet<R = f64> {
 
 /// A scalar function on [0, reach] with a bound on its fourth derivative.
 pub trait Curve {
-    /// The numbers that it is evaluated in.
+    /// The number type of its values.
     type Real: Real;
-    /// What one evaluation yields; the jet is read from it.
+    /// The result of one evaluation, from which the jet is read.
     type Sample: Copy;
     /// Evaluates the motion at h.
     fn sample(&self, h: Self::Real) -> Self::Sample;
     /// The function and its derivatives at a sample.
     fn jet(&self, sample: &Self::Sample) -> Jet<Self::Real>;
-    /// f at h with an error far below 2⁻⁵³ of [`Curve::magnitude`]. Dear; asked only where the sign
-    /// of f is in doubt.
+    /// f at h in double-double, with an error far below 2⁻⁵³ of [`Curve::magnitude`]. Expensive: called only
+    /// where the sign of f is in doubt.
     fn precise(&self, h: Self::Real) -> DoubleDouble<Self::Real>;
-    /// A number that |f⁗| does not exceed on [0, reach].
+    /// A bound on |f⁗| on [0, reach].
     fn fourth(&self) -> Self::Real;
-    /// The size of f, of which rounding takes some 2⁻⁵³.
+    /// The size of the terms of f: rounding errors of f are some 2⁻⁵³ of it.
     fn magnitude(&self) -> Self::Real;
 }
 
@@ -51,41 +52,43 @@ pub struct GapPoint<R = f64> {
     pub w: R,
 }
 
-/// The polynomials that a motion consists of, in powers of h/`step`, beyond their order 0.
+/// The polynomials of a motion of the structure, in powers of h/`step`; coefficients above `order` are not
+/// used.
 #[derive(Debug, Clone, Copy)]
 pub struct Rows<R = f64> {
-    /// Length that h is measured in.
+    /// Unit of h in the powers, in 1/ωn.
     pub step: R,
-    /// Highest power.
+    /// Highest power used.
     pub order: usize,
-    /// Displacement of the primary.
+    /// Displacement x of the primary.
     pub x: Row<R>,
-    /// Its absolute acceleration ẍ + a_g.
+    /// Absolute acceleration ẍ + a_g of the primary.
     pub acceleration: Row<R>,
     /// Acceleration a_g of the base.
     pub base: Row<R>,
 }
 
-/// The polynomials of a motion with that of the gap displacement.
+/// The polynomials of structure, gap and absorber in one motion.
 #[derive(Debug, Clone, Copy)]
 pub struct Travel<R = f64> {
-    /// Those of the structure.
+    /// Those of the structure, with the unit of time and the order of all.
     pub rows: Rows<R>,
     /// Gap displacement.
     pub gap: Row<R>,
-    /// Displacement of the absorber's centre of mass, measured as that of the structure.
+    /// Displacement of the absorber's centre of mass, in the coordinates of x.
     pub absorber: Row<R>,
 }
 
 impl<R: Real> Travel<R> {
-    /// From the series of structure and gap; `lever` is how far the centre of mass goes per gap displacement.
+    /// From the series of structure and gap; `lever` is the displacement of the centre of mass per gap
+    /// displacement.
     pub fn new(rows: Rows<R>, gap: Row<R>, lever: R) -> Self {
         let absorber = std::array::from_fn(|k| rows.x[k] + lever * gap[k]);
         Self { rows, gap, absorber }
     }
 }
 
-/// Which wall a contact is made with, seen from the wall last touched.
+/// The wall of a contact, relative to the wall last touched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// The wall last touched.
@@ -94,47 +97,48 @@ pub enum Side {
     Far,
 }
 
-/// A flight that a proof in closed form decides, without a search.
+/// The result of a flight that is decided by a proof in closed form, without a search.
 #[derive(Debug, Clone, Copy)]
 pub struct FastFlight<State, R = f64> {
-    /// Its length, rounded.
+    /// High part of its length in 1/ωn.
     pub length: R,
-    /// What the rounded length lacks: to be added to it.
+    /// Low part of its length, to be added to `length`.
     pub later: R,
     /// The state at its end.
     pub end: State,
-    /// What it meets there.
+    /// The wall met at its end, if any.
     pub meets: Meets,
 }
 
-/// What a flight meets at its end.
+/// The wall that a flight meets at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meets {
     /// No wall.
     Nothing,
     /// A wall that the state at its end is in contact with.
     Wall,
-    /// A wall that the state at its end has reached within rounding.
+    /// A wall that the state at its end touches within rounding; the side says which.
     Near(Side),
 }
 
-/// What is known of a function between the ends of an interval: close to the quintic that has its values and first two
-/// derivatives there.
+/// A function on an interval of length L, as far as the values at both ends and a bound tell: it is close to
+/// the quintic with the same values and first two derivatives at both ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc<R = f64> {
-    /// Value, L × first and ½ L² × second derivative at the begin, L being the length of the interval.
+    /// Value, L × first and ½ L² × second derivative at the begin of the interval.
     pub begin: [R; 3],
-    /// The same at the end.
+    /// Value, L × first and ½ L² × second derivative at the end of the interval.
     pub end: [R; 3],
     /// L⁶ × a bound on the sixth derivative.
     pub sixth: R,
 }
 
-/// What rounding takes of the bounds of an [`Arc`], over its size.
+/// Bound on the rounding errors in the tests of an [`Arc`], relative to its size.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl<R: Real> Arc<R> {
-    /// From value and first two derivatives at both ends of an interval of this length, and a bound on the sixth.
+    /// From value and first two derivatives at both ends of an interval of this length, and a bound on the
+    /// sixth derivative.
     #[inline(always)]
     pub fn new(begin: [R; 3], end: [R; 3], sixth: R, length: R) -> Self {
         let half_square = (length * length) * 0.5;
@@ -143,20 +147,20 @@ impl<R: Real> Arc<R> {
         Self { begin: scaled(begin), end: scaled(end), sixth: sixth * (cube * cube) }
     }
 
-    /// The same where rounding takes as much as of numbers of this size.
+    /// The same arc with its bound widened by the rounding errors of numbers of this size.
     #[inline(always)]
     pub fn doubted(self, size: R) -> Self {
-        // Enough for the value; slope and second derivative have larger shares of the bound.
+        // Sufficient for the value; the bounds on slope and second derivative take larger shares of `sixth`.
         Self { sixth: self.sixth + size * (R::EPSILON * (64.0 / OFF)), ..self }
     }
 
-    /// A number that its size stays below.
+    /// A bound on the size of the function on the interval.
     #[inline(always)]
     pub fn limit(&self) -> R {
         (largest(&bernstein(&self.begin, &self.end)) + self.sixth * OFF) * (R::ONE + ROUNDING)
     }
 
-    /// True if it runs one way.
+    /// True if the function is proved monotonic on the interval.
     #[inline(always)]
     pub fn is_monotone(&self) -> bool {
         let b = bernstein(&self.begin, &self.end);
@@ -165,7 +169,8 @@ impl<R: Real> Arc<R> {
         one_sign(&steps, off)
     }
 
-    /// True if it turns round once: its first derivative changes its sign and the second keeps its own.
+    /// True if the function is proved to have a single extremum: its first derivative changes sign, its
+    /// second does not.
     #[inline(always)]
     pub fn turns_once(&self) -> bool {
         let b = bernstein(&self.begin, &self.end);
@@ -175,7 +180,7 @@ impl<R: Real> Arc<R> {
     }
 }
 
-/// True if all have one sign, and are larger than this.
+/// True if all values have one sign and sizes above `off`.
 #[inline(always)]
 fn one_sign<R: Real, const N: usize>(values: &[R; N], off: R) -> bool {
     let above = values.iter().fold(true, |all, value| all & (*value > off));
@@ -183,25 +188,26 @@ fn one_sign<R: Real, const N: usize>(values: &[R; N], off: R) -> bool {
     above | below
 }
 
-/// The largest size.
+/// The largest absolute value.
 #[inline(always)]
 fn largest<R: Real, const N: usize>(values: &[R; N]) -> R {
     values.iter().fold(R::ZERO, |most, value| R::larger(value.abs(), most))
 }
 
-/// What the largest size of a function on an interval is.
+/// The largest size of a function on an interval, or a bound on it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extreme<R = f64> {
-    /// It stays below this.
+    /// Upper bound on the size.
     pub limit: R,
-    /// It is this, if `known`.
+    /// The largest size, valid if `known`.
     pub most: R,
-    /// True if that is plain.
+    /// True if `most` is proved to be the largest size.
     pub known: bool,
 }
 
 impl<R: Real> Extreme<R> {
-    /// Of a function that turns round once, `turned` being its value there, or runs one way.
+    /// Of the function of an arc that is monotonic, or that has a single extremum, if `once`, with the value
+    /// `turned`.
     #[inline(always)]
     pub fn new(arc: &Arc<R>, once: bool, turned: R) -> Self {
         let ends = R::larger(arc.begin[0].abs(), arc.end[0].abs());
@@ -211,7 +217,7 @@ impl<R: Real> Extreme<R> {
         Self { limit: arc.limit(), most, known: monotone | once }
     }
 
-    /// The largest size, or `least` if that is larger; `None` if it is not plain.
+    /// The larger of the largest size and `least`; `None` if the largest size is not known.
     #[inline(always)]
     pub fn largest(&self, least: R) -> Option<R> {
         if self.limit < least {
@@ -221,7 +227,7 @@ impl<R: Real> Extreme<R> {
     }
 }
 
-/// A function of time whose largest size may be asked for.
+/// A quantity whose largest size can be asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// x.
@@ -230,77 +236,78 @@ pub enum Quantity {
     Acceleration,
 }
 
-/// What a motion takes and gives, as integrals.
+/// The energies that a motion exchanges with the outside, as integrals, per primary mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses<R = f64> {
     /// Energy lost in the structure's damper.
     pub viscous: R,
     /// Energy lost in the pivot of a pendulum.
     pub pivot: R,
-    /// Work of force and base.
+    /// Work done by the force and by the base.
     pub work: R,
 }
 
-/// Whether x turns round.
+/// The extrema of x within a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Turns<R = f64> {
-    /// It does not.
+    /// None: x is monotonic.
     Never,
-    /// Once: when, and x there.
+    /// One: its time h after the begin of the motion, and x there.
     Once(R, R),
-    /// Not decided at a glance.
+    /// Not decided without a search.
     Unknown,
 }
 
 /// Smooth motion from one state, exact for 0 ≤ h ≤ `reach`.
 pub trait Motion {
-    /// The numbers that it is evaluated in.
+    /// The number type of its values.
     type Real: Real;
-    /// The state it starts from and leads to.
+    /// The state at one instant of the motion.
     type State: Copy + std::fmt::Debug;
-    /// True while the absorber is stuck on a wall.
+    /// True for a stick episode, in which the absorber rides on a wall.
     const RIDING: bool;
     /// The state at h = 0.
     fn origin(&self) -> &Self::State;
-    /// The longest h this motion is exact for.
+    /// The largest h for which this motion is exact.
     fn reach(&self) -> Self::Real;
     /// The state at h.
     fn state(&self, h: Self::Real) -> Self::State;
-    /// The same to more digits, for the end of the motion, which the run goes on from.
+    /// The state at h with more digits: the end of the motion, from which the run goes on.
     fn arrival(&self, h: Self::Real) -> Self::State {
         self.state(h)
     }
-    /// What a flight of this length comes to, if that is plain; `None` says nothing.
+    /// The result of a flight of this length, if a proof in closed form decides it; `None` says nothing.
     fn fast_path(&self, _length: Self::Real) -> Option<FastFlight<Self::State, Self::Real>> {
         None
     }
-    /// Whether x turns round in a motion of this length to this state, if that is plain.
+    /// The extrema of x in a motion of this length to this state, if they are found without a search.
     fn turns(&self, _length: Self::Real, _end: &Self::State) -> Turns<Self::Real> {
         Turns::Unknown
     }
     /// Primary displacement and its derivatives at h.
     fn primary(&self, h: Self::Real) -> Jet<Self::Real>;
-    /// Absolute acceleration ẍ + a_g of the structure at h; as it stands here, of one whose base is at rest.
+    /// Absolute acceleration ẍ + a_g of the structure at h. By default that of a structure whose base is at
+    /// rest.
     fn acceleration(&self, h: Self::Real) -> Self::Real {
         self.primary(h).curvature
     }
     /// Gap displacement and velocity at h.
     fn gap(&self, h: Self::Real) -> GapPoint<Self::Real>;
-    /// Structure and absorber at h.
+    /// Displacement and velocity of structure and gap at h.
     fn place(&self, h: Self::Real) -> (Point<Self::Real>, GapPoint<Self::Real>) {
         let Jet { value: x, rate: v, .. } = self.primary(h);
         (Point { x, v }, self.gap(h))
     }
-    /// The wall ridden on; `None` in flight.
+    /// The wall that the absorber is stuck on; `None` in flight.
     fn wall(&self) -> Option<Wall>;
-    /// What it takes and gives up to h.
+    /// Energy lost and work done from 0 to h.
     fn losses(&self, h: Self::Real) -> Losses<Self::Real>;
-    /// ∫x² from one h to another; asked under force.
+    /// ∫x² dh between two values of h; called for driven structures only.
     fn square(&self, _h: [Self::Real; 2]) -> Self::Real {
         Self::Real::ZERO
     }
-    /// The largest size of a quantity in a motion of this length to this state, or `least` if that is larger, if it is
-    /// plain.
+    /// The larger of `least` and the largest size of a quantity in a motion of this length to this state;
+    /// `None` if it is not known.
     fn largest(
         &self,
         _of: Quantity,
@@ -310,11 +317,12 @@ pub trait Motion {
     ) -> Option<Self::Real> {
         None
     }
-    /// The series that it is read from, where it is one.
+    /// The power series of the structure's motion; `None` if the motion is evaluated in another way.
     fn rows(&self) -> Option<Rows<Self::Real>> {
         None
     }
-    /// Series of structure and gap, whatever it is read from; `None` where the absorber has none to offer.
+    /// The power series of structure, gap and absorber, for any motion; `None` where the absorber offers
+    /// none.
     fn travel(&self) -> Option<Travel<Self::Real>> {
         None
     }

@@ -1,29 +1,29 @@
 //! The impact law of two masses (paper, Eqs. 9–14): momentum is conserved and the gap velocity w
 //! turns into −e w.
 //!
-//! Who applies the law: [`crate::siva`] with rounding rests (`collided`, and where the absorber sticks), the lanes through
-//! it, [`crate::propagation`] as a matrix, [`Impact::of_free_mass`] in plain numbers for absorbers that carry no rests; a
-//! pendulum has a law of its own (`piva/impact_law.rs`), which takes [`primary_share`]. The sum of a chatter
-//! ([`crate::chatter`]) assumes that e does not depend on the speed.
+//! The law is applied in these places: [`crate::siva`] in double-double (`collided`, and where the absorber
+//! sticks), used by the lanes as well; [`crate::propagation`] as a matrix; [`Impact::of_free_mass`] in plain
+//! numbers, for absorbers whose state is not in double-double. A pendulum has a law of its own
+//! (`piva/impact_law.rs`), which uses [`primary_share`]. The sum of a chatter ([`crate::chatter`]) assumes
+//! that e does not depend on the speed.
 //!
-//! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. Of the printed
-//! conditions for an impact (Eqs. 7, 8) the approach (wall · w > 0) is missing; the event loop
-//! demands it.
+//! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
+//! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.
 
 use crate::compensated::DoubleDouble;
 use crate::real::Real;
 use crate::system::{Point, Wall};
 
-/// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13).
+/// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13), in double-double.
 ///
-/// Returned as value and rounding rest: at e = 1 a share off by half a unit in the last place would make the
-/// energy drift from impact to impact.
+/// At e = 1 an error of half a unit in the last place of the share would make the energy drift from impact to
+/// impact.
 pub fn primary_share<R: Real>(mass_ratio: R, restitution: R) -> DoubleDouble<R> {
     let gain = DoubleDouble::new(R::ONE).plus(restitution).times(mass_ratio);
     gain.over_sum(DoubleDouble::new(R::ONE).plus(mass_ratio))
 }
 
-/// ½ μ/(1 + μ) (1 − e²) w², per primary mass.
+/// Energy lost in an impact, ½ μ/(1 + μ) (1 − e²) w², per primary mass.
 #[inline]
 pub fn energy_loss<R: Real>(mass_ratio: R, restitution: R, approach: R) -> R {
     mass_ratio * 0.5 / (R::ONE + mass_ratio)
@@ -31,7 +31,7 @@ pub fn energy_loss<R: Real>(mass_ratio: R, restitution: R, approach: R) -> R {
         * (approach * approach)
 }
 
-/// Time in which the small distance that rounding has left over is covered, at constant rate; 0 if the rate
+/// Time in 1/ωn in which the small distance left over by rounding is covered at constant rate; 0 if the rate
 /// would change noticeably in that time, as in a grazing.
 #[inline]
 pub fn delay<R: Real>(left: R, rate: R, curvature: R) -> R {
@@ -47,7 +47,7 @@ const SHORT: f64 = 1e-6;
 /// primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact<R = f64> {
-    /// Instant.
+    /// Instant of the impact.
     pub time: R,
     /// The wall that was hit.
     pub wall: Wall,
@@ -64,13 +64,13 @@ pub struct Impact<R = f64> {
     /// Velocity of the absorber's centre of mass per gap velocity: 1 for a free mass, L/b for a
     /// pendulum.
     pub lever: R,
-    /// Energy lost.
+    /// Energy lost in the impact.
     pub energy_loss: R,
 }
 
 impl<R: Real> Impact<R> {
-    /// The impact of a free mass of mass ratio μ with restitution e, from the state of the primary and the gap
-    /// velocity w before.
+    /// The impact of a free mass of mass ratio μ with restitution e, from the state of the primary and the
+    /// gap velocity w before the impact.
     pub fn of_free_mass(
         [mass_ratio, restitution]: [R; 2],
         time: R,

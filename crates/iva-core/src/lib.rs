@@ -23,40 +23,40 @@
 //!
 //! Natural units throughout: ωn = 1, M = 1, lengths as the user gives them. Where things are:
 //!
-//! * [`system`] says what an absorber must tell of itself; [`siva`] is a free mass, [`piva`] a
-//!   pendulum.
-//! * [`real`] is the number that a motion is carried in: a double, one of twice the precision, one with
-//!   derivatives.
-//! * [`host`] is the structure: an [`oscillator`] and the [`force`] that drives it. It knows no absorber.
-//! * [`taylor`] is the flight of a pendulum, [`flight`] what any smooth motion must say of itself,
-//!   [`roots`] and [`contact`] the certified search for what ends it, [`impact`] and [`chatter`] what
-//!   happens then.
+//! * [`system`] is the interface that an absorber implements; [`siva`] is a free mass, [`piva`] a pendulum.
+//! * [`real`] holds the number types of a motion: doubles, double-doubles, and numbers with derivatives.
+//! * [`host`] is the primary structure: an [`oscillator`] and the [`force`] that drives it. It knows no
+//!   absorber.
+//! * [`flight`] is the interface of any smooth motion, [`taylor`] the flight of a pendulum. [`roots`] and
+//!   [`contact`] search for the event that ends a motion and prove it the first; [`impact`] and [`chatter`]
+//!   are the laws of what follows.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
-//! * [`lanes`] is the same loop for many runs side by side. Its lanes carry copies of what a run changes in simple flights,
-//!   and go back to the run for everything else. Lanes of free decays carry copies of what their measures change as well
-//!   (`lanes/watch.rs`); lanes of driven runs log their flights, and measures read the log (`lanes/siva/driven/recorder.rs`).
-//!   Free masses in plain doubles, the fast tier, have lanes of their own (`lanes/doubles.rs`).
-//! * [`range`] holds the numbers that a run accepts.
-//! * [`observe`] is how results leave it: [`measures`], [`peaks`], [`sample`] and, under force,
-//!   [`steady`] watch a run, and so does [`extremes`]: how far the absorber goes.
-//! * [`propagation`] watches as well: it estimates what errors have grown to.
-//! * [`run`] does all of it in one call.
+//! * [`lanes`] is the same loop for many runs side by side in the lanes of vector instructions. A lane holds
+//!   copies of the variables that change in simple flights, and hands everything else back to its run. Lanes
+//!   of free decays also hold copies of the variables of their measures (`lanes/watch.rs`); lanes of driven
+//!   runs log their flights, and measures read the log (`lanes/siva/driven/recorder.rs`). Free masses in
+//!   plain doubles, the fast tier, have lanes of their own (`lanes/doubles.rs`).
+//! * [`range`] holds the ranges of numbers that a run accepts.
+//! * [`observe`] is the interface of the observers of a run: [`measures`], [`peaks`], [`sample`], under force
+//!   [`steady`], and [`extremes`], the largest displacements and accelerations.
+//! * [`propagation`] is an observer too: it estimates how errors grow in a run.
+//! * [`run`] runs a system with the usual observers in one call.
 //! * [`theory`] holds steady states known in closed form; no run uses it.
 //!
-//! How to add a measure, a field or an absorber is told in `CONTRIBUTING.md` and `docs/adding-an-absorber.md`.
+//! `CONTRIBUTING.md` tells how to add a measure or a field, `docs/adding-an-absorber.md` how to add an
+//! absorber.
 //!
-//! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight
-//! ends with a contact and proof that none came earlier, or with proof that there is none (see
-//! [`roots`]). What double precision cannot decide is an *extremum* of y within 16 · 2⁻⁵³ d of a
-//! wall: it counts as no contact and raises the run's `undecided` counter; every other one is
-//! decided, to twice the precision where that is needed. The guarantee is about the motion as
-//! carried: a grazing decided by the rounding of earlier impacts is decided as exactly as the
-//! conditioning of the run allows, no better.
+//! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight ends with a
+//! contact and proof that none came earlier, or with proof that there is none (see [`roots`]). The one case
+//! that double precision cannot decide is an *extremum* of y within 16 · 2⁻⁵³ d of a wall: it counts as no
+//! contact and raises the run's `undecided` counter. Every other extremum is decided, in double-double where
+//! that is needed. The guarantee is about the motion as computed: a grazing that depends on the rounding of
+//! earlier impacts is decided as exactly as the conditioning of the run allows, no better.
 //!
-//! Only + − × ÷ √ and the fused multiply-add take part in the motion, each rounded as IEEE 754 demands,
-//! and the sines of the `libm` crate, made of the same (for the phase of a force and the angle of a
-//! start), so that a run has the same bits on every machine of one architecture. Logarithms and π appear in measures and in
-//! [`theory`] only.
+//! The motion is computed with + − × ÷ √ and the fused multiply-add only, each rounded as IEEE 754 demands,
+//! and with the sines of the `libm` crate, built from the same operations (for the phase of a force and the
+//! angle of a start). So a run has the same bits on every machine of one architecture. Logarithms and π
+//! appear in measures and in [`theory`] only.
 //!
 //! ```
 //! use iva_core::{run::run, simulate::{Limits, Outcome}, siva::Siva, system::Start};
