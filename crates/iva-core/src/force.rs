@@ -1,18 +1,17 @@
-//! What drives a scene from outside: harmonic and recorded forces on the primary, motion of the base,
-//! impulses (paper, f(t) of Eqs. 1 and 3).
+//! The excitation of a scene: harmonic and recorded forces on the primary, motion of the base, impulses
+//! (paper, f(t) of Eqs. 1 and 3).
 //!
 //! With x and the gap relative to the base, a_g the acceleration of the base and A = ẍ + a_g the
 //! absolute acceleration of the primary, every equation of the free scene holds with A in place of
 //! ẍ, the force f/M added on the right, and u̇ = A − a_g: the free absorber feels A, not ẍ. So base
 //! motion is not the same as f/M = −a_g.
 //!
-//! A force is given to a flight as the Taylor coefficients of its time, exact but for rounding. The
-//! phase of a harmonic is reduced to twice the precision, so that it does not drift in long runs. Of a
-//! record each straight piece is a linear force of its own: steps end where it bends.
+//! A motion takes the force as Taylor coefficients about an instant, exact but for rounding. The phase of a
+//! harmonic is reduced to one turn in double-double, so that it does not drift in long runs. A record is
+//! piecewise linear: each piece is a linear force of its own, and steps end where two pieces meet.
 //!
-//! An impulse is an event ([`Force::due`]): it changes velocities and nothing else. Where a record
-//! jumps, at an end that is not 0, there is an impulse of 0, so that what rides on a wall is judged
-//! anew.
+//! An impulse is an event ([`Force::due`]) that changes velocities only. Where a record jumps, at an end
+//! whose value is not 0, an impulse of size 0 is placed, so that the test for sticking is made anew there.
 
 use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
@@ -27,7 +26,7 @@ pub use record::{History, Record};
 mod harmonic;
 mod record;
 
-/// Where a force acts.
+/// The body that a force acts on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Acts {
     /// On the primary: values are f/M.
@@ -41,7 +40,7 @@ pub enum Acts {
 pub struct Impulse<R = f64> {
     /// P/M.
     pub velocity: R,
-    /// Instant, in 1/ωn.
+    /// The instant, in 1/ωn.
     pub time: R,
 }
 
@@ -53,28 +52,28 @@ pub struct Force<R = f64> {
     kicks: Vec<Kick<R>>,
 }
 
-/// An impulse, or a jump of a record (then of velocity 0).
+/// An event of the force: an impulse, or a jump of a record (with velocity 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Kick<R = f64> {
     time: DoubleDouble<R>,
     velocity: R,
 }
 
-/// Taylor coefficients of f/M and a_g over a step.
+/// Taylor coefficients of f/M and a_g about an instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Drive<T, const LENGTH: usize = { ORDER + 1 }> {
-    /// Of f/M.
+    /// Coefficients of f/M.
     pub primary: [T; LENGTH],
-    /// Of a_g.
+    /// Coefficients of a_g.
     pub base: [T; LENGTH],
 }
 
-/// A drive at one instant, with its derivatives.
+/// f/M or a_g at one instant, with its derivatives in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Push<R = f64> {
-    /// f/M or a_g.
+    /// The value of f/M or a_g.
     pub value: DoubleDouble<R>,
-    /// Its derivative.
+    /// Its first derivative.
     pub rate: DoubleDouble<R>,
     /// Its second derivative.
     pub second: DoubleDouble<R>,
@@ -82,7 +81,7 @@ pub struct Push<R = f64> {
     pub third: R,
 }
 
-/// All that drives a structure at one instant.
+/// f/M and a_g at one instant, with their derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pushes<R = f64> {
     /// f/M.
@@ -92,7 +91,7 @@ pub struct Pushes<R = f64> {
 }
 
 impl<R: Real> Push<R> {
-    /// Nothing.
+    /// No force.
     pub const NONE: Push<R> = Push {
         value: DoubleDouble::ZERO,
         rate: DoubleDouble::ZERO,
@@ -100,7 +99,7 @@ impl<R: Real> Push<R> {
         third: R::ZERO,
     };
 
-    /// Its first two coefficients in powers of time.
+    /// The value and the rate: the first two Taylor coefficients in powers of time.
     #[inline(always)]
     pub(crate) fn beginning(&self) -> [DoubleDouble<R>; 2] {
         [self.value, self.rate]
@@ -160,23 +159,23 @@ impl<R: Real> Force<R> {
         &self.records
     }
 
-    /// Its impulses, in the order of time.
+    /// Its impulses, in order of time.
     pub fn impulses(&self) -> impl Iterator<Item = Impulse<R>> + '_ {
         let impulse = |kick: &Kick<R>| Impulse { velocity: kick.velocity, time: kick.time.value };
         self.kicks.iter().filter(|kick| kick.velocity != 0.0).map(impulse)
     }
 
-    /// True if nothing acts.
+    /// True if there is no force at all.
     pub fn is_none(&self) -> bool {
         !self.lasts() && self.kicks.is_empty()
     }
 
-    /// True if it is one harmonic force and nothing else.
+    /// True if it consists of one harmonic force only.
     pub fn is_single(&self) -> bool {
         self.harmonics.len() == 1 && self.records.is_empty() && self.kicks.is_empty()
     }
 
-    /// True if something acts all the time, not only in impulses.
+    /// True if it has harmonic or recorded parts, not impulses only.
     pub fn lasts(&self) -> bool {
         !(self.harmonics.is_empty() && self.records.is_empty())
     }
@@ -187,18 +186,19 @@ impl<R: Real> Force<R> {
             || self.records.iter().any(|record| record.acts == Acts::Base)
     }
 
-    /// Largest |a_g| from one instant to another, if it is one harmonic motion of the base.
+    /// Largest |a_g| between two instants, if the force is one harmonic motion of the base.
     pub fn largest_base(&self, between: [R; 2]) -> Option<R> {
         let harmonic = self.harmonics.first().filter(|it| it.acts == Acts::Base)?;
         self.is_single().then(|| harmonic.largest_between(between))
     }
 
-    /// The highest frequency in it, 0 without any: a straight line has none.
+    /// The highest frequency of its harmonic parts in ωn, 0 without any.
     pub fn fastest(&self) -> R {
         self.harmonics.iter().fold(R::ZERO, |most, harmonic| most.max(harmonic.frequency))
     }
 
-    /// Coefficients of powers of t/h at `time`, of the smooth force that acts from `from` on.
+    /// Taylor coefficients of f/M and a_g about `time`, in powers of t/h, of the smooth piece that acts from
+    /// `from` on.
     #[inline(always)]
     pub fn drive<const LENGTH: usize>(
         &self,
@@ -220,7 +220,7 @@ impl<R: Real> Force<R> {
         drive
     }
 
-    /// f/M and a_g at `time`, of the smooth force that acts from `from` on.
+    /// f/M and a_g with their derivatives at `time`, of the smooth piece that acts from `from` on.
     #[inline(always)]
     pub fn pushes(&self, from: DoubleDouble<R>, time: DoubleDouble<R>) -> Pushes<R> {
         let mut pushes = Pushes::NONE;
@@ -234,7 +234,7 @@ impl<R: Real> Force<R> {
         pushes
     }
 
-    /// The largest size that the derivatives of this order of f/M and a_g have where they are smooth.
+    /// Bounds on the derivative of this order of f/M and of a_g, within smooth pieces.
     pub fn largest(&self, order: i32) -> [R; 2] {
         [Acts::Primary, Acts::Base].map(|acts| {
             let harmonics = self.harmonics.iter().filter(|harmonic| harmonic.acts == acts);
@@ -244,8 +244,8 @@ impl<R: Real> Force<R> {
         })
     }
 
-    /// How far a motion goes that reaches so far: not beyond the next instant at which the force bends, jumps or
-    /// kicks, and then that instant.
+    /// The longest smooth motion from `time` that is no longer than `reach`: its length, and the instant at
+    /// which the force bends, jumps or has an impulse, if that ends it.
     pub fn until_bend(
         &self,
         time: DoubleDouble<R>,
@@ -259,14 +259,14 @@ impl<R: Real> Force<R> {
         }
     }
 
-    /// The first two coefficients of powers of t at an instant, to twice the precision.
+    /// Value and rate of f/M and a_g at an instant, in double-double.
     #[inline(always)]
     pub(crate) fn beginning(&self, time: DoubleDouble<R>) -> Drive<DoubleDouble<R>, 2> {
         let Pushes { primary, base } = self.pushes(time, time);
         Drive { primary: primary.beginning(), base: base.beginning() }
     }
 
-    /// Coefficients of powers of t/h at `from`, to twice the precision.
+    /// Taylor coefficients of f/M and a_g about `from` in powers of t/h, in double-double.
     pub fn precise<const LENGTH: usize>(
         &self,
         from: DoubleDouble<R>,
@@ -286,8 +286,8 @@ impl<R: Real> Force<R> {
         drive
     }
 
-    /// Bounds |F_k| ≤ F̂ qᵏ/(k+1) on the coefficients of f/M and of a_g for every k ≥ N ≥ 2, of powers of t/h; ∞ if this
-    /// q is too small. A straight line has no such coefficients.
+    /// Bounds F̂ for f/M and for a_g with |F_k| ≤ F̂ qᵏ/(k+1) for the coefficients F_k of (t/h)ᵏ with k ≥ N ≥
+    /// 2; ∞ if q is too small. A piece of a record is linear and has no such coefficients.
     #[inline(always)]
     pub fn tail<const N: usize>(&self, h: R, ratio: R) -> [R; 2] {
         let mut tail = [R::ZERO; 2];
@@ -297,22 +297,23 @@ impl<R: Real> Force<R> {
         tail
     }
 
-    /// The next instant at which it is not smooth, once the first `done` kicks are over.
+    /// The next instant after `time` at which the force is not smooth, when its first `done` kicks have
+    /// acted.
     pub fn smooth_until(&self, time: DoubleDouble<R>, done: u32) -> Option<DoubleDouble<R>> {
         let kick = self.kicks.get(done as usize).map(|kick| kick.time);
         let bends = self.records.iter().filter_map(|record| record.next_knot(time));
         bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&R::ZERO))
     }
 
-    /// How many kicks are over where a run begins at an instant: all up to then, but for those of time zero in a run
-    /// from time zero.
+    /// The number of kicks that have acted where a run begins at an instant: all up to that instant, except
+    /// that a run from time zero still has those of time zero before it.
     pub(crate) fn kicks_before(&self, time: DoubleDouble<R>) -> u32 {
         let slack = time.value * SLACK;
         let over = |kick: &&Kick<R>| kick.time.minus(time.value) < slack;
         self.kicks.iter().take_while(over).count() as u32
     }
 
-    /// P/M of the kick that is due, once the first `done` are over.
+    /// P/M of the kick that is due at `time`, when the first `done` have acted.
     pub fn due(&self, time: DoubleDouble<R>, done: u32) -> Option<R> {
         let next = self.kicks.get(done as usize)?;
         ((next.time - time).value <= 0.0).then_some(next.velocity)
@@ -320,7 +321,7 @@ impl<R: Real> Force<R> {
 }
 
 impl<R: Real> Pushes<R> {
-    /// Nothing.
+    /// No force.
     pub(crate) const NONE: Self = Self { primary: Push::NONE, base: Push::NONE };
 
     #[inline(always)]
@@ -333,7 +334,7 @@ impl<R: Real> Pushes<R> {
 }
 
 impl<R: Real, const LENGTH: usize> Drive<DoubleDouble<R>, LENGTH> {
-    /// No force, to twice the precision.
+    /// No force, in double-double.
     pub(crate) const NOTHING: Self =
         Self { primary: [DoubleDouble::ZERO; LENGTH], base: [DoubleDouble::ZERO; LENGTH] };
 }
@@ -342,7 +343,7 @@ impl<R: Real, const LENGTH: usize> Drive<R, LENGTH> {
     /// No force.
     pub(crate) const NONE: Self = Self { primary: [R::ZERO; LENGTH], base: [R::ZERO; LENGTH] };
 
-    /// Neither |f/M| nor |a_g| exceeds it within the step.
+    /// A bound on |f/M| and |a_g| within the step: the sum of the sizes of all coefficients.
     #[inline(always)]
     pub fn size(&self) -> R {
         let mut size = R::ZERO;

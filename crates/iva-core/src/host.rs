@@ -1,4 +1,4 @@
-//! The structure that an absorber rides on: an oscillator, and what drives it.
+//! The primary structure: an oscillator, and the excitation that drives it.
 //!
 //! With x relative to the base, a_g the acceleration of the base and A = ẍ + a_g the absolute acceleration of
 //! the structure, a mass m on the structure's spring and damper obeys
@@ -7,12 +7,13 @@
 //! m A + 2ζ ẋ + x = f/M,    A = ẍ + a_g,    m = 1 in flight, m = 1 + μ with the absorber stuck to it.
 //! ```
 //!
-//! Where the line of motion is not level, A has gravity along it as well, and the spring what it lifts
-//! (`host/driven/weight.rs`).
+//! Where the line of motion is inclined, A includes gravity along it, and the force of the spring that lifts
+//! the masses (`host/driven/weight.rs`).
 //!
-//! A [`Structure`] is that equation for one mass: [`Oscillator`](crate::oscillator::Oscillator) without drive, in closed form
-//! (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A [`Host`] has both masses, and says when
-//! the drive bends, jumps or kicks. Absorbers are written for any host.
+//! A [`Structure`] is that equation for one mass m: [`Oscillator`](crate::oscillator::Oscillator) without
+//! drive, in closed form (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A
+//! [`Host`] has the structures for both masses, and the instants at which the drive bends, jumps or has an
+//! impulse. Absorbers are generic over the host.
 
 use crate::compensated::DoubleDouble;
 use crate::flight::{Jet, Quantity, Rows, Turns};
@@ -30,78 +31,80 @@ pub(crate) mod driven;
 pub(crate) mod turning;
 mod undriven;
 
-/// The structure between events.
+/// The state of the structure at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HostState<Phase, R = f64> {
-    /// Displacement and velocity.
+    /// Displacement x and velocity ẋ.
     pub(crate) primary: Primary<R>,
-    /// A in free motion, small against f/M, x and ẋ where these balance.
+    /// A of the structure without absorber, in double-double: it may be a small difference of f/M, x and ẋ.
     pub(crate) acceleration: DoubleDouble<R>,
-    /// Where the drive stands.
+    /// The state of the drive.
     pub(crate) phase: Phase,
 }
 
-/// What a motion of the structure comes to.
+/// The result of a motion of the structure.
 #[derive(Debug, Clone, Copy)]
 pub struct Flown<Phase, R = f64> {
     /// The state at its end.
     pub to: HostState<Phase, R>,
-    /// What it adds to the absolute displacement, beyond a uniform motion, and to the absolute velocity: ∬A and
-    /// ∫A.
+    /// ∬A and ∫A over the motion: the gain of the absolute displacement beyond a uniform motion, and of the
+    /// absolute velocity.
     pub gained: Arrival<R>,
 }
 
-/// One mass on the structure's spring and damper, and what drives it.
+/// One mass on the structure's spring and damper, with its drive.
 ///
-/// A motion is evaluated from its state and its *course*: what all evaluations of one motion share.
+/// A motion is evaluated from its first state and its *course*: data computed once for all evaluations of the
+/// motion.
 pub trait Structure: std::fmt::Debug {
-    /// The numbers that its motion is carried in.
+    /// The number type of the motion.
     type Real: Real;
-    /// Where the drive stands.
+    /// The state of the drive at one instant.
     type Phase: Copy + std::fmt::Debug + PartialEq;
-    /// What all evaluations of a motion share.
+    /// Data computed once for all evaluations of a motion.
     type Course: Copy + std::fmt::Debug;
 
     /// Spring, damper and mass.
     fn equation(&self) -> &Equation<Self::Real>;
     /// The course of the motion from a state.
     fn course(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Course;
-    /// The same with the best instructions of the machine, where that is worth it.
+    /// [`Structure::course`] compiled for the widest vector instructions of the machine, where that is worth
+    /// it.
     #[inline(always)]
     fn fast_course(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Course {
         self.course(from)
     }
     /// True if A is not ẍ: the base moves, or gravity acts along the motion.
     fn moves_base(&self) -> bool;
-    /// How far it may be followed.
+    /// The longest motion for which a course is exact.
     fn reach(&self, course: &Self::Course) -> Self::Real;
-    /// The motion after h.
+    /// The motion of length h.
     fn flown(
         &self,
         from: &HostState<Self::Phase, Self::Real>,
         course: &Self::Course,
         h: Self::Real,
     ) -> Flown<Self::Phase, Self::Real>;
-    /// Makes the state at the end of a motion the one that the run goes on from: under the piece of the drive that
+    /// Prepares the state at the end of a motion for the next one: evaluates the drive with the piece that
     /// acts from there on.
     #[inline(always)]
     fn refresh(&self, _state: &mut HostState<Self::Phase, Self::Real>) {}
-    /// x and its derivatives after h, to some units in the last place.
+    /// x and its derivatives after h, with errors of some units in the last place.
     fn jet(
         &self,
         from: &HostState<Self::Phase, Self::Real>,
         course: &Self::Course,
         h: Self::Real,
     ) -> Jet<Self::Real>;
-    /// ∬A after h, to twice the precision: slow, and asked only where a grazing is to be decided.
+    /// ∬A after h in double-double. Slow: called only where a grazing is to be decided.
     fn precise(
         &self,
         from: &HostState<Self::Phase, Self::Real>,
         h: Self::Real,
     ) -> DoubleDouble<Self::Real>;
-    /// Where the drive stands a little later.
+    /// The state of the drive a time h later.
     fn later(&self, phase: &Self::Phase, h: Self::Real) -> Self::Phase;
-    /// A of this mass.
+    /// A of this mass at a state of the drive and of the structure.
     fn acceleration(
         &self,
         phase: &Self::Phase,
@@ -111,12 +114,13 @@ pub trait Structure: std::fmt::Debug {
     fn derivatives(&self, phase: &Self::Phase, v: Self::Real, a: Self::Real) -> [Self::Real; 3];
     /// A − ẍ and its first three derivatives.
     fn base(&self, phase: &Self::Phase) -> [Self::Real; 4];
-    /// A bound on the nth derivative of A in every motion from a state, n ≤ 6.
+    /// A bound on the Nth derivative of A in every motion from a state, N ≤ 6.
     fn bound<const N: usize>(&self, primary: &Primary<Self::Real>) -> Self::Real;
-    /// Energy that the damper takes in a motion of length h, and the work of the drive on the structure and on
-    /// an absorber of mass ratio μ that starts with a gap velocity w: integrals.
+    /// The energy lost in the damper in a motion of length h, and the work of the drive on structure and
+    /// absorber, both as integrals.
     fn losses(&self, motion: &Integrated<'_, Self>, h: Self::Real) -> [Self::Real; 2];
-    /// Whether x turns round in a motion of length h to a state, if that is plain, where its velocity changes sign.
+    /// The extremum of x in a motion of length h to the state `end`, if ẋ changes sign in it and the extremum
+    /// is found without a search.
     fn turns(
         &self,
         from: &HostState<Self::Phase, Self::Real>,
@@ -124,7 +128,7 @@ pub trait Structure: std::fmt::Debug {
         end: &HostState<Self::Phase, Self::Real>,
         h: Self::Real,
     ) -> Turns<Self::Real>;
-    /// ∫x² from one h to another; asked under force.
+    /// ∫x² dh between two values of h; called for driven structures only.
     fn square(
         &self,
         _from: &HostState<Self::Phase, Self::Real>,
@@ -133,8 +137,8 @@ pub trait Structure: std::fmt::Debug {
     ) -> Self::Real {
         Self::Real::ZERO
     }
-    /// The largest size of a quantity in a motion of length h to a state, or `least` if that is larger, if it is plain;
-    /// asked under force.
+    /// The larger of `least` and the largest size of a quantity in a motion of length h to a state; `None` if
+    /// it is not known. Called for driven structures only.
     fn largest(
         &self,
         _of: Quantity,
@@ -145,7 +149,7 @@ pub trait Structure: std::fmt::Debug {
     ) -> Option<Self::Real> {
         None
     }
-    /// The polynomials of a motion under force.
+    /// The power series of a motion; `None` if the structure is not driven.
     fn rows(
         &self,
         _from: &HostState<Self::Phase, Self::Real>,
@@ -153,7 +157,7 @@ pub trait Structure: std::fmt::Debug {
     ) -> Option<Rows<Self::Real>> {
         None
     }
-    /// The polynomials of any motion.
+    /// The power series of a motion, of any structure.
     fn series(
         &self,
         from: &HostState<Self::Phase, Self::Real>,
@@ -164,69 +168,69 @@ pub trait Structure: std::fmt::Debug {
 /// A motion to integrate over.
 #[derive(Debug)]
 pub struct Integrated<'a, S: Structure + ?Sized> {
-    /// Its begin.
+    /// The state at its begin.
     pub from: &'a HostState<S::Phase, S::Real>,
     /// Its course.
     pub course: &'a S::Course,
-    /// μ.
+    /// Mass ratio μ of the absorber.
     pub mass_ratio: S::Real,
-    /// Gap velocity at its begin; `None`: the absorber is stuck to the structure.
+    /// Gap velocity w at its begin; `None` if the absorber is stuck to the structure.
     pub gap_velocity: Option<S::Real>,
 }
 
-/// A structure by itself and with an absorber stuck to it, and the instants of its drive.
+/// A structure without and with an absorber stuck to it, and the events of its drive.
 pub trait Host: Clone + std::fmt::Debug {
-    /// The numbers that its motion is carried in.
+    /// The number type of the motion.
     type Real: Real;
-    /// One of the two masses.
+    /// The structure with one of the two masses.
     type Structure: Structure<Real = Self::Real>;
 
-    /// ζ.
+    /// The damping ratio ζ.
     fn damping_ratio(&self) -> Self::Real;
-    /// Takes over what is computed once for all structures like this one, which has the same ζ.
+    /// Shares the tables of another structure that has the same ζ, if they are worth sharing.
     fn share(&self, _like: &Self) {}
-    /// The structure by itself.
+    /// The structure without absorber, mass 1.
     fn free(&self) -> &Self::Structure;
-    /// With the absorber stuck to it.
+    /// The structure with the absorber stuck to it, mass 1 + μ.
     fn loaded(&self) -> &Self::Structure;
-    /// Where the drive stands at an instant at which a run begins.
+    /// The state of the drive at the instant at which a run begins.
     fn begin_at(&self, time: Clock<Self::Real>) -> Phase<Self>;
-    /// The displacement at which A = 0.
+    /// The displacement at which A = 0 for a given velocity.
     fn balanced(
         &self,
         phase: &Phase<Self>,
         v: DoubleDouble<Self::Real>,
     ) -> DoubleDouble<Self::Real>;
-    /// Derivatives of the drive at the begin: the first that is not 0 decides from which wall distances are measured, where
-    /// the state leaves it open.
+    /// Rate and second derivative of f/M at the start, and the velocity of the first impulse. Where the start
+    /// leaves open from which wall distances are measured, the first of them that is not 0 decides.
     fn leaning(&self, _phase: &Phase<Self>) -> [Self::Real; 3] {
         [Self::Real::ZERO; 3]
     }
-    /// All that drives it; `None` where nothing can.
+    /// The force that drives it; `None` for a structure that cannot be driven.
     fn force(&self) -> Option<&Force<Self::Real>> {
         None
     }
-    /// Gravity G along the motion, in ωn² × length.
+    /// Acceleration of gravity G along the motion, in ωn² × length.
     fn gravity(&self) -> Self::Real {
         Self::Real::ZERO
     }
-    /// The absolute acceleration ẍ + a_g that goes with A, which has gravity along the motion besides.
+    /// The absolute acceleration ẍ + a_g that belongs to A: A without gravity along the motion.
     fn absolute(&self, a: DoubleDouble<Self::Real>) -> Self::Real {
         a.minus(self.gravity())
     }
-    /// How long the drive stays smooth.
+    /// The time for which the drive stays smooth.
     fn smooth_for(&self, _phase: &Phase<Self>) -> Self::Real {
         Self::Real::INFINITY
     }
-    /// P/M of the impulse that is due; 0 where the force jumps.
+    /// P/M of the impulse that is due, 0 at a jump of the force; `None` if no impulse is due.
     fn due(&self, _phase: &Phase<Self>) -> Option<Self::Real> {
         None
     }
-    /// Where the drive stands after the impulse that was due.
+    /// The state of the drive after the impulse that was due.
     fn after_impulse(&self, phase: &Phase<Self>) -> Phase<Self> {
         *phase
     }
-    /// The state of the structure after its velocity has jumped, with the acceleration computed anew.
+    /// The state of the structure from drive, displacement and velocity, with A computed anew.
     fn state(
         &self,
         phase: Phase<Self>,
@@ -236,5 +240,5 @@ pub trait Host: Clone + std::fmt::Debug {
     }
 }
 
-/// Where the drive of a host stands.
+/// The state of the drive of a host.
 pub type Phase<H> = <<H as Host>::Structure as Structure>::Phase;

@@ -1,4 +1,4 @@
-//! A harmonic force: its Taylor coefficients, and a phase that does not drift.
+//! A harmonic force: its values, Taylor coefficients and bounds, with a phase that does not drift.
 
 use super::{Acts, Push};
 use crate::compensated::DoubleDouble;
@@ -8,7 +8,7 @@ use crate::real::Real;
 use crate::taylor::{ORDER, unrolled};
 use crate::trigonometry::sine_cosine;
 
-/// Largest phase: reduced to one turn it has still some 20 digits.
+/// Largest phase in rad: reduced to one turn in double-double, it still has some 20 digits.
 const LARGEST_PHASE: f64 = 1e9;
 
 /// amplitude · cos(Ω t + phase), per unit mass.
@@ -20,7 +20,7 @@ pub struct Harmonic<R = f64> {
     pub frequency: R,
     /// Phase at time zero, in rad.
     pub phase: R,
-    /// On the primary or on the base.
+    /// The body that it acts on.
     pub acts: Acts,
 }
 
@@ -35,7 +35,7 @@ impl<R: Real> Harmonic<R> {
         Err(Invalid::new("force.phase", number(self.phase), rule))
     }
 
-    /// Adds the coefficients of powers of t/h from an instant on.
+    /// Adds its Taylor coefficients about an instant, in powers of t/h.
     #[inline(always)]
     pub(crate) fn add<const LENGTH: usize>(
         &self,
@@ -46,7 +46,7 @@ impl<R: Real> Harmonic<R> {
         let (s, c) = R::precise_sincos(self.angle(time));
         let turns = [c.value, -s.value, -c.value, s.value];
         let turn = self.frequency * h;
-        // The amplitude times turnᵏ/k!.
+        // power = amplitude · turnᵏ/k!.
         let mut power = self.amplitude;
         let mut term = |k: usize| {
             power *= if k > 0 { turn * R::reciprocal(k) } else { R::ONE };
@@ -70,7 +70,7 @@ impl<R: Real> Harmonic<R> {
         }
     }
 
-    /// Its largest size from one instant to another: its amplitude where a crest lies between them.
+    /// Its largest size between two instants: the amplitude if an extremum lies between them.
     pub(super) fn largest_between(&self, [from, to]: [R; 2]) -> R {
         let half_turns = |time: R| (self.frequency * time + self.phase) / (R::TURN.value * 0.5);
         let crests = half_turns(from).ceil() <= half_turns(to);
@@ -83,7 +83,7 @@ impl<R: Real> Harmonic<R> {
         (0..order).fold(self.amplitude.abs(), |size, _| size * self.frequency)
     }
 
-    /// The same to twice the precision.
+    /// Adds its Taylor coefficients about an instant, in powers of t/h, in double-double.
     pub(crate) fn add_precise(&self, row: &mut [DoubleDouble<R>], time: DoubleDouble<R>, h: R) {
         let (mut s, mut c) = sine_cosine(self.angle(time));
         let turn = DoubleDouble::new(self.frequency).times(h);
@@ -106,7 +106,7 @@ impl<R: Real> Harmonic<R> {
         if falls { self.amplitude.abs() * first } else { R::INFINITY }
     }
 
-    /// Ω t + phase, reduced to [−π, π].
+    /// The angle Ω t + phase in rad, reduced to [−π, π].
     #[inline(always)]
     fn angle(&self, time: DoubleDouble<R>) -> DoubleDouble<R> {
         let angle = time.times(self.frequency).plus(self.phase);
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn the_largest_size_is_that_of_a_crest_or_of_an_end() {
-        // Samples miss a crest by less than (0.005 · 1.3)²/2.
+        // Samples fall short of an extremum by less than (0.005 · 1.3)²/2 of the amplitude.
         for (phase, amplitude) in [(0.0, 1.0), (-7.0, 0.3), (2.0, -0.5), (9.1, 2.0)] {
             let harmonic = Harmonic { amplitude, frequency: 1.3, phase, acts: Acts::Base };
             for (from, length) in [(0.0, 0.0), (0.0, 0.4), (1.7, 0.9), (0.3, 5.0), (40.0, 0.2)] {
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn the_phase_does_not_drift() {
-        // After a million whole periods, 2π to twice the precision, the angle is the phase again.
+        // After a million whole periods (2π in double-double) the reduced angle equals the phase.
         let harmonic = Harmonic { amplitude: 1.0, frequency: 1.0, phase: 0.5, acts: Acts::Primary };
         let time = f64::TURN.times(1e6);
         assert!((harmonic.angle(time).value - 0.5).abs() < 2e-16);

@@ -1,7 +1,7 @@
-//! A recorded force: straight lines between given values.
+//! A recorded force: piecewise linear between given values.
 //!
-//! A record is kept in the user's time; its knots in natural time are products to twice the
-//! precision, the same whenever they are asked for, so that a step can end on one exactly.
+//! A record is kept in the user's time. Its knots in natural time are products in double-double, identical at
+//! every evaluation, so that a step can end exactly on a knot.
 
 use std::sync::Arc;
 
@@ -11,19 +11,19 @@ use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::Real;
 
-/// Increasing times with a value each.
+/// A recorded history: increasing times with one value each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
     times: Vec<f64>,
     values: Vec<f64>,
-    /// Smallest size, other than 0, and largest: of times, and of values.
+    /// Of the times and of the values: smallest size other than 0, and largest size.
     sizes: [[f64; 2]; 2],
-    /// Largest slope.
+    /// Largest size of a slope.
     steepest: f64,
 }
 
 impl History {
-    /// Two points or more. Values too small for [`crate::range`] are taken for 0.
+    /// A history of two points or more. Values too small for [`crate::range`] become 0.
     ///
     /// # Errors
     /// [`Invalid`] naming the first time that does not increase, the first number that is not
@@ -57,18 +57,18 @@ impl History {
         Ok(Self { times, values, sizes, steepest })
     }
 
-    /// Times, increasing.
+    /// The times, increasing.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// Values, as many.
+    /// The values, one for each time.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
 }
 
-/// Smallest size other than 0, and largest; 0 if all are.
+/// Smallest size other than 0, and largest size; both 0 if all numbers are 0.
 fn extremes(numbers: &[f64]) -> [f64; 2] {
     let sizes = || numbers.iter().map(|number| number.abs()).filter(|size| *size > 0.0);
     [sizes().reduce(f64::min), sizes().reduce(f64::max)].map(Option::unwrap_or_default)
@@ -77,13 +77,13 @@ fn extremes(numbers: &[f64]) -> [f64; 2] {
 /// A history as a force: linear between its points, 0 before the first and after the last.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record<R = f64> {
-    /// Shared by all scenes it drives.
+    /// The history, shared by all scenes that it drives.
     pub history: Arc<History>,
-    /// On the primary or on the base.
+    /// The body that it acts on.
     pub acts: Acts,
-    /// Natural time over the time of the history: ωn.
+    /// ωn: natural time per time of the history.
     pub rate: R,
-    /// f/M or a_g in ωn² × length, over the value of the history.
+    /// f/M or a_g in ωn² × length, per value of the history.
     pub scale: R,
 }
 
@@ -108,7 +108,7 @@ impl<R: Real> Record<R> {
         }
     }
 
-    /// The instant of a point.
+    /// The instant of a point of the history, in 1/ωn.
     fn knot(&self, index: usize) -> DoubleDouble<R> {
         DoubleDouble::new(R::from(self.history.times[index])).times(self.rate)
     }
@@ -117,11 +117,11 @@ impl<R: Real> Record<R> {
         (self.knot(index) - time).value <= 0.0
     }
 
-    /// How many points lie at or before an instant.
+    /// The number of points at or before an instant.
     fn passed(&self, time: DoubleDouble<R>) -> usize {
         let times = &self.history.times;
         let (first, last) = (times[0], times[times.len() - 1]);
-        // Most records are sampled evenly: look there first.
+        // First guess: correct for records sampled at equal intervals.
         let share = (time.value / self.rate - first) / (last - first);
         let guess = (share * (times.len() - 1) as f64).clamp(0.0, (times.len() - 1) as f64);
         let guess = R::whole(guess);
@@ -143,13 +143,13 @@ impl<R: Real> Record<R> {
         low
     }
 
-    /// The first point after an instant.
+    /// The instant of the first point after an instant.
     pub(super) fn next_knot(&self, time: DoubleDouble<R>) -> Option<DoubleDouble<R>> {
         let passed = self.passed(time);
         (passed < self.history.times.len()).then(|| self.knot(passed))
     }
 
-    /// Where it jumps: its ends, unless it is 0 there.
+    /// The instants of its jumps: its ends, unless its value is 0 there.
     pub(super) fn jumps(&self) -> impl Iterator<Item = DoubleDouble<R>> + '_ {
         let last = self.history.times.len() - 1;
         [0, last]
@@ -158,7 +158,7 @@ impl<R: Real> Record<R> {
             .map(|index| self.knot(index))
     }
 
-    /// The straight piece that acts from an instant on.
+    /// The linear piece that acts from an instant on.
     pub(super) fn piece(&self, from: DoubleDouble<R>) -> Piece<R> {
         let passed = self.passed(from);
         if passed == 0 || passed == self.history.times.len() {
@@ -172,7 +172,7 @@ impl<R: Real> Record<R> {
     }
 }
 
-/// A straight line in time.
+/// A linear function of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece<R = f64> {
     begin: DoubleDouble<R>,
@@ -184,7 +184,7 @@ impl<R: Real> Piece<R> {
     const NOTHING: Piece<R> =
         Piece { begin: DoubleDouble::ZERO, first: DoubleDouble::ZERO, slope: DoubleDouble::ZERO };
 
-    /// Value at an instant, and slope.
+    /// Its value at an instant, and its slope.
     pub(super) fn at(&self, time: DoubleDouble<R>) -> [DoubleDouble<R>; 2] {
         [self.first + self.slope * (time - self.begin), self.slope]
     }
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn the_piece_of_a_knot_is_the_one_after_it() {
-        // Evenly sampled, and so unevenly that the guess is far off.
+        // Equal intervals, and intervals so unequal that the first guess is wrong.
         let even: Vec<f64> = (0..50).map(|k| f64::from(k) * 0.01).collect();
         let uneven: Vec<f64> = (0..50).map(|k| f64::from(k).exp2()).collect();
         for times in [even, uneven] {

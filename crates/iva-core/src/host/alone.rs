@@ -1,4 +1,4 @@
-//! The structure without absorber.
+//! The structure without absorber, as a system for the event loop.
 
 use super::{DrivenHost, Flown, Host, HostState, Integrated, Phase, Structure, UndrivenHost};
 use crate::compensated::DoubleDouble;
@@ -14,14 +14,14 @@ use crate::real::Real;
 use crate::system::{Clock, Point, System, Wall};
 use crate::taylor::ORDER;
 
-/// A structure without absorber, as a system to run: its flight never ends at a wall.
+/// A structure without absorber, as a system to run. Its flights never end at a wall.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alone<H: Host> {
     pub(crate) host: H,
 }
 
 impl<R: Real> Alone<UndrivenHost<R>> {
-    /// A structure of damping ratio ζ that nothing drives.
+    /// A structure of damping ratio ζ without drive.
     ///
     /// # Errors
     /// [`Invalid`] for a damping ratio out of [`crate::range`].
@@ -37,12 +37,12 @@ impl<R: Real> Alone<UndrivenHost<R>> {
 }
 
 impl<R: Real, H: Host<Real = R>> Alone<H> {
-    /// ζ.
+    /// The damping ratio ζ.
     pub fn damping_ratio(&self) -> R {
         self.host.damping_ratio()
     }
 
-    /// All that drives it; `None` where nothing can.
+    /// The force that drives it; `None` for a structure that cannot be driven.
     pub fn force(&self) -> Option<&Force<R>> {
         self.host.force()
     }
@@ -92,7 +92,7 @@ impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
         self.structure.jet(&self.from, &self.course, h)
     }
 
-    /// It meets nothing, however it moves.
+    /// The flight of any finite motion meets no wall.
     fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
         let end = self.arrival(length);
         let finite = end.primary.x.value.is_finite() && end.primary.v.value.is_finite();
@@ -152,7 +152,7 @@ impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
     }
 }
 
-/// How far it is from a wall: there is none.
+/// The distance to a wall, here a constant 1 because there is no wall.
 impl<R: Real, H: Host<Real = R>> Curve for AloneFlight<'_, H> {
     type Real = R;
     type Sample = HostState<Phase<H>, R>;
@@ -192,7 +192,7 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
     where
         H: 'a;
 
-    /// Any: there are no walls. So a default that is a share of it can be used.
+    /// 1: there are no walls, and defaults that are a share of the clearance stay usable.
     fn clearance(&self) -> R {
         R::ONE
     }

@@ -1,15 +1,15 @@
-//! A structure under force and base motion: its motion as a power series of x.
+//! A structure under force and base motion: its motion as a power series.
 //!
-//! From a state with A known to twice the precision,
+//! From a state with A known in double-double,
 //!
 //! ```text
 //! A = k (f/M − x) − c ẋ,    ẍ = A − a_g,    k = 1/m, c = 2ζ/m,
 //! ```
 //!
-//! gives the coefficients of ∬A and of x one by one, with those of f/M and a_g ([`crate::force`]): no closed form with
-//! its resonances, and no other variable. Gravity along the motion adds a constant to f/M and to a_g
-//! (`host/driven/weight.rs`). Powers are those of t/`step`, a power of two, so that scaling is
-//! exact. Terms up to h³ are taken to twice the precision, as in [`crate::oscillator`].
+//! gives the coefficients of ∬A and of x one by one from those of f/M and a_g ([`crate::force`]). Unlike a
+//! closed form it has no special case at resonance. Gravity along the motion adds a constant to f/M and to
+//! a_g (`host/driven/weight.rs`). Powers are those of t/`step`; `step` is a power of two, so that scaling is
+//! exact. Terms up to h³ are computed in double-double, as in [`crate::oscillator`].
 
 use super::{Flown, HostState, Integrated, Structure};
 use crate::compensated::DoubleDouble;
@@ -35,8 +35,8 @@ mod measured;
 mod source;
 mod weight;
 
-/// Longest step over the fastest rate of oscillator and force: the first dropped term is below 1.2²¹/21! = 9e-19 of
-/// the motion.
+/// Longest step in units of 1/(fastest rate of oscillator and force): the first dropped term is below
+/// 1.2²¹/21! = 9e-19 of the motion.
 const LONGEST: f64 = 1.2;
 
 /// One mass on the spring and damper of a driven structure.
@@ -44,38 +44,38 @@ const LONGEST: f64 = 1.2;
 pub struct Driven<D: Source = Forces> {
     pub(crate) equation: Equation<D::Real>,
     pub(crate) source: D,
-    /// Largest sizes of a_g and its first four derivatives.
+    /// Bounds on a_g and its first four derivatives.
     pub(crate) base: [D::Real; 5],
     pub(crate) reach: D::Real,
-    /// What powers of time are taken in.
+    /// Unit of time in the powers: a power of two.
     pub(crate) step: D::Real,
-    /// What the drive adds to the bounds on A and its first six derivatives.
+    /// Contribution of the drive to the bounds on A and its first six derivatives.
     pub(crate) excess: [D::Real; 7],
 }
 
-/// Where a drive stands.
+/// The state of a drive at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<R = f64> {
     /// The instant.
     pub(crate) time: Clock<R>,
-    /// Impulses that are over.
+    /// Number of impulses that have acted.
     pub(crate) kicks: u32,
-    /// f/M, and a_g with gravity along the motion.
+    /// f/M, and a_g plus gravity along the motion.
     pub(crate) pushes: Pushes<R>,
 }
 
-/// The coefficients of a motion.
+/// The power series of a motion, in powers of t/`step`.
 #[derive(Debug, Clone, Copy)]
 pub struct Course<R = f64> {
-    /// ∬A in powers of t/`step`, from the second on, gravity along the motion left out: beside a small motion rounding would
-    /// show.
+    /// Coefficients of ∬A, 0 below the second order. They leave gravity along the motion out, whose rounding
+    /// errors would show in a small motion.
     pub(crate) pulled: Row<R>,
-    /// ∬a_g.
+    /// Coefficients of ∬a_g.
     pub(crate) carried: Row<R>,
-    /// f/M.
+    /// Coefficients of f/M.
     pub(crate) pushed: Row<R>,
     reach: R,
-    /// Where the reach ends because the force bends, jumps or kicks there.
+    /// The instant at which the reach ends, if the force bends, jumps or has an impulse there.
     bend: Option<Clock<R>>,
 }
 
@@ -98,7 +98,7 @@ impl<R: Real> Driven<Forces<R>> {
 }
 
 impl<R: Real, D: Source<Real = R>> Driven<D> {
-    /// A and its next two derivatives, to twice the precision.
+    /// A and its next two derivatives, in double-double.
     #[inline(always)]
     fn leading(&self, from: &HostState<Moment<R>, R>) -> [DoubleDouble<R>; 3] {
         let Pushes { primary: f, base: g } = from.phase.pushes;
@@ -107,7 +107,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [a, j, self.equation.pull(f.second - (a - g.value), j - g.rate)]
     }
 
-    /// The coefficients of ∬A and ∬a_g, in powers of t/h.
+    /// The coefficients of ∬A and ∬a_g in powers of t/h, from x, ẋ and A.
     #[inline(always)]
     fn powers<T: Number<Real = R>>(
         &self,
@@ -137,7 +137,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [pulled, carried]
     }
 
-    /// The coefficients of order n + 2 of ∬A and ∬a_g, from those of x before; the equation is k h², c h, h².
+    /// The coefficients of order n + 2 of ∬A and ∬a_g, from the coefficients of x up to order n + 1; the
+    /// first argument is k h², c h, h².
     #[inline(always)]
     fn next<T: Number<Real = R>>(
         &self,
@@ -153,15 +154,15 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [pulled, if moves { (*square * over) * drive.base[n] } else { T::from_real(R::ZERO) }]
     }
 
-    /// What a motion of length h adds to displacement and velocity, from its leading derivatives and its
-    /// series.
+    /// The gain of displacement beyond a uniform motion, and of velocity, in a motion of length h, from the
+    /// leading derivatives of the acceleration and its series.
     #[inline(always)]
     fn gained(&self, [a, j, s]: [DoubleDouble<R>; 3], series: &Row<R>, h: R) -> Arrival<R> {
         let length = DoubleDouble::new(h);
         let half_square = length.product(length).half();
         let sixth_cube = half_square.product(length).product(self.equation.third);
         let t = h / self.step;
-        // Σ s_n tⁿ⁻⁵ from the fifth on, and its derivative.
+        // Σ s_n tⁿ⁻⁵ for n ≥ 5, and its derivative.
         let (mut sum, mut slope) = (R::ZERO, R::ZERO);
         unrolled!(k < ORDER - 4 => {
             slope = slope.mul_add(t, sum);
@@ -181,7 +182,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
-    /// The absolute acceleration that goes with A: without gravity along the motion.
+    /// The absolute acceleration that belongs to A: A without gravity along the motion.
     #[inline(always)]
     pub(crate) fn without_gravity(&self, a: DoubleDouble<R>) -> DoubleDouble<R> {
         match self.source.weight() {
@@ -190,7 +191,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
-    /// ẍ, to twice the precision before it is rounded where gravity acts along the motion: it may be small beside that.
+    /// ẍ = A − a_g − G. With gravity along the motion it may be small against A, so the difference is taken
+    /// in double-double.
     #[inline(always)]
     pub(crate) fn relative(&self, a: DoubleDouble<R>, phase: &Moment<R>) -> R {
         let base = phase.pushes.base.value;
@@ -206,7 +208,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         self.source.drive(from.phase.time, self.step)
     }
 
-    /// The drive at an instant, of the piece that acts from an earlier one on.
+    /// The state of the drive at `time`, with the piece that acts from `from` on.
     #[inline(always)]
     fn moment(&self, from: Clock<R>, time: Clock<R>, kicks: u32) -> Moment<R> {
         Moment { time, kicks, pushes: self.source.pushes(from, time) }

@@ -1,13 +1,13 @@
-//! Where x turns round in a motion.
+//! The extrema of x in a motion, by Newton's method on its Taylor series.
 
 use crate::flight::{Arc, Turns};
 use crate::quintic::{monomials, root};
 use crate::real::Real;
 
-/// x at one instant, and its first four derivatives.
+/// x and its first four derivatives at one instant.
 pub(crate) type Jets<R> = [R; 5];
 
-/// A quintic on [0, 1] whose root is close to where x turns round between two ends of a motion of this length; they are
+/// A quintic on [0, 1] whose root is close to the extremum of x in a motion of this length; both ends are
 /// given by ẋ, ẍ and x⃛.
 #[inline(always)]
 pub(crate) fn turn<R: Real>(from: [R; 3], to: [R; 3], length: R) -> [R; 6] {
@@ -16,8 +16,8 @@ pub(crate) fn turn<R: Real>(from: [R; 3], to: [R; 3], length: R) -> [R; 6] {
     monomials(&end(from), &end(to))
 }
 
-/// Where x turns round close to an instant of a motion of this length, x there, and whether both are exact to
-/// rounding; `fifth` bounds the fifth derivative.
+/// The extremum of x near the instant `guess` of a motion of this length: when, x there, and whether both are
+/// exact to rounding. `fifth` bounds the fifth derivative.
 #[inline(always)]
 pub(crate) fn turning<R: Real>(
     [value, rate, curvature, jerk, snap]: Jets<R>,
@@ -33,14 +33,14 @@ pub(crate) fn turning<R: Real>(
     }
     let turn = guess + t;
     let x = value + t * (rate + t * (curvature * 0.5 + t * (jerk * (1.0 / 6.0))));
-    // The next term of the series against rounding.
+    // Compares the next term of the series with rounding.
     let square = t * t;
     let close = fifth * (square * square) <= R::EPSILON * (curvature.abs() * turn);
     (turn, x, close & (turn > 0.0) & (turn < length))
 }
 
-/// Where a function turns round in a motion of this length, if it is plain that it does so once. Given are what is known
-/// of it between both ends, a guess with the function there, and a bound on its fifth derivative.
+/// The extremum of a function in a motion of this length, if it is proved to be the only one. Given are the
+/// arc between both ends, a guess with the function there, and a bound on its fifth derivative.
 #[inline(always)]
 pub(super) fn turned_once<R: Real>(
     arc: &Arc<R>,
@@ -52,7 +52,7 @@ pub(super) fn turned_once<R: Real>(
     Turned { once: arc.turns_once() & exact, h, value }
 }
 
-/// Whether a function turns round once, and if so when, and its value there.
+/// The only extremum of a function in a motion, if `once`: when, and the value there.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Turned<R = f64> {
     pub once: bool,
@@ -67,7 +67,7 @@ impl<R: Real> Turned<R> {
     }
 }
 
-/// A guess where x turns round in a motion of this length.
+/// An estimate of the instant of the extremum of x in a motion of this length.
 #[inline(always)]
 pub(super) fn guess<R: Real>(from: [R; 3], to: [R; 3], length: R) -> R {
     length * root(&turn(from, to, length))

@@ -1,4 +1,4 @@
-//! A structure that nothing drives: its motion in closed form ([`crate::oscillator`]).
+//! A structure without drive: its motion in closed form ([`crate::oscillator`]).
 
 use std::sync::{Arc, OnceLock};
 
@@ -119,7 +119,7 @@ impl<R: Real> Oscillator<R> {
         [v, a, self.equation.next_derivative(v, a)]
     }
 
-    /// x and its derivatives a time h after a state.
+    /// x and its first four derivatives a time h after a state.
     #[inline(always)]
     pub(crate) fn jets(&self, from: &HostState<(), R>, h: R) -> Jets<R> {
         let Jet { value, rate, curvature, jerk } = Structure::jet(self, from, &(), h);
@@ -127,14 +127,15 @@ impl<R: Real> Oscillator<R> {
     }
 }
 
-/// A structure that nothing drives.
+/// A structure without drive, for an absorber of a given mass ratio.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UndrivenHost<R = f64> {
     damping_ratio: R,
     mass_ratio: R,
-    /// The structure by itself; made by the first flight, and shared with scenes that run beside this.
+    /// The structure without absorber; made by the first flight, and shared between scenes that run side by
+    /// side.
     free: OnceLock<Arc<Oscillator<R>>>,
-    /// With the mass 1 + μ; made where the absorber sticks.
+    /// The structure of mass 1 + μ; made when the absorber first sticks.
     loaded: OnceLock<Box<Oscillator<R>>>,
 }
 
@@ -154,7 +155,7 @@ impl<R: Real> Host for UndrivenHost<R> {
     type Structure = Oscillator<R>;
 
     fn share(&self, like: &Self) {
-        // Made before it is asked for: a host may share with itself.
+        // Made before the cell is initialised: a host may share with itself.
         let free = Arc::clone(like.shared());
         self.free.get_or_init(|| free);
     }

@@ -7,14 +7,15 @@
 //! |A⁽ⁿ⁾| ≤ Λⁿ⁺¹ (ρ + L q₀) + Σ_{i ≤ n} Λⁿ⁻ⁱ q_i + g_n
 //! ```
 //!
-//! where q_i and g_n bound the derivatives of q and a_g. Gravity along the motion adds to A itself, and to f/M what the
-//! spring lifts.
+//! where q_i and g_n bound the derivatives of q and a_g. Gravity G along the motion adds to A, and the lift
+//! μG of the spring to f/M.
 
 use super::{Forces, Source, Weight};
 use crate::oscillator::Equation;
 use crate::real::Real;
 
-/// The largest size that the derivatives of this order of f/M and a_g have where they are smooth.
+/// Bounds on the derivative of this order of f/M (with the lift of the spring) and of a_g, within smooth
+/// pieces.
 pub(super) fn largest<R: Real>(source: &Forces<R>, order: i32) -> [R; 2] {
     let [f, g] = source.force.largest(order);
     match source.weight().filter(|_| order == 0) {
@@ -23,7 +24,7 @@ pub(super) fn largest<R: Real>(source: &Forces<R>, order: i32) -> [R; 2] {
     }
 }
 
-/// What the drive adds to the bound on the derivative of A of this order.
+/// The contribution of the drive to the bound on the derivative of A of this order.
 pub(super) fn exceeding<R: Real>(
     equation: &Equation<R>,
     source: &Forces<R>,

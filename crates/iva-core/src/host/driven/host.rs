@@ -1,4 +1,4 @@
-//! A structure under force and base motion, with and without its absorber.
+//! A structure under force and base motion, without and with its absorber stuck to it.
 
 use std::sync::OnceLock;
 
@@ -16,12 +16,13 @@ pub struct DrivenHost<R: Real = f64> {
     mass_ratio: R,
     forces: Forces<R>,
     free: Driven<Forces<R>>,
-    /// With the mass 1 + μ; made where the absorber sticks.
+    /// The structure of mass 1 + μ; made when the absorber first sticks.
     loaded: OnceLock<Box<Driven<Forces<R>>>>,
 }
 
 impl<R: Real> DrivenHost<R> {
-    /// A structure of damping ratio ζ under a force and gravity G along its motion, for an absorber of mass ratio μ.
+    /// A structure of damping ratio ζ under a force and gravity G along its motion, for an absorber of mass
+    /// ratio μ.
     pub(crate) fn new(damping_ratio: R, mass_ratio: R, force: Force<R>, gravity: R) -> Self {
         let forces = Forces::new(force, Weight::new(gravity, mass_ratio));
         let free = Driven::new(R::ONE, damping_ratio, &forces);

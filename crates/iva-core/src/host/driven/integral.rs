@@ -1,7 +1,8 @@
-//! Integrals along a motion: Gauss's quadrature, exact for polynomials up to degree 15.
+//! Integrals along a motion: Gaussian quadrature, exact for polynomials up to degree 15.
 //!
-//! The square of a motion within one time scale of oscillator and force is integrated to some 10⁻¹⁷ of it, the
-//! nodes side by side. The integrals are no differences of energies, so that the ledger proves something.
+//! The square of a motion within one time scale of oscillator and force is integrated with a relative error
+//! of some 10⁻¹⁷. Losses and work are never differences of energies, so that the energy ledger is an
+//! independent check.
 
 use crate::real::Real;
 use crate::taylor::{ORDER, Row};
@@ -9,7 +10,7 @@ use crate::taylor::{ORDER, Row};
 /// Number of nodes.
 pub(crate) const COUNT: usize = 8;
 
-/// Nodes on [0, 1], each a double and what that lacks (zeros of the Legendre polynomial of degree 8).
+/// Nodes on [0, 1] as double-doubles: high and low part (zeros of the Legendre polynomial of degree 8).
 const NODES: [(f64, f64); COUNT] = [
     (0.019855071751231884, -1.1322220207511075e-20),
     (0.10166676129318664, -5.812859914874862e-18),
@@ -21,7 +22,7 @@ const NODES: [(f64, f64); COUNT] = [
     (0.9801449282487681, 2.7766897835836425e-17),
 ];
 
-/// The weight of each.
+/// Weights of the nodes as double-doubles: high and low part.
 const WEIGHTS: [(f64, f64); COUNT] = [
     (0.05061426814518813, 2.431871133231763e-19),
     (0.11119051722668724, -5.753650714613641e-18),
@@ -33,24 +34,24 @@ const WEIGHTS: [(f64, f64); COUNT] = [
     (0.05061426814518813, 2.431871133231763e-19),
 ];
 
-/// A function at all nodes.
+/// The values of a function at all nodes.
 pub(crate) type Nodes<R> = [R; COUNT];
 
-/// A node on [from, to].
+/// Node n on [from, to].
 #[inline(always)]
 pub(crate) fn node<R: Real>(n: usize, [from, to]: [R; 2]) -> R {
     let (at, rest) = NODES[n];
     (R::from(at) + R::from(rest)) * (to - from) + from
 }
 
-/// Its weight.
+/// The weight of node n on an interval of length 1.
 #[inline(always)]
 pub(crate) fn weight<R: Real>(n: usize) -> R {
     let (weight, rest) = WEIGHTS[n];
     R::from(weight) + R::from(rest)
 }
 
-/// The nodes on [from, to].
+/// All nodes on [from, to].
 #[inline(always)]
 pub(crate) fn nodes<R: Real>(ends: [R; 2]) -> Nodes<R> {
     let mut nodes = [R::ZERO; COUNT];
@@ -60,7 +61,7 @@ pub(crate) fn nodes<R: Real>(ends: [R; 2]) -> Nodes<R> {
     nodes
 }
 
-/// A polynomial at all nodes.
+/// The values of a polynomial at all nodes.
 #[inline(always)]
 pub(crate) fn at_nodes<R: Real>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
     let mut values = [R::ZERO; COUNT];
@@ -72,7 +73,7 @@ pub(crate) fn at_nodes<R: Real>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
     values
 }
 
-/// The mean of f g.
+/// The mean of f g over the interval of the nodes.
 #[inline(always)]
 pub(crate) fn mean_product<R: Real>(f: &Nodes<R>, g: &Nodes<R>) -> R {
     let mut terms = [R::ZERO; COUNT];
@@ -82,7 +83,7 @@ pub(crate) fn mean_product<R: Real>(f: &Nodes<R>, g: &Nodes<R>) -> R {
     sum_of(&terms)
 }
 
-/// The sum over all nodes, those of equal weight first.
+/// The sum over all nodes; nodes of equal weight are added first.
 #[inline(always)]
 pub(crate) fn sum_of<R: Real>(terms: &Nodes<R>) -> R {
     ((terms[0] + terms[7]) + (terms[1] + terms[6]))

@@ -1,4 +1,4 @@
-//! What is measured along a motion under force.
+//! Quantities measured along a motion under force.
 
 use super::integral::{at_nodes, mean_product, nodes};
 use super::{Course, Driven, Moment, Source};
@@ -10,10 +10,10 @@ use crate::real::Real;
 use crate::taylor::{ORDER, Row, unrolled};
 
 impl<R: Real, D: Source<Real = R>> Driven<D> {
-    /// A row times (n + 1)/step, one power less: its derivative.
+    /// The series of the derivative: each coefficient times (n + 1)/step, one power lower.
     #[inline(always)]
     pub(crate) fn derivative(&self, row: &Row<R>) -> Row<R> {
-        // A power of two: its reciprocal is exact.
+        // `step` is a power of two, so its reciprocal is exact.
         let over = R::ONE / self.step;
         let mut derivative = [R::ZERO; ORDER + 1];
         unrolled!(n < ORDER => {
@@ -22,7 +22,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         derivative
     }
 
-    /// A series and its derivatives after a time h.
+    /// A series and its first four derivatives after a time h.
     #[inline(always)]
     fn jets(&self, row: &Row<R>, h: R) -> Jets<R> {
         let t = h / self.step;
@@ -40,7 +40,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [x, v * over, (a * square) * 2.0, (j * cube) * 6.0, (s * (square * square)) * 24.0]
     }
 
-    /// x and the absolute acceleration at a state, with their derivatives.
+    /// x and the absolute acceleration at a state, each with its first three derivatives.
     #[inline(always)]
     pub(crate) fn leading_of(&self, state: &HostState<Moment<R>, R>) -> Leading<R> {
         let Primary { x, v } = state.primary;
@@ -54,7 +54,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
-    /// The same at both ends of a motion, whose own piece of the drive acts up to its end.
+    /// [`Driven::leading_of`] both ends of a motion, with the piece of the drive that acts within the motion.
     #[inline(always)]
     pub(super) fn ends_of(
         &self,
@@ -93,7 +93,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         self.derivative(&self.derivative(&course.pulled))
     }
 
-    /// ∫ 2ζ ẋ², and ∫ (f/M) ẋ − a_g p with p the momentum of structure and absorber.
+    /// The energy lost ∫ 2ζ ẋ², and the work ∫ (f/M) ẋ − a_g p, where p is the momentum of structure and
+    /// absorber.
     #[inline(always)]
     pub(super) fn taken_and_given(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         let Integrated { from, course, mass_ratio, gap_velocity } = *motion;
@@ -101,7 +102,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         let velocity = at_nodes(&self.derivative(&self.place(from, course)), &t);
         let viscous = self.equation.damping / self.equation.stiffness;
         let lost = viscous * mean_product(&velocity, &velocity) * h;
-        // That of gravity is none: it is in the energy of the absorber.
+        // Gravity does no work here: its potential is part of the energy of the absorber.
         let mut work = mean_product(&at_nodes(&course.pushed, &t), &velocity);
         if self.source.moves_base() {
             let gained = at_nodes(&self.derivative(&course.pulled), &t);
@@ -116,7 +117,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [lost, work * h]
     }
 
-    /// What is known of a quantity between the ends of a motion of this length, which begins with this primary.
+    /// A quantity between the ends of a motion of this length that begins with the state `begin` of the
+    /// primary.
     #[inline(always)]
     pub(crate) fn arc(
         &self,
@@ -137,14 +139,15 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         match of {
             Quantity::Displacement => arc,
             Quantity::Acceleration => {
-                // A and its derivatives may be small differences of what they are made of.
+                // A and its derivatives may be small differences of large terms.
                 let size = self.bound::<0>(begin) + self.bound::<1>(begin) * h;
                 arc.doubted(size)
             }
         }
     }
 
-    /// Where it turns round, if it does so once; `row` has its coefficients.
+    /// The extremum of a quantity in a motion, if it is proved to be the only one; `row` has the coefficients
+    /// of the quantity.
     #[inline(always)]
     pub(super) fn turned(
         &self,
@@ -167,7 +170,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         turned_once(arc, (at, self.jets(row, at)), fifth, h)
     }
 
-    /// Its largest size.
+    /// The largest size of a quantity in a motion; `row` has the coefficients of the quantity.
     #[inline(always)]
     pub(crate) fn extreme(
         &self,

@@ -1,4 +1,4 @@
-//! What drives a structure, seen from its motion.
+//! The drive of a structure, as its motion uses it.
 
 use std::sync::Arc;
 
@@ -8,28 +8,28 @@ use crate::force::{Drive, Force, Pushes};
 use crate::real::Real;
 use crate::system::Clock;
 
-/// What drives a structure.
+/// The drive of a structure: f/M and a_g as functions of time.
 pub trait Source: Clone + std::fmt::Debug {
-    /// The numbers that it is evaluated in.
+    /// The number type of its values.
     type Real: Real;
-    /// f/M, and a_g with gravity along the motion, at an instant, of the smooth piece that acts from an earlier one on.
+    /// f/M, and a_g plus gravity along the motion, at `time`, of the smooth piece that acts from `from` on.
     fn pushes(&self, from: Clock<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real>;
-    /// The coefficients of f/M and a_g from an instant on, in powers of t/h.
+    /// The Taylor coefficients of f/M and a_g about an instant, in powers of t/h, without gravity.
     fn drive(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<Self::Real>;
-    /// The same to twice the precision, gravity along the motion included.
+    /// The Taylor coefficients of f/M, and of a_g plus gravity along the motion, in double-double.
     fn precise(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<DoubleDouble<Self::Real>>;
-    /// How far a motion goes that reaches so far: not beyond the next instant at which the drive bends, jumps or
-    /// kicks, and then that instant.
+    /// The longest smooth motion that is no longer than `reach`: its length, and the instant at which the
+    /// drive bends, jumps or has an impulse, if that ends it.
     fn until_bend(
         &self,
         moment: &Moment<Self::Real>,
         reach: Self::Real,
     ) -> (Self::Real, Option<Clock<Self::Real>>);
-    /// True if the base moves.
+    /// True if the base moves or gravity acts along the motion.
     fn moves_base(&self) -> bool;
-    /// True if it consists of pieces.
+    /// True if it is piecewise: it has recorded parts.
     fn bends(&self) -> bool;
-    /// Gravity along the motion; `None` where that is level.
+    /// Gravity along the motion; `None` where the motion is level.
     #[inline(always)]
     fn weight(&self) -> Option<Weight<Self::Real>> {
         None
@@ -51,7 +51,7 @@ impl<R: Real> Forces<R> {
         Self { force: Arc::new(force), moves_base, weight }
     }
 
-    /// The same on a structure with the absorber stuck to it.
+    /// The force on a structure with the absorber stuck to it.
     pub(super) fn loaded(&self) -> Self {
         Self { weight: self.weight.map(Weight::loaded), ..self.clone() }
     }
