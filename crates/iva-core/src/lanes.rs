@@ -1,25 +1,25 @@
-//! Runs of many absorbers of one kind, side by side: free decays, and free masses under one harmonic force or on a base
-//! that it moves.
+//! Runs of many absorbers of one kind, side by side in the lanes of vector instructions: free decays, and
+//! runs under one harmonic force or harmonic base motion.
 //!
-//! One run spends its time waiting: each number of a stretch of motion needs the one before. Here [`LANES`]
-//! runs go in step, each in its lane, and every operation is done for all of them by the vector
-//! instructions of the machine. Three things make that possible:
+//! A single run is bound by latency: each number of a stretch of motion depends on the one before. Here
+//! [`LANES`] runs advance in lockstep, one per lane, and every operation is done for all of them by vector
+//! instructions. Three things make that possible:
 //!
-//! * **A stretch has no branches.** The fast flights of a free mass (`lanes/siva.rs`) and the steps of a pendulum
-//!   (`lanes/piva.rs`) are the code of one lane, written for one number; a loop over
-//!   arrays of numbers becomes vector code by itself, for AVX-512, AVX2 or the baseline, whichever the
-//!   machine has. Each lane does all that any may need, and picks.
-//! * **What is not simple goes to the event loop.** Each lane belongs to a
-//!   run of the event loop. What is not decided at a glance, a low rebound, a stick, the end: the numbers
-//!   are put back there, the loop does its work, and the lane goes on.
-//! * **The same operations in the same order.** The parts of a stretch are the functions that the
-//!   event loop uses as well. So a run has the same bits here, there, on every machine, and whatever runs
-//!   beside it.
+//! * **A stretch has no branches.** The fast flights of a free mass (`lanes/siva.rs`) and the steps of a
+//!   pendulum (`lanes/piva.rs`) are written for one lane and one number type. The compiler turns a loop over
+//!   arrays of lanes into vector code for AVX-512, AVX2 or the baseline, chosen at run time. Every lane
+//!   computes all cases and selects its own.
+//! * **What is not simple goes to the event loop.** Each lane belongs to a run of the event loop. Where a
+//!   stretch is not decided without a search, at a low rebound, at a stick episode and at the end, the lane
+//!   writes its variables back to the run, the event loop goes on, and the lane takes over again afterwards.
+//! * **The same operations in the same order.** A stretch is computed by the same functions as in the event
+//!   loop. So a run has the same bits in a lane and in the event loop, on every machine, and whatever runs in
+//!   other lanes.
 //!
 //! A lane whose run has ended is given the next one.
 //!
-//! Free masses have lanes of a second kind, in plain doubles: the fast tier (`lanes/doubles.rs`). Their runs are the same
-//! whatever runs beside them, but not those of the event loop to the last bit.
+//! Free masses have lanes of a second kind, in plain doubles: the fast tier (`lanes/doubles.rs`). Their
+//! results do not depend on the other lanes either, but differ from those of the event loop in the last bits.
 
 mod arrays;
 mod counts;
@@ -44,40 +44,40 @@ use crate::system::System;
 use crate::taylor::{ORDER, with_order};
 use running::Running;
 
-/// Runs side by side.
+/// Number of runs side by side.
 pub const LANES: usize = 8;
-/// Fewer runs than this go one by one.
+/// Groups of fewer runs than this go one by one.
 const WORTHWHILE: usize = 3;
-/// A run to do.
+/// A run to be made.
 #[derive(Debug, Clone)]
 pub struct Job<S: SideBySide> {
-    /// The absorber on its primary.
+    /// The absorber on its primary structure.
     pub system: S,
     /// The state at the begin.
     pub start: S::Start,
-    /// The instant of that.
+    /// The instant at which the run begins, in 1/ωn.
     pub begin: f64,
-    /// How long, and where to stop.
+    /// The length of the run, and its limits.
     pub limits: Limits,
-    /// What is measured of its steady state, if anything, and where.
+    /// The measures of the steady state that are wanted, and the window that they are taken in.
     pub steady: Option<(SteadyWanted, Window)>,
-    /// How accurate it is to be.
+    /// The accuracy tier of the run.
     pub tier: Tier,
 }
 
-/// How accurate a run is to be.
+/// The accuracy tier of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Tier {
-    /// As accurate as doubles can tell.
+    /// Full accuracy: states in double-double where that matters.
     #[default]
     Exact,
-    /// Less accurate by some rounding units: free masses in plain doubles (`lanes/doubles.rs`), pendulums in steps that
-    /// leave out what their tolerance says.
+    /// Less accurate by some rounding units: free masses in plain doubles (`lanes/doubles.rs`), pendulums
+    /// with steps of a larger tolerance.
     Fast,
 }
 
 impl Tier {
-    /// The word in the tables.
+    /// The name in the tables.
     pub fn name(self) -> &'static str {
         match self {
             Tier::Exact => "exact",
@@ -86,31 +86,32 @@ impl Tier {
     }
 }
 
-/// What watches a run.
+/// The observers of a run.
 type Observers<S> = (Measures<S>, Option<Steady>);
 
-/// How a run ended, its measures, and those of its steady state if they were asked for.
+/// The result of a run: how it ended, its measures, and those of its steady state if they were asked for.
 pub type Ended<S> = (Tally<<S as System>::State>, MeasureValues, Option<SteadyValues>);
 
-/// An absorber whose runs can go side by side; as it stands here, they go one by one.
+/// An absorber whose runs can go side by side. By default they go one by one.
 pub trait SideBySide: System<Real = f64> + Sized {
-    /// What all lanes of a group have in common; `None`: this run is for the event loop, as those are that begin later
-    /// than at time zero.
+    /// The key of a job: jobs with equal keys form a group whose lanes run side by side. `None`: the job is
+    /// run by the event loop; jobs that begin later than time zero always are.
     fn common(_job: &Job<Self>) -> Option<[f64; 2]> {
         None
     }
 
-    /// What runs of a group have in common in part: those that share it go after each other.
+    /// A number by which the jobs of a group are sorted, so that jobs that can share tables follow each
+    /// other.
     fn shared(_job: &Job<Self>) -> f64 {
         0.0
     }
 
-    /// The tier that a run is made by; where there is none faster, by the exact one.
+    /// The tier by which a job is run: the exact one where the absorber has no faster one.
     fn tier(_job: &Job<Self>) -> Tier {
         Tier::Exact
     }
 
-    /// Runs a group of those that have something in common.
+    /// Runs a group of jobs with equal keys.
     fn run(group: Group<'_, Self>) {
         group.one_by_one();
     }
@@ -152,7 +153,7 @@ impl SideBySide for Siva<DrivenHost> {
         let force = job.system.force()?;
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let base = if force.moves_base() { 1.0 } else { 0.0 };
-        // No strobes come out of lanes.
+        // Lanes record no strobes.
         let tier = if job.tier == Tier::Fast { 2.0 } else { 0.0 };
         let level = job.system.gravity() == 0.0 && job.system.common_law().is_some();
         (level && force.is_single() && !wanted.strobes && job.begin == 0.0)
@@ -189,7 +190,7 @@ impl SideBySide for Piva {
         let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let driven = if force.is_none() { 0.0 } else { 2.0 + 2.0 * f64::from(wanted.bits()) };
-        // No strobes come out of lanes.
+        // Lanes record no strobes.
         let fits = match force.is_none() {
             true => job.steady.is_none(),
             false => force.is_single() && !wanted.strobes,
@@ -216,42 +217,42 @@ impl SideBySide for Piva {
     }
 }
 
-/// Lanes in which runs of one kind of absorber go in step.
+/// A set of lanes in which runs of one kind of absorber advance in lockstep.
 trait Lockstep<S: SideBySide>: Sized {
-    /// How many.
+    /// Number of lanes.
     const WIDTH: usize = LANES;
-    /// What watches the run of a lane.
+    /// The observer of the run of a lane.
     type Observer: Watching<S>;
-    /// Idle lanes for absorbers like that of a run, and the measures wanted.
+    /// A set of idle lanes for absorbers like that of a job, and the measures wanted.
     fn new(job: &Job<S>, wanted: Wanted) -> Self;
-    /// Makes an absorber share the tables of the first of its group.
+    /// Makes an absorber share the tables of the first one of its group.
     fn join(_leader: &S, _system: &S) {}
-    /// Goes one evaluation on in each lane; true if one needs its run.
+    /// Advances each lane by one evaluation; true if a lane needs its run.
     fn evaluate(&mut self) -> bool;
-    /// True if this lane requests something of its run.
+    /// True if this lane needs something of its run.
     fn requests(&self, lane: usize) -> bool;
-    /// Serves what a lane has requested; false: its numbers are back in its run, and the event loop has to
-    /// go on.
+    /// Serves the request of a lane; false: its variables are back in its run, and the event loop has to go
+    /// on.
     fn serve(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>) -> bool;
-    /// Takes over a run, if it is where the lane can go on.
+    /// Loads a run into a lane; false if the run is not at a state from which the lane can go on.
     fn take(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>) -> bool;
-    /// Puts the numbers of a lane back into its run.
+    /// Writes the variables of a lane back into its run.
     fn put_back(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>);
-    /// Leaves a lane without a run.
+    /// Makes a lane idle.
     fn idle(&mut self, lane: usize);
 }
 
-/// The run of a lane, which the event loop goes on with where the lane cannot.
+/// The run of a lane in the event loop, which goes on where the lane cannot.
 type ScalarRun<'a, S, O = Observers<S>> = Run<'a, S, O>;
 
 /// A run and its index among the jobs.
 type IndexedRun<'a, S, O> = (usize, ScalarRun<'a, S, O>);
 
-/// What watches a run and has its measures in the end.
+/// An observer that yields the measures of a run.
 trait Watching<S: SideBySide>: Observer<S> + Sized {
-    /// For a run of which something is wanted; it may take over the memory of one that has ended.
+    /// The observer of a job; it may take over the memory of the observer of a run that has ended.
     fn new(job: &Job<S>, wanted: Wanted, spare: Option<Self>) -> Self;
-    /// What was measured.
+    /// The measures.
     fn values(&self) -> (MeasureValues, Option<SteadyValues>);
 }
 
@@ -267,9 +268,9 @@ impl<S: SideBySide> Watching<S> for Observers<S> {
     }
 }
 
-/// Does runs and hands each out with its index, in the order in which they end. Every one is what
-/// [`simulate`](crate::simulate::simulate) with the same measures gives, bit for bit. Once cancelled, those begun come back as they are, the
-/// others not.
+/// Makes runs and hands out each result with the index of its job, in the order in which they end. In the
+/// exact tier every result is bit for bit that of [`simulate`](crate::simulate::simulate) with the same
+/// measures. Once cancelled, runs that have begun are handed out as they are, the others not at all.
 ///
 /// # Errors
 /// The first [`Invalid`] start or limits, before anything runs.
@@ -285,7 +286,7 @@ pub fn run<S: SideBySide>(
     }
     let common = |index: &usize| S::common(&jobs[*index]);
     let mut order: Vec<usize> = (0..jobs.len()).collect();
-    // What the loop runs comes first, as −∞.
+    // Jobs for the event loop come first, with the key −∞.
     let key = |index: &usize| common(index).unwrap_or([-f64::INFINITY; 2]);
     order.sort_by(|x, y| {
         let ([a, b], [c, d]) = (key(x), key(y));
@@ -294,7 +295,8 @@ pub fn run<S: SideBySide>(
     });
     for same in order.chunk_by(|a, b| key(a) == key(b)) {
         let group = Group { jobs, order: same, next: 0, wanted, cancel, take };
-        // A run of the fast tier goes in lanes even if it is alone: so it is the same whatever runs beside it.
+        // A group of the fast tier goes in lanes even if it has one run: so a result does not depend on the
+        // other jobs.
         let few = same.len() < WORTHWHILE && group.tier() == Tier::Exact;
         if few || common(&same[0]).is_none() {
             group.one_by_one();
@@ -314,12 +316,12 @@ fn pick(which: bool, yes: f64, no: f64) -> f64 {
     if which { yes } else { no }
 }
 
-/// Runs that have something in common.
+/// A group of jobs with equal keys.
 pub struct Group<'a, S: SideBySide> {
     jobs: &'a [Job<S>],
-    /// Which of them.
+    /// The indices of its jobs.
     order: &'a [usize],
-    /// The first of these not begun.
+    /// The position in `order` of the first job that has not begun.
     next: usize,
     wanted: Wanted,
     cancel: Option<&'a AtomicBool>,
@@ -327,7 +329,7 @@ pub struct Group<'a, S: SideBySide> {
 }
 
 impl<'a, S: SideBySide> Group<'a, S> {
-    /// A run that has begun.
+    /// The run of a job, begun.
     fn begun<O: Watching<S>>(&self, index: usize, spare: Option<O>) -> ScalarRun<'a, S, O> {
         let job = &self.jobs[index];
         let Job { system, start, begin, limits, .. } = job;
@@ -338,7 +340,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
         run
     }
 
-    /// Hands out what a run came to.
+    /// Hands out the result of a run.
     fn hand_out(&mut self, index: usize, tally: Tally<S::State>, observer: &impl Watching<S>) {
         let (measures, steady) = observer.values();
         (self.take)(index, &(tally, measures, steady));

@@ -1,7 +1,7 @@
-//! A struct of numbers, and arrays of such.
+//! A macro for structs of numbers and structs of arrays.
 
-/// Declares a struct of numbers, one for each lane, and one of arrays of them. Parts are declared by the
-/// same macro.
+/// Declares a struct of numbers for one lane, and a struct with an array over the lanes for each of its
+/// fields. A part is a field that is itself a struct declared by this macro.
 macro_rules! arrays {
     (
         $(#[$doc:meta])* $one:ident, $(#[$many_doc:meta])* $many:ident:
@@ -16,7 +16,7 @@ macro_rules! arrays {
         }
 
         impl $one {
-            /// One or another.
+            /// `self` if `which`, else `other`.
             #[allow(dead_code)]
             #[inline(always)]
             pub fn if_else(&self, which: bool, other: &Self) -> Self {

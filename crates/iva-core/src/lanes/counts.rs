@@ -1,4 +1,5 @@
-//! What a run counts and sums up in simple flights, in lanes: stretches, impacts, and what these have lost.
+//! The counts and sums of a run that change in simple flights, for lanes: stretches, impacts, and their
+//! energy losses.
 
 use super::arrays::arrays;
 use super::pick;
@@ -12,15 +13,17 @@ use crate::system::{System, Wall};
 arrays! {
     /// The counts and sums of one run.
     Counts,
-    /// Those of many.
+    /// [`Counts`] of many runs: every field an array over the lanes.
     ManyCounts:
-    /// Impacts and stretches with their limits, and how many impacts were effective.
+    /// Impacts and their limit, effective impacts, stretches of motion (`work`) and their limit.
     impacts, max_impacts, effective, work, max_work,
     /// The largest approach speed on each wall.
     fastest_plus, fastest_minus,
-    /// Energy lost in impacts, and in one over the square of its approach speed.
+    /// Energy lost in impacts, in double-double, and the loss of one impact over the square of its approach
+    /// speed.
     losses, losses_rest, loss_factor,
-    /// Impacts on one wall in a row.
+    /// The current streak of impacts on one wall: sign of the wall (0: none), its first instant, the number
+    /// of impacts before it, its energy loss.
     streak_side, streak_start, streak_listed, streak_loss,
 }
 
@@ -36,7 +39,7 @@ pub(super) struct Hit {
 }
 
 impl Counts {
-    /// Of a lane without a run.
+    /// The counts of a lane without a run.
     pub fn idle() -> Self {
         Self { max_impacts: f64::INFINITY, max_work: f64::INFINITY, ..Self::default() }
     }
@@ -47,8 +50,9 @@ impl Counts {
         (self.impacts >= self.max_impacts) | (self.work >= self.max_work)
     }
 
-    /// Of a run with a mass ratio and a restitution; `None` if it is at a limit, or if impacts that may yet be taken back
-    /// are among those counted.
+    /// The counts of a run of an absorber with this mass ratio and restitution; `None` if a limit is reached,
+    /// or if the current streak holds impacts at or below the chatter floor, whose listing is not decided
+    /// yet.
     pub fn of<S: System<Real = f64>, O>(
         run: &Run<'_, S, O>,
         [mass_ratio, restitution]: [f64; 2],
@@ -79,7 +83,7 @@ impl Counts {
         (!counts.full()).then_some(counts)
     }
 
-    /// Puts the numbers back into the run.
+    /// Writes the counts back into the run.
     pub fn put_back<S: System<Real = f64>, O>(&self, run: &mut Run<'_, S, O>) {
         run.tally.impacts = self.impacts as u64;
         run.tally.effective_impacts = self.effective as u64;
@@ -96,7 +100,7 @@ impl Counts {
         });
     }
 
-    /// After a stretch, if one is `done`, that ends with an impact, if `hit`.
+    /// The counts after a stretch that has ended, if `done`, with an impact, if `hit`.
     #[inline(always)]
     pub fn after(&self, done: bool, hit: bool, impact: &Hit) -> Self {
         let Hit { time, v, side, approach } = *impact;

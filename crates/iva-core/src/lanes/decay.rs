@@ -1,5 +1,5 @@
-//! What is read from the displacement of a decay, in lanes: half cycles, late amplitudes, and the last passage of each
-//! level.
+//! The measures of the displacement of a decay, for lanes: half cycles, late amplitudes, and the last passage
+//! of each settling level.
 
 use super::arrays::arrays;
 use super::pick;
@@ -15,29 +15,29 @@ use crate::system::System;
 arrays! {
     /// The measures of one decay.
     Decay,
-    /// Those of many.
+    /// [`Decay`] of many runs: every field an array over the lanes.
     Decays:
-    /// The last passage of each level: the state and the clock at the begin of its flight, between
-    /// which instants, and the level, signed; 0: none.
+    /// The last passage of each settling level: the level with the sign of x (0: no passage), x, ẋ and ẍ and
+    /// the clock at the begin of the flight, and the times after it between which |x| passes the level.
     level_1, x_1, v_1, a_1, time_1, time_rest_1, from_1, to_1,
     level_2, x_2, v_2, a_2, time_2, time_rest_2, from_2, to_2,
     level_3, x_3, v_3, a_3, time_3, time_rest_3, from_3, to_3;
-    /// Half cycles, late amplitudes and losses.
+    /// Half cycles, late amplitudes and viscous loss.
     watch: Watch, Watches
 }
 
 impl Decay {
-    /// Of a lane without a run.
+    /// The measures of a lane without a run.
     pub fn idle() -> Self {
         Self { watch: Watch::idle(), ..Self::default() }
     }
 
-    /// Of a run.
+    /// The measures of a run, without passages.
     pub fn of<S: System<Real = f64>>(measures: &Measures<S>) -> Self {
         Self { watch: Watch::of(measures), ..Self::default() }
     }
 
-    /// Takes in a stretch that begins with x, ẋ and ẍ at an instant, if it is `done`.
+    /// The measures after a stretch that begins with x, ẋ and ẍ at an instant, if it has ended (`done`).
     #[inline(always)]
     pub fn after(
         &self,
@@ -69,7 +69,7 @@ impl Decay {
         next
     }
 
-    /// Hands the numbers to the measures of the run, which is in a state.
+    /// Writes the measures back into those of the run, whose state is given.
     pub fn put_back<H: Host<Real = f64>>(
         &self,
         measures: &mut Measures<Siva<H>>,
@@ -114,7 +114,7 @@ impl Decay {
         for (last, [level, x, v, a, time, rest, from, to]) in
             measures.settling.iter_mut().zip(passages)
         {
-            // Where none was passed here, one before may have been.
+            // If the lane saw no passage of this level, the run keeps the one it had.
             if level != 0.0 {
                 let start = DoubleDouble { value: time, rest };
                 let primary = Primary { x: DoubleDouble::new(x), v: DoubleDouble::new(v) };

@@ -1,14 +1,16 @@
 //! The fast tier: free masses in plain doubles.
 //!
-//! The exact tier carries states to twice the precision, so that a run is off by less than a rounding of its numbers. Here
-//! they are plain doubles and only the clock is compensated: every stretch of flight rounds once more, as in any other
-//! program, and a run is off by some rounding units of what its condition allows. Nothing else is given up. Every
-//! stretch is proved free, or to meet one wall once, about the motion as it is carried; and what is not simple (a low
-//! rebound, a chatter to be summed, a stick, a grazing) is done by the event loop on the same state.
+//! The exact tier carries states in double-double, so that the error of a run is below one rounding of its
+//! numbers. Here states are plain doubles and only the clock is compensated: every stretch of flight adds
+//! rounding errors, and the error of a run is some rounding units times its condition number. The guarantee
+//! on events is the same: every stretch is proved to meet no wall, or one wall once, for the motion as
+//! computed. What is not simple (a low rebound, the sum of a chatter, a stick episode, a grazing) is left to
+//! the event loop, from the same state.
 //!
-//! Three things make it fast: flights are sums of four short polynomials whatever the force is ([`responses`]); a round
-//! of a lane evaluates twice, the whole trial and the wall that it meets, so that nearly every round ends a stretch; and
-//! a round is cut into stages that a processor can overlap ([`step`]).
+//! Three things make it fast: flights are sums of four short polynomials whatever the force is
+//! ([`responses`]); one round of a lane evaluates both the end of the trial stretch and the contact in it, so
+//! that nearly every round completes a stretch; and a round is divided into stages that a processor can
+//! overlap ([`step`]).
 
 mod lane;
 mod motion;
@@ -37,7 +39,7 @@ use responses::{Responses, Tables};
 use step::Rounds;
 use totals::{Asked, Total, Totals};
 
-/// Lanes: enough to keep a processor with wide vectors from waiting.
+/// Number of lanes: enough to hide the latency of operations on a processor with wide vectors.
 const WIDTH: usize = 16;
 
 /// Lanes of free masses in plain doubles.
@@ -49,16 +51,16 @@ pub(super) struct Doubles<const DRIVE: u8> {
     totals: Totals<WIDTH>,
     decays: Decays<WIDTH>,
     asked: Asked,
-    /// What is read from the displacement of a decay.
+    /// The measures that are wanted; those of the displacement are only taken in a free decay.
     wanted: Wanted,
-    /// The polynomials made last: runs beside each other often share them.
+    /// The polynomials computed last, kept because runs that follow each other often have the same.
     latest: Option<Responses>,
 }
 
 type Watched<'a, H> = ScalarRun<'a, Siva<H>, Observers<Siva<H>>>;
 
 impl<const DRIVE: u8> Doubles<DRIVE> {
-    /// The structure of a run, whose polynomials a lane is given.
+    /// The structure of a run, whose polynomials are loaded into the tables of a lane.
     fn structure<H: Host<Real = f64>>(&mut self, i: usize, host: &H) -> Structure {
         let equation = Equation::new(1.0, host.damping_ratio());
         let harmonic = host.force().and_then(|force| force.harmonics().first());
@@ -76,7 +78,7 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
         harmonic.map_or(structure, |harmonic| exceeding(structure, harmonic))
     }
 
-    /// Tells the observers of a run what its lane has added up.
+    /// Adds the sums of a lane to the observers of its run, and clears them.
     fn tell<H: Host<Real = f64>>(&mut self, i: usize, run: &mut Watched<'_, H>)
     where
         Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
@@ -95,7 +97,8 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
     }
 }
 
-/// A structure with what a harmonic force adds to the bounds on its derivatives ([`crate::host::Driven`]).
+/// A structure with the contribution of a harmonic force to the bounds on its derivatives
+/// ([`crate::host::Driven`]).
 fn exceeding(structure: Structure, harmonic: &Harmonic) -> Structure {
     let Structure { growth, longest, .. } = structure;
     let mut drives = [harmonic.amplitude.abs(); 7];
@@ -218,7 +221,7 @@ where
         if !settled || run.stopped == STOPS {
             return false;
         }
-        // A strobe at this very instant is for the event loop.
+        // A strobe that is due now is left to the event loop.
         let strobe = run.observer.1.as_ref().and_then(Steady::next_strobe);
         if strobe.is_some_and(|instant| stops::is_due(instant.value, run.clock)) {
             return false;

@@ -1,4 +1,4 @@
-//! One lane: a run reduced to the plain numbers of its flight, and arrays of such lanes.
+//! One lane: the variables of a run that change in its flights, in plain doubles, and arrays of such lanes.
 
 use super::motion::{State, States, Structure, Structures};
 use crate::compensated::DoubleDouble;
@@ -12,31 +12,33 @@ use crate::siva::{Siva, SivaState};
 use crate::system::{Clock, System};
 
 arrays! {
-    /// The numbers of one run.
+    /// The variables of one run.
     Lane,
-    /// Those of many.
+    /// [`Lane`] of many runs: every field an array over the lanes.
     Lanes:
-    /// The clock, and the instant of the next stop.
+    /// The clock in double-double, and the instant of the next stop, in 1/ωn.
     time, time_rest, stop,
-    /// The length of the next trial, and how far a rebound looks first.
+    /// The length of the next trial stretch, and the longest first trial after a rebound.
     length, first,
-    /// Where to look for a wall again, 0: nowhere; which wall that is, and how often one has looked or halved.
+    /// Time after the begin of the stretch at which the wall is looked for again (0: it is not), 1 if that is
+    /// the far wall, and the number of looks and halvings so far.
     again, again_far, tries,
-    /// The absorber.
+    /// The absorber: mass ratio, share of the impact ([`crate::impact::primary_share`]), e, d, 1/d.
     mass_ratio, share, restitution, clearance, over_clearance,
-    /// Impacts with an approach speed at or below this are for the event loop.
+    /// Chatter floor: impacts with an approach speed at or below it are left to the event loop.
     floor,
-    /// What the event loop is needed for: a stretch that is not simple; the next stop; a limit.
+    /// 1 for each reason why the event loop is needed: a stretch that is not simple; the next stop; a limit
+    /// reached.
     request, stopped, full;
-    /// Where it is.
+    /// The state at the begin of the stretch.
     state: State, States,
-    /// What moves.
+    /// The constants of the structure.
     structure: Structure, Structures,
-    /// What is counted and summed up.
+    /// Counts and sums.
     counts: Counts, ManyCounts
 }
 
-/// A lane takes no run that leaves a wall as slowly as this, over |x| + |ẋ|.
+/// A run that leaves a wall with a smaller rate than this, over |x| + |ẋ|, is left to the event loop.
 const SLOW: f64 = 1e-6;
 
 impl<const W: usize> Lanes<W> {
@@ -48,7 +50,7 @@ impl<const W: usize> Lanes<W> {
 }
 
 impl Lane {
-    /// Without a run: at rest for ever.
+    /// A lane without a run: its state stays at rest.
     pub fn idle() -> Self {
         let never = f64::INFINITY;
         let state = State { distance: 1.0, side: 1.0, ..State::default() };
@@ -69,7 +71,7 @@ impl Lane {
         DoubleDouble { value: self.time, rest: self.time_rest }
     }
 
-    /// A run that has come to where flights in plain doubles can go on; `None` if it has not.
+    /// The lane of a run in flight; `None` if the event loop has to go on with the run.
     pub fn of<H: Host<Real = f64>, O>(
         run: &Run<'_, Siva<H>, O>,
         structure: &Structure,
@@ -81,7 +83,7 @@ impl Lane {
         let Doing::Flight { first } = run.phase else { return None };
         let (siva, tally) = (run.system, &run.tally);
         let law = siva.common_law()?;
-        // What has just come off its wall is told from what presses by more digits than a lane has.
+        // Whether the absorber leaves its wall or presses on it is decided with more digits than a lane has.
         let Primary { x, v } = &tally.state.host.primary;
         let slow = SLOW * (x.value.abs() + v.value.abs());
         if tally.state.distance.value == 0.0 && tally.state.rate.value <= slow {
@@ -119,12 +121,12 @@ impl Lane {
         under_way.then_some(lane)
     }
 
-    /// Puts the numbers back into the run.
+    /// Writes the variables back into the run.
     pub fn put_back<H: Host<Real = f64>, O>(&self, run: &mut Run<'_, Siva<H>, O>)
     where
         Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
     {
-        // At its end the run has set its clock itself.
+        // At the end of the run the clock is already set to the duration.
         if run.stopped < STOPS {
             run.clock = self.clock();
         }
@@ -133,7 +135,7 @@ impl Lane {
         run.phase = Doing::Flight { first: self.first };
     }
 
-    /// The state as the event loop has it.
+    /// The state in the form of the event loop.
     pub fn state<H: Host<Real = f64>>(&self, host: &H, clock: DoubleDouble) -> SivaState<Phase<H>> {
         let State { x, v, distance, rate, side, .. } = self.state;
         let primary = Primary { x: DoubleDouble::new(x), v: DoubleDouble::new(v) };
@@ -146,7 +148,7 @@ impl Lane {
     }
 }
 
-/// F cos(Ω t + φ) and F sin(Ω t + φ), of −a_g where the base moves.
+/// f = F cos(Ω t + φ) and f̂ = F sin(Ω t + φ) of f/M, or of −a_g where the base moves.
 pub(super) fn force_at<H: Host<Real = f64>>(host: &H, clock: Clock) -> [f64; 2] {
     let Some(harmonic) = host.force().and_then(|force| force.harmonics().first()) else {
         return [0.0; 2];

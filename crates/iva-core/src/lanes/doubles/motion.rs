@@ -1,7 +1,7 @@
-//! A free mass on its structure in plain doubles: its state, and where it is after a time.
+//! A free mass on its structure in plain doubles: its state, and the motion from it.
 //!
-//! With f = F cos(Ω t + φ) the force on the structure, or −a_g on its base, f̂ = F sin(Ω t + φ), a = f − x − 2ζv and the
-//! responses P, Q, C, B of [`super::responses`]
+//! Let f = F cos(Ω t + φ) be the force on the structure, or −a_g of its base, f̂ = F sin(Ω t + φ), a = f − x
+//! − 2ζv, and P, Q, C, B the responses of [`super::responses`]. Then
 //!
 //! ```text
 //! x(h) = x + v h + a P + v Q + Ω²f C − Ωf̂ B,
@@ -10,25 +10,25 @@
 //! f̂(h) = f̂ (1 − Ω²κ) + f Ωσ,    σ = sin Ωh/Ω = h + Q + (1 − Ω²) B + 2ζΩ²C.
 //! ```
 //!
-//! The distance to the wall gains ∬A with A = ẍ on a resting and ẍ + a_g on a moving base; there
-//! ∬f = f κ − f̂ (Ωh − sin Ωh)/Ω².
+//! The distance to the wall gains ∬A, where A = ẍ on a base at rest and A = ẍ + a_g on a moving base, with ∬f
+//! = f κ − f̂ (Ωh − sin Ωh)/Ω².
 
 use super::responses::Tables;
 use crate::lanes::arrays::arrays;
 use crate::oscillator::Equation;
 use crate::taylor::unrolled;
 
-/// A structure that nothing drives.
+/// Kind of drive: none.
 pub(in crate::lanes) const FREE: u8 = 0;
-/// A structure under a harmonic force.
+/// Kind of drive: a harmonic force on the structure.
 pub(in crate::lanes) const FORCE: u8 = 1;
-/// A structure on a base in harmonic motion.
+/// Kind of drive: a harmonic motion of the base.
 pub(in crate::lanes) const BASE: u8 = 2;
 
 arrays! {
-    /// Structure and absorber at an instant.
+    /// The state of structure and absorber at an instant.
     State,
-    /// In many lanes.
+    /// [`State`] of many runs: every field an array over the lanes.
     States:
     /// x and ẋ, f and f̂.
     x, v, force, quadrature,
@@ -39,22 +39,22 @@ arrays! {
 arrays! {
     /// The constants of a structure.
     Structure,
-    /// In many lanes.
+    /// [`Structure`] of many runs: every field an array over the lanes.
     Structures:
-    /// 2ζ, Ω, and Λ of [`Equation`].
+    /// 2ζ, Λ of [`Equation`], and Ω.
     damping, growth, frequency,
-    /// 1/F².
+    /// 1/F² of the force amplitude F; 0 without force.
     over_square,
-    /// The longest flight, and one over it.
+    /// The longest flight that the polynomials hold for, and its reciprocal.
     longest, over_longest,
-    /// What the force adds to the bounds on the derivatives of A of order 3 to 6.
+    /// Contribution of the force to the bounds on the derivatives of A of order 3 to 6.
     excess_3, excess_4, excess_5, excess_6,
-    /// The largest third and fourth derivative of a_g.
+    /// Bounds on the third and fourth derivative of a_g.
     base_3, base_4,
 }
 
 impl Structure {
-    /// A number that √(x² + v²) stays below without force.
+    /// A bound on √(x² + v²) at every later time in free motion.
     #[inline(always)]
     fn radius(at: &State) -> f64 {
         at.x.abs() + at.v.abs()
@@ -75,11 +75,11 @@ impl Structure {
         power * Self::radius(at) + excess
     }
 
-    /// A and its first five derivatives, and those of x from the second on.
+    /// The first six derivatives of the absolute motion, from A on, and of x, from ẍ on.
     #[inline(always)]
     pub fn derivatives<const DRIVE: u8>(&self, at: &State) -> [[f64; 6]; 2] {
         let Self { damping, frequency, .. } = *self;
-        // −(lower + 2ζ upper).
+        // next = −(lower + 2ζ upper).
         let next = |lower: f64, upper: f64| upper.mul_add(-damping, -lower);
         if DRIVE == FREE {
             let a = next(at.x, at.v);
@@ -113,7 +113,7 @@ impl Structure {
         [relative, relative]
     }
 
-    /// Under no force, or under one whose part in the bounds is added later.
+    /// The constants without the bounds that a force adds to.
     pub fn new(equation: &Equation, frequency: f64, amplitude: f64, longest: f64) -> Self {
         let Equation { damping, growth, .. } = *equation;
         let over_square = if amplitude == 0.0 { 0.0 } else { 1.0 / (amplitude * amplitude) };
@@ -157,7 +157,8 @@ impl State {
         let (less, turn) = (rapid * kappa, frequency * sigma);
         let force = f - f.mul_add(less, q * turn);
         let quadrature = q + f.mul_add(turn, -(q * less));
-        // Rounding must not let the force grow or fade: one step towards the circle.
+        // Rounding errors must not let the force grow or fade: one Newton step back to the circle f² + f̂² =
+        // F².
         let circle = force.mul_add(force, quadrature * quadrature);
         let circle = (0.5 * over_square).mul_add(-circle, 1.5);
         let (mut absolute, mut gained) = (apart, faster);
@@ -171,7 +172,8 @@ impl State {
         Self { force: force * circle, quadrature: quadrature * circle, ..moved }
     }
 
-    /// After a time in which the structure has gained so much beyond a uniform motion, and ∬A and ∫A are so much.
+    /// The state after a time h, given the gains of displacement (beyond a uniform motion) and velocity, and
+    /// ∬A and ∫A.
     #[inline(always)]
     fn moved(&self, [h, apart, faster]: [f64; 3], [absolute, gained]: [f64; 2]) -> Self {
         Self {
@@ -183,7 +185,7 @@ impl State {
         }
     }
 
-    /// The state a little later: five terms of the Taylor series.
+    /// The state a short time t later, by the Taylor series to the order of the fifth derivative of x.
     #[inline(always)]
     pub fn shortly_after<const DRIVE: u8>(&self, structure: &Structure, t: f64) -> Self {
         let [absolute, relative] = structure.derivatives::<DRIVE>(self);
@@ -225,7 +227,7 @@ fn lag(square: f64) -> f64 {
     sum
 }
 
-/// (−1)ᵏ/(2k + 3)!.
+/// The coefficients (−1)ᵏ/(2k + 3)!.
 const fn lags() -> [f64; 11] {
     let mut terms = [0.0; 11];
     let mut term = 1.0 / 6.0;

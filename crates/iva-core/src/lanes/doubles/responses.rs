@@ -1,26 +1,27 @@
-//! What flights are made of: how the oscillator answers from rest, as short polynomials.
+//! The four responses of the oscillator from rest that every flight is a sum of, as short polynomials.
 //!
-//! P is the response to a constant force of 1 and Q = −∫P ([`crate::oscillator`]); C and B are those to (cos Ωs − 1)/Ω²
-//! and to sin Ωs/Ω, which stay finite for slow forces. With S = h − 2ζP + Q every flight is a sum of these four:
+//! P is the response to a constant force of 1 and Q = −∫P ([`crate::oscillator`]); C and B are those to
+//! (cos Ωs − 1)/Ω² and to sin Ωs/Ω, which stay finite for slow forces. With S = h − 2ζP + Q every flight is a
+//! sum of these four:
 //!
 //! ```text
 //! Ṗ = S,    Ċ = −B,    Ḃ = P + Ω²C.
 //! ```
 //!
-//! P/h², Q/h³, C/h⁴ and B/h³ are power series cut after [`TAYLOR`] terms and then shortened to [`TERMS`]: each higher
+//! P/h², Q/h³, C/h⁴ and B/h³ are power series of [`TAYLOR`] terms, shortened to [`TERMS`] terms: each higher
 //! power of t = h/longest is replaced by its expansion in Chebyshev polynomials on [0, 1] up to that degree
-//! (C. Lanczos, *Applied Analysis*, 1956, "economization"), which leaves out less than 10⁻¹⁷ of the leading term.
+//! (C. Lanczos, *Applied Analysis*, 1956, "economization"). The error is below 10⁻¹⁷ of the leading term.
 
 use crate::taylor::unrolled;
 
 /// Terms of each polynomial.
 pub(super) const TERMS: usize = 14;
-/// Terms of the power series before.
+/// Terms of the power series before it is shortened.
 const TAYLOR: usize = 26;
-/// Longest flight over the fastest rate of oscillator and force.
+/// Longest flight in units of 1/(fastest rate of oscillator and force).
 const LONGEST: f64 = 2.0;
 
-/// What a power from [`TERMS`] on is replaced by.
+/// Row m: the polynomial of [`TERMS`] terms that replaces the power t^(m + TERMS).
 const SHORTER: [[f64; TERMS]; TAYLOR - TERMS] = shorter();
 
 const fn shorter() -> [[f64; TERMS]; TAYLOR - TERMS] {
@@ -66,7 +67,7 @@ const fn shorter() -> [[f64; TERMS]; TAYLOR - TERMS] {
     shorter
 }
 
-/// 1/n.
+/// The reciprocals 1/n.
 const OVER: [f64; TAYLOR + 6] = {
     let mut over = [0.0; TAYLOR + 6];
     let mut n = 1;
@@ -77,24 +78,24 @@ const OVER: [f64; TAYLOR + 6] = {
     over
 };
 
-/// The polynomials of an oscillator and a force.
+/// The polynomials for one oscillator and one frequency of the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Responses {
-    /// 2ζ and Ω that they belong to.
+    /// 2ζ of the oscillator, and Ω of the force.
     pub damping: f64,
     pub frequency: f64,
     /// The longest flight that they hold for.
     pub longest: f64,
-    /// Of P/h², Q/h³, C/h⁴ and B/h³ in powers of t.
+    /// Coefficients of P/h², Q/h³, C/h⁴ and B/h³ in powers of t.
     pub terms: [[f64; TERMS]; 4],
 }
 
 impl Responses {
-    /// For 2ζ, the fastest rate of the oscillator, and the frequency of the force (0: none).
+    /// The polynomials from 2ζ, the growth rate Λ of the oscillator, and Ω of the force (0: none).
     pub fn new(damping: f64, growth: f64, frequency: f64) -> Self {
         let longest = LONGEST / growth.max(frequency);
         let square = frequency * frequency;
-        // The coefficients of the forces 1, (cos Ωs − 1)/Ω² and sin Ωs/Ω, from s⁰ on.
+        // Taylor coefficients of the forces 1, (cos Ωs − 1)/Ω² and sin Ωs/Ω.
         let mut drives = [[0.0; TAYLOR + 4]; 3];
         drives[0][0] = 1.0;
         let (mut cosine, mut sine) = (-0.5, 1.0);
@@ -104,7 +105,7 @@ impl Responses {
             cosine *= -square * (OVER[n + 1] * OVER[n + 2]);
             sine *= -square * (OVER[n] * OVER[n + 1]);
         }
-        // y″ + 2ζ y′ + y = the force.
+        // The Taylor series of y from y″ + 2ζ y′ + y = force.
         let answer = |drive: &[f64; TAYLOR + 4]| {
             let mut y = [0.0; TAYLOR + 6];
             for n in 0..TAYLOR + 4 {
@@ -144,7 +145,7 @@ impl Responses {
     }
 }
 
-/// The polynomials of each lane.
+/// The polynomials of all lanes.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Tables<const W: usize> {
@@ -156,7 +157,7 @@ impl<const W: usize> Tables<W> {
         Self { terms: [[[0.0; W]; TERMS]; 4] }
     }
 
-    /// Gives a lane its polynomials.
+    /// Loads polynomials into a lane.
     pub fn set(&mut self, i: usize, responses: &Responses) {
         for (rows, terms) in self.terms.iter_mut().zip(&responses.terms) {
             for (row, term) in rows.iter_mut().zip(terms) {

@@ -1,13 +1,12 @@
-//! One round of each lane, in stages: loops over the lanes that leave numbers in arrays.
+//! One round of all lanes, in stages: each stage is a loop over the lanes that writes its results to arrays.
 //!
-//! 1. [`reach`]: the state at the end of the trial, and what the quintic through both ends proves
-//!    ([`crate::siva::fast_flight`]): no wall, or one wall once, and about where.
-//! 2. [`land`]: the state there, and from it the instant of the contact by the Taylor series; what the round has
-//!    decided.
-//! 3. Measures ([`super::totals`], [`super::decay`]) of the stretch that is behind.
+//! 1. [`reach`]: the state at the end of the trial stretch, and what the quintic through both ends proves
+//!    ([`crate::siva::fast_flight`]): no contact, or one contact with one wall, with an estimate of its time.
+//! 2. [`land`]: the state at the estimate, the contact by its Taylor series, and the decision on the stretch.
+//! 3. The measures of the stretch ([`super::totals`], [`super::decay`]).
 //! 4. [`commit`]: the impact, the clock, and the next trial.
 //!
-//! One loop with all of it would be some 600 instructions long, more than a processor looks ahead over.
+//! A single loop would have some 600 instructions, more than a processor can reorder.
 
 use super::lane::{Lane, Lanes};
 use super::motion::{State, States};
@@ -19,30 +18,32 @@ use crate::quintic::root_by;
 use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::fast_flight::Quintic;
 
-/// A rebound this low against what presses, u/(A (1 − e)), may be one whose tail is summed: that is for the event
-/// loop. (The estimated error of the sum is at least 4 times the cube of it.)
+/// Below this value of u/(A (1 − e)), half the duration of the chatter that remains, the event loop may sum
+/// the tail, so the rebound is left to it. (The estimated error of the sum is at least 4 times the cube of
+/// this value.)
 const LOW: f64 = 1e-4;
-/// So often a trial is halved, or a wall looked for again.
+/// Largest number of times that a trial is halved or a wall looked for again.
 const TRIES: f64 = 4.0;
-/// Share of the rate that may change on the way from the guess to the wall.
+/// Largest relative change of the rate between the estimate of the contact and the contact.
 const STRAIGHT: f64 = 0.05;
 
 arrays! {
-    /// What a round finds out.
+    /// The results of one round of a lane.
     Round,
-    /// In many lanes.
+    /// [`Round`] of many runs: every field an array over the lanes.
     Rounds:
-    /// 1 if no wall is met; if one is, and if that is the far one; where about.
+    /// 1 if no wall is met; 1 if a wall is met; 1 if that is the far wall; the estimated time of the contact.
     free, meets, far, guess,
-    /// 1 if the wall is reached: the approach speed, and what presses after the impact.
+    /// 1 if the contact is found and its impact simple; the approach speed; the pressure after the impact.
     hit, approach, pressure,
-    /// 1 if a stretch is behind: its length, what that lacks, and whether it ends at the next stop.
+    /// 1 if a stretch is completed; its length, the low part of that, and 1 if it ends at the next stop.
     passed, length, later, whole;
-    /// The state at the end of the trial; then that at the end of the stretch, before an impact.
+    /// After [`reach`] the state at the end of the trial; after [`land`] that at the end of the stretch,
+    /// before an impact.
     end: State, States
 }
 
-/// The trial as a whole.
+/// Stage 1: evaluates the end of each trial and decides whether it meets a wall.
 #[inline(always)]
 pub(super) fn reach<const W: usize, const DRIVE: u8>(
     lanes: &Lanes<W>,
@@ -53,7 +54,7 @@ pub(super) fn reach<const W: usize, const DRIVE: u8>(
         let lane = lanes.get(i);
         let Lane { state, structure, length, again, again_far, .. } = lane;
         let end = state.after::<W, DRIVE>(&structure, tables, i, length);
-        // In units of the clearance, so that rough quotients are in range.
+        // In units of the clearance, which keeps quotients in single precision in range.
         let over = lane.over_clearance;
         let square = length * length;
         let (first, second) = (length * over, (0.5 * over) * square);
@@ -81,13 +82,13 @@ pub(super) fn reach<const W: usize, const DRIVE: u8>(
     }
 }
 
-/// A quotient to seven digits, which takes a third of the time of one to all.
+/// A quotient in single precision (seven digits), at a third of the time of one in double precision.
 #[inline(always)]
 pub(super) fn about(a: f64, b: f64) -> f64 {
     f64::from(a as f32 / b as f32)
 }
 
-/// The wall, where one is met.
+/// Stage 2: finds the contact, where a wall is met, and decides on the stretch.
 #[inline(always)]
 pub(super) fn land<const W: usize, const DRIVE: u8>(
     lanes: &Lanes<W>,
@@ -104,8 +105,8 @@ pub(super) fn land<const W: usize, const DRIVE: u8>(
         let left = near.distance - pick(far, clearance + clearance, 0.0);
         let rate = near.rate;
         let [bend, jerk, snap] = [near.side * a, near.side * jerk, near.side * snap];
-        // left + rate t + ½ bend t² + … = 0: by reversion of the series, then one step of Newton's method, to which the
-        // quotients need be right to some digits only.
+        // Solves left + rate t + ½ bend t² + … = 0 by reversion of the series and one step of Newton's
+        // method, for which quotients of a few correct digits suffice.
         let over = lane.over_clearance;
         let slowness = over * about(1.0, over * rate);
         let first = -left * slowness;
@@ -117,7 +118,7 @@ pub(super) fn land<const W: usize, const DRIVE: u8>(
         let value = value.mul_add(t, rate).mul_add(t, left);
         let slope = ((1.0 / 6.0) * snap).mul_add(t, 0.5 * jerk).mul_add(t, bend).mul_add(t, rate);
         let t = t - about(over * value, over * slope);
-        // The next term of the series against the rounding of rate and distance.
+        // Compares the next term of the series with the rounding of rate and distance.
         let square = t * t;
         let left_out = structure.bound::<3>(&state) * (square * square) * (t.abs() * (1.0 / 120.0));
         let close = (left_out <= 0.25 * f64::EPSILON * (rate.abs() * guess))
@@ -131,7 +132,7 @@ pub(super) fn land<const W: usize, const DRIVE: u8>(
         touching.distance = 0.0;
         let approach = -touching.rate;
 
-        // What presses after the impact, and whether the event loop has to see to what follows.
+        // The pressure after the impact, and whether the event loop has to handle what follows.
         let mut after = touching;
         after.v += lane.share * (touching.side * approach);
         let [[a, ..], _] = structure.derivatives::<DRIVE>(&after);
@@ -155,14 +156,14 @@ pub(super) fn land<const W: usize, const DRIVE: u8>(
         next.later = pick(hit, t, 0.0);
         next.whole = pick(free & (lane.length == remaining), 1.0, 0.0);
         next.end = touching.if_else(hit, &round.end);
-        // Where to look again, or else half of the trial.
+        // The time to look for the wall again; 0: the trial is halved.
         next.guess = pick(looks_again, guess + t, 0.0);
         next.meets = pick(meets & !hit & !looks_again, 1.0, 0.0);
         rounds.set(i, &next);
     }
 }
 
-/// The impact, the clock, and the next trial.
+/// Stage 4: applies impact and clock, and chooses the next trial.
 #[inline(always)]
 pub(super) fn commit<const W: usize>(lanes: &mut Lanes<W>, rounds: &Rounds<W>) {
     for i in 0..W {

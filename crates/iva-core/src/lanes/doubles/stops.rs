@@ -1,4 +1,4 @@
-//! Where the stretches of a lane stop, so that none runs across an instant that a measure looks at.
+//! The stops of a lane: instants that a measure looks at, which no stretch may cross.
 
 use super::lane::force_at;
 use super::{Doubles, FREE, STOPS, Watched};
@@ -10,12 +10,12 @@ use crate::siva::{Siva, SivaState};
 use crate::steady::Steady;
 use crate::system::{Clock, Point, System};
 
-/// Instants this close, over their size, are the same.
+/// Relative distance at or below which two instants count as the same.
 const SAME: f64 = 4.0 * f64::EPSILON;
-/// The longest flights after which the phase of a force is read off the clock again.
+/// Number of longest flights after which f and f̂ are computed from the clock again.
 const FLIGHTS: f64 = 100.0;
 
-/// True if an instant is not after the clock, but for rounding.
+/// True if an instant is not later than the clock, apart from rounding.
 pub(super) fn is_due(instant: f64, clock: Clock) -> bool {
     -clock.minus(instant) <= SAME * instant.abs()
 }
@@ -30,7 +30,7 @@ where
 }
 
 impl<const DRIVE: u8> Doubles<DRIVE> {
-    /// The next instant that no stretch runs across.
+    /// The next instant that no stretch may cross.
     pub(super) fn next_stop<H: Host<Real = f64>>(
         &self,
         run: &Watched<'_, H>,
@@ -64,7 +64,7 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
         stop
     }
 
-    /// Does what is due at a stop; false: the run goes back to the event loop.
+    /// Handles the measures that are due at a stop; false: the run goes back to the event loop.
     pub(super) fn pass_stop<H: Host<Real = f64>>(
         &mut self,
         i: usize,
@@ -83,7 +83,7 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
             self.tell(i, run);
             let at = self.lanes.state.get(i);
             if let Some(steady) = &mut run.observer.1 {
-                // At the end of the run also one that rounding puts beyond it.
+                // At the end of the run a strobe counts even if rounding puts it later.
                 let due = |instant: Clock| ends || is_due(instant.value, clock);
                 while steady.next_strobe().is_some_and(due) {
                     let y = at.side * (run.system.clearance() - at.distance);

@@ -1,8 +1,8 @@
-//! What flights add up to under force: losses, work and ∫x² as integrals, and the largest sizes.
+//! Sums over the flights of a lane: energy losses, work and ∫x² as integrals, and largest sizes.
 //!
-//! The integrals are Gauss's quadrature of the same four polynomials that the motion is made of: no differences of
-//! energies, so that the ledger proves something. With [`NODES`] of them the square of a motion over the longest flight
-//! is integrated to some 10⁻¹⁶ of it.
+//! The integrals are Gaussian quadratures of the four polynomials that the motion consists of, never
+//! differences of energies, so that the energy ledger is an independent check. With [`NODES`] the square of a
+//! motion over the longest flight is integrated with a relative error of some 10⁻¹⁶.
 
 use super::lane::Lanes;
 use super::motion::{BASE, FREE, State, Structure};
@@ -28,23 +28,23 @@ const NODES: [(f64, f64); 9] = [
     (0.984080119753813, 0.040637194180787206),
 ];
 
-/// Coefficients of a polynomial in t = h/longest that is made of P, Q, C and B.
+/// Number of coefficients of a sum of P, Q, C, B and a linear function, in powers of t = h/longest.
 const LENGTH: usize = TERMS + 4;
 
 arrays! {
-    /// What a run adds up to since it was last told.
+    /// The sums of a run since they were last added to its observers.
     Total,
-    /// In many lanes.
+    /// [`Total`] of many runs: every field an array over the lanes.
     Totals:
-    /// Integrals, each with its rounding rest.
+    /// Energy lost in the damper, work, and ∫x², in double-double.
     lost, lost_rest, worked, worked_rest, square, square_rest,
     /// The largest |x| and |A| so far in the window.
     displacement, acceleration,
-    /// 1 in the window, and its impacts.
+    /// 1 in the window of the steady state; the number of impacts in it.
     counts, impacts,
 }
 
-/// What is added up.
+/// The sums that are wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Asked {
     pub ledger: bool,
@@ -54,10 +54,11 @@ pub(super) struct Asked {
     pub impacts: bool,
 }
 
-/// A polynomial of each lane.
+/// A polynomial of each lane: coefficients in powers of t = h/longest.
 type Course<const W: usize> = [[f64; W]; LENGTH];
 
-/// Coefficients of first + second t + multiples of P, Q, C and B.
+/// The polynomial first + second h + p P + q Q + c C + b B of each lane; `of` gives these coefficients and
+/// `longest`.
 #[allow(clippy::needless_range_loop, reason = "a lane is an index into every row")]
 #[inline(always)]
 fn combine<const W: usize, const DRIVE: u8>(
@@ -92,10 +93,10 @@ fn combine<const W: usize, const DRIVE: u8>(
     course
 }
 
-/// Nodes at once: enough chains of sums to keep a processor from waiting for each.
+/// Nodes evaluated together: enough independent sums to hide the latency of each.
 const AT_ONCE: usize = 3;
 
-/// A polynomial at some points of each lane.
+/// The values of a polynomial at some points of each lane.
 #[inline(always)]
 fn at<const W: usize>(course: &Course<W>, t: &[[f64; W]; AT_ONCE]) -> [[f64; W]; AT_ONCE] {
     let [mut first, mut second, mut third] = [course[LENGTH - 1]; AT_ONCE];
@@ -109,7 +110,7 @@ fn at<const W: usize>(course: &Course<W>, t: &[[f64; W]; AT_ONCE]) -> [[f64; W];
     [first, second, third]
 }
 
-/// Some nodes in each lane.
+/// The nodes of one group, scaled to the stretch of each lane.
 #[inline(always)]
 fn nodes<const W: usize>(group: usize, parts: &[f64; W]) -> [[f64; W]; AT_ONCE] {
     let mut t = [[0.0; W]; AT_ONCE];
@@ -122,7 +123,7 @@ fn nodes<const W: usize>(group: usize, parts: &[f64; W]) -> [[f64; W]; AT_ONCE] 
     t
 }
 
-/// The velocity of each lane.
+/// The polynomial of ẋ.
 #[inline(always)]
 fn velocity<const W: usize, const DRIVE: u8>(lanes: &Lanes<W>, tables: &Tables<W>) -> Course<W> {
     combine::<W, DRIVE>(tables, |i| {
@@ -136,7 +137,7 @@ fn velocity<const W: usize, const DRIVE: u8>(lanes: &Lanes<W>, tables: &Tables<W
     })
 }
 
-/// The displacement of each lane.
+/// The polynomial of x.
 #[inline(always)]
 fn displacement<const W: usize, const DRIVE: u8>(
     lanes: &Lanes<W>,
@@ -152,7 +153,7 @@ fn displacement<const W: usize, const DRIVE: u8>(
     })
 }
 
-/// The force on each lane.
+/// The polynomial of f.
 #[inline(always)]
 fn force<const W: usize, const DRIVE: u8>(lanes: &Lanes<W>, tables: &Tables<W>) -> Course<W> {
     combine::<W, DRIVE>(tables, |i| {
@@ -166,7 +167,7 @@ fn force<const W: usize, const DRIVE: u8>(lanes: &Lanes<W>, tables: &Tables<W>) 
     })
 }
 
-/// The length of the stretch behind each lane; 0: none.
+/// The length of the completed stretch of each lane; 0: none.
 #[inline(always)]
 fn lengths<const W: usize>(rounds: &Rounds<W>) -> [f64; W] {
     let mut lengths = [0.0; W];
@@ -176,7 +177,7 @@ fn lengths<const W: usize>(rounds: &Rounds<W>) -> [f64; W] {
     lengths
 }
 
-/// Lengths in units of the longest.
+/// Lengths of stretches in units of the longest flight.
 #[inline(always)]
 fn parts<const W: usize>(lanes: &Lanes<W>, lengths: &[f64; W]) -> [f64; W] {
     let mut parts = [0.0; W];
@@ -186,7 +187,7 @@ fn parts<const W: usize>(lanes: &Lanes<W>, lengths: &[f64; W]) -> [f64; W] {
     parts
 }
 
-/// Adds to sums with their rests.
+/// Adds terms to sums in double-double.
 #[inline(always)]
 fn add<const W: usize>(sum: &mut [f64; W], rest: &mut [f64; W], terms: &[f64; W]) {
     for i in 0..W {
@@ -196,7 +197,7 @@ fn add<const W: usize>(sum: &mut [f64; W], rest: &mut [f64; W], terms: &[f64; W]
     }
 }
 
-/// What the damper takes.
+/// Adds the energy lost in the damper and the work of the force or base in each completed stretch.
 #[inline(always)]
 pub(super) fn lose<const W: usize, const DRIVE: u8>(
     lanes: &Lanes<W>,
@@ -224,12 +225,13 @@ pub(super) fn lose<const W: usize, const DRIVE: u8>(
         }
     }
     for i in 0..W {
-        // Of forces too fast for the polynomials nothing is a number.
+        // Where a force is too fast for the polynomials, the sums are not numbers.
         let passed = lengths[i] > 0.0;
         squares[i] = pick(passed, squares[i] * (lanes.structure.damping[i] * lengths[i]), 0.0);
         works[i] = pick(passed, works[i] * lengths[i], 0.0);
         if DRIVE == BASE {
-            // ∫ f (ẋ + μ (ẋ + w)) with f = −a_g: the absorber moves freely, ẋ + w = its begin + ∫f.
+            // ∫ f (ẋ + μ (ẋ + w)) with f = −a_g: the absorber is in free flight, so its velocity ẋ + w is the
+            // one at the begin + ∫f.
             let state = lanes.state.get(i);
             let absorber = state.v - state.side * state.rate;
             let pushed = pushed[i] * lengths[i];
@@ -243,7 +245,7 @@ pub(super) fn lose<const W: usize, const DRIVE: u8>(
     }
 }
 
-/// ∫x² in the window.
+/// Adds ∫x² of each completed stretch within the window.
 #[inline(always)]
 pub(super) fn square<const W: usize, const DRIVE: u8>(
     lanes: &Lanes<W>,
@@ -270,7 +272,8 @@ pub(super) fn square<const W: usize, const DRIVE: u8>(
     add(&mut totals.square, &mut totals.square_rest, &squares);
 }
 
-/// The largest |x| or |A| in the window. A stretch of which that is not plain is halved.
+/// Updates the largest |x| or |A| within the window. A stretch in which the largest size is not known is
+/// halved.
 #[inline(always)]
 pub(super) fn largest<const W: usize, const DRIVE: u8, const ACCELERATION: bool>(
     lanes: &Lanes<W>,
@@ -294,7 +297,7 @@ pub(super) fn largest<const W: usize, const DRIVE: u8, const ACCELERATION: bool>
         let leading = |[value, rate, bend, ..]: Jets| [value, rate, bend];
         let mut arc = Arc::new(leading(begin), leading(end), sixth, length);
         if ACCELERATION {
-            // A may be a small difference of what it is made of.
+            // A may be a small difference of large terms.
             let longest = structure.longest;
             arc = arc.doubted(structure.bound::<3>(&state) * (longest * longest * longest));
         }
@@ -321,7 +324,7 @@ pub(super) fn largest<const W: usize, const DRIVE: u8, const ACCELERATION: bool>
     }
 }
 
-/// Counts impacts in the window.
+/// Counts the impacts within the window.
 #[inline(always)]
 pub(super) fn count<const W: usize>(rounds: &Rounds<W>, totals: &mut Totals<W>) {
     for i in 0..W {

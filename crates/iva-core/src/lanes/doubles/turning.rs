@@ -1,4 +1,4 @@
-//! Where a function of the motion turns round in a stretch.
+//! The extremum of a function of the motion within a stretch.
 
 use super::motion::{State, Structure};
 use super::responses::Tables;
@@ -7,10 +7,10 @@ use crate::host::turning::turn;
 use crate::lanes::pick;
 use crate::quintic::root_by;
 
-/// A function of the state of a structure, and its first five derivatives.
+/// A function of the state of a structure with its first five derivatives.
 pub(super) type Jets = [f64; 6];
 
-/// When it turns round, its value there, and whether both are exact to rounding.
+/// An extremum: its time, the value there, and whether both are exact to rounding.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turned {
     pub h: f64,
@@ -18,8 +18,8 @@ pub(super) struct Turned {
     pub exact: bool,
 }
 
-/// Where a function turns round in a stretch of this length, which changes the sign of its first derivative; `sixth`
-/// bounds its sixth derivative. Without such a change it is anything.
+/// The extremum of a function in a stretch of this length in which its first derivative changes sign; `sixth`
+/// bounds its sixth derivative. Without such a change of sign the result is meaningless.
 #[inline(always)]
 pub(super) fn turned<const W: usize, const DRIVE: u8>(
     (structure, tables, i): (&Structure, &Tables<W>, usize),
@@ -28,7 +28,7 @@ pub(super) fn turned<const W: usize, const DRIVE: u8>(
     jets: impl Fn(&State) -> Jets,
     (sixth, length): (f64, f64),
 ) -> Turned {
-    // In units of the rates at both ends, so that rough quotients are in range.
+    // In units of the rates at both ends, which keeps quotients in single precision in range.
     let over = 1.0 / (begin[1].abs() + end[1].abs());
     let rates = |at: &Jets| [at[1] * over, at[2] * over, at[3] * over];
     let quintic = turn(rates(begin), rates(end), length);
@@ -46,7 +46,7 @@ pub(super) fn turned<const W: usize, const DRIVE: u8>(
     let h = guess + t;
     let rise = (fifth * 0.2).mul_add(t, fourth * 0.25).mul_add(t, third * (1.0 / 3.0));
     let value = rise.mul_add(t, bend * 0.5).mul_add(t, rate).mul_add(t, value);
-    // The next term of the series against rounding.
+    // Compares the next term of the series with rounding.
     let square = t * t;
     let left_out = sixth * ((square * square) * (t.abs() * (1.0 / 120.0)));
     let close = left_out <= f64::EPSILON * (bend.abs() * h);

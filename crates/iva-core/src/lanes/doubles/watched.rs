@@ -1,4 +1,4 @@
-//! What is read from the displacement of a decay, of the stretch that is behind.
+//! The measures of the displacement of a decay, applied to the stretch that each lane has completed.
 
 use super::lane::Lanes;
 use super::motion::{FREE, State};
@@ -9,7 +9,7 @@ use crate::lanes::decay::Decays;
 use crate::lanes::pick;
 use crate::lanes::watch::Stretch;
 
-/// Takes in each stretch. One of which it is not plain where x turns round is halved.
+/// Applies the measures to each completed stretch. A stretch whose extremum of x is not known is halved.
 #[inline(always)]
 pub(super) fn watch<const W: usize>(
     lanes: &Lanes<W>,
