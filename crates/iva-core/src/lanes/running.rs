@@ -1,4 +1,4 @@
-//! A group of runs under way in its lanes: a lane whose run has ended is given the next one.
+//! A group of runs in its lanes: a lane whose run has ended is given the next run.
 
 use std::iter::repeat_with;
 
@@ -6,17 +6,17 @@ use super::{Group, IndexedRun, Lockstep, SideBySide, is_set};
 use crate::real::Real;
 use crate::simulate::{STOPS, Tally};
 
-/// Evaluations between two looks whether to stop.
+/// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u64 = 1024;
 
-/// A group under way.
+/// A group whose runs are being made.
 pub(super) struct Running<'a, S: SideBySide, L: Lockstep<S>> {
     group: Group<'a, S>,
     /// The run of each lane, and its index.
     runs: Vec<Option<IndexedRun<'a, S, L::Observer>>>,
-    /// Lanes at work.
+    /// Number of lanes with a run.
     live: usize,
-    /// What has watched the run that ended last.
+    /// The observer of the run that ended last, whose memory the next run can use.
     spare: Option<L::Observer>,
 }
 
@@ -27,13 +27,13 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
         Self { group, runs, live: 0, spare: None }
     }
 
-    /// Does its runs.
+    /// Makes its runs.
     pub fn run(mut self) {
         f64::dispatched(
             #[inline(always)]
             || {
-                // In the very function that is vectorised: so the compiler aligns its stack to the
-                // arrays, and with it what it has no registers for.
+                // This closure is the function that is vectorised. With the lanes as its local variables, the
+                // compiler aligns its stack to the arrays, and so the registers that it spills.
                 let group = &self.group;
                 let mut lanes = L::new(&group.jobs[group.order[0]], group.wanted);
                 for i in 0..L::WIDTH {
@@ -56,7 +56,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
         );
     }
 
-    /// Does what lanes have called for.
+    /// Serves the requests of the lanes.
     #[inline(never)]
     fn serve(&mut self, lanes: &mut L) {
         for i in 0..L::WIDTH {
@@ -67,7 +67,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
         }
     }
 
-    /// Lets the event loop go on until the lane can, or the run ends.
+    /// Lets the event loop go on with a run until the lane can take it, or the run ends.
     fn go_on(&mut self, lanes: &mut L, i: usize) {
         let Some((_, run)) = &mut self.runs[i] else { return };
         while run.step() {
@@ -80,7 +80,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
         self.refill(lanes, i);
     }
 
-    /// Hands out the run of a lane, which has ended.
+    /// Hands out the result of a lane's run, which has ended.
     fn leave(&mut self, i: usize, tally: Tally<S::State>) {
         if let Some((index, run)) = self.runs[i].take() {
             self.group.hand_out(index, tally, &run.observer);
@@ -108,7 +108,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
         }
     }
 
-    /// Ends every run where it is; those not begun stay so.
+    /// Ends every run where it is; runs that have not begun are not made.
     fn cancel(&mut self, lanes: &mut L) {
         self.group.next = self.group.order.len();
         for i in 0..L::WIDTH {

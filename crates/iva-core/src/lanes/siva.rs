@@ -1,4 +1,4 @@
-//! Fast flights of free masses, side by side; their primaries have one damping ratio.
+//! Lanes for the fast flights of free masses in free decay; their primary structures have one damping ratio.
 
 mod driven;
 mod flying;
@@ -18,11 +18,12 @@ pub(super) use driven::DrivenFastFlights;
 use flying::STOP;
 use lane::{Lane, Lanes};
 
-/// Eight lanes on one kind of primary, with its losses or without, with what is read from its displacement or without.
+/// Eight lanes on one primary structure, with or without viscous losses and measures of the displacement.
 #[derive(Debug)]
 pub(super) struct FastFlights<const LEDGER: bool, const DECAY: bool> {
     lanes: Lanes<LANES>,
-    /// By value: so the compiler knows that it is not one of the arrays.
+    /// The structure without absorber. Held by value, so that the compiler knows that it does not overlap the
+    /// arrays.
     free: Oscillator,
 }
 
@@ -87,7 +88,7 @@ impl<const LEDGER: bool, const DECAY: bool> Lockstep<Siva> for FastFlights<LEDGE
     }
 }
 
-/// One evaluation of each lane; true if one needs its run.
+/// One evaluation of each lane; true if a lane needs its run.
 #[inline(always)]
 fn evaluate<const W: usize, const LEDGER: bool, const DECAY: bool>(
     lanes: &mut Lanes<W>,
@@ -104,7 +105,7 @@ fn evaluate<const W: usize, const LEDGER: bool, const DECAY: bool>(
     requests > 0.0
 }
 
-/// Goes on after a stop within the run; false: the run goes back to the event loop.
+/// Handles a stop within the run; false: the run goes back to the event loop.
 fn pass_stop(run: &mut ScalarRun<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
     let flying = &mut lane.flying;
     if is_one_period(flying.stop) {

@@ -1,4 +1,5 @@
-//! What [`Measures`](crate::measures::Measures) watch in every stretch of motion, without branches.
+//! The variables of [`Measures`](crate::measures::Measures) that change in every stretch of motion, without
+//! branches.
 
 use super::arrays::arrays;
 use super::pick;
@@ -11,15 +12,16 @@ use crate::system::System;
 arrays! {
     /// The measures of one run, as far as every stretch of motion changes them.
     Watch,
-    /// Those of many.
+    /// [`Watch`] of many runs: every field an array over the lanes.
     Watches:
-    /// The energy that the primary's damper has taken.
+    /// The energy lost in the primary's damper, in double-double.
     viscous, viscous_rest,
-    /// The half cycle under way; how many have ended.
+    /// The current half cycle: time and displacement of its largest |x|, and the sign of x; the number of
+    /// completed ones.
     peak_time, peak_x, peak_sign, half_cycles,
-    /// Largest |x| in the last period and in the last half period, and where each begins.
+    /// A₀; the instants at which the last period and the last half period begin; the largest |x| since each.
     amplitude, late_from, later_from, late, later,
-    /// The peak that has just been ended, if `peaked`; 1 if peaks are still looked at.
+    /// 1 if a peak has just been completed; its time and displacement; 1 if later peaks change a measure.
     peaked, ended_time, ended_x, listens,
 }
 
@@ -53,18 +55,18 @@ impl Watch {
         (measures.last_period, measures.last_half_period) = (self.late, self.later);
     }
 
-    /// Of a lane without a run.
+    /// The measures of a lane without a run.
     pub fn idle() -> Self {
         Self { late_from: f64::INFINITY, later_from: f64::INFINITY, ..Self::default() }
     }
 
-    /// The peak that a zero crossing has ended, and its index.
+    /// The peak that a zero crossing has just completed, and its index.
     pub fn ended_peak(&self) -> (Peak, u64) {
         let peak = Peak { time: self.ended_time, displacement: self.ended_x };
         (peak, self.half_cycles as u64 - 1)
     }
 
-    /// Takes in what the primary's damper takes in a stretch, if it is `done`.
+    /// Adds the energy lost in the primary's damper in a stretch, if it has ended (`done`).
     #[inline(always)]
     pub fn losing(&self, loss: f64, done: bool) -> Self {
         let viscous = DoubleDouble { value: self.viscous, rest: self.viscous_rest }.plus(loss);
@@ -74,7 +76,7 @@ impl Watch {
         next
     }
 
-    /// Takes in a stretch that begins at an instant, if it is `done`.
+    /// The measures after a stretch that begins at an instant, if it has ended (`done`).
     #[inline(always)]
     pub fn after(&self, stretch: &Stretch, clock: DoubleDouble, done: bool) -> Self {
         let mut next = self.losing(stretch.loss, done);
@@ -88,7 +90,7 @@ impl Watch {
         next
     }
 
-    /// The half cycle under way, and the peak of one that has ended.
+    /// Updates the current half cycle, and the peak of one that a zero crossing completes.
     #[inline(always)]
     fn half_cycle(&self, next: &mut Self, stretch: &Stretch, clock: DoubleDouble, done: bool) {
         let mut time = self.peak_time;
@@ -119,34 +121,35 @@ impl Watch {
 }
 
 impl<const W: usize> Watches<W> {
-    /// After the measures have taken in the peak of a lane: whether they look at the next.
+    /// After the measures have taken the peak of a lane: clears it, and asks whether later peaks change a
+    /// measure.
     pub fn listen<S: System<Real = f64>>(&mut self, i: usize, measures: &Measures<S>) {
         let ended = self.half_cycles[i] as u64;
         (self.peaked[i], self.listens[i]) = (0.0, pick(measures.listens(ended), 1.0, 0.0));
     }
 }
 
-/// A stretch of motion, cut where x turns round.
+/// A stretch of motion, divided at the extremum of x.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stretch {
-    /// x at its begin, where it turns, at its end,
+    /// x at its begin, at the extremum, and at its end.
     pub x: [f64; 3],
-    /// and when.
+    /// The times of these three after the begin of the stretch.
     pub h: [f64; 3],
-    /// Whether it turns; if not, `x[1]` is `x[0]` and `h[1]` is `h[0]`.
+    /// True if x has an extremum in it; if not, `x[1]` is `x[0]` and `h[1]` is `h[0]`.
     pub turns: bool,
-    /// What the primary's damper takes.
+    /// Energy lost in the primary's damper.
     pub loss: f64,
 }
 
-/// Where half cycles end.
+/// Whether half cycles end at the extremum and at the end of a stretch.
 pub(super) struct Ends {
     pub at_turn: bool,
     pub at_end: bool,
 }
 
 impl Ends {
-    /// Two in one stretch are for the event loop.
+    /// True if at most one half cycle ends; a stretch with two is left to the event loop.
     #[inline(always)]
     pub fn simple(&self) -> bool {
         !(self.at_turn & self.at_end)
@@ -154,10 +157,10 @@ impl Ends {
 }
 
 impl Stretch {
-    /// Of a run whose measures look at none.
+    /// A stretch for runs whose measures do not use it.
     pub const NONE: Self = Self { x: [0.0; 3], h: [0.0; 3], turns: false, loss: 0.0 };
 
-    /// Whether a half cycle with this sign of x ends.
+    /// The ends of half cycles in the stretch, where x has this sign in the current half cycle.
     #[inline(always)]
     pub fn ends(&self, sign: f64) -> Ends {
         let at_turn = self.turns & (self.x[1] * sign < 0.0);
@@ -165,7 +168,7 @@ impl Stretch {
         Ends { at_turn, at_end: self.x[2] * sign < 0.0 }
     }
 
-    /// Whether |x| falls below the level, between which instants, and the level with the sign of x.
+    /// Whether |x| falls below a level, between which times, and the level with the sign of x.
     #[inline(always)]
     pub fn passage(&self, level: f64) -> Passage {
         let [x, x_turn, x_end] = self.x;
@@ -177,7 +180,7 @@ impl Stretch {
     }
 }
 
-/// |x| falls below a level.
+/// A passage of |x| below a level, if there is one.
 pub(super) struct Passage {
     pub passes: bool,
     pub h: [f64; 2],

@@ -1,8 +1,8 @@
-//! Fast flights of free masses under one harmonic force each, on the structure or on its base, side by side: force,
-//! damping and absorber may differ from lane to lane.
+//! Lanes for the fast flights of free masses under one harmonic force each, on the structure or on its base.
+//! Force, damping and absorber may differ from lane to lane.
 //!
-//! The lanes only move: they log their flights ([`log`]), and so does the event loop where it goes on. What is measured
-//! follows when a log is full or its run has ended ([`recorder`]), eight flights at a time.
+//! The lanes compute the motion only and log their flights ([`log`]), as the event loop does where it goes
+//! on. Measures follow when a log is full or its run has ended ([`recorder`]), for eight flights at a time.
 
 mod answers;
 mod integrals;
@@ -22,13 +22,13 @@ use lane::{Lane, Lanes};
 use log::{Flight, Flights, Log};
 use recorder::Recorder;
 
-/// Eight lanes.
+/// Eight lanes for driven free masses.
 #[derive(Debug)]
 pub(in crate::lanes) struct DrivenFastFlights<const BASE: bool> {
     lanes: Lanes<LANES>,
-    /// The flight that each lane has just ended, if it has.
+    /// The flight that each lane has just completed; of length 0 if there is none.
     ended: Flights<LANES>,
-    /// What each lane has done so far.
+    /// The log of the run of each lane.
     logs: [Log; LANES],
     asked: Asked,
 }
@@ -57,7 +57,7 @@ impl<const BASE: bool> Lockstep<Siva<DrivenHost>> for DrivenFastFlights<BASE> {
             for (i, log) in logs.iter_mut().enumerate() {
                 if ended.length[i] > 0.0 {
                     log.push(&ended.get(i));
-                    // The event loop shows a full log to what measures it.
+                    // The event loop hands a full log to the measures.
                     if log.is_full() {
                         lanes.flying.request[i] = 1.0;
                     }

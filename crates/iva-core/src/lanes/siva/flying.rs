@@ -1,4 +1,4 @@
-//! The flight of one run, reduced to the numbers that fast flights change.
+//! The flight of one run: the variables that fast flights change.
 
 use crate::compensated::DoubleDouble;
 use crate::host::{Host, HostState, Phase};
@@ -9,37 +9,38 @@ use crate::simulate::{Phase as Doing, Run, STOPS};
 use crate::siva::{Siva, SivaState};
 use crate::system::System;
 
-/// What to do at the end of the next fast flight.
+/// Aim of an evaluation: the end of a whole trial stretch, which is searched for a contact.
 pub(in crate::lanes) const SEARCH: f64 = 0.0;
-/// … close to the near wall,
+/// Aim of an evaluation: an estimate of the contact with the near wall.
 pub(in crate::lanes) const NEAR: f64 = 1.0;
-/// … or the far one.
+/// Aim of an evaluation: an estimate of the contact with the far wall.
 pub(in crate::lanes) const FAR: f64 = 2.0;
 
-/// Why a lane has stopped: at a stop of the run,
+/// Reason why a lane has stopped: a stop of the run.
 pub(in crate::lanes) const STOP: f64 = 1.0;
-/// or at a limit.
+/// Reason why a lane has stopped: a limit of the run.
 pub(in crate::lanes) const FULL: f64 = 2.0;
 
 arrays! {
     /// The flight of one run.
     Flying,
-    /// Those of many.
+    /// [`Flying`] of many runs: every field an array over the lanes.
     Flyings:
-    /// The state.
+    /// The state at the begin of the stretch, in double-double.
     x, x_rest, v, v_rest, a, a_rest, distance, distance_rest, rate, rate_rest, side,
-    /// The clock, and the instant of the next stop.
+    /// The clock in double-double, and the instant of the next stop, in 1/ωn.
     time, time_rest, stop,
-    /// What the next evaluation is for, where, within which length, and how often one was made close
-    /// to the wall.
+    /// The aim of the next evaluation and its time h, the length of the trial stretch, the number of
+    /// evaluations made close to the wall, and the longest first trial after a rebound.
     aim, h, length, looks, first,
-    /// The absorber.
+    /// The absorber: share of the impact in double-double, e, d.
     share, share_rest, restitution, clearance,
-    /// Impacts with an approach speed at or below this go back to the event loop.
+    /// Chatter floor: impacts with an approach speed at or below it are left to the event loop.
     floor,
-    /// What the event loop is needed for: a stretch that is no fast flight, a stop.
+    /// 1 if the stretch is no fast flight, so that the event loop is needed; reason why the lane has stopped,
+    /// 0: none.
     request, stopped;
-    /// What is counted and summed up.
+    /// Counts and sums.
     counts: Counts, ManyCounts
 }
 
@@ -75,14 +76,14 @@ impl Flying {
         DoubleDouble { value: self.time, rest: self.time_rest }
     }
 
-    /// Without a run: at rest for ever.
+    /// A lane without a run: its state stays at rest.
     pub fn idle() -> Self {
         let never = f64::INFINITY;
         let at_rest = Self { clearance: 1.0, distance: 1.0, side: 1.0, ..Self::default() };
         Self { stop: never, first: never, counts: Counts::idle(), ..at_rest }
     }
 
-    /// A run that has come to where fast flights of this length can go on; `None` if it has not.
+    /// The flight of a run, in trials up to this length; `None` if the event loop has to go on with the run.
     pub fn of<H: Host<Real = f64>, O>(run: &Run<'_, Siva<H>, O>, reach: f64) -> Option<Self>
     where
         Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
@@ -112,13 +113,13 @@ impl Flying {
         under_way.then_some(flying)
     }
 
-    /// Puts the numbers back into the run; the phase of the drive is where it is.
+    /// Writes the variables back into the run, with the given state of the drive.
     pub fn put_back<H: Host<Real = f64>, O>(&self, run: &mut Run<'_, Siva<H>, O>, phase: Phase<H>)
     where
         Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
     {
         run.tally.state = self.state(phase);
-        // At its end the run has set its clock itself.
+        // At the end of the run the clock is already set to the duration.
         if run.stopped < STOPS {
             run.clock = self.clock();
         }

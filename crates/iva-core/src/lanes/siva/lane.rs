@@ -1,4 +1,4 @@
-//! One lane: a free decay reduced to the numbers that fast flights change, and arrays of such lanes.
+//! One lane: the variables of a free decay that fast flights change, and arrays of such lanes.
 
 use super::flying::{Flying, Flyings};
 use crate::lanes::ScalarRun;
@@ -7,9 +7,9 @@ use crate::lanes::decay::{Decay, Decays};
 use crate::siva::Siva;
 
 arrays! {
-    /// The numbers of one run.
+    /// The variables of one run.
     Lane,
-    /// Lanes side by side: of every number an array.
+    /// [`Lane`] of many runs: every field an array over the lanes.
     Lanes:
     ;
     /// The flight.
@@ -24,12 +24,12 @@ impl Lane {
         Lane { flying: Flying::idle(), decay: Decay::idle() }
     }
 
-    /// A run that has come to where fast flights can go on; `None` if it has not.
+    /// The lane of a run in flight; `None` if the event loop has to go on with the run.
     pub fn of(run: &ScalarRun<'_, Siva>, reach: f64) -> Option<Self> {
         Some(Lane { flying: Flying::of(run, reach)?, decay: Decay::of(&run.observer.0) })
     }
 
-    /// Puts the numbers back into the run.
+    /// Writes the variables back into the run.
     pub fn put_back(&self, run: &mut ScalarRun<'_, Siva>) {
         self.flying.put_back(run, ());
         self.decay.put_back(&mut run.observer.0, &run.system.host, &run.tally.state);

@@ -1,7 +1,7 @@
-//! One evaluation of a flight, and what follows from it.
+//! One evaluation of a flight, and the decisions that follow from it.
 //!
-//! The same numbers in the same order as in the event loop, without branches. What cannot be done here is left
-//! as it is, and requests its run.
+//! The operations and their order are those of the event loop, without branches. Where a lane cannot decide,
+//! it keeps its state and requests its run.
 
 use super::flying::{FAR, FULL, Flying, NEAR, SEARCH, STOP};
 use crate::compensated::DoubleDouble;
@@ -16,13 +16,14 @@ use crate::siva::fast_flight::{LOOKS, Quintic, at_wall, to_wall};
 use crate::siva::motion::arrived;
 use crate::siva::{Law, SivaState, collided};
 
-/// A rebound this low against what presses, u/(A (1 − e)), may be one whose tail is summed: that is for
-/// the loop. (The estimated error of the sum is at least 4 times the cube of it.)
+/// Below this value of u/(A (1 − e)), half the duration of the chatter that remains, the event loop may sum
+/// the tail, so the rebound is left to it. (The estimated error of the sum is at least 4 times the cube of
+/// this value.)
 const LOW: f64 = 1e-4;
 
-/// What a lane can pick one of.
+/// A type of which a lane can select one of two values without a branch.
 pub(super) trait Pick {
-    /// One or another.
+    /// `yes` if `which`, else `no`.
     fn pick(which: bool, yes: &Self, no: &Self) -> Self;
 }
 
@@ -87,16 +88,16 @@ impl<P: Pick> Pick for SivaState<P> {
     }
 }
 
-/// What an evaluation shows.
+/// The results of one evaluation.
 pub(super) struct Look<P> {
     pub from: SivaState<P>,
-    /// The state at the end of the span that is behind: at the wall, if it was hit.
+    /// The state at the end of the completed span: in contact with the wall, if `hit`.
     pub end: SivaState<P>,
-    /// Length of that span.
+    /// Length of the completed span.
     pub length: f64,
-    /// Where, of that span, a quintic of the caller has its root.
+    /// The root of the caller's quintic, as a share of that span.
     pub part: f64,
-    /// The impact, if `hit`.
+    /// The state after the impact, if `hit`.
     after: SivaState<P>,
     /// The state at the wall, if `hit`.
     touching: SivaState<P>,
@@ -105,7 +106,7 @@ pub(super) struct Look<P> {
     pub hit: bool,
     clock: DoubleDouble,
     remaining: f64,
-    /// True if a span is behind.
+    /// True if a span is completed.
     pub passed: bool,
     meets: bool,
     meets_far: bool,
@@ -114,7 +115,8 @@ pub(super) struct Look<P> {
     looks_again: bool,
 }
 
-/// Evaluates a flight; `quintic` is what else has a root in the span that is behind, where no wall is met.
+/// Evaluates a flight. `quintic` gives a second quintic, whose root in the completed span is found where no
+/// wall is met.
 #[inline(always)]
 pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
     free: &S,
@@ -127,13 +129,13 @@ pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
     let search = lane.aim == SEARCH;
     let far = lane.aim == FAR;
 
-    // A stretch as a whole: is it free, or where is its only contact?
+    // The end of a whole stretch: it is proved free, or to have one contact, whose time is estimated.
     let whole = Quintic::new(free, &from, &near, lane.clearance, lane.h);
     let proof = whole.proof();
     let meets_far = proof.meets[1];
     let meets = search & !proof.free & (proof.meets[0] | meets_far);
 
-    // Close to a wall: the contact, the impact, and whether the loop has to see to what follows.
+    // Close to a wall: the contact, the impact, and whether the event loop has to handle what follows.
     let (later, close) = to_wall(free, &near, lane.clearance, far, lane.h);
     let touching = at_wall(free, &near, far, later);
     let share = DoubleDouble { value: lane.share, rest: lane.share_rest };
@@ -152,16 +154,16 @@ pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
         & (next_look <= lane.length)
         & (lane.looks < LOOKS as f64 - 1.0);
 
-    // The span that is behind then.
+    // The completed span.
     let later = pick(hit, later, 0.0);
     let length = lane.h + later;
     let end = SivaState::pick(hit, &touching, &near);
-    // Where the wall is met, or else what the caller asks for: never both at once.
+    // The root of one quintic: that of the contact, or the caller's. They are never needed together.
     let (meeting, other) = (whole.meeting(meets_far), quintic(&from, &end, length));
     let part = root(&std::array::from_fn(|i| pick(meets, meeting[i], other[i])));
     let clock = lane.clock().plus_parts(lane.h, later);
     let remaining = -clock.minus(lane.stop);
-    // An impact at the very instant of a stop is for the loop.
+    // An impact at the instant of a stop is left to the event loop.
     let passed = ((search & proof.free) | hit) & (!hit | (remaining > 0.0));
     Look {
         from,
@@ -185,13 +187,13 @@ pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
 }
 
 impl<P: Pick> Look<P> {
-    /// The state that the flight goes on from, if the span is `done`.
+    /// The state from which the flight goes on, if the span is taken (`done`).
     #[inline(always)]
     pub fn next_state(&self, done: bool) -> SivaState<P> {
         SivaState::pick(done, &SivaState::pick(self.hit, &self.after, &self.end), &self.from)
     }
 
-    /// The flight after it, if the span is `done`.
+    /// The flight after this evaluation, if the span is taken (`done`).
     #[inline(always)]
     pub fn next(&self, lane: &Flying, reach: f64, done: bool) -> Flying {
         let hit = self.hit & done;
@@ -208,7 +210,7 @@ impl<P: Pick> Look<P> {
         let impact = Hit { time: next.time, v, side, approach: self.approach };
         next.counts = lane.counts.after(done, hit, &impact);
 
-        // What comes next.
+        // The next evaluation.
         let rebounds = hit & (self.pressure > 0.0);
         let ahead = REBOUND_LOOK * self.after.rate.value / self.pressure;
         let first = pick(rebounds, ahead, f64::INFINITY);
@@ -224,7 +226,8 @@ impl<P: Pick> Look<P> {
         next
     }
 
-    /// The impact that ends the span, if it is behind: when, at which wall, and its approach speed.
+    /// The impact at the end of the completed span: its time, the sign of the wall, and its approach speed
+    /// (0: none).
     #[inline(always)]
     pub fn impact(&self, next: &Flying) -> (f64, f64, f64) {
         let approach = pick(self.hit & self.passed, self.approach, 0.0);

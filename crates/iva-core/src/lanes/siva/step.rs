@@ -1,6 +1,6 @@
-//! One evaluation of a free decay: its flight, and what is measured along it.
+//! One evaluation of a free decay: its flight, and the measures along it.
 //!
-//! The same numbers in the same order as in [`Measures`](crate::measures::Measures), without branches.
+//! The operations and their order are those of [`Measures`](crate::measures::Measures), without branches.
 
 use super::lane::Lane;
 use super::look::look;
@@ -39,7 +39,7 @@ pub(super) fn step<const LEDGER: bool, const DECAY: bool>(free: &Oscillator, lan
     next
 }
 
-/// A stretch of motion with where it begins.
+/// A stretch of motion, x, ẋ and ẍ at its begin, and whether its measures need no event loop.
 struct Span {
     origin: [f64; 3],
     stretch: Stretch,

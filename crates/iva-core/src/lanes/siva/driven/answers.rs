@@ -1,6 +1,7 @@
-//! What measures ask of flights under a harmonic force, answered for eight of them at a time.
+//! Answers to the measures about flights under a harmonic force, for eight flights at a time.
 //!
-//! The same functions as where one flight answers for itself ([`crate::host`]), so the same bits.
+//! They are computed by the functions that answer for a single flight ([`crate::host`]), so they have the
+//! same bits.
 
 use super::lane::Single;
 use super::log::{BLOCK, Flights};
@@ -18,22 +19,22 @@ use crate::siva::motion::arrived;
 use crate::steady::SteadyWanted;
 use crate::taylor::{ORDER, unrolled};
 
-/// What is asked of all flights of a run.
+/// The quantities that are asked of all flights of a run.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asked {
-    /// Anything at all.
+    /// True if flights are to be logged at all.
     pub flights: bool,
-    /// Losses and work.
+    /// Energy lost and work.
     ledger: bool,
-    /// The largest displacement.
+    /// The largest |x|.
     displacement: bool,
-    /// The largest acceleration.
+    /// The largest |ẍ + a_g|.
     acceleration: bool,
-    /// The mean square.
+    /// ∫x².
     square: bool,
-    /// μ.
+    /// Mass ratio μ.
     mass_ratio: f64,
-    /// From when on extremes count.
+    /// The instant from which extremes count.
     pub from: f64,
 }
 
@@ -59,25 +60,26 @@ impl Asked {
 arrays! {
     /// The largest size of a quantity in a flight ([`Extreme`]).
     Largest,
-    /// In several.
+    /// [`Largest`] of several flights: every field an array over them.
     Largests:
-    /// 1 if it is known; −1 if it is to be asked where the quantity turns round.
+    /// The fields of [`Extreme`]; `known` is 1 if the largest size is known, −1 if its extremum has to be
+    /// found.
     limit, most, known,
 }
 
 arrays! {
-    /// The answers of a flight.
+    /// The answers about one flight.
     Answer,
-    /// Those of several.
+    /// [`Answer`] of several flights: every field an array over them.
     Answers:
-    /// Losses, work and ∫x².
+    /// Energy lost, work, and ∫x².
     lost, worked, square;
     displacement: Largest, Largests,
     acceleration: Largest, Largests
 }
 
 impl Answers<BLOCK> {
-    /// The largest sizes of a quantity.
+    /// The largest sizes of a quantity in all flights.
     pub fn largest(&mut self, of: Quantity) -> &mut Largests<BLOCK> {
         match of {
             Quantity::Displacement => &mut self.displacement,
@@ -95,15 +97,15 @@ impl Answers<BLOCK> {
     }
 }
 
-/// True if a flight is to be asked where a quantity turns round.
+/// True if the extremum of a quantity in a flight has to be found.
 pub(super) fn asks(known: f64) -> bool {
     known < 0.0
 }
 
-/// A series of each flight.
+/// One power series for each flight of a block.
 pub(super) type Series = [[f64; BLOCK]; ORDER + 1];
 
-/// Runs a loop over flights as a function of its own, so that it becomes vector code.
+/// Runs a loop over flights with the widest vector instructions of the machine.
 macro_rules! dispatched {
     ($work:expr) => {
         f64::dispatched(
@@ -117,10 +119,10 @@ macro_rules! dispatched {
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Block {
-    /// Of f/M and of x.
+    /// Series of f/M (0 where the base moves), and of x.
     pub pushed: Series,
     pub place: Series,
-    /// Of ∬A and ∬a_g, where the base moves.
+    /// Series of ∬A and ∬a_g, where the base moves.
     pub pulled: Series,
     pub carried: Series,
 }
@@ -131,7 +133,7 @@ impl Block {
         Self { pushed, place, pulled, carried }
     }
 
-    /// Answers what is asked, but where a quantity turns round.
+    /// Answers the questions, except for largest sizes whose extremum has to be found.
     pub fn ask<const BASE: bool>(
         &mut self,
         free: &Driven<Single<BASE>>,
@@ -161,7 +163,7 @@ impl Block {
         }
     }
 
-    /// The largest sizes of a quantity that turns round.
+    /// The largest sizes of a quantity, with its extremum found.
     pub fn turn<const BASE: bool>(
         &mut self,
         of: Quantity,
@@ -179,10 +181,10 @@ impl Block {
         }
     }
 
-    /// Takes in the series of the flights.
+    /// Computes the series of the flights.
     #[inline(always)]
     fn take<const BASE: bool>(&mut self, free: &Driven<Single<BASE>>, flights: &Flights<BLOCK>) {
-        // By value, here and below: so the compiler knows that the arrays do not overlap.
+        // Passed by value, here and below, so that the compiler knows that the arrays do not overlap.
         let free = free.clone();
         let [mut pushed, mut place, mut pulled, mut carried] = [[[0.0; BLOCK]; ORDER + 1]; 4];
         for i in 0..BLOCK {
@@ -207,7 +209,7 @@ impl Block {
         }
     }
 
-    /// The largest sizes of a quantity with the series taken in.
+    /// The largest sizes of a quantity from the series.
     #[inline(always)]
     fn turned<const BASE: bool>(
         &self,
@@ -237,14 +239,15 @@ impl Block {
     }
 }
 
-/// The structure at the begin of a flight, and what its extremes are told by.
+/// The structure at the begin of a flight, and displacement and acceleration with their derivatives at both
+/// ends.
 #[inline(always)]
 fn known_of(flights: &Flights<BLOCK>, i: usize) -> (Primary, [Leading; 2]) {
     let (x, v) = (DoubleDouble::new(flights.x[i]), DoubleDouble::new(flights.v[i]));
     (Primary { x, v }, [flights.begin.get(i).leading(), flights.end.get(i).leading()])
 }
 
-/// The largest sizes of a quantity, as far as the ends of the flights tell.
+/// The largest sizes of a quantity as far as the ends of the flights determine them.
 #[inline(always)]
 fn bounded<const BASE: bool>(
     of: Quantity,
@@ -263,7 +266,7 @@ fn bounded<const BASE: bool>(
     largest
 }
 
-/// Where structure and absorber of flights are after a time: x, ẋ, y and w.
+/// x, ẋ, y and w of flights a time h after their begin.
 #[inline(always)]
 fn placed<const BASE: bool>(
     free: &Driven<Single<BASE>>,
@@ -283,7 +286,7 @@ fn placed<const BASE: bool>(
     [x, v, y, w]
 }
 
-/// The same, dispatched.
+/// [`placed`] with the widest vector instructions of the machine.
 pub(super) fn places<const BASE: bool>(
     free: &Driven<Single<BASE>>,
     clearance: f64,

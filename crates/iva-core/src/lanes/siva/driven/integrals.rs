@@ -1,4 +1,5 @@
-//! Integrals along flights of a log: the quadrature of [`crate::host`], for all flights of a block in every operation.
+//! Integrals along the flights of a log: the quadrature of [`crate::host`], for all flights of a block at
+//! once.
 
 use super::answers::{Block, Series};
 use super::lane::Single;
@@ -8,7 +9,7 @@ use crate::host::driven::integral::{COUNT, node, sum_of, weight};
 use crate::taylor::{ORDER, unrolled};
 
 impl Block {
-    /// Losses and work.
+    /// Energy lost in the damper, and work.
     #[inline(always)]
     pub fn lose<const BASE: bool>(
         &self,
@@ -75,7 +76,7 @@ impl Block {
     }
 }
 
-/// The first or second derivatives of series.
+/// The Nth derivatives of series, N = 1 or 2.
 #[inline(always)]
 fn derivatives<const BASE: bool, const N: usize>(
     free: &Driven<Single<BASE>>,
@@ -98,13 +99,13 @@ fn derivatives<const BASE: bool, const N: usize>(
     derivatives
 }
 
-/// The lengths in steps of the series.
+/// The lengths of the flights in units of the step of the series.
 #[inline(always)]
 fn parts<const BASE: bool>(free: &Driven<Single<BASE>>, flights: &Flights<BLOCK>) -> [f64; BLOCK] {
     std::array::from_fn(|i| flights.length[i] / free.step)
 }
 
-/// A series at a node of each flight.
+/// The values of a series at node n of each flight.
 #[inline(always)]
 fn at(series: &Series, n: usize, t: &[f64; BLOCK]) -> [f64; BLOCK] {
     let t: [f64; BLOCK] = std::array::from_fn(|i| node(n, [0.0, t[i]]));
@@ -117,7 +118,7 @@ fn at(series: &Series, n: usize, t: &[f64; BLOCK]) -> [f64; BLOCK] {
     values
 }
 
-/// The sums over all nodes.
+/// The sum over all nodes for each flight.
 #[inline(always)]
 fn sums_of(terms: &[[f64; BLOCK]; COUNT]) -> [f64; BLOCK] {
     std::array::from_fn(|i| sum_of(&std::array::from_fn(|n| terms[n][i])))

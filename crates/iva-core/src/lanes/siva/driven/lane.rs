@@ -1,4 +1,4 @@
-//! One lane: a driven run reduced to the numbers that fast flights change, and arrays of such lanes.
+//! One lane: the variables of a driven run that fast flights change, and arrays of such lanes.
 
 use super::recorder::Recorder;
 use crate::compensated::DoubleDouble;
@@ -12,16 +12,16 @@ use crate::siva::{Siva, SivaState};
 use crate::system::Clock;
 
 arrays! {
-    /// The numbers of one run.
+    /// The variables of one run.
     Lane,
-    /// Lanes side by side: of every number an array.
+    /// [`Lane`] of many runs: every field an array over the lanes.
     Lanes:
-    /// Where the drive stands, and f/M or a_g there with its derivatives.
+    /// The instant of the drive, and f/M or a_g there with its first three derivatives.
     instant, instant_rest,
     push, push_rest, push_rate, push_rate_rest, push_second, push_second_rest, push_third,
-    /// The force, f/M or a_g = amplitude · cos(frequency · t + angle).
+    /// The force: f/M or a_g = amplitude · cos(frequency · t + angle).
     amplitude, frequency, angle,
-    /// The structure.
+    /// The constants of the structure ([`Driven`]).
     damping, growth, reach, step, excess_0, excess_1, excess_2, excess_3, excess_4, excess_5, excess_6;
     /// The flight.
     flying: Flying, Flyings
@@ -32,7 +32,7 @@ arrays! {
 pub(super) struct Single<const BASE: bool>(pub Harmonic);
 
 impl<const BASE: bool> Single<BASE> {
-    /// A push on what it acts on.
+    /// f/M and a_g, one of which is `push`.
     #[inline(always)]
     fn pushes_of(push: Push) -> Pushes {
         if BASE {
@@ -117,7 +117,7 @@ impl Lane {
         self.flying.state(Moment { time, kicks: 0, pushes: Single::<BASE>::pushes_of(push) })
     }
 
-    /// Takes over where the drive stands.
+    /// Stores the state of the drive.
     #[inline(always)]
     pub fn put_moment<const BASE: bool>(&mut self, moment: &Moment) {
         let Pushes { primary, base } = moment.pushes;
@@ -134,7 +134,7 @@ impl Lane {
         Self { flying: Flying::idle(), step: 1.0, ..Self::default() }
     }
 
-    /// A run that has come to where fast flights can go on; `None` if it has not.
+    /// The lane of a run in flight; `None` if the event loop has to go on with the run.
     pub fn of<const BASE: bool>(
         run: &ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>,
     ) -> Option<Self> {
@@ -163,7 +163,7 @@ impl Lane {
         Some(lane)
     }
 
-    /// Puts the numbers back into the run.
+    /// Writes the variables back into the run.
     pub fn put_back<const BASE: bool>(
         &self,
         run: &mut ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>,

@@ -1,4 +1,4 @@
-//! What a driven run has done: its flights, its rides and the impacts that the event loop has applied.
+//! The log of a driven run: its flights, its stick episodes, and the impacts that the event loop has applied.
 
 use super::lane::Single;
 use crate::compensated::DoubleDouble;
@@ -10,13 +10,13 @@ use crate::oscillator::Primary;
 use crate::siva::SivaState;
 use crate::system::Clock;
 
-/// Flights of a block.
+/// Number of flights in a block.
 pub(super) const BLOCK: usize = 8;
 
 arrays! {
-    /// Displacement and acceleration at an end of a flight, and their derivatives.
+    /// Displacement and absolute acceleration at one end of a flight, with their derivatives.
     End,
-    /// At ends of several.
+    /// [`End`] of several flights: every field an array over them.
     Ends:
     x, v, x_second, x_third, a, a_rate, a_second, a_third,
 }
@@ -24,22 +24,23 @@ arrays! {
 arrays! {
     /// A flight.
     Flight,
-    /// Several.
+    /// [`Flight`] of several: every field an array over them.
     Flights:
-    /// The state at its begin, and the instant that its drive stands at.
+    /// The state at its begin in double-double, and the instant of its drive.
     x, x_rest, v, v_rest, a, a_rest, distance, distance_rest, rate, rate_rest, side,
     instant, instant_rest,
-    /// The clock at its begin, and its length; 0: none.
+    /// The clock at its begin, and its length; 0: there is no flight.
     time, time_rest, length,
-    /// An impact at its end: when, at which wall, and its approach speed; 0: none.
+    /// The impact at its end: its time, the sign of the wall, and its approach speed; 0: none.
     impact_time, impact_wall, approach;
-    /// What extremes are told by; the structure at its end in any case.
+    /// Displacement and acceleration at both ends, from which extremes are found; the derivatives only if
+    /// they are wanted.
     begin: End, Ends,
     end: End, Ends
 }
 
 impl End {
-    /// At a state of the structure, with derivatives if extremes are asked for.
+    /// Those at a state of the structure; derivatives only if extremes are wanted.
     #[inline(always)]
     pub fn new(
         free: &Driven<impl Source<Real = f64>>,
@@ -66,21 +67,22 @@ impl End {
     }
 }
 
-/// Flights and events of a full log: some hundred cycles of a force, and a megabyte.
+/// Number of flights and events in a full log: some hundred cycles of a force, and a megabyte.
 const FULL: usize = 4096;
 
-/// Something that is no flight.
+/// An event of the log that is not a flight.
 #[derive(Debug, Clone)]
 pub(super) enum Event {
-    /// The absorber was stuck for a time.
+    /// A stretch of a stick episode.
     Ride(Box<Ride>),
-    /// An impact that stands in no flight.
+    /// An impact that no logged flight contains.
     Impact(Impact),
-    /// Impacts up to this speed turned out not to be listed.
+    /// Impacts up to this approach speed turned out to belong to a chatter that ended in stick, and are not
+    /// listed.
     Unlist(f64),
 }
 
-/// A motion with the absorber stuck to its wall.
+/// A motion with the absorber stuck on its wall.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ride {
     pub from: SivaState<Moment>,
@@ -89,13 +91,13 @@ pub(super) struct Ride {
     pub end: SivaState<Moment>,
 }
 
-/// The flights of a run in blocks, and what happened between them.
+/// The flights of a run in blocks, and the events between them.
 #[derive(Debug, Default)]
 pub(super) struct Log {
     pub blocks: Vec<Flights<BLOCK>>,
-    /// Flights logged.
+    /// Number of flights logged.
     pub length: usize,
-    /// Each with the number of flights before it.
+    /// The events, each with the number of flights before it.
     pub events: Vec<(usize, Event)>,
 }
 
@@ -122,7 +124,7 @@ impl Log {
         sum(block.time[i % BLOCK], block.time_rest[i % BLOCK])
     }
 
-    /// The clock at the end of a flight, but for rounding.
+    /// An instant just after the end of a flight, later by its rounding.
     pub fn end(&self, i: usize) -> f64 {
         let block = &self.blocks[i / BLOCK];
         (block.time[i % BLOCK] + block.length[i % BLOCK]) * (1.0 + 2.0 * f64::EPSILON)
@@ -133,18 +135,18 @@ impl Log {
         self.blocks[i / BLOCK].length[i % BLOCK]
     }
 
-    /// True if it is to be shown and cleared, so that long runs take no more memory than others.
+    /// True if the log is to be measured and cleared, so that long runs need no more memory.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
         self.length + self.events.len() >= FULL
     }
 
-    /// Logs what is no flight.
+    /// Logs an event that is not a flight.
     pub fn event(&mut self, event: Event) {
         self.events.push((self.length, event));
     }
 
-    /// Forgets everything, but keeps the memory.
+    /// Removes all entries, but keeps the memory.
     pub fn clear(&mut self) {
         self.length = 0;
         self.events.clear();
@@ -152,7 +154,7 @@ impl Log {
 }
 
 impl Flight {
-    /// A flight between two states that ends without an impact, or with one that is logged by itself.
+    /// A flight between two states that ends without an impact, or with one that is logged as an event.
     #[inline(always)]
     pub fn new(
         from: &SivaState<Moment>,
@@ -184,7 +186,7 @@ impl Flight {
         }
     }
 
-    /// The structure at its begin.
+    /// The state of the structure at its begin.
     #[inline(always)]
     pub fn host<const BASE: bool>(&self, free: &Driven<Single<BASE>>) -> HostState<Moment> {
         let time = sum(self.instant, self.instant_rest);

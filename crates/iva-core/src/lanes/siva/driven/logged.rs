@@ -1,4 +1,5 @@
-//! A flight of a log: what was asked of it side by side is at hand, everything else is computed where it is asked.
+//! A flight of a log as a motion: answers computed side by side are stored, all others are computed on
+//! demand.
 
 use std::cell::OnceCell;
 
@@ -13,7 +14,7 @@ use crate::system::{Point, System, Wall};
 /// Structure and absorber at one instant of a flight.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// Which flight of the log, and how long after its begin.
+    /// The index of the flight in the log, and the time after its begin.
     pub index: usize,
     pub h: f64,
     pub primary: Point,
@@ -27,9 +28,9 @@ pub(super) struct Logged<'a, const BASE: bool> {
     pub free: &'a Driven<Single<BASE>>,
     pub flights: &'a Flights<BLOCK>,
     pub answers: &'a Answers<BLOCK>,
-    /// Which of them it is.
+    /// The position of the flight in its block.
     pub slot: usize,
-    /// Where it is at some instants.
+    /// The states at some instants of the flight.
     pub places: &'a [Place],
     pub flight: OnceCell<SivaFlight<'a, DrivenHost>>,
 }

@@ -1,4 +1,4 @@
-//! Logs a driven run while it passes, and measures it when its log is full or it has ended.
+//! Logs a driven run, and takes its measures when the log is full or the run has ended.
 
 use std::cell::OnceCell;
 
@@ -23,7 +23,7 @@ use crate::system::{Point, System, Wall};
 
 type DrivenSiva = Siva<DrivenHost>;
 
-/// Logs a run, and hands the log to what measures it.
+/// An observer that logs a run and hands the log to the observers that measure it.
 #[derive(Debug)]
 pub(in crate::lanes) struct Recorder<const BASE: bool> {
     pub(super) log: Log,
@@ -32,13 +32,13 @@ pub(in crate::lanes) struct Recorder<const BASE: bool> {
     memory: Box<Memory>,
 }
 
-/// Memory for what is made of a log.
+/// Working memory for the evaluation of a log.
 #[derive(Debug)]
 struct Memory {
     block: Block,
     answers: Vec<Answers<BLOCK>>,
     places: Vec<Place>,
-    /// Flights that are asked together, wherever they stand in the log.
+    /// Flights from any place of the log that are evaluated together.
     gathered: Flights<BLOCK>,
 }
 
@@ -65,7 +65,7 @@ impl<const BASE: bool> Watching<DrivenSiva> for Recorder<BASE> {
 }
 
 impl<const BASE: bool> Recorder<BASE> {
-    /// Shows the log to what measures it, and clears it.
+    /// Hands the log to the observers, and clears it.
     fn replay(&mut self, siva: &DrivenSiva) {
         let Some(free) = structure::<BASE>(siva) else { return };
         self.ask(&free);
@@ -104,7 +104,7 @@ impl<const BASE: bool> Recorder<BASE> {
         log.clear();
     }
 
-    /// Asks all flights for what is asked of them.
+    /// Computes the answers about all flights.
     fn ask(&mut self, free: &Driven<Single<BASE>>) {
         let Self { log, asked, memory, .. } = self;
         let Memory { block, answers, gathered, .. } = &mut **memory;
@@ -120,7 +120,8 @@ impl<const BASE: bool> Recorder<BASE> {
             });
             let mut i = 0;
             while i < log.length {
-                // The next of those that may be larger than the largest known; others need no exact value.
+                // The next flights whose largest size may exceed the largest one known; others need no exact
+                // value.
                 let mut chosen = [0; BLOCK];
                 let mut count = 0;
                 while i < log.length && count < BLOCK {
@@ -153,7 +154,7 @@ impl<const BASE: bool> Recorder<BASE> {
         }
     }
 
-    /// Places structure and absorber at the strobes that are kept.
+    /// Computes the states at the strobes that are kept.
     fn strobe(&mut self, siva: &DrivenSiva, free: &Driven<Single<BASE>>) {
         let Self { log, observers, memory, .. } = self;
         let Memory { places, gathered, .. } = &mut **memory;
@@ -163,7 +164,7 @@ impl<const BASE: bool> Recorder<BASE> {
         let at_rest = (Point { x: 0.0, v: 0.0 }, GapPoint { y: 0.0, w: 0.0 });
         for instant in steady.kept_strobes() {
             let within = |i: usize| (instant - log.start(i)).value;
-            // Plainly before it, or exactly.
+            // Clearly before the strobe by rounded numbers, or else by exact ones.
             let before = |i: usize| {
                 log.end(i) < instant.value * (1.0 - f64::EPSILON) || within(i) >= log.span(i)
             };
@@ -199,7 +200,7 @@ fn structure<const BASE: bool>(siva: &DrivenSiva) -> Option<Driven<Single<BASE>>
     Some(Driven { equation, source, base: *base, reach: *reach, step: *step, excess: *excess })
 }
 
-/// Shows a flight, with the impact at its end.
+/// Hands a flight to the observers, with the impact at its end.
 fn show_flight<const BASE: bool>(observers: &mut Observers<DrivenSiva>, motion: &Logged<'_, BASE>) {
     let Logged { siva, flights, slot, .. } = motion;
     let i = *slot;
@@ -207,7 +208,7 @@ fn show_flight<const BASE: bool>(observers: &mut Observers<DrivenSiva>, motion: 
         Point { x: flights.x[i], v: flights.v[i] },
         Point { x: flights.end.x[i], v: flights.end.v[i] },
     );
-    // No measure asks for more of the state at its end than where the structure is.
+    // Of the state at the end of a flight, measures use the structure only.
     let zero = DoubleDouble::ZERO;
     let primary = Primary { x: DoubleDouble::new(to.x), v: DoubleDouble::new(to.v) };
     let phase = Moment { time: zero, kicks: 0, pushes: Pushes::NONE };
@@ -221,7 +222,7 @@ fn show_flight<const BASE: bool>(observers: &mut Observers<DrivenSiva>, motion: 
     }
 }
 
-/// Shows what is no flight.
+/// Hands an event to the observers.
 fn show(observers: &mut Observers<DrivenSiva>, siva: &DrivenSiva, event: &Event) {
     match event {
         Event::Ride(ride) => {
@@ -231,7 +232,7 @@ fn show(observers: &mut Observers<DrivenSiva>, siva: &DrivenSiva, event: &Event)
             observers.span(siva, &Span { motion: &motion, start, length, from, to, end: &end });
         }
         Event::Impact(impact) => observers.impact(siva, impact),
-        // Which of them they are is told by the impacts shown before.
+        // The observers know from the impacts before which of them are meant.
         Event::Unlist(floor) => Observer::<DrivenSiva>::unlist(observers, 0, *floor),
     }
 }

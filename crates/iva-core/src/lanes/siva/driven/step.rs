@@ -6,7 +6,7 @@ use crate::host::Structure;
 use crate::lanes::pick;
 use crate::lanes::siva::look::look;
 
-/// One evaluation of each lane, and the flights that end with it.
+/// One evaluation of each lane; `ended` takes the flights that it completes.
 #[inline(always)]
 pub(super) fn steps<const W: usize, const BASE: bool, const EXTREMES: bool>(
     lanes: &mut Lanes<W>,
