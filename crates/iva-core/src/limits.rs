@@ -1,4 +1,4 @@
-//! How long to run, where to stop, and how a run ended.
+//! The limits of a run, and the ways in which it can end.
 
 use crate::error::Invalid;
 use crate::range;
@@ -7,17 +7,17 @@ use crate::real::Real;
 /// Number of [`Limits::stops`].
 pub const STOPS: usize = 4;
 
-/// How long to run and where to stop.
+/// The length of a run and its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<R = f64> {
-    /// The instant at which the run ends, in 1/ωn: its length, where it begins at time zero.
+    /// The instant at which the run ends, in 1/ωn: its length, if it begins at time zero.
     pub duration: R,
-    /// Stop after so many listed impacts. Rebounds at or below the floor count once it is known
-    /// that their chatter does not end in stick.
+    /// Largest number of listed impacts. Rebounds at or below the floor count once it is known that their
+    /// chatter does not end in stick.
     pub max_impacts: u64,
-    /// Stop after so many segments of flight or ride.
+    /// Largest number of segments of flight or stick episode.
     pub max_work: u64,
-    /// Rebounds of an episode at or below this approach speed are not listed.
+    /// Chatter floor: rebounds of a stick episode at or below this approach speed are not listed.
     pub chatter_floor: R,
 }
 
@@ -26,7 +26,7 @@ impl Limits {
     pub const MAX_IMPACTS: u64 = 10_000_000;
     /// Default of `max_work`.
     pub const MAX_WORK: u64 = 100_000_000;
-    /// Default of `chatter_floor`, over the clearance.
+    /// Default of `chatter_floor` as a share of the clearance, times ωn.
     pub const CHATTER_FLOOR: f64 = 1e-6;
 }
 
@@ -41,8 +41,8 @@ impl<R: Real> Limits<R> {
         }
     }
 
-    /// The instants of a free decay that measures look at: one period, one and half a period before the
-    /// end, and the end; in order, those outside the run as its end.
+    /// The instants of a free decay that measures look at, in order: one period, one and half a period before
+    /// the end, and the end. Those outside the run are replaced by its end.
     pub fn stops(&self) -> [R; STOPS] {
         let end = self.duration;
         let period = R::TURN.value;
@@ -80,7 +80,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// The word in the tables.
+    /// The name in the tables.
     pub fn name(self) -> &'static str {
         match self {
             Outcome::Finished => "finished",

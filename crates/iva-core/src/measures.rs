@@ -1,8 +1,7 @@
-//! Damping measures of a decay, side by side, each by name.
+//! Damping measures of a decay, each under its own name.
 //!
-//! None is *the* damping ratio. All are taken from the exact motion as it passes: no samples, no
-//! envelope fits to sampled data. Reference amplitude A₀ = |x(0)|, or the first peak when
-//! x(0) = 0.
+//! None is *the* damping ratio. All are taken from the exact motion during the run: no samples, no envelope
+//! fits to sampled data. Reference amplitude A₀ = |x(0)|, or the first peak when x(0) = 0.
 
 use crate::compensated::DoubleDouble;
 use crate::flight::{Losses, Motion};
@@ -15,9 +14,9 @@ use crate::system::System;
 
 /// Peaks below this share of A₀ end the least-squares fit.
 const FIT_FLOOR: f64 = 0.05;
-/// Instants this close, over their size, are the same.
+/// Relative distance at or below which two instants count as the same, in parts of their size.
 const CLOSE: f64 = 8.0 * f64::EPSILON;
-/// The numbers of cycles of the logarithmic decrements.
+/// Numbers of cycles of the logarithmic decrements.
 const CYCLES: [u64; 3] = [1, 3, 10];
 
 /// Which groups of measures to compute.
@@ -34,10 +33,10 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// Everything.
+    /// All groups.
     pub const ALL: Wanted = Wanted { peaks: true, settling: true, residual: true, ledger: true };
 
-    /// True if something is wanted that is read from the displacement of a decay.
+    /// True if a measure of the displacement of a decay is wanted.
     pub(crate) fn decay(self) -> bool {
         self.peaks || self.settling || self.residual
     }
@@ -49,9 +48,9 @@ impl Wanted {
 pub struct MeasureValues<R = f64> {
     /// δ/√(4π² + δ²), δ = ln(a₀/a₂).
     pub damping_ratio_1: Option<R>,
-    /// The same with δ = ln(a₀/a₆)/3.
+    /// δ/√(4π² + δ²), δ = ln(a₀/a₆)/3.
     pub damping_ratio_3: Option<R>,
-    /// The same with δ = ln(a₀/a₂₀)/10.
+    /// δ/√(4π² + δ²), δ = ln(a₀/a₂₀)/10.
     pub damping_ratio_10: Option<R>,
     /// −slope of the least-squares line of ln a_k over ωn t_k, down to 5 % of A₀; at least 3 peaks.
     pub damping_ratio_fit: Option<R>,
@@ -64,23 +63,23 @@ pub struct MeasureValues<R = f64> {
     pub settling_time_5: Option<R>,
     /// Last instant at which |x| = 0.02 A₀.
     pub settling_time_2: Option<R>,
-    /// Largest |x| over the last period over A₀; null under a lasting force, as all above.
+    /// Largest |x| over the last period over A₀. Like all measures above, null under a lasting force.
     pub residual_amplitude: Option<R>,
     /// E(0), before any impulse.
     pub energy_initial: R,
     /// Σ ∫ 2ζ ẋ² dt.
     pub energy_viscous: R,
-    /// What the damping of a pendulum's pivot takes, an integral; 0 for a free mass.
+    /// Energy lost by the damping of a pendulum's pivot, an integral; 0 for a free mass.
     pub energy_pivot: R,
     /// E at the end.
     pub energy_final: R,
-    /// What force and base motion put in, an integral; 0 in free decay.
+    /// Work done by force and base motion, an integral; 0 in free decay.
     pub energy_work: R,
     /// Initial + work − impacts − viscous − pivot − final.
     pub energy_residual: R,
 }
 
-/// Takes the measures while a run passes.
+/// An observer that computes the measures of a run.
 #[derive(Debug, Clone)]
 pub struct Measures<S: System> {
     pub(crate) wanted: Wanted,
@@ -104,7 +103,7 @@ pub struct Measures<S: System> {
     pub(crate) work: DoubleDouble<S::Real>,
 }
 
-/// A₀, which grows with the first half cycle where x(0) = 0.
+/// A₀, which grows during the first half cycle if x(0) = 0; `settled` once it is final.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reference<R = f64> {
     pub amplitude: R,
@@ -135,19 +134,19 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         }
     }
 
-    /// What was measured; complete once the run has ended.
+    /// The measures; complete once the run has ended.
     pub fn values(&self) -> &MeasureValues<R> {
         &self.values
     }
 
-    /// Adds what many flights have lost and what the force has put in, each with its rounding rest.
+    /// Adds energy lost and work of many flights, each in double-double.
     pub(crate) fn add(&mut self, lost: [R; 2], work: [R; 2]) {
         self.moving = true;
         self.viscous = self.viscous.plus_parts(lost[0], lost[1]);
         self.work = self.work.plus_parts(work[0], work[1]);
     }
 
-    /// True as long as later peaks than so many change a measure.
+    /// True as long as peaks after the first `ended` ones change a measure.
     pub(crate) fn listens(&self, ended: u64) -> bool {
         self.wanted.peaks && (!self.fit.closed || ended <= 2 * CYCLES[2])
     }
@@ -186,7 +185,7 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
     ) {
         let [_, x] = stretch.x;
         let time = span.start.plus(stretch.h[1]).value;
-        // First, because the end of half cycle 0 settles A₀.
+        // Before the amplitude is used: the end of half cycle 0 makes A₀ final.
         if let Some(peak) = self.half_cycles.reach(time, x) {
             self.peak(&peak, self.half_cycles.ended - 1);
         }
@@ -249,7 +248,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
             self.pivot = self.pivot.plus(pivot);
             self.work = self.work.plus(work);
         }
-        // The energy lost in a period is that from time zero on.
+        // The energy loss of the first period counts from time zero.
         if !decays || self.begin != 0.0 {
             return;
         }
@@ -263,7 +262,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
 
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         self.work = self.work.plus(work);
-        // After a later impulse the energy lost since the start cannot be told.
+        // After a later impulse the energy lost since the start is not defined.
         self.energy_begin = if self.moving { R::ZERO } else { system.energy(state) };
     }
 
@@ -277,7 +276,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         let whole = tally.outcome == Outcome::Finished && amplitude > 0.0;
         let values = &mut self.values;
         if driven {
-            // Nothing decays by itself: these would measure the force.
+            // Under a force nothing decays by itself: these numbers would measure the force.
             values.damping_ratio_energy = None;
         } else {
             [values.damping_ratio_1, values.damping_ratio_3, values.damping_ratio_10] =
@@ -310,12 +309,12 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
     }
 }
 
-/// True of an instant that is one period after time zero, but for rounding.
+/// True if an instant is one period after time zero, apart from rounding.
 pub(crate) fn is_one_period(instant: f64) -> bool {
     (instant - f64::TURN.value).abs() <= f64::TURN.value * CLOSE
 }
 
-/// From when on a run counts as late, but for rounding.
+/// The instant `before_end` before the end of a run, a little earlier because of rounding.
 pub(crate) fn late<R: Real>(duration: R, before_end: R) -> R {
     (duration - before_end) - duration * CLOSE
 }
@@ -332,9 +331,9 @@ pub(crate) struct Fit<R = f64> {
 }
 
 impl<R: Real> Fit<R> {
-    /// Takes a peak of this size over A₀.
+    /// Takes a peak: its time, and its size over A₀.
     fn take(&mut self, time: R, amplitude: R) {
-        // Where nothing moves, the amplitude is 0/0.
+        // Where nothing moves, the size is 0/0.
         if self.closed || amplitude.is_nan() || amplitude < FIT_FLOOR {
             self.closed = true;
             return;

@@ -1,4 +1,4 @@
-//! Who watches a run: measures, records and samplers see it through [`Observer`].
+//! Observers of a run: measures, records and samplers implement [`Observer`].
 
 use crate::flight::Motion;
 use crate::impact::Impact;
@@ -6,7 +6,7 @@ use crate::real::Real;
 use crate::simulate::{Instant, Tally};
 use crate::system::{Clock, Point, System, Wall};
 
-/// Smooth motion between two neighbouring instants of the run.
+/// Smooth motion between two consecutive events or step ends of the run.
 #[derive(Debug)]
 pub struct Span<'a, M: Motion> {
     /// The motion, exact for 0 ≤ h ≤ `length`.
@@ -15,62 +15,63 @@ pub struct Span<'a, M: Motion> {
     pub start: Clock<M::Real>,
     /// Length of the span.
     pub length: M::Real,
-    /// Primary at its begin.
+    /// State of the primary at the begin of the span.
     pub from: Point<M::Real>,
-    /// Primary at its end.
+    /// State of the primary at the end of the span.
     pub to: Point<M::Real>,
-    /// The state at its end, before what may happen there.
+    /// State of the system at the end of the span, before an event there.
     pub end: &'a M::State,
 }
 
-/// A chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall. Times in
-/// 1/ωn, energy per primary mass in ωn² × length².
+/// A stick episode: a chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall.
+/// Times in 1/ωn, energy per primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StickEpisode<R = f64> {
     /// The wall.
     pub wall: Wall,
     /// Its first impact: the first after which only this wall is met until the stick.
     pub start_time: R,
-    /// End of the chatter, begin of the ride.
+    /// End of the chatter: the absorber sticks.
     pub stick_time: R,
-    /// End of the ride; `None` if still stuck at the end of the run.
+    /// Release from the wall; `None` if the absorber is still stuck at the end of the run.
     pub release_time: Option<R>,
-    /// Listed impacts.
+    /// Number of its listed impacts.
     pub impacts: u64,
     /// Energy lost in all its impacts, listed or summed.
     pub energy_loss: R,
 }
 
-/// What happens to a state in an instant.
+/// A change of state at one instant.
 #[derive(Debug)]
 pub enum Jump<'a, State> {
-    /// An impact: the states in contact, just before and just after.
+    /// An impact, with the states in contact just before and just after it.
     Impact {
-        /// Before.
+        /// The state before.
         before: &'a State,
-        /// After.
+        /// The state after.
         after: &'a State,
     },
-    /// A chatter is summed to its end: the absorber sticks.
+    /// The end of a summed chatter: the absorber sticks.
     Stick,
-    /// The absorber leaves the wall it was stuck to.
+    /// The release of a stuck absorber.
     Release,
 }
 
-/// Where an impact happens.
+/// The contact at which an impact happens.
 #[derive(Debug)]
 pub struct Contact<'a, State, R = f64> {
-    /// Instant.
+    /// Instant of the contact, in 1/ωn.
     pub time: R,
     /// The states just before and just after.
     pub states: [&'a State; 2],
-    /// True of a rebound of a summed tail: the run does not go through these states.
+    /// True for a rebound of a summed tail: the run itself does not pass through these states.
     pub summed: bool,
 }
 
 impl<State, R: Real> Contact<'_, State, R> {
-    /// The largest |ẍ + a_g| around it, or `least` if that is larger; of a rebound of a summed tail only. Between these
-    /// the acceleration has no other extremes, for the damper feels their jumps, and all others are seen in the motion.
+    /// The larger of `least` and the largest |ẍ + a_g| just before and after a rebound of a summed tail;
+    /// `least` for any other contact. Between such rebounds the acceleration has no larger values, because it
+    /// jumps with the velocity in the damper; all others are found in the motion.
     pub fn hardest_shaking<S: System<Real = R, State = State>>(&self, system: &S, least: R) -> R {
         if !self.summed {
             return least;
@@ -80,11 +81,11 @@ impl<State, R: Real> Contact<'_, State, R> {
     }
 }
 
-/// Told of everything that happens in a run, in the order of time.
+/// Notified of everything that happens in a run, in order of time.
 pub trait Observer<S: System> {
-    /// The run begins and is to last until `duration`.
+    /// The run begins, and will end at the instant `duration`.
     fn start(&mut self, _system: &S, _from: &Instant<S::State, S::Real>, _duration: S::Real) {}
-    /// Smooth motion.
+    /// A span of smooth motion.
     fn span<M: Motion<Real = S::Real, State = S::State>>(
         &mut self,
         _system: &S,
@@ -93,19 +94,19 @@ pub trait Observer<S: System> {
     }
     /// An impact.
     fn impact(&mut self, _system: &S, _impact: &Impact<S::Real>) {}
-    /// The states around an impact, told before [`Observer::impact`]; first of all the one that a summed tail begins with.
+    /// The states around an impact, notified before [`Observer::impact`]. A summed tail is preceded by a
+    /// contact with the state that it begins with.
     fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State, S::Real>) {}
-    /// The state changes in an instant; of an impact before [`Observer::impact`].
+    /// A change of state at one instant; that of an impact is notified before [`Observer::impact`].
     fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {}
-    /// An impulse from outside: the state after it, and the work it does (0 where the force only
-    /// jumps).
+    /// An impulse from outside: the state after it, and its work (0 at a jump of the force).
     fn impulse(&mut self, _system: &S, _state: &S::State, _work: S::Real) {}
-    /// Of the impacts from index `first` on, those not faster than `floor` are not to be listed:
-    /// they turned out to belong to a chatter that ended in stick.
+    /// Of the impacts from index `first` on, those with an approach speed of at most `floor` are not to be
+    /// listed: they turned out to belong to a chatter that ended in stick.
     fn unlist(&mut self, _first: u64, _floor: S::Real) {}
-    /// An episode, told when it ends.
+    /// A stick episode, notified when it ends.
     fn episode(&mut self, _episode: &StickEpisode<S::Real>) {}
-    /// True once it has seen enough: the run ends at the next instant between two motions.
+    /// True if the observer needs no more: the run ends before its next motion.
     fn is_done(&self) -> bool {
         false
     }
@@ -241,12 +242,12 @@ impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> f
     }
 }
 
-/// Keeps the impacts and episodes of a run.
+/// An observer that keeps the impacts and stick episodes of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Events<R = f64> {
-    /// Listed impacts in the order of time.
+    /// Listed impacts in order of time.
     pub impacts: Vec<Impact<R>>,
-    /// Episodes in the order of time.
+    /// Stick episodes in order of time.
     pub episodes: Vec<StickEpisode<R>>,
 }
 

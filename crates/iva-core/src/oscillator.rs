@@ -1,6 +1,6 @@
 //! The primary system between events: m ẍ + 2ζ ẋ + x = 0 in closed form (paper, Eq. 1 with f = 0).
 //!
-//! Natural units: time in 1/ωn, M = 1. The free primary has m = 1; with the absorber riding on a
+//! Natural units: time in 1/ωn, M = 1. The primary without absorber has m = 1; with the absorber stuck on a
 //! wall m = 1 + μ. With a = −(k x + c v) the acceleration at the start, k = 1/m, c = 2ζ/m,
 //!
 //! ```text
@@ -25,9 +25,9 @@ use crate::real::Real;
 
 /// Terms of the series of P and Q, beginning with h².
 const TERMS: usize = 24;
-/// Terms whose coefficients are computed to twice the precision.
+/// Number of leading terms whose coefficients are computed in double-double.
 const EXACT_TERMS: usize = 8;
-/// Terms from h⁴ on whose coefficients' rounding rests matter to a flight: the next is below 10⁻¹⁹.
+/// Number of terms from h⁴ on for which the low parts of the coefficients are used: the next is below 10⁻¹⁹.
 const RESTS: usize = 4;
 /// Terms of the series of the viscous loss, beginning with h.
 const LOSS_TERMS: usize = 30;
@@ -48,7 +48,7 @@ pub struct Equation<R = f64> {
 }
 
 impl<R: Real> Equation<R> {
-    /// Of the mass `mass` (1 or 1 + μ) on the primary's spring and damper.
+    /// The equation of mass `mass` (1 or 1 + μ) on the primary's spring and damper.
     pub fn new(mass: R, damping_ratio: R) -> Self {
         let stiffness = R::ONE / mass;
         let damping = damping_ratio * 2.0 / mass;
@@ -57,7 +57,7 @@ impl<R: Real> Equation<R> {
         Self { stiffness, frequency: stiffness.sqrt(), damping, growth, third }
     }
 
-    /// k p − c r, to twice the precision.
+    /// k p − c r, in double-double.
     #[inline(always)]
     pub(crate) fn pull(&self, p: DoubleDouble<R>, r: DoubleDouble<R>) -> DoubleDouble<R> {
         let spring =
@@ -65,7 +65,7 @@ impl<R: Real> Equation<R> {
         spring - r.product(DoubleDouble::new(self.damping))
     }
 
-    /// The derivative that follows two successive derivatives of x.
+    /// x⁽ⁿ⁺²⁾ = −(k x⁽ⁿ⁾ + c x⁽ⁿ⁺¹⁾), from the two derivatives before it.
     #[inline]
     pub fn next_derivative(&self, lower: R, upper: R) -> R {
         -(self.stiffness * lower + self.damping * upper)
@@ -77,7 +77,7 @@ impl<R: Real> Equation<R> {
         self.frequency * x.abs() + v.abs()
     }
 
-    /// Λⁿ⁺¹ρ.
+    /// The bound Λⁿ⁺¹ρ on |x⁽ⁿ⁺²⁾|.
     #[inline(always)]
     pub(crate) fn bound<const N: usize>(&self, primary: &Primary<R>) -> R {
         let radius = self.radius(primary.x.value, primary.v.value);
@@ -94,28 +94,27 @@ impl<R: Real> Equation<R> {
     }
 }
 
-/// Coefficients of one oscillator; they depend on ζ and m only.
+/// The power series of one oscillator; they depend on ζ and m only.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator<R = f64> {
-    /// Its constants.
+    /// The constants of its equation.
     pub equation: Equation<R>,
-    /// Longest h of a flight: 1.4/Λ, where the first dropped term is below 2 · 1.4²⁴/26! ≈ 2e-23 of the
-    /// sum. (Longer ones would be fewer, but rounding of the terms from h⁴ on would show.)
+    /// Longest h of a flight: 1.4/Λ, where the first dropped term is below 2 · 1.4²⁴/26! ≈ 2e-23 of the sum.
+    /// (With a larger h, rounding errors of the terms from h⁴ on would matter.)
     pub reach: R,
-    /// Coefficients of P and Q.
+    /// Coefficients of P and Q from h² on.
     responses: [[R; 2]; TERMS],
-    /// The same without the terms up to h³, see [`Oscillator::arrive`].
+    /// Coefficients of P and Q without the terms up to h³, which [`Oscillator::arrive`] takes separately.
     bent: [[R; 2]; TERMS],
-    /// Rounding rests of the coefficients of h⁴ to h⁷. They are the same in every flight: without them
-    /// the energy of an undamped run would drift.
+    /// Low parts of the coefficients of h⁴ to h⁷. Their errors are the same in every flight: without the low
+    /// parts the energy of an undamped run would drift.
     coefficient_rests: [[R; 2]; RESTS],
-    /// What rounding takes from P and Q without those terms at h = `reach`, a step taken again and
-    /// again.
+    /// Rounding errors of P and Q without the terms up to h³ at h = `reach`, the length of most flights.
     full_step_rest: [R; 2],
-    /// The coefficients to twice the precision, for [`Oscillator::precise`].
+    /// Coefficients of P and Q in double-double, for [`Oscillator::precise`].
     exact: [[DoubleDouble<R>; 2]; TERMS],
     loss: [[R; 3]; LOSS_TERMS],
-    /// The loss at h = `reach` for the three products.
+    /// The viscous loss at h = `reach`, per x², x v and v² of the starting state.
     full_loss: [R; 3],
 }
 
@@ -151,13 +150,13 @@ impl<R: Real> Oscillator<R> {
         }
     }
 
-    /// ẍ of a state, to twice the precision: it may be a small difference of spring and damper.
+    /// ẍ of a state in double-double: it may be a small difference of spring and damper force.
     #[inline]
     pub fn acceleration(&self, primary: &Primary<R>) -> DoubleDouble<R> {
         self.next(primary.x, primary.v)
     }
 
-    /// The derivative that follows two successive ones, to twice the precision.
+    /// The next derivative of x from the two before it, in double-double.
     #[inline(always)]
     fn next(&self, lower: DoubleDouble<R>, upper: DoubleDouble<R>) -> DoubleDouble<R> {
         let Equation { stiffness, damping, .. } = self.equation;
@@ -166,8 +165,8 @@ impl<R: Real> Oscillator<R> {
         -(spring + upper.product(DoubleDouble::new(damping)))
     }
 
-    /// What a flight of length h ≤ `reach` adds to a state: the terms up to h³ to twice the precision,
-    /// which leaves the rounding of those from h⁴ on.
+    /// The gain of displacement and velocity in a flight of length h ≤ `reach`. The terms up to h³ are in
+    /// double-double, so only the terms from h⁴ on have rounding errors.
     #[inline(always)]
     pub fn arrive(
         &self,
@@ -206,8 +205,8 @@ impl<R: Real> Oscillator<R> {
         }
     }
 
-    /// x(h) − x − v h to twice the precision, for h ≤ `reach`: dear, and asked only where a
-    /// grazing is to be decided.
+    /// x(h) − x − v h in double-double, for h ≤ `reach`. Expensive: called only where a grazing is to be
+    /// decided.
     pub fn precise(
         &self,
         velocity: DoubleDouble<R>,
@@ -219,7 +218,8 @@ impl<R: Real> Oscillator<R> {
         forced.plus_parts(carried.value, carried.rest)
     }
 
-    /// x and its derivatives after a flight of length h ≤ `reach`, to some units in the last place.
+    /// x and its derivatives after a flight of length h ≤ `reach`, with errors of some units in the last
+    /// place.
     #[inline(always)]
     pub(crate) fn jet(&self, x: R, v: R, a: R, h: R) -> Jet<R> {
         let z = h * h;
@@ -243,14 +243,14 @@ impl<R: Real> Oscillator<R> {
         }
     }
 
-    /// The same, also for h = `reach` by the series.
+    /// [`Oscillator::viscous_loss`] by the power series for every h.
     #[inline(always)]
     pub(crate) fn viscous_loss_series(&self, x: R, v: R, h: R) -> R {
         loss(&even_and_odd(&self.loss, h), x, v, h)
     }
 }
 
-/// What a flight adds to a state.
+/// The gain of displacement and velocity in a flight.
 #[derive(Debug, Clone, Copy)]
 pub struct Arrival<R = f64> {
     /// x(h) − x − v h.
@@ -259,7 +259,7 @@ pub struct Arrival<R = f64> {
     pub velocity: DoubleDouble<R>,
 }
 
-/// A state of the primary, carried with its rounding rests.
+/// A state of the primary, in double-double.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Primary<R = f64> {
     /// Displacement.
@@ -269,12 +269,12 @@ pub struct Primary<R = f64> {
 }
 
 impl<R: Real> Primary<R> {
-    /// The state after its velocity has jumped.
+    /// The state after its velocity has increased.
     pub fn faster_by(&self, gained: DoubleDouble<R>) -> Primary<R> {
         Primary { v: self.v + gained, ..*self }
     }
 
-    /// The state after a flight, and what the flight has added.
+    /// The state after a flight of length h, and the gain of displacement and velocity in it.
     #[inline(always)]
     pub fn arrived(
         &self,
@@ -305,13 +305,13 @@ impl<R: Real> Primary<R> {
     }
 }
 
-/// The loss in a flight of length h from the sums of its three series.
+/// The viscous loss in a flight of length h from the sums of its three series.
 #[inline(always)]
 fn loss<R: Real>(sums: &[R; 3], x: R, v: R, h: R) -> R {
     h * (x * x * sums[0] + x * v * sums[1] + v * v * sums[2])
 }
 
-/// P (i = 0) or Q (i = 1) at h to twice the precision.
+/// P (i = 0) or Q (i = 1) at h, in double-double.
 fn horner<R: Real>(responses: &[[DoubleDouble<R>; 2]; TERMS], i: usize, h: R) -> DoubleDouble<R> {
     let mut sum = DoubleDouble::<R>::ZERO;
     for coefficients in responses.iter().rev() {
@@ -320,8 +320,8 @@ fn horner<R: Real>(responses: &[[DoubleDouble<R>; 2]; TERMS], i: usize, h: R) ->
     sum.times(h).times(h)
 }
 
-/// K polynomials with common argument, N even: even and odd powers side by side, each product and sum
-/// rounded once.
+/// K polynomials at one argument, N even, as sums over even and odd powers; each product and sum is rounded
+/// once.
 #[inline(always)]
 fn even_and_odd<R: Real, const K: usize, const N: usize>(series: &[[R; K]; N], h: R) -> [R; K] {
     const { assert!(N.is_multiple_of(2)) }
@@ -336,8 +336,8 @@ fn even_and_odd<R: Real, const K: usize, const N: usize>(series: &[[R; K]; N], h
     std::array::from_fn(|k| odd[k].mul_add(h, even[k]))
 }
 
-/// Coefficients of h², h³, … of P and Q, from P⁽ⁿ⁺²⁾ = −k P⁽ⁿ⁾ − c P⁽ⁿ⁺¹⁾ (n ≥ 1) and Q̇ = −k P; the
-/// leading ones with their rests, the others too small for that to matter.
+/// Coefficients of h², h³, … of P and Q, from P⁽ⁿ⁺²⁾ = −k P⁽ⁿ⁾ − c P⁽ⁿ⁺¹⁾ (n ≥ 1) and Q̇ = −k P. The first
+/// [`EXACT_TERMS`] are in double-double.
 fn responses<R: Real>(stiffness: R, damping: R) -> [[DoubleDouble<R>; 2]; TERMS] {
     let mut series = [[DoubleDouble::ZERO; 2]; TERMS];
     let [mut lower, mut upper] = [DoubleDouble::ZERO, DoubleDouble::new(R::ONE * 0.5)];

@@ -7,7 +7,7 @@ use crate::real::Real;
 use crate::simulate::{Instant, Tally};
 use crate::system::System;
 
-/// The largest |x| between consecutive zero crossings of x.
+/// A peak: the largest |x| between consecutive zero crossings of x.
 ///
 /// An impact can make several extrema in one half cycle; they count as one peak. Peak 0 includes
 /// the start. Only half cycles ended by a zero crossing count; a run without any crossing has the
@@ -20,16 +20,16 @@ pub struct Peak<R = f64> {
     pub displacement: R,
 }
 
-/// A stretch of a span on which x runs one way.
+/// A stretch of a span on which x is monotonic.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Monotone<R = f64> {
-    /// Begin and end, measured from the start of the span.
+    /// Begin and end, as times after the start of the span.
     pub h: [R; 2],
     /// x at both ends.
     pub x: [R; 2],
 }
 
-/// Hands out the stretches of a span on which x runs one way, in order.
+/// Hands out the stretches of a span on which x is monotonic, in order.
 pub(crate) fn monotone<R: Real, S: System<Real = R>, M: Motion<Real = R, State = S::State>>(
     span: &Span<'_, M>,
     mut take: impl FnMut(&Monotone<R>),
@@ -43,7 +43,7 @@ pub(crate) fn monotone<R: Real, S: System<Real = R>, M: Motion<Real = R, State =
     match (span.motion.turns(span.length, span.end), span.motion.rows()) {
         (Turns::Never, _) => {}
         (Turns::Once(h, x), _) => turn((h, x)),
-        // Under force x may turn more than once.
+        // Under force x may have more than one extremum.
         (Turns::Unknown, Some(Rows { x, step, order, .. })) => {
             let x = &x[..=order];
             for bracket in turnings(x, span.length / step) {
@@ -63,14 +63,14 @@ pub(crate) fn monotone<R: Real, S: System<Real = R>, M: Motion<Real = R, State =
     take(&Monotone { h: [begin.0, span.length], x: [begin.1, to.x] });
 }
 
-/// Follows x through its half cycles.
+/// The half cycles of x.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct HalfCycles<R = f64> {
-    /// Largest |x| of the half cycle under way.
+    /// The largest |x| so far of the current half cycle.
     pub current: Peak<R>,
-    /// Sign of x in it, 0 as long as x has not left 0.
+    /// Sign of x in the current half cycle, 0 until x has left 0.
     pub sign: R,
-    /// Half cycles ended so far.
+    /// Number of completed half cycles.
     pub ended: u64,
 }
 
@@ -80,7 +80,8 @@ impl<R: Real> HalfCycles<R> {
         Self { current: Peak { time, displacement: x }, sign, ended: 0 }
     }
 
-    /// Takes the end of a monotone stretch; returns the peak that a zero crossing has ended.
+    /// Takes the end of a monotonic stretch; returns the peak of the half cycle that a zero crossing has
+    /// completed.
     pub fn reach(&mut self, time: R, x: R) -> Option<Peak<R>> {
         if x * self.sign < 0.0 {
             let peak = self.current;
@@ -99,7 +100,7 @@ impl<R: Real> HalfCycles<R> {
     }
 }
 
-/// Keeps the peaks of a run.
+/// An observer that keeps the peaks of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Envelope<R = f64> {
     /// Peaks in the order of time.

@@ -1,4 +1,4 @@
-//! Integrals and extrema of the polynomials that a motion consists of.
+//! Integrals and extrema of polynomials.
 
 use crate::flight::Arc;
 use crate::range::{LARGEST, SMALLEST};
@@ -6,10 +6,10 @@ use crate::real::Real;
 use crate::roots::polish;
 use crate::taylor::{ORDER, Row, horner};
 
-/// Products of terms are summed up to this many powers beyond the order.
+/// Number of powers beyond the order up to which the products of terms are summed.
 const BEYOND: usize = 4;
 
-/// ∫₀ᵗ f g of two polynomials of one order, at most [`ORDER`], that are series cut off where their terms no longer count.
+/// ∫₀ᵗ f g of two polynomials of one order, at most [`ORDER`], that are truncated power series.
 pub fn product_integral<R: Real>(f: &[R], g: &[R], t: R) -> R {
     let (f, g) = (terms(f, t), terms(g, t));
     let order = f.1;
@@ -24,7 +24,7 @@ pub fn product_integral<R: Real>(f: &[R], g: &[R], t: R) -> R {
     sum * t
 }
 
-/// The terms of a polynomial at t, and its order.
+/// The terms f_k tᵏ of a polynomial at t, and its order.
 #[inline(always)]
 fn terms<R: Real>(f: &[R], t: R) -> (Row<R>, usize) {
     let mut terms = [R::ZERO; ORDER + 1];
@@ -36,8 +36,8 @@ fn terms<R: Real>(f: &[R], t: R) -> (Row<R>, usize) {
     (terms, f.len() - 1)
 }
 
-/// The largest |f| of a polynomial on an interval of [0, ∞), or `least` if that is larger: at an end, or where it
-/// turns round.
+/// The larger of `least` and the largest |f| of a polynomial on an interval of [0, ∞), at an end or an
+/// extremum.
 pub(crate) fn largest<R: Real>(f: &[R], h: [R; 2], least: R) -> R {
     R::dispatched(
         #[inline(always)]
@@ -53,7 +53,7 @@ fn largest_of<R: Real>(f: &[R], [from, to]: [R; 2], least: R) -> R {
         return least.max(ends);
     }
     if !(SMALLEST..LARGEST).contains(&size.double()) {
-        // Over its size, so that no bound overflows.
+        // Divided by its size, so that no bound overflows.
         let over: Vec<R> = f.iter().map(|coefficient| *coefficient / size).collect();
         return (largest(&over, [from, to], least / size) * size).max(least);
     }
@@ -71,14 +71,13 @@ fn largest_of<R: Real>(f: &[R], [from, to]: [R; 2], least: R) -> R {
     inner(f, [from, to]).fold(least.max(ends), |most, value| most.max(value.abs()))
 }
 
-/// The values of a polynomial where it turns round inside an interval of [0, ∞).
+/// The values of a polynomial at its extrema inside an interval of [0, ∞).
 fn inner<R: Real>(f: &[R], [from, to]: [R; 2]) -> impl Iterator<Item = R> {
     let turns = turnings(f, to).into_iter().map(|bracket| turned(|t| jet(f, t), bracket));
     turns.filter(move |(at, _)| *at > from && *at < to).map(|(_, value)| value)
 }
 
-/// The least and the largest value of a polynomial on an interval of [0, ∞), at an end or where it turns round, or
-/// those given if they are further out.
+/// The range of a polynomial on an interval of [0, ∞), joined with a given range.
 pub(crate) fn range<R: Real>(f: &[R], [from, to]: [R; 2], given: [R; 2]) -> [R; 2] {
     let wider = |[least, most]: [R; 2], value: R| [least.min(value), most.max(value)];
     let size = steepest(f, 0, to);
@@ -87,7 +86,7 @@ pub(crate) fn range<R: Real>(f: &[R], [from, to]: [R; 2], given: [R; 2]) -> [R; 
         return ends;
     }
     if !(SMALLEST..LARGEST).contains(&size.double()) {
-        // Over its size, so that no bound overflows.
+        // Divided by its size, so that no bound overflows.
         let over: Vec<R> = f.iter().map(|coefficient| *coefficient / size).collect();
         return inner(&over, [from, to]).map(|value| value * size).fold(ends, wider);
     }
@@ -99,14 +98,14 @@ pub(crate) fn range<R: Real>(f: &[R], [from, to]: [R; 2], given: [R; 2]) -> [R; 
     inner(f, [from, to]).fold(ends, wider)
 }
 
-/// True if a function stays closer than this to a value.
+/// True if a function is proved to stay closer than `off` to a value.
 fn within<R: Real>(arc: &Arc<R>, value: R, off: R) -> bool {
     let [mut begin, mut end] = [arc.begin, arc.end];
     (begin[0], end[0]) = (begin[0] - value, end[0] - value);
     Arc { begin, end, ..*arc }.limit() < off
 }
 
-/// What the ends of an interval of [0, ∞) tell of a polynomial whose terms add up to no more than `size` there.
+/// The arc of a polynomial on an interval of [0, ∞) where its terms add up to at most `size`.
 #[inline(always)]
 fn arc_of<R: Real>(f: &[R], [from, to]: [R; 2], size: R) -> Arc<R> {
     let first = |[value, rate, second, _]: [R; 4]| [value, rate, second];
@@ -114,12 +113,13 @@ fn arc_of<R: Real>(f: &[R], [from, to]: [R; 2], size: R) -> Arc<R> {
     Arc::new(begin, end, steepest(f, 6, to), to - from).doubted(size)
 }
 
-/// Where a function turns round in a bracket, and its value there; it is given with three derivatives.
+/// The extremum of a function in a bracket, and its value there; the function is given with three
+/// derivatives.
 #[inline(always)]
 pub(crate) fn turned<R: Real>(at: impl Fn(R) -> [R; 4], [low, high]: [R; 2]) -> (R, R) {
     let [[x_low, v_low, ..], [x_high, v_high, ..]] = [low, high].map(&at);
     if v_low * v_high >= 0.0 {
-        // At an end of the bracket, but for rounding.
+        // The extremum is at an end of the bracket, apart from rounding.
         return if v_low.abs() < v_high.abs() { (low, x_low) } else { (high, x_high) };
     }
     let rise = if v_low < 0.0 { 1.0 } else { -1.0 };
@@ -158,8 +158,7 @@ pub(crate) fn horners<R: Real, const K: usize>(rows: [&[R]; K], t: R) -> [R; K] 
     sums
 }
 
-/// Brackets of the instants in [0, to] at which a polynomial turns round, one each, in order. An
-/// inflection is none.
+/// Brackets of the extrema of a polynomial in [0, to], one each, in order. An inflection is not an extremum.
 #[inline(always)]
 pub(crate) fn turnings<R: Real>(f: &[R], to: R) -> Vec<[R; 2]> {
     let mut found = Vec::new();
@@ -167,7 +166,7 @@ pub(crate) fn turnings<R: Real>(f: &[R], to: R) -> Vec<[R; 2]> {
         #[inline(always)]
         || slope_and_bend(f, to),
     );
-    // Mostly f does not turn.
+    // In most cases f is monotonic.
     if slope.abs() > curved * (to * 0.5) {
         return found;
     }
@@ -176,7 +175,7 @@ pub(crate) fn turnings<R: Real>(f: &[R], to: R) -> Vec<[R; 2]> {
     found
 }
 
-/// f′ in the middle of [0, to], and a bound on |f″| there, side by side.
+/// f′ in the middle of [0, to], and a bound on |f″| on that interval.
 #[inline(always)]
 fn slope_and_bend<R: Real>(f: &[R], to: R) -> (R, R) {
     let middle = to * 0.5;
@@ -189,7 +188,7 @@ fn slope_and_bend<R: Real>(f: &[R], to: R) -> (R, R) {
     (slope.mul_add(middle, f.get(1).copied().unwrap_or(R::ZERO)), bend)
 }
 
-/// What the search for turning points knows of a polynomial: bounds on |f|, |f″| and |f‴|.
+/// A polynomial on [0, to] with bounds on |f|, |f″| and |f‴|, whose extrema are searched.
 struct Turnings<'a, R = f64> {
     f: &'a [R],
     size: R,
@@ -201,12 +200,13 @@ impl<R: Real> Turnings<'_, R> {
     fn between(&self, [from, to]: [R; 2], found: &mut Vec<[R; 2]>) {
         let (middle, half) = (from.midpoint(to), (to - from) * 0.5);
         let slope = derivative(self.f, 1, middle).abs();
-        // Near 0 a polynomial without low powers is far flatter than at the end: there the second bound tells.
+        // Near 0 a polynomial without low powers is much flatter than at the end: the second bound covers
+        // that.
         if slope > self.curved * half || slope > steepest(self.f, 2, to) * half {
             return;
         }
         let monotone = derivative(self.f, 2, middle).abs() > self.bent * half;
-        // On so short a stretch f does not turn by more than rounding (nor where it is not finite).
+        // On so short an interval f changes by less than rounding (false also where it is not finite).
         let matters = self.curved * (half * half) > R::EPSILON * self.size;
         if monotone || !matters {
             let falls = |t: R| derivative(self.f, 1, t) < 0.0;
@@ -220,7 +220,7 @@ impl<R: Real> Turnings<'_, R> {
     }
 }
 
-/// The factor of tᵏ⁻ⁿ in the nth derivative.
+/// The factor k (k − 1) … (k − n + 1) of tᵏ⁻ⁿ in the nth derivative of tᵏ.
 #[inline(always)]
 fn factor(k: usize, n: usize) -> f64 {
     (0..n).map(|i| (k - i) as f64).product()
@@ -231,7 +231,7 @@ fn derivative<R: Real>(f: &[R], n: usize, t: R) -> R {
     (n..f.len()).rev().fold(R::ZERO, |sum, k| sum * t + f[k] * factor(k, n))
 }
 
-/// A bound on the nth derivative on [0, to].
+/// A bound on the size of the nth derivative on [0, to].
 #[inline(always)]
 fn steepest<R: Real>(f: &[R], n: usize, to: R) -> R {
     (n..f.len()).rev().fold(R::ZERO, |sum, k| sum * to + f[k].abs() * factor(k, n))
@@ -260,7 +260,7 @@ mod tests {
 
     #[test]
     fn the_range_is_found_inside_and_at_the_ends() {
-        // The polynomial leaves out 2²¹/21! = 4e-14.
+        // The polynomial is a series truncated with an error of 2²¹/21! = 4e-14.
         let near = |found: [f64; 2], truth: [f64; 2]| {
             for (found, truth) in found.into_iter().zip(truth) {
                 assert!((found - truth).abs() < 1e-13, "{found} {truth}");
@@ -279,7 +279,8 @@ mod tests {
 
     #[test]
     fn what_begins_flat_is_searched_quickly() {
-        // f = t¹⁵ − t¹⁶ turns at 15/16; with bounds over the whole interval the search would take seconds.
+        // f = t¹⁵ − t¹⁶ has its extremum at 15/16; with bounds over the whole interval the search would take
+        // seconds.
         let mut f = [0.0; ORDER + 1];
         (f[15], f[16]) = (1.0, -1.0);
         let top = 15f64.powi(15) / 16f64.powi(16);

@@ -1,4 +1,4 @@
-//! One run with everything recorded: the convenient way in.
+//! One run with the usual observers, in one call.
 
 use crate::error::{Invalid, number};
 use crate::impact::Impact;
@@ -9,14 +9,14 @@ use crate::sample::{Sampler, State};
 use crate::simulate::{Limits, Tally, simulate};
 use crate::system::System;
 
-/// Everything a run tells.
+/// The results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run<S, R = f64> {
     /// Outcome, counts and sums.
     pub tally: Tally<S, R>,
     /// Listed impacts.
     pub impacts: Vec<Impact<R>>,
-    /// Episodes of sticking.
+    /// Stick episodes.
     pub episodes: Vec<StickEpisode<R>>,
     /// Peaks of the primary displacement.
     pub peaks: Vec<Peak<R>>,

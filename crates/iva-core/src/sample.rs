@@ -1,4 +1,4 @@
-//! The motion at given instants, exact: read off the closed form, never interpolated.
+//! The motion at given instants, evaluated exactly and never interpolated.
 
 use crate::flight::Motion;
 use crate::impact::Impact;
@@ -20,22 +20,22 @@ pub struct State<R = f64> {
     pub gap_displacement: R,
     /// Absorber minus primary velocity.
     pub gap_velocity: R,
-    /// 0 in flight, ±1 while stuck on a wall (from the switch to the summed tail of a chatter on,
-    /// within which the absorber is closer to the wall than rounding can tell).
+    /// 0 in flight, ±1 while stuck on a wall. The tail of a chatter counts as stuck from the instant at which
+    /// it is summed, because the absorber is then closer to the wall than rounding errors.
     pub wall: i8,
-    /// Absolute acceleration ẍ + a_g of the structure, without the impacts' own.
+    /// Absolute acceleration ẍ + a_g of the structure, without the jumps of velocity at impacts.
     pub acceleration: R,
-    /// The same of the absorber's centre of mass along the motion.
+    /// Absolute acceleration of the absorber's centre of mass along the motion, without the jumps at impacts.
     pub absorber_acceleration: R,
-    /// Angle and angular velocity of a pendulum.
+    /// Angle and angular velocity of a pendulum; `None` for a free mass.
     pub angle: Option<Angle<R>>,
 }
 
-/// Absolute accelerations of structure and absorber, free in its gap, in a state.
+/// Absolute accelerations of structure and absorber at a state, with the absorber free in its gap.
 fn accelerations<S: System>(system: &S, state: &S::State) -> [S::Real; 2] {
     let flight = system.flight(state);
     let structure = flight.acceleration(S::Real::ZERO);
-    // A state in contact may carry the acceleration of one close by.
+    // A state in contact may hold the acceleration of a state close by, so it is computed anew.
     let beside = gap_acceleration(system, &flight.state(S::Real::ZERO));
     [structure, structure + system.lever() * beside]
 }
@@ -45,20 +45,21 @@ fn gap_acceleration<S: System>(system: &S, state: &S::State) -> S::Real {
     -(system.distance(state).curvature * system.wall(state).sign())
 }
 
-/// An instant this close to an event, relative to it, is that of the event: times of tables have been
-/// rounded to the user's unit, and come back through it.
+/// Relative distance within which an instant counts as that of an event: times in tables were rounded to the
+/// user's unit and are converted back.
 pub(crate) const SLACK: f64 = 4.0 * f64::EPSILON;
 
-/// Samples a run at increasing instants; at an impact the state after it counts.
+/// An observer that samples a run at increasing instants. At the instant of an impact it takes the state
+/// after it.
 #[derive(Debug, Clone)]
 pub struct Sampler<R = f64> {
     times: Vec<R>,
     next: usize,
     events: bool,
     duration: R,
-    /// Accelerations before and after the impact under way.
+    /// Accelerations of structure and absorber, before and after the current impact.
     jumped: [[R; 2]; 2],
-    /// The samples taken so far, in the order of time.
+    /// The samples taken so far, in order of time.
     pub states: Vec<State<R>>,
 }
 
@@ -86,12 +87,12 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
         while let Some(time) = self.times.get(self.next).copied() {
             let h = -span.start.minus(time);
             let last = time >= self.duration && span_ends(&span.start, span.length, self.duration);
-            // Beside the states of the impacts themselves a sample keeps its own place.
+            // With events recorded, a sample is not moved to the instant of an event.
             let slack = if self.events { 0.0 } else { SLACK };
             if h >= span.length - time * slack && !last {
                 break;
             }
-            // At the very instant of an event it is the state that the run goes on from.
+            // At the instant of an event: the state from which the run goes on.
             let h = if h <= time * slack { R::ZERO } else { h.clamp(0.0, span.length) };
             let (primary, gap) = (span.motion.primary(h), span.motion.gap(h));
             let state = span.motion.state(h);

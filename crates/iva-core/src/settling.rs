@@ -1,7 +1,6 @@
-//! The last instant at which |x| passes a level: a settling time.
+//! Settling time: the last instant at which |x| falls below a level.
 //!
-//! While the run passes, only the stretch of the last crossing is kept; its root is solved once,
-//! at the end.
+//! During the run only the stretch of the last crossing is kept; its root is solved once, at the end.
 
 use crate::flight::{Jet, Motion};
 use crate::observe::Span;
@@ -10,7 +9,7 @@ use crate::real::Real;
 use crate::roots::polish;
 use crate::system::{Clock, System};
 
-/// Follows one level.
+/// The last crossing of one level.
 #[derive(Debug, Clone)]
 pub(crate) struct LastCrossing<S: System> {
     share: S::Real,
@@ -20,13 +19,13 @@ pub(crate) struct LastCrossing<S: System> {
 /// A stretch on which |x| falls below the level once.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Crossing<State, R = f64> {
-    /// The state at the begin of the motion.
+    /// The state at the begin of the motion that contains the stretch.
     pub origin: State,
-    /// True if that is a ride.
+    /// True if that motion is a stick episode.
     pub riding: bool,
-    /// Its instant.
+    /// The instant of its begin.
     pub start: Clock<R>,
-    /// Begin and end of the stretch, measured from there.
+    /// Begin and end of the stretch, as times after that instant.
     pub h: [R; 2],
     /// The level, with the sign of x.
     pub level: R,
@@ -56,7 +55,7 @@ impl<R: Real, S: System<Real = R>> LastCrossing<S> {
     ) {
         let level = self.share * amplitude;
         let [from, to] = stretch.x;
-        // After the last passage |x| is below, so only those that lead there count.
+        // After the last passage |x| is below the level, so only stretches that end below it count.
         if from.abs() <= level || to.abs() > level {
             return;
         }
