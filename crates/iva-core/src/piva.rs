@@ -1,9 +1,9 @@
-//! The pendulum impact absorber: a pendulum on the primary system between two walls (paper, Eqs.
-//! 3–6 and 15–17 with their misprints mended; large angles, point bob or compound).
+//! The pendulum impact absorber: a pendulum on the primary system between two walls (paper, Eqs. 3–6 and
+//! 15–17 with their misprints corrected; large angles, point bob or compound pendulum).
 //!
-//! The gap displacement is y = b sinθ, b from the pivot to the point of contact, with walls at ±d.
-//! Flight is a Taylor series ([`crate::taylor`]); stuck on a wall the pendulum rides as one mass
-//! with the primary, in closed form, until gravity or the primary pulls it off.
+//! The gap displacement is y = b sinθ, where b is the distance from the pivot to the point of contact, with
+//! walls at ±d. A flight is a Taylor series ([`crate::taylor`]). Stuck on a wall the pendulum moves as one
+//! mass with the primary, in closed form, until gravity or the primary pulls it off.
 
 use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
@@ -44,10 +44,10 @@ pub struct Piva<R = f64> {
     pub(crate) pendulum: Pendulum<R>,
     /// cosθ at the walls.
     wall_cosine: DoubleDouble<R>,
-    /// Of the walls + and −.
+    /// The impact laws at wall + and at wall −.
     laws: [Law<R>; 2],
     pub(crate) accuracy: Accuracy<R>,
-    /// What drives it.
+    /// The force that drives the structure.
     force: Force<R>,
 }
 
@@ -89,7 +89,7 @@ impl<R: Real> Piva<R> {
             pendulum,
             wall_cosine,
             laws: [law; 2],
-            // Small angles cost little, and are exact whatever was asked.
+            // At small angles full accuracy costs little, so it does not depend on the tolerance.
             accuracy: Accuracy::of(if pendulum.small_angles {
                 R::ZERO
             } else {
@@ -116,12 +116,12 @@ impl<R: Real> Piva<R> {
         Ok(self)
     }
 
-    /// The law of impact at a wall.
+    /// The impact law at a wall.
     pub(crate) fn law(&self, wall: Wall) -> &Law<R> {
         &self.laws[wall.index()]
     }
 
-    /// True if both walls have the same law of impact.
+    /// True if both walls have the same restitution.
     pub(crate) fn has_common_law(&self) -> bool {
         self.laws[0].restitution == self.laws[1].restitution
     }
@@ -131,23 +131,22 @@ impl<R: Real> Piva<R> {
         self.law(wall).restitution
     }
 
-    /// What it was made of; its restitution is that of the wall +.
+    /// The parameters it was made from; their restitution is that of wall +.
     pub fn parameters(&self) -> &Parameters<R> {
         &self.parameters
     }
 
-    /// What drives it.
+    /// The force that drives the structure.
     pub fn force(&self) -> &Force<R> {
         &self.force
     }
 
-    /// True if the pendulum can reach the walls at all: d < b, or always where angles count as
-    /// small.
+    /// True if the pendulum can reach its walls: d < b, or small angles, where y is not limited.
     pub fn stop_reachable(&self) -> bool {
         self.pendulum.small_angles || self.parameters.clearance < self.parameters.contact_distance
     }
 
-    /// θ at the + wall; π/2 where the pendulum cannot reach it.
+    /// θ at wall +; π/2 where the pendulum cannot reach it.
     pub fn wall_angle(&self) -> R {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
         let sine = clearance / contact_distance;
@@ -155,8 +154,8 @@ impl<R: Real> Piva<R> {
         if small { sine } else { R::atan2(sine, self.wall_cosine.value) }
     }
 
-    /// True if the walls are so close to the horizontal that cosθ tells better than y how far they are:
-    /// y hardly changes with the angle there.
+    /// True if the pendulum is so close to horizontal at the walls that cosθ determines the distance better
+    /// than y, which hardly changes with the angle there.
     pub(crate) fn has_steep_walls(&self) -> bool {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
         let near = contact_distance * STEEP <= clearance && clearance < contact_distance;
@@ -169,7 +168,7 @@ impl<R: Real> Piva<R> {
         inertia_ratio * length * self.pendulum.frequency_squared
     }
 
-    /// The swing of a state seen from its wall.
+    /// The variables of the Taylor series at a state.
     fn swing(&self, state: &PivaState<R>) -> Swing<R> {
         Swing {
             x: state.primary.x.value,
@@ -180,7 +179,8 @@ impl<R: Real> Piva<R> {
         }
     }
 
-    /// Coefficients of the force at a state, of the smooth piece that acts from `from` on.
+    /// Taylor coefficients of the force at a state, of the smooth piece that acts from `from` on; `None`
+    /// without a lasting force.
     #[inline(always)]
     pub(crate) fn drive<const LENGTH: usize>(
         &self,
@@ -191,8 +191,8 @@ impl<R: Real> Piva<R> {
         self.force.lasts().then(|| self.force.drive(from, state.time, h))
     }
 
-    /// First coefficients of the flight at a state, in powers of t, under the force that acts from
-    /// `from` on.
+    /// The first Taylor coefficients of the flight from a state, in powers of t, under the piece of the force
+    /// that acts from `from` on.
     #[inline(always)]
     pub(crate) fn beginning<const LENGTH: usize>(
         &self,
@@ -204,7 +204,8 @@ impl<R: Real> Piva<R> {
         at_rest_on_release(state, series)
     }
 
-    /// Jet of the distance to the wall, in free motion under the force that acts from `from` on.
+    /// The distance to the wall and its derivatives in free motion, under the piece of the force that acts
+    /// from `from` on.
     fn jet(&self, from: Clock<R>, state: &PivaState<R>) -> Jet<R> {
         let series = R::dispatched(
             #[inline(always)]
@@ -220,7 +221,7 @@ impl<R: Real> Piva<R> {
     }
 }
 
-/// What rounding leaves of Ẇ and ÿ right after a release would send the pendulum back into the wall.
+/// Sets Ẇ and ÿ to 0 right after a release: their rounding errors could send the pendulum back into the wall.
 fn at_rest_on_release<R: Real, const LENGTH: usize>(
     state: &PivaState<R>,
     mut series: Series<R, LENGTH>,
@@ -231,23 +232,23 @@ fn at_rest_on_release<R: Real, const LENGTH: usize>(
     series
 }
 
-/// Primary and pendulum between events.
+/// The state of primary and pendulum between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PivaState<R = f64> {
-    /// Instant, for the force.
+    /// The instant of the drive.
     pub(crate) time: Clock<R>,
-    /// Impulses that are over.
+    /// Number of impulses that have acted.
     pub(crate) kicks: u32,
     pub(crate) primary: Primary<R>,
     pub(crate) wall: Wall,
-    /// d − s y ≥ 0, the distance to the wall last touched.
+    /// The distance d − s y ≥ 0 to the wall last touched.
     pub(crate) distance: DoubleDouble<R>,
     pub(crate) clearance: R,
     /// W = b θ̇.
     pub(crate) w: DoubleDouble<R>,
     /// cosθ.
     pub(crate) cosine: DoubleDouble<R>,
-    /// Just released: W and Ẇ are exactly 0.
+    /// True just after a release, where W and Ẇ are exactly 0.
     pub(crate) released: bool,
 }
 
@@ -289,7 +290,7 @@ impl<R: Real> System for Piva<R> {
         self.law(wall).ratio
     }
 
-    /// The law tells it per W, and the gap velocity is W cosθ.
+    /// The gain of the law is per W; divided by cosθ it is per gap velocity W cosθ.
     fn impact_gain(&self, wall: Wall) -> R {
         self.law(wall).impact_gain() / self.wall_cosine.value
     }
@@ -403,7 +404,7 @@ impl<R: Real> System for Piva<R> {
         let Pendulum { lever, contact_distance, .. } = self.pendulum;
         let (y, w, c) = (state.y().value, state.w.value, state.cosine.value);
         let sine = y / contact_distance;
-        // 1 − cosθ without cancellation (θ²/2 where angles count as small).
+        // 1 − cosθ without cancellation (θ²/2 at small angles).
         let rise = if c > 0.0 { sine * sine / (R::ONE + c) } else { R::ONE - c };
         let kinetic = v * v + v * 2.0 * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
         (x * x + v * v) * 0.5 + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise)

@@ -1,24 +1,24 @@
 //! How errors grow along a run: an estimate of the error of every impact time.
 //!
-//! A small error of the state z = (x, ẋ, y, ẏ) (of a pendulum W = b θ̇ in place of ẏ) is carried by the
-//! derivative of the motion: of the flow along a segment, and of an impact by the saltation matrix
+//! A small error of the state z = (x, ẋ, y, ẏ) (with W = b θ̇ in place of ẏ for a pendulum) is multiplied by
+//! the derivative of the motion: of the flow along a segment, and of an impact by the saltation matrix
 //!
 //! ```text
 //! S = J + (f⁺ − J f⁻) nᵀ/(nᵀ f⁻)
 //! ```
 //!
-//! with J the derivative of the velocity jump, f the rates before and after, n the gradient of the gap
-//! (P. C. Müller, Chaos, Solitons & Fractals 5 (1995) 1671–1681). What rounding and truncation add on
-//! each segment is treated as independent random errors: their covariance P goes from segment to
-//! segment as Φ P Φᵀ + Q. A summed chatter keeps momentum and centre of mass, a release is smooth.
+//! with J the derivative of the velocity jump, f the rates before and after, n the gradient of the gap (P. C.
+//! Müller, Chaos, Solitons & Fractals 5 (1995) 1671–1681). The rounding and truncation errors of each segment
+//! are treated as independent random errors: their covariance P changes over a segment to Φ P Φᵀ + Q. A
+//! summed chatter conserves momentum and centre of mass, a release is smooth.
 //!
-//! Rounding is not independent where a wall is hit again and again: a chatter takes the same rounded
-//! constants at every rebound. What rounds alike is carried as columns that add up, and joins the
-//! covariance when the other wall is met.
+//! Rounding errors are not independent where a wall is hit again and again: a chatter uses the same rounded
+//! constants at every rebound. Such correlated errors are columns that add up, and join the covariance when
+//! the other wall is met.
 //!
-//! The error of an impact time is that of the distance over the speed of approach, or, where that is
-//! not small against it, as far as the curvature lets the instant move. Once it reaches 1/ωn the run
-//! has forgotten its start: from there on nothing is estimated.
+//! The error of an impact time is the error of the distance over the approach speed. If that is not small, it
+//! is the largest change of the instant that the curvature allows. Once the error reaches 1/ωn the run has
+//! forgotten its start, and nothing is estimated from there on.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -34,99 +34,101 @@ mod structure;
 
 /// A system whose motion can be differentiated.
 pub trait Differentiable: System<Real = f64> {
-    /// ż in free flight.
+    /// The rates ż in free flight.
     fn rates(&self, state: &Self::State) -> Vector4<f64>;
-    /// Sizes of ẋ, ẍ, ẏ and ÿ (or Ẇ) before their terms cancel: what rounding takes from them at every
-    /// rebound alike is a share of these. 0: they are computed to twice the precision.
+    /// Sizes of the terms of ẋ, ẍ, ẏ and ÿ (or Ẇ) before they cancel: the rounding errors that are the same
+    /// at every rebound are proportional to these. 0: the rates are computed in double-double.
     fn sizes(&self, _state: &Self::State) -> Vector4<f64> {
         Vector4::zeros()
     }
-    /// Derivative of the state after a time h of flight by the state before.
+    /// Derivative of the state after a flight of length h with respect to the state before it.
     fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
-    /// The same while stuck on a wall, where y and ẏ do not change.
+    /// Derivative of the state after a time h stuck on a wall, where y and ẏ do not change, with respect to
+    /// that before it.
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
     /// Derivative of the velocity jump of an impact on a wall.
     fn impact_matrix(&self, wall: Wall) -> Matrix4<f64>;
-    /// Derivative of the state at the end of a chatter on a wall by that after one of its rebounds.
+    /// Derivative of the state at the end of a chatter on a wall with respect to that after one of its
+    /// rebounds.
     fn stick_matrix(&self, wall: Wall) -> Matrix4<f64>;
-    /// What a rounding of the place is worth in y at a state: 1, or cosθ where that tells the place.
+    /// Error of y per rounding of the position at a state: 1, or cosθ where the position is computed from
+    /// cosθ.
     fn sharpness(&self, _state: &Self::State) -> f64 {
         1.0
     }
-    /// How fast the place changes: |ẏ|, of a pendulum |W|.
+    /// Rate of the position: |ẏ|, for a pendulum |W|.
     fn turning(&self, state: &Self::State) -> f64 {
         self.rates(state)[2].abs()
     }
-    /// What a segment may leave out of its series, of x and ẋ and of y and ẏ.
+    /// Largest truncation error of a segment, of x and ẋ and of y and ẏ.
     fn truncation(&self, _from: &Self::State) -> [f64; 2] {
         [0.0; 2]
     }
 }
 
-/// The matrix of an impact of a free mass, from the primary's share of the gap velocity and e.
+/// The derivative of an impact of a free mass, from the primary's share of the gap velocity and e.
 pub fn free_mass_impact(share: f64, restitution: f64) -> Matrix4<f64> {
     let mut matrix = Matrix4::identity();
     (matrix[(1, 3)], matrix[(3, 3)]) = (share, -restitution);
     matrix
 }
 
-/// The matrix of a free mass that sticks, from the primary's share of the gap velocity, μ/(1 + μ).
+/// The derivative of a stick of a free mass, from the primary's share μ/(1 + μ) of the gap velocity.
 pub fn free_mass_stick(share: f64) -> Matrix4<f64> {
     let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
     (matrix[(0, 2)], matrix[(1, 3)]) = (share, share);
     matrix
 }
 
-/// Standard deviation of what rounding takes from an increment, over 2⁻⁵³ of it.
+/// Standard deviation of the rounding error of an increment, in units of 2⁻⁵³ of it.
 const ROUNDING: f64 = 0.7;
-/// The same of what is rounded alike at every rebound on one wall, over 2⁻⁵³ of [`Differentiable::sizes`]:
-/// each is the result of several roundings.
+/// Standard deviation of the correlated rounding errors of rebounds on one wall, in units of 2⁻⁵³ of
+/// [`Differentiable::sizes`]: each comes from several roundings.
 const ALIKE: f64 = 1.5;
-/// The estimate is so many standard deviations.
+/// The estimate in standard deviations.
 const DEVIATIONS: f64 = 4.0;
 /// Half a unit in the last place of 1.
 const UNIT: f64 = 0.5 * f64::EPSILON;
-/// Share of the speed of approach that an error may change before the impact counts as close to a
-/// grazing.
+/// Relative change of the approach speed by an error above which an impact counts as close to a grazing.
 const GRAZING: f64 = 0.01;
 
-/// An error as large as this says nothing any more, in 1/ωn.
+/// Error of an impact time in 1/ωn above which nothing more is estimated.
 const LOST: f64 = 1.0;
 
 /// The estimated error of one impact time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeError {
-    /// Estimate that the true error rarely exceeds, in 1/ωn; `None` once it has reached 1/ωn.
+    /// An estimate in 1/ωn that the true error rarely exceeds; `None` once it has reached 1/ωn.
     pub time: Option<f64>,
-    /// True if errors this large could make a grazing of the impact, or let it vanish.
+    /// True if errors of this size could turn the impact into a grazing, or remove it.
     pub grazing: bool,
-    /// Its approach speed, to find it again when it is taken back.
+    /// Its approach speed, by which it is found if it is not to be listed after all.
     speed: f64,
 }
 
-/// Follows the errors of a run.
+/// An observer that estimates the errors of a run.
 #[derive(Debug, Clone)]
 pub struct Errors {
     covariance: Matrix4<f64>,
-    /// What is rounded alike at every rebound on a wall adds up: errors, a column for each rate, that it
-    /// has made until the last impact on this wall, and since.
+    /// Correlated errors of the rebounds on one wall, a column for each rate: those up to the last impact on
+    /// this wall, and those since.
     alike: [Matrix4<f64>; 2],
-    /// Derivative of the state by that at the begin of the run.
+    /// Derivative of the state with respect to that at the begin of the run.
     derivative: Matrix4<f64>,
     wall: Option<Wall>,
-    /// Lengths that a condition is relative to: of the start, or the clearance.
+    /// The length that a condition is relative to: |x| of the start, or the clearance.
     unit: f64,
     clearance: f64,
-    /// Of the impact under way, and whether it is close to a grazing.
+    /// The error of the current impact, and whether it is close to a grazing.
     now: Option<(f64, bool)>,
-    /// Of the rebounds of a summed tail that follow.
+    /// The error of the rebounds of a summed tail that follow.
     tail: f64,
-    /// The estimate has reached [`LOST`].
+    /// True once the estimate has reached [`LOST`].
     lost: bool,
-    /// One for each listed impact.
+    /// One estimate for each listed impact.
     pub impacts: Vec<TimeError>,
     condition: f64,
-    /// Largest time_error over max(τ, 1).
+    /// Largest error of an impact time τ over max(τ, 1).
     relative: f64,
 }
 
@@ -150,20 +152,21 @@ impl Default for Errors {
 }
 
 impl Errors {
-    /// −log₁₀ of the largest error over max(τ, 1); 0 once that has reached 1, `None` without impacts.
+    /// −log₁₀ of the largest error over max(τ, 1); 0 once the error has reached 1, `None` without impacts.
     pub fn digits(&self) -> Option<f64> {
         let digits = if self.lost { 0.0 } else { -self.relative.max(UNIT).log10() };
         (!self.impacts.is_empty()).then_some(digits)
     }
 
-    /// Largest change of an impact time per unit change of a start value, both dimensionless; `None`
-    /// without impacts, and where the start is forgotten: no number is large enough then.
+    /// Largest change of an impact time per unit change of a start value, both dimensionless; `None` without
+    /// impacts, and once the start is forgotten, when it is unbounded.
     pub fn condition(&self) -> Option<f64> {
         (!self.impacts.is_empty() && !self.lost).then_some(self.condition)
     }
 
-    /// Derivative of the state z by that at the begin of the run: the product of the flows and saltation matrices
-    /// so far, of a periodic orbit its monodromy matrix. `None` once the start is forgotten.
+    /// Derivative of the state z with respect to that at the begin of the run: the product of the flows and
+    /// saltation matrices so far; for a periodic orbit the monodromy matrix. `None` once the start is
+    /// forgotten.
     pub fn derivative(&self) -> Option<&Matrix4<f64>> {
         (!self.lost).then_some(&self.derivative)
     }
@@ -181,13 +184,13 @@ impl Errors {
         }
     }
 
-    /// Standard deviation of a variable.
+    /// Standard deviation of variable i.
     fn deviation(&self, i: usize) -> f64 {
         (self.covariance[(i, i)] + self.alike[0].row(i).norm_squared()).sqrt()
     }
 
-    /// An impact on the wall that was hit before, or on another, where other numbers are rounded; the gap
-    /// itself is rounded by `gap`.
+    /// Prepares for an impact: on the other wall, where other numbers are rounded, correlated errors join the
+    /// covariance. `gap` is the rounding error of the gap.
     fn meet(&mut self, wall: Wall, gap: f64) {
         let [before, since] = self.alike;
         let again = self.wall == Some(wall);
@@ -210,7 +213,7 @@ impl Errors {
         let margin = approach * approach - 2.0 * curvature * distance;
         let time = 2.0 * distance / (approach + margin.max(0.0).sqrt());
         let grazing = curvature * distance > GRAZING * (approach * approach);
-        // Also where nothing approaches, or a number has overflowed.
+        // Also where the approach speed is 0, or a number has overflowed.
         self.lost |= !time.is_finite() || time >= LOST || approach == 0.0;
         self.now = Some((time, grazing));
         if self.lost {
@@ -228,8 +231,8 @@ impl Errors {
         self.tail = self.of_tail(system, after, time);
     }
 
-    /// The error of all rebounds that a chatter from here on still has: their times add up to
-    /// T = 2u/(A(1 − e)).
+    /// The error of all further rebounds of a chatter from this impact on: their times add up to T = 2u/(A(1
+    /// − e)).
     fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State, time: f64) -> f64 {
         let leave = system.distance(after);
         let left = 1.0 - system.rebound_ratio(system.wall(after));
@@ -275,7 +278,7 @@ impl<S: Differentiable> Observer<S> for Errors {
             let mut wrong = UNIT * ALIKE * h * system.sizes(from);
             wrong[2] = wrong[2].min(UNIT * ALIKE * h * rates[2]);
             self.alike[1] += Matrix4::from_diagonal(&wrong);
-            // A wrong acceleration displaces as well.
+            // An error of the acceleration displaces as well.
             self.alike[1][(0, 1)] += 0.5 * h * wrong[1];
             self.alike[1][(2, 3)] += 0.5 * h * sharpness * wrong[3];
         }
@@ -285,7 +288,7 @@ impl<S: Differentiable> Observer<S> for Errors {
         match jump {
             Jump::Impact { before, after } => Errors::impact(self, system, before, after),
             Jump::Stick => {
-                // On the wall hit last; a plastic stick at the begin changes nothing.
+                // On the wall hit last; a plastic stick at the begin of a run changes nothing.
                 self.carry(&system.stick_matrix(self.wall.unwrap_or(Wall::Plus)));
             }
             Jump::Release => {
@@ -296,7 +299,7 @@ impl<S: Differentiable> Observer<S> for Errors {
 
     fn impact(&mut self, _system: &S, impact: &Impact) {
         let (error, grazing) = self.now.take().unwrap_or((self.tail, false));
-        // Written as a double, the instant is rounded once more.
+        // The rounding of the instant to a double.
         let error = error + UNIT * impact.time;
         self.relative = self.relative.max(error / impact.time.max(1.0));
         let time = (!self.lost).then_some(error);

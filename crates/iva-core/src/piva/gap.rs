@@ -1,26 +1,27 @@
-//! Whether a step of flight meets a wall, where that is plain.
+//! Whether a step of flight meets a wall, as far as bounds decide it.
 //!
-//! Bounds from both ends show that a distance keeps off a wall, or that its rate keeps its sign: then the
-//! ends tell the rest. A flight that starts on a wall is judged by D/t, which is as exact there as it is
-//! elsewhere. What is not plain is for [`crate::contact`].
+//! Bounds from both ends of the step prove that the distance D stays off a wall, or that its rate keeps its
+//! sign; then the values at the ends decide. In a flight that starts on a wall the bounds are applied to D/t,
+//! which keeps its relative accuracy there. Undecided steps are searched by [`crate::contact`].
 
 use super::PivaState;
 use super::step::{Ahead, Enclosure, Step, root_close_by, shifted};
 use crate::quintic::{monomials, root};
 use crate::real::Real;
 
-/// What a stretch of flight comes to.
+/// What is proved about the contacts of a stretch of flight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gap {
-    /// It meets no wall.
+    /// True if it meets no wall.
     pub clear: bool,
-    /// It meets one once: the near one, or the far one.
+    /// True if it meets the near wall, or the far wall, exactly once.
     pub near: bool,
     pub far: bool,
 }
 
 impl<R: Real> Step<'_, R> {
-    /// What a flight of length h to an end comes to; `doubt` is what y may be off, over the clearance.
+    /// The contacts of a flight of length h to the state `end`; `doubt` bounds the error of y, over the
+    /// clearance.
     #[inline(always)]
     pub fn gap<const N: usize>(&self, end: &PivaState<R>, h: R, doubt: R) -> Gap {
         let share = h / self.length;
@@ -30,12 +31,12 @@ impl<R: Real> Step<'_, R> {
         let rates = [y[1] * -side, rate * -side];
         let slack = doubt * self.from.clearance;
         let distance = Enclosure::new([begin, end], rates, share, fourth);
-        // What is left out grows as tᴺ⁺¹ or faster, so that its rate is that much larger.
+        // The truncation error grows as tᴺ⁺¹ or faster, so its rate is larger by this factor.
         let steep = R::from((N + 2) as f64) / share;
         let (rises, falls) = (distance.rises(steep * slack), distance.falls(steep * slack));
         let one_way = rises | falls;
 
-        // On a wall, G = D/t; |G⁗| is bounded by the terms of D⁗ from t on, over t.
+        // From a wall: bounds on G = D/t; |G⁗| is bounded by the terms of D⁗ from t on, over t.
         let on_wall = begin == 0.0;
         let slope = end / share;
         let g_rates = [y[2] * -side, (rates[1] - slope) / share];
@@ -56,7 +57,8 @@ impl<R: Real> Step<'_, R> {
         Gap { clear: off_near & off_far, near, far }
     }
 
-    /// When a flight of length h to an end meets a wall that it meets once, and whether that is exact.
+    /// The contact of a flight of length h with a wall that it meets once: its time, and whether that is
+    /// exact.
     #[inline(always)]
     pub fn meeting<const N: usize>(&self, end: &PivaState<R>, h: R, far: bool) -> (R, bool) {
         let share = h / self.length;
@@ -73,14 +75,14 @@ impl<R: Real> Step<'_, R> {
             &[begin, share * rates[0], square * bends[0]],
             &[end, share * rates[1], square * bends[1]],
         );
-        // On the wall, the root at the begin is divided out.
+        // From the near wall back to it: the root at the begin is divided out.
         let returns = begin == 0.0;
         let quintic: [R; 6] = std::array::from_fn(|i| {
             let next = if i < 5 { c[i + 1] } else { R::ZERO };
             if returns { next } else { c[i] }
         });
         let guess = share * root(&quintic);
-        // D = begin − side · t q(t): q in powers of the time after the guess, then t q.
+        // D = begin − side · t q(t): the coefficients of q about the guess, then those of t q.
         let q = shifted::<_, N>(y, 1, guess);
         let off_wall = |j: usize| {
             let before = if j > 0 { q[j - 1] } else { begin * -side };

@@ -1,5 +1,5 @@
-//! What an impact does to the primary and the pendulum: momentum and restitution, or the law as the
-//! paper prints it.
+//! The impact law of primary and pendulum: conservation of momentum and restitution, or the law as the paper
+//! prints it.
 
 use super::parameters::{ImpactLaw, Parameters};
 use crate::compensated::DoubleDouble;
@@ -8,39 +8,39 @@ use crate::impact::primary_share;
 use crate::real::Real;
 use crate::taylor::Pendulum;
 
-/// The impact law at the walls, in terms of W = b θ̇.
+/// The impact law at one wall, in terms of W = b θ̇.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Law<R = f64> {
     /// Newton's coefficient e on the gap velocity.
     pub restitution: R,
     mass_ratio: R,
-    /// μλ
+    /// μλ, λ = L/b
     pull: R,
     /// μκλ²
     inertia: R,
-    /// μκλ² − (μλ cosθ)²/(1 + μ), the inertia that an impact turns round.
+    /// μκλ² − (μλ cosθ)²/(1 + μ), the effective inertia in an impact.
     effective: R,
     /// cosθ at the walls.
     cosine: R,
     /// W⁺ = −ratio · W⁻: e, or 2μe/(1 + μ) as printed in Eq. 17.
     pub ratio: R,
-    /// The same with its rounding rest.
+    /// `ratio` in double-double.
     pub rebound: DoubleDouble<R>,
-    /// Velocity that the primary gains at an impact, per W⁻.
+    /// Velocity that the primary gains in an impact, per W⁻.
     impact_gain: DoubleDouble<R>,
-    /// The same over a whole tail of rebounds, from the last one on.
+    /// Velocity that the primary gains in a whole tail of rebounds, per W at its begin.
     stick_gain: DoubleDouble<R>,
-    /// Velocity of the centre of mass that the printed law takes over a whole tail, per W of the last
-    /// rebound; 0 where momentum is conserved.
+    /// Velocity of the centre of mass that the printed law removes in a whole tail, per W at its begin; 0
+    /// where momentum is conserved.
     surplus: DoubleDouble<R>,
-    /// 1 − e² and the like vanish exactly where they should only for the consistent law.
+    /// True for the printed law, whose energy losses need the general formula.
     printed: bool,
     /// See [`crate::system::System::pressure_gain`].
     pub pressure_gain: R,
 }
 
 impl<R: Real> Law<R> {
-    /// Of an impact with restitution e.
+    /// The law with restitution e.
     pub fn new(
         p: &Parameters<R>,
         e: R,
@@ -54,7 +54,7 @@ impl<R: Real> Law<R> {
                 (DoubleDouble::new(e), share(e).times_sum(wall_cosine), DoubleDouble::ZERO)
             }
             ImpactLaw::Printed => {
-                // Each rebound leaves some momentum over; the tail begins with −W.
+                // Each rebound changes the momentum; the first impact of the tail is with −W.
                 let one = DoubleDouble::new(R::ONE);
                 let ratio = DoubleDouble::new(mu * 2.0).times(e).over_sum(one.plus(mu));
                 let over = one.plus(e) - wall_cosine * (one + ratio);
@@ -62,7 +62,7 @@ impl<R: Real> Law<R> {
             }
         };
         let cosine = wall_cosine.value;
-        // Written so that nothing cancels, however heavy the absorber: κ − cos²θ is exact.
+        // In this form nothing cancels, however heavy the absorber: κ − cos²θ is exact.
         let sine = if pendulum.small_angles { R::ZERO } else { p.clearance / p.contact_distance };
         let free = (p.inertia_ratio - 1.0) + if cosine > 0.0 { sine * sine } else { R::ONE };
         let effective = mu * (lever * lever) * ((p.inertia_ratio + mu * free) / (R::ONE + mu));
@@ -84,32 +84,34 @@ impl<R: Real> Law<R> {
         Self { pressure_gain: law.pressure_gain(pendulum), ..law }
     }
 
-    /// Velocity that the primary gains at an impact, per W.
+    /// Velocity that the primary gains in an impact, per W.
     pub fn impact_gain(&self) -> R {
         self.impact_gain.value
     }
 
-    /// Velocity that it gains over a whole tail of rebounds, per W of the last one.
+    /// Velocity that the primary gains in a whole tail of rebounds, per W at its begin.
     pub fn stick_gain(&self) -> R {
         self.stick_gain.value
     }
 
-    /// Velocity gained by the primary in an impact with W.
+    /// Velocity that the primary gains in an impact with W.
     #[inline(always)]
     pub fn impact(&self, w: DoubleDouble<R>) -> DoubleDouble<R> {
         w.times_sum(self.impact_gain)
     }
 
-    /// Velocity gained by the primary until the rebounds that begin with W have died out.
+    /// Velocity that the primary gains in the whole tail of rebounds that begins with W.
     pub fn stick(&self, w: DoubleDouble<R>) -> DoubleDouble<R> {
         w.times_sum(self.stick_gain)
     }
 
-    /// How much farther and faster than that the primary is after the rebounds that begin with W, to second
-    /// order in W: the printed law takes momentum bit by bit, and not all at once as a stick does.
+    /// Corrections of the displacement and velocity of the primary after the tail of rebounds that begins
+    /// with W, beyond [`Law::stick`], to second order in W: the printed law removes momentum rebound by
+    /// rebound, and not at once as in a stick.
     ///
-    /// A rebound of speed u lasts 2u/A, while which the surplus of it and of all that follow is still there,
-    /// and returns with u (1 − ⅔ J u/A²) (see [`crate::chatter`]); `damping` acts on the way.
+    /// A rebound of speed u lasts 2u/A, during which the surplus momentum of it and of all later rebounds is
+    /// still present, and returns with u (1 − ⅔ J u/A²) (see [`crate::chatter`]); meanwhile `damping` acts on
+    /// it.
     pub fn surplus_of_tail(&self, w: DoubleDouble<R>, leave: &Jet<R>, damping: R) -> [R; 2] {
         if self.surplus.value == 0.0 || w.value == 0.0 {
             return [R::ZERO; 2];
@@ -128,7 +130,7 @@ impl<R: Real> Law<R> {
         }
     }
 
-    /// Energy lost in all rebounds after one with W.
+    /// Energy lost in the whole tail of rebounds that begins with W.
     pub fn stick_loss(&self, v: R, w: R) -> R {
         if self.printed {
             self.difference(v, w, self.stick_gain.value, R::ZERO)
@@ -137,12 +139,12 @@ impl<R: Real> Law<R> {
         }
     }
 
-    /// ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)].
+    /// The loss ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)] of the consistent law.
     fn consistent_loss(&self, w: R, e: R) -> R {
         ((R::ONE - e) * (R::ONE + e)) * 0.5 * (w * w) * self.effective
     }
 
-    /// Kinetic energy before minus after v → v + gain W, W → −ratio W.
+    /// Kinetic energy before minus kinetic energy after the change v → v + gain W, W → −ratio W.
     fn difference(&self, v: R, w: R, gain: R, ratio: R) -> R {
         let (total, pull) = (R::ONE + self.mass_ratio, self.pull * self.cosine);
         let linear = pull * (R::ONE + ratio) - total * gain;
@@ -151,8 +153,8 @@ impl<R: Real> Law<R> {
         w * (v * linear + w * square)
     }
 
-    /// How much an impact of unit approach speed raises the pressure on the wall: through the
-    /// dampers of primary and pivot, which feel the jumps of u and W.
+    /// Rise of the pressure on the wall at an impact of unit approach speed: the dampers of primary and pivot
+    /// respond to the jumps of u and W.
     fn pressure_gain(&self, pendulum: &Pendulum<R>) -> R {
         let Pendulum { damping_ratio, coupling, pivot_damping, .. } = *pendulum;
         let c = self.cosine;

@@ -1,7 +1,8 @@
-//! Integrals along a motion of a structure with a pendulum: what its dampers take, what its force gives, and ∫x².
+//! Integrals along a motion of a structure with a pendulum: energy lost in its dampers, work of its force,
+//! and ∫x².
 //!
-//! By the quadrature of [`crate::host`]. A motion is a share t of a step, and rows are in powers of time over the step; they
-//! have an order that the compiler knows, so that many motions can go side by side.
+//! The quadrature is that of [`crate::host`]. A motion is a share t of a step, and rows are in powers of time
+//! over the step. The order of a row is known to the compiler, so that many motions can go side by side.
 
 use crate::flight::Losses;
 use crate::force::Drive;
@@ -9,24 +10,24 @@ use crate::host::driven::integral::{COUNT, Nodes, mean_product, nodes};
 use crate::real::Real;
 use crate::taylor::{Pendulum, Row, unrolled};
 
-/// The rows that losses and work are integrals of.
+/// The power series that losses and work are integrals of.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Integrands<'a, R> {
-    /// Of ẋ, y and W.
+    /// Series of ẋ, y and W.
     pub u: &'a Row<R>,
     pub y: &'a Row<R>,
     pub w: &'a Row<R>,
-    /// Of f/M and a_g; `None` in free motion.
+    /// Series of f/M and a_g; `None` in free motion.
     pub drive: Option<&'a Drive<R>>,
-    /// True if pivots are damped.
+    /// True if the pivot is damped.
     pub pivots: bool,
     /// True if the base moves.
     pub base: bool,
 }
 
 impl<R: Real> Integrands<'_, R> {
-    /// Losses and work over a share t of a step: ∫ 2ζ ẋ² dt, that of the pivot, and
-    /// ∫ (f/M) ẋ − a_g ((1 + μ) ẋ + μλ ẏ) dt, the momentum of all masses along x behind a_g.
+    /// Energy lost and work over a share t of a step: ∫ 2ζ ẋ² dt, the loss in the pivot, and ∫ (f/M) ẋ − a_g
+    /// ((1 + μ) ẋ + μλ ẏ) dt, where a_g is multiplied by the momentum of all masses along x.
     #[inline(always)]
     pub fn taken<const N: usize>(&self, pendulum: &Pendulum<R>, t: R, step: R) -> Losses<R> {
         let Pendulum { mass_ratio, damping_ratio, lever, inertia_ratio, pivot_damping, .. } =
@@ -55,14 +56,14 @@ impl<R: Real> Integrands<'_, R> {
     }
 }
 
-/// ∫ f² between two shares of a step.
+/// ∫ f² dt between two shares of a step.
 #[inline(always)]
 pub(crate) fn square<R: Real, const N: usize>(row: &Row<R>, [from, to]: [R; 2], step: R) -> R {
     let f = at_nodes::<R, N>(row, &nodes([from, to]));
     mean_product(&f, &f) * ((to - from) * step)
 }
 
-/// A polynomial of order N at all nodes.
+/// The values of a polynomial of order N at all nodes.
 #[inline(always)]
 fn at_nodes<R: Real, const N: usize>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
     let mut values = [R::ZERO; COUNT];
@@ -72,7 +73,7 @@ fn at_nodes<R: Real, const N: usize>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
     values
 }
 
-/// Its derivative by t.
+/// The derivatives of a polynomial of order N with respect to t at all nodes.
 #[inline(always)]
 fn rate_at_nodes<R: Real, const N: usize>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
     let mut values = [R::ZERO; COUNT];

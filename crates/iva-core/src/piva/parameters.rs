@@ -1,10 +1,10 @@
-//! What a pendulum absorber is made of.
+//! The parameters of a pendulum absorber.
 
 use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::Real;
 
-/// What a pendulum absorber is made of, in natural units (ωn = 1, primary mass 1).
+/// The parameters of a pendulum absorber, in natural units (ωn = 1, primary mass 1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters<R = f64> {
     /// Mass ratio μ.
@@ -17,24 +17,24 @@ pub struct Parameters<R = f64> {
     pub damping_ratio: R,
     /// r = ωp/ωn, frequency of the hanging pendulum over that of the primary; 0 without gravity.
     pub frequency_ratio: R,
-    /// L, from the pivot to the centre of mass.
+    /// L, the distance from the pivot to the centre of mass.
     pub length: R,
     /// κ = I/(m L²) ≥ 1, 1 for a point bob.
     pub inertia_ratio: R,
-    /// b, from the pivot to the point of contact; L for a point bob.
+    /// b, the distance from the pivot to the point of contact; L for a point bob.
     pub contact_distance: R,
     /// ζp, damping ratio of the pivot.
     pub pivot_damping_ratio: R,
-    /// Exact, or linearised.
+    /// The equations of motion: exact, or linearised for small angles.
     pub angles: Angles,
-    /// Consistent, or as the paper prints it.
+    /// The impact law: consistent, or as the paper prints it.
     pub impact_law: ImpactLaw,
-    /// What a step of the flight may leave out, relative to the size of each variable; 0 asks for all
-    /// that doubles can hold.
+    /// Largest truncation error of a step of the flight, relative to the size of each variable; 0 for full
+    /// double precision.
     pub tolerance: R,
 }
 
-/// How the swing enters the equations of motion.
+/// The form in which the angle enters the equations of motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Angles {
     /// sinθ and cosθ: exact.
@@ -44,10 +44,10 @@ pub enum Angles {
     Small,
 }
 
-/// What happens to the velocities in an impact.
+/// The impact law for the velocities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ImpactLaw {
-    /// Momentum is conserved and the gap velocity turns into −e times itself.
+    /// Momentum is conserved, and restitution multiplies the gap velocity by −e.
     #[default]
     Consistent,
     /// The paper's Eqs. 16 (first part) and 17 as printed, for comparison only: momentum is not
@@ -56,8 +56,8 @@ pub enum ImpactLaw {
 }
 
 impl<R: Real> Parameters<R> {
-    /// A point bob on a string or a weightless rod of this length, in contact at the bob, without
-    /// friction in the pivot; set the frequency ratio yourself (1 here).
+    /// A point bob on a string or a weightless rod of this length, in contact at the bob, without pivot
+    /// damping. The frequency ratio is 1; set it as needed.
     pub fn point_bob(
         mass_ratio: R,
         restitution: R,
@@ -81,7 +81,7 @@ impl<R: Real> Parameters<R> {
         }
     }
 
-    /// A free mass: what a point bob at small angles is without gravity. Its length drops out.
+    /// A free mass, as a point bob at small angles without gravity. The length has no effect.
     pub fn free_mass(mass_ratio: R, restitution: R, clearance: R, damping_ratio: R) -> Self {
         Self {
             frequency_ratio: R::ZERO,

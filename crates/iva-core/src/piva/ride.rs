@@ -1,8 +1,8 @@
 //! The pendulum stuck on a wall: one mass 1 + μ on the primary's spring and damper,
 //! (1 + μ) A + 2ζ ẋ + x = f/M with A = ẍ + a_g, until the pressure −s β cosθ A − r² d changes sign.
 //!
-//! Linear, so the power series is the solution: with steps of [`LONGEST`] over the fastest rate what
-//! it leaves out after [`ORDER`] terms is below 10⁻²¹ of it.
+//! The equation is linear, so the power series is its solution: with steps of [`LONGEST`] its truncation
+//! error after [`ORDER`] terms is below 10⁻²¹ of it.
 
 use super::integrals::{Integrands, square};
 use super::{Parameters, Piva, PivaState};
@@ -15,23 +15,23 @@ use crate::real::Real;
 use crate::system::{Clock, Wall};
 use crate::taylor::{ORDER, Pendulum, Row, horner};
 
-/// Longest step, over the fastest rate of oscillator and force.
+/// Longest step in units of 1/(fastest rate of oscillator and force).
 const LONGEST: f64 = 0.75;
 
-/// The ride from one state.
+/// The stick episode from one state.
 #[derive(Debug, Clone)]
 pub struct PivaRide<'a, R = f64> {
     piva: &'a Piva<R>,
     from: PivaState<R>,
     drive: Drive<R>,
-    /// In powers of t over `step`.
+    /// Coefficients of x and ẋ, in powers of t over `step`.
     x: Row<R>,
     u: Row<R>,
-    /// Absolute acceleration A.
+    /// Coefficients of the absolute acceleration A.
     a: Row<R>,
     step: R,
     reach: R,
-    /// Where the reach ends because the force bends, jumps or kicks there.
+    /// The instant at which the reach ends, if the force bends, jumps or has an impulse there.
     bend: Option<Clock<R>>,
 }
 
@@ -64,20 +64,20 @@ impl<'a, R: Real> PivaRide<'a, R> {
         h / self.step
     }
 
-    /// How much of A presses on the wall.
+    /// The factor β cosθ of A in the pressure on the wall.
     fn leverage(&self) -> R {
         self.piva.pendulum.coupling * self.piva.wall_cosine.value
     }
 
-    /// Gravity, which pulls off the wall.
+    /// The share r² d of gravity in the pressure; it pulls the pendulum off the wall.
     fn weight(&self) -> R {
         self.piva.pendulum.frequency_squared * self.piva.parameters.clearance
     }
 }
 
 impl<R: Real> Piva<R> {
-    /// The primary where the wall stops pressing, from a state that is there but for rounding, and how much
-    /// later it is.
+    /// The primary at the release, where the wall stops pressing, from a state there apart from rounding; and
+    /// the time from that state to the release.
     pub(super) fn without_pressure(&self, state: &PivaState<R>) -> (Primary<R>, R) {
         let Primary { x, v } = state.primary;
         let damping = self.parameters.damping_ratio * 2.0;
@@ -85,8 +85,8 @@ impl<R: Real> Piva<R> {
         let mass = DoubleDouble::new(R::ONE).plus(self.parameters.mass_ratio);
         let rest = DoubleDouble::new(self.driven(state.time)) - acceleration * mass;
         let balanced = |v: DoubleDouble<R>| rest - v.times(damping);
-        // Under a force the pressure changes with the force as well, and much faster: what is written
-        // into x says nothing of the instant then.
+        // A force changes the pressure as well, and much faster than x does, so the correction of x says
+        // nothing about the instant then.
         let left = if self.force.lasts() { R::ZERO } else { (x - balanced(v)).value };
         let rate = v.value + damping * acceleration.value;
         let later = delay(left, rate, acceleration.value);
@@ -99,7 +99,7 @@ impl<R: Real> Piva<R> {
         self.force.drive::<1>(time, time, R::ONE).primary[0]
     }
 
-    /// ẍ at which a wall stops pressing: Ẇ = 0 there, so β c ẍ + r² y = 0.
+    /// A at the release from a wall: Ẇ = 0 there, so β c A + r² y = 0.
     fn release_acceleration(&self, wall: Wall) -> DoubleDouble<R> {
         let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
         let pull =
@@ -191,7 +191,7 @@ fn derivatives<R: Real>(row: &Row<R>, t: R, step: R) -> [R; 4] {
     })
 }
 
-/// The pressure on the wall; the ride ends where it changes sign.
+/// The curve of a stick episode: the pressure on the wall, which changes sign at the release.
 impl<R: Real> Curve for PivaRide<'_, R> {
     type Real = R;
     type Sample = PivaState<R>;
@@ -212,12 +212,12 @@ impl<R: Real> Curve for PivaRide<'_, R> {
         }
     }
 
-    /// The magnitude is that of the terms: plain evaluation is precise enough.
+    /// Plain evaluation suffices, because the magnitude is that of the terms.
     fn precise(&self, h: R) -> DoubleDouble<R> {
         DoubleDouble::new(self.jet(&self.state(h)).value)
     }
 
-    /// The sum of the terms of A⁗, and as much again for those left out.
+    /// The sum of the terms of A⁗, doubled to cover the truncated terms.
     fn fourth(&self) -> R {
         let sum = (4..=ORDER).rev().fold(R::ZERO, |sum, k| {
             let k_ = k as f64;
@@ -226,7 +226,7 @@ impl<R: Real> Curve for PivaRide<'_, R> {
         self.leverage() * 2.0 * sum / (self.step * self.step * self.step * self.step)
     }
 
-    /// That of the terms of A, which may all but cancel.
+    /// The magnitude of the terms of A, which may nearly cancel.
     fn magnitude(&self) -> R {
         let Parameters { mass_ratio, damping_ratio, .. } = self.piva.parameters;
         let size = |row: &Row<R>| row.iter().map(|coefficient| coefficient.abs()).sum::<R>();

@@ -1,4 +1,4 @@
-//! The state at time zero of a pendulum: by its gap or by its angle.
+//! The start of a pendulum, given by its gap displacement or by its angle.
 
 use std::f64::consts::PI;
 
@@ -10,13 +10,13 @@ use crate::range;
 use crate::real::Real;
 use crate::system::{Clock, Start, Wall};
 
-/// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
+/// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
 const ON_WALL_ULPS: f64 = 4.0;
 
-/// Place or rate of the pendulum, as it was given.
+/// Displacement or velocity of the pendulum, in the coordinate in which it was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Given<R = f64> {
-    /// Gap displacement y, or gap velocity w; of a pendulum that hangs below its pivot.
+    /// Gap displacement y, or gap velocity w, for a pendulum below its pivot (cosθ > 0).
     Gap(R),
     /// Angle θ, or angular velocity θ̇ in ωn.
     Angle(R),
@@ -27,11 +27,11 @@ pub enum Given<R = f64> {
 pub struct PivaStart<R = f64> {
     /// Displacement x of the primary system.
     pub displacement: R,
-    /// Its velocity ẋ.
+    /// Velocity ẋ of the primary system.
     pub velocity: R,
-    /// Where the pendulum is.
+    /// Gap displacement or angle.
     pub place: Given<R>,
-    /// How fast it moves.
+    /// Gap velocity or angular velocity.
     pub rate: Given<R>,
 }
 
@@ -43,7 +43,7 @@ impl<R: Real> From<Start<R>> for PivaStart<R> {
     }
 }
 
-/// Where the pendulum starts.
+/// Position and velocity of the pendulum at the start.
 #[derive(Debug, Clone, Copy)]
 struct Pose<R = f64> {
     /// Gap displacement.
@@ -127,15 +127,15 @@ impl<R: Real> Piva<R> {
         Ok(())
     }
 
-    /// The state of a start at an instant of the force.
+    /// The first state of a run, from a start and the instant of the drive.
     pub(super) fn first_state(&self, start: &PivaStart<R>, time: Clock<R>) -> PivaState<R> {
         let primary = Primary {
             x: DoubleDouble::new(start.displacement),
             v: DoubleDouble::new(start.velocity),
         };
         let Pose { y, cosine, w } = self.pose(start);
-        // Seen from the wall that the pendulum is nearest to or heads for, so that a mirrored
-        // start runs through mirrored numbers.
+        // Distances are measured from the wall that the pendulum is nearest to or moves towards, so that a
+        // mirrored start gives the same numbers with opposite signs.
         let pushed = self.force.drive::<3>(time, time, R::ONE);
         let kicked = self.force.impulses().next().map(|impulse| impulse.velocity);
         let side = [y, w, start.displacement, start.velocity]
@@ -170,8 +170,8 @@ impl<R: Real> Piva<R> {
         }
     }
 
-    /// Distance d − y to a wall of an angle with this cosine: b² (cos²θ − cos² at the wall)/(d + y), which
-    /// knows it better than y does close to the horizontal.
+    /// Distance d − y to a wall from cosθ: b² (cos²θ − cos² at the wall)/(d + y), more accurate than from y
+    /// where the pendulum is nearly horizontal.
     fn height(&self, cosine: DoubleDouble<R>, y: R) -> DoubleDouble<R> {
         let b = self.parameters.contact_distance;
         let over = (cosine - self.wall_cosine) * (cosine + self.wall_cosine);

@@ -1,4 +1,4 @@
-//! Derivatives of the motion of a pendulum: its series, computed in numbers with derivatives.
+//! Derivatives of the motion of a pendulum: its Taylor series, evaluated in numbers with derivatives.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -27,7 +27,7 @@ impl Differentiable for Piva {
         let on_primary = driven + x + 2.0 * damping_ratio * u;
         let primary = (on_primary + mass_ratio * lever * (turning + swing))
             / self.pendulum.inertia(state.y().value);
-        // A cosine is worth less than y, which it follows from as long as the angle is not steep.
+        // Where y is not steep, cosθ is computed from y, and its relative error is larger by this factor.
         let sine = y / b;
         let follows = sine < STEEP && !self.pendulum.small_angles;
         let steep = if follows { 1.0 / (1.0 - sine * sine) } else { 1.0 };
@@ -94,7 +94,7 @@ impl Differentiable for Piva {
     fn stick_matrix(&self, wall: Wall) -> Matrix4<f64> {
         let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
         let Pendulum { mass_ratio, lever, .. } = self.pendulum;
-        // (1 + μ) x + μλ y is the centre of mass.
+        // The centre of mass, (1 + μ) x + μλ y, is conserved.
         matrix[(0, 2)] = mass_ratio * lever / (1.0 + mass_ratio);
         matrix[(1, 3)] = self.law(wall).stick_gain();
         matrix
@@ -103,7 +103,7 @@ impl Differentiable for Piva {
     fn truncation(&self, from: &PivaState) -> [f64; 2] {
         let driven = self.drive::<{ ORDER + 1 }>(from.time, from, 1.0);
         let sizes = Sizes::of(self, from, driven.as_ref().map_or(0.0, Drive::size));
-        // At full accuracy the proven bound is far above what is left out.
+        // At full accuracy the proven bound is far above the truncation error.
         let share = if self.parameters.tolerance > 0.0 { self.accuracy.tolerance } else { 0.0 };
         [share * sizes.primary, share * sizes.gap]
     }

@@ -1,4 +1,4 @@
-//! Derivatives of the motion of a SIVA: it is linear between impacts.
+//! Derivatives of the motion of a free mass, which is linear between impacts.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -10,7 +10,8 @@ use crate::system::{System, Wall};
 
 impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
-        // Computed anew: a state in contact has the acceleration of the one close by that it was found from.
+        // Computed anew: a state in contact holds the acceleration of the state close by that it was found
+        // from.
         let HostState { primary, phase, .. } = &state.host;
         let a = self.host.free().acceleration(phase, primary).value;
         let [base, ..] = self.host.free().base(phase);

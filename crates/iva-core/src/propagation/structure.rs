@@ -1,4 +1,4 @@
-//! Derivatives of the motion of a structure, alone or with what is stuck to it: it is linear.
+//! Derivatives of the motion of a structure, alone or with an absorber stuck to it, which is linear.
 
 use nalgebra::{Matrix4, Vector4};
 
@@ -7,7 +7,7 @@ use crate::host::{Alone, Host, HostState, Structure};
 use crate::oscillator::Equation;
 use crate::system::Wall;
 
-/// x and ẋ after a time h, from (x, ẋ) = (1, 0) and (0, 1): columns.
+/// x and ẋ after a time h from (x, ẋ) = (1, 0) and from (0, 1): the columns of the flow.
 pub(super) fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
     [(1.0, 0.0), (0.0, 1.0)].map(|(x, v)| {
         let (mut lower, mut upper, mut factor) = (x, v, 1.0);
@@ -21,7 +21,7 @@ pub(super) fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
     })
 }
 
-/// Terms of the power series: what is left out after a step of 1.4 over the growth is below 10⁻²⁰.
+/// Terms of the power series: the truncation error after a step of 1.4 over the growth is below 10⁻²⁰.
 const TERMS: usize = 26;
 
 impl<H: Host<Real = f64>> Differentiable for Alone<H> {
