@@ -1,25 +1,25 @@
-//! The quintic between two jets: its range, how far off it is, and where it has its root, without branches.
+//! The quintic Hermite interpolant of a function: its range, its error, and its root, without branches.
 //!
-//! A quintic H has value, slope and half the second derivative of a function f at both ends of [0, 1]. With M a bound on
-//! f⁽⁶⁾ (G. Birkhoff and A. Priver, J. Math. Phys. 46, 1967)
+//! The quintic H has the value, slope and half the second derivative of f at both ends of [0, 1]. With M a
+//! bound on f⁽⁶⁾ (G. Birkhoff and A. Priver, J. Math. Phys. 46, 1967)
 //!
 //! ```text
 //! |f − H| ≤ M/46080,    |f′ − H′| ≤ M √5/30000,    |f″ − H″| ≤ M/1920.
 //! ```
 //!
-//! H lies within the range of its Bernstein coefficients, H′ within five times that of their differences and H″ within
-//! twenty times that of their second differences.
+//! H lies within the range of its Bernstein coefficients, H′ within five times that of their differences and H″
+//! within twenty times that of their second differences.
 
 use crate::real::Real;
 
-/// 1/46080: how far the quintic is off, over M;
+/// 1/46080: bound on the error of the quintic, over M.
 pub(crate) const OFF: f64 = 1.0 / 46080.0;
-/// √5/30000: its slope,
+/// √5/30000: bound on the error of its slope, over M.
 pub(crate) const SLOPE_OFF: f64 = 7.454e-5;
-/// 1/1920: and its second derivative.
+/// 1/1920: bound on the error of its second derivative, over M.
 pub(crate) const BEND_OFF: f64 = 1.0 / 1920.0;
 
-/// The Bernstein coefficients of the quintic.
+/// The Bernstein coefficients of the quintic from value, slope and half the second derivative at both ends.
 #[inline(always)]
 pub(crate) fn bernstein<R: Real>(begin: &[R; 3], end: &[R; 3]) -> [R; 6] {
     let ([f, g, k], [u, v, w]) = (*begin, *end);
@@ -28,7 +28,8 @@ pub(crate) fn bernstein<R: Real>(begin: &[R; 3], end: &[R; 3]) -> [R; 6] {
     [f, times(g, 0.2, f), times(k, 0.1, second), times(w, 0.1, fourth), times(v, -0.2, u), u]
 }
 
-/// The coefficients of a quintic on [0, 1] from value, slope and half the second derivative at both ends.
+/// The coefficients of the quintic in powers of t, from value, slope and half the second derivative at both
+/// ends.
 #[inline(always)]
 pub(crate) fn monomials<R: Real>(begin: &[R; 3], end: &[R; 3]) -> [R; 6] {
     let ([f, g, k], [u, v, w]) = (*begin, *end);
@@ -38,13 +39,14 @@ pub(crate) fn monomials<R: Real>(begin: &[R; 3], end: &[R; 3]) -> [R; 6] {
     [f, g, k, times(p, 10.0, cube), times(p, -15.0, fourth), times(p, 6.0, fifth)]
 }
 
-/// Close to the only root of a quintic on [0, 1]: Halley's method from its chord.
+/// An approximation of the only root of a quintic on [0, 1]: two steps of Halley's method from the root of
+/// the chord.
 #[inline(always)]
 pub(crate) fn root<R: Real>(c: &[R; 6]) -> R {
     root_by(c, |a, b| a / b)
 }
 
-/// The same with quotients made like this.
+/// [`root`] with quotients computed by `over`.
 #[inline(always)]
 pub(crate) fn root_by<R: Real>(c: &[R; 6], over: impl Fn(R, R) -> R) -> R {
     let last = (c[1] + c[2]) + (c[3] + c[4]) + c[5];

@@ -1,7 +1,7 @@
-//! The numbers that a run accepts.
+//! The ranges of numbers that a run accepts.
 //!
-//! Within these bounds no square, product or quotient of the motion leaves the range of a double,
-//! down to the lowest rebound: nothing overflows, and nothing that matters underflows.
+//! Within these bounds no square, product or quotient of the motion leaves the range of a double, down to the
+//! lowest rebound: nothing overflows, and no underflow affects a result.
 
 use crate::error::{Invalid, number};
 use crate::real::Real;
@@ -12,7 +12,7 @@ pub const SMALLEST: f64 = 1e-75;
 pub const LARGEST: f64 = 1e75;
 /// Largest mass ratio and damping ratio.
 pub const LARGEST_RATIO: f64 = 1e9;
-/// Coarsest tolerance of a flight: beyond, a step is no longer a good approximation of anything.
+/// Largest tolerance of a flight; with a larger one a step is no useful approximation.
 pub const LARGEST_TOLERANCE: f64 = 1e-3;
 
 /// Checks a length or velocity of either sign.

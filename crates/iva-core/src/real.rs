@@ -1,8 +1,8 @@
-//! The numbers that a motion is carried in.
+//! The number types in which a motion is computed.
 //!
-//! The core is written for any [`Real`]: a double, a number of [twice the precision](twofold) to verify a run
-//! by, or a number [with derivatives](dual) to differentiate it. Thresholds that depend on the precision are
-//! constants of the number. Types have doubles as their default: `DoubleDouble` is `DoubleDouble<f64>`.
+//! The core is generic over [`Real`]: a double, a number of [twice the precision](twofold) to verify a run
+//! with, or a number [with derivatives](dual) to differentiate it. Thresholds that depend on the precision
+//! are constants of the type. Types are doubles by default: `DoubleDouble` is `DoubleDouble<f64>`.
 //!
 //! In a formula a double stands to the right of a number, as in `x * 0.5`, and [`Real::ONE`] to the left.
 
@@ -17,7 +17,7 @@ pub mod dual;
 mod mixed;
 pub mod twofold;
 
-/// A real number: what doubles can do, beside doubles.
+/// A real number, with the operations of doubles and mixed operations with doubles.
 pub trait Real:
     Copy
     + Debug
@@ -60,18 +60,18 @@ pub trait Real:
     const NAN: Self;
     /// ∞
     const INFINITY: Self;
-    /// 2π with its rounding rest.
+    /// 2π as a double-double: high and low part.
     const TURN: DoubleDouble<Self>;
-    /// π/2 with its rounding rest.
+    /// π/2 as a double-double: high and low part.
     const QUARTER: DoubleDouble<Self>;
-    /// Largest share of each variable that a step of a pendulum's flight may leave out at full accuracy.
+    /// Largest relative truncation error of each variable in a step of a pendulum's flight at full accuracy.
     const LEFT_OUT: Self;
     /// Largest estimated error of the summed duration of a chatter, in 1/ωn.
     const NEGLIGIBLE: Self;
-    /// True if flights that a proof in closed form decides need no search.
+    /// True if flights decided by a proof in closed form skip the search for a contact.
     const FAST_PATHS: bool;
 
-    /// A number given by the user; `differentiated` if results are to be differentiated by it.
+    /// A number given by the user; `differentiated` if results are to be differentiated with respect to it.
     fn given(value: f64, differentiated: bool) -> Self;
 
     /// The number rounded to a double.
@@ -80,7 +80,7 @@ pub trait Real:
         self.into()
     }
 
-    /// 1/n.
+    /// The reciprocal 1/n.
     fn reciprocal(n: usize) -> Self;
 
     /// As [`f64::mul_add`].
@@ -101,7 +101,7 @@ pub trait Real:
     /// Sine and cosine of an angle within [−2π, 2π].
     fn sincos(self) -> (Self, Self);
 
-    /// Sine and cosine of an angle within [−π, π], with their rounding rests.
+    /// Sine and cosine of an angle within [−π, π], in double-double.
     fn precise_sincos(angle: DoubleDouble<Self>) -> (DoubleDouble<Self>, DoubleDouble<Self>);
 
     /// Angle of the point (x, self) from the x axis.
@@ -174,13 +174,13 @@ pub trait Real:
         self.double().is_nan()
     }
 
-    /// The larger of two numbers, by one comparison: of a number and NaN the second.
+    /// The larger of two numbers, by one comparison. If one is NaN, the result is `b`.
     #[inline(always)]
     fn larger(a: Self, b: Self) -> Self {
         if a > b { a } else { b }
     }
 
-    /// The largest whole number not above a number ≥ 0.
+    /// The largest integer not above a number ≥ 0.
     #[inline(always)]
     fn whole(self) -> usize {
         self.double() as usize
@@ -196,26 +196,27 @@ pub trait Real:
     /// An upper bound of log₂ of a number > 0, at most 0.09 too large.
     #[inline(always)]
     fn log2_above(self) -> f64 {
-        // Exponent and mantissa, read as one number, are log₂ from one power of two to the next by a chord.
+        // Exponent and mantissa, read as one integer, interpolate log₂ linearly between powers of two.
         const ONE_ABOVE: f64 = (1u64 << 52) as f64;
         self.double().to_bits() as i64 as f64 / ONE_ABOVE - (1023.0 - 0.0862)
     }
 
-    /// A closer root of a function than h, from its value and slope; `None`: h is as close as the number can
-    /// tell.
+    /// A better approximation of a root than h, from value and slope of the function; `None` if h is as close
+    /// as the type can represent.
     #[inline(always)]
     fn settled(_h: Self, _f: impl Fn(Self) -> [Self; 2]) -> Option<Self> {
         None
     }
 
-    /// Runs code with the best instructions of the machine, where that is faster; results have the same bits.
+    /// Runs code with the widest vector instructions of the machine, where that is faster; results have the
+    /// same bits.
     #[inline(always)]
     fn dispatched<T>(code: impl FnOnce() -> T) -> T {
         code()
     }
 }
 
-/// Numbers below this have their reciprocal in a table.
+/// Reciprocals of integers below this are in a table.
 const TABLED: usize = 28;
 
 impl Real for f64 {
@@ -228,9 +229,10 @@ impl Real for f64 {
         DoubleDouble { value: std::f64::consts::TAU, rest: 2.449_293_598_294_706_4e-16 };
     const QUARTER: DoubleDouble =
         DoubleDouble { value: std::f64::consts::FRAC_PI_2, rest: 6.123_233_995_736_766e-17 };
-    /// As much as rounding does. It is a proven bound; the true remainder is some ten times smaller or less.
+    /// As large as rounding errors. It is a proven bound; the true truncation error is smaller by a factor of
+    /// ten or more.
     const LEFT_OUT: f64 = 1e-16;
-    /// Rounding of a time of order 1 is ten times larger.
+    /// A tenth of the rounding error of a time of order 1.
     const NEGLIGIBLE: f64 = 1e-17;
     const FAST_PATHS: bool = true;
 
@@ -343,7 +345,7 @@ impl Real for f64 {
         f64::total_cmp(self, other)
     }
 
-    /// What is inlined into the code has a fused multiply-add.
+    /// The code is inlined into a function that has a fused multiply-add.
     #[inline]
     fn dispatched<T>(code: impl FnOnce() -> T) -> T {
         pulp::Arch::new().dispatch(code)

@@ -1,12 +1,11 @@
 //! The first zero of a smooth function, with a certificate.
 //!
-//! [`Searched::first_zero`] walks through exclude → isolate → refine → classify. Every decision rests on the
-//! function's exact values and derivatives at the ends of an interval of length L and on a bound
-//! m₄ ≥ |f⁗| in between:
+//! [`Searched::first_zero`] goes through exclude → isolate → refine → classify. Every decision uses the
+//! function's values and derivatives at the ends of an interval of length L and a bound m₄ ≥ |f⁗| in between:
 //!
 //! * **leaving**: f, f′, f″ ≥ 0 at the left end and f‴ ≥ m₄ L: f grows on the whole interval;
-//! * **curved one way**: f″ keeps clear of 0 by m₄L²/8 (error of linear interpolation), so a convex
-//!   f has one minimum and a concave f lies above its chord;
+//! * **curved one way**: |f″| > m₄L²/8 at both ends with one sign (error of linear interpolation), so a
+//!   convex f has one minimum and a concave f lies above its chord;
 //! * **excluded**: the Bernstein coefficients of the cubic Hermite interpolant exceed its error
 //!   m₄L⁴/384, so f > 0;
 //! * **monotone**: the coefficients of the interpolant's derivative exceed its error √3 m₄L³/216;
@@ -14,33 +13,33 @@
 //!
 //! (Error constants of Hermite interpolation: Birkhoff and Priver, J. Math. Phys. 46, 1967.)
 //!
-//! **Near zero.** Where f is so small that its rounding could decide its sign, it is evaluated
-//! again to twice the precision ([`Curve::precise`]).
+//! **Near zero.** Where f is so small that rounding could decide its sign, it is evaluated again in
+//! double-double ([`Curve::precise`]).
 //!
-//! **What cannot be decided.** A minimum of f whose distance from zero is below the band given by
-//! the caller is beyond the numbers that carry the motion: it counts as no zero and is reported in
-//! [`Search::undecided`]. Only minima are ever undecided; a transversal zero never is.
+//! **What cannot be decided.** A minimum of f whose distance from zero is below the band given by the caller
+//! is beyond the precision of the motion: it counts as no zero and is reported in [`Search::undecided`]. Only
+//! minima are ever undecided; a transversal zero never is.
 
 use crate::flight::{Curve, Jet};
 use crate::real::Real;
 
-/// A point of a curve: where, what was evaluated, and the jet of the function searched.
+/// A point of a curve: its time, the evaluated sample, and the jet of the function searched.
 #[derive(Debug, Clone, Copy)]
 pub struct Node<T, R = f64> {
     /// Time since the start of the motion.
     pub h: R,
     /// The evaluated sample.
     pub sample: T,
-    /// The function and its derivatives.
+    /// The function and its derivatives there.
     pub jet: Jet<R>,
 }
 
-/// What a search found.
+/// The result of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct Search<T, R = f64> {
-    /// The first zero crossed downwards; `None` means that there is none.
+    /// The first zero crossed downwards; `None` if there is none.
     pub zero: Option<Node<T, R>>,
-    /// Minima met before it that lie within the band.
+    /// Number of minima within the band before the zero, or in the whole interval.
     pub undecided: u64,
 }
 
@@ -49,7 +48,7 @@ pub struct Search<T, R = f64> {
 pub struct Searched<'a, C: Curve> {
     /// The motion that is evaluated.
     pub curve: &'a C,
-    /// Where f is 0.
+    /// The value of the curve at which f is 0.
     pub level: C::Real,
     /// +1 if f is positive above the level, −1 if below.
     pub sign: C::Real,
@@ -57,21 +56,21 @@ pub struct Searched<'a, C: Curve> {
     pub fourth: C::Real,
     /// Half width of the band in which a minimum cannot be decided.
     pub band: C::Real,
-    /// Below this, band included, rounding could decide the sign of a plain evaluation.
+    /// Bound on |f| at and below which rounding could decide the sign of a plain evaluation.
     pub doubt: C::Real,
 }
 
-/// Where rounding could decide the sign of a plain evaluation, in units of 2⁻⁵³ of the curve's magnitude.
-/// The terms of a cubic that stays within ±1 sum to at most 99 (Chebyshev's T₃ on a one-sided interval),
-/// each with two or three roundings.
+/// Bound below which rounding could decide the sign of a plain evaluation, in units of 2⁻⁵³ of the curve's
+/// magnitude. The terms of a cubic that stays within ±1 sum to at most 99 (Chebyshev's T₃ on a one-sided
+/// interval), each with two or three roundings.
 pub(crate) const DOUBT: f64 = 256.0;
 
-/// Halvings of an interval before f counts as constant: 2⁻⁴⁸ of a stretch on which f was smooth
-/// enough for a series of some 20 terms changes f by less than its rounding.
+/// Number of halvings after which f counts as constant on an interval: f changes by less than its rounding on
+/// 2⁻⁴⁸ of a stretch on which it was smooth enough for a series of some 20 terms.
 const MAX_DEPTH: u32 = 48;
 
-/// Halvings after which a stretch on which f changes by less than the band counts as constant. Before,
-/// such a stretch may be a low rebound, which is decided by its signs.
+/// Number of halvings after which an interval on which f changes by less than the band counts as constant.
+/// Before, such an interval may be a low rebound, which is decided by signs.
 const FLAT_DEPTH: u32 = 8;
 
 impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
@@ -93,7 +92,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         Node { h, sample, jet: self.seen(&self.curve.jet(&sample)) }
     }
 
-    /// f at a node, to twice the precision where its sign could be a matter of rounding.
+    /// f at a node, evaluated in double-double where its sign is in doubt.
     fn value(&self, node: &Node<C::Sample, R>) -> R {
         if node.jet.value.abs() > self.doubt {
             node.jet.value
@@ -102,7 +101,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         }
     }
 
-    /// True if f > 0 on the whole interval, by the Hermite–Bernstein bound alone.
+    /// True if f > 0 is proved on the whole interval by the Hermite–Bernstein bound alone.
     #[inline]
     pub fn excluded(&self, a: &Jet<R>, b: &Jet<R>, length: R) -> bool {
         let square = length * length;
@@ -112,7 +111,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         a.value.min(b1).min(b2).min(b.value) > error + self.doubt
     }
 
-    /// The first zero crossed downwards on [a, b], where f(a) ≥ 0 but for rounding.
+    /// The first zero crossed downwards on [a, b], where f(a) ≥ 0 apart from rounding.
     pub fn first_zero(
         &self,
         a: &Node<C::Sample, R>,
@@ -139,7 +138,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         let square = length * length;
         let curvature_slack = square * self.fourth * (1.0 / 8.0);
         if fa.curvature.max(fb.curvature) < -curvature_slack {
-            // Concave: above the chord, so only the right end decides.
+            // Concave: above the chord, so the right end decides.
             return self.end_decides(a, b);
         }
         if fa.curvature.min(fb.curvature) > curvature_slack {
@@ -165,7 +164,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
             .or_else(|| self.search(&centre, b, depth + 1, undecided))
     }
 
-    /// f falls at b, and crosses zero at most once, downwards, on (a, b].
+    /// The zero on (a, b] of a function that falls at b and crosses zero at most once, downwards.
     fn end_decides(
         &self,
         a: &Node<C::Sample, R>,
@@ -173,12 +172,11 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     ) -> Option<Node<C::Sample, R>> {
         let drop = drop_ahead(&b.jet);
         let value = if b.jet.value - drop >= -self.doubt { self.value(b) } else { b.jet.value };
-        // A minimum close by and within the band: the search of the next interval meets and
-        // counts it.
+        // A minimum close by and within the band is left to the search of the next interval, which counts it.
         if value > 0.0 || value - drop >= -self.band { None } else { Some(self.refine(a, b, None)) }
     }
 
-    /// f is convex on [a, b].
+    /// The first zero crossed downwards on [a, b] of a convex function.
     fn convex(
         &self,
         a: &Node<C::Sample, R>,
@@ -192,7 +190,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         if fb.rate <= 0.0 {
             return self.end_decides(a, b);
         }
-        // The tangents at both ends lie below f; where they meet is the lowest f can be.
+        // The tangents at both ends lie below f; their intersection is a lower bound of f.
         let lowest = (fb.rate * fa.value - fa.rate * (fb.value - fb.rate * (b.h - a.h)))
             / (fb.rate - fa.rate);
         if lowest > self.doubt {
@@ -211,7 +209,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         }
     }
 
-    /// The interval is so short that f is constant to rounding: its end decides.
+    /// The zero on an interval so short that f is constant to rounding: the value at its end decides.
     fn resolve(
         &self,
         a: &Node<C::Sample, R>,
@@ -222,7 +220,7 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
         if value < -self.band {
             return Some(self.refine(a, b, None));
         }
-        // While f still falls, a later interval meets its zero or its minimum.
+        // While f still falls, its zero or minimum is in a later interval.
         if value <= self.band && b.jet.rate >= 0.0 {
             *undecided += 1;
         }
@@ -240,12 +238,12 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
             return settle(|h| self.falling(h, false), a.h).map_or(*a, |(_, node)| node);
         }
         let guess = guess.unwrap_or_else(|| a.h + hermite_zero(&a.jet, &b.jet, b.h - a.h));
-        // Where f hardly gets below zero, plain evaluations would not show where it does.
+        // Where f is hardly below zero, plain evaluation would not show where it changes sign.
         let flat = b.jet.value >= -self.doubt;
         polish(|h| self.falling(h, flat), a.h, b.h, guess).1
     }
 
-    /// The node at h with −f, which rises, and its derivatives.
+    /// The node at h with −f, which rises, and its first two derivatives.
     #[inline]
     fn falling(&self, h: R, flat: bool) -> (Node<C::Sample, R>, [R; 3]) {
         let node = self.node(h);
@@ -270,14 +268,14 @@ impl<R: Real, C: Curve<Real = R>> Searched<'_, C> {
     }
 }
 
-/// What f changes within a length at most.
+/// A bound on the change of f within a length.
 pub(crate) fn highest_change<R: Real>(jet: &Jet<R>, fourth: R, length: R) -> R {
     let inner = jet.jerk.abs() * (1.0 / 6.0) + length * fourth * (1.0 / 24.0);
     length * (jet.rate.abs() + length * (jet.curvature.abs() * 0.5 + length * inner))
 }
 
-/// How far a falling f drops at least below its value here before it can turn, estimated from its
-/// derivatives: 0 where it already rises, infinite where nothing turns it.
+/// Lower estimate of how far a falling f drops below its value before its minimum, from its derivatives: 0
+/// where it already rises, infinite where it has no minimum ahead.
 fn drop_ahead<R: Real>(jet: &Jet<R>) -> R {
     if jet.rate >= 0.0 {
         R::ZERO
@@ -300,8 +298,8 @@ fn hermite_zero<R: Real>(a: &Jet<R>, b: &Jet<R>, length: R) -> R {
     let b2 = b.value - length * b.rate / 3.0;
     let b3 = b.value;
     if b0 <= 0.0 {
-        // H(t)/t = 3 b1 (1−t)² + 3 b2 t (1−t) + b3 t²; its zero by the stable quadratic formula,
-        // over its first coefficient: a rebound may be so low that a square would underflow.
+        // H(t)/t = 3 b1 (1−t)² + 3 b2 t (1−t) + b3 t². Its zero is found by the stable quadratic formula,
+        // divided by the first coefficient because squares could underflow at the lowest rebounds.
         let p = b1 * 3.0;
         let (q, r) = ((b2 - b1 * 2.0) * 3.0 / p, ((b1 - b2) * 3.0 + b3) / p);
         let t = R::from(2.0) / ((q * q - r * 4.0).max(0.0).sqrt() - q);
@@ -323,10 +321,10 @@ fn hermite_zero<R: Real>(a: &Jet<R>, b: &Jet<R>, length: R) -> R {
 
 /// The zero of an increasing function on [low, high] by Halley's method, kept inside its bracket.
 ///
-/// `f` returns a sample with value, first and second derivative; the sample at the zero is handed
-/// back. Steps that no longer shrink mean either that the function's rounding is reached or that the
-/// start was bad. A look a few steps further tells: at the zero it closes the bracket to rounding,
-/// else the bracket is halved and the search goes on.
+/// `f` returns a sample with value, first and second derivative; the sample at the zero is returned. Steps
+/// that no longer shrink mean either that the rounding of the function is reached or that the start was bad.
+/// A probe a few steps further distinguishes these: at the zero it closes the bracket to rounding; otherwise
+/// the bracket is halved and the search goes on.
 pub(crate) fn polish<R: Real, T: Copy>(
     f: impl Fn(R) -> (T, [R; 3]),
     low: R,
@@ -369,7 +367,7 @@ pub(crate) fn polish<R: Real, T: Copy>(
     settle(f, bracket.h).unwrap_or((bracket.h, bracket.sample))
 }
 
-/// The zero close to h, where the numbers tell more of it than its value.
+/// An improved zero close to h, for number types with more information than the value.
 #[inline]
 fn settle<R: Real, T>(f: impl Fn(R) -> (T, [R; 3]), h: R) -> Option<(R, T)> {
     let h = R::settled(h, |h| {
@@ -379,7 +377,7 @@ fn settle<R: Real, T>(f: impl Fn(R) -> (T, [R; 3]), h: R) -> Option<(R, T)> {
     Some((h, f(h).0))
 }
 
-/// Where the zero lies, and the sample closest to it so far.
+/// An interval that contains the zero, and the sample with the smallest |value| so far.
 struct Bracket<T, R = f64> {
     low: R,
     high: R,

@@ -1,6 +1,6 @@
 //! The event loop: flight → contact → impact → chatter or stick → release.
 //!
-//! It knows the absorber only as a [`System`] and whoever watches only as an [`Observer`].
+//! It knows the absorber only as a [`System`] and its observers only as an [`Observer`].
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,42 +20,43 @@ pub(crate) mod wall;
 /// Counts and sums of a run, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tally<State, R = f64> {
-    /// How it ended.
+    /// How the run ended.
     pub outcome: Outcome,
-    /// Listed impacts.
+    /// Number of listed impacts.
     pub impacts: u64,
-    /// Listed impacts at which the masses moved towards each other.
+    /// Number of listed impacts at which the masses moved towards each other.
     pub effective_impacts: u64,
-    /// Chatters that ended in stick, plastic sticks, starts at rest on a pressed wall.
+    /// Number of stick episodes: chatters that ended in stick, plastic sticks, starts at rest on a pressed
+    /// wall.
     pub episodes: u64,
-    /// Grazing extrema within rounding of a wall, counted as no contact.
+    /// Number of grazing extrema within rounding of a wall, counted as no contact.
     pub undecided: u64,
-    /// Largest approach speed of all impacts on the wall + and on the wall −; 0 without any.
+    /// Largest approach speed of all impacts on wall + and on wall −; 0 without any.
     pub approach_speeds: [R; 2],
-    /// Total time on a wall.
+    /// Total time stuck on a wall, in 1/ωn.
     pub time_stuck: R,
     /// Energy lost in all impacts, listed or summed.
     pub energy_impacts: R,
     /// Instant at which the run ended, in 1/ωn.
     pub end_time: R,
-    /// Segments of flight and ride computed.
+    /// Number of segments of flight and stick episode computed.
     pub work: u64,
     /// The last state.
     pub state: State,
-    /// Its instant, with its rounding rest.
+    /// The instant of the last state, in double-double.
     pub clock: Clock<R>,
 }
 
 impl<State: Copy, R: Real> Tally<State, R> {
-    /// Where the run has ended, to go on from.
+    /// The end of the run, from which another run can go on.
     pub fn instant(&self) -> Instant<State, R> {
         Instant { time: self.clock, state: self.state }
     }
 }
 
-/// Runs a system from a start and tells the observer what happens.
+/// Runs a system from a start and notifies the observer of every event.
 ///
-/// Numerics never fail: a run that cannot go on ends with its outcome and what it has.
+/// Numerical trouble is no error: a run that cannot go on ends with its outcome and the results so far.
 ///
 /// # Errors
 /// [`Invalid`] if the start does not lie in the gap or a limit is not usable.
@@ -69,11 +70,11 @@ pub fn simulate<R: Real, S: System<Real = R>, O: Observer<S>>(
     simulate_from(system, start, R::ZERO, limits, cancel, observer)
 }
 
-/// As [`simulate`], from a start at another instant than zero, in 1/ωn: the drive is where it stands then, and instants
-/// count on the same clock, that of the end of the run (`limits.duration`) as well.
+/// [`simulate`] from a start at an instant other than zero, in 1/ωn: the drive is evaluated on the same
+/// clock, on which `limits.duration` is the end of the run.
 ///
 /// # Errors
-/// As [`simulate`]; if the run would end before it begins.
+/// As [`simulate`], and if the run would end before it begins.
 pub fn simulate_from<R: Real, S: System<Real = R>, O: Observer<S>>(
     system: &S,
     start: &S::Start,
@@ -86,13 +87,13 @@ pub fn simulate_from<R: Real, S: System<Real = R>, O: Observer<S>>(
     resume(system, &Instant::at(system, start, time), limits, cancel, observer)
 }
 
-/// An instant of a run, and the state then.
+/// An instant of a run, and the state at that instant.
 ///
-/// The state of a system under force knows the instant of its drive, which is this one unless it was made at
-/// another ([`System::begin_at`]).
+/// The state of a driven system holds the instant of its drive. It is this instant, unless the state was made
+/// for another one ([`System::begin_at`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instant<State, R = f64> {
-    /// In 1/ωn.
+    /// The instant, in 1/ωn.
     pub time: Clock<R>,
     /// In flight, or stuck to the wall that it touches.
     pub state: State,
@@ -111,14 +112,16 @@ impl<State, R: Real> Instant<State, R> {
     }
 }
 
-/// Goes on from an instant of a run, to the same `limits.duration`; `tally` counts from there.
+/// Goes on from an instant of a run, to `limits.duration` on the same clock; `tally` counts from there.
 ///
-/// A state that touches its wall sticks if it presses on it at rest, and else leaves or is struck. A stick that is cut
-/// in two counts as two episodes, the second from the cut on; impacts of a chatter that an earlier run has listed stay
-/// listed if it ends in stick here. Observers see the motion from the instant on: [`crate::measures`] of a decay are defined
-/// for runs from time zero, the window of [`crate::steady`] begins no earlier than the run, samples before it are left out.
-/// A run that was stopped between the sum of a chatter and its stick goes on stuck: `time_stuck` of both pieces then has the
-/// rest of the chatter besides. The state is taken as it is: nobody checks that it lies in the gap.
+/// A state at rest that touches its wall sticks if it presses on it; otherwise it leaves the wall or has an
+/// impact. A stick episode that is divided in two counts as two, the second from the division on. Impacts of
+/// a chatter that an earlier run has listed stay listed if the chatter ends in stick here. Observers see the
+/// motion from the instant on: [`crate::measures`] of a decay are defined for runs from time zero, the window
+/// of [`crate::steady`] begins no earlier than the run, and samples before it are left out. A run that was
+/// stopped between the sum of a chatter and its stick goes on stuck: `time_stuck` of both parts then includes
+/// the rest of the chatter. The state is not checked to lie in the gap. rest of the chatter besides. The
+/// state is taken as it is: nobody checks that it lies in the gap.
 ///
 /// # Errors
 /// [`Invalid`] if a limit is not usable, or does not lie after the instant.
@@ -142,14 +145,14 @@ pub fn resume<S: System, O: Observer<S>>(
     Ok(run.finish())
 }
 
-/// What the absorber is doing; in flight, how far to look first.
+/// The phase of a run: flight, with the longest first trial `first`, or a stick episode.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Phase<R = f64> {
     Flight { first: R },
     Ride,
 }
 
-/// A run under way.
+/// A run in progress.
 pub(crate) struct Run<'a, S: System, O> {
     pub system: &'a S,
     pub limits: &'a Limits<S::Real>,
@@ -162,13 +165,13 @@ pub(crate) struct Run<'a, S: System, O> {
     pub tally: Tally<S::State, S::Real>,
     pub losses: Clock<S::Real>,
     pub stops: [S::Real; STOPS],
-    /// How many of the stops are behind.
+    /// Number of stops that are passed.
     pub stopped: usize,
-    /// True if it starts at a wall.
+    /// True if the run starts at a wall.
     touching: bool,
 }
 
-/// How often the loop looks whether it is to stop.
+/// Number of segments between two checks of the cancel flag.
 const CANCEL_EVERY: u64 = 1024;
 
 impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
@@ -211,7 +214,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
     }
 
-    /// What happens at the begin.
+    /// Handles the start: notifies the observer, and applies an impact or a stick at a wall.
     pub(crate) fn begin(&mut self) {
         let (system, state) = (self.system, self.tally.state);
         let from = Instant { time: self.clock, state };
@@ -228,7 +231,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
     }
 
-    /// Goes on by one stretch of motion; false: the run has ended.
+    /// Advances by one stretch of motion; false if the run has ended.
     pub(crate) fn step(&mut self) -> bool {
         let remaining = loop {
             if self.stopped == STOPS {
@@ -236,7 +239,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             }
             let remaining = -self.clock.minus(self.stop());
             if remaining <= 0.0 {
-                // An impact has come at that very instant.
+                // An impact has come at the instant of the stop.
                 self.pass_stop();
             } else {
                 break remaining;
@@ -272,12 +275,12 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         finite
     }
 
-    /// The next instant that no stretch of motion runs across.
+    /// The next stop: an instant that no stretch of motion crosses.
     pub(crate) fn stop(&self) -> R {
         self.stops[self.stopped.min(STOPS - 1)]
     }
 
-    /// Goes on to the next stop; those that rounding could not tell from this one are passed with it.
+    /// Passes the current stop, and those that coincide with it within rounding.
     pub(crate) fn pass_stop(&mut self) {
         let here = self.stop() * (R::ONE + R::EPSILON * 4.0);
         while self.stopped < STOPS && self.stops[self.stopped] <= here {
@@ -292,13 +295,13 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
-    /// Impacts that are rows whatever follows: not the low rebounds of a chatter under way, which
-    /// are taken back if it ends in stick.
+    /// Number of impacts that stay listed in any case: without the low rebounds of the current chatter, which
+    /// are removed if it ends in stick.
     pub(super) fn listed(&self) -> u64 {
         self.tally.impacts - self.streak.as_ref().map_or(0, |streak| streak.low)
     }
 
-    /// One segment of free flight, ended by its length, a contact or the end of the run.
+    /// One segment of free flight, ended by its length, a contact or the next stop.
     fn fly(&mut self, remaining: R, first: R) -> bool {
         let system = self.system;
         let state = self.tally.state;
@@ -331,7 +334,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         true
     }
 
-    /// Meets a wall that the state is at but for rounding.
+    /// Applies the contact with a wall that the state has reached within rounding.
     pub(crate) fn meet(&mut self, side: Side) {
         let left = self.system.wall(&self.tally.state);
         let wall = if side == Side::Near { left } else { left.opposite() };
@@ -341,7 +344,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.apply_impact();
     }
 
-    /// One segment of riding on a wall, ended by its length, the release or the end of the run.
+    /// One segment of a stick episode, ended by its length, the release or the next stop.
     fn ride(&mut self, remaining: R) -> bool {
         let system = self.system;
         let state = self.tally.state;
@@ -372,7 +375,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.arrive(motion, [h, R::ZERO], motion.arrival(h), whole);
     }
 
-    /// Ends a motion after a time given with what that lacks; `whole`: at the next stop.
+    /// Ends a motion after the time h + later, high and low part; `whole` if it ends at the next stop.
     fn arrive<M>(&mut self, motion: &M, [h, later]: [R; 2], end: S::State, whole: bool)
     where
         M: Motion<Real = R, State = S::State>,
@@ -394,8 +397,8 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
     }
 
-    /// An impulse from outside, or a jump of the force: what is stuck comes off if either pulls it
-    /// from its wall, else both masses take the impulse together.
+    /// Applies an impulse from outside, or a jump of the force. A stuck absorber leaves its wall if the
+    /// impulse or the changed force pulls it off; otherwise both masses take the impulse together.
     fn impulse(&mut self, velocity: R) {
         let before = self.tally.state;
         let mut after = self.system.apply_impulse(&before, velocity, false);
@@ -421,13 +424,13 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
     }
 
-    /// Ends the run because the caller asks to.
+    /// Ends the run as cancelled.
     pub(crate) fn cancelled(&mut self) -> Tally<S::State, R> {
         self.tally.outcome = Outcome::Cancelled;
         self.finish()
     }
 
-    /// Ends the run.
+    /// Ends the run and returns its tally.
     pub(crate) fn finish(&mut self) -> Tally<S::State, R> {
         self.end_episode(false);
         (self.tally.end_time, self.tally.clock) = (self.clock.value, self.clock);

@@ -1,6 +1,6 @@
-//! What an absorber must say of itself for the event loop to run it.
+//! The interface between an absorber and the event loop.
 //!
-//! The loop ([`crate::simulate`]) knows flights, contacts, impacts and rides only through these
+//! The loop ([`crate::simulate`]) knows flights, contacts, impacts and stick episodes only through these
 //! traits; a new absorber is one file that implements them.
 
 use crate::compensated::DoubleDouble;
@@ -20,7 +20,7 @@ pub enum Wall {
 }
 
 impl Wall {
-    /// 0 or 1, for what there is of each wall.
+    /// 0 for wall +, 1 for wall −: the index into arrays over the walls.
     #[inline]
     pub fn index(self) -> usize {
         match self {
@@ -92,40 +92,41 @@ pub struct Angle<R = f64> {
 /// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
 /// exactly 0 at a contact, so that a rebound keeps its relative accuracy however low it is.
 pub trait System {
-    /// The numbers that its motion is carried in.
+    /// The number type of the motion.
     type Real: Real;
     /// The state between events.
     type State: Copy + std::fmt::Debug;
-    /// How the state at time zero is given.
+    /// The form in which a start is given.
     type Start: Copy + std::fmt::Debug;
-    /// The absorber free in its gap; its curve is the distance to the wall last touched.
+    /// The flight of the absorber in its gap; its curve is the distance to the wall last touched.
     type Flight<'a>: Motion<Real = Self::Real, State = Self::State>
         + Curve<Real = Self::Real, Sample = Self::State>
     where
         Self: 'a;
-    /// The absorber stuck on a wall; its curve is the pressure on that wall per unit mass.
+    /// The stick episode on a wall; its curve is the pressure on that wall per unit mass.
     type Ride<'a>: Motion<Real = Self::Real, State = Self::State>
         + Curve<Real = Self::Real, Sample = Self::State>
     where
         Self: 'a;
 
-    /// Half of the total play, d.
+    /// One-sided clearance d, half of the total play.
     fn clearance(&self) -> Self::Real;
-    /// Where the middle of the gap is: the walls are at y = offset ± d.
+    /// The middle of the gap, as a value of y: the walls are at y = offset ± d.
     fn offset(&self) -> Self::Real {
         Self::Real::ZERO
     }
-    /// The ratio by which each rebound of a chatter on a wall shrinks.
+    /// The ratio of the speeds of consecutive rebounds of a chatter on a wall.
     fn rebound_ratio(&self, wall: Wall) -> Self::Real;
-    /// Velocity that the structure gains in an impact on a wall, per gap velocity: the impulse on it, over its mass.
+    /// Velocity that the structure gains in an impact on a wall, per gap velocity: the impulse over the mass
+    /// of the structure.
     fn impact_gain(&self, wall: Wall) -> Self::Real;
-    /// Displacement of the absorber's centre of mass beside the structure, per gap displacement: 1 for a free mass,
-    /// L/b for a pendulum.
+    /// Displacement of the absorber's centre of mass relative to the structure, per gap displacement: 1 for a
+    /// free mass, L/b for a pendulum.
     fn lever(&self) -> Self::Real {
         Self::Real::ONE
     }
-    /// How much an impact of unit approach speed raises the pressure on its wall (through the
-    /// damper, which feels the jump of the primary's velocity).
+    /// Rise of the pressure on a wall at an impact of unit approach speed: the damper responds to the jump of
+    /// the primary's velocity.
     fn pressure_gain(&self, wall: Wall) -> Self::Real;
 
     /// Checks that a start lies in the gap.
@@ -135,32 +136,33 @@ pub trait System {
     fn check_start(&self, _start: &Self::Start) -> Result<(), Invalid> {
         Ok(())
     }
-    /// The state of a start under the drive as it stands at an instant; its distance is exactly 0 at a wall.
+    /// The state of a start, with the drive at an instant. Its distance is exactly 0 at a wall.
     fn begin_at(&self, start: &Self::Start, time: Clock<Self::Real>) -> Self::State;
 
-    /// The same at time zero.
+    /// The state of a start at time zero.
     fn begin(&self, start: &Self::Start) -> Self::State {
         self.begin_at(start, Clock::ZERO)
     }
-    /// Free motion from a state.
+    /// The flight from a state.
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
-    /// Motion stuck to the wall that the state touches.
+    /// The stick episode on the wall that the state touches.
     fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
     /// The wall that distances are measured from.
     fn wall(&self, state: &Self::State) -> Wall;
-    /// Distance to that wall with its derivatives in free motion.
+    /// Distance to that wall and its derivatives in free motion.
     fn distance(&self, state: &Self::State) -> Jet<Self::Real>;
-    /// The state in contact with `wall`, and how much later it is: the distance left over, which is
-    /// what rounding leaves, is flown to its end.
+    /// The state in contact with `wall`, and how much later it is: the small distance left over by rounding
+    /// is covered at constant rate.
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Self::Real);
-    /// The impact law at a state in contact: the state after it, and the record of it.
+    /// Applies the impact law to a state in contact: the state after the impact, and its record.
     fn impact(&self, state: &Self::State, time: Self::Real) -> (Self::State, Impact<Self::Real>);
-    /// The state after an infinite tail of rebounds: common velocity, and the energy they lose.
+    /// The state after an infinite tail of rebounds, stuck with the common velocity, and the energy lost in
+    /// the tail.
     fn stick(&self, state: &Self::State) -> (Self::State, Self::Real);
-    /// The state at the end of a ride, with distance, rate and pressure exactly 0, and how much later it
-    /// is.
+    /// The state at the release, with distance, rate and pressure exactly 0, and the time from the given
+    /// state to it.
     fn release(&self, state: &Self::State) -> (Self::State, Self::Real);
-    /// Primary displacement and velocity.
+    /// Displacement and velocity of the primary.
     fn primary(&self, state: &Self::State) -> Point<Self::Real>;
     /// Total energy per primary mass.
     fn energy(&self, state: &Self::State) -> Self::Real;
@@ -168,11 +170,11 @@ pub trait System {
     fn walls_reachable(&self) -> bool {
         true
     }
-    /// The instants that no stretch of motion is to run across: the end of the run, at least.
+    /// The instants that no stretch of motion may cross, the end of the run among them.
     fn stops(&self, limits: &Limits<Self::Real>) -> [Self::Real; STOPS] {
         [limits.duration; STOPS]
     }
-    /// True if a force or the base drives it, not only in impulses.
+    /// True if a lasting force or base motion drives the system, not impulses only.
     fn is_driven(&self) -> bool {
         false
     }
@@ -180,20 +182,20 @@ pub trait System {
     fn moves_base(&self) -> bool {
         false
     }
-    /// Largest |a_g| from one instant to another, where it is known in closed form.
+    /// Largest |a_g| between two instants, where it is known in closed form.
     fn largest_base(&self, _between: [Self::Real; 2]) -> Option<Self::Real> {
         None
     }
-    /// How long the force stays smooth: the time until it has a kink, a jump or an impulse.
+    /// The time for which the force stays smooth, until a kink, a jump or an impulse.
     fn smooth_for(&self, _state: &Self::State) -> Self::Real {
         Self::Real::INFINITY
     }
-    /// P/M of the impulse that is due at a state; 0 where the force jumps.
+    /// P/M of the impulse that is due at a state, 0 at a jump of the force; `None` if no impulse is due.
     fn due(&self, _state: &Self::State) -> Option<Self::Real> {
         None
     }
-    /// The state after the impulse that is due, of P/M = `velocity`: with the absorber free to
-    /// follow its own way, or stuck to its wall.
+    /// The state after the impulse that is due, of P/M = `velocity`, with the absorber free or stuck to its
+    /// wall.
     fn apply_impulse(
         &self,
         state: &Self::State,
@@ -206,11 +208,11 @@ pub trait System {
     fn angle(&self, _state: &Self::State) -> Option<Angle<Self::Real>> {
         None
     }
-    /// The same just before and just after an impact.
+    /// Angles and angular velocities just before and just after an impact.
     fn impact_angles(&self, _impact: &Impact<Self::Real>) -> Option<[Angle<Self::Real>; 2]> {
         None
     }
 }
 
-/// An instant of the run, compensated.
+/// An instant of the run in 1/ωn, in double-double.
 pub type Clock<R = f64> = DoubleDouble<R>;

@@ -1,17 +1,17 @@
-//! Sine and cosine to whatever precision a number carries, twice that of doubles at most.
+//! Sine and cosine to the precision of a number type, at most double-double.
 
 use crate::compensated::DoubleDouble;
 use crate::real::Real;
 use crate::taylor::Number;
 
-/// 1/6 to twice the precision.
+/// 1/6 as a double-double: high and low part.
 const SIXTH: [f64; 2] = [1.0 / 6.0, 9.251_858_538_542_97e-18];
 
-/// Sine and cosine of an angle within [−π, π] to some 2⁻⁶⁰, without branches: from their series within a quarter
-/// of a turn, the leading two terms to twice the precision.
+/// Sine and cosine of an angle within [−π, π] with errors of some 2⁻⁶⁰, without branches: from their series
+/// within a quarter turn, the leading two terms in double-double.
 #[inline(always)]
 pub fn close_sine_cosine<R: Real>(angle: DoubleDouble<R>) -> (DoubleDouble<R>, DoubleDouble<R>) {
-    /// 1/5!, −1/7!, … and 1/4!, −1/6!, …
+    /// The coefficients 1/5!, −1/7!, … of the sine; those of the cosine are 1/4!, −1/6!, ….
     const SINE: [f64; 8] = factorials(5);
     const COSINE: [f64; 9] = factorials(4);
     let quarter = (angle.value * std::f64::consts::FRAC_2_PI).round();
@@ -39,7 +39,7 @@ fn pick<R: Real>(which: bool, yes: DoubleDouble<R>, no: DoubleDouble<R>) -> Doub
     DoubleDouble { value: one(yes.value, no.value), rest: one(yes.rest, no.rest) }
 }
 
-/// 1/n!, −1/(n+2)!, 1/(n+4)!, …
+/// The coefficients 1/n!, −1/(n+2)!, 1/(n+4)!, ….
 const fn factorials<const K: usize>(n: usize) -> [f64; K] {
     let mut terms = [0.0; K];
     let (mut k, mut factorial, mut i) = (0, 1.0, 1);
@@ -54,7 +54,7 @@ const fn factorials<const K: usize>(n: usize) -> [f64; K] {
     terms
 }
 
-/// Sine and cosine of an angle within [−2π, 2π], from their series at a 64th of it.
+/// Sine and cosine of an angle within [−2π, 2π], from the series at a 64th of the angle and six doublings.
 pub fn sine_cosine<R: Real, T: Number<Real = R>>(angle: T) -> (T, T) {
     const HALVINGS: u32 = 6;
     let one = T::reciprocal(1);

@@ -1,4 +1,4 @@
-//! Numbers with derivatives: what is computed in them is computed and differentiated at once.
+//! Numbers with derivatives: forward-mode automatic differentiation.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -7,7 +7,7 @@ use super::Real;
 use super::mixed::beside_doubles;
 use crate::compensated::DoubleDouble;
 
-/// A value and its derivatives by N variables.
+/// A value and its derivatives with respect to N variables.
 #[derive(Debug, Clone, Copy)]
 pub struct Dual<const N: usize = 1> {
     /// The value.
@@ -17,19 +17,19 @@ pub struct Dual<const N: usize = 1> {
 }
 
 impl<const N: usize> Dual<N> {
-    /// A number that depends on nothing.
+    /// A constant: all derivatives are 0.
     pub const fn constant(value: f64) -> Self {
         Self { value, slopes: [0.0; N] }
     }
 
-    /// The variable with this number: its derivative by itself is 1.
+    /// The variable of index `number`: its derivative with respect to itself is 1.
     pub fn variable(value: f64, number: usize) -> Self {
         let mut slopes = [0.0; N];
         slopes[number] = 1.0;
         Self { value, slopes }
     }
 
-    /// f of this number, from f and f′ there.
+    /// f of this number, by the chain rule from f and f′ at its value.
     fn through(self, f: f64, slope: f64) -> Self {
         Self { value: f, slopes: self.slopes.map(|it| if it == 0.0 { 0.0 } else { slope * it }) }
     }
@@ -40,7 +40,7 @@ impl<const N: usize> Dual<N> {
     }
 }
 
-/// A run in such numbers makes the decisions of the run in doubles: values have the same bits.
+/// A run in these numbers takes the same decisions as in doubles: the values have the same bits.
 impl<const N: usize> Real for Dual<N> {
     const ZERO: Self = Self::constant(0.0);
     const ONE: Self = Self::constant(1.0);
@@ -109,8 +109,8 @@ impl<const N: usize> Real for Dual<N> {
         crate::trigonometry::close_sine_cosine(angle)
     }
 
-    /// How the root moves with a variable follows from the derivatives of the function there, not from the way
-    /// it was found (the implicit function theorem).
+    /// The derivative of a root follows from the derivatives of the function at the root (implicit function
+    /// theorem), not from the iteration that found it.
     fn settled(h: Self, f: impl Fn(Self) -> [Self; 2]) -> Option<Self> {
         let mut root = Self::constant(h.value);
         let [value, slope] = f(root);
@@ -142,7 +142,7 @@ impl<const N: usize> From<Dual<N>> for f64 {
     }
 }
 
-/// Values are compared; derivatives decide nothing.
+/// Compares the values; derivatives have no effect.
 impl<const N: usize> PartialEq for Dual<N> {
     fn eq(&self, other: &Self) -> bool {
         self.value == other.value
@@ -204,7 +204,7 @@ beside_doubles!(Dual<N>, N);
 mod tests {
     use super::{Dual, Real};
 
-    /// Derivatives against central differences; the step leaves some 1e-9.
+    /// Derivatives agree with central differences, whose error is some 1e-9.
     #[test]
     fn derivatives_are_those_of_the_functions() {
         let f = |x: Dual| {

@@ -1,6 +1,6 @@
-//! Lets a kind of number stand beside doubles in a formula, as in `0.5 * x`.
+//! Mixed arithmetic of a number type with doubles, as in `0.5 * x`.
 
-/// Arithmetic and comparisons of a `Copy` type with doubles, from those with itself.
+/// Implements arithmetic and comparisons of a `Copy` type with doubles by those of the type.
 macro_rules! beside_doubles {
     ($number:ty $(, $size:ident)?) => {
         beside_doubles!(@operator $number, Add add AddAssign add_assign $(, $size)?);

@@ -1,7 +1,7 @@
 //! Numbers of twice the precision: unevaluated sums of two doubles.
 //!
-//! Relative errors are some 2⁻¹⁰⁴ of the larger operand (T. J. Dekker, Numer. Math. 18, 1971;
-//! Y. Hida, X. S. Li, D. H. Bailey, ARITH-15, 2001). Beyond 1e290 products lose what they carry twice.
+//! Relative errors are some 2⁻¹⁰⁴ of the larger operand (T. J. Dekker, Numer. Math. 18, 1971; Y. Hida, X. S.
+//! Li, D. H. Bailey, ARITH-15, 2001). Above 1e290 products lose the extra precision.
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -11,7 +11,7 @@ use super::mixed::beside_doubles;
 use crate::compensated::{DoubleDouble, two_product, two_sum};
 use crate::trigonometry::sine_cosine;
 
-/// A number as the sum of its rounded value and what that lacks.
+/// A number as the unevaluated sum of its rounded value and the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Twofold {
     high: f64,
@@ -21,24 +21,24 @@ pub struct Twofold {
 impl Twofold {
     const LN_2: Self = Self::new(std::f64::consts::LN_2, 2.319_046_813_846_299_6e-17);
 
-    /// The sum of a double and at most half a unit in its last place.
+    /// From a high part and a low part of at most half a unit in the last place of the high part.
     pub const fn new(high: f64, low: f64) -> Self {
         Self { high, low }
     }
 
-    /// The sum of a number and one that is small against it.
+    /// The normalised sum of a number and a much smaller one.
     #[inline]
     fn renormalised(high: f64, low: f64) -> Self {
         let sum = high + low;
         Self { high: sum, low: if sum.is_finite() { low - (sum - high) } else { 0.0 } }
     }
 
-    /// The rounded value.
+    /// The high part: the number rounded to double.
     pub fn high(self) -> f64 {
         self.high
     }
 
-    /// What the rounded value lacks.
+    /// The low part: the number minus its high part.
     pub fn low(self) -> f64 {
         self.low
     }
@@ -64,7 +64,7 @@ impl Real for Twofold {
     const EPSILON: Self = Self::new(f64::EPSILON * f64::EPSILON, 0.0);
     const NAN: Self = Self::new(f64::NAN, 0.0);
     const INFINITY: Self = Self::new(f64::INFINITY, 0.0);
-    /// 2π to two doubles; the low part, which is not needed, counts as 0.
+    /// 2π to twice the precision of a double; its rest, which is not needed, is 0.
     const TURN: DoubleDouble<Self> =
         DoubleDouble::new(Self::new(std::f64::consts::TAU, 2.449_293_598_294_706_4e-16));
     const QUARTER: DoubleDouble<Self> = DoubleDouble {
@@ -73,7 +73,7 @@ impl Real for Twofold {
     };
     const LEFT_OUT: Self = Self::new(1e-22, 0.0);
     const NEGLIGIBLE: Self = Self::new(1e-22, 0.0);
-    /// Every stretch of flight is searched, which checks the proofs that spare the search.
+    /// Every stretch of flight is searched, as a check of the proofs that replace the search in doubles.
     const FAST_PATHS: bool = false;
 
     fn given(value: f64, _differentiated: bool) -> Self {
@@ -84,7 +84,7 @@ impl Real for Twofold {
         Self::ONE / n as f64
     }
 
-    /// Rounded twice.
+    /// Product and sum, each rounded.
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         self * factor + addend
     }
@@ -162,7 +162,8 @@ impl Neg for Twofold {
     }
 }
 
-// Operations are calls: inlined into the core, they make programs of many megabytes that take minutes to compile.
+// Not inlined: inlined into the core these operations make programs of many megabytes that take minutes to
+// compile.
 impl Add for Twofold {
     type Output = Self;
     #[inline(never)]
@@ -212,7 +213,7 @@ beside_doubles!(Twofold);
 mod tests {
     use super::{Real, Twofold};
 
-    /// Fails unless two numbers agree to so many units of 2⁻¹⁰⁴.
+    /// Fails unless two numbers agree within this number of units of 2⁻¹⁰⁴.
     fn within(units: f64, a: Twofold, b: Twofold) {
         let off = f64::from((a - b).abs() / b.abs() / Twofold::EPSILON);
         assert!(off <= units, "{a:?} {b:?}: {off} units");

@@ -1,4 +1,4 @@
-//! At a wall: impact, chatter, stick, and leaving it.
+//! Events at a wall: impact, chatter, stick, and leaving the wall.
 
 use super::{CANCEL_EVERY, Phase, Run, is_finite};
 use crate::chatter::Rebound;
@@ -10,7 +10,7 @@ use crate::observe::{Contact, Jump, Observer, StickEpisode};
 use crate::real::Real;
 use crate::system::{Clock, System, Wall};
 
-/// Impacts on one wall in a row: what becomes an episode if it ends in stick.
+/// Consecutive impacts on one wall, which become part of a stick episode if they end in stick.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Streak<R = f64> {
     pub wall: Wall,
@@ -21,12 +21,12 @@ pub(crate) struct Streak<R = f64> {
     pub energy_loss: R,
 }
 
-/// How far a rebound is searched for its return, in u/A: that comes after 2u/A in the limit of low
-/// rebounds, and what a higher one needs beyond this is one more segment.
+/// Length of the first search after a rebound in units of u/A: the return comes after 2u/A in the limit of
+/// low rebounds; a higher rebound needs further segments.
 pub(crate) const REBOUND_LOOK: f64 = 2.5;
 
 impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
-    /// The impact law at the state in contact, then whatever follows.
+    /// Applies the impact law to the state in contact, and decides what follows.
     pub(super) fn apply_impact(&mut self) {
         let wall = self.system.wall(&self.tally.state);
         let (after, impact) = self.system.impact(&self.tally.state, self.clock.value);
@@ -64,7 +64,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.observer.impact(self.system, impact);
     }
 
-    /// Leaves the wall, chatters on it or sticks to it.
+    /// Leaves the wall, continues a chatter on it, or sticks to it.
     pub(super) fn leave_or_stick(&mut self) {
         let state = self.tally.state;
         let leave = self.system.distance(&state);
@@ -80,7 +80,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
     }
 
-    /// A rebound from a pressing wall: the rest of the chatter is summed where that is exact.
+    /// A rebound from a pressing wall: the rest of the chatter is summed where the sum is exact to rounding.
     fn rebound(&mut self, state: &S::State, leave: &Jet<R>) {
         let wall = self.system.wall(state);
         let mut rebound = Rebound {
@@ -91,7 +91,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             fourth: R::ZERO,
             ratio: self.system.rebound_ratio(wall),
         };
-        // Most rebounds are far too high, whatever D⁗ is.
+        // Tests first without D⁗, which is expensive: most rebounds are far too high.
         let low = rebound.summable();
         if low {
             rebound.fourth = self.system.flight(state).fourth();
@@ -102,13 +102,13 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             self.list_tail(*state, stick_clock.value);
             self.stick(stick_clock);
         } else {
-            // The return is expected after 2u/A: look a little further.
+            // The return is expected after 2u/A; the search goes a little further.
             self.phase = Phase::Flight { first: leave.rate * REBOUND_LOOK / rebound.pressure };
         }
     }
 
-    /// Lists the rebounds of a summed tail that are above the floor, flown one by one beside the
-    /// run: the motion does not depend on the floor.
+    /// Lists the rebounds of a summed tail that are above the chatter floor. They are computed one by one
+    /// beside the run, so that the motion does not depend on the floor.
     fn list_tail(&mut self, mut state: S::State, stick_time: R) {
         let mut clock = self.clock;
         let begin = Contact { time: clock.value, states: [&state; 2], summed: true };
@@ -143,7 +143,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
     }
 
-    /// Begins an episode: the absorber rides on the wall it touches.
+    /// Begins a stick episode on the wall that the absorber touches.
     fn stick(&mut self, stick_clock: Clock<R>) {
         let wall = self.system.wall(&self.tally.state);
         let (state, loss) = self.system.stick(&self.tally.state);
@@ -173,7 +173,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.phase = Phase::Ride;
     }
 
-    /// Ends the episode under way, by release or by the end of the run.
+    /// Ends the current stick episode, by release or at the end of the run.
     pub(super) fn end_episode(&mut self, released: bool) {
         if let Some(mut episode) = self.riding.take() {
             let now = self.clock.value;
@@ -184,7 +184,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     }
 }
 
-/// True if what touches a wall does not leave it: the sign of its velocity decides, then the
+/// True if an absorber that touches a wall stays on it: decided by the sign of its velocity, then the
 /// acceleration, then the jerk.
 pub(super) fn presses<R: Real>(leave: &Jet<R>) -> bool {
     let Jet { rate, curvature, jerk, .. } = *leave;
