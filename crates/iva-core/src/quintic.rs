@@ -7,8 +7,8 @@
 //! |f − H| ≤ M/46080,    |f′ − H′| ≤ M √5/30000,    |f″ − H″| ≤ M/1920.
 //! ```
 //!
-//! H lies within the range of its Bernstein coefficients, H′ within five times that of their differences and H″
-//! within twenty times that of their second differences.
+//! H lies within the range of its Bernstein coefficients, H′ within five times that of their differences and
+//! H″ within twenty times that of their second differences.
 
 use crate::real::Real;
 

@@ -1,9 +1,10 @@
 //! The single-mass impact absorber: a free mass between two walls (paper, Eqs. 1, 2, 7, 9–14).
 //!
-//! In flight no force acts on the mass but, where the line of motion is not level, gravity along it, which counts as an
-//! acceleration of the base ([`crate::host`]): ẍ₁ = −a_g relative to the base, so the gap y = x₁ − x obeys ÿ = −A with A = ẍ + a_g
-//! the absolute acceleration of the structure ([`crate::host`]). With s the sign of the wall last touched and
-//! D = d − s y the distance to it, D̈ = s A: starting from D = 0 neither y nor d enters a rebound.
+//! In flight no force acts on the mass, except gravity where the line of motion is inclined; gravity counts
+//! as an acceleration of the base ([`crate::host`]). So ẍ₁ = −a_g relative to the base, and the gap y = x₁ −
+//! x obeys ÿ = −A with A = ẍ + a_g the absolute acceleration of the structure. With s the sign of the wall
+//! last touched and D = d − s y the distance to it, D̈ = s A: neither y nor d enters a rebound, which starts
+//! from D = 0.
 
 use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
@@ -26,24 +27,24 @@ pub(crate) mod motion;
 mod parameters;
 mod ride;
 
-/// A start this close to a wall, in units of 2⁻⁵² d, stands on it.
+/// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
 const ON_WALL_ULPS: f64 = 4.0;
 
-/// A SIVA on its primary system: parameters, and what follows from them for every flight.
+/// A free mass (SIVA) on its primary system: its parameters and constants derived from them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Siva<H: Host = UndrivenHost> {
     mass_ratio: H::Real,
     clearance: H::Real,
-    /// Of the middle of the gap, from y = 0.
+    /// The middle of the gap, as a value of y.
     offset: H::Real,
-    /// Of the walls + and −.
+    /// The impact laws at wall + and at wall −.
     laws: [Law<H::Real>; 2],
-    /// Share of the gap velocity that the primary gains where the absorber sticks: that for e = 0.
+    /// Share of the gap velocity that the primary gains when the absorber sticks: that for e = 0.
     pub(crate) stick_share: DoubleDouble<H::Real>,
     pub(crate) host: H,
 }
 
-/// What an impact on one of the walls does.
+/// The impact law at one wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Law<R = f64> {
     /// Newton's coefficient e on the gap velocity.
@@ -92,8 +93,8 @@ impl<R: Real> Siva<UndrivenHost<R>> {
         self.inclined(R::ZERO, force)
     }
 
-    /// The same absorber under a force and under gravity G = g sin α along its motion, in ωn² × length, with displacements
-    /// measured from where the structure rests with the absorber on its lower stop.
+    /// The same absorber under a force and under gravity G = g sin α along its motion, in ωn² × length.
+    /// Displacements are measured from the position of rest with the absorber on its lower stop.
     pub fn inclined(&self, gravity: R, force: Force<R>) -> Siva<DrivenHost<R>> {
         let Self { mass_ratio, clearance, offset, laws, stick_share, .. } = *self;
         let host = DrivenHost::new(self.host.damping_ratio(), mass_ratio, force, gravity);
@@ -121,13 +122,13 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         Ok(Self { offset, ..self })
     }
 
-    /// The law of impact at a wall, by its sign.
+    /// The impact law at the wall with this sign.
     #[inline(always)]
     pub(crate) fn law(&self, side: R) -> &Law<R> {
         if side > 0.0 { &self.laws[0] } else { &self.laws[1] }
     }
 
-    /// The law of impact of both walls, if it is the same.
+    /// The impact law, if it is the same at both walls.
     pub(crate) fn common_law(&self) -> Option<&Law<R>> {
         let [plus, minus] = &self.laws;
         (plus.restitution == minus.restitution).then_some(plus)
@@ -143,22 +144,22 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         self.law(R::from(wall.sign())).restitution
     }
 
-    /// Where the middle of the gap is.
+    /// The middle of the gap, as a value of y.
     pub fn offset(&self) -> R {
         self.offset
     }
 
-    /// What drives it; `None` where nothing can.
+    /// The force that drives the structure; `None` for one that cannot be driven.
     pub fn force(&self) -> Option<&Force<R>> {
         self.host.force()
     }
 
-    /// ζ of the bare primary.
+    /// Damping ratio ζ of the primary without absorber.
     pub fn damping_ratio(&self) -> R {
         self.host.damping_ratio()
     }
 
-    /// Gravity G = g sin α along the motion, in ωn² × length; 0 where that is level.
+    /// Gravity G = g sin α along the motion, in ωn² × length; 0 where the motion is level.
     pub fn gravity(&self) -> R {
         self.host.gravity()
     }
@@ -169,14 +170,14 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         GapPoint { y: self.offset + y, w }
     }
 
-    /// How far the absorber is from its lower stop.
+    /// Distance of the absorber from its lower stop.
     fn height(&self, state: &SivaState<Phase<H>, R>) -> R {
         let from_below = state.side < 0.0;
         if from_below { state.distance.value } else { -state.distance.minus(self.clearance * 2.0) }
     }
 }
 
-/// Checks that a start is in [`crate::range`] and lies in a gap of one-sided clearance d with its middle at an offset.
+/// Checks that a start is in [`crate::range`] and in a gap of one-sided clearance d with middle at `offset`.
 ///
 /// # Errors
 /// [`Invalid`] naming field, value and allowed range.
@@ -202,11 +203,11 @@ pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result
     Ok(())
 }
 
-/// Structure and gap of a SIVA between events.
+/// The state of structure and gap between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SivaState<P = (), R = f64> {
     pub(crate) host: HostState<P, R>,
-    /// +1 at the wall y = +d, −1 at y = −d: the one that distances are measured from.
+    /// Sign of the wall that distances are measured from: +1 for y = +d, −1 for y = −d.
     pub(crate) side: R,
     pub(crate) distance: DoubleDouble<R>,
     pub(crate) rate: DoubleDouble<R>,
@@ -217,7 +218,7 @@ impl<R: Real, P> SivaState<P, R> {
     #[inline(always)]
     pub(crate) fn gap(&self, clearance: R) -> GapPoint<R> {
         let d = clearance;
-        // Certified to stay in the gap; seen from the far wall rounding could say otherwise.
+        // The flight is proved to stay in the gap; rounding errors could exceed the far wall.
         let y = self.side * (d - self.distance.value);
         GapPoint { y: y.clamp(-d, d), w: self.gap_velocity() }
     }
@@ -291,8 +292,8 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             x: DoubleDouble::new(start.displacement),
             v: DoubleDouble::new(start.velocity),
         };
-        // Seen from the wall that the absorber is nearest to or heads for, so that a mirrored
-        // start runs through mirrored numbers.
+        // Distances are measured from the wall that the absorber is nearest to or moves towards, so that a
+        // mirrored start gives the same numbers with opposite signs.
         let host = self.host.state(self.host.begin_at(time), primary);
         let place = DoubleDouble::new(start.gap_displacement).plus(-self.offset);
         let seen = [place.value, start.gap_velocity, -host.acceleration.value, start.velocity];
@@ -387,7 +388,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     }
 
     fn release(&self, state: &Self::State) -> (Self::State, R) {
-        // Release is where A = 0: written into x, the pressure is exactly 0.
+        // The release is where A = 0. With x set to the balance, the pressure is exactly 0.
         let HostState { primary: Primary { x, v }, phase, .. } = state.host;
         let left = (x - self.host.balanced(&phase, v)).value;
         let [jerk, ..] = self.host.free().derivatives(&phase, v.value, R::ZERO);

@@ -1,7 +1,7 @@
-//! Steady states under force: amplitudes after a transient, the state once a cycle of the force, and
-//! whether it comes back.
+//! Steady states under force: amplitudes after a transient, strobes (the state once per cycle of the force),
+//! and whether the motion is periodic.
 //!
-//! All is read off the series of the motion as it passes: extrema by enclosure, mean squares as
+//! All are taken from the power series of the motion during the run: extrema by enclosure, mean squares as
 //! integrals, strobes at their instants. Nothing is sampled.
 
 use std::collections::VecDeque;
@@ -26,25 +26,25 @@ mod bare;
 mod regime;
 mod window;
 
-/// Which groups of numbers to compute.
+/// The groups of measures to compute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SteadyWanted {
     /// Largest displacement.
     pub amplitude: bool,
-    /// Its root mean square.
+    /// Root mean square of the displacement.
     pub rms: bool,
-    /// Largest accelerations, of primary and base.
+    /// Largest accelerations of primary and base.
     pub acceleration: bool,
     /// The kind of motion.
     pub regime: bool,
-    /// Impacts a cycle.
+    /// Impacts per cycle of the force.
     pub impacts: bool,
     /// All strobes, not only the last few.
     pub strobes: bool,
 }
 
 impl SteadyWanted {
-    /// Everything.
+    /// All groups.
     pub const ALL: Self = Self {
         amplitude: true,
         rms: true,
@@ -54,7 +54,7 @@ impl SteadyWanted {
         strobes: true,
     };
 
-    /// A number that tells them apart.
+    /// A number that is different for each combination of groups.
     pub(crate) fn bits(self) -> u8 {
         let Self { amplitude, rms, acceleration, regime, impacts, strobes } = self;
         let each = [amplitude, rms, acceleration, regime, impacts, strobes];
@@ -66,45 +66,45 @@ impl SteadyWanted {
     }
 }
 
-/// The state at one phase of the force, and the cycle that ends there.
+/// The state at one phase of the force, with data on the cycle that ends there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strobe<R = f64> {
-    /// Number of the instant, 0 for the first at or after time zero.
+    /// Index of the strobe, 0 for the first at or after time zero.
     pub cycle: u64,
     /// Instant, in 1/ωn.
     pub time: R,
     /// Displacement of the primary.
     pub displacement: R,
-    /// Its velocity.
+    /// Velocity of the primary.
     pub velocity: R,
     /// Absorber minus primary displacement.
     pub gap_displacement: R,
     /// Absorber minus primary velocity.
     pub gap_velocity: R,
-    /// Largest |x| from the strobe before, or from the begin of the window, up to here.
+    /// Largest |x| from the previous strobe, or from the begin of the window, up to this one.
     pub amplitude: R,
-    /// Listed impacts from the begin of the window up to here.
+    /// Number of listed impacts from the begin of the window up to this strobe.
     pub impacts: u64,
 }
 
-/// The numbers of a steady state; `None` where the run does not define one.
+/// The measures of a steady state; `None` where the run does not define one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SteadyValues<R = f64> {
     /// Largest |x|.
     pub amplitude_max: Option<R>,
-    /// √ of the mean of x².
+    /// Root mean square of x.
     pub amplitude_rms: Option<R>,
     /// Largest |ẍ + a_g| between impacts.
     pub acceleration_max: Option<R>,
     /// Largest |a_g|.
     pub base_max: Option<R>,
-    /// Listed impacts over cycles of the force.
+    /// Listed impacts per cycle of the force.
     pub impacts_per_cycle: Option<R>,
-    /// What comes back, and how often.
+    /// The kind of motion.
     pub regime: Option<Regime>,
 }
 
-/// Watches a driven run.
+/// An observer that measures the steady state of a driven run.
 #[derive(Debug, Clone, Default)]
 pub struct Steady<R = f64> {
     window: Window<R>,
@@ -112,24 +112,24 @@ pub struct Steady<R = f64> {
     duration: R,
     values: SteadyValues<R>,
     strobes: VecDeque<Strobe<R>>,
-    /// The next strobe to keep, and when it is.
+    /// Index and instant of the next strobe to keep.
     next: u64,
     instant: Option<DoubleDouble<R>>,
-    /// Largest |x|: of the cycle under way, where strobes are wanted, and of the window.
+    /// Largest |x| of the current cycle, if strobes are wanted, and of the window.
     current: R,
     largest: R,
     acceleration: R,
     base: R,
     square: DoubleDouble<R>,
     base_moves: bool,
-    /// True if `base` is known from the begin.
+    /// True if the largest |a_g| is known in closed form.
     base_known: bool,
     impacts: u64,
     streak: Streak<R>,
 }
 
-/// Impacts on one wall in a row, some of which may turn out not to be listed: numbers in the window,
-/// from 1, and approach speeds.
+/// Consecutive impacts on one wall, some of which may turn out not to be listed: their numbers in the window,
+/// from 1, and their approach speeds.
 #[derive(Debug, Clone, Default)]
 struct Streak<R = f64> {
     wall: Option<Wall>,
@@ -137,12 +137,12 @@ struct Streak<R = f64> {
 }
 
 impl<R: Real> Steady<R> {
-    /// Measures what is wanted in a window.
+    /// An observer of the wanted measures in a window.
     pub fn new(window: Window<R>, wanted: SteadyWanted) -> Self {
         Self { window, wanted, ..Self::default() }
     }
 
-    /// What was measured; complete once the run has ended.
+    /// The measures; complete once the run has ended.
     pub fn values(&self) -> &SteadyValues<R> {
         &self.values
     }
@@ -152,7 +152,7 @@ impl<R: Real> Steady<R> {
         self.strobes.iter()
     }
 
-    /// The instants of the strobes that are still to be kept, in a run that has begun.
+    /// The instants of the strobes that are still to be kept, for a run that has begun.
     pub(crate) fn kept_strobes(&self) -> impl Iterator<Item = DoubleDouble<R>> + '_ {
         let strobes = self.wanted.regime || self.wanted.strobes;
         let indices = if strobes { self.next..u64::MAX } else { 0..0 };
@@ -166,14 +166,14 @@ impl<R: Real> Steady<R> {
         self.window.from
     }
 
-    /// The next strobe that is to be kept.
+    /// The instant of the next strobe to keep; `None` if none is wanted or it is after the end of the run.
     pub(crate) fn next_strobe(&self) -> Option<DoubleDouble<R>> {
         let strobes = self.wanted.regime || self.wanted.strobes;
         let within = |instant: &DoubleDouble<R>| instant.value <= self.duration * (R::ONE + SLACK);
         self.instant.filter(|_| strobes).filter(within)
     }
 
-    /// Keeps the next strobe, with structure and absorber as they are then.
+    /// Keeps the next strobe, from the state of structure and absorber at its instant.
     pub(crate) fn strobe_at(&mut self, primary: Point<R>, gap: GapPoint<R>) {
         if let Some(instant) = self.instant {
             self.keep(primary, gap, instant.value.max(0.0));
@@ -186,13 +186,13 @@ impl<R: Real> Steady<R> {
         self.instant = self.window.instant(self.next);
     }
 
-    /// The largest |x| and |A| so far.
+    /// The largest |x| and |ẍ + a_g| so far.
     pub(crate) fn largest(&self) -> [R; 2] {
         [self.largest, self.acceleration]
     }
 
-    /// Adds what many flights come to: ∫x² with its rounding rest, the largest |x| and |A|, and impacts that are listed
-    /// for good, with the sign of the wall of the last.
+    /// Adds the sums of many flights: ∫x² in double-double, the largest |x| and |ẍ + a_g|, and the number of
+    /// impacts that stay listed in any case, with the sign of the wall of the last one.
     pub(crate) fn add(&mut self, square: [R; 2], largest: [R; 2], (impacts, wall): (u64, R)) {
         self.square = self.square.plus_parts(square[0], square[1]);
         self.largest = self.largest.max(largest[0]);
@@ -204,7 +204,7 @@ impl<R: Real> Steady<R> {
         }
     }
 
-    /// Counts an impact.
+    /// Counts an impact if it lies in the window.
     pub(crate) fn count(&mut self, time: R, wall: Wall, approach_speed: R) {
         if time < self.window.from {
             return;
@@ -217,7 +217,7 @@ impl<R: Real> Steady<R> {
         self.streak.impacts.push((self.impacts, approach_speed));
     }
 
-    /// What counts in a part of a span.
+    /// Takes the measures of a part of a span.
     fn part<M: Motion<Real = R>>(&mut self, span: &Span<'_, M>, h: [R; 2]) {
         let wanted = self.wanted;
         if wanted.amplitude || wanted.regime {
@@ -236,7 +236,7 @@ impl<R: Real> Steady<R> {
         }
     }
 
-    /// The amplitude of the cycle under way.
+    /// Updates the amplitude of the current cycle.
     fn until<M: Motion<Real = R>>(&mut self, span: &Span<'_, M>, h: [R; 2]) {
         if self.wanted.strobes && h[0] < h[1] {
             self.current = largest_in(span, Quantity::Displacement, h, self.current);
@@ -266,7 +266,7 @@ impl<R: Real> Steady<R> {
     }
 }
 
-/// The largest size of a quantity in a part of a span, or `least` if that is larger.
+/// The larger of `least` and the largest size of a quantity in a part of a span.
 fn largest_in<R: Real, M: Motion<Real = R>>(
     span: &Span<'_, M>,
     of: Quantity,
@@ -286,7 +286,7 @@ fn largest_in<R: Real, M: Motion<Real = R>>(
     largest(&row[..=rows.order], h.map(|h| h / rows.step), least)
 }
 
-/// A number of cycles that is whole but for rounding.
+/// A number of cycles, made an integer if it is one within rounding.
 fn whole<R: Real>(cycles: R) -> R {
     let near = cycles.round();
     if (cycles - near).abs() <= near * (16.0 * f64::EPSILON) { near } else { cycles }
@@ -302,7 +302,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
         self.next = if self.wanted.strobes { 0 } else { self.window.last_kept(duration) };
         self.next = self.next.max(self.window.first());
         self.instant = self.window.instant(self.next);
-        // The window may begin at a strobe, but for rounding.
+        // The window may begin at a strobe, within rounding.
         let from = self.window.from * (R::ONE - SLACK);
         while self.instant.is_some_and(|instant| instant.value < from) {
             self.pass_strobe();
@@ -325,7 +325,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
             let at = (instant - span.start).value;
             let beyond = (instant.value - self.duration) / self.duration;
             let last = beyond.abs() <= SLACK && span_ends(&span.start, span.length, self.duration);
-            // At an impact the state after it counts.
+            // At the instant of an impact the state after it counts.
             if at >= span.length && !last {
                 break;
             }
@@ -349,7 +349,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
     }
 
     fn unlist(&mut self, _first: u64, floor: R) {
-        // The last first: the numbers of those before stay as they are.
+        // From the last impact back, so that the numbers of earlier impacts stay valid.
         for (number, speed) in std::mem::take(&mut self.streak.impacts).into_iter().rev() {
             if speed <= floor {
                 self.impacts -= 1;

@@ -1,13 +1,13 @@
-//! Steady states known in closed form, to hold simulations against and to start them from.
+//! Steady states known in closed form, for comparison with simulations and as starts of runs.
 //!
 //! | function | regime | exact |
 //! |---|---|---|
 //! | [`masri_caughey`] | harmonic force or base motion, two symmetric impacts a cycle | for any μ |
 //! | [`slow_manifold`] | slowly varying vibration at ωn, two symmetric impacts a cycle | as μ → 0 |
 //!
-//! Both are about a free mass in its gap (no gravity), and both are pure functions: nothing here
-//! runs a simulation, and no simulation uses them. Natural units: ωn = 1, primary mass 1, time in
-//! 1/ωn, lengths as the user gives them.
+//! Both are for a free mass in its gap (no gravity), and both are pure functions: nothing here runs a
+//! simulation, and no simulation uses them. Natural units: ωn = 1, primary mass 1, time in 1/ωn, lengths as
+//! the user gives them.
 //!
 //! ```
 //! use iva_core::force::{Acts, Force, Harmonic};

@@ -1,17 +1,16 @@
-//! A fast flight: a stretch of flight that two evaluations or so decide.
+//! A fast flight: a stretch of flight that is decided by about two evaluations.
 //!
-//! Nearly every stretch of flight is simple: it meets no wall, or one wall once and not flatly. A fast flight
-//! proves that it is simple or gives up; what it gives up is searched by [`crate::contact`]. It goes
-//! without branches, so that many can go side by side ([`crate::lanes`]).
+//! Nearly every stretch of flight is simple: it meets no wall, or one wall once and at a finite rate. A fast
+//! flight proves that it is simple or gives up; then the stretch is searched by [`crate::contact`]. The code
+//! has no branches, so that many flights can go side by side ([`crate::lanes`]).
 //!
-//! **Proof.** Distance, rate and curvature at both ends of a stretch of length L define a quintic H,
-//! and with M = L⁶ max |D⁽⁶⁾| the distance is as close to it as [`crate::quintic`] says. In a flight that starts on the wall it is H/t that counts, with the coefficients 5b₁, 5b₂/2,
-//! 5b₃/3, 5b₄/4, b₅: |D − H|/t ≤ M t² (L−t)³/(720 L⁶) ≤ M/20833 L, and
-//! L² |(D/t)′ − (H/t)′| ≤ ½ M/1920, as t e′ − e = ∫ t e″ dt for the error e.
+//! **Proof.** Distance, rate and curvature at both ends of a stretch of length L define a quintic H. With M =
+//! L⁶ max |D⁽⁶⁾|, [`crate::quintic`] bounds the error D − H. In a flight that starts on the wall the bounds
+//! apply to H/t, with the coefficients 5b₁, 5b₂/2, 5b₃/3, 5b₄/4, b₅: |D − H|/t ≤ M t² (L−t)³/(720 L⁶) ≤
+//! M/20833 L, and L² |(D/t)′ − (H/t)′| ≤ ½ M/1920, as t e′ − e = ∫ t e″ dt for the error e.
 //!
-//! **Root.** Where H − level changes sign and its slope keeps its own, D has one root. The distance is
-//! evaluated at the root of H, and the rest of the way gone by the Taylor series of the motion
-//! there.
+//! **Root.** Where H − level changes sign and its slope keeps its own, D has one root. The motion is
+//! evaluated at the root of H, and the Taylor series about that instant gives the contact.
 
 use super::SivaState;
 use super::motion::{SivaFlight, arrived};
@@ -23,33 +22,34 @@ use crate::quintic::{OFF, SLOPE_OFF, bernstein, monomials, root};
 use crate::real::Real;
 use crate::roots::DOUBT;
 
-/// For H/t: max of t² (1−t)³/720, and ½/1920.
+/// Bound on the error of H/t, over M: the maximum of t² (1−t)³/720.
 const RISE_OFF: f64 = 4.8001e-5;
+/// Bound on the error of the derivative of H/t, over M: ½/1920.
 const RISE_SLOPE_OFF: f64 = 2.605e-4;
-/// Share of the rate that may change on the way to the wall: the fifth power of it is left out.
+/// Largest relative change of the rate on the way to the wall; its fifth power is neglected.
 const STRAIGHT: f64 = 1e-4;
-/// Evaluations near a root.
+/// Largest number of evaluations near a root.
 pub(crate) const LOOKS: usize = 3;
 
-/// The quintic through two states on their distance to the wall.
+/// The quintic H of the distance to the wall between two states.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Quintic<R = f64> {
     /// Distance, L × rate, ½ L² × curvature at the begin.
     begin: [R; 3],
-    /// The same at the end.
+    /// Distance, L × rate, ½ L² × curvature at the end.
     end: [R; 3],
-    /// M.
+    /// M, the bound on L⁶ |D⁽⁶⁾|.
     sixth: R,
-    /// D = 2d: the far wall.
+    /// The distance 2d at which the far wall is met.
     far: R,
 }
 
-/// What the quintic proves.
+/// What the quintic proves about a stretch.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Proof {
-    /// No wall is met.
+    /// True if no wall is met.
     pub free: bool,
-    /// One wall is met once: the near one, the far one.
+    /// True for the near wall, or for the far wall, if it alone is met, and once.
     pub meets: [bool; 2],
 }
 
@@ -83,8 +83,8 @@ impl<R: Real> Quintic<R> {
         let b = bernstein(&self.begin, &self.end);
         let steps = [b[1] - b[0], b[2] - b[1], b[3] - b[2], b[4] - b[3], b[5] - b[4]];
         let m = self.sixth;
-        // What rounding could change; a flight that starts on the wall is exact to rounding of its own
-        // height over it.
+        // Bounds on rounding errors; those of a flight that starts on the wall are in proportion to its own
+        // height over the wall.
         let height = ((R::EPSILON * 0.5) * DOUBT) * size(&self.begin, &self.end);
         let doubt = self.far.mul_add((R::EPSILON * 0.5) * DOUBT, height);
         let level = m.mul_add(R::from(OFF), doubt);
@@ -115,7 +115,7 @@ impl<R: Real> Quintic<R> {
         Proof { free: above & below, meets: [falls & below, climbs & above] }
     }
 
-    /// A quintic on [0, 1] whose only root is where H meets a wall that it meets once.
+    /// A quintic on [0, 1] whose only root is the contact of H with the wall that it meets once.
     #[inline(always)]
     pub fn meeting(&self, far: bool) -> [R; 6] {
         let c = monomials(&self.begin, &self.end);
@@ -129,7 +129,7 @@ impl<R: Real> Quintic<R> {
     }
 }
 
-/// A state close to a wall: how much later it is met, and whether the Taylor series says so to the last
+/// The time from a state close to a wall to the contact, and whether the Taylor series gives it to the last
 /// bit.
 #[inline(always)]
 pub(crate) fn to_wall<R: Real, S: Structure<Real = R>>(
@@ -144,7 +144,7 @@ pub(crate) fn to_wall<R: Real, S: Structure<Real = R>>(
     let HostState { primary, acceleration, phase } = &state.host;
     let [jerk, ..] = free.derivatives(phase, primary.v.value, acceleration.value);
     let (curvature, jerk) = (state.side * acceleration.value, state.side * jerk);
-    // left + rate t + ½ curvature t² + ⅙ jerk t³ = 0 by reversion of the series.
+    // Solves left + rate t + ½ curvature t² + ⅙ jerk t³ = 0 by reversion of the series.
     let slowness = R::ONE / rate;
     let first = -left * slowness;
     let (p, q) = ((slowness * 0.5) * curvature, (slowness * (1.0 / 6.0)) * jerk);
@@ -153,13 +153,13 @@ pub(crate) fn to_wall<R: Real, S: Structure<Real = R>>(
         + first * first * first * ((p * 2.0 * p - q) - bend * 5.0 * (p * p - q));
     let fourth = free.bound::<2>(primary);
     let square = later * later;
-    // The next term of the series against the rounding of rate and distance.
+    // Compares the next term of the series with the rounding of rate and distance.
     let close = fourth * (square * square) <= R::EPSILON * (rate.abs() * h);
     let converged = bend.abs() <= STRAIGHT;
     (later, close & converged & (later.abs() < h * 0.5))
 }
 
-/// The state at the wall that it meets so much later, in contact with it.
+/// The state in contact with the wall, a time `later` after a state close to it.
 #[inline(always)]
 pub(crate) fn at_wall<R: Real, S: Structure<Real = R>>(
     free: &S,
@@ -171,7 +171,7 @@ pub(crate) fn at_wall<R: Real, S: Structure<Real = R>>(
     let a = acceleration.value;
     let [jerk, snap, fifth] = free.derivatives(&phase, v.value, a);
     let t = later;
-    // One term more than the search for the wall takes: what every impact lacks would add up.
+    // One term more than in the search for the contact: the errors of many impacts would add up.
     let raised = |[a, jerk, snap, fifth]: [R; 4]| {
         t * (a + t * (jerk * 0.5 + t * (snap * (1.0 / 6.0) + t * (fifth * (1.0 / 24.0)))))
     };
@@ -194,7 +194,7 @@ pub(crate) fn at_wall<R: Real, S: Structure<Real = R>>(
 }
 
 impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
-    /// A fast flight of this length, if it is one.
+    /// The fast flight of this length; `None` if it is not proved simple.
     #[inline(always)]
     pub(super) fn fast_flight(&self, length: R) -> Option<FastFlight<SivaState<Phase<H>, R>, R>> {
         let (free, course, state) = (self.structure(), &self.course, &self.from);

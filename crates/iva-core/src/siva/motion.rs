@@ -1,4 +1,4 @@
-//! The flight of a SIVA: free in its gap.
+//! The flight of a free mass in its gap.
 
 use super::{Siva, SivaState};
 use crate::compensated::DoubleDouble;
@@ -10,7 +10,7 @@ use crate::real::Real;
 use crate::system::{Point, System, Wall};
 use crate::taylor::ORDER;
 
-/// The absorber free in its gap.
+/// The flight from one state: the absorber free in its gap.
 #[derive(Debug, Clone, Copy)]
 pub struct SivaFlight<'a, H: Host> {
     pub(super) siva: &'a Siva<H>,
@@ -30,7 +30,7 @@ impl<'a, R: Real, H: Host<Real = R>> SivaFlight<'a, H> {
     }
 }
 
-/// The state after a flight.
+/// The state after a flight of length h.
 #[inline(always)]
 pub(crate) fn arrived<R: Real, S: Structure<Real = R>>(
     free: &S,
@@ -158,7 +158,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         )
     }
 
-    /// ÿ = −A and ẍ₁ = −a_g; gravity, which is in both, is left out of the series of A.
+    /// From ÿ = −A and ẍ₁ = −a_g. The series of A leaves gravity out, so it is added to both.
     fn travel(&self) -> Option<Travel<R>> {
         let rows = self.structure().series(&self.from.host, &self.course);
         let Rows { step, x, acceleration, base, .. } = &rows;

@@ -1,4 +1,4 @@
-//! What a free mass is made of.
+//! The parameters of a free mass.
 
 use crate::error::Invalid;
 use crate::range;
@@ -47,7 +47,7 @@ impl<R: Real> Parameters<R> {
         self.clearance
     }
 
-    /// ζ of the bare primary.
+    /// Damping ratio ζ of the primary without absorber.
     pub fn damping_ratio(&self) -> R {
         self.damping_ratio
     }

@@ -9,12 +9,12 @@ use crate::real::Real;
 use crate::system::Wall;
 use crate::taylor::ORDER;
 
-/// The ride from one state.
+/// The stick episode from one state.
 #[derive(Debug, Clone, Copy)]
 pub struct SivaRide<'a, H: Host> {
     siva: &'a Siva<H>,
     from: SivaState<Phase<H>, H::Real>,
-    /// The same structure with the absorber's mass.
+    /// The state of the structure, with A of the mass 1 + μ.
     begin: HostState<Phase<H>, H::Real>,
     course: <H::Structure as Structure>::Course,
 }
@@ -131,7 +131,7 @@ impl<R: Real, H: Host<Real = R>> Curve for SivaRide<'_, H> {
         self.state(h)
     }
 
-    /// The pressure on the wall; the ride ends where it changes sign.
+    /// The pressure on the wall, which changes sign at the release.
     fn jet(&self, sample: &Self::Sample) -> Jet<R> {
         let factor = -sample.side;
         let HostState { primary, phase, .. } = &sample.host;
@@ -145,7 +145,7 @@ impl<R: Real, H: Host<Real = R>> Curve for SivaRide<'_, H> {
         }
     }
 
-    /// The magnitude is that of the terms: plain evaluation is precise enough.
+    /// Plain evaluation suffices, because the magnitude is that of the terms.
     fn precise(&self, h: R) -> DoubleDouble<R> {
         DoubleDouble::new(self.jet(&self.state(h)).value)
     }

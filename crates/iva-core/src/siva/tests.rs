@@ -1,10 +1,10 @@
-//! Symmetry, to the last bit.
+//! Symmetry under reflection, to the last bit.
 
 use super::*;
 use crate::run::run;
 use crate::simulate::Limits;
 
-/// A mirrored start runs through mirrored numbers: the same bits with other signs.
+/// A mirrored start gives the same bits with opposite signs.
 #[test]
 fn mirror_image_has_the_same_bits() {
     let siva = Siva::new(0.1, 0.7, 0.2, 0.02).unwrap();

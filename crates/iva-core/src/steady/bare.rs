@@ -1,4 +1,4 @@
-//! The primary without absorber, to compare with.
+//! The primary without absorber, for comparison.
 
 use std::sync::atomic::AtomicBool;
 
@@ -11,8 +11,8 @@ use crate::simulate::{Limits, simulate_from};
 use crate::system::Point;
 
 impl<R: Real> Harmonic<R> {
-    /// Amplitude of the steady state that it keeps up in an oscillator of damping ratio ζ:
-    /// F/√((1 − Ω²)² + (2ζΩ)²); infinite at resonance without damping.
+    /// Amplitude of the steady state of an oscillator of damping ratio ζ under this force: F/√((1 − Ω²)² +
+    /// (2ζΩ)²); infinite at resonance without damping.
     pub fn response(&self, damping_ratio: R) -> R {
         let Self { amplitude, frequency, .. } = *self;
         let detuning = (R::ONE - frequency) * (R::ONE + frequency);
@@ -20,17 +20,18 @@ impl<R: Real> Harmonic<R> {
     }
 }
 
-/// How much the primary moves without absorber.
+/// Amplitudes of the primary without absorber.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bare<R = f64> {
     /// Largest |x|.
     pub amplitude: R,
-    /// √ of the mean of x².
+    /// Root mean square of x.
     pub rms: R,
 }
 
-/// What the primary does without absorber: in the steady state under a single harmonic force, in closed form; else in
-/// the same window of a run from the same state at the same instant. `None` if that was cancelled.
+/// The amplitudes of the primary without absorber: those of the steady state under a single harmonic force,
+/// in closed form; otherwise those in the same window of a run from the same state at the same instant.
+/// `None` if that run was cancelled.
 ///
 /// # Errors
 /// [`Invalid`] for numbers out of [`crate::range`].
@@ -61,7 +62,7 @@ mod tests {
 
     #[test]
     fn a_run_of_the_bare_primary_is_the_closed_form() {
-        // An impulse of 1: x = sin(ωd τ) exp(−ζτ)/ωd, largest where tan(ωd τ) = ωd/ζ.
+        // An impulse of 1 gives x = sin(ωd τ) exp(−ζτ)/ωd, largest where tan(ωd τ) = ωd/ζ.
         let zeta = 0.2_f64;
         let omega = (1.0 - zeta * zeta).sqrt();
         let force =
@@ -74,7 +75,7 @@ mod tests {
         let truth = (omega * time).sin() * (-zeta * time).exp() / omega;
         let found = found.unwrap().unwrap();
         assert!((found.amplitude - truth).abs() < 1e-15, "{found:?} {truth}");
-        // ∫x² from the impulse on, all but exp(−3.2) of 1/(4ζ); by Simpson's rule.
+        // ∫x² from the impulse on, by Simpson's rule; all but a share exp(−3.2) of 1/(4ζ).
         let x = |tau: f64| (omega * tau).sin() * (-zeta * tau).exp() / omega;
         let steps = 2000;
         let sum: f64 = (0..=steps)

@@ -1,4 +1,4 @@
-//! What kind of motion a driven run settles to.
+//! The kind of motion to which a driven run settles.
 
 use crate::real::Real;
 
@@ -7,13 +7,13 @@ use std::fmt;
 
 use super::Strobe;
 
-/// Longest period looked for, in cycles of the force.
+/// Longest period that is tested, in cycles of the force.
 const LONGEST: usize = 8;
-/// So many states in a row must come back.
+/// Number of consecutive states that must return.
 const RETURNS: usize = 20;
-/// States that are looked at.
+/// Number of states that are kept for the test.
 pub(super) const RETURNS_KEPT: usize = LONGEST + RETURNS;
-/// How far from itself a state may come back, over the amplitude.
+/// Largest distance between a state and the one a period before, over the amplitude.
 const CLOSE: f64 = 1e-6;
 
 /// The kind of a driven motion.
@@ -21,14 +21,14 @@ const CLOSE: f64 = 1e-6;
 pub enum Regime {
     /// No impact in the window.
     NoImpacts,
-    /// The state comes back after some cycles, at most 8.
+    /// The state returns after at most 8 cycles.
     Periodic {
-        /// Listed impacts in a period.
+        /// Number of listed impacts per period.
         impacts: u64,
-        /// Cycles of the force in a period.
+        /// Number of cycles of the force per period.
         cycles: u64,
     },
-    /// It does not.
+    /// There are impacts, but the state does not return within 8 cycles.
     Modulated,
 }
 
@@ -42,9 +42,9 @@ impl fmt::Display for Regime {
     }
 }
 
-/// The regime of the last strobes: the shortest period m for which the last 20 states are, within
-/// 1e-6 of the amplitude (velocities over Ω), those of m cycles before. `None` if there are fewer than
-/// 28 and none is found.
+/// The regime of the last strobes. The period is the shortest m for which each of the last 20 states equals
+/// the one m cycles before within 1e-6 of the amplitude (velocities over Ω). `None` if there are fewer than
+/// 28 strobes and no period is found.
 pub(super) fn regime<R: Real>(
     strobes: &VecDeque<Strobe<R>>,
     impacts: u64,
@@ -58,7 +58,8 @@ pub(super) fn regime<R: Real>(
     for cycles in 1..=LONGEST.min(strobes.len().saturating_sub(RETURNS)) {
         let comes_back = |k: usize| close(back(k), back(k + cycles), amplitude, frequency);
         if (0..RETURNS).all(comes_back) {
-            // Over whole periods, for an impact at the very instant of a strobe may fall on either side.
+            // Counted over whole periods, because an impact at the instant of a strobe may fall on either
+            // side.
             let periods = RETURNS.div_ceil(cycles);
             let listed = back(0).impacts - back(periods * cycles).impacts;
             let impacts = (listed as f64 / periods as f64).round() as u64;
@@ -80,7 +81,7 @@ fn close<R: Real>(a: &Strobe<R>, b: &Strobe<R>, amplitude: R, frequency: R) -> b
 mod tests {
     use super::*;
 
-    /// Strobes whose states repeat after `states` has run through, with so many impacts a cycle.
+    /// Strobes that go through `states` again and again, with this number of impacts per cycle.
     fn strobes(states: &[f64], impacts: u64, count: u64) -> VecDeque<Strobe> {
         let strobe = |cycle: u64| Strobe {
             cycle,

@@ -5,17 +5,17 @@ use crate::compensated::DoubleDouble;
 use crate::force::Harmonic;
 use crate::real::Real;
 
-/// What a steady state is measured by.
+/// The window of a steady state.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Window<R = f64> {
-    /// Instant from which on it counts: the end of the transient.
+    /// Instant in 1/ωn from which measures count: the end of the transient.
     pub from: R,
-    /// The force whose cycles count; `None` if none of the forces has any.
+    /// The harmonic force whose cycles are counted; `None` if no force is harmonic.
     pub cycle: Option<Harmonic<R>>,
 }
 
 impl<R: Real> Window<R> {
-    /// The instants Ω t + phase = 2π k, from the first at or after time zero on.
+    /// The instant of a strobe, Ω t + phase = 2π k; index 0 is the first at or after time zero.
     pub(super) fn instant(&self, index: u64) -> Option<DoubleDouble<R>> {
         let Harmonic { frequency, phase, .. } = self.cycle?;
         let first = (phase / R::TURN.value).ceil();
@@ -25,12 +25,12 @@ impl<R: Real> Window<R> {
 }
 
 impl<R: Real> Window<R> {
-    /// The first strobe of the window, or one a little before.
+    /// Index of the first strobe of the window, or of one a little before.
     pub(super) fn first(&self) -> u64 {
         self.before(self.from).saturating_sub(1)
     }
 
-    /// How many strobes there are before an instant, but for rounding.
+    /// Number of strobes before an instant, within rounding.
     fn before(&self, instant: R) -> u64 {
         let Some(Harmonic { frequency, phase, .. }) = self.cycle else { return 0 };
         let first = (phase / R::TURN.value).ceil();
@@ -38,7 +38,7 @@ impl<R: Real> Window<R> {
         count.max(0.0).whole() as u64
     }
 
-    /// The first strobe that a regime is told by, or one a little before.
+    /// Index of the first strobe that the regime depends on, or of one a little before.
     pub(super) fn last_kept(&self, duration: R) -> u64 {
         self.before(duration).saturating_sub(RETURNS_KEPT as u64 + 1)
     }

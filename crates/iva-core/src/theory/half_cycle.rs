@@ -1,21 +1,21 @@
-//! Half a cycle of a symmetric motion with two impacts, in closed form: from just after the impact
-//! on wall + (time zero) to just before that on wall − (time T).
+//! Half a cycle of a symmetric motion with two impacts, in closed form: from just after the impact on wall +
+//! (time zero) to just before the impact on wall − (time T).
 
 use crate::theory::Complex;
 
-/// Rounding of a distance to a wall, in 2⁻⁵² of the size of the motion.
+/// Bound on the rounding error of a distance to a wall, in units of 2⁻⁵² of the size of the motion.
 const ROUNDING: f64 = 16.0;
-/// Intervals are halved down to this part of the half cycle.
+/// Length of the shortest interval, as a share of the half cycle.
 const FINEST: f64 = 1.0 / (1u64 << 45) as f64;
-/// Intervals that the search for the largest displacement begins with.
+/// Number of intervals at the start of the search for the largest displacement.
 const FIRST_INTERVALS: usize = 64;
 
-/// Free motion of the primary, ẍ + 2ζẋ + x = 0, over one time: x → C x + S ẋ, ẋ → −S x + Ṡ ẋ.
+/// Free motion of the primary, ẍ + 2ζẋ + x = 0, over a given time: x → C x + S ẋ, ẋ → −S x + Ṡ ẋ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FreeMotion {
-    /// C, the answer to a unit displacement.
+    /// C, the response to a unit displacement.
     pub(super) displaced: f64,
-    /// S, the answer to a unit velocity.
+    /// S, the response to a unit velocity.
     pub(super) pushed: f64,
     /// Ṡ
     pub(super) pushed_rate: f64,
@@ -42,7 +42,7 @@ impl FreeMotion {
                 antiperiodic: lost * lost + 4.0 * decay * (half * half),
             }
         } else {
-            // exp(λτ) of both real λ < 0; their difference without cancellation.
+            // exp(λτ) of both real λ < 0, whose difference is computed without cancellation.
             let spread = (-square).sqrt();
             let slow = -1.0 / (zeta + spread);
             let [slowly, fast] = [slow, -(zeta + spread)].map(|rate| libm::exp(rate * time));
@@ -60,7 +60,7 @@ impl FreeMotion {
         }
     }
 
-    /// Displacement and velocity after it.
+    /// Displacement and velocity after that time.
     pub(super) fn carry(&self, [x, v]: [f64; 2]) -> [f64; 2] {
         let Self { displaced, pushed, pushed_rate, .. } = *self;
         [displaced * x + pushed * v, pushed_rate * v - pushed * x]
@@ -70,7 +70,7 @@ impl FreeMotion {
 /// A function of time with its first two derivatives.
 type Jet = [f64; 3];
 
-/// The half cycle. In the inertial frame x = Re(Z e^{iΩτ}) + h(τ), h free motion, and the absorber
+/// The half cycle. In the inertial frame x = Re(Z e^{iΩτ}) + h(τ), where h is free motion, and the absorber
 /// moves uniformly from sT/2 to −sT/2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct HalfCycle {
@@ -82,25 +82,25 @@ pub(super) struct HalfCycle {
     pub(super) damping_ratio: f64,
     /// d
     pub(super) clearance: f64,
-    /// s > 0, of the absorber between impacts.
+    /// s > 0, the speed of the absorber between impacts.
     pub(super) speed: f64,
     /// Z, the forced part of x in the inertial frame.
     pub(super) forced: Complex<f64>,
-    /// Its part relative to the base; Z itself where the base is at rest.
+    /// The forced part of x relative to the base; Z itself where the base is at rest.
     pub(super) relative: Complex<f64>,
     /// h and ḣ at time zero.
     pub(super) free: [f64; 2],
 }
 
 impl HalfCycle {
-    /// Displacement of the primary, relative to the base.
+    /// Displacement of the primary relative to the base, with its derivatives.
     pub(super) fn primary(&self, time: f64) -> Jet {
         let free = self.free_part(time);
         let forced = self.harmonic(self.relative, time);
         std::array::from_fn(|k| free[k] + forced[k])
     }
 
-    /// Gap displacement.
+    /// Gap displacement, with its derivatives.
     pub(super) fn gap(&self, time: f64) -> Jet {
         let free = self.free_part(time);
         let forced = self.harmonic(self.forced, time);
@@ -120,20 +120,20 @@ impl HalfCycle {
         [value, rate, -self.frequency * self.frequency * value]
     }
 
-    /// √(h² + ḣ²) at an instant: it never grows, and bounds |ḧ| and |h⃛| at every later one when
-    /// multiplied by (1 + 2ζ) and (1 + 2ζ)².
+    /// √(h² + ḣ²) at an instant. It never grows; multiplied by (1 + 2ζ) and (1 + 2ζ)² it bounds |ḧ| and |h⃛|
+    /// at every later instant.
     fn free_size(&self, time: f64) -> f64 {
         let [h, rate, _] = self.free_part(time);
         h.hypot(rate)
     }
 
-    /// True if |y| < d inside the half cycle, proven.
+    /// True if |y| < d is proved inside the half cycle.
     ///
-    /// On an interval of half width r around m the distance D to a wall is at least
-    /// D(m) − |Ḋ(m)| r − K r²/2, K a bound on |D̈|. Beside the impact, where D = 0, it is enough that
-    /// D is monotonic, or that it leaves the wall and is convex. Intervals that neither proves are
-    /// halved; where that does not end, or a value beyond the wall turns up, the wall is touched.
-    /// What stays undecided is a distance within rounding of zero, which counts as touched.
+    /// On an interval of half width r around m the distance D to a wall is at least D(m) − |Ḋ(m)| r − K r²/2,
+    /// K a bound on |D̈|. Next to an impact, where D = 0, it is sufficient that D is monotonic, or that it
+    /// leaves the wall and is convex. Intervals for which neither is proved are halved. If an interval
+    /// becomes too short, or a value lies beyond the wall, the wall counts as touched; so does a distance
+    /// within rounding of zero, which is not decided.
     pub(super) fn stays_in_the_gap(&self) -> bool {
         [1.0, -1.0].into_iter().all(|wall| self.stays_off(wall))
     }
@@ -155,7 +155,7 @@ impl HalfCycle {
             let leaves = wall > 0.0 && from == 0.0;
             let arrives = wall < 0.0 && to == self.duration;
             let clear = distance - rate.abs() * half - 0.5 * bound * half * half > rounding
-                // It leaves with e times the approach speed, so never into the wall.
+                // The absorber leaves with e times the approach speed, so never into the wall.
                 || leaves && (rate > bound * half || curvature > third * half)
                 || arrives && rate < -bound * half;
             if clear {
@@ -170,8 +170,8 @@ impl HalfCycle {
         true
     }
 
-    /// The largest |x| relative to the base, to rounding: intervals whose bound
-    /// |x(m)| + |ẋ(m)| r + K r²/2 exceeds what has been found are halved.
+    /// The largest |x| relative to the base, to rounding. Intervals whose bound
+    /// |x(m)| + |ẋ(m)| r + K r²/2 exceeds the largest value found so far are halved.
     pub(super) fn amplitude(&self) -> f64 {
         let growth = 1.0 + 2.0 * self.damping_ratio;
         let forced = self.frequency * self.frequency * self.relative.norm();

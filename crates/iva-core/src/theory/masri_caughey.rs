@@ -12,13 +12,13 @@ use crate::piva::Parameters;
 use crate::range;
 use crate::system::Start;
 
-/// Frequencies Ω that are answered, in ωn: beyond, an angle of the half cycle loses its digits.
+/// Frequencies Ω that are accepted, in ωn; outside, an angle of the half cycle loses its digits.
 const FREQUENCIES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
-/// Largest ζ that is answered; beyond, motion and bounds are of very different size.
+/// Largest ζ that is accepted; above, motion and bounds are of very different size.
 const LARGEST_DAMPING: f64 = 100.0;
-/// det(1 + Φ) of the free half cycle below which the impacts alone resonate.
+/// det(1 + Φ) of the free half cycle below which the impacts resonate even without a force.
 const RESONANT: f64 = 1e-20;
-/// Steps that an eigenvalue is given to converge; some ten are needed.
+/// Largest number of iterations for the eigenvalues; some ten are needed.
 const EIGENVALUE_STEPS: usize = 1000;
 
 /// A free mass in its gap on a primary system under one harmonic, in natural units (ωn = 1, primary
@@ -33,24 +33,24 @@ pub struct SymmetricScene {
     pub clearance: f64,
     /// Damping ratio ζ of the primary, at most 100.
     pub damping_ratio: f64,
-    /// Force on the primary or motion of the base. Its phase is free: orbits tell theirs.
+    /// Force on the primary or motion of the base. Its phase is not used: orbits have their own.
     pub force: Harmonic,
 }
 
 /// The symmetric motions with two impacts a cycle of one scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MasriCaughey {
-    /// Largest |x| (relative to the base) of the primary's steady vibration alone, length.
+    /// Largest |x| (relative to the base) of the steady vibration of the primary without absorber, length.
     pub amplitude_without_absorber: f64,
     /// d_max, the largest clearance at which such motions exist; infinite if they always do.
     pub largest_clearance: f64,
-    /// The two motions, that with the larger speed first. `None` where d > d_max, or where the
-    /// speed would not be positive: no impacts then.
+    /// The two motions, the one with the larger speed first. `None` where d > d_max, or where the speed would
+    /// not be positive, so that there are no impacts.
     pub branches: [Option<Orbit>; 2],
 }
 
-/// One symmetric motion with two impacts a cycle. Where the base moves, displacements and velocities
-/// of the primary are relative to it.
+/// One symmetric motion with two impacts a cycle. Where the base moves, displacements and velocities of the
+/// primary are relative to the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Orbit {
     /// s > 0, absolute velocity of the absorber between impacts.
@@ -59,26 +59,26 @@ pub struct Orbit {
     pub phase: f64,
     /// Displacement x of the primary at the impact on wall +.
     pub displacement: f64,
-    /// Its velocity just before that impact.
+    /// Velocity of the primary just before that impact.
     pub velocity_before: f64,
-    /// And just after it.
+    /// Velocity of the primary just after that impact.
     pub velocity_after: f64,
     /// Approach speed of every impact, 2 s (1 + μ)/(1 + e).
     pub approach_speed: f64,
     /// The largest |x| of the cycle.
     pub amplitude: f64,
-    /// True if the absorber touches no wall between the impacts (proven, not sampled; touching
-    /// within rounding counts). Otherwise the formulas describe no motion.
+    /// True if the absorber touches no wall between the impacts (proven, not sampled; touching within
+    /// rounding counts as touching). Otherwise the formulas describe no motion.
     pub admissible: bool,
-    /// Multipliers of the half cycle: what a small change of the state just after an impact is
-    /// multiplied by until just after the next, seen in the mirror. Largest first; those of the
-    /// whole cycle are their squares. Their product is e² exp(−2ζπ/Ω). NaN if their iteration does
-    /// not converge, which is not known to happen.
+    /// Multipliers of the half cycle: the eigenvalues of the derivative of the state just after the next
+    /// impact, mirrored, with respect to the state just after an impact. Largest first; those of the whole
+    /// cycle are their squares. Their product is e² exp(−2ζπ/Ω). NaN if the iteration for them does not
+    /// converge, which is not known to happen.
     pub multipliers: [Complex<f64>; 4],
-    /// True if all multipliers are smaller than 1: small disturbances die out. Without any loss
-    /// (e = 1, ζ = 0) they are neutral at best, and rounding decides.
+    /// True if all multipliers are smaller than 1, so that small disturbances decay. Without any loss (e = 1,
+    /// ζ = 0) they are neutral at best, and rounding decides.
     pub stable: bool,
-    /// State just after the impact on wall +, e times the approach speed off it: a run that starts
+    /// State just after the impact on wall +, leaving it with e times the approach speed. A run that starts
     /// here, with [`Orbit::phase`] as phase of its force, stays on the orbit.
     pub start: Start,
     half: HalfCycle,
@@ -102,17 +102,17 @@ pub struct Orbit {
 /// A moving base is the force x_g + 2ζẋ_g in the inertial frame, where the absorber feels nothing
 /// between impacts: the same formulas with X = A_g √(1+(2ζΩ)²)/Ω² /√((1−Ω²)² + (2ζΩ)²).
 ///
-/// The half cycle's map is exact: the flow of (x, ẋ, x₁, ẋ₁) over T, then the saltation matrix of
-/// the impact, J + (f⁺ − J f⁻) nᵀ/(nᵀf⁻) with J the velocity jump, f the vector field before and
-/// after, n the gradient of the gap; then the mirror.
+/// The map of the half cycle is exact: the flow of (x, ẋ, x₁, ẋ₁) over T, then the saltation matrix of the
+/// impact, J + (f⁺ − J f⁻) nᵀ/(nᵀf⁻) with J the velocity jump, f the vector field before and after, n the
+/// gradient of the gap; then the reflection.
 ///
 /// Sources: S. F. Masri and T. K. Caughey, On the stability of the impact damper, J. Appl. Mech. 33
 /// (1966) 586–592 (motion and stability); P. C. Müller, Calculation of Lyapunov exponents for
 /// dynamic systems with discontinuities, Chaos, Solitons & Fractals 5 (1995) 1671–1681, and M. di
 /// Bernardo et al., Piecewise-smooth Dynamical Systems, Springer 2008 (saltation).
 ///
-/// Accurate to some 2⁻⁵³ of X: where a nearly undamped primary is driven at resonance and the
-/// absorber keeps its motion x far below X, that many digits of x are lost.
+/// The accuracy is some 2⁻⁵³ of X: where a nearly undamped primary is driven at resonance and the absorber
+/// keeps its motion x far below X, x loses that many digits.
 ///
 /// # Errors
 /// [`Invalid`] for a number out of [`range`], a force of amplitude 0, ζ > 100, Ω outside 10⁻³ … 10³, and
@@ -170,20 +170,20 @@ pub fn masri_caughey(scene: &SymmetricScene) -> Result<MasriCaughey, Invalid> {
 fn speeds(amplitude: f64, clearance: f64, a: f64, b: f64) -> [Option<f64>; 2] {
     let size = a.hypot(b);
     let (along, across) = (clearance * (a / size), clearance * (b.abs() / size));
-    // Negative, so NaN, where d > d_max.
+    // Negative, so that its root is NaN, where d > d_max.
     let root = (amplitude - across).sqrt() * (amplitude + across).sqrt();
-    // Of the two roots one is free of cancellation, their product is the other.
+    // One of the two roots is free of cancellation; the other follows from their product.
     let far = along + root.copysign(along);
     let near = (clearance - amplitude) / far * (clearance + amplitude);
     let roots = if far > near { [far, near] } else { [near, far] };
     roots.map(|root| Some(root / size).filter(|speed| *speed > 0.0 && speed.is_finite()))
 }
 
-/// How the primary alone answers to the drive.
+/// The response of the primary alone to the drive.
 struct Response {
-    /// Drive per forced motion in the inertial frame.
+    /// Complex amplitude of the drive over that of the forced motion in the inertial frame.
     drive: Complex<f64>,
-    /// Forced motion relative to the base per that in the inertial frame.
+    /// Forced motion relative to the base over forced motion in the inertial frame.
     relative: Complex<f64>,
 }
 
@@ -196,7 +196,7 @@ impl Response {
             Acts::Primary => Complex::new(1.0, 0.0),
             Acts::Base => Complex::new(omega * omega, 0.0) / Complex::new(1.0, damper),
         };
-        // Relative to the base, the base drives with −a_g.
+        // Relative to the base, the base motion acts as the force −a_g.
         let drive = match force.acts {
             Acts::Primary => stiffness,
             Acts::Base => -stiffness * relative,
@@ -206,7 +206,7 @@ impl Response {
 }
 
 impl Orbit {
-    /// The orbit of a half cycle under a drive whose complex amplitude is given, but for its sign.
+    /// The orbit of a half cycle under a drive whose complex amplitude is given up to its sign.
     fn new(scene: &SymmetricScene, half: HalfCycle, drive: Complex<f64>) -> Self {
         let SymmetricScene { mass_ratio, restitution: e, force, .. } = *scene;
         let HalfCycle { speed, frequency, forced, relative, .. } = half;
@@ -239,14 +239,14 @@ impl Orbit {
         }
     }
 
-    /// State at an instant at which the force has this phase, in rad: where a run on the orbit
-    /// begins under a force of that phase.
+    /// State at an instant at which the force has this phase, in rad: the start of a run on the orbit under a
+    /// force of that phase.
     pub fn at_phase(&self, phase: f64) -> Start {
         let turned = (phase - self.phase).rem_euclid(TAU);
         if turned == 0.0 {
             return self.start;
         }
-        // The second half of a cycle is the first in the mirror.
+        // The second half of a cycle is the mirror image of the first.
         let (sign, turned) = if turned < PI { (1.0, turned) } else { (-1.0, turned - PI) };
         let time = turned / self.half.frequency;
         let [x, v, _] = self.half.primary(time);
@@ -311,8 +311,8 @@ fn eigenvalues(map: &Matrix4<f64>, frequency: f64) -> [Complex<f64>; 4] {
     // In time units of 1/Ω displacements and velocities are of one size.
     let units = Vector4::new(frequency, 1.0, frequency, 1.0);
     let scaled = Matrix4::from_fn(|row, column| units[row] * map[(row, column)] / units[column]);
-    // The iteration has no exceptional shifts and can stall where multipliers lie on the unit circle;
-    // that of the transpose takes another way to the same eigenvalues.
+    // The iteration has no exceptional shifts and can stall where multipliers lie on the unit circle; for the
+    // transpose it takes another path to the same eigenvalues.
     let attempt = |matrix| Schur::try_new(matrix, f64::EPSILON, EIGENVALUE_STEPS);
     let found = attempt(scaled).or_else(|| attempt(scaled.transpose()));
     let Some(found) = found.map(|schur| schur.complex_eigenvalues()) else {

@@ -10,35 +10,35 @@ use crate::piva::Parameters;
 /// θ where the manifold loses its stability by period doubling: π²/(π² − 4).
 const PERIOD_DOUBLING: f64 = PI * PI / (PI * PI - 4.0);
 
-/// The slow invariant manifold of one absorber: how strongly the primary must vibrate at ωn for the
-/// absorber to hit each wall once a cycle with a given stroke, and what that costs the primary. To
+/// The slow invariant manifold of one absorber: the amplitude of the primary's vibration at ωn for which the
+/// absorber hits each wall once a cycle with a given stroke, and the damping that this gives the primary. To
 /// first order in μ: it holds where the amplitude changes little during a cycle.
 ///
-/// **θ** is the amplitude of the absorber's own motion over d. Between impacts it moves uniformly in
-/// the inertial frame, a triangle wave of speed s and amplitude θ d, s = (2/π) θ d ωn. At θ = 1 it
-/// turns round where the walls are at mean position: each impact meets the primary at x = 0, where
-/// it gives away most. **ξ** is the amplitude of the primary over d.
+/// **θ** is the amplitude of the absorber's own motion over d. Between impacts it moves uniformly in the
+/// inertial frame, a triangle wave of speed s and amplitude θ d, s = (2/π) θ d ωn. At θ = 1 its turning
+/// points are the mean positions of the walls: each impact meets the primary at x = 0, where the primary
+/// loses most energy. **ξ** is the amplitude of the primary over d.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlowManifold {
     mass_ratio: f64,
-    /// ρ = (2/π)(1−e)/(1+e): what an impact loses; 0 for e = 1.
+    /// ρ = (2/π)(1−e)/(1+e), the measure of the loss in an impact; 0 for e = 1.
     pub rho: f64,
-    /// ξ_min = ρ/√(1+ρ²), the smallest ξ on the manifold: below it the absorber cannot keep two
-    /// impacts a cycle, and a decaying primary drops out of it here.
+    /// ξ_min = ρ/√(1+ρ²), the smallest ξ on the manifold: below it the absorber cannot sustain two impacts a
+    /// cycle, and a decaying primary leaves the manifold here.
     pub activation: f64,
     /// ξ_min d, the amplitude |x| below which the absorber is not active, length.
     pub activation_amplitude: f64,
-    /// θ of the stable motions: from the fold at ξ_min, 1/(1+ρ²), to period doubling at π²/(π²−4)
-    /// or, for e below about 0.09, to where the absorber touches the wall that it has just left (1
-    /// for e = 0). With e = 1 small disturbances do not die out, they just do not grow.
+    /// θ of the stable motions: from the fold at ξ_min, 1/(1+ρ²), to period doubling at π²/(π²−4) or, for e
+    /// below about 0.09, to where the absorber touches the wall that it has just left (1 for e = 0). With e =
+    /// 1 small disturbances neither decay nor grow.
     pub stable_theta: [f64; 2],
-    /// ξ at both ends of it.
+    /// ξ at both ends of the range `stable_theta`.
     pub stable_amplitude: [f64; 2],
     /// Largest damping ratio that the absorber adds, (2μ/π)(1+e)/(1−e), at θ = 1; infinite for
     /// e = 1.
     pub largest_added_damping: f64,
-    /// Amplitude |x| where it does, ρ d = d (2/π)(1−e)/(1+e), length: to add most damping at an
-    /// amplitude x choose d = x (π/2)(1+e)/(1−e).
+    /// Amplitude |x| at which the added damping is largest, ρ d = d (2/π)(1−e)/(1+e), length: for the most
+    /// damping at an amplitude x choose d = x (π/2)(1+e)/(1−e).
     pub best_amplitude: f64,
 }
 
@@ -49,9 +49,8 @@ pub struct SlowManifold {
 /// ρ = (2/π)(1−e)/(1+e),   ξ² = (θ−1)² + ρ²θ²
 /// ```
 ///
-/// It is what the motion of Masri and Caughey (see [`super::masri_caughey`]) becomes as μ → 0 at
-/// Ω = 1, with the vibration of the primary given instead of the force: x at the impact is
-/// sA − d = (θ−1) d, and B/A = ρ.
+/// It is the limit of the motion of Masri and Caughey (see [`super::masri_caughey`]) for μ → 0 at Ω = 1, with
+/// the vibration of the primary given instead of the force: x at the impact is sA − d = (θ−1) d, and B/A = ρ.
 ///
 /// Sources: O. V. Gendelman, Analytic treatment of a system with a vibro-impact nonlinear energy
 /// sink, J. Sound Vib. 331 (2012) 4599–4608; E. Gourc, G. Michon, S. Seguy and A. Berlioz, Targeted
@@ -82,7 +81,7 @@ pub fn slow_manifold(
     })
 }
 
-/// ξ at a θ.
+/// ξ at a given θ.
 fn amplitude(rho: f64, theta: f64) -> f64 {
     (theta - 1.0).hypot(rho * theta)
 }
@@ -102,7 +101,7 @@ fn admissible(rho: f64, theta: f64) -> bool {
     theta > 0.0 && half.stays_in_the_gap()
 }
 
-/// The end of the admissible θ between one that is and one that may be.
+/// The largest admissible θ between `from`, which is admissible, and `to`, which may be.
 fn largest_admissible(rho: f64, mut from: f64, mut to: f64) -> f64 {
     if admissible(rho, to) {
         return to;
@@ -117,26 +116,25 @@ fn largest_admissible(rho: f64, mut from: f64, mut to: f64) -> f64 {
 }
 
 impl SlowManifold {
-    /// ξ, the amplitude of the primary over d, at which the absorber's is θ d.
+    /// ξ, the amplitude of the primary over d, at which the absorber's amplitude is θ d.
     pub fn amplitude(&self, theta: f64) -> f64 {
         amplitude(self.rho, theta)
     }
 
-    /// θ of the stable motion where the amplitude of the primary is ξ d; `None` out of the stable
-    /// range.
+    /// θ of the stable motion where the amplitude of the primary is ξ d; `None` outside the stable range.
     pub fn stable_theta_at(&self, amplitude: f64) -> Option<f64> {
-        // (1+ρ²) θ² − 2θ + 1 − ξ² = 0, the larger root.
+        // The larger root of (1+ρ²) θ² − 2θ + 1 − ξ² = 0.
         let size = self.rho.hypot(1.0);
         let beyond = (amplitude - self.activation) * (amplitude + self.activation);
         let theta = (1.0 + size * beyond.sqrt()) / (size * size);
         (theta <= self.stable_theta[1]).then_some(theta)
     }
 
-    /// Damping ratio that the absorber adds to the primary at a θ, (4/π²) μ ρ θ²/ξ²: two impacts a
-    /// cycle take 2μ s² (1−e)/(1+e) each from its energy x²/2.
+    /// Damping ratio that the absorber adds to the primary at a given θ, (4/π²) μ ρ θ²/ξ²: each of the two
+    /// impacts a cycle removes 2μ s² (1−e)/(1+e) from its energy x²/2.
     pub fn added_damping(&self, theta: f64) -> f64 {
         let ratio = theta / self.amplitude(theta);
-        // At ρ = 0 nothing is lost, save at ξ = 0, the limit of the peaks for e → 1.
+        // At ρ = 0 nothing is lost, except at ξ = 0, the limit of the maxima for e → 1.
         if ratio.is_infinite() {
             return self.largest_added_damping;
         }

@@ -1,5 +1,5 @@
-//! What the quintic proves, against stretches sampled densely; its constants, against the function that
-//! attains them.
+//! The proofs of the quintic hold on densely sampled stretches, and its constants are attained by the extreme
+//! function.
 
 use super::*;
 use crate::force::{Acts, Force, Harmonic};
@@ -7,7 +7,7 @@ use crate::host::DrivenHost;
 use crate::siva::Siva;
 use crate::system::System;
 
-/// t³(1 − t)³/720 has the sixth derivative −1 and the quintic 0: no distance with M = 1 is further off.
+/// t³(1 − t)³/720 has the sixth derivative −1 and the quintic 0: it attains the largest error for M = 1.
 #[test]
 fn the_constants_are_those_of_the_extreme_function() {
     let most = |f: &dyn Fn(f64) -> f64| {
@@ -25,13 +25,13 @@ fn the_constants_are_those_of_the_extreme_function() {
     }
 }
 
-/// Numbers spread evenly over [0, 1): the fractions of multiples of an irrational number.
+/// Numbers spread evenly over [0, 1): the fractional parts of multiples of an irrational number.
 fn spread(i: u32, k: u32) -> f64 {
     (f64::from(i) * f64::from(2 * k + 3).sqrt()).fract()
 }
 
-/// A stretch that starts within the gap and all but touches a wall: at `h` its distance and its rate are
-/// small.
+/// A stretch that starts within the gap and nearly touches a wall: at some instant its distance and its rate
+/// are small.
 struct Stretch<H: Host<Real = f64>> {
     siva: Siva<H>,
     from: SivaState<Phase<H>>,
@@ -45,7 +45,7 @@ fn undriven(i: u32) -> Siva {
     Siva::new(0.1, 0.5, [0.03, 0.4, 1.6][(3.0 * u(1)) as usize], zeta).unwrap()
 }
 
-/// The same under force, or on a base that moves, slowly or fast.
+/// A free mass under force, or on a moving base, slow or fast.
 fn driven(i: u32) -> Siva<DrivenHost> {
     let u = |k| spread(i, k);
     let acts = if u(20) < 0.5 { Acts::Primary } else { Acts::Base };
@@ -82,7 +82,7 @@ impl<H: Host<Real = f64>> Stretch<H> {
         };
         let mut from = flown(&siva, &touching, -(1.2 * u(12) - 0.1) * length);
         if u(13) < 0.3 {
-            // A rebound.
+            // Starts on the wall, as a low rebound.
             from.distance = DoubleDouble::ZERO;
             from.rate = DoubleDouble::new(small(14).abs());
         }
@@ -94,8 +94,8 @@ impl<H: Host<Real = f64>> Stretch<H> {
         self.siva.flight(&self.from)
     }
 
-    /// Sides of both walls, from the first sample on, without repetitions; what is within rounding of a
-    /// wall is on neither side.
+    /// The signs of the distances beyond both walls, sampled in time, without repetitions. Samples within
+    /// rounding of a wall are left out.
     fn sides(&self) -> Vec<i32> {
         let far = 2.0 * self.siva.clearance;
         let mut sides = Vec::new();
@@ -140,7 +140,7 @@ fn proofs_hold<H: Host<Real = f64>>(siva: impl Fn(u32) -> Siva<H>) {
         };
         seen[verdict] += 1;
         let sides = stretch.sides();
-        // A contact earlier than the first sample.
+        // The contact may be earlier than the first sample.
         let at_once = verdict > 0 && sides == claimed[1..];
         assert!(
             at_once || sides == claimed,
@@ -168,7 +168,7 @@ fn contacts_are_on_the_wall<H: Host<Real = f64>>(siva: impl Fn(u32) -> Siva<H>) 
         let far = fast.end.side != from.side;
         let left =
             if far { there.distance.minus(2.0 * siva.clearance) } else { there.distance.value };
-        // The clock is rounded to `length`, of which the distance takes its rate.
+        // The clock is rounded to `length`; that changes the distance in proportion to its rate.
         let rounding = f64::EPSILON * (there.rate.value.abs() + siva.clearance);
         assert!(left.abs() <= 2.0 * rounding, "stretch {i}: {left:e}");
     }
