@@ -120,8 +120,7 @@ impl<State, R: Real> Instant<State, R> {
 /// motion from the instant on: [`crate::measures`] of a decay are defined for runs from time zero, the window
 /// of [`crate::steady`] begins no earlier than the run, and samples before it are left out. A run that was
 /// stopped between the sum of a chatter and its stick goes on stuck: `time_stuck` of both parts then includes
-/// the rest of the chatter. The state is not checked to lie in the gap. rest of the chatter besides. The
-/// state is taken as it is: nobody checks that it lies in the gap.
+/// the rest of the chatter. The state is not checked to lie in the gap.
 ///
 /// # Errors
 /// [`Invalid`] if a limit is not usable, or does not lie after the instant.
