@@ -1,8 +1,10 @@
-//! One run of a study, in any [number](iva_core::real): from the fields that a user gave to the cells of its rows.
+//! One run of a study, for any [number type](iva_core::real): from the fields that a user gave to the cells
+//! of its rows.
 //!
-//! [`given`] (fields as numbers) → [`design`] (alternatives settled, in natural units; [`scene`] is what runs)
-//! → `point` (the run) → `rows` (its rows, in the user's units by [`scale`]). Users get doubles;
-//! [`crate::verify`] runs in numbers of twice the precision, [`crate::gradients`] in numbers with derivatives.
+//! [`given`] (fields as numbers) → [`design`] (alternatives resolved, natural units; the system to run is a
+//! [`scene`]) → `point` (the run) → `rows` (its rows, in the user's units by [`scale`]). Results are computed
+//! in doubles, by [`crate::verify`] in numbers of twice the precision, and by [`crate::gradients`] in numbers
+//! with derivatives.
 
 pub mod design;
 pub(crate) mod forces;

@@ -1,7 +1,7 @@
 //! One design point: from the fields a user gave to the scene the core runs.
 //!
-//! [`Spec`] holds fields as given; [`Given::design`] settles the alternatives (mass or mass ratio;
-//! clearance, gap or relative clearance; …) without guessing and converts to natural units.
+//! [`Spec`] holds fields as given. [`Given::design`] resolves the alternatives (mass or mass ratio;
+//! clearance, gap or relative clearance; …) without guessing, and converts to natural units.
 
 use std::sync::atomic::AtomicBool;
 
@@ -27,30 +27,31 @@ use iva_core::system::{Point, Start, System};
 
 pub use crate::spec::Spec;
 
-/// A design point ready to run, in natural units, with the way back to the user's.
+/// A design point ready to run, in natural units, with the scale to the user's units.
 #[derive(Debug, Clone)]
 pub struct Design<R: Real = f64> {
     /// The absorber on its primary system, and its start.
     pub scene: Scene<R>,
     /// Duration, limits and chatter floor.
     pub limits: Limits<R>,
-    /// The instant at which it begins.
+    /// The instant at which the run begins, in 1/ωn.
     pub begin: R,
-    /// Largest force over the primary mass in an impact, per velocity that the structure gains; `None` where nothing is
-    /// known of the contact.
+    /// Largest force over the primary mass in an impact, per velocity that the structure gains; `None` if
+    /// neither contact time nor contact stiffness is given.
     pub contact_rate: Option<R>,
-    /// What steady states are measured by.
+    /// The window of the steady state.
     pub window: Window<R>,
-    /// From natural units to the user's.
+    /// Factors from natural units to the user's.
     pub scale: Scale<R>,
-    /// What the user's units are.
+    /// The user's units.
     pub units: UnitSystem,
-    /// How accurate the run is to be.
+    /// The accuracy tier of the run.
     pub tier: Tier,
 }
 
 impl<R: Real> Design<R> {
-    /// What the primary does without absorber, see [`iva_core::steady::without_absorber`]; `None` in free decay.
+    /// The motion of the primary without absorber, see [`iva_core::steady::without_absorber`]; `None` in free
+    /// decay.
     ///
     /// # Errors
     /// [`Invalid`] for numbers that the core refuses.
@@ -64,7 +65,7 @@ impl<R: Real> Design<R> {
 }
 
 impl<R: Real> Given<'_, R> {
-    /// Settles alternatives, checks what only shows together, and converts to natural units.
+    /// Resolves alternatives, checks fields against each other, and converts to natural units.
     ///
     /// # Errors
     /// [`Invalid`] if something is missing, given twice, or inconsistent (a start outside the gap).
@@ -89,7 +90,7 @@ impl<R: Real> Given<'_, R> {
         let window = self.window([begin, length], &force)?;
         let scene = self.scene(start, force, &scale, units)?;
         let contact_rate = self.contact_rate(&scene, &scale, units)?;
-        // Without absorber nothing is listed.
+        // Without absorber there are no impacts, so any chatter floor will do.
         let clearance = scene.absorber().map_or(R::ONE, |absorber| absorber.clearance);
         let limits = Limits {
             duration,
@@ -108,7 +109,7 @@ impl<R: Real> Given<'_, R> {
         Ok(Design { scene, limits, begin, contact_rate, window, scale, units, tier })
     }
 
-    /// What all absorbers and their primary have, in natural units.
+    /// The parameters that all absorbers have, with that of their primary, in natural units.
     pub(crate) fn common(&self, scale: &Scale<R>, units: UnitSystem) -> Result<Common<R>, Invalid> {
         let damping_ratio = self.damping_ratio(scale, units)?;
         let clearance = self.clearance(self.displacement(units)?, units)?;
@@ -123,8 +124,8 @@ impl<R: Real> Given<'_, R> {
         Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(R::ZERO))
     }
 
-    /// A half sine of length t is largest π/2t times its integral. On a spring k between two masses it lasts π/ω, with
-    /// ω² = k (1/m + 1/M).
+    /// The force of an impact as a half sine in time: for a duration t its maximum is π/2t times its
+    /// integral. On a spring k between two masses it lasts π/ω, with ω² = k (1/m + 1/M).
     fn contact_rate(
         &self,
         scene: &Scene<R>,
@@ -341,7 +342,7 @@ impl<R: Real> Given<'_, R> {
     }
 }
 
-/// Length of a cycle of the harmonic force, which a field is a multiple of.
+/// Length of a cycle of the harmonic force, in 1/ωn; `field` is given in such cycles.
 fn cycle<R: Real>(field: FieldId, value: R, force: &Force<R>) -> Result<R, Invalid> {
     let harmonic = force.harmonics().first().ok_or_else(|| {
         let rule = "it counts cycles of a harmonic force, and there is none";
@@ -350,7 +351,7 @@ fn cycle<R: Real>(field: FieldId, value: R, force: &Force<R>) -> Result<R, Inval
     Ok(R::TURN.value / harmonic.frequency)
 }
 
-/// A ratio that follows from a given field, if it is in its own range.
+/// A ratio computed from a given field, if it is in its own range.
 fn derived<R: Real>(given: FieldId, value: R, ratio: FieldId, derived: R) -> Result<R, Invalid> {
     if ratio.info().allowed.contains(derived) {
         return Ok(derived);

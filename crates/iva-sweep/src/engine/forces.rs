@@ -1,4 +1,4 @@
-//! What the core makes of the forces of a scene.
+//! Conversion of the forces of a scene to those of the core.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::forces::{ForceSpec, Nature, RecordKind, Recorded};
 use crate::slot::Slot;
 use crate::units::UnitSystem;
 
-/// What is needed to read one force: the fields, their names and the units.
+/// One force with everything needed to convert it: its fields, its number in the list, and the units.
 struct Reader<'a, R = f64> {
     given: &'a Given<'a, R>,
     spec: &'a ForceSpec,
@@ -51,7 +51,7 @@ impl<R: Real> Reader<'_, R> {
         Slot::of_force(field, self.number, self.count).path()
     }
 
-    /// The path of what is no number.
+    /// The path of an entry of the force that is not a number.
     fn named(&self, name: &str) -> String {
         self.path(FieldId::RecordScale).replace("scale", name)
     }
@@ -87,7 +87,7 @@ impl<R: Real> Reader<'_, R> {
         }
     }
 
-    /// Turns N into f/M, N s into P/M.
+    /// Divides by the primary mass: a force in N gives f/M, an impulse in N s gives P/M.
     fn per_mass(&self, name: &str, value: R, alternative: &str) -> Result<R, Invalid> {
         if self.units == UnitSystem::Si {
             return Ok(value / self.scale.mass);

@@ -1,4 +1,4 @@
-//! A free mass on a line of motion that may rise: gravity along it, and where the absorber starts.
+//! A free mass whose line of motion may be inclined: gravity along it, and the start of the absorber.
 
 use iva_core::compensated::DoubleDouble;
 use iva_core::real::Real;
@@ -9,16 +9,16 @@ use super::scale::Scale;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 
-/// Gravity on a free mass whose line of motion rises.
+/// Gravity on a free mass whose line of motion is inclined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Inclined<R = f64> {
-    /// g, in the user's unit.
+    /// Acceleration of gravity g, in the user's unit.
     pub gravity: R,
     /// G = g sin α along the motion, in natural units.
     pub along: R,
 }
 
-/// Gravity along the motion; `None` where that is level.
+/// Gravity along the motion; `None` where the motion is level.
 ///
 /// # Errors
 /// [`Invalid`] for gravity without an inclination, or an inclination without gravity.
@@ -59,7 +59,8 @@ pub(crate) fn inclined<R: Real>(
     Ok(Some(Inclined { gravity, along: sine.value * gravity / (omega * omega) }))
 }
 
-/// The start of a free mass: where gravity acts along the motion, on its lower stop unless something else is given.
+/// The start of a free mass on an inclined line of motion: on its lower stop, unless a gap displacement is
+/// given.
 pub(crate) fn start<R: Real>(given: &Given<'_, R>, start: Start<R>, lower_stop: R) -> Start<R> {
     match given.get(FieldId::GapDisplacement) {
         Some(_) => start,
@@ -67,7 +68,8 @@ pub(crate) fn start<R: Real>(given: &Given<'_, R>, start: Start<R>, lower_stop: 
     }
 }
 
-/// What is wrong with a start: where no gap displacement is given, it is the offset that takes the gap away from y = 0.
+/// The error for a start outside the gap. If no gap displacement is given, the error names the offset of the
+/// gap.
 pub(crate) fn misplaced<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
     let offsets = [FieldId::GapOffset, FieldId::GapOffsetMm];
     let offset = offsets.into_iter().find_map(|field| Some((field, given.spec.get(field)?)));

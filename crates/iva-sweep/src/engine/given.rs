@@ -1,4 +1,4 @@
-//! The numbers of one run as a user gives them, taken as numbers that the motion is carried in.
+//! The fields of one run as a user gives them, converted to the number type of the motion.
 
 use std::marker::PhantomData;
 
@@ -14,7 +14,7 @@ use crate::spec::Spec;
 pub struct Given<'a, R = f64> {
     /// The fields.
     pub spec: &'a Spec,
-    /// The one that results are differentiated by, if any.
+    /// The field with respect to which results are differentiated, if any.
     by: Option<Slot>,
     numbers: PhantomData<R>,
 }
@@ -25,7 +25,7 @@ impl<'a, R: Real> Given<'a, R> {
         Self { spec, by: None, numbers: PhantomData }
     }
 
-    /// The same, one of them to differentiate by.
+    /// The fields of a spec, with the field to differentiate with respect to.
     pub fn differentiated(spec: &'a Spec, by: Slot) -> Self {
         Self { spec, by: Some(by), numbers: PhantomData }
     }
@@ -35,7 +35,7 @@ impl<'a, R: Real> Given<'a, R> {
         self.spec.get(field).map(|value| self.number(field.into(), value))
     }
 
-    /// A value given for a field.
+    /// A value given for a field, as a number of the motion.
     pub(super) fn number(&self, slot: Slot, value: f64) -> R {
         let chosen = self.by.is_some_and(|by| by.field == slot.field && by.same_quantity(slot));
         R::given(value, chosen)

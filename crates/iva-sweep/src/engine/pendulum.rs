@@ -1,4 +1,4 @@
-//! Length, gravity and frequency of a pendulum: two of them, and the third follows (g = κ L ωp²).
+//! Length, gravity and frequency of a pendulum: from two of them the third follows (g = κ L ωp²).
 
 use iva_core::piva::{self, Given as Stated, Parameters, PivaStart};
 use iva_core::real::Real;
@@ -10,10 +10,10 @@ use crate::choices::{Angles, Choices, ImpactLaw};
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 
-/// How well frequency, length and gravity must agree where all three are given.
+/// Largest relative disagreement of frequency, length and gravity where all three are given.
 const AGREEMENT: f64 = 1e-9;
 
-/// What all absorbers have, in natural units.
+/// The parameters that all absorbers have, with ζ of their primary, in natural units.
 pub(crate) struct Common<R = f64> {
     pub mass_ratio: R,
     pub restitution: R,
@@ -21,7 +21,7 @@ pub(crate) struct Common<R = f64> {
     pub damping_ratio: R,
 }
 
-/// Frequency ratio; length and gravity unless the motion does not depend on them.
+/// Frequency ratio of a pendulum, with length and gravity unless the motion does not depend on them.
 struct Swing<R = f64> {
     frequency_ratio: R,
     hanging: Option<Hanging<R>>,
@@ -29,11 +29,11 @@ struct Swing<R = f64> {
 
 struct Hanging<R = f64> {
     length: R,
-    /// In the user's unit.
+    /// Acceleration of gravity, in the user's unit.
     gravity: R,
 }
 
-/// The parameters of a pendulum, and the gravity on it (in the user's unit) if its length is known.
+/// The parameters of a pendulum, and the acceleration of gravity (in the user's unit) if its length is known.
 pub(crate) fn parameters<R: Real>(
     given: &Given<'_, R>,
     common: Common<R>,
@@ -43,7 +43,7 @@ pub(crate) fn parameters<R: Real>(
     let Choices { angles, impact_law, .. } = *given.spec.choices();
     let inertia_ratio = given.get(FieldId::InertiaRatio).unwrap_or(R::ONE);
     let Swing { frequency_ratio, hanging } = swing(given, angles, inertia_ratio, scale)?;
-    // If the motion does not depend on the length, the clearance stands in its place.
+    // If the motion does not depend on the length, the clearance serves as length.
     let length = hanging.as_ref().map_or(clearance, |hanging| hanging.length);
     let parameters = Parameters {
         mass_ratio,
@@ -132,7 +132,8 @@ fn swing<R: Real>(
     }
 }
 
-/// The start of a pendulum: its place as gap or angle, its rate as gap or angular velocity, independently.
+/// The start of a pendulum: displacement as gap or angle, velocity as gap velocity or angular velocity,
+/// independently.
 pub(crate) fn start<R: Real>(
     given: &Given<'_, R>,
     start: Start<R>,

@@ -1,4 +1,4 @@
-//! One point of a study: its run, and the rows that it makes.
+//! One point of a study: its run, and the rows of its tables.
 
 use std::sync::atomic::AtomicBool;
 
@@ -24,7 +24,7 @@ use crate::done::Done;
 use crate::error::Invalid;
 use crate::study::{Study, Table};
 
-/// What a study wants from each run.
+/// The tables and measures that a study wants from each run.
 #[derive(Debug)]
 pub(crate) struct Request {
     pub summary: bool,
@@ -34,7 +34,7 @@ pub(crate) struct Request {
     pub wanted: Wanted,
     pub steady: SteadyWanted,
     pub reduction: bool,
-    /// Of every run, of runs in free decay alone.
+    /// Whether the extremes of every run are wanted, and those of free decays.
     pub extremes: bool,
     pub extremes_of_decays: bool,
     pub columns: Vec<SummaryColumn>,
@@ -72,7 +72,7 @@ impl Request {
 }
 
 impl Request {
-    /// What a driven run settles to, beside what it does without absorber; `None` if nothing is wanted of that.
+    /// The steady state of a driven run, with the motion without absorber; `None` if none of it is wanted.
     ///
     /// # Errors
     /// As [`Design::without_absorber`].
@@ -90,33 +90,33 @@ impl Request {
         Ok(Some(Settled { values, bare, moves_base: design.scene.moves_base() }))
     }
 
-    /// True if the extremes of a run are to be looked for.
+    /// True if the extremes of a run are wanted.
     pub fn wants_extremes<S: System>(&self, system: &S) -> bool {
         self.extremes || (self.extremes_of_decays && !system.is_driven())
     }
 
-    /// What is wanted of a driven run's steady state; `None` in free decay, and if nothing is.
+    /// The measures of the steady state that are wanted; `None` in free decay, and if there are none.
     pub fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
         Some(self.steady).filter(|it| system.is_driven() && *it != SteadyWanted::default())
     }
 }
 
-/// An observer that has something to say of the exactness of a run.
+/// An observer that estimates the errors of a run.
 pub(crate) trait Estimates<S: System>: Observer<S> {
-    /// Of an impact.
+    /// The estimate for an impact.
     fn of_impact(&self, _index: usize) -> Estimate<S::Real> {
         Estimate::default()
     }
-    /// Condition and digits of the run.
+    /// Condition number and correct digits of the run.
     fn of_run(&self) -> [Option<S::Real>; 2] {
         [None; 2]
     }
 }
 
-/// What is done with the rows of each table.
+/// The receiver of the rows of each table.
 pub(crate) type Take<'a, R> = dyn FnMut(Table, &mut dyn Iterator<Item = Cell<R>>) + 'a;
 
-/// Runs a point and hands out its rows, table by table; returns how it ended and what it took.
+/// Runs a point and hands out its rows, table by table; returns its outcome and work as counts.
 ///
 /// # Errors
 /// [`Invalid`] if the core refuses the design.
@@ -148,7 +148,7 @@ struct Point<'a, R: Real> {
     cancel: &'a AtomicBool,
 }
 
-/// What has watched a run.
+/// The observers of a run, after the run.
 struct Seen<S: System, E> {
     tally: Tally<S::State, S::Real>,
     events: Option<Events<S::Real>>,
@@ -168,7 +168,7 @@ impl<R: Real> Point<'_, R> {
         take: &mut Take<'_, R>,
     ) -> Result<Done, Invalid> {
         let Self { study, design, request, cancel, .. } = *self;
-        // Those of a free decay count from its begin.
+        // In free decay extremes count from the begin of the run.
         let from = if system.is_driven() { design.window.from } else { design.begin };
         let extremes = request.summary && request.wants_extremes(system);
         let mut observers = (
@@ -247,9 +247,9 @@ impl<R: Real> Point<'_, R> {
         Ok(())
     }
 
-    /// The cells of a row, with the number of the point before them.
+    /// The cells of a row, after the number of the point.
     fn numbered(&self, row: &impl Row<R>) -> impl Iterator<Item = Cell<R>> {
-        // Points are counted below 2^32 by `Study::points`.
+        // `Study::points` ensures that points are below 2^32.
         std::iter::once(Cell::Point(self.point as u32)).chain(row.cells())
     }
 

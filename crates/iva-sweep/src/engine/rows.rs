@@ -1,4 +1,4 @@
-//! Rows of the result tables, in the user's units. Which columns they have, and what stands in them, is told by
+//! Rows of the result tables, in the user's units. Their columns and cells are defined in
 //! [`crate::columns::tables`].
 
 use super::design::Design;
@@ -26,21 +26,21 @@ pub(crate) type Cell<R = f64> = tables::Cell<R>;
 /// A column of the summary of a study.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SummaryColumn {
-    /// Its number among the entries of [`entries`].
+    /// Its index among the entries of [`entries`].
     entry: usize,
-    /// False: its cells are null.
+    /// False if the column is not computed, so that its cells are null.
     asked: bool,
 }
 
 impl SummaryColumn {
-    /// All columns but those that are swept.
+    /// All columns except those of swept parameters.
     pub fn of(study: &Study) -> Vec<Self> {
         let kept = SUMMARY.iter().enumerate().filter(|(_, column)| !study.sweeps(column.name));
         kept.map(|(entry, _)| Self { entry, asked: study.measures.has(entry) }).collect()
     }
 }
 
-/// A run, as a row of `summary` tells it.
+/// The data of a row of `summary`.
 pub(crate) struct RunRow<'a, S, R: Real = f64> {
     pub tally: &'a Tally<S, R>,
     pub values: &'a MeasureValues<R>,
@@ -55,7 +55,7 @@ pub(crate) struct RunRow<'a, S, R: Real = f64> {
 }
 
 impl<'a, R: Real, S> RunRow<'a, S, R> {
-    /// A run in free decay by itself, without estimates of its errors.
+    /// A run in free decay, without extremes and estimates of errors.
     pub fn new(
         design: &'a Design<R>,
         tally: &'a Tally<S, R>,
@@ -88,7 +88,8 @@ impl<'a, R: Real, S> RunRow<'a, S, R> {
         self.scene.absorber().map(|_| R::larger(plus, minus))
     }
 
-    /// Estimate of the largest force of an impact; `None` where nothing is known of the contact.
+    /// Estimate of the largest force in an impact; `None` if neither contact time nor contact stiffness is
+    /// given.
     fn peak_force(&self) -> Option<R> {
         Some(self.scale.force(self.gained()? * self.contact_rate?))
     }
@@ -103,20 +104,20 @@ impl<'a, R: Real, S> RunRow<'a, S, R> {
         self.scene.absorber()?;
         let gained = [Wall::Plus, Wall::Minus].map(|wall| {
             let speed = self.tally.approach_speeds[wall.index()];
-            // A pendulum that cannot reach its stops has no law of impact.
+            // A pendulum that cannot reach its stops has no impact law.
             if speed > 0.0 { self.scene.impact_gain(wall).abs() * speed } else { R::ZERO }
         });
         Some(R::larger(gained[0], gained[1]))
     }
 
-    /// Largest acceleration: under force in the steady state, else of the whole decay.
+    /// Largest acceleration: in the steady state under force, otherwise in the whole decay.
     fn acceleration(&self) -> Option<R> {
         let driven = self.settled(|it| it.values.acceleration_max);
         let found = driven.or_else(|| self.extremes.and_then(|it| it.acceleration));
         found.map(|acceleration| self.scale.acceleration(acceleration))
     }
 
-    /// Of the absorber, if there is one.
+    /// An extreme of the absorber; `None` without absorber.
     fn extreme(&self, read: fn(&ExtremeValues<R>) -> Option<R>) -> Option<R> {
         self.scene.absorber().and(self.extremes).and_then(read)
     }
@@ -138,27 +139,26 @@ impl<'a, R: Real, S> RunRow<'a, S, R> {
             false => Cell::Null,
         });
         let swept = swept.iter().map(|value| Cell::Number(R::given(*value, false)));
-        // Points are counted below 2^32 by `Study::points`.
+        // `Study::points` ensures that points are below 2^32.
         std::iter::once(Cell::Point(point as u32)).chain(swept).chain(asked_for)
     }
 }
 
-/// What a driven run settles to.
+/// The steady state of a driven run.
 pub(crate) struct Settled<'a, R = f64> {
     pub values: &'a SteadyValues<R>,
-    /// What the structure does without absorber.
+    /// Amplitudes of the structure without absorber.
     pub bare: Option<Bare<R>>,
     pub moves_base: bool,
 }
 
 impl<R: Real> Settled<'_, R> {
-    /// 1 − amplitude over that without absorber; null where the bare structure does not move, or
-    /// without bound.
+    /// 1 − amplitude over that without absorber; null if the latter is 0 or unbounded.
     fn reduction(&self) -> Option<R> {
         reduced(self.values.amplitude_max?, self.bare?.amplitude)
     }
 
-    /// The same of the root mean square.
+    /// 1 − root mean square over that without absorber.
     fn reduction_rms(&self) -> Option<R> {
         reduced(self.values.amplitude_rms?, self.bare?.rms)
     }
@@ -169,16 +169,16 @@ impl<R: Real> Settled<'_, R> {
     }
 }
 
-/// By what share a size is smaller than without absorber; `None` where that is 0 or without bound.
+/// The relative reduction of a size against that without absorber; `None` if the latter is 0 or unbounded.
 fn reduced<R: Real>(size: R, bare: R) -> Option<R> {
     let share = Some(bare).filter(|bare| bare.is_finite()).map(|bare| size / bare)?;
     share.is_finite().then_some(R::ONE - share)
 }
 
-/// What is told of the exactness of an impact.
+/// The estimated error of an impact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Estimate<R = f64> {
-    /// Error of its instant, in natural units.
+    /// Error of its instant, in 1/ωn.
     pub time: Option<R>,
     pub near_grazing: Option<bool>,
 }
@@ -187,9 +187,9 @@ pub(crate) struct Estimate<R = f64> {
 pub(crate) struct ImpactRow<'a, R = f64> {
     pub index: usize,
     pub impact: &'a Impact<R>,
-    /// Estimate of its largest force, over the primary mass.
+    /// Estimate of the largest force in the impact, over the primary mass.
     pub peak_force: Option<R>,
-    /// Of a pendulum, before and after.
+    /// Angles of a pendulum before and after the impact.
     pub angles: Option<[Angle<R>; 2]>,
     pub estimate: Estimate<R>,
     pub scale: &'a Scale<R>,
@@ -231,18 +231,18 @@ pub(crate) struct StrobeRow<'a, R = f64> {
 }
 
 impl<R: Real> StrobeRow<'_, R> {
-    /// Of the absorber, if there is one.
+    /// A value of the absorber; `None` without absorber.
     fn gap(&self, read: fn(&Strobe<R>) -> R) -> Option<R> {
         self.has_absorber.then(|| read(self.strobe))
     }
 
-    /// Listed impacts since the strobe before.
+    /// Number of listed impacts since the previous strobe.
     fn impacts(&self) -> u64 {
         self.strobe.impacts - self.before.map_or(0, |before| before.impacts)
     }
 }
 
-/// A row that is an entry of a table of events.
+/// A row of a table of events.
 pub(crate) trait Row<R>: Sized {
     /// The cells after `point`.
     fn cells(&self) -> impl Iterator<Item = Cell<R>>;

@@ -1,13 +1,13 @@
-//! The way from the core's natural units to the user's.
+//! Conversion from natural units to the user's units.
 
 use iva_core::real::Real;
 
-/// Factors from the core's natural units to the user's.
+/// Factors from natural units to the user's units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale<R = f64> {
     /// ωn in rad per user time unit.
     pub natural_frequency: R,
-    /// Primary mass, 1 where energies are per unit mass.
+    /// Primary mass; 1 if energies are per unit mass.
     pub mass: R,
 }
 

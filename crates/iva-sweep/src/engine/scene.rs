@@ -1,4 +1,4 @@
-//! What the core runs, whichever absorber it is.
+//! A scene: the system of the core that a run simulates, for any kind of absorber.
 
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
@@ -8,7 +8,7 @@ use iva_core::real::Real;
 use iva_core::siva::Siva;
 use iva_core::system::{Point, Start, System, Wall};
 
-/// What the core runs. It lives on the stack, once a run.
+/// The system of the core that a run simulates, with its start. It is created once per run, on the stack.
 #[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 pub enum Scene<R: Real = f64> {
@@ -48,13 +48,13 @@ pub enum Scene<R: Real = f64> {
         system: Piva<R>,
         /// State at time zero.
         start: PivaStart<R>,
-        /// Acceleration of gravity in the user's unit; `None` where angles count as small and no
-        /// length was given: then nothing depends on it, and there is no angle to report.
+        /// Acceleration of gravity in the user's unit; `None` for small angles without a length: then the
+        /// motion does not depend on it, and there is no angle to report.
         gravity: Option<R>,
     },
 }
 
-/// Code for the system and the start of a scene, whichever kind it is.
+/// Code for the system and the start of a scene of any kind.
 macro_rules! with_system {
     ($scene:expr, |$system:ident, $start:ident| $body:expr) => {
         match $scene {
@@ -70,14 +70,14 @@ macro_rules! with_system {
 }
 pub(crate) use with_system;
 
-/// What all absorbers have.
+/// The parameters that all absorbers have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Absorber<R = f64> {
     /// μ = m/M.
     pub mass_ratio: R,
-    /// Newton's coefficient e on the gap velocity, at the wall +.
+    /// Newton's coefficient e on the gap velocity, at wall +.
     pub restitution: R,
-    /// The same at the wall −.
+    /// Newton's coefficient e on the gap velocity, at wall −.
     pub restitution_minus: R,
     /// One-sided clearance d.
     pub clearance: R,
@@ -86,7 +86,7 @@ pub struct Absorber<R = f64> {
 const WALLS: [Wall; 2] = [Wall::Plus, Wall::Minus];
 
 impl<R: Real> Scene<R> {
-    /// The absorber; `None` of a structure alone.
+    /// The absorber; `None` for a structure alone.
     pub fn absorber(&self) -> Option<Absorber<R>> {
         let (mass_ratio, restitution): (R, [R; 2]) = match self {
             Scene::Siva { system, .. } => {
@@ -105,7 +105,7 @@ impl<R: Real> Scene<R> {
         Some(Absorber { mass_ratio, restitution, restitution_minus, clearance })
     }
 
-    /// ζ of the bare primary.
+    /// Damping ratio ζ of the primary without absorber.
     pub fn damping_ratio(&self) -> R {
         match self {
             Scene::Siva { system, .. } => system.damping_ratio(),
@@ -116,7 +116,7 @@ impl<R: Real> Scene<R> {
         }
     }
 
-    /// What a pendulum is made of.
+    /// The parameters of a pendulum; `None` for any other scene.
     pub fn pendulum(&self) -> Option<&piva::Parameters<R>> {
         match self {
             Scene::Piva { system, .. } => Some(system.parameters()),
@@ -129,7 +129,7 @@ impl<R: Real> Scene<R> {
         with_system!(self, |system, start| system.primary(&system.begin(start)))
     }
 
-    /// True if the start holds no energy, and nothing drives it: nothing will ever move.
+    /// True if the start has no energy and no force acts, so that nothing moves.
     pub fn at_rest(&self) -> bool {
         self.force().is_none()
             && with_system!(self, |system, start| system.energy(&system.begin(start)) == 0.0)
@@ -146,7 +146,7 @@ impl<R: Real> Scene<R> {
         with_system!(self, |system, _start| system.impact_gain(wall))
     }
 
-    /// The sum of all that drives it; `None` in free decay.
+    /// The force that drives it; `None` in free decay.
     pub fn force(&self) -> Option<&Force<R>> {
         match self {
             Scene::Siva { .. } | Scene::Alone { .. } => None,
@@ -156,7 +156,7 @@ impl<R: Real> Scene<R> {
         }
     }
 
-    /// Where the middle of the gap is; 0 without absorber.
+    /// The middle of the gap, as a value of y; 0 without absorber.
     pub fn gap_offset(&self) -> R {
         with_system!(self, |system, _start| system.offset())
     }
@@ -174,7 +174,8 @@ impl<R: Real> Scene<R> {
         }
     }
 
-    /// Gravity along the motion G = g sin α, in ωn² × length: 0 where that is level, `None` of other than a free mass.
+    /// Gravity along the motion G = g sin α, in ωn² × length: 0 where the motion is level, `None` unless a
+    /// free mass.
     pub fn gravity_along(&self) -> Option<R> {
         match self {
             Scene::Siva { .. } => Some(R::ZERO),
