@@ -1,8 +1,8 @@
-//! Points of parameter sweeps that are no grid: [`Cube`] spreads them over the unit cube, and
-//! [`Distribution`] carries each coordinate to its parameter.
+//! Samples of parameters: [`Cube`] places points in the unit cube, and [`Distribution`] maps each coordinate
+//! to a value of its parameter.
 //!
-//! The numbers depend on nothing but method, number of points (Latin hypercubes only), seed and
-//! axis, on every platform: a version that changed them would break the studies that name a seed.
+//! The numbers depend on method, number of points (Latin hypercubes only), seed and axis only, on every
+//! platform. A version must not change them, because studies name a seed.
 
 mod distribution;
 mod latin;
@@ -17,15 +17,15 @@ use latin::LatinHypercube;
 use philox::{Stream, Use};
 use sobol::Sobol;
 
-/// Most points of a sample.
+/// Largest number of points of a sample.
 pub const MOST_POINTS: u64 = 1 << 32;
-/// Most points of a Latin hypercube: its permutations take 40 MB an axis then.
+/// Largest number of points of a Latin hypercube, whose permutations then take 40 MB per axis.
 pub const MOST_LATIN_POINTS: u64 = 10_000_000;
 
-/// How the points of a sample are laid out in the unit cube.
+/// The method by which the points of a sample are placed in the unit cube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// Sobol' points, in the order of Antonov and Saleev: any 2ᵐ first points are evenly spread,
+    /// Sobol' points, in the order of Antonov and Saleev: the first 2ᵐ points are evenly spread for any m,
     /// also in their projections on few axes.
     Sobol,
     /// One point in each of `count` equal slices of every axis.
@@ -53,7 +53,7 @@ impl Method {
     }
 }
 
-/// Why there is no such sample.
+/// The error for a sample that cannot be made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum CubeError {
     /// No point, or too many.
@@ -63,7 +63,7 @@ pub enum CubeError {
         method: Method,
         /// Points asked for.
         count: u64,
-        /// Points it can lay out.
+        /// Largest number of points of the method.
         most: u64,
     },
     /// No axis, or too many.
@@ -73,12 +73,12 @@ pub enum CubeError {
         method: Method,
         /// Axes asked for.
         axes: usize,
-        /// Axes it can lay out.
+        /// Largest number of axes of the method.
         most: usize,
     },
 }
 
-/// A sample of the unit cube, each of its points computed from its number alone.
+/// A sample of the unit cube. Each point is computed from its number alone.
 #[derive(Debug, Clone)]
 pub struct Cube {
     layout: Layout,
@@ -94,15 +94,15 @@ enum Layout {
 }
 
 impl Cube {
-    /// `count` points on `axes` axes. The seed is that of the random numbers; `scramble` concerns
-    /// Sobol' points alone, and without it they are the same for every seed.
+    /// `count` points on `axes` axes. All random numbers follow from the seed. `scramble` applies to Sobol'
+    /// points only; without it they are the same for every seed.
     ///
-    /// Sobol' and random points are the same for every `count`. A Latin hypercube keeps 4 bytes a
-    /// point and axis; the others keep nothing of their points.
+    /// A Sobol' or random point does not depend on `count`. A Latin hypercube takes 4 bytes of memory per
+    /// point and axis; the others store no points.
     ///
     /// # Errors
-    /// [`CubeError`] for `count` outside 1 to [`MOST_POINTS`] ([`MOST_LATIN_POINTS`] of a Latin
-    /// hypercube), or `axes` of zero or, of Sobol' points, beyond [`MOST_SOBOL_AXES`].
+    /// [`CubeError`] for `count` outside 1 to [`MOST_POINTS`] ([`MOST_LATIN_POINTS`] for a Latin hypercube),
+    /// or `axes` of zero or, for Sobol' points, beyond [`MOST_SOBOL_AXES`].
     pub fn new(
         method: Method,
         count: u64,
@@ -131,8 +131,8 @@ impl Cube {
         Ok(Self { layout, count, axes })
     }
 
-    /// A coordinate of a point, both counted from 0: in [0, 1) for plain Sobol' points, in (0, 1)
-    /// for all others. NaN for a point or an axis that the sample has not.
+    /// A coordinate of a point, both counted from 0: in [0, 1) for plain Sobol' points, in (0, 1) for all
+    /// others. NaN for a point or an axis outside the sample.
     pub fn coordinate(&self, point: u64, axis: usize) -> f64 {
         if point >= self.count || axis >= self.axes {
             return f64::NAN;
@@ -147,8 +147,7 @@ impl Cube {
     }
 }
 
-/// A random word as a number in (0, 1): an odd multiple of 2⁻⁵³, the mean of the multiples of 2⁻⁵²
-/// on its two sides.
+/// A random word as a number in (0, 1): an odd multiple of 2⁻⁵³, midway between two multiples of 2⁻⁵².
 fn uniform(word: u64) -> f64 {
     ((word >> 11) | 1) as f64 * f64::EPSILON / 2.0
 }
@@ -168,8 +167,8 @@ mod tests {
         Cube::new(method, count, seed, scramble, axes).expect("a cube")
     }
 
-    /// Means and products of three axes, each within 5 standard deviations of independent uniform
-    /// points: 0.0046 of a mean, 0.0013 of a covariance.
+    /// Means and products of three axes are within 5 standard deviations of those of independent uniform
+    /// points: 0.0046 for a mean, 0.0013 for a covariance.
     #[test]
     fn moments_are_those_of_uniform_points() {
         const COUNT: u64 = 100_000;
@@ -219,7 +218,7 @@ mod tests {
         }
     }
 
-    /// The promise of a seed: these numbers stay.
+    /// The numbers of a seed must never change.
     #[test]
     fn a_seed_is_a_sample_for_ever() {
         let known = [

@@ -1,56 +1,55 @@
-//! Distributions of one parameter, by their quantiles.
+//! Distributions of one parameter, evaluated by their quantiles.
 
 use super::normal::{Interval, quantile};
 
-/// Distribution of one parameter. Bounds truncate it: what they leave keeps its density, scaled to
-/// probability 1.
+/// Distribution of one parameter. Bounds truncate it: between them the density is scaled to probability 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
-    /// Of equal density between two bounds.
+    /// Uniform between two bounds.
     Uniform {
         /// Least value, finite.
         low: f64,
-        /// Greatest value, finite; as `low`, or greater.
+        /// Greatest value, finite; at least `low`.
         high: f64,
     },
-    /// Normal.
+    /// Normal, truncated to the bounds.
     Normal {
         /// Mean before truncation, finite.
         mean: f64,
         /// Standard deviation before truncation, finite and greater than 0.
         deviation: f64,
-        /// Least value; −∞: no bound.
+        /// Least value; −∞ for no bound.
         low: f64,
-        /// Greatest value, as `low` or greater; ∞: no bound.
+        /// Greatest value, at least `low`; ∞ for no bound.
         high: f64,
     },
-    /// Its logarithm is normal with mean ln `median` and standard deviation `sigma`.
+    /// Log-normal: the logarithm is normal with mean ln `median` and standard deviation `sigma`.
     LogNormal {
         /// Median before truncation, finite and greater than 0.
         median: f64,
         /// Standard deviation of the logarithm before truncation, finite and greater than 0.
         sigma: f64,
-        /// Least value; 0 or less: no bound.
+        /// Least value; 0 or less for no bound.
         low: f64,
-        /// Greatest value, greater than 0, and as `low` or greater; ∞: no bound.
+        /// Greatest value, greater than 0 and at least `low`; ∞ for no bound.
         high: f64,
     },
 }
 
-/// Why numbers make no distribution.
+/// The error for parameters of a distribution that are out of range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("{field} = {value}: {allowed}")]
 pub struct Unfit {
-    /// The field at fault, as [`Distribution`] names it.
+    /// The name of the parameter, as in [`Distribution`].
     pub field: &'static str,
     /// Its value.
     pub value: f64,
-    /// What it may be.
+    /// The range that is allowed.
     pub allowed: &'static str,
 }
 
 impl Distribution {
-    /// Whether its numbers are within their ranges.
+    /// Checks that its parameters are within their ranges.
     ///
     /// # Errors
     /// [`Unfit`] with the first that is not.
@@ -85,12 +84,13 @@ impl Distribution {
         }
     }
 
-    /// The value that a part `u` of the probability lies below, 0 ≤ `u` < 1. Always within the
+    /// The quantile of `u`, 0 ≤ `u` < 1: the value below which the probability is `u`. Always within the
     /// bounds; finite for 0 < `u`, and the lower end of the distribution for `u` = 0.
     ///
-    /// It rises with `u` but for rounding: 2⁻⁴⁹ of the largest of value, deviation and mean, or of
-    /// the bound next to the mean if that is excluded; of a log-normal value, 2⁻⁵⁰ of it times
-    /// 1 + |ln(value/median)|. Meaningless, but no panic, where [`check`](Self::check) finds fault.
+    /// It increases with `u` apart from rounding: 2⁻⁴⁹ of the largest of value, deviation and mean, or of the
+    /// bound next to the mean if the mean is excluded; for a log-normal value, 2⁻⁵⁰ of it times 1 +
+    /// |ln(value/median)|. Meaningless, but without panic, for parameters that [`check`](Self::check)
+    /// rejects.
     pub fn quantile(&self, u: f64) -> f64 {
         match *self {
             Self::Uniform { low, high } => confined(low + u * (high - low), low, high),
@@ -123,7 +123,7 @@ impl Distribution {
     }
 }
 
-/// A value brought back to the bounds that rounding carried it over, and to the finite numbers.
+/// A value limited to the bounds, which rounding may exceed, and to finite numbers.
 fn confined(value: f64, low: f64, high: f64) -> f64 {
     value.max(low).min(high).clamp(f64::MIN, f64::MAX)
 }
@@ -144,10 +144,10 @@ mod tests {
     /// The last number below 1.
     const LAST: f64 = 1.0 - f64::EPSILON / 2.0;
 
-    /// Four numbers of a distribution, and some of its quantiles.
+    /// The four parameters of a distribution, and some of its quantiles.
     type Known<'a> = ([f64; 4], &'a [(f64, f64)]);
 
-    /// That quantiles are the known ones but for `units` of 2⁻⁵³.
+    /// Compares quantiles with known ones, within `units` of 2⁻⁵³.
     fn compare(known: &[Known], units: f64, distribution: impl Fn([f64; 4]) -> Distribution) {
         for (numbers, quantiles) in known {
             let distribution = distribution(*numbers);
@@ -168,8 +168,8 @@ mod tests {
         Distribution::LogNormal { median, sigma, low, high }
     }
 
-    /// From the defining integrals with mpmath 1.4.1, 330 digits. `norm.ppf` of scipy 1.17.1 agrees
-    /// to 2 units; `truncnorm.ppf` too but near 0, where it has fewer digits.
+    /// Computed from the defining integrals with mpmath 1.4.1, 330 digits. `norm.ppf` of scipy 1.17.1 agrees
+    /// to 2 units; `truncnorm.ppf` does too, except near 0, where it has fewer digits.
     #[test]
     #[rustfmt::skip]
     fn normal_quantiles() {
@@ -197,7 +197,7 @@ mod tests {
         ], 16.0, normal);
     }
 
-    /// As above; `lognorm.ppf` of scipy 1.17.1 agrees to 32 units.
+    /// Computed as in [`normal_quantiles`]; `lognorm.ppf` of scipy 1.17.1 agrees to 32 units.
     #[test]
     #[rustfmt::skip]
     fn log_normal_quantiles() {
@@ -235,7 +235,7 @@ mod tests {
         }
     }
 
-    /// The parts are too far from each other for the values to be confused by rounding.
+    /// The values of `u` are too far apart for rounding to change their order.
     #[test]
     fn quantiles_rise_within_the_bounds() {
         for number in 0..2000 {
@@ -264,7 +264,7 @@ mod tests {
         assert_eq!(normal([0.0, 1.0, 2.0, 2.0]).quantile(0.3), 2.0);
     }
 
-    /// No bound is so far, and no number so extreme, that a value leaves the numbers.
+    /// Quantiles stay finite for the most extreme bounds and parameters.
     #[test]
     fn extremes_stay_finite() {
         for distribution in [

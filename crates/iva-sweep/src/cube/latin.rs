@@ -4,7 +4,7 @@
 
 use super::philox::{Stream, Use};
 
-/// A random permutation of the cells of each axis, with a random place in each cell.
+/// A Latin hypercube: a random permutation of the cells of each axis, with a random position in each cell.
 #[derive(Debug, Clone)]
 pub(super) struct LatinHypercube {
     axes: Vec<Axis>,
@@ -30,14 +30,14 @@ impl LatinHypercube {
         Self { axes, count }
     }
 
-    /// A coordinate, in (0, 1); NaN for a point or an axis that is not there.
+    /// A coordinate, in (0, 1); NaN for a point or an axis outside the sample.
     pub(super) fn coordinate(&self, point: usize, axis: usize) -> f64 {
         let Some(Axis { cells, places }) = self.axes.get(axis) else { return f64::NAN };
         cells.get(point).map_or(f64::NAN, |cell| self.within(*cell, places.word(point as u64)))
     }
 
-    /// A random place in a cell: at an odd multiple of 2⁻ᵇ of its width, with b as large as leaves
-    /// the cell's two edges apart from it in double precision.
+    /// A random position in a cell: an odd multiple of 2⁻ᵇ of its width, with the largest b for which it
+    /// differs from both edges of the cell in double precision.
     fn within(&self, cell: u32, word: u64) -> f64 {
         let bits = 19 + self.count.leading_zeros();
         let place = (word >> (64 - bits)) | 1;
@@ -56,8 +56,8 @@ fn shuffled(count: u32, random: Stream) -> Vec<u32> {
     cells
 }
 
-/// A random index below a bound. Of 2⁶⁴ words each index has as many but one, so that for 2²⁴
-/// indices no probability is off by more than 2⁻⁴⁰ of itself.
+/// A random index below a bound. The numbers of words, out of 2⁶⁴, for two indices differ by at most one, so
+/// that for 2²⁴ indices the relative error of a probability is at most 2⁻⁴⁰.
 fn below(bound: u64, word: u64) -> usize {
     ((u128::from(word) * u128::from(bound)) >> 64) as usize
 }
@@ -99,8 +99,8 @@ mod tests {
         }
     }
 
-    /// χ² over the 24 permutations of four cells, 24 000 seeds: 23 degrees of freedom, so beyond 60
-    /// once in 30 000 lists of numbers.
+    /// χ² over the 24 permutations of four cells, for 24 000 seeds: with 23 degrees of freedom it exceeds 60
+    /// once in 30 000 sequences of random numbers.
     #[test]
     fn all_permutations_are_equally_likely() {
         let mut found = std::collections::HashMap::new();

@@ -1,29 +1,29 @@
 //! Quantiles of the standard normal distribution within an interval, however narrow or far out.
 //!
-//! The part of probability beyond x falls as exp(−H(x)), with H the cumulative hazard: of the
-//! quantile H is known, and is inverted. Nothing underflows or cancels where the density has, since
-//! the hazard is 1/m(x) with Mills' ratio m(x) = (1 − Φ(x))/φ(x), which falls no faster than 1/x.
+//! The probability beyond x decreases as exp(−H(x)), where H is the cumulative hazard. For a quantile H is
+//! known, and is inverted. Nothing underflows or cancels as the density would: the hazard is 1/m(x) with
+//! Mills' ratio m(x) = (1 − Φ(x))/φ(x), which decreases no faster than 1/x.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use libm::{erf, erfc, exp, expm1, log, log1p};
 
-/// Below this, a cumulative hazard is summed as a series.
+/// Exponent below which a cumulative hazard is summed as a series.
 const SMALL: f64 = 0.25;
-/// Most terms of that series.
+/// Largest number of terms of that series.
 const TERMS: u32 = 32;
-/// Terms that small, two in a row, end it: it begins with 1.
+/// The series, which begins with 1, ends after two consecutive terms of this total size.
 const NEGLIGIBLE: f64 = 0.125 * f64::EPSILON;
-/// From here Mills' ratio is a continued fraction, of this many levels in double precision.
+/// Argument from which Mills' ratio is computed as a continued fraction.
 const FAR: f64 = 8.0;
 const LEVELS: u32 = 12;
-/// Most steps towards a quantile; two or three are enough.
+/// Largest number of iterations for a quantile; two or three are enough.
 const STEPS: u32 = 20;
-/// The steps converge cubically: behind one that small there is nothing left to mend.
+/// Relative size of the last step: convergence is cubic, so the next one would be below rounding.
 const SMALL_STEP: f64 = 1e-6;
-/// √(π/2)
+/// Mills' ratio at 0: √(π/2)
 const MILLS_RATIO_AT_0: f64 = 1.253_314_137_315_500_1;
-/// Tails that begin further out are taken to begin here: its square is finite.
+/// Begin of the farthest tail: tails further out are treated as this one, so that squares stay finite.
 const FARTHEST: f64 = 1e150;
 
 /// An interval in standard deviations from the mean.
@@ -31,11 +31,11 @@ const FARTHEST: f64 = 1e150;
 pub(super) struct Interval {
     pub(super) low: f64,
     pub(super) high: f64,
-    /// high − low, without cancellation.
+    /// high − low, computed without cancellation.
     pub(super) width: f64,
 }
 
-/// What a distance is measured from.
+/// The point that a distance is measured from.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Origin {
     Low,
@@ -44,7 +44,7 @@ pub(super) enum Origin {
 }
 
 impl Origin {
-    /// The one of three values.
+    /// The value of the three that belongs to this origin.
     pub(super) fn of(self, low: f64, mean: f64, high: f64) -> f64 {
         match self {
             Self::Low => low,
@@ -54,8 +54,8 @@ impl Origin {
     }
 }
 
-/// The quantile of 0 < `u` < 1 of the normal distribution within an interval: from which of its
-/// low end, the mean and its high end it can be told best, and how far from there it is.
+/// The quantile of 0 < `u` < 1 of the normal distribution within an interval: the origin from which it is
+/// known most accurately (low end, mean or high end), and its distance from there.
 pub(super) fn quantile(u: f64, interval: &Interval) -> (Origin, f64) {
     let Interval { low, high, width } = *interval;
     if low > 0.0 {
@@ -67,8 +67,8 @@ pub(super) fn quantile(u: f64, interval: &Interval) -> (Origin, f64) {
     }
 }
 
-/// The quantile of an interval about the mean, its ends in √2 standard deviations: twice the
-/// probability between it and the mean, and beyond it, are those of |x|.
+/// The quantile of an interval that contains the mean, with its ends in √2 standard deviations. Twice the
+/// probabilities between the quantile and the mean, and beyond the quantile, are those of |x|.
 fn about_mean(u: f64, low: f64, high: f64) -> f64 {
     let below = erf(-low);
     let total = below + erf(high);
@@ -80,8 +80,8 @@ fn about_mean(u: f64, low: f64, high: f64) -> f64 {
     }
 }
 
-/// How far from the near end of an interval in a tail the part `within` of its probability ends,
-/// of which `beyond` = 1 − `within` is left.
+/// The distance from the near end of an interval in a tail at which the share `within` of its probability is
+/// reached; `beyond` = 1 − `within`.
 fn into_tail(near: f64, width: f64, within: f64, beyond: f64) -> f64 {
     let tail = Tail::new(near.min(FARTHEST));
     let all = tail.cumulative_hazard(width, mills_ratio(tail.near + width));
@@ -89,30 +89,30 @@ fn into_tail(near: f64, width: f64, within: f64, beyond: f64) -> f64 {
     tail.distance(hazard(within * total, exp(-all) + beyond * total))
 }
 
-/// The cumulative hazard where probability 1 divides into what is passed and what is left, by the
-/// one of them that is known to more digits.
+/// The cumulative hazard where the probabilities passed and left add up to 1, from the one with more correct
+/// digits.
 fn hazard(passed: f64, left: f64) -> f64 {
     const LEAST: f64 = f64::MIN_POSITIVE * f64::EPSILON;
     if passed < 0.5 { -log1p(-passed) } else { -log(left.max(LEAST)) }
 }
 
-/// The normal distribution beyond a place.
+/// The normal distribution beyond a point.
 struct Tail {
-    /// The place, 0 or greater.
+    /// The point, 0 or greater.
     near: f64,
-    /// Mills' ratio there.
+    /// Mills' ratio at that point.
     mills_ratio: f64,
 }
 
 impl Tail {
-    /// Half of the distribution.
+    /// The upper half of the distribution.
     const HALF: Self = Self { near: 0.0, mills_ratio: MILLS_RATIO_AT_0 };
 
     fn new(near: f64) -> Self {
         Self { near, mills_ratio: mills_ratio(near) }
     }
 
-    /// How far into the tail the cumulative hazard from its beginning is `wanted`, by Halley's
+    /// The distance into the tail at which the cumulative hazard from its begin is `wanted`, by Halley's
     /// method: the hazard h = 1/m has the derivative h (h − x).
     fn distance(&self, wanted: f64) -> f64 {
         let first = 1.0 / self.mills_ratio;
@@ -130,7 +130,7 @@ impl Tail {
         distance
     }
 
-    /// −ln((1 − Φ(near + distance))/(1 − Φ(near))), with Mills' ratio at that distance.
+    /// −ln((1 − Φ(near + distance))/(1 − Φ(near))); the argument is Mills' ratio at that distance.
     fn cumulative_hazard(&self, distance: f64, mills_ratio: f64) -> f64 {
         let exponent = distance * (self.near + 0.5 * distance);
         if exponent < SMALL {
@@ -165,7 +165,7 @@ fn mills_ratio(x: f64) -> f64 {
 /// exp(x²) erfc(x), for x ≥ 0.
 fn scaled_erfc(x: f64) -> f64 {
     if x < FAR {
-        // The square of half the digits is exact; that of x would lose those of exp(x²).
+        // The square of the rounded half is exact; the rounding of x² would spoil digits of exp(x²).
         let half = f64::from(x as f32);
         exp(half * half) * exp((x - half) * (x + half)) * erfc(x)
     } else {

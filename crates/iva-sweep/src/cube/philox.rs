@@ -1,15 +1,15 @@
-//! The counter-based random numbers Philox4x64-10 of J. K. Salmon, M. A. Moraes, R. O. Dror and
-//! D. E. Shaw, Parallel random numbers: as easy as 1, 2, 3, SC '11 (2011): four 64-bit words as a
-//! function of a counter and a key, with nothing in between.
+//! The counter-based random numbers Philox4x64-10 of J. K. Salmon, M. A. Moraes, R. O. Dror and D. E. Shaw,
+//! Parallel random numbers: as easy as 1, 2, 3, SC '11 (2011): four 64-bit words as a function of a counter
+//! and a key, without state.
 //!
-//! They are those of `numpy.random.Philox`, for the promise that a seed is a sample for ever.
+//! They equal those of `numpy.random.Philox`, so that the sample of a seed can be reproduced.
 
 const ROUNDS: usize = 10;
 const MULTIPLIERS: [u64; 2] = [0xD2E7_470E_E14C_6C93, 0xCA5A_8263_9512_1157];
-/// Golden ratio and √3, less 1, in units of 2⁻⁶⁴: what the key grows by in each round.
+/// The increments of the key in each round: golden ratio and √3, less 1, in units of 2⁻⁶⁴.
 const WEYL: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xBB67_AE85_84CA_A73B];
 
-/// The four words of a counter.
+/// The four words for a counter and a key.
 pub(super) fn philox(mut counter: [u64; 4], mut key: [u64; 2]) -> [u64; 4] {
     for _ in 0..ROUNDS {
         let [a, b, c, d] = counter;
@@ -21,16 +21,16 @@ pub(super) fn philox(mut counter: [u64; 4], mut key: [u64; 2]) -> [u64; 4] {
     counter
 }
 
-/// Lower and upper half of a product.
+/// Lower and upper half of the product of two words.
 fn product(a: u64, b: u64) -> [u64; 2] {
     let product = u128::from(a) * u128::from(b);
     [product as u64, (product >> 64) as u64]
 }
 
-/// What random numbers are for: numbers for different uses are independent.
+/// The use of random numbers: numbers for different uses are independent.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Use {
-    /// Coordinates of points, or their place within a cell.
+    /// Coordinates of points, or positions within a cell.
     Coordinates = 0,
     /// Scrambling of Sobol' points.
     Scrambling = 1,
@@ -50,22 +50,22 @@ impl Stream {
         Self { key: [seed, axis as u64], used_for }
     }
 
-    /// Four words of a number of two words.
+    /// The four words of a block, numbered by two words.
     pub(super) fn block(&self, number: [u64; 2]) -> [u64; 4] {
         philox([number[0], number[1], 0, self.used_for as u64], self.key)
     }
 
-    /// One word of a long row of them.
+    /// One word of the sequence of words.
     pub(super) fn word(&self, number: u64) -> u64 {
         self.four_words(number / 4)[(number % 4) as usize]
     }
 
-    /// The row of words from its beginning.
+    /// The sequence of words from its begin.
     pub(super) fn words(self) -> impl Iterator<Item = u64> {
         (0..).flat_map(move |four| self.four_words(four))
     }
 
-    /// numpy counts its blocks from 1.
+    /// The block with four words of the sequence. numpy counts its blocks from 1.
     fn four_words(&self, number: u64) -> [u64; 4] {
         self.block([number + 1, 0])
     }

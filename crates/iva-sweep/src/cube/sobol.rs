@@ -8,18 +8,18 @@
 use super::philox::{Stream, Use};
 use super::uniform;
 
-/// Binary digits of a coordinate, and of the number of a point.
+/// Number of binary digits of a coordinate, and of the number of a point.
 const DIGITS: usize = 32;
-/// Digits that one block of random numbers scrambles: the tree of their prefixes has 2⁸ - 1 nodes,
-/// a block 2⁸ bits.
+/// Number of digits that one block of random numbers scrambles: the tree of their prefixes has 2⁸ - 1 nodes,
+/// and a block 2⁸ bits.
 const DIGITS_A_BLOCK: usize = 8;
 
-/// Most axes of Sobol' points: all primitive polynomials over GF(2) up to degree 7, and the first
-/// axis, which needs none.
+/// Largest number of axes: one for each primitive polynomial over GF(2) up to degree 7, and the first axis,
+/// which needs none.
 pub const MOST_AXES: usize = 1 + POLYNOMIALS.len();
 
-/// Of the axes from the second: the inner coefficients a₁ … aₛ₋₁ of the polynomial
-/// xˢ + a₁xˢ⁻¹ + … + aₛ₋₁x + 1, read as a binary number, and the first direction numbers m₁ … mₛ.
+/// For each axis from the second: the inner coefficients a₁ … aₛ₋₁ of the polynomial xˢ + a₁xˢ⁻¹ + … + aₛ₋₁x
+/// + 1, read as a binary number, and the first direction numbers m₁ … mₛ.
 #[rustfmt::skip]
 const POLYNOMIALS: [(u32, &[u32]); 36] = [
     (0, &[1]), (1, &[1, 3]), (1, &[1, 3, 1]), (2, &[1, 1, 1]), (1, &[1, 1, 3, 3]),
@@ -37,7 +37,7 @@ const POLYNOMIALS: [(u32, &[u32]); 36] = [
     (59, &[1, 1, 7, 9, 13, 61, 49]), (62, &[1, 3, 3, 5, 3, 55, 33]),
 ];
 
-/// Binary digits after the point, the first highest.
+/// A binary fraction: the digits after the point, the first one in the highest bit.
 type Fraction = u32;
 
 /// Sobol' points, plain or scrambled.
@@ -53,7 +53,7 @@ struct Axis {
 }
 
 impl Sobol {
-    /// Points on up to [`MOST_AXES`] axes (the others are left out), scrambled by a seed if any.
+    /// Points on up to [`MOST_AXES`] axes (further axes are ignored), scrambled if a seed is given.
     pub(super) fn new(axes: usize, seed: Option<u64>) -> Self {
         let directions = std::iter::once(van_der_corput())
             .chain(POLYNOMIALS.iter().map(|(inner, first)| directions(*inner, first)));
@@ -66,8 +66,8 @@ impl Sobol {
         Self { axes }
     }
 
-    /// A coordinate: in [0, 1) and a multiple of 2⁻³² of plain points, in (0, 1) of scrambled
-    /// ones; NaN for an axis that is not there.
+    /// A coordinate: a multiple of 2⁻³² in [0, 1) for plain points, a number in (0, 1) for scrambled ones;
+    /// NaN for an axis outside the sample.
     pub(super) fn coordinate(&self, point: u32, axis: usize) -> f64 {
         let Some(Axis { directions, scramble }) = self.axes.get(axis) else { return f64::NAN };
         let digits = combination(directions, gray(point));
@@ -83,7 +83,7 @@ fn gray(number: u32) -> u32 {
     number ^ (number >> 1)
 }
 
-/// The sum, digit by digit modulo 2, of the directions that a code chooses.
+/// The sum modulo 2, digit by digit, of the directions that a code selects.
 fn combination(directions: &[Fraction; DIGITS], code: u32) -> Fraction {
     let chosen = |(k, direction): (usize, &Fraction)| direction & 0u32.wrapping_sub(code >> k & 1);
     directions.iter().enumerate().map(chosen).fold(0, |sum, direction| sum ^ direction)
@@ -117,17 +117,17 @@ fn fraction(k: usize, m: u32) -> Fraction {
     m << (DIGITS - 1 - k)
 }
 
-/// A nested uniform scrambling: every digit is changed or kept at random, for all fractions alike
-/// that share the digits before it.
+/// A nested uniform scrambling: every digit is flipped or kept at random, in the same way for all fractions
+/// with the same digits before it.
 #[derive(Debug, Clone, Copy)]
 struct Scramble(Stream);
 
 impl Scramble {
-    /// A fraction scrambled, with random digits behind its last.
+    /// A scrambled fraction, with random digits after its last.
     fn word(self, digits: Fraction) -> u64 {
         let scrambled = (0..DIGITS / DIGITS_A_BLOCK)
             .fold(0, |done, block| done << DIGITS_A_BLOCK | self.next_digits(digits, block));
-        // No two points share all of their digits, so that those behind are independent.
+        // No two points have all digits in common, so the digits after the last are independent.
         let [behind, ..] = self.nodes(digits, DIGITS);
         scrambled << DIGITS | behind >> DIGITS
     }
@@ -138,7 +138,7 @@ impl Scramble {
         let next = (digits << known) >> (DIGITS - DIGITS_A_BLOCK);
         let nodes = self.nodes(digits, known);
         let changes = (0..DIGITS_A_BLOCK).fold(0, |changes, depth| {
-            // The digits before, behind a 1: a number of its own for each node.
+            // The digits before the block, after a leading 1: a different number for each node.
             let node = 1 << depth | next >> (DIGITS_A_BLOCK - depth);
             changes << 1 | (nodes[node as usize / 64] >> (node % 64) & 1)
         });
@@ -199,7 +199,7 @@ mod tests {
                 (0..MOST_AXES).map(|axis| (axis, axis, M)).collect();
             boxes.extend((0..=M).map(|digits| (0, 1, digits)));
             for (a, b, digits) in boxes {
-                // The first points, and others that begin at a multiple of their number.
+                // The first points, and points from a multiple of their number on.
                 for first in [0, 5 << M, u32::MAX - (1 << M) + 1] {
                     let mut taken = [false; 1 << M];
                     for point in (0..1 << M).map(|i| first + i) {
@@ -212,7 +212,7 @@ mod tests {
         }
     }
 
-    /// What makes the scrambling nested: fractions share as many first digits after it as before.
+    /// The scrambling is nested: fractions have as many first digits in common after it as before.
     #[test]
     fn scrambling_keeps_the_number_of_common_digits() {
         let scramble = Scramble(Stream::new(9, 4, Use::Scrambling));
@@ -230,9 +230,9 @@ mod tests {
         }
     }
 
-    /// What makes it uniform, and more than a shift: over the seeds, the digits of two fractions
-    /// change independently from the first in which they differ. Counts of 20 000 fair coins are
-    /// within 5 standard deviations, 354.
+    /// The scrambling is uniform, and more than a shift: over the seeds, the digits of two fractions change
+    /// independently from the first digit in which they differ. Counts of 20 000 fair coins are within 5
+    /// standard deviations, 354.
     #[test]
     fn digits_change_independently() {
         let seeds = 20_000;
