@@ -1,10 +1,10 @@
-//! An axis: a quantity with the values it takes.
+//! An axis: a quantity with the values that it takes.
 
 use iva_core::error::Invalid;
 
 use crate::slot::Slot;
 
-/// More values of an equidistant axis are refused before they are made: these take 80 MB.
+/// Largest number of values of an equidistant axis, checked before they are computed: they take 80 MB.
 pub const MAX_VALUES: u64 = 10_000_000;
 
 /// One axis of the grid.

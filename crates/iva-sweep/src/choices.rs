@@ -1,4 +1,4 @@
-//! What a user chooses by a word: the kind of absorber, or none, and how a pendulum is modelled.
+//! The choices that a user makes by a word: the kind of absorber, or none, and the model of a pendulum.
 
 use iva_core::error::Invalid;
 pub use iva_core::piva::{Angles, ImpactLaw};
@@ -21,7 +21,7 @@ impl Kind {
     /// Every kind.
     pub const ALL: [Kind; 3] = [Kind::Siva, Kind::Piva, Kind::None];
 
-    /// The word for it.
+    /// The word for it in studies.
     pub fn name(self) -> &'static str {
         match self {
             Kind::Siva => "siva",
@@ -30,7 +30,7 @@ impl Kind {
         }
     }
 
-    /// What it is, for a message.
+    /// A description for messages.
     pub fn what(self) -> &'static str {
         match self {
             Kind::Siva => "a free mass (kind \"siva\")",
@@ -45,14 +45,14 @@ impl Kind {
     }
 }
 
-/// One thing to choose.
+/// One choice.
 #[derive(Debug)]
 pub struct Choice {
-    /// Its name in the part [`Part::Absorber`], where all choices stand.
+    /// Its name in the part [`Part::Absorber`], to which all choices belong.
     pub name: &'static str,
     /// The words to choose from, the default first.
     pub words: &'static [&'static str],
-    /// The kinds that have it.
+    /// The kinds of absorber that have this choice.
     pub kinds: &'static [Kind],
     /// One line of help.
     pub help: &'static str,
@@ -80,19 +80,19 @@ pub static CHOICES: [Choice; 3] = [
     },
 ];
 
-/// What was chosen.
+/// The words chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Choices {
     /// The kind of absorber.
     pub kind: Kind,
-    /// How the swing of a pendulum enters its equations.
+    /// The equations of motion of a pendulum: exact, or linearised for small angles.
     pub angles: Angles,
     /// The impact law of a pendulum.
     pub impact_law: ImpactLaw,
 }
 
 impl Choices {
-    /// Chooses by name and word. A kind comes first: the others may not fit it.
+    /// Chooses by name and word. The kind must be chosen first, because other choices may not fit it.
     ///
     /// # Errors
     /// [`Invalid`] for an unknown name or word, or a choice that the kind does not have.
@@ -120,7 +120,7 @@ impl Choices {
         Ok(())
     }
 
-    /// Name and word of every choice that the kind has.
+    /// Name and word of every choice that the chosen kind has.
     pub fn words(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
         let of = |index: usize, first: bool| {
             let choice = &CHOICES[index];
@@ -138,7 +138,7 @@ impl Choices {
     }
 }
 
-/// Why a field or choice that only these kinds have is refused for another.
+/// The message for a field or choice that only these kinds have, given for another kind.
 pub(crate) fn only(kinds: &[Kind]) -> String {
     match kinds {
         [kind] => format!("only {} has it; leave it out", kind.what()),

@@ -1,4 +1,4 @@
-//! What the columns of the tables are, and which of them to compute. The entries are in `columns/tables.rs`.
+//! The columns of the tables, and the selection of those to compute. The entries are in `columns/tables.rs`.
 
 use crate::fields::Quantity;
 use crate::study::Table;
@@ -13,20 +13,21 @@ pub const SCHEMA_VERSION: u32 = 1;
 pub struct Column {
     /// Name in the table.
     pub name: &'static str,
-    /// What it measures; gives the unit.
+    /// The quantity that it measures, which determines the unit.
     pub quantity: Quantity,
     /// One line of explanation, kept in the Arrow field metadata.
     pub help: &'static str,
-    /// The group of measures that must be computed to get it.
+    /// The group of measures that must be computed for it.
     pub group: Group,
-    /// Which end is the better one, of a measure that points can be ranked by.
+    /// For a measure that points can be ranked by, whether smaller or larger is better.
     pub better: Option<Better>,
 }
 
-/// What columns of `summary` are computed together: a run computes the groups of which a column is asked for.
+/// Groups of columns of `summary` that are computed together: a run computes a group if one of its columns is
+/// wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Group {
-    /// What every run counts and sums up.
+    /// The counts and sums of every run.
     Run,
     /// Peaks of the displacement.
     Peaks,
@@ -34,40 +35,40 @@ pub enum Group {
     Settling,
     /// The largest displacement of the last period.
     Residual,
-    /// Energies that are integrated along the motion.
+    /// Energies that are integrals along the motion.
     Ledger,
     /// Largest displacement under force.
     Amplitude,
     /// Root mean square of the displacement under force.
     Rms,
-    /// The largest displacement and that without absorber.
+    /// The largest displacement, with and without absorber.
     Reduction,
-    /// The root mean square of the displacement and that without absorber.
+    /// The root mean square of the displacement, with and without absorber.
     RmsReduction,
     /// Largest accelerations of primary and base.
     Acceleration,
-    /// Largest acceleration of the structure, of free decays as well. Only if asked for by name.
+    /// Largest acceleration of the structure, also in free decay. Computed only if asked for by name.
     Shaking,
-    /// How far the absorber goes. Only if asked for by name.
+    /// Largest displacements of the absorber. Computed only if asked for by name.
     Travel,
     /// Listed impacts in the window of the steady state.
     ImpactsPerCycle,
-    /// The kind of motion that comes back.
+    /// The kind of the steady motion.
     Regime,
     /// Estimated errors.
     Errors,
 }
 
-/// Which end of a measure is the better one.
+/// Whether a smaller or a larger value of a measure is better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Better {
-    /// Of settling times, amplitudes.
+    /// Smaller: for settling times, amplitudes.
     Smaller,
-    /// Of damping ratios, the reduction.
+    /// Larger: for damping ratios, the reduction.
     Larger,
 }
 
-/// Descriptions of the entries of a table.
+/// The descriptions of the entries of a table.
 macro_rules! described {
     ($($name:literal $quantity:ident $([$group:ident $($better:ident)?])? |$row:ident| $value:expr, $help:literal;)*) => {
         &[$(Column {
@@ -122,19 +123,19 @@ pub fn columns(table: Table) -> &'static [Column] {
     }
 }
 
-/// The set of summary columns to compute; the others are null. `outcome` is always there.
+/// The set of summary columns to compute; the others are null. `outcome` is always computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Selection(u64);
 
 impl Group {
-    /// True if it takes so much that it is computed only where one of its columns is asked for by name.
+    /// True if the group is so expensive that it is computed only if one of its columns is asked for by name.
     const fn by_name(self) -> bool {
         matches!(self, Self::Shaking | Self::Travel)
     }
 }
 
 impl Default for Selection {
-    /// What is computed where nothing is said: all but the columns that must be asked for by name.
+    /// The default: all columns except those that must be asked for by name.
     fn default() -> Self {
         let usual = SUMMARY.iter().enumerate().filter(|(_, column)| !column.group.by_name());
         Self(usual.fold(0, |set, (index, _)| set | (1 << index)))
@@ -171,7 +172,7 @@ impl Selection {
         SUMMARY.iter().enumerate().any(|(index, column)| column.group == group && self.has(index))
     }
 
-    /// True if the column of that number is to be computed.
+    /// True if the column with this index is to be computed.
     pub(crate) fn has(self, index: usize) -> bool {
         self.0 & (1 << index) != 0
     }

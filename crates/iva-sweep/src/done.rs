@@ -1,22 +1,22 @@
-//! How far a sweep is: counts of what was done.
+//! The progress of a sweep: counts of what was done.
 
 use std::ops::AddAssign;
 
 use iva_core::simulate::Outcome;
 
-/// What some points came to.
+/// Counts over some points.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Done {
-    /// Points run.
+    /// Number of points run.
     pub points: u64,
-    /// Those with another outcome than `finished`.
+    /// Number of points with another outcome than `finished`.
     pub failed: u64,
-    /// Segments of flight and ride computed.
+    /// Number of segments of flight and stick episode computed.
     pub work: u64,
 }
 
 impl Done {
-    /// One point, by the name of its outcome.
+    /// The counts of one point, from the name of its outcome.
     pub(crate) fn run(outcome: &str, work: u64) -> Self {
         Self { points: 1, failed: u64::from(outcome != Outcome::Finished.name()), work }
     }

@@ -1,7 +1,7 @@
-//! Every number a user can give, in one table: name, place, quantity and allowed range.
+//! The table of all numbers that a user can give: name, part, quantity and allowed range.
 //!
-//! The study file, the Python classes and the sweep axes all read this table, so that a name, a
-//! range or a unit is written once.
+//! The study file, the Python classes and the sweep axes all use this table, so that every name, range and
+//! unit is defined once.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,15 +14,15 @@ use crate::choices::{CHOICES, Kind};
 /// The section of a study (and the Python class) that a field belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Part {
-    /// The damped linear oscillator that is to be quietened.
+    /// The damped linear oscillator whose vibration is to be reduced.
     Primary,
     /// The impact mass in its gap.
     Absorber,
-    /// What drives the scene; nothing if left out.
+    /// The excitation; free decay if left out.
     Force,
     /// The state at time zero.
     Start,
-    /// How long to run and where to stop.
+    /// The state at which the run begins.
     Run,
 }
 
@@ -95,32 +95,33 @@ const SMALLEST: f64 = 1e-30;
 /// [`iva_core::range`].
 const LARGEST: f64 = 1e30;
 
-/// The set of numbers a field accepts.
+/// The set of numbers that a field accepts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Allowed {
-    /// 0, or of a size from 1e-30 to 1e30, of either sign.
+    /// 0, or a size from 1e-30 to 1e30, of either sign.
     Size,
-    /// The same, and greater than 0.
+    /// A number from 1e-30 to 1e30.
     Positive,
-    /// The same, and at least 0.
+    /// 0, or a number from 1e-30 to 1e30.
     NonNegative,
     /// A mass ratio, greater than 0.
     MassRatio,
     /// A damping ratio, at least 0.
     DampingRatio,
-    /// From zero to one, both included.
+    /// From 0 to 1, both included.
     UnitInterval,
-    /// A whole number, at least one and at most 2⁵³.
+    /// An integer from 1 to 2⁵³.
     PositiveInteger,
     /// κ of a pendulum, at least 1.
     InertiaRatio,
     /// An angle in rad, from −π to π.
     Angle,
-    /// The angle in rad by which a line of motion rises, from 0 to π/2.
+    /// The angle in rad between a line of motion and the horizontal, from 0 to π/2.
     Inclination,
-    /// The same in degrees.
+    /// The angle in degrees between a line of motion and the horizontal, from 0 to 90.
     InclinationDeg,
-    /// A phase in rad, of up to two turns: enough to shift one by a turn, too few for degrees.
+    /// A phase in rad, from −4π to 4π: wide enough for a shift by a turn, too narrow for most phases in
+    /// degrees.
     Phase,
     /// A tolerance, 0 for full accuracy.
     Tolerance,
@@ -170,18 +171,18 @@ impl Allowed {
     }
 }
 
-/// One row of the table of fields.
+/// One field: a row of the table.
 #[derive(Debug)]
 pub struct Field {
-    /// Where it stands.
+    /// The part that it belongs to.
     pub part: Part,
-    /// Its name there.
+    /// Its name within the part.
     pub name: &'static str,
-    /// What it measures.
+    /// The quantity that it gives.
     pub quantity: Quantity,
-    /// What it accepts.
+    /// The numbers that it accepts.
     pub allowed: Allowed,
-    /// Fields of one part with the same group are alternatives: an axis over one replaces the others.
+    /// Fields of one part with the same group are alternatives: an axis over one of them replaces the others.
     pub group: &'static str,
     /// The kinds of absorber that have it.
     pub kinds: &'static [Kind],
@@ -189,7 +190,7 @@ pub struct Field {
     pub help: &'static str,
 }
 
-/// The kinds listed in a row of the table; all kinds if none is listed.
+/// The kinds listed in a row of the table; all kinds if the list is empty.
 const fn or_all(kinds: &'static [Kind]) -> &'static [Kind] {
     if kinds.is_empty() { &Kind::ALL } else { kinds }
 }
@@ -212,7 +213,7 @@ macro_rules! fields {
             help: $help,
         }),*];
 
-        /// How many fields there are.
+        /// Number of fields.
         pub const FIELD_COUNT: usize = [$(FieldId::$id),*].len();
 
         const IDS: [FieldId; FIELD_COUNT] = [$(FieldId::$id),*];
@@ -277,8 +278,8 @@ fields! {
     ChatterFloor: Run "chatter_floor" Velocity Positive "chatter_floor" "rebounds of an episode at or below this approach speed are not listed (default 1e-6 ωn d)" Siva Piva;
 }
 
-/// For each field the index of the first field that sets the same quantity: computed once, because sweeps ask at
-/// every point.
+/// For each field the index of the first field that sets the same quantity. Computed at compile time, because
+/// sweeps use it at every point.
 static QUANTITIES: [usize; FIELD_COUNT] = {
     let mut first = [0; FIELD_COUNT];
     let mut id = 0;
@@ -305,7 +306,7 @@ const fn same_group(one: &Field, other: &Field) -> bool {
 }
 
 impl FieldId {
-    /// The row of the table.
+    /// The row of the field in the table.
     pub fn info(self) -> &'static Field {
         &FIELDS[self as usize]
     }
@@ -326,7 +327,7 @@ impl FieldId {
         QUANTITIES[self as usize] == QUANTITIES[other as usize]
     }
 
-    /// True if a bare name means this field.
+    /// True if a name without part means this field.
     fn is_named(self, key: &str) -> bool {
         self.info().part != Part::Force && self.info().name == key
     }
@@ -336,7 +337,7 @@ impl FieldId {
         Self::all().find(|id| id.info().part == part && id.info().name == name)
     }
 
-    /// What the field is unless it is given, where that is a plain number.
+    /// The default of the field, where it is a number that does not depend on other fields.
     pub fn default(self) -> Option<f64> {
         use FieldId as F;
         match self {
@@ -376,7 +377,7 @@ impl FieldId {
         }
     }
 
-    /// Reads a sweep key: a bare name where it is unique, else `part.name`; of a force always
+    /// Reads a sweep key: a bare name where it is unique, otherwise `part.name`; for a force always
     /// `force.name`.
     ///
     /// # Errors
@@ -416,10 +417,10 @@ impl FieldId {
     }
 }
 
-/// How alike (Jaro and Winkler's measure) two names must be for one to be a slip of the other.
+/// Least Jaro–Winkler similarity of a misspelt name and the name that is suggested for it.
 const ALIKE: f64 = 0.75;
 
-/// The known name closest to a misspelt one, if any is close enough to be meant.
+/// The known name most similar to a misspelt one, if any is similar enough.
 pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     known
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))

@@ -1,4 +1,4 @@
-//! The forces of a scene as given, each in one of several ways.
+//! The forces of a scene as given by the user.
 
 use std::sync::Arc;
 
@@ -6,11 +6,11 @@ pub use iva_core::force::History;
 
 use crate::fields::{FieldId, Part};
 
-/// Fields of a force: they stand together in the table.
+/// Index of the first field of a force; these fields are contiguous in the table.
 const FIRST: usize = FieldId::Amplitude as usize;
 const COUNT: usize = FieldId::RecordScale as usize - FIRST + 1;
 
-/// What the values of a record are.
+/// The quantity that the values of a record give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordKind {
     /// f/M, an acceleration.
@@ -44,11 +44,11 @@ impl RecordKind {
 /// A recorded force: times and values in the user's units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recorded {
-    /// The points.
+    /// Times and values.
     pub history: Arc<History>,
-    /// What the values are.
+    /// The quantity of the values.
     pub kind: RecordKind,
-    /// The file it was read from, if any, as a study file can name it.
+    /// The file it was read from, if any, in the form in which a study file names it.
     pub file: Option<String>,
     /// True if the file says that times are in s and values in m/s².
     pub is_metric: bool,
@@ -58,11 +58,11 @@ pub struct Recorded {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceSpec {
     values: [Option<f64>; COUNT],
-    /// Of a recorded force its points.
+    /// The points of a recorded force.
     pub record: Option<Recorded>,
 }
 
-/// The ways to give a force.
+/// The kinds of force: each has its own fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Nature {
     Harmonic,
@@ -90,7 +90,7 @@ impl Nature {
 }
 
 impl ForceSpec {
-    /// Nothing given yet.
+    /// A force without fields.
     pub fn new(record: Option<Recorded>) -> Self {
         Self { values: [None; COUNT], record }
     }
@@ -117,12 +117,12 @@ impl ForceSpec {
         if impulse { Nature::Impulse } else { Nature::Harmonic }
     }
 
-    /// True if it acts all the time: nothing decays by itself then.
+    /// True if it acts all the time and not as an impulse; then nothing decays by itself.
     pub fn lasts(&self) -> bool {
         self.nature() != Nature::Impulse
     }
 
-    /// True if a field has no place in such a force.
+    /// True if a field does not belong to a force of this kind.
     pub fn is_foreign(&self, field: FieldId) -> bool {
         Nature::of(field) != self.nature()
     }

@@ -1,13 +1,14 @@
-//! Derivatives of results by what is given: a run in numbers with a derivative ([`iva_core::real::dual`]).
+//! Derivatives of results with respect to a given number, by a run in numbers with a derivative
+//! ([`iva_core::real::dual`]).
 //!
-//! Every number of every row comes with its derivative, in the user's units: of event times through
-//! the implicit function theorem, of states through impacts with the jump of their rates (the saltation
-//! matrix, here a consequence of plain differentiation), of summed chatters and measures by their
-//! formulas. A measure that jumps (a settling time, where the last crossing moves to another half cycle) has
-//! the derivative of the branch it is on.
+//! Every number of every row comes with its derivative, in the user's units: for event times by the implicit
+//! function theorem, for states across impacts with the jump of their rates (the saltation matrix, which here
+//! follows from differentiating the code), for summed chatters and measures by their formulas. A measure that
+//! jumps (a settling time, where the last crossing moves to another half cycle) has the derivative of its
+//! current branch.
 //!
-//! The values of that run have the same bits as those of the run in doubles, so that both have the same events.
-//! From the first impact on whose estimated error reaches 10⁻³/ωn all derivatives are null.
+//! The values of that run have the same bits as those of the run in doubles, so both have the same events.
+//! From the first impact whose estimated error reaches 10⁻³/ωn on, all derivatives are null.
 
 use std::sync::atomic::AtomicBool;
 
@@ -32,15 +33,15 @@ use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
 use crate::tables::{Cell, Content, TableBuilder, schema_of};
 
-/// An impact is close to a grazing if so small a relative change of the parameter could make it one, to
-/// first order (of a parameter that is 0, an absolute change).
+/// Relative change of the parameter (absolute for a parameter of 0) that must be able to turn an impact into
+/// a grazing, to first order, for the impact to count as close to one.
 const GRAZING: f64 = 1e-3;
 
-/// The motion is too sensitive for derivatives from the first impact on whose estimated error is as large as this,
-/// in 1/ωn: beyond it rounding decides which impacts follow.
+/// Estimated error of an impact time, in 1/ωn, from which on the motion is too sensitive for derivatives:
+/// beyond it rounding decides which impacts follow.
 const SENSITIVE: f64 = 1e-3;
 
-/// Numbers that decide when a run stops or what it lists: nothing is differentiated by them.
+/// Fields that decide when a run stops or what it lists: results are not differentiated with respect to them.
 const NOT_PHYSICAL: [FieldId; 5] = [
     FieldId::MaxImpacts,
     FieldId::MaxWork,
@@ -49,12 +50,12 @@ const NOT_PHYSICAL: [FieldId; 5] = [
     FieldId::Discard,
 ];
 
-/// The tables of a study without axes with derivatives in the places of numbers; all else is as in the
-/// run, but for `near_grazing` of the impacts: true from the first impact on that is close to a grazing.
-/// The summary has the column `sensitive_from` besides: the instant from which on derivatives are null because
-/// the motion is too sensitive.
+/// The tables of a study without axes, with derivatives in place of numbers. All else is as in the run,
+/// except `near_grazing` of the impacts, which is true from the first impact on that is close to a grazing.
+/// The summary has the additional column `sensitive_from`: the instant from which on derivatives are null
+/// because the motion is too sensitive.
 ///
-/// `key` names the parameter as a sweep would.
+/// `key` names the parameter as in a sweep.
 ///
 /// # Errors
 /// [`SweepError`] for an unknown key, a parameter that is not given and has no default, or an invalid
@@ -92,7 +93,7 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
     builders.into_iter().map(|(table, builder)| Ok((table, builder.finish()?))).collect()
 }
 
-/// The instant of the first impact that is too sensitive, in natural units.
+/// The instant of the first impact that is too sensitive, in 1/ωn; `None` if there is none.
 fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, Invalid> {
     let mut observers = (Errors::default(), Events::default());
     let (limits, cancel) = (&design.limits, Some(cancel));
@@ -108,7 +109,7 @@ fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, I
 /// True if a number of a row is decided before the instant from which on the motion is too sensitive.
 fn is_known(table: Table, row: &[Cell<Dual>], index: usize, from: f64, period: f64) -> bool {
     let columns = columns(table);
-    // `point` comes first.
+    // The first cell is `point`, which has no column.
     let before = |index: usize| match (&row[index], columns[index - 1].quantity) {
         (Cell::Number(time), Quantity::Time) => time.value < from,
         _ => true,
@@ -119,14 +120,14 @@ fn is_known(table: Table, row: &[Cell<Dual>], index: usize, from: f64, period: f
         }
         (Table::Summary, "energy_initial" | "gravity") => true,
         (Table::Summary, "damping_ratio_energy") => period < from,
-        // All others take in the whole run.
+        // All others depend on the whole run.
         (Table::Summary, _) => false,
-        // An event with all its instants.
+        // An event is known if all its instants are.
         _ => (1..row.len()).all(before),
     }
 }
 
-/// The value of what is differentiated by; a default is filled in.
+/// The value of the parameter; if it was not given, its default is set in the spec.
 fn given(study: &Study, spec: &mut Spec, slot: Slot) -> Result<f64, Invalid> {
     let refused = |rule: &str| Invalid::new("gradients", format!("`{}`", slot.path()), rule);
     if NOT_PHYSICAL.contains(&slot.field) {
@@ -138,7 +139,7 @@ fn given(study: &Study, spec: &mut Spec, slot: Slot) -> Result<f64, Invalid> {
     }
     let found =
         spec.given().find(|(other, _)| other.field == slot.field && other.same_quantity(slot));
-    // With any inclination at all the absorber starts elsewhere.
+    // The derivative at 0 does not exist: with any inclination the absorber starts elsewhere.
     let inclines = slot.field.same_quantity(FieldId::Inclination);
     let weighs = slot.field == FieldId::Gravity && spec.choices().kind == Kind::Siva;
     if (inclines || weighs) && !study.rises() {
@@ -171,15 +172,15 @@ fn derivative(cell: Cell<Dual>) -> Cell {
     }
 }
 
-/// Watches how close impacts come to grazings.
+/// An observer that finds impacts close to grazings.
 struct Grazings {
-    /// The change of the parameter that counts as small.
+    /// The small change of the parameter.
     change: f64,
-    /// D̈ before the impact under way, where it bends the path away from the wall.
+    /// D̈ just before the current impact, 0 unless it bends the path away from the wall.
     curvature: Option<f64>,
-    /// One has been met.
+    /// True once an impact was close to a grazing.
     met: bool,
-    /// Of each listed impact: approach speed, and whether one was met until then.
+    /// For each listed impact: approach speed, and whether it or an earlier one was close to a grazing.
     impacts: Vec<(f64, bool)>,
 }
 
@@ -200,7 +201,7 @@ impl<S: System<Real = Dual>> Observer<S> for Grazings {
     fn impact(&mut self, _system: &S, impact: &Impact<Dual>) {
         let speed = impact.approach_speed().value;
         if let Some(curvature) = self.curvature.take() {
-            // The distance moves by w dτ; it makes a grazing of the impact from w²/(2|D̈|) on.
+            // The distance changes by w dτ; a change of w²/(2|D̈|) turns the impact into a grazing.
             let [slope] = impact.time.slopes;
             let near = 2.0 * curvature * (slope * self.change).abs() >= speed;
             self.met |= near || !slope.is_finite();

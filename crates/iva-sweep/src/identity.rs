@@ -1,4 +1,4 @@
-//! What tells the tables of one study from those of another.
+//! The identity of a study, by which its tables are distinguished from those of other studies.
 
 use std::fmt;
 
@@ -9,18 +9,18 @@ use crate::fields::FieldId;
 use crate::sampling::Sampling;
 use crate::study::Study;
 
-/// A digest of a study and the number of its points. It is the whole study's, also where only some
-/// of its points are at hand.
+/// A digest of a study and its number of points. It belongs to the whole study, also where only some of its
+/// points are available.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Identity {
-    /// Hash of all that decides the values of the study.
+    /// Hash of everything that determines the results of the study.
     pub digest: u64,
-    /// Points of the whole study.
+    /// Number of points of the whole study.
     pub points: u64,
 }
 
 impl Identity {
-    /// The identity of a study of which all points are at hand.
+    /// The identity of a study whose points are all available.
     ///
     /// # Errors
     /// As [`Study::points`] and [`Study::units`].
@@ -29,16 +29,17 @@ impl Identity {
     }
 }
 
-/// The digest as files carry it: 16 hexadecimal digits.
+/// The digest as written to files: 16 hexadecimal digits.
 impl fmt::Display for Identity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:016x}", self.digest)
     }
 }
 
-/// The 64-bit FNV-1a hash of all that decides the values of a study: given fields, points, measures.
+/// The 64-bit FNV-1a hash of everything that determines the results of a study: given fields, points,
+/// measures.
 ///
-/// A default counts the same whether it was written or left out.
+/// A default value gives the same hash whether it was written or left out.
 fn digest(study: &Study) -> Result<u64, Invalid> {
     let mut hash = 0xcbf2_9ce4_8422_2325;
     let mut add = |bytes: &[u8]| {
@@ -55,7 +56,8 @@ fn digest(study: &Study) -> Result<u64, Invalid> {
     for (slot, value) in spec.given() {
         let swept = study.sampling.sets(slot);
         let default = study.default(slot.field);
-        // The same quantity under another name (displacement_mm) may be 0 as well, the default of most.
+        // The quantity may be given as 0 under another name (displacement_mm); 0 is the default of most
+        // quantities.
         let nothing = value == 0.0
             && default.is_none_or(|default| default == 0.0)
             && !(slot.field == FieldId::GapDisplacement && study.rises());

@@ -1,13 +1,13 @@
 //! Many runs of an impact vibration absorber.
 //!
-//! From what a user gives to Arrow tables:
-//! [`fields`] (every number a user can give) → [`design`] (one point, alternatives settled, in
-//! natural units; [`scene`] is what runs) → [`study`] (points, by [`sampling`], and outputs) → [`sweep`] (rayon over the points) → [`tables`]
-//! (Arrow; what stands in each column is told by [`columns`]). No files, no Python. How to add a measure or a field is told
-//! in `CONTRIBUTING.md`.
+//! The way from the user's input to Arrow tables: [`fields`] (every number that a user can give) → [`design`]
+//! (one point, alternatives resolved, in natural units; the system to run is a [`scene`]) → [`study`]
+//! (points, by [`sampling`], and outputs) → [`sweep`] (points in parallel, by rayon) → [`tables`] (Arrow; the
+//! columns are defined in [`columns`]). No files, no Python. `CONTRIBUTING.md` tells how to add a measure or
+//! a field.
 //!
-//! What happens to one point, from its fields to the cells of its rows, is [`engine`]: written once, for any
-//! [number](iva_core::real).
+//! [`engine`] processes one point, from its fields to the cells of its rows. It is generic over the [number
+//! type](iva_core::real).
 
 pub mod axis;
 pub mod choices;

@@ -1,4 +1,4 @@
-//! The motion of a single design as a table: sampled evenly, or at any instants.
+//! The motion of a single design as a table: sampled at equal intervals, or at any instants.
 //!
 //! Setting `cancel` ends a run early; its table then ends where the run did.
 
@@ -19,10 +19,10 @@ use crate::study::{Study, Table};
 use crate::sweep::SweepError;
 use crate::tables::{Cell, TableBuilder, cells, schema_in};
 
-/// More samples than this are refused: while a table is made of them they take some 4 GB.
+/// Largest number of samples: while their table is built they take some 4 GB.
 pub const MAX_SAMPLES: f64 = 3e7;
 
-/// Whole sampling steps in a run of this duration (in 1/ωn).
+/// Number of whole sampling steps in a run of this duration (in 1/ωn).
 ///
 /// # Errors
 /// [`Invalid`] for a sampling of 0, or one with more than [`MAX_SAMPLES`].
@@ -42,8 +42,8 @@ pub fn samples(duration: f64, samples_per_period: u32) -> Result<u64, Invalid> {
     Ok(count as u64)
 }
 
-/// The motion of one design: `samples_per_period` equidistant samples a period 2π/ωn, the end of
-/// the run, and both states of every impact.
+/// The motion of one design: `samples_per_period` equidistant samples per period 2π/ωn, the end of the run,
+/// and both states of every impact.
 ///
 /// # Errors
 /// [`SweepError`] for an invalid design or sampling.
@@ -64,9 +64,10 @@ pub fn trajectory(
     let mut sampler = Sampler::with_events(times);
     watch(&design, cancel, &mut sampler)?;
     let mut states = std::mem::take(&mut sampler.states);
-    // The times, which are large too.
+    // Frees the times, which are large too.
     drop(sampler);
-    // The listed rebounds of a summed tail lie within the ride that follows it.
+    // The listed rebounds of a summed tail lie within the stick episode that follows, so the samples are
+    // sorted.
     if !states.is_sorted_by(|a, b| a.time.total_cmp(&b.time).is_le()) {
         states.sort_by(|a, b| a.time.total_cmp(&b.time));
     }
@@ -74,9 +75,9 @@ pub fn trajectory(
     table(spec, &design, rows)
 }
 
-/// The state of one design at given times (user units, any order), exact at any instant; at an
-/// impact the state after it. Times after an early end of the run give nulls. `field` is what a time is called in a message,
-/// by its index.
+/// The state of one design at given times (user units, any order), exact at any instant; at an impact the
+/// state after it. Times after an early end of the run give nulls. `field` gives the name of a time in a
+/// message, from its index.
 ///
 /// # Errors
 /// [`SweepError`] for an invalid design or a time outside the run.
@@ -143,13 +144,14 @@ fn table<'a>(
 struct MotionRow<'a> {
     /// Instant, in the user's unit.
     time: f64,
-    /// The state then; `None` if the run has ended before.
+    /// The state at that instant; `None` if the run had already ended.
     state: Option<&'a State>,
     design: &'a Design,
     scale: AsGiven<'a>,
 }
 
-/// A scale for rows whose instants are in the user's unit: those that a user gives come back as they are.
+/// A scale that leaves times unchanged: they are in the user's unit already, and are returned exactly as
+/// given.
 struct AsGiven<'a>(&'a Scale);
 
 impl AsGiven<'_> {
@@ -171,7 +173,7 @@ impl MotionRow<'_> {
         self.state.map(read)
     }
 
-    /// Of the absorber, if there is one.
+    /// A value of the absorber; `None` without absorber.
     fn gap(&self, read: fn(&State) -> f64) -> Option<f64> {
         self.design.scene.absorber().and(self.state(read))
     }

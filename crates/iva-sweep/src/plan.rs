@@ -1,8 +1,7 @@
-//! How a sweep is divided into parts: pieces of a few seconds that are run, written and kept one by
-//! one.
+//! The division of a sweep into parts: pieces of a few seconds that are run and written one by one.
 //!
-//! The size of a part follows from the study alone, never from the machine: some points are run, and
-//! the work they take is priced at fixed rates. So the same study has the same parts everywhere.
+//! The size of a part follows from the study alone, not from the machine: some points are run, and a fixed
+//! time is assumed per unit of their work. So the same study has the same parts everywhere.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -17,19 +16,19 @@ use crate::fields::FieldId;
 use crate::study::{Study, Table};
 use crate::sweep::{Control, SweepError, Tables, Workers, sweep};
 
-/// Most points of a part: summaries of so many take some 70 MB in memory.
+/// Largest number of points of a part: their summaries take some 70 MB in memory.
 pub const MAX_PART_POINTS: u64 = 1 << 18;
-/// Most rows that a part may be expected to have in the tables beside the summary.
+/// Largest expected number of rows of a part in the tables other than the summary.
 const PART_ROWS: f64 = (1 << 20) as f64;
-/// Nominal seconds of a part on one core.
+/// Assumed time of a part on one core, in seconds.
 const PART_SECONDS: f64 = 3.0;
-/// Nominal seconds of a point, and of a row beside the summary.
+/// Assumed time of a point, in seconds, apart from its motion.
 const POINT_SECONDS: f64 = 4e-6;
 const ROW_SECONDS: f64 = 0.4e-6;
-/// Points run to see what a point takes.
+/// Number of points that are run to estimate the work of a point.
 const SAMPLES: u64 = 16;
 
-/// Nominal seconds of a segment of motion.
+/// Assumed time of a segment of motion, in seconds.
 fn segment_seconds(study: &Study) -> f64 {
     let plain = match study.spec.choices().kind {
         Kind::Siva if !study.spec.is_driven() => 0.2e-6,
@@ -38,7 +37,7 @@ fn segment_seconds(study: &Study) -> f64 {
     if study.errors { 10.0 * plain } else { plain }
 }
 
-/// What some points spread over a study came to.
+/// The results of a trial: some points spread over a study.
 #[derive(Debug, Default)]
 pub struct Trial {
     /// Points, failures and work.
@@ -48,8 +47,8 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Runs some points of a study. Unless `max_work` is swept none takes more than the work of a part:
-    /// the outcome of one that would is `work_limit`.
+    /// Runs some points of a study. Unless `max_work` is swept, the work of a point is limited to that of a
+    /// part: a point that exceeds it has the outcome `work_limit`.
     ///
     /// # Errors
     /// [`SweepError`] for an invalid point.
@@ -72,14 +71,14 @@ impl Trial {
         Ok(trial)
     }
 
-    /// Rows of a table to be expected of a point.
+    /// Expected number of rows of a table per point.
     pub fn rows(&self, table: Table) -> f64 {
         let rows = |tables: &Tables| tables.get(&table).map_or(0, |rows| rows.num_rows());
         self.tables.iter().map(rows).sum::<usize>() as f64 / (self.done.points.max(1)) as f64
     }
 }
 
-/// One point by itself.
+/// Runs one point by itself.
 fn one(
     study: &Study,
     point: u64,
@@ -97,7 +96,7 @@ fn one(
     Ok((tables, done.into_inner().unwrap_or_default()))
 }
 
-/// The study with no more work a point than a part takes.
+/// The study with the work of a point limited to that of a part.
 fn limited(study: &Study) -> Result<Study, Invalid> {
     let mut study = study.clone();
     if !study.sampling.sets(FieldId::MaxWork.into()) {
@@ -108,13 +107,14 @@ fn limited(study: &Study) -> Result<Study, Invalid> {
     Ok(study)
 }
 
-/// The point of a sample: spread evenly, but off the period of any axis, and never the same twice.
+/// The point of sample number `sample`: evenly spread, not in step with any axis, and each point at most
+/// once.
 pub fn spread(sample: u64, samples: u64, points: u64) -> u64 {
     if points < 2 * samples {
-        // Too close for an offset.
+        // Too few points for an offset.
         return sample * points / samples;
     }
-    // A golden-ratio offset within each of the equal stretches of the study.
+    // A golden-ratio offset within each of the equal parts of the study.
     let offset = (sample as f64 * 0.618_033_988_749_894_9).fract();
     let stretch = points as f64 / samples as f64;
     (((sample as f64 + offset) * stretch) as u64).min(points - 1)
@@ -123,14 +123,14 @@ pub fn spread(sample: u64, samples: u64, points: u64) -> u64 {
 /// The parts of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plan {
-    /// Points of the sweep.
+    /// Number of points of the sweep.
     pub points: u64,
-    /// Points of a part; the last may have fewer.
+    /// Number of points of a part; the last part may have fewer.
     pub part_points: u64,
 }
 
 impl Plan {
-    /// Parts of some seconds, by what a trial took.
+    /// Parts of some seconds, from the results of a trial.
     ///
     /// # Errors
     /// As [`Study::points`].
@@ -156,24 +156,23 @@ impl Plan {
     }
 }
 
-/// The power of two at or below a number of points, so that equal studies but for a little have equal
-/// parts.
+/// The largest power of two that is not above a number of points, so that similar studies have equal parts.
 fn part_points(wanted: f64) -> u64 {
     let within = wanted.clamp(1.0, MAX_PART_POINTS as f64) as u64;
     1 << within.ilog2()
 }
 
-/// Bytes that a row of a table takes in memory.
+/// Memory of a row of a table, in bytes.
 fn row_bytes(study: &Study, table: Table) -> u64 {
     let swept = if table == Table::Summary { study.sampling.keys().count() } else { 0 };
-    // Eight bytes a number, and a bit that says if it is there; flags and small numbers take less.
+    // Eight bytes per number and one bit for null; flags and small numbers take less.
     let columns = columns(table).len() as u64 + swept as u64;
-    // Polars keeps 16 bytes for each of the few words of a row beside those of the table.
+    // Polars keeps 16 bytes for each text of a row; the summary has two.
     let words = if table == Table::Summary { 32 } else { 0 };
     4 + columns * 8 + columns.div_ceil(8) + words
 }
 
-/// Bytes that the tables of a study take in memory, by what a trial took.
+/// Memory of the tables of a study, in bytes, estimated from a trial.
 ///
 /// # Errors
 /// As [`Study::points`].

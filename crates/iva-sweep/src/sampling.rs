@@ -1,4 +1,4 @@
-//! Which points a study runs: the quantities it sweeps, and the values that they take together.
+//! The points of a study: the swept quantities, and the combinations of their values.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,29 +11,28 @@ use crate::cube::{Cube, CubeError, Method};
 use crate::slot::Slot;
 use crate::variable::Variable;
 
-/// More points than this are refused: `point` is a 32-bit column.
+/// Largest number of points, because `point` is a 32-bit column.
 pub const MAX_POINTS: u64 = 1 << 32;
 
 /// The points of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Sampling {
-    /// All combinations of the values of some axes, the last running fastest; one point without
-    /// axes.
+    /// All combinations of the values of some axes, the last axis varying fastest; one point without axes.
     Grid(Vec<Axis>),
-    /// The values of some axes of one length read in step, a point a row.
+    /// The rows of a table with one column for each swept quantity: one point per row.
     Rows(Rows),
     /// Points drawn from distributions.
     Sample(Sample),
 }
 
-/// Points given one by one.
+/// Points given one by one as rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
-    /// A column for each swept quantity.
+    /// The columns, one for each swept quantity, of equal length.
     axes: Vec<Axis>,
-    /// Number of the first point: not 0 where others hold the rows before it.
+    /// Number of the first point: not 0 if the rows before it are elsewhere.
     first: u64,
-    /// The file they were read from, if any, as a study file can name it.
+    /// The file they were read from, if any, in the form in which a study file names it.
     pub file: Option<String>,
 }
 
@@ -70,24 +69,24 @@ impl Rows {
     }
 }
 
-/// Points drawn from distributions: a sample of the unit cube, carried to each quantity by its
-/// quantiles.
+/// Points drawn from distributions: each coordinate of a sample of the unit cube is mapped to a value by the
+/// quantile function of its quantity.
 #[derive(Debug, Clone)]
 pub struct Sample {
-    /// How the points are laid out.
+    /// The method by which the points are placed.
     pub method: Method,
     /// Number of points.
     pub count: u64,
-    /// Seed of all that is random in it.
+    /// Seed of its random numbers.
     pub seed: u64,
-    /// Sobol points are scrambled.
+    /// True if Sobol' points are scrambled.
     pub scramble: bool,
     variables: Vec<Variable>,
     cube: Arc<Cube>,
 }
 
 impl PartialEq for Sample {
-    // The cube follows from the rest.
+    // The cube is determined by the other fields.
     fn eq(&self, other: &Self) -> bool {
         let settings = |it: &Self| (it.method, it.count, it.seed, it.scramble);
         settings(self) == settings(other) && self.variables == other.variables
@@ -95,11 +94,11 @@ impl PartialEq for Sample {
 }
 
 impl Sample {
-    /// Lays out the points.
+    /// Places the points.
     ///
     /// # Errors
-    /// [`Invalid`] for no variables or too many, no points or too many, or plain Sobol points, of
-    /// which the first has only zeros, of a distribution that does not end.
+    /// [`Invalid`] for no variables or too many, no points or too many, or plain Sobol' points of an
+    /// unbounded distribution: the first point is all zeros.
     pub fn new(
         method: Method,
         count: u64,
@@ -132,7 +131,7 @@ impl Sample {
         Ok(Self { method, count, seed, scramble, variables, cube: Arc::new(cube) })
     }
 
-    /// What is drawn, in the order of the columns of the summary.
+    /// The variables, in the order of the columns of the summary.
     pub fn variables(&self) -> &[Variable] {
         &self.variables
     }
@@ -146,14 +145,14 @@ impl Sample {
     }
 }
 
-/// A quantity that is swept.
+/// A swept quantity.
 #[derive(Debug, Clone, Copy)]
 pub struct Swept<'a> {
     /// The key as the user wrote it: the name of its column in the summary.
     pub key: &'a str,
     /// The field it sets.
     pub slot: Slot,
-    /// What it is given as, for messages.
+    /// The form in which it is given, for messages.
     given: Given,
 }
 
@@ -198,7 +197,7 @@ impl Sampling {
         self.keys().next().is_none()
     }
 
-    /// What is swept, in the order of the columns of the summary.
+    /// The swept quantities, in the order of the columns of the summary.
     pub fn keys(&self) -> impl Iterator<Item = Swept<'_>> {
         let (axes, variables): (&[Axis], &[Variable]) = match self {
             Sampling::Grid(axes) | Sampling::Rows(Rows { axes, .. }) => (axes, &[]),
@@ -220,7 +219,7 @@ impl Sampling {
         }
     }
 
-    /// Number of points, those before [`Sampling::first`] among them.
+    /// Number of points, including those before [`Sampling::first`].
     ///
     /// # Errors
     /// [`Invalid`] beyond 2³² points.
@@ -255,8 +254,8 @@ impl Sampling {
         }
     }
 
-    /// Checks that no two axes sweep the same quantity, for the later would silently replace the
-    /// earlier, and that the kind of absorber has what is swept.
+    /// Checks that no two axes sweep the same quantity, because the later one would replace the earlier one,
+    /// and that the kind of absorber has the swept fields.
     ///
     /// # Errors
     /// [`Invalid`] naming the axis, the later of two.
@@ -280,7 +279,7 @@ impl Sampling {
     }
 }
 
-/// How many values of what, on one line.
+/// The swept quantities and the number of their values, on one line.
 impl fmt::Display for Sampling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words: Vec<String> = match self {
@@ -299,7 +298,7 @@ impl fmt::Display for Sampling {
     }
 }
 
-/// The values of a point of a grid; the last axis runs fastest.
+/// The values of a point of a grid; the last axis varies fastest.
 fn combination(axes: &[Axis], point: u64) -> Vec<f64> {
     let mut rest = point;
     let mut values = vec![0.0; axes.len()];

@@ -1,4 +1,4 @@
-//! Points that are run side by side: those of which only the summary is asked.
+//! Points that are run side by side: those of a study that wants the summary only.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -13,7 +13,7 @@ use crate::engine::scene::{Scene, with_system};
 use crate::error::Invalid;
 use crate::study::Study;
 
-/// What all calls of [`summaries`] of a sweep have in common.
+/// The arguments common to all calls of [`summaries`] in a sweep.
 #[derive(Clone, Copy)]
 pub(crate) struct Asked<'a> {
     pub study: &'a Study,
@@ -23,8 +23,8 @@ pub(crate) struct Asked<'a> {
 
 type Take<'a> = &'a mut dyn FnMut(&mut dyn Iterator<Item = Cell>);
 
-/// Runs points and hands out their rows of `summary`, in order; returns what they came to. `None`: these points
-/// are to be run one by one.
+/// Runs points and hands out their rows of `summary`, in order; returns their counts. `None`: these points
+/// have to be run one by one.
 ///
 /// # Errors
 /// [`Invalid`] for a point that makes no valid scene.
@@ -87,7 +87,7 @@ fn together<S: SideBySide>(
     let keep = &mut |index: usize, ended: &Ended<S>| results[index] = Some(*ended);
     lanes::run(&jobs, request.wanted, Some(cancel), keep)?;
     let mut done = Done::default();
-    // After a cancellation the points before the first that was not begun.
+    // After a cancellation only the points before the first one that had not begun.
     for (index, (point, (design, result))) in points.zip(designs.iter().zip(&results)).enumerate() {
         let Some((tally, measures, steady)) = result else { break };
         let settled = request.settled(design, steady.as_ref(), cancel)?;

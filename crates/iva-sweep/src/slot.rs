@@ -1,15 +1,15 @@
-//! Where a number of a study goes: to a field, and of several forces to which.
+//! The destination of a number of a study: a field, and for one of several forces its number.
 
 use iva_core::error::Invalid;
 
 use crate::fields::{Field, FieldId, Part};
 
-/// A field; of a force also its number in the list of forces, from 0, where a list was given.
+/// A field, and for a field of a force in a list the number of the force, from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Slot {
     /// The field.
     pub field: FieldId,
-    /// Which force of a list; `None` for all other parts, and for a force that stands alone.
+    /// Number of the force in a list; `None` for all other parts, and for a single force.
     pub force: Option<usize>,
 }
 
@@ -25,7 +25,7 @@ impl Slot {
         Self { field, force: (count > 1).then_some(number) }
     }
 
-    /// Reads a sweep key: as [`FieldId::from_key`], or `force.0.frequency` of a list of forces.
+    /// Reads a sweep key: as [`FieldId::from_key`], or `force.0.frequency` for a list of forces.
     ///
     /// # Errors
     /// As [`FieldId::from_key`].
@@ -44,13 +44,12 @@ impl Slot {
         }
     }
 
-    /// The row of the table of fields.
+    /// The row of the field in the table of fields.
     pub fn info(self) -> &'static Field {
         self.field.info()
     }
 
-    /// `part.name`, with the number of a force between them: as error messages and study files
-    /// write it.
+    /// `part.name`, with the number of a force between them, as error messages and study files write it.
     pub fn path(self) -> String {
         match self.force {
             Some(number) => format!("{}.{number}.{}", self.info().part.name(), self.info().name),
@@ -58,7 +57,7 @@ impl Slot {
         }
     }
 
-    /// True if two slots set the same quantity of the same thing.
+    /// True if two slots set the same quantity, of the same force if it is one of a force.
     pub fn same_quantity(self, other: Slot) -> bool {
         let number = |slot: Slot| slot.force.unwrap_or(0);
         self.field.same_quantity(other.field) && number(self) == number(other)

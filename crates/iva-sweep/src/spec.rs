@@ -9,11 +9,11 @@ use crate::forces::{ForceSpec, Recorded};
 use crate::slot::Slot;
 use crate::units::{STANDARD_GRAVITY, UnitSystem};
 
-/// The fields of one run as given; everything else is default or derived.
+/// The fields of one run as given; all others have defaults or follow from them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spec {
     choices: Choices,
-    /// Of all parts but the forces.
+    /// The values of all fields except those of forces.
     values: [Option<f64>; FIELD_COUNT],
     forces: Vec<ForceSpec>,
 }
@@ -25,12 +25,12 @@ impl Default for Spec {
 }
 
 impl Spec {
-    /// No fields yet.
+    /// A spec without fields.
     pub fn new(choices: Choices) -> Self {
         Self { choices, values: [None; FIELD_COUNT], forces: Vec::new() }
     }
 
-    /// Kind of absorber, and how it is modelled.
+    /// Kind of absorber, and model of a pendulum.
     pub fn choices(&self) -> &Choices {
         &self.choices
     }
@@ -45,21 +45,21 @@ impl Spec {
         &self.forces
     }
 
-    /// The records of forces, to be named.
+    /// The records of forces, mutable so that their files can be named.
     pub fn records_mut(&mut self) -> impl Iterator<Item = &mut Recorded> {
         self.forces.iter_mut().filter_map(|force| force.record.as_mut())
     }
 
-    /// True if a harmonic or recorded force drives it.
+    /// True if a harmonic or recorded force is given.
     pub fn is_driven(&self) -> bool {
         self.forces.iter().any(ForceSpec::lasts)
     }
 
-    /// Sets a field after checking its range. A field of a force makes one if there is none.
+    /// Sets a field after checking its range. A field of a force adds a force if there is none.
     ///
     /// # Errors
-    /// [`Invalid`] with field, value and range, for a field of another kind of absorber, or a force
-    /// that is not there.
+    /// [`Invalid`] with field, value and range; for a field of another kind of absorber; or for a force that
+    /// does not exist.
     pub fn set(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
         let slot = slot.into();
         let kinds = slot.info().kinds;
@@ -93,7 +93,7 @@ impl Spec {
         }
     }
 
-    /// Sets a field for a sweep axis: it replaces the alternatives of its group.
+    /// Sets a field for a sweep axis, and removes the alternatives of its group.
     ///
     /// # Errors
     /// [`Invalid`] with field, value and range.
@@ -109,12 +109,12 @@ impl Spec {
         self.set(slot, value)
     }
 
-    /// The value given for a field that is not of a force.
+    /// The value given for a field that does not belong to a force.
     pub fn get(&self, field: FieldId) -> Option<f64> {
         self.values[field as usize]
     }
 
-    /// The fields given, in table order, those of the forces last.
+    /// The fields given, in table order, with those of the forces last.
     pub fn given(&self) -> impl Iterator<Item = (Slot, f64)> + '_ {
         let plain = FieldId::all().filter_map(|id| Some((Slot::from(id), self.get(id)?)));
         let count = self.forces.len();
@@ -124,7 +124,7 @@ impl Spec {
         plain.chain(of_forces)
     }
 
-    /// Checks that no quantity is given twice, whether an axis replaces it or not.
+    /// Checks that no quantity is given twice, even if an axis replaces it.
     ///
     /// # Errors
     /// [`Invalid`] naming the later of two fields.
@@ -139,7 +139,7 @@ impl Spec {
         Ok(())
     }
 
-    /// The acceleration of gravity where none was given, nor follows.
+    /// Standard gravity, where gravity is needed and has a default (SI units); `None` otherwise.
     ///
     /// # Errors
     /// As [`Spec::units`].
@@ -153,7 +153,7 @@ impl Spec {
         Ok(standard.then_some(STANDARD_GRAVITY))
     }
 
-    /// The units that the primary system sets.
+    /// The unit system that follows from the fields of the primary system.
     ///
     /// # Errors
     /// [`Invalid`] if a frequency is missing beside a mass, or given twice.
@@ -161,7 +161,7 @@ impl Spec {
         Ok(Given::<f64>::new(self).scale()?.1)
     }
 
-    /// The design that these fields make, in natural units.
+    /// The design that follows from these fields, in natural units.
     ///
     /// # Errors
     /// As [`Given::design`].

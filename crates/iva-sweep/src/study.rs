@@ -1,4 +1,4 @@
-//! A study: one spec, the points swept over it, and what is to be written.
+//! A study: one spec, the points swept over it, and the tables to write.
 
 use std::fmt;
 
@@ -10,25 +10,25 @@ use crate::fields::FieldId;
 use crate::sampling::Sampling;
 use crate::units::UnitSystem;
 
-/// The tables a study can write.
+/// The tables that a study can write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Table {
-    /// One row a point: swept parameters, then measures.
+    /// One row per point: swept parameters, then measures.
     Summary,
-    /// One row an impact.
+    /// One row per impact.
     Impacts,
-    /// One row a chatter that ends in stick, a plastic stick or a start at rest on a wall.
+    /// One row per chatter that ends in stick, plastic stick or start at rest on a wall.
     Episodes,
-    /// One row a peak of the primary displacement.
+    /// One row per peak of the primary displacement.
     Envelope,
-    /// One row a cycle of the harmonic force.
+    /// One row per cycle of the harmonic force.
     Stroboscope,
     /// The motion sampled in time (single runs only).
     Trajectory,
 }
 
 impl Table {
-    /// The tables a sweep can write.
+    /// The tables that a sweep can write.
     pub const SWEEP: [Table; 5] =
         [Table::Summary, Table::Impacts, Table::Episodes, Table::Envelope, Table::Stroboscope];
     /// All tables, the trajectory last.
@@ -41,7 +41,7 @@ impl Table {
         Table::Trajectory,
     ];
 
-    /// Folder and key of the table.
+    /// Name of the table, also as folder and key.
     pub fn name(self) -> &'static str {
         match self {
             Table::Summary => "summary",
@@ -65,7 +65,7 @@ impl fmt::Display for Table {
     }
 }
 
-/// What to run and what to write.
+/// The points to run and the tables to write.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     /// The fields that are not swept.
@@ -76,15 +76,15 @@ pub struct Study {
     pub tables: Vec<Table>,
     /// Summary columns to compute.
     pub measures: Selection,
-    /// Estimate the errors of impact times.
+    /// True if the errors of impact times are to be estimated.
     pub errors: bool,
 }
 
-/// Makes the designs of points, one after the other.
+/// Makes the designs of points one after another.
 #[derive(Debug)]
 pub struct Designer<'a> {
     study: &'a Study,
-    /// The fields of the point made last.
+    /// The fields of the previous point.
     spec: Spec,
 }
 
@@ -96,7 +96,7 @@ impl Designer<'_> {
     pub fn design(&mut self, point: u64) -> Result<Design, Invalid> {
         let sampling = &self.study.sampling;
         self.place(point).and_then(|()| self.spec.design()).map_err(|error| {
-            // What is missing is missing at every point.
+            // A missing field is missing at every point, so no point is named.
             if sampling.is_empty() || error.value.is_empty() {
                 error
             } else {
@@ -105,7 +105,7 @@ impl Designer<'_> {
         })
     }
 
-    /// Puts the swept values of a point in place.
+    /// Sets the swept values of a point.
     fn place(&mut self, point: u64) -> Result<(), Invalid> {
         let mut swept = self.study.sampling.keys().zip(self.study.swept(point));
         swept.try_for_each(|(swept, value)| self.spec.replace(swept.slot, value))
@@ -137,12 +137,12 @@ impl Study {
         self.sampling.values(point)
     }
 
-    /// True if a column of the summary is a swept parameter already; then it is not there twice.
+    /// True if a column of the summary is a swept parameter, and so must not appear twice.
     pub fn sweeps(&self, column: &str) -> bool {
         self.sampling.keys().any(|swept| swept.key == column)
     }
 
-    /// The fields of a point: those of the study with the swept ones in place.
+    /// The fields of a point: those of the study with the swept values set.
     ///
     /// # Errors
     /// [`Invalid`] for a swept value out of range.
@@ -157,18 +157,18 @@ impl Study {
     /// The design of a point.
     ///
     /// # Errors
-    /// [`Invalid`] if the fields together make no valid scene; the message names the point.
+    /// [`Invalid`] if the fields do not form a valid scene; the message names the point.
     pub fn design(&self, point: u64) -> Result<Design, Invalid> {
         self.designer().design(point)
     }
 
-    /// Makes the designs of many points.
+    /// A [`Designer`] for the designs of many points.
     pub fn designer(&self) -> Designer<'_> {
         Designer { study: self, spec: self.spec.clone() }
     }
 
-    /// What a field is unless it is given; `None` where that is not one number for all points, or hangs on units that are not
-    /// known: a design of the study says so.
+    /// The default of a field; `None` if it is not the same number at all points, or depends on units that
+    /// are not known, which a design of the study reports.
     pub fn default(&self, field: FieldId) -> Option<f64> {
         match field {
             FieldId::Gravity => self.spec(self.sampling.first()).ok()?.standard_gravity().ok()?,
@@ -177,7 +177,8 @@ impl Study {
         }
     }
 
-    /// True if the line of motion rises at a point: then the absorber starts on its lower stop by default.
+    /// True if the line of motion is inclined at some point: then the absorber starts on its lower stop by
+    /// default.
     pub(crate) fn rises(&self) -> bool {
         let fields = [FieldId::Inclination, FieldId::InclinationDeg];
         let given = |field: FieldId| self.spec.get(field).is_some_and(|value| value != 0.0);

@@ -1,7 +1,7 @@
-//! Runs the points of a study in parallel; rows stand in the order of `point`.
+//! Runs the points of a study in parallel; rows are in the order of `point`.
 //!
-//! Each worker takes a chunk of neighbouring points and builds its rows; the chunks are joined in
-//! order. So the tables do not depend on the number of threads or the size of the chunks.
+//! Each worker takes a chunk of consecutive points and builds its rows; the chunks are joined in order. So
+//! the tables do not depend on the number of threads or the size of the chunks.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -29,10 +29,10 @@ use crate::units::UnitSystem;
 /// The tables of a range of points.
 pub type Tables = BTreeMap<Table, RecordBatch>;
 
-/// Why a sweep could not run.
+/// The error for a sweep that could not run.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// A value that the user can mend.
+    /// A value that the user can correct.
     #[error(transparent)]
     Invalid(#[from] Invalid),
     /// The workers could not be started.
@@ -43,19 +43,19 @@ pub enum SweepError {
     Table(#[from] ArrowError),
 }
 
-/// Most worker threads.
+/// Largest number of worker threads.
 pub const MAX_THREADS: usize = 1024;
 
 /// The worker threads of one or more sweeps.
 pub struct Workers(rayon::ThreadPool);
 
 impl Workers {
-    /// Starts `threads` workers; `None`: one a core.
+    /// Starts `threads` workers; `None`: one per core.
     ///
     /// # Errors
     /// [`SweepError`] for a count of zero or beyond [`MAX_THREADS`], or threads that do not start.
     pub fn new(threads: Option<usize>) -> Result<Self, SweepError> {
-        // Without a number rayon would ask the environment, and start any number of threads.
+        // Without a number rayon would read it from the environment, without this limit.
         let cores = || thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
         let threads = threads.unwrap_or_else(cores);
         if !(1..=MAX_THREADS).contains(&threads) {
@@ -75,16 +75,15 @@ impl Workers {
     }
 }
 
-/// How a sweep runs; nothing here changes a row.
+/// How a sweep runs; nothing here changes a result.
 pub struct Control<'a> {
-    /// Who does the work.
+    /// The worker threads.
     pub workers: &'a Workers,
-    /// Points a worker takes at once; `None`: chosen from the range.
+    /// Number of points that a worker takes at once; `None`: chosen from the range.
     pub chunk: Option<usize>,
-    /// Set to stop early: a point under way comes back with outcome `cancelled`, points not begun
-    /// are left out.
+    /// Set it to stop early: points in progress have the outcome `cancelled`, points not begun are left out.
     pub cancel: &'a AtomicBool,
-    /// Called with what was done since the last call, from any worker.
+    /// Called from any worker with the counts since its last call.
     pub progress: &'a (dyn Fn(Done) + Sync),
 }
 
@@ -94,9 +93,9 @@ impl Control<'_> {
     }
 }
 
-/// Most points a worker takes at once unless told otherwise.
+/// Largest default number of points that a worker takes at once.
 const CHUNK: u64 = 256;
-/// Points a worker checks at once, some hundred microseconds' work.
+/// Number of points that a worker checks at once, some hundred microseconds of work.
 const CHECKED: u64 = 4096;
 
 /// Checks every point of a study without running it; a cancelled check ends early. `progress` is
@@ -112,7 +111,7 @@ pub fn validate(
 ) -> Result<(), Invalid> {
     checked(study)?;
     let points = study.points()?;
-    // A cancelled check must find something, or the search would visit every point left.
+    // A cancelled check must return a result, or the search would visit all remaining points.
     let first_fault = |chunk: u64| {
         if cancel.load(Ordering::Relaxed) {
             return Some(None);
@@ -130,7 +129,7 @@ pub fn validate(
     fault.flatten().map_or(Ok(()), Err)
 }
 
-/// Checks what a study says as a whole.
+/// Checks a study as a whole, without its points.
 fn checked(study: &Study) -> Result<(), Invalid> {
     study.spec.distinct()?;
     study.sampling.check(study.spec.choices().kind)
@@ -147,7 +146,8 @@ pub fn sweep(
 ) -> Result<Tables, SweepError> {
     let units = study.units()?;
     let length = points.end.saturating_sub(points.start);
-    // Some chunks a worker, so that a small grid keeps all of them busy; each costs lanes that run dry in the end.
+    // Several chunks per worker, so that a small grid keeps all workers busy. Lanes become idle at the end of
+    // each chunk.
     let share = match control.workers.count() as u64 {
         1 => length,
         workers => length.div_ceil(8 * workers),
@@ -212,7 +212,7 @@ fn run_chunk(
 
 type Builders = BTreeMap<Table, TableBuilder>;
 
-/// Empty tables, each with room for so many rows.
+/// Empty tables, each with room for this number of rows.
 fn builders(study: &Study, units: UnitSystem, rows: usize) -> Builders {
     let tables = study.tables.iter().filter(|table| Table::SWEEP.contains(table));
     tables.map(|&table| (table, TableBuilder::new(schema_in(study, table, units), rows))).collect()
@@ -222,8 +222,8 @@ fn finish(builders: Builders) -> Result<Tables, SweepError> {
     builders.into_iter().map(|(table, builder)| Ok((table, builder.finish()?))).collect()
 }
 
-/// Runs a study of one point, which asks for its summary, on the calling thread if that takes no more
-/// than `work` stretches of motion; `None`: it takes more, or is to be compared with a run without absorber.
+/// Runs a study of one point, with its summary, on the calling thread if that takes no more than `work`
+/// stretches of motion. `None`: it takes more, or it is in the fast tier or under several forces.
 ///
 /// # Errors
 /// [`SweepError`] for an invalid point.

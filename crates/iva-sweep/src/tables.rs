@@ -18,20 +18,20 @@ use crate::slot::Slot;
 use crate::study::{Study, Table};
 use crate::units::UnitSystem;
 
-/// Signs and frames of every table, kept in its metadata.
+/// Sign conventions and reference frames, written to the metadata of every table.
 pub const SIGN_CONVENTIONS: &str = "displacement: primary system, positive in the direction of \
      the + wall; gap displacement y = absorber - primary, walls at y = +d and y = -d with d the \
      one-sided clearance; gap velocity w = dy/dt; approach velocity: w just before an impact; \
      absorber velocities: primary velocity + w; on a moving base all are relative to it; pendulum: y = b sin(angle) with b from pivot to contact, angle from the \
      hanging position, in [-π, π], absorber velocities those of its centre of mass";
 
-/// The Arrow schema of a table of a study, as its files carry it.
+/// The Arrow schema of a table of a study, as written to its files.
 ///
-/// Columns: `point`, in the summary the swept parameters by the names of the study, then
-/// [`columns`], without one that is swept. Field metadata: `unit`, `description`. Schema metadata: `iva.schema_version`,
+/// Columns: `point`, in the summary the swept parameters under the names of the study, then [`columns`],
+/// except swept ones. Field metadata: `unit`, `description`. Schema metadata: `iva.schema_version`,
 /// `iva.version`, `iva.table`, `iva.units` (si, seconds or natural), `iva.units_sentence`,
-/// `iva.sign_conventions`, `iva.swept` (comma-separated keys), `iva.study` (a digest: files with
-/// different ones are of different studies), `iva.points` (points of the whole study).
+/// `iva.sign_conventions`, `iva.swept` (comma-separated keys), `iva.study` (a digest: files with different
+/// digests belong to different studies), `iva.points` (number of points of the whole study).
 ///
 /// # Errors
 /// As [`Study::units`].
@@ -43,15 +43,16 @@ pub fn schema(study: &Study, table: Table, identity: Identity) -> Result<SchemaR
     Ok(Arc::new(Schema::new_with_metadata(schema.fields().clone(), metadata)))
 }
 
-/// The last column of a summary of derivatives; null where no instant is too sensitive.
+/// Name of the last column of a summary of derivatives; its value is null if the motion is never too
+/// sensitive.
 pub(crate) const SENSITIVE_FROM: &str = "sensitive_from";
 
-/// What stands in the places of the numbers of a table.
+/// The kind of numbers in a table that does not hold values.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Content {
-    /// Errors of the numbers, in their units.
+    /// Errors of the values, in their units.
     Errors,
-    /// Their derivatives by a field, as the user named it.
+    /// Derivatives of the values with respect to a field; `key` is its name as the user wrote it.
     Derivatives { by: Slot, key: String },
 }
 
@@ -74,8 +75,8 @@ impl Content {
     }
 }
 
-/// The schema of a table that holds something else than values in the places of numbers; it says what in
-/// its metadata under `iva.content`.
+/// The schema of a table with errors or derivatives in place of values, named in its metadata under
+/// `iva.content`.
 ///
 /// # Errors
 /// As [`Study::units`].
@@ -177,7 +178,7 @@ pub(crate) enum Cell<R = f64> {
     Null,
 }
 
-/// A word of the program, or one that a run makes.
+/// A text for a cell: constant, or made by a run and possibly missing.
 pub(crate) trait Word {
     fn word(self) -> Option<Cow<'static, str>>;
 }
@@ -194,7 +195,7 @@ impl Word for Option<String> {
     }
 }
 
-/// A value that may be missing, of the type of its column.
+/// Cells from values that may be missing.
 impl<R> Cell<R> {
     pub fn number(value: impl Into<Option<R>>, scaled: impl Fn(R) -> R) -> Self {
         value.into().map_or(Self::Null, |value| Self::Number(scaled(value)))
@@ -217,7 +218,7 @@ impl<R> Cell<R> {
     }
 }
 
-/// A cell of a quantity from a value in natural units, which may be missing.
+/// The cell of a quantity, from a value in natural units that may be missing.
 macro_rules! cell {
     (Text, $scale:expr, $value:expr) => {
         $crate::tables::Cell::text($value)
@@ -243,13 +244,13 @@ macro_rules! cell {
     (Energy, $scale:expr, $value:expr) => {
         $crate::tables::Cell::number($value, |it| $scale.energy(it))
     };
-    // Lengths are carried in the user's unit, and gravity is as it was given.
+    // Lengths are in the user's unit already, and gravity is as given.
     ($quantity:ident, $scale:expr, $value:expr) => {
         $crate::tables::Cell::number($value, |it| it)
     };
 }
 
-/// A function for each entry of a table, which makes its cell of a row.
+/// The functions that compute the cells of a row, one for each entry of a table.
 macro_rules! cells {
     ($($name:literal $quantity:ident $([$($group:ident)*])? |$row:ident| $value:expr, $help:literal;)*) => {
         [$(|$row| $crate::tables::cell!($quantity, $row.scale, $value)),*]
@@ -278,11 +279,11 @@ impl Builder {
         }
     }
 
-    /// Takes a cell; `Err`: it is of another type than the column.
+    /// Appends a cell; `Err` if its type is not that of the column.
     fn push(&mut self, cell: Cell) -> Result<(), Cell> {
         match (self, cell) {
             (Self::Point(column), Cell::Point(value)) => column.append_value(value),
-            // A sum with +0 is the value itself, but of -0 it is 0: nobody wants to read "-0".
+            // Adding +0 leaves every value unchanged except −0, which becomes 0 and so prints without a sign.
             (Self::Number(column), Cell::Number(value)) => column.append_value(value + 0.0),
             (Self::Count(column), Cell::Count(value)) => {
                 column.append_option(i64::try_from(value).ok());
@@ -317,19 +318,20 @@ pub(crate) struct TableBuilder {
     schema: SchemaRef,
     builders: Vec<Builder>,
     rows: usize,
-    /// The first row that does not fit its columns: a fault of the program, told when the table is finished.
+    /// Description of the first row that does not fit its columns, a bug; reported when the table is
+    /// finished.
     fault: Option<String>,
 }
 
 impl TableBuilder {
-    /// An empty table with room for so many rows.
+    /// An empty table with room for this number of rows.
     pub fn new(schema: SchemaRef, rows: usize) -> Self {
         let builder = |field: &Arc<Field>| Builder::new(field.data_type(), rows);
         let builders = schema.fields().iter().map(builder).collect();
         Self { schema, builders, rows: 0, fault: None }
     }
 
-    /// Adds a row: a cell for each column.
+    /// Adds a row with one cell for each column.
     pub fn row(&mut self, cells: impl IntoIterator<Item = Cell>) {
         let mut cells = cells.into_iter();
         for (index, builder) in self.builders.iter_mut().enumerate() {
@@ -366,7 +368,7 @@ impl TableBuilder {
 mod tests {
     use super::*;
 
-    /// What became of a row of an impact number and a time.
+    /// Builds a table of a count and a number with the given second row.
     fn finished(cells: Vec<Cell>) -> Result<RecordBatch, String> {
         let fields = [DataType::Int64, DataType::Float64]
             .map(|data_type| Field::new(data_type.to_string(), data_type, true));

@@ -1,4 +1,4 @@
-//! Exact steady states of a scene as given, see [`iva_core::theory`].
+//! Exact steady states of a given scene, see [`iva_core::theory`].
 
 use iva_core::error::{Invalid, number};
 pub use iva_core::theory::{Complex, MasriCaughey, Orbit, SlowManifold};
@@ -12,12 +12,12 @@ use crate::engine::{forces, free_mass};
 use crate::fields::FieldId;
 use crate::units::Scale;
 
-/// A theory's answer in natural units, and the way back to the user's.
+/// The result of a theory in natural units, with the scale to the user's units.
 #[derive(Debug, Clone, Copy)]
 pub struct Answer<T> {
-    /// What the theory says.
+    /// The result of the theory.
     pub theory: T,
-    /// From natural units to the user's.
+    /// Factors from natural units to the user's.
     pub scale: Scale,
     /// Phase of the force as given, in rad.
     pub phase: f64,
@@ -55,10 +55,10 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     }
 }
 
-/// The symmetric motions with two impacts a cycle under the one harmonic force of a spec.
+/// The symmetric motions with two impacts a cycle under the harmonic force of a spec.
 ///
 /// # Errors
-/// [`Invalid`] if something is missing, or the theory has no answer for it.
+/// [`Invalid`] if something is missing, or the theory does not apply.
 pub fn masri_caughey(spec: &Spec) -> Result<Answer<MasriCaughey>, Invalid> {
     let (common, scale) = common(spec)?;
     let sum = forces::force(&Given::new(spec), &scale, spec.units()?)?;

@@ -1,17 +1,17 @@
-//! Units of inputs and results, in three cases that never mix.
+//! Units of inputs and results, in three systems that are never mixed.
 //!
-//! The core computes with time in 1/ωn and energy per primary mass; a
-//! [`Scale`] turns its numbers into the user's. Lengths are never rescaled.
+//! The core computes with time in 1/ωn and energy per primary mass; a [`Scale`] converts its results to the
+//! user's units. Lengths are not scaled.
 
 use crate::fields::Quantity;
 
 pub use crate::engine::scale::Scale;
 
-/// Standard acceleration of gravity in m/s² (CGPM 1901): the unit g of records, and what is taken in SI units where
-/// no gravity is given.
+/// Standard acceleration of gravity in m/s² (CGPM 1901): the unit g of records, and the default of gravity in
+/// SI units.
 pub const STANDARD_GRAVITY: f64 = 9.806_65;
 
-/// Which units the numbers of a study carry.
+/// The unit system of the numbers of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitSystem {
     /// Mass and stiffness (or frequency) are given: kg, N/m, N s/m, m, s, J.
@@ -64,7 +64,7 @@ impl UnitSystem {
         }
     }
 
-    /// One sentence for `repr`, reports and file metadata.
+    /// One sentence on the units, for `repr`, reports and file metadata.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Si => "SI units: kg, N/m, N s/m, m, s, J",

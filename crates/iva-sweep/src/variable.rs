@@ -1,4 +1,4 @@
-//! A swept quantity that is drawn from a distribution.
+//! A swept quantity whose values are drawn from a distribution.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::error::number;
 use crate::fields::{Allowed, nearest};
 use crate::slot::Slot;
 
-/// The distributions with their numbers: those that must be given, then those that may be.
+/// The distributions with the names of their required parameters and of their optional ones.
 pub const DISTRIBUTIONS: [(&str, &[&str], &[&str]); 3] = [
     ("uniform", &["low", "high"], &[]),
     ("normal", &["mean", "deviation"], &["low", "high"]),
@@ -28,11 +28,11 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// Reads the key, the name of the distribution and its numbers.
+    /// Reads the key, the name of the distribution and its parameters.
     ///
     /// # Errors
-    /// [`Invalid`] for an unknown key, distribution or number, for one that is missing, and for
-    /// numbers that make no distribution.
+    /// [`Invalid`] for an unknown key, distribution or parameter, for a missing parameter, and for parameters
+    /// out of range.
     pub fn new(key: &str, name: &str, given: &BTreeMap<String, f64>) -> Result<Self, Invalid> {
         let slot = Slot::from_key(key)?;
         let field = |name: &str| format!("sweep.{key}.{name}");
@@ -84,7 +84,7 @@ impl Variable {
         Ok(Self { key: key.to_owned(), slot, distribution })
     }
 
-    /// Name of the distribution, and its numbers: infinite bounds are none.
+    /// Name of the distribution and its parameters, without infinite bounds.
     pub fn given(&self) -> (&'static str, Vec<(&'static str, f64)>) {
         let (name, all) = match self.distribution {
             Distribution::Uniform { low, high } => ("uniform", vec![("low", low), ("high", high)]),

@@ -1,10 +1,10 @@
-//! The true errors of a run: it is run again in numbers of twice the precision, and the rows are
-//! laid side by side.
+//! The true errors of a run: the run is repeated in numbers of twice the precision, and the rows are
+//! compared.
 //!
-//! The second run is the same source in other numbers ([`iva_core::real::twofold`]), fed with the same doubles,
-//! a pendulum at full accuracy whatever tolerance was given. Its own errors are some 1e-20: what is left
-//! between the two is the error of the first, conversion of units included. A mistake in the method
-//! both would share; that is for the tests against independent programs.
+//! The second run is the same code with another number type ([`iva_core::real::twofold`]) and the same
+//! doubles as input. A pendulum runs at full accuracy whatever tolerance was given. The errors of the second
+//! run are some 1e-20, so the difference of the two is the error of the first, conversion of units included.
+//! A mistake in the method would affect both; tests against independent programs would find it.
 
 use std::sync::atomic::AtomicBool;
 
@@ -23,32 +23,32 @@ use iva_core::real::Real;
 use iva_core::real::twofold::Twofold;
 use iva_core::system::System;
 
-/// What a verification found.
+/// The results of a verification.
 #[derive(Debug, Clone)]
 pub struct Verification {
-    /// The tables of the run with the errors of their numbers in the places of these: value minus
-    /// truth, null where there is none, or where the runs no longer agree in what happens. All else is
-    /// as in the run.
+    /// The tables of the run with the errors of their numbers in place of the numbers: value minus truth;
+    /// null where there is no number, or where the two runs no longer have the same events. All other cells
+    /// are those of the run.
     pub errors: Tables,
-    /// One for each of these tables.
+    /// One finding for each of these tables.
     pub findings: Vec<Finding>,
 }
 
-/// What a verification found of one table.
+/// The results of a verification for one table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Finding {
     /// The table.
     pub table: Table,
-    /// Its rows in the run, and in the second run.
+    /// Number of its rows in the run, and in the second run.
     pub rows: [usize; 2],
-    /// How many of them tell of the same events, counted from the first.
+    /// Number of rows, from the first on, that describe the same events in both runs.
     pub alike: usize,
-    /// The largest error among these, and its column.
+    /// The largest error in these rows, and its column.
     pub largest: Option<(f64, &'static str)>,
 }
 
 impl Finding {
-    /// True if both runs have the same rows but for the errors of their numbers.
+    /// True if both runs have the same rows, apart from the errors of their numbers.
     pub fn agrees(&self) -> bool {
         self.rows == [self.alike; 2]
     }
@@ -87,7 +87,7 @@ pub fn verify(study: &Study, cancel: &AtomicBool) -> Result<Verification, SweepE
 
 impl Finding {
     fn take(&mut self, error: f64, place: usize) {
-        // The first cell is the point.
+        // The first cell is `point`, which has no column.
         let name = columns(self.table)[place - 1].name;
         if self.largest.is_none_or(|(largest, _)| error.abs() > largest) {
             self.largest = Some((error.abs(), name));
@@ -95,7 +95,7 @@ impl Finding {
     }
 }
 
-/// A number's error; any other cell as it is.
+/// The error of a number; any other cell unchanged.
 fn error(cell: &Cell, truth: Option<&Cell<Twofold>>) -> Cell {
     match (cell, truth) {
         (Cell::Number(value), Some(Cell::Number(truth))) => {
@@ -106,8 +106,8 @@ fn error(cell: &Cell, truth: Option<&Cell<Twofold>>) -> Cell {
     }
 }
 
-/// True if two rows tell of the same events: where one has a number, a wall or a word, so has the other. The second run is
-/// exact whatever tier made the first.
+/// True if two rows describe the same events: their cells have the same types and nulls, and are equal unless
+/// they are numbers. The column `tier` may differ, because the second run is always exact.
 fn alike(table: Table, a: &[Cell], b: &[Cell<Twofold>]) -> bool {
     let is_tier = |place: usize| place > 0 && columns(table)[place - 1].name == "tier";
     a.iter().zip(b).enumerate().all(|(place, cells)| match cells {

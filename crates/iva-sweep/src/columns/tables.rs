@@ -1,14 +1,14 @@
-//! The tables: of each column name, quantity, meaning, and the value that it has in a row.
+//! The entries of the tables: name, quantity and meaning of each column, and the value of its cell in a row.
 //!
 //! A new column is one entry here, at the end of its table. The first word after the name is the
-//! [`Quantity`](crate::fields::Quantity), which gives the type of the cell, its unit and the way there from natural
-//! units. In `summary` follow the [`Group`](super::Group) that it is computed with and, of a measure that points can
-//! be ranked by, which end is the [`Better`](super::Better) one.
+//! [`Quantity`](crate::fields::Quantity), which determines the type of the cell, its unit and the conversion
+//! from natural units. In `summary` follow the [`Group`](super::Group) that it is computed with and, for a
+//! measure that points can be ranked by, whether smaller or larger is [`Better`](super::Better).
 //!
-//! Each table is a macro that hands its entries to another one: `described!` makes the descriptions of them,
-//! `cells!` the functions that read a row ([`crate::engine::rows`]), in numbers of each kind.
+//! Each table is a macro that passes its entries to another macro: `described!` makes their descriptions,
+//! `cells!` the functions that compute the cells of a row ([`crate::engine::rows`]), for any number type.
 
-/// Columns of `summary` after `point`: one row a point.
+/// Columns of `summary` after `point`: one row per point.
 macro_rules! summary {
     ($build:ident) => {
         $build! {
@@ -98,7 +98,7 @@ macro_rules! summary {
     };
 }
 
-/// Columns of `impacts` after `point`: one row an impact.
+/// Columns of `impacts` after `point`: one row per impact.
 macro_rules! impacts {
     ($build:ident) => {
         $build! {
@@ -140,7 +140,8 @@ macro_rules! impacts {
     };
 }
 
-/// Columns of `episodes` after `point`: one row a chatter that ends in stick, a plastic stick or a start at rest on a wall.
+/// Columns of `episodes` after `point`: one row per chatter that ends in stick, plastic stick or start at
+/// rest on a wall.
 macro_rules! episodes {
     ($build:ident) => {
         $build! {
@@ -162,7 +163,7 @@ macro_rules! episodes {
     };
 }
 
-/// Columns of `envelope` after `point`: one row a peak of the primary displacement.
+/// Columns of `envelope` after `point`: one row per peak of the primary displacement.
 macro_rules! envelope {
     ($build:ident) => {
         $build! {
@@ -180,7 +181,7 @@ macro_rules! envelope {
     };
 }
 
-/// Columns of `stroboscope` after `point`: one row a cycle of the harmonic force.
+/// Columns of `stroboscope` after `point`: one row per cycle of the harmonic force.
 macro_rules! stroboscope {
     ($build:ident) => {
         $build! {
@@ -204,7 +205,7 @@ macro_rules! stroboscope {
     };
 }
 
-/// Columns of `trajectory` after `point`: one row a sample of the motion.
+/// Columns of `trajectory` after `point`: one row per sample of the motion.
 macro_rules! trajectory {
     ($build:ident) => {
         $build! {
