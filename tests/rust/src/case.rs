@@ -15,9 +15,9 @@ pub struct Case {
     pub clearance: f64,
     /// Damping ratio.
     pub zeta: f64,
-    /// Start.
+    /// State at the start.
     pub start: Start,
-    /// Length of the run.
+    /// Length of the run, in 1/ωn.
     pub duration: f64,
 }
 
@@ -37,7 +37,7 @@ impl Case {
         run(&self.siva(), &self.start, &self.limits()).expect("a valid case")
     }
 
-    /// The same for the oracle.
+    /// The same decay for the oracle.
     pub fn scene(&self) -> Scene {
         let start = &self.start;
         Scene {
@@ -49,7 +49,7 @@ impl Case {
 }
 
 prop_compose! {
-    /// Decays over the whole range of parameters and starts, degenerate ones among them.
+    /// Decays over the whole range of parameters and starts, including degenerate ones.
     pub fn any_case(shortest: f64, longest: f64)(
         mu in (0.01_f64.ln()..3.0_f64.ln()).prop_map(f64::exp),
         e in prop_oneof![8 => 0.0..1.0, 1 => Just(0.0), 1 => Just(1.0)],

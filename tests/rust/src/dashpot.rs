@@ -4,8 +4,8 @@
 //! ẍ + 2ζẋ + x = μγw,    ẇ = −ẍ − γw,    w = ẏ,
 //! ```
 //!
-//! with γ the constant of the dashpot over the absorber's mass. The flight is a power series; impacts are those of
-//! a free mass. States are plain numbers, so that runs are less exact than those of `iva_core::siva`.
+//! with γ the constant of the dashpot over the absorber's mass. The flight is a power series; impacts are
+//! those of a free mass. States are plain numbers, so runs are less accurate than those of `iva_core::siva`.
 
 use iva_core::compensated::DoubleDouble;
 use iva_core::flight::{Curve, GapPoint, Jet, Losses, Motion};
@@ -22,7 +22,8 @@ use nalgebra::{Matrix4, Vector4};
 #[derive(Debug, Clone, Copy)]
 pub struct Dashpot<R = f64>(pub [R; 5]);
 
-/// Structure and gap between events; `side` is ±1, of the wall that distances are measured from.
+/// The state of structure and gap between events; `side` is the sign of the wall that distances are measured
+/// from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<R = f64> {
     x: R,
@@ -38,7 +39,8 @@ fn jet<R: Real>(row: &[R]) -> Jet<R> {
 }
 
 impl<R: Real> Dashpot<R> {
-    /// x, v, w and the distance in powers of time; stuck, of the mass 1 + μ and the pressure s (x + 2ζv).
+    /// Coefficients of x, v, w and the distance in powers of time; if stuck, of the mass 1 + μ, with the
+    /// pressure s (x + 2ζv) in place of the distance.
     fn series<T: Number<Real = R>>(&self, from: &State<R>, stuck: bool) -> [Row<T>; 4] {
         let n = T::from_real;
         let [mu, _, _, zeta, gamma] = self.0.map(n);
@@ -62,14 +64,14 @@ impl<R: Real> Dashpot<R> {
         s
     }
 
-    /// Bounds the rates of x, v and w by the largest of them.
+    /// A bound on the rates of x, v and w, over the largest of them.
     fn growth(&self) -> R {
         let [mu, _, _, zeta, gamma] = self.0;
         R::ONE + zeta * 2.0 + (R::ONE + mu) * gamma
     }
 }
 
-/// The absorber free in its gap, or stuck on a wall.
+/// A flight in the gap, or a stick episode on a wall.
 #[derive(Debug)]
 pub struct Segment<'a, R: Real, const STUCK: bool> {
     system: &'a Dashpot<R>,
@@ -109,7 +111,7 @@ impl<R: Real, const STUCK: bool> Motion for Segment<'_, R, STUCK> {
     }
 }
 
-/// In flight the distance; stuck, the pressure on the wall.
+/// The distance to the wall in flight, the pressure on the wall if stuck.
 impl<R: Real, const STUCK: bool> Curve for Segment<'_, R, STUCK> {
     type Real = R;
     type Sample = State<R>;
@@ -122,7 +124,7 @@ impl<R: Real, const STUCK: bool> Curve for Segment<'_, R, STUCK> {
     fn precise(&self, h: R) -> DoubleDouble<R> {
         horner(&self.system.series::<DoubleDouble<R>>(&self.from, STUCK)[3], DoubleDouble::new(h))
     }
-    /// Within the reach nothing grows to more than e times what it is.
+    /// Within the reach no variable grows by more than the factor e.
     fn fourth(&self) -> R {
         let State { x, v, rate, .. } = self.from;
         x.abs().max(v.abs()).max(rate.abs()) * self.system.growth().powi(5) * 2.72
@@ -189,7 +191,7 @@ impl<R: Real> System for Dashpot<R> {
         (State { distance: R::ZERO, rate: R::ZERO, ..stuck }, impact.energy_loss)
     }
     fn release(&self, state: &State<R>) -> (State<R>, R) {
-        // Where the pressure is 0: written into x.
+        // At the release the pressure is 0; x is set to the displacement for that.
         (State { x: -self.0[3] * 2.0 * state.v, ..*state }, R::ZERO)
     }
     fn primary(&self, state: &State<R>) -> Point<R> {
@@ -223,7 +225,7 @@ impl Differentiable for Dashpot {
 }
 
 impl Dashpot {
-    /// The motion is linear: its derivative is the motion of unit states (x, v, y, w).
+    /// The motion is linear, so its derivative consists of the motions from the unit states of (x, v, y, w).
     fn tangent(&self, h: f64, stuck: bool) -> Matrix4<f64> {
         Matrix4::from_columns(&[0, 1, 2, 3].map(|i| {
             let unit = |j: usize| if i == j { 1.0 } else { 0.0 };

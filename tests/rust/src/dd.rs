@@ -1,8 +1,8 @@
 //! Double-double numbers: a value as the unevaluated sum of two doubles, about 31 decimal digits.
 //!
-//! The truth of these tests is computed with them, so that the error of the truth stays far below
-//! the rounding unit in which the simulator is judged. Error-free sums and products after Dekker
-//! (1971) and Knuth (TAOCP 2, 4.2.2).
+//! The exact values of these tests are computed with them, so that their error stays far below the rounding
+//! unit in which the simulator is judged. Error-free sums and products after Dekker (1971) and Knuth (TAOCP
+//! 2, 4.2.2).
 
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -10,9 +10,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// The number `hi + lo` with `|lo| ≤ ulp(hi)/2`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Dd {
-    /// Leading part: the value rounded to a double.
+    /// High part: the value rounded to a double.
     pub hi: f64,
-    /// What the leading part leaves out.
+    /// Low part: the value minus the high part.
     pub lo: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Absorbers by what drives them: a test that is given one of these is about masses and pendulums alike.
+//! Absorbers as functions of their force, so that one test can be run on free masses and pendulums.
 
 use iva_core::{
     force::Force,
@@ -13,7 +13,7 @@ pub fn mass(mu: f64, e: f64, d: f64, zeta: f64) -> impl Fn(Force) -> Siva<Driven
     move |force| siva.under(force)
 }
 
-/// A pendulum.
+/// A pendulum with these parameters.
 pub fn pendulum(parameters: Parameters) -> impl Fn(Force) -> Piva {
     let piva = Piva::new(parameters).expect("a valid pendulum");
     move |force| piva.clone().under(force)

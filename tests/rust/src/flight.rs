@@ -4,13 +4,13 @@ use crate::dd::Dd;
 
 const TERMS: usize = 28;
 
-/// κ ẍ + 2ζ ẋ + x = 0 from a state, as a power series in the time since then (κ = 1 in flight,
+/// The motion κ ẍ + 2ζ ẋ + x = 0 from a state, as a power series in the time since then (κ = 1 in flight,
 /// κ = 1 + μ while stuck).
 #[derive(Debug, Clone)]
 pub struct Segment {
     /// Taylor coefficients of x.
     pub x: [Dd; TERMS],
-    /// Length on which the series is good to 1e-32 relative to |x| + |ẋ|.
+    /// Length on which the error of the series is below 1e-32 of |x| + |ẋ|.
     pub length: f64,
 }
 
@@ -62,8 +62,8 @@ pub fn free(x: Dd, v: Dd, zeta: Dd, t: Dd) -> (Dd, Dd) {
     }
 }
 
-/// The root of `f` in (`low`, `high`), where its signs differ; `f` returns value and derivative.
-/// Newton's method, kept inside the bracket by bisection.
+/// The root of `f` in (`low`, `high`), where its signs differ; `f` returns value and derivative. Newton's
+/// method, safeguarded by bisection.
 pub fn root(f: impl Fn(Dd) -> (Dd, Dd), mut low: Dd, mut high: Dd) -> Dd {
     let rising = f(high).0 > Dd::ZERO;
     let mut at = (low + high) * 0.5;

@@ -1,5 +1,5 @@
-//! Helpers of the tests that cross rooms: double-double numbers, an independent simulator, the
-//! reference event lists, and the unit in which rounding errors are judged.
+//! Shared code of the tests: double-double numbers, an independent simulator, the reference event lists, and
+//! the unit in which rounding errors are judged.
 //!
 //! The crate holds nothing but tests, so it may panic.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -30,11 +30,11 @@ pub fn units(error: f64, condition: f64, time: f64) -> f64 {
     error.abs() / (U * (condition.max(1.0) + time))
 }
 
-/// The most rounding units that an event time may be off.
+/// Largest error of an event time, in rounding units.
 pub const UNITS_ALLOWED: f64 = 6.0;
 
-/// Settings of the property tests: a fixed seed, so that a failure is the same for everybody
-/// (`PROPTEST_RNG_SEED` and `PROPTEST_CASES` choose others).
+/// Settings of the property tests with a fixed seed, so that failures are reproducible (`PROPTEST_RNG_SEED`
+/// and `PROPTEST_CASES` override them).
 pub fn cases(cases: u32) -> Config {
     let mut config = Config { failure_persistence: None, ..Config::default() };
     if std::env::var_os("PROPTEST_CASES").is_none() {
@@ -46,7 +46,7 @@ pub fn cases(cases: u32) -> Config {
     config
 }
 
-/// As [`cases`], for properties that throw most of the random inputs away.
+/// As [`cases`], for properties that reject most of the random inputs.
 pub fn rejecting(count: u32) -> Config {
     let config = cases(count);
     Config { max_global_rejects: config.cases.saturating_mul(100), ..config }

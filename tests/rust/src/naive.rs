@@ -1,8 +1,8 @@
-//! A second opinion: the absorbers as one would write them in an afternoon. Runge–Kutta steps of a
-//! fixed length on the equations of motion, bisection where the gap closes, the impact law. It shares
-//! no line with the simulator, knows no stick and misses what lies between two steps.
+//! An independent simulator in the simplest form: Runge–Kutta steps of a fixed length on the equations of
+//! motion, bisection where the gap closes, the impact law. It shares no code with the simulator under test,
+//! has no stick episodes and misses contacts between two steps.
 
-/// How the absorber is held.
+/// The kind of absorber.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Absorber {
     /// A free mass.
@@ -11,23 +11,24 @@ pub enum Absorber {
     Pendulum {
         /// L, from the pivot to the centre of mass.
         length: f64,
-        /// b, from the pivot to the point of contact.
+        /// L, the distance from the pivot to the centre of mass.
         contact: f64,
-        /// κ = I/(m L²).
+        /// b, the distance from the pivot to the point of contact.
         inertia: f64,
         /// r = ωp/ωn.
         frequency_ratio: f64,
-        /// sinθ and cosθ, or θ and 1.
+        /// True for the exact equations with sinθ and cosθ, false for small angles.
         large_angles: bool,
     },
 }
 
-/// amplitude · cos(frequency t + phase), as f/M on the primary or as acceleration of the base.
+/// A harmonic excitation amplitude · cos(frequency t + phase), f/M on the primary or acceleration of the
+/// base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
-    /// f/M or a_g.
+    /// Amplitude of f/M or a_g.
     pub amplitude: f64,
-    /// Ω.
+    /// Angular frequency Ω in ωn.
     pub frequency: f64,
     /// Phase at time zero.
     pub phase: f64,
@@ -38,31 +39,31 @@ pub struct Drive {
 /// A scene in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scene {
-    /// μ.
+    /// Mass ratio μ.
     pub mass_ratio: f64,
-    /// e.
+    /// Restitution e.
     pub restitution: f64,
-    /// d.
+    /// One-sided clearance d.
     pub clearance: f64,
-    /// ζ.
+    /// Damping ratio ζ.
     pub damping_ratio: f64,
     /// The absorber.
     pub absorber: Absorber,
-    /// What drives it.
+    /// The excitation; `None` for free decay.
     pub drive: Option<Drive>,
     /// x, ẋ, y, w at time zero.
     pub start: [f64; 4],
-    /// Length of the run.
+    /// Length of the run, in 1/ωn.
     pub duration: f64,
 }
 
-/// x, ẋ, and x₁, ẋ₁ of the mass or θ, θ̇ of the pendulum.
+/// x and ẋ, and x₁ and ẋ₁ of a free mass or θ and θ̇ of a pendulum.
 type State = [f64; 4];
 
 /// An impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impact {
-    /// When.
+    /// Instant, in 1/ωn.
     pub time: f64,
     /// Wall, ±1.
     pub wall: f64,
@@ -70,14 +71,14 @@ pub struct Impact {
     pub velocities: [f64; 4],
 }
 
-/// A run up to its end, or to where this method has no say any more.
+/// A run up to its end, or to where this method is no longer reliable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     /// Its impacts.
     pub impacts: Vec<Impact>,
-    /// When it ended.
+    /// Instant at which it ended, in 1/ωn.
     pub end: f64,
-    /// x, ẋ, y, w then.
+    /// x, ẋ, y, w at that instant.
     pub last: [f64; 4],
 }
 
@@ -153,8 +154,8 @@ impl Scene {
         }
     }
 
-    /// Runs in steps of `h`. It ends early before an impact slower than `low`, and before an extremum
-    /// of the gap displacement nearer than `margin` to a wall.
+    /// Runs in steps of `h`. The run ends early before an impact slower than `low`, and before an extremum of
+    /// the gap displacement closer than `margin` to a wall.
     pub fn run(&self, h: f64, low: f64, margin: f64) -> Run {
         let d = self.clearance;
         let outside = |state: State| self.gap(state)[0].abs() > d;

@@ -1,11 +1,11 @@
-//! An independent simulator of the SIVA in double-double: slow, plain, complete.
+//! An independent simulator of the SIVA in double-double: slow, simple, complete.
 //!
-//! It shares nothing with the simulator under test. Flight is the power series on segments of half
-//! a radian at most. In a segment the zeros of ẍ, then those of the gap velocity, cut the motion into
-//! pieces on which the gap is monotone (ẍ has at most one zero in half a radian), so a change of
-//! sign of the distance to a wall over a piece is a contact, and no contact can hide. The
-//! distance to the wall last touched is carried as such, so that a rebound however low is resolved.
-//! Chatter is followed until what is left is below 1e-19 in time; then the absorber sticks.
+//! It shares no code with the simulator under test. A flight is the power series on segments of half a radian
+//! at most. In a segment the zeros of ẍ, then those of the gap velocity, divide the motion into pieces on
+//! which the gap displacement is monotonic (ẍ has at most one zero in half a radian). So a change of sign of
+//! the distance to a wall over a piece is a contact, and no contact is missed. The distance to the wall last
+//! touched is a variable of its own, so that the lowest rebound is resolved. A chatter is followed until the
+//! time that remains of it is known to within 1e-19; then the absorber sticks.
 
 use crate::{
     dd::Dd,
@@ -27,7 +27,7 @@ pub struct Scene {
     pub damping_ratio: Dd,
     /// Displacement, velocity, gap displacement, gap velocity at time zero.
     pub start: [Dd; 4],
-    /// Length of the run.
+    /// Length of the run, in 1/ωn.
     pub duration: f64,
 }
 
@@ -61,14 +61,14 @@ impl Scene {
     }
 }
 
-/// What happens at an event.
+/// The kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Contact and jump.
     Impact,
-    /// The absorber begins to ride on the wall.
+    /// The absorber sticks to the wall.
     Stick,
-    /// It leaves the wall.
+    /// The absorber leaves the wall.
     Release,
 }
 
@@ -77,29 +77,30 @@ pub enum Kind {
 pub struct Event {
     /// Kind of the event.
     pub kind: Kind,
-    /// When.
+    /// Instant, in 1/ωn.
     pub time: Dd,
     /// Wall, ±1.
     pub wall: f64,
     /// Displacement of the primary system.
     pub displacement: Dd,
-    /// Its velocity before and after.
+    /// Velocity of the primary before and after.
     pub velocity: [Dd; 2],
     /// Gap velocity before and after.
     pub gap_velocity: [Dd; 2],
 }
 
-/// Size of the changes by which conditions are measured: far above the rounding of
-/// double-double, far below anything that bends.
+/// Size of the changes by which conditions are measured: far above the rounding of double-double, far below
+/// any nonlinearity.
 const CHANGE: f64 = 8.470_329_472_543_003e-22; // 2^-70
 
-/// Changed runs per condition number.
+/// Number of changed runs per condition number.
 const RUNS: u64 = 8;
 
 struct Noise(Option<(Rng, f64)>);
 
 impl Noise {
-    /// `value` changed by ±size · max(1, |value|): relative above 1, as the reference conditions.
+    /// `value` changed by ±size · max(1, |value|): relatively for |value| > 1, as for the reference
+    /// conditions.
     fn input(&mut self, value: Dd) -> Dd {
         match &mut self.0 {
             Some((rng, size)) => value + rng.sign() * *size * value.hi.abs().max(1.0),
@@ -116,15 +117,14 @@ impl Noise {
     }
 }
 
-/// All events of a scene up to its duration, in order. Stops after `most` events.
+/// All events of a scene up to its duration, in order, at most `most` of them.
 pub fn events(scene: &Scene, most: usize) -> Vec<Event> {
     simulate(scene, most, &mut Noise(None))
 }
 
-/// For every number that `measure` reads off an event list, how much it moves per unit change of
-/// the inputs and of every state after an impact (all at once, signs at random, the largest of
-/// `RUNS` runs): the factor by which rounding errors are amplified. Infinite where the changed runs
-/// have other events.
+/// For every number that `measure` takes from an event list, its change per unit change of the inputs and of
+/// every state after an impact (all at once, signs at random, the largest of `RUNS` runs): the factor by
+/// which rounding errors are amplified. Infinite where the changed runs have other events.
 pub fn conditions(scene: &Scene, truth: &[Event], measure: impl Fn(&Event) -> Dd) -> Vec<f64> {
     let mut worst = vec![0.0_f64; truth.len()];
     for run in 0..RUNS {
@@ -144,9 +144,8 @@ pub fn conditions(scene: &Scene, truth: &[Event], measure: impl Fn(&Event) -> Dd
     worst
 }
 
-/// The first event from which on changes of sixteen roundings (2⁻⁴⁹, applied as for
-/// [`conditions`]) may give other events: what double precision cannot know. The number of events
-/// if there is none.
+/// Index of the first event from which on changes of sixteen roundings (2⁻⁴⁹, applied as in [`conditions`])
+/// may give other events, so that double precision cannot decide them. The number of events if there is none.
 pub fn fragile_from(scene: &Scene, truth: &[Event]) -> usize {
     let size = 16.0 * f64::EPSILON / 2.0;
     (0..2 * RUNS)
@@ -172,7 +171,7 @@ struct Walk {
     distance: Dd,
     rate: Dd,
     wall: f64,
-    /// Just released: the second derivative of the distance is zero by definition.
+    /// True just after a release, where the second derivative of the distance is zero by definition.
     released: bool,
 }
 
@@ -198,7 +197,7 @@ fn simulate(scene: &Scene, most: usize, noise: &mut Noise) -> Vec<Event> {
     };
     let share = mu / (mu + 1.0);
     let mut list = Vec::new();
-    // A start on a wall is met here as after an impact: moving into it, or at rest on it.
+    // A start on a wall is treated like the state after an impact: moving into the wall, or at rest on it.
     let mut touching = on_wall;
     loop {
         if touching && walk.rate.hi < 0.0 {
@@ -245,8 +244,8 @@ fn impact(walk: &mut Walk, list: &mut Vec<Event>, share: Dd, e: Dd, noise: &mut 
     walk.released = false;
 }
 
-/// Whether the absorber, touching the wall, stays: at rest and pressed, or in a chatter of which
-/// less than 1e-19 of time is uncertain. Then the state becomes the stuck one.
+/// Whether the absorber, touching the wall, sticks: at rest and pressed, or in a chatter whose duration is
+/// known to within 1e-19. Then the state becomes the stuck one.
 fn sticks(walk: &mut Walk, list: &mut Vec<Event>, scene: &Scene, share: Dd, e: Dd) -> bool {
     let zeta = scene.damping_ratio;
     let a = acceleration(walk, zeta);
@@ -261,7 +260,7 @@ fn sticks(walk: &mut Walk, list: &mut Vec<Event>, scene: &Scene, share: Dd, e: D
         if e.hi >= 1.0 {
             return false;
         }
-        // first order: 2u/(A(1−e)); second order relative to it: (|J|u/A² + 4ζu/A)/(1−e)
+        // First order: 2u/(A(1−e)); second order relative to it: (|J|u/A² + 4ζu/A)/(1−e).
         tail = walk.rate * 2.0 / (press * (Dd::ONE - e));
         let bend = (jerk.hi.abs() * walk.rate.hi / (press.hi * press.hi)
             + 4.0 * zeta.hi * walk.rate.hi / press.hi)
@@ -273,7 +272,7 @@ fn sticks(walk: &mut Walk, list: &mut Vec<Event>, scene: &Scene, share: Dd, e: D
     let gap = -(walk.rate * walk.wall);
     let together = walk.v + share * gap;
     walk.time = walk.time + tail;
-    // x and the common velocity run on over the tail as stuck motion does
+    // Over the tail x and the common velocity follow the stuck motion.
     let segment = Segment::new(walk.x, together, zeta, Dd::ONE / (Dd::ONE - share));
     let (x, v, _) = segment.at(tail);
     list.push(Event {
@@ -288,7 +287,7 @@ fn sticks(walk: &mut Walk, list: &mut Vec<Event>, scene: &Scene, share: Dd, e: D
     true
 }
 
-/// Rides on the wall until ẍ changes sign; `None` when the run ends first.
+/// Follows a stick episode until ẍ changes sign; `None` if the run ends first.
 fn release(walk: &mut Walk, list: &mut Vec<Event>, scene: &Scene, mu: Dd) -> Option<()> {
     let pressing = -walk.wall;
     loop {
@@ -331,8 +330,8 @@ fn release(walk: &mut Walk, list: &mut Vec<Event>, scene: &Scene, mu: Dd) -> Opt
     }
 }
 
-/// Distance to the wall last touched, its rate and second derivative, `h` after the start of a
-/// segment; relative accuracy however short `h`.
+/// Distance to the wall last touched, its rate and second derivative, `h` after the start of a segment, with
+/// relative accuracy for any small `h`.
 struct Gap {
     c: Vec<Dd>,
 }
@@ -362,7 +361,7 @@ impl Gap {
         out
     }
 
-    /// A zero of derivative `order` in (p, q) if its sign differs there.
+    /// A zero of the derivative of this order in (p, q), if its sign differs at the ends.
     fn turn(&self, order: usize, p: Dd, q: Dd) -> Option<Dd> {
         let (at_p, at_q) = (self.at(p)[order], self.at(q)[order]);
         if at_p.hi * at_q.hi >= 0.0 {
@@ -384,8 +383,7 @@ impl Gap {
     }
 }
 
-/// Flies to the next contact, whose wall becomes the wall of the walk; false when the run ends
-/// first.
+/// Flies to the next contact, whose wall becomes the wall of the walk; false if the run ends first.
 fn fly(walk: &mut Walk, scene: &Scene, d: Dd) -> bool {
     loop {
         let left = Dd::from(scene.duration) - walk.time;
@@ -429,7 +427,7 @@ fn fly(walk: &mut Walk, scene: &Scene, d: Dd) -> bool {
             let rate = gap.at(h)[1];
             walk.time = walk.time + h;
             (walk.x, walk.v) = (x, v);
-            // seen from the wall that is hit
+            // The rate of the distance to the wall that is hit.
             walk.rate = if wall == walk.wall { rate } else { -rate };
             walk.wall = wall;
             return true;

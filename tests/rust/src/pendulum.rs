@@ -1,17 +1,17 @@
 //! The pendulum absorber between walls in double-double: an independent Taylor series.
 //!
-//! Variables are the angle θ, its rate, sinθ and cosθ, and the two accelerations follow from the 2 × 2
-//! equations of motion as they stand (Lagrange), solved for the newest coefficients; the simulator
-//! works with y = b sinθ, W = b θ̇ and momentum instead.
+//! The variables are the angle θ, its rate, sinθ and cosθ. The two accelerations follow from Lagrange's 2 × 2
+//! equations of motion, solved for the newest coefficients; the simulator under test works with y = b sinθ,
+//! W = b θ̇ and momentum instead.
 
 use crate::dd::Dd;
 use iva_core::piva::Parameters;
 
 const TERMS: usize = 30;
-/// Length of a segment, short against every time scale of the tests.
+/// Length of a segment in 1/ωn, short against every time scale of the tests.
 const STEP: f64 = 0.1;
 
-/// x, ẋ, θ, θ̇.
+/// The state x, ẋ, θ, θ̇.
 pub type Swing = [Dd; 4];
 
 /// One segment: Taylor coefficients of x, ẋ, θ, θ̇ and sinθ.
@@ -29,11 +29,11 @@ fn product(a: &[Dd; TERMS], b: &[Dd; TERMS], k: usize) -> Dd {
     (0..=k).fold(Dd::ZERO, |sum, i| sum + a[i] * b[k - i])
 }
 
-/// sinθ and cosθ by their series, halving the angle first.
+/// Sine and cosine by their series at a 1024th of the angle, and ten doublings.
 pub fn sine_cosine(angle: Dd) -> (Dd, Dd) {
     let small = angle / 1024.0;
     let square = small * small;
-    // 1 − cos and sin of the small angle
+    // 1 − cos and sin of the small angle.
     let (mut versine, mut sine) = (Dd::ZERO, Dd::ZERO);
     for k in (1..=12).rev() {
         let n = (2 * k) as f64;
@@ -114,7 +114,7 @@ impl Segment {
     }
 }
 
-/// The state at a time, in free swing.
+/// The state after a time of free swing.
 pub fn swing(p: &Parameters, start: Swing, time: f64) -> Swing {
     let mut state = start;
     let mut left = Dd::from(time);

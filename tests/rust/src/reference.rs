@@ -1,5 +1,5 @@
-//! The reference event lists of `tests/reference` (its README tells where they come from and what
-//! the fields mean).
+//! The reference event lists of `tests/reference`, whose README gives their origin and the meaning of the
+//! fields.
 
 use std::collections::BTreeMap;
 
@@ -19,15 +19,15 @@ use serde_json::Value;
 pub struct Expected {
     /// Kind of the event.
     pub kind: Kind,
-    /// When.
+    /// Instant, in 1/ωn.
     pub time: Dd,
     /// Wall, ±1.
     pub wall: f64,
-    /// Velocity of the primary system just before.
+    /// Velocity of the primary just before the event.
     pub velocity: Dd,
-    /// Velocity of the absorber just before.
+    /// Velocity of the absorber just before the event.
     pub absorber_velocity: Dd,
-    /// Gap velocity just before.
+    /// Gap velocity just before the event.
     pub approach: Dd,
     /// Largest change of the time per unit change of an input.
     pub condition: f64,
@@ -38,7 +38,7 @@ pub struct Expected {
 pub struct Reference {
     /// Its name.
     pub name: String,
-    /// Parameters as the decimals of the file.
+    /// Parameters, as the decimals of the file.
     pub scene: Scene,
     /// Its events in order, without the impacts of |approach| ≤ 1e-9.
     pub events: Vec<Expected>,
@@ -51,7 +51,7 @@ fn number(value: &Value) -> Dd {
     }
 }
 
-/// All nine scenes.
+/// All nine free decays of the free mass.
 pub fn scenes() -> Vec<Reference> {
     let text = include_str!("../../reference/siva_free_decay.json");
     let file: Value = serde_json::from_str(text).expect("a JSON file");
@@ -63,13 +63,13 @@ pub fn scenes() -> Vec<Reference> {
 pub struct PivaReference {
     /// Its name.
     pub name: String,
-    /// The numbers of the file by their names there, to 31 digits.
+    /// The numbers of the file under their names there, to 31 digits.
     pub given: BTreeMap<String, Dd>,
-    /// Parameters as the doubles nearest to them.
+    /// Parameters as the nearest doubles.
     pub parameters: piva::Parameters,
-    /// What drives it.
+    /// The force that drives it.
     pub force: Force,
-    /// Displacement at the start, at rest.
+    /// Displacement of the primary at the start, which is at rest.
     pub displacement: f64,
     /// Length of the run.
     pub duration: f64,
@@ -78,7 +78,7 @@ pub struct PivaReference {
 }
 
 impl PivaReference {
-    /// The free mass under its force; `None` of a pendulum.
+    /// The free mass under its force; `None` for a pendulum.
     pub fn mass(&self) -> Option<Siva<DrivenHost>> {
         if self.given.contains_key("r") {
             return None;
@@ -94,8 +94,8 @@ pub fn piva_scenes() -> Vec<PivaReference> {
     read_pendulums(include_str!("../../reference/piva_free_decay.json"))
 }
 
-/// The scenes under a harmonic force. The parameters of the free mass are those of a pendulum at small angles
-/// without gravity; as what it is, [`PivaReference::mass`] tells it.
+/// The scenes under a harmonic force. A free mass is given by the parameters of a pendulum at small angles
+/// without gravity; [`PivaReference::mass`] returns it as a free mass.
 pub fn forced_scenes() -> Vec<PivaReference> {
     read_pendulums(include_str!("../../reference/forced.json"))
 }

@@ -1,4 +1,4 @@
-//! A tiny generator for the seeded scenes, so that every run of the tests sees the same ones.
+//! A small random number generator for the seeded scenes, so that every run of the tests has the same ones.
 
 /// xorshift64* (Vigna 2016).
 #[derive(Debug, Clone)]
@@ -37,7 +37,7 @@ impl Rng {
         if self.next() >> 63 == 0 { 1.0 } else { -1.0 }
     }
 
-    /// One of the values given.
+    /// One of the given values.
     pub fn pick(&mut self, values: &[f64]) -> f64 {
         values[(self.next() >> 33) as usize % values.len()]
     }

@@ -1,4 +1,4 @@
-//! Extreme scenes, and what must hold for every one of them.
+//! Extreme scenes, and the properties that every one of them must have.
 
 pub mod scene;
 pub mod watch;
@@ -13,32 +13,32 @@ use iva_core::simulate::Outcome;
 use scene::Scene;
 use watch::Watch;
 
-/// What a campaign did.
+/// The results of a campaign.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// Scenes tried.
+    /// Number of scenes tried.
     pub scenes: u64,
-    /// Single statements checked, by name.
+    /// Number of checks, by name of the property.
     pub checks: BTreeMap<&'static str, u64>,
-    /// How the scenes ended.
+    /// Number of scenes with each outcome.
     pub outcomes: BTreeMap<&'static str, u64>,
     /// The first scenes that ended at `max_work`.
     pub work_limits: Vec<String>,
-    /// The first failures, and how many there were.
+    /// The first failures.
     pub failures: Vec<String>,
-    /// All failures.
+    /// Number of failures.
     pub failed: u64,
-    /// The largest share of what is allowed, by statement.
+    /// Largest error over the allowed one, by property.
     pub closest: BTreeMap<&'static str, f64>,
 }
 
-/// No scene of a campaign takes a hundredth of it.
+/// Time after which a scene counts as endless; no scene of a campaign takes a hundredth of it.
 const ENDLESS: Duration = Duration::from_secs(300);
-/// How many failures and work limits are kept in words.
+/// Number of failures and work limits that are kept as texts.
 const KEPT: usize = 12;
 
 impl Report {
-    /// Counts a statement; `share` is the error over what is allowed.
+    /// Counts a check; `share` is the error over the allowed one.
     pub fn check(&mut self, name: &'static str, count: u64, share: f64) {
         *self.checks.entry(name).or_default() += count;
         let closest = self.closest.entry(name).or_default();
@@ -67,10 +67,10 @@ impl Report {
         self.work_limits.truncate(KEPT);
     }
 
-    /// Prints the counts, and fails if anything did.
+    /// Prints the counts, and fails if a check failed.
     ///
     /// # Panics
-    /// If a statement did not hold.
+    /// If a property did not hold.
     pub fn conclude(&self, title: &str) {
         println!("{title}: {} scenes tried, outcomes {:?}", self.scenes, self.outcomes);
         for (name, count) in &self.checks {
@@ -87,7 +87,7 @@ impl Report {
     }
 }
 
-/// Tries scenes `0..count` of a kind, each drawn from a seed of its own, on two threads.
+/// Tries scenes `0..count` of a kind, each drawn with its own seed, on two threads.
 pub fn campaign(count: u64, seed: u64, draw: impl Fn(&mut Rng) -> Scene + Sync) -> Report {
     let next = AtomicU64::new(0);
     let total = Mutex::new(Report::default());
@@ -108,7 +108,7 @@ pub fn campaign(count: u64, seed: u64, draw: impl Fn(&mut Rng) -> Scene + Sync) 
     };
     std::thread::scope(|scope| {
         let workers = working.each_ref().map(|now| scope.spawn(move || work(now)));
-        // A scene without end would hold everything up, and say nothing.
+        // An endless scene would block the campaign without a message.
         while workers.iter().any(|worker| !worker.is_finished()) {
             std::thread::sleep(Duration::from_millis(20));
             for now in &working {
@@ -124,7 +124,7 @@ pub fn campaign(count: u64, seed: u64, draw: impl Fn(&mut Rng) -> Scene + Sync) 
     total.into_inner().expect("no worker panicked")
 }
 
-/// Checks all that must hold for one scene.
+/// Checks all properties of one scene.
 pub fn examine(scene: &Scene, report: &mut Report) {
     report.scenes += 1;
     if let Err(what) = examined(scene, report) {
@@ -143,7 +143,7 @@ fn examined(scene: &Scene, report: &mut Report) -> Result<(), String> {
         return Err("not_finite".to_owned());
     }
     watch.judge(report)?;
-    // rounding to nearest knows neither sign nor power of two
+    // Rounding to nearest does not depend on the sign or on powers of two.
     for (name, factor) in [("mirror image", -1.0), ("lengths × 2¹¹", 2048.0)] {
         let other = scene.scaled(factor).watch(1.0 / factor).map_err(|e| format!("{name}: {e}"))?;
         report.check(name, 1, 0.0);
@@ -154,7 +154,7 @@ fn examined(scene: &Scene, report: &mut Report) -> Result<(), String> {
     restart(scene, &watch, report)
 }
 
-/// A run taken up in the flight before one of its impacts finds this impact.
+/// Checks that a run restarted in the flight before one of its impacts finds this impact.
 fn restart(scene: &Scene, watch: &Watch, report: &mut Report) -> Result<(), String> {
     let count = watch.first.len();
     if count < 2 || scene.harmonic.is_some() {
@@ -171,7 +171,7 @@ fn restart(scene: &Scene, watch: &Watch, report: &mut Report) -> Result<(), Stri
     let Some(again) = scene.again(state, 4.0 * rest + 1e-60) else { return Ok(()) };
     let watch = again.watch(1.0).map_err(|e| format!("restart refused: {e}"))?;
     let p = &scene.parameters;
-    // The state is rounded to doubles, which moves the gap by some U of the motion at the contact.
+    // The state is rounded to doubles, which changes the gap by some U of the motion at the contact.
     let speed = state.velocity.abs() + state.displacement.abs() + state.gap_velocity.abs();
     let growth = (1.0 + rest * (1.0 + p.frequency_ratio)).powi(2);
     let moved = 64.0 * U * (p.clearance + speed * rest.min(1.0) * growth);
@@ -190,7 +190,7 @@ fn restart(scene: &Scene, watch: &Watch, report: &mut Report) -> Result<(), Stri
             }
             Err(format!("restart at {time:e}: off by {off:e}, allowed {allowed:e}, {impact:?}"))
         }
-        // an extremum before it that only just misses or hits
+        // An extremum before the impact that may just hit or just miss a wall.
         Some(found) if found.gap_velocity_before.powi(2) < 1e4 * pull * moved => Ok(()),
         found => Err(format!("restart at {time:e}: {found:?} for {impact:?}")),
     }

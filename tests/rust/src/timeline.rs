@@ -1,4 +1,4 @@
-//! Runs as plain lists of events, so that two of them can be laid side by side.
+//! Runs as plain lists of events, for the comparison of two runs.
 
 use crate::{
     Run, UNITS_ALLOWED,
@@ -13,16 +13,16 @@ use iva_core::{run::run, simulate::Limits};
 pub struct Mark {
     /// Kind of the event.
     pub kind: Kind,
-    /// When.
+    /// Instant, in 1/ωn.
     pub time: f64,
     /// Wall, ±1.
     pub wall: f64,
-    /// Of an impact: velocity of the primary, of the absorber, and gap velocity, just before.
+    /// For an impact: velocities of the primary and of the absorber, and gap velocity, just before it.
     pub velocities: Option<[f64; 3]>,
 }
 
-/// Impacts with an approach speed above `threshold`, sticks and releases in order of time; at one
-/// instant an impact comes before the stick that it ends in.
+/// Impacts with an approach speed above `threshold`, sticks and releases in order of time. At one instant an
+/// impact comes before the stick that it ends in.
 pub fn marks<S>(run: &iva_core::run::Run<S>, threshold: f64) -> Vec<Mark> {
     let mut list: Vec<Mark> = Vec::new();
     for impact in &run.impacts {
@@ -47,17 +47,17 @@ pub fn marks<S>(run: &iva_core::run::Run<S>, threshold: f64) -> Vec<Mark> {
             mark(Kind::Release, time);
         }
     }
-    // stable: impacts, pushed first, stay before sticks of the same instant
+    // The sort is stable: impacts, pushed first, stay before sticks of the same instant.
     list.sort_by(|a, b| a.time.total_cmp(&b.time));
     list
 }
 
-/// Whether an event of the oracle belongs to the list with impacts above `threshold`.
+/// True if an event of the oracle belongs to the list with impacts above `threshold`.
 pub fn listed(event: &Event, threshold: f64) -> bool {
     event.kind != Kind::Impact || event.gap_velocity[0].abs().hi > threshold
 }
 
-/// An approach speed around 1e-8 from which every impact keeps a distance of 5 %.
+/// An approach speed around 1e-8 that differs by at least 5 % from that of every impact.
 pub fn clear_threshold(events: &[Event]) -> f64 {
     let mut threshold = 1e-8;
     let near = |threshold: f64| {
@@ -71,17 +71,17 @@ pub fn clear_threshold(events: &[Event]) -> f64 {
     threshold
 }
 
-/// The largest condition up to which two runs are compared event by event: then their states
-/// differ by 1e-6 at most.
+/// Largest condition up to which two runs are compared event by event: their states then differ by 1e-6 at
+/// most.
 pub const WORST_CONDITION: f64 = 1e9;
 
-/// Compares events with the truth, one by one, while the condition is at most
-/// [`WORST_CONDITION`]; the first event past it ends the comparison, and so does one from which on
-/// sixteen roundings of the inputs already give other events. `shift` is added to the times of
-/// the truth; `share` multiplies the six units allowed. Returns how many events were compared.
+/// Compares events with the true ones, one by one, while the condition is at most [`WORST_CONDITION`]. The
+/// comparison ends at the first event above it. It also ends at an event that differs, if changes of the
+/// inputs by sixteen roundings already give other events up to there. `shift` is added to the times of the
+/// true events; `share` multiplies the six units allowed. Returns the number of events compared.
 ///
 /// # Errors
-/// What differs.
+/// The first difference.
 pub fn compare(
     scene: &Scene,
     truth: &[Event],
@@ -121,7 +121,7 @@ pub fn compare(
         }
         compared += 1;
     }
-    // an invented event would be left over, unless it lies at the very end of the run
+    // An additional event would be left over, unless it lies at the very end of the run.
     let end = scene.duration + shift;
     match marks.find(|m| m.time < end - 1e-6) {
         Some(extra) if oracle::fragile_from(scene, truth) >= truth.len() => {

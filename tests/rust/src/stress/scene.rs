@@ -17,24 +17,24 @@ use std::f64::consts::TAU;
 /// A scene: a free mass or a pendulum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// The absorber on its primary; of a free mass only the first four numbers count.
+    /// The absorber on its primary; for a free mass only the first four numbers are used.
     pub parameters: Parameters,
-    /// A free mass; without force in closed form.
+    /// True for a free mass, whose motion without force is in closed form.
     pub free_mass: bool,
-    /// What drives it.
+    /// The force that drives it; `None` for free decay.
     pub harmonic: Option<Harmonic>,
-    /// Where it starts.
+    /// State at the start.
     pub start: Start,
-    /// Length of the run.
+    /// Length of the run, in 1/ωn.
     pub duration: f64,
-    /// Stop after so many impacts.
+    /// Largest number of impacts.
     pub max_impacts: u64,
-    /// Stop after so many segments.
+    /// Largest number of segments.
     pub max_work: u64,
 }
 
 impl Scene {
-    /// A free mass in free decay, with limits that end it soon.
+    /// A free mass in free decay, with limits that soon end the run.
     pub fn siva(mu: f64, e: f64, clearance: f64, zeta: f64, start: Start, duration: f64) -> Self {
         Self {
             parameters: Parameters::free_mass(mu, e, clearance, zeta),
@@ -60,7 +60,7 @@ impl Scene {
         }
     }
 
-    /// Lengths times a factor; with a negative one its mirror image.
+    /// The scene with all lengths times a factor; a negative factor gives the mirror image.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scene = self.clone();
         let size = factor.abs();
@@ -77,7 +77,7 @@ impl Scene {
         scene
     }
 
-    /// The scene from a state in flight on; `None` if the pendulum is not below its pivot.
+    /// The scene restarted from a state in flight; `None` if the pendulum is not below its pivot.
     pub fn again(&self, state: &State, duration: f64) -> Option<Self> {
         let below = state.angle.is_none_or(|angle| angle.value.abs() < 1.57);
         let start = Start {
@@ -111,10 +111,10 @@ impl Scene {
         Force::harmonic(self.harmonic.into_iter().collect())
     }
 
-    /// Runs it under watch; lengths enter the digest times `factor`.
+    /// Runs the scene and watches it; lengths enter the digest times `factor`.
     ///
     /// # Errors
-    /// What the simulator refuses.
+    /// The error of the simulator.
     pub fn watch(&self, factor: f64) -> Result<Watch, Invalid> {
         match (self.free_mass, self.harmonic) {
             (true, None) => self.watched(&self.mass()?, &self.start, factor),
@@ -136,10 +136,10 @@ impl Scene {
         Ok(watch)
     }
 
-    /// Its states at some instants.
+    /// The states of the scene at some instants.
     ///
     /// # Errors
-    /// What the simulator refuses.
+    /// The error of the simulator.
     pub fn states(&self, times: &[f64]) -> Result<Vec<State>, Invalid> {
         let limits = self.limits();
         match (self.free_mass, self.harmonic) {

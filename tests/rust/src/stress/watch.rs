@@ -1,5 +1,5 @@
-//! Watches a run of any length in bounded memory: impact law, ledger, walls, and a digest of all
-//! its numbers.
+//! Watches a run of any length in bounded memory: impact law, energy ledger, walls, and a digest of all its
+//! numbers.
 
 use super::Report;
 use crate::{U, dd::Dd};
@@ -12,10 +12,10 @@ use iva_core::{
     system::System,
 };
 
-/// How many impacts are kept.
+/// Number of impacts that are kept.
 const KEPT: usize = 64;
 
-/// The largest share of what is allowed, and how often it was looked at.
+/// Largest error over the allowed one, and the number of checks.
 #[derive(Debug, Clone, Copy, Default)]
 struct Worst {
     count: u64,
@@ -26,7 +26,7 @@ struct Worst {
 impl Worst {
     fn see(&mut self, error: f64, allowed: f64, at: f64) {
         self.count += 1;
-        // not a number counts as too large
+        // NaN counts as too large.
         let share = if error == 0.0 { 0.0 } else { error / allowed };
         if share.is_nan() || share > self.share {
             (self.share, self.at) = (if share.is_nan() { f64::INFINITY } else { share }, at);
@@ -34,18 +34,18 @@ impl Worst {
     }
 }
 
-/// What was seen of a run.
+/// Observations of a run.
 #[derive(Debug, Clone)]
 pub struct Watch {
     parameters: Parameters,
     factor: f64,
-    /// A number of all numbers of the run: equal runs have equal ones.
+    /// A hash of all numbers of the run: equal runs have equal hashes.
     pub digest: u64,
     /// The first impacts.
     pub first: Vec<Impact>,
-    /// How it ended.
+    /// The outcome of the run.
     pub outcome: Option<Outcome>,
-    /// When.
+    /// The instant at which it ended.
     pub end: f64,
     impacts: u64,
     episodes: u64,
@@ -64,7 +64,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Lengths enter the digest times `factor`.
+    /// An observer for a run; lengths enter the digest times `factor`.
     pub fn new(parameters: &Parameters, factor: f64) -> Self {
         Self {
             parameters: *parameters,
@@ -92,21 +92,21 @@ impl Watch {
 
     fn digest(&mut self, value: f64) {
         self.finite &= value.is_finite();
-        // + 0 makes −0 and 0 one
+        // Adding 0 makes −0 equal to 0.
         self.digest = (self.digest ^ (value + 0.0).to_bits()).wrapping_mul(0x0100_0000_01b3);
         self.digest ^= self.digest >> 29;
     }
 
-    /// What it came to, in short.
+    /// A short summary of the run.
     pub fn run_inline(&self) -> (Option<Outcome>, u64, u64, u64, f64, Option<Impact>) {
         let Self { outcome, impacts, episodes, undecided, end, .. } = *self;
         (outcome, impacts, episodes, undecided, end, self.first.last().copied())
     }
 
-    /// Judges all that was seen; the ledger may be off by 1e-12 of the energy turned over.
+    /// Checks all observations; the ledger must close to 1e-12 of the energy exchanged.
     ///
     /// # Errors
-    /// What does not hold.
+    /// The first property that does not hold.
     pub fn judge(&self, report: &mut Report) -> Result<(), String> {
         if !self.finite {
             return Err("a number that is none".to_owned());
@@ -155,8 +155,8 @@ impl<S: System<Real = f64>> Observer<S> for Watch {
             let distance = system.distance(&span.motion.state(h));
             let beyond = (-distance.value).max(distance.value - 2.0 * d);
             self.finite &= distance.value.is_finite() && distance.rate.is_finite();
-            // The instant of a contact is a double: right to its last place, in which it moves; an
-            // extremum within 16 U d counts as no contact, and is evaluated with as much.
+            // The instant of a contact is rounded to a double, in which the distance changes at its rate. An
+            // extremum within 16 U d counts as no contact, and is evaluated with a similar error.
             let allowed = 32.0 * U * d + f64::EPSILON * h * distance.rate.abs();
             self.walls.see(beyond.max(0.0), allowed, span.start.value + h);
         }
@@ -172,7 +172,7 @@ impl<S: System<Real = f64>> Observer<S> for Watch {
         let approaching = impact.wall.sign() * w0 > 0.0;
         let off = if approaching { (w1 + e * w0).abs() } else { f64::INFINITY };
         self.restitution.see(off, 8.0 * U * w1.abs() + f64::MIN_POSITIVE, impact.time);
-        // (1 + μ) ẋ + μ λ w, in double-double: only the roundings of the velocities count
+        // (1 + μ) ẋ + μ λ w in double-double, so that only the roundings of the velocities matter.
         let lever = mu * impact.lever;
         let momentum = |v: f64, w: f64| (Dd::from(mu) + 1.0) * v + Dd::from(mu) * impact.lever * w;
         let change = (momentum(v1, w1) - momentum(v0, w0)).abs().hi;
