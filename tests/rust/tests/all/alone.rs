@@ -40,7 +40,7 @@ fn a_structure_alone_decays_as_it_must() {
         for state in states(&alone, &start, &limits, &times).unwrap() {
             let [x, v] = decay(zeta, state.time);
             let off = (state.displacement - x).abs().max((state.velocity - v).abs());
-            // The formula itself rounds its arguments.
+            // Allows for the rounding of the formula's arguments.
             assert!(off <= 4e-16 * (1.0 + state.time), "ζ {zeta}, {}: {off:e}", state.time);
             assert_eq!((state.wall, state.angle), (0, None));
         }
@@ -55,7 +55,7 @@ fn a_structure_alone_decays_as_it_must() {
     }
 }
 
-/// Its derivative by the start is the motion from unit starts; a force changes nothing of it.
+/// The derivative with respect to the start is the motion from unit starts; a force does not change it.
 #[test]
 fn its_derivative_is_its_own_motion() {
     let zeta = 0.1;
@@ -68,7 +68,7 @@ fn its_derivative_is_its_own_motion() {
     let [x, v] = decay(zeta, 9.0);
     // From (0, 1) the motion is −v of that from (1, 0), and its rate x + 2ζv there.
     for (place, truth) in [((0, 0), x), ((1, 0), v), ((0, 1), -v), ((1, 1), x + 2.0 * zeta * v)] {
-        // The formula itself rounds its arguments.
+        // Allows for the rounding of the formula's arguments.
         assert!((found[place] - truth).abs() < 4e-15, "{place:?}: {} {truth}", found[place]);
     }
     assert_eq!((errors.digits(), errors.condition()), (None, None));
@@ -95,7 +95,7 @@ fn under_a_harmonic_force_it_settles_to_its_response() {
     }
 }
 
-/// The same in numbers of twice the precision: what is off is rounding.
+/// In numbers of twice the precision the error falls to their rounding.
 #[test]
 fn a_driven_structure_is_exact_to_rounding() {
     fn end<R: iva_core::real::Real>() -> Point<R> {

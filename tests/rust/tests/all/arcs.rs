@@ -1,11 +1,11 @@
-//! What the ends of an interval tell of a function between them (`flight::Arc`, `flight::Extreme`), against planted truth:
-//! a sum of two cosines, whose extremes are found by brute force.
+//! Statements about a function between the ends of an interval (`flight::Arc`, `flight::Extreme`), tested on
+//! sums of two cosines, whose extremes are found by brute force.
 
 use iva_core::flight::{Arc, Extreme};
 use iva_tests::cases;
 use proptest::prelude::*;
 
-/// a cos(ω t + φ), and its nth derivative.
+/// The function a cos(ω t + φ).
 #[derive(Debug, Clone, Copy)]
 struct Wave {
     size: f64,
@@ -28,13 +28,13 @@ fn wave() -> impl Strategy<Value = Wave> {
     })
 }
 
-/// Samples of an interval; between them a wave of these rates changes by no more than 10⁻⁶.
+/// Number of samples of an interval; between two samples these waves change by at most 10⁻⁶.
 const SAMPLES: usize = 4000;
 
 proptest! {
     #![proptest_config(cases(400))]
 
-    /// No statement is false, and on short intervals one of them is made.
+    /// No statement is false, and on short intervals a statement is made.
     #[test]
     fn the_ends_tell_nothing_false(
         waves in (wave(), wave()), from in 0.0..10.0f64, length in 0.05..1.2f64,
@@ -49,7 +49,7 @@ proptest! {
         let turns = rises.windows(2).filter(|pair| pair[0] != pair[1]).count();
 
         prop_assert!(arc.limit() >= largest, "{} below {largest}", arc.limit());
-        // The coefficients of the quintic stand off it by its second derivative.
+        // The distance between coefficients and quintic is bounded by its second derivative.
         let bend: f64 = [waves.0, waves.1].iter().map(|it| it.size * it.rate.powi(2)).sum();
         prop_assert!(arc.limit() <= largest + 0.2 * bend * length * length, "{}", arc.limit());
         if arc.is_monotone() {
@@ -68,7 +68,7 @@ proptest! {
             let ends = f(1, from).abs().min(f(1, from + length).abs());
             prop_assert!(arc.turns_once() || straightest < 0.05 || ends < 1e-12);
         }
-        // With its value where it turns, the largest size is exact.
+        // With the value at the extremum the largest size is exact.
         if turns == 1 {
             let turn = (0..SAMPLES).find(|k| rises[*k] != rises[k + 1]).map(at);
             let value = turn.map_or(0.0, |t| f(0, t));
@@ -82,7 +82,7 @@ proptest! {
 
 #[test]
 fn a_rate_of_zero_at_an_end_and_numbers_that_are_none_leave_it_open() {
-    // cos t from its crest on: the derivative does not change its sign there, nor keep one.
+    // cos t from its maximum on: the derivative neither changes sign nor keeps one.
     let jet = |t: f64| [t.cos(), -t.sin(), -t.cos()];
     let arc = Arc::new(jet(0.0), jet(0.5), 1.0, 0.5);
     assert!(!arc.is_monotone() && !arc.turns_once());

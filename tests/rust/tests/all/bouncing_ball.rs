@@ -1,5 +1,5 @@
-//! The chatter summation alone: a ball on a table that never moves, whose bounces have a closed
-//! form. Dropped from h it comes to rest after √(2h/g)(1+e)/(1−e).
+//! The summation of a chatter by itself: a ball on a table at rest, whose bounces have a closed form. Dropped
+//! from h it comes to rest after √(2h/g)(1+e)/(1−e).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::chatter::Rebound;
@@ -29,7 +29,7 @@ const BALL: [[&str; 6]; 5] = [
     ["1", "0.1", "2", "1", "0.22222222222222223593", "1.2222222222222222359"],
 ];
 
-/// A rebound of a ball: constant pressure, which no bounce changes.
+/// A rebound of a ball: the pressure is constant and not changed by impacts.
 fn rebound(speed: f64, gravity: f64, restitution: f64) -> Rebound {
     Rebound { speed, pressure: gravity, jerk: 0.0, gain: 0.0, fourth: 0.0, ratio: restitution }
 }
@@ -46,7 +46,7 @@ fn the_sum_of_all_bounces_is_right_to_four_ulps() {
         };
         assert!(ulps(tail.into(), rest) <= 4.0, "{row:?}: {tail}");
         assert!(ulps(first + tail, all) <= 4.0, "{row:?}");
-        // It does not matter after how many bounces the sum takes over.
+        // The result does not depend on the bounce after which the sum begins.
         let (mut time, mut speed) = (first, speed * e);
         for bounces in 1..=40 {
             time = time + speed * 2.0 / g;

@@ -1,4 +1,4 @@
-//! The ledger is a real check: with the impact law broken on purpose it does not close.
+//! The energy ledger is an independent check: with a deliberately wrong impact law it does not close.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
@@ -11,7 +11,7 @@ use iva_core::{
     system::{Clock, Point, Start, System, Wall},
 };
 
-/// Which velocity a wrong restitution enters.
+/// The velocity that a wrong restitution is used for.
 #[derive(Debug, Clone, Copy)]
 enum Fault {
     None,
@@ -19,7 +19,7 @@ enum Fault {
     Primary,
 }
 
-/// A SIVA whose jump uses another restitution in one of the two velocities.
+/// A SIVA whose impact uses a wrong restitution for one of the two velocities.
 struct Broken {
     siva: Siva,
     fault: Fault,
@@ -100,7 +100,7 @@ impl System for Broken {
     }
 }
 
-/// |residual| / max(initial, losses): the ledger figure of a decay with few impacts.
+/// The relative error of the energy ledger, |residual| / max(initial, losses), of a decay with few impacts.
 fn ledger(fault: Fault, wrong: f64) -> f64 {
     let siva = Siva::new(0.15, 0.5, 0.6, 0.01).unwrap();
     let start = Start { displacement: 1.0, ..Start::default() };
@@ -118,8 +118,8 @@ fn the_wrapper_alone_changes_nothing() {
 
 #[test]
 fn a_wrong_restitution_in_one_velocity_breaks_the_ledger() {
-    // The first impact alone (w² = 0.82) misses ½ μ/(1+μ) |e² − e'²| w² or more; even one part in
-    // 10⁹ in e shows, a thousand times the 1e-12 that a right law keeps.
+    // The first impact alone (w² = 0.82) has an error of ½ μ/(1+μ) |e² − e'²| w² or more; an error of one
+    // part in 10⁹ in e gives a thousand times the 1e-12 to which the right law closes the ledger.
     for fault in [Fault::Gap, Fault::Primary] {
         for wrong in [0.6, 0.4, 0.5 + 1e-3, 0.5 + 1e-9] {
             let figure = ledger(fault, wrong);

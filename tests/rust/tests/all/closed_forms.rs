@@ -1,4 +1,4 @@
-//! Limits and closed forms of the SIVA in free decay: what pencil and paper say about it.
+//! Limits and closed forms of the SIVA in free decay.
 //!
 //! Every bound is derived where it is used; `U` is 2⁻⁵³ and "six units" is the contract on event
 //! times, |Δτ| ≤ 6 · 2⁻⁵³ (max(condition, 1) + τ).
@@ -26,7 +26,7 @@ fn decay(mu: f64, e: f64, clearance: f64, zeta: f64, duration: f64) -> Run {
     run(&absorber, &AT_REST, &Limits::new(duration, clearance)).unwrap()
 }
 
-/// The ledger figure: |residual| against the largest energy at stake (without force, the initial).
+/// The relative error of the energy ledger: |residual| over the initial energy.
 fn ledger(run: &Run) -> f64 {
     run.measures.energy_residual.abs() / run.measures.energy_initial
 }
@@ -40,8 +40,8 @@ fn the_first_impact_without_damping_is_an_arc_cosine() {
         // arccos(1 − γ) = 2 arcsin √(γ/2) keeps its accuracy at both ends; dτ/dγ = 1/w
         let time = 2.0 * (clearance / 2.0).sqrt().asin();
         let speed = (clearance * (2.0 - clearance)).sqrt();
-        // dτ/dγ and dτ/dx at the contact are γ/(w·max) ≤ 2/w; both plus the libm's own 2 roundings
-        // (arcsin near 1 amplifies its argument by 1/√(1 − γ/2) = √2·√γ/w, below 2/w as well)
+        // dτ/dγ and dτ/dx at the contact are γ/(w·max) ≤ 2/w; added are these two and 2 roundings of libm
+        // (arcsin near 1 amplifies its argument by 1/√(1 − γ/2) = √2·√γ/w, below 2/w as well).
         let condition = 2.0 / speed;
         assert_eq!(first.wall, Wall::Plus);
         assert!(
@@ -68,7 +68,7 @@ fn without_damping_the_absorber_grazes_at_clearance_two() {
         assert_eq!((outside.impacts.len(), outside.tally.undecided), (0, 0), "2 + {shift:e}");
         assert_eq!(outside.tally.outcome, Outcome::Finished);
     }
-    // the tangent itself lies in the band: no contact, and said so (y touches 2 once a period)
+    // The tangent itself lies in the band: no contact, but reported as undecided (y touches 2 once a period).
     let tangent = decay(0.1, 0.5, 2.0, 0.0, 3.5);
     assert_eq!((tangent.impacts.len(), tangent.tally.undecided), (0, 1));
 }
@@ -79,7 +79,7 @@ fn with_damping_the_absorber_grazes_at_one_plus_the_first_undershoot() {
     for zeta in [0.001_f64, 0.01, 0.1, 0.3, 0.7, 0.9] {
         let root = (1.0 - zeta * zeta).sqrt();
         let limit = 1.0 + (-std::f64::consts::PI * zeta / root).exp();
-        // the limit is computed in doubles: the exponent (at most 7) to 4 roundings
+        // The limit is computed in doubles: the exponent (at most 7) has 4 roundings.
         for shift in [1e-3, 1e-7, 1e-11, 1e-13] {
             assert!(shift > 32.0 * U * limit + 40.0 * U);
             let until = 3.6 / root;
@@ -146,9 +146,9 @@ fn nearly_elastic_impacts_in_a_narrow_gap_end_under_the_default_limits() {
     assert_eq!(run.tally.outcome, Outcome::Finished);
     assert_eq!(run.tally.end_time, 30.0 * TAU);
     assert!(ledger(&run) <= 1e-12, "{:e}", ledger(&run));
-    // A lower bound on the count, from the first wall-to-wall flights alone: with relative speed
-    // w ≤ 2 the gap 2γ is crossed in 1e-3 or more, with w ≥ 0.1 in 0.02 or less. At least one
-    // impact per 1 of time would be too few by far.
+    // A lower bound on the number of impacts, from the first wall-to-wall flights alone: at a relative speed
+    // w ≤ 2 the gap 2γ is crossed in 1e-3 or more, at w ≥ 0.1 in 0.02 or less. One impact per unit of time
+    // would be far too few.
     assert!(run.tally.impacts > 1000, "{}", run.tally.impacts);
 }
 
@@ -163,7 +163,7 @@ fn a_plastic_impact_sticks_at_once_if_the_wall_presses() {
         assert_eq!(episode.stick_time, first.time);
         assert_eq!((episode.wall, episode.impacts), (Wall::Plus, 1));
         assert_eq!(first.gap_velocity_after, 0.0);
-        // ½ μ/(1+μ) w² with w² = γ(2−γ): all that the plastic impact takes; w² to condition 2/w
+        // The energy lost in the plastic impact is ½ μ/(1+μ) w² with w² = γ(2−γ), whose condition is 2/w.
         let loss = 0.05 / 1.1 * clearance * (2.0 - clearance);
         assert!((episode.energy_loss - loss).abs() <= UNITS_ALLOWED * U * 6.0 * 0.1);
         assert_eq!(episode.energy_loss, run.tally.energy_impacts);
@@ -209,8 +209,8 @@ fn the_motion_is_the_free_one_plus_the_response_to_each_jump() {
         assert!(result.episodes.is_empty() && !result.impacts.is_empty());
         let times: Vec<f64> = (0..400).map(|k| f64::from(k) * 0.1).collect();
         let motion = states(&absorber, &AT_REST, &limits, &times).unwrap();
-        // Rounding of the motion per flight: six units of size 1 at most, each flight anew; the
-        // recorded t_k and jumps: half an ulp of t (times |jump|) and of ẋ each.
+        // Rounding of the motion in each flight: at most six units of size 1. Rounding of the recorded t_k
+        // and jumps: half an ulp of t (times |jump|) and of ẋ each.
         for state in motion {
             let count = result.impacts.iter().take_while(|i| i.time < state.time).count() as f64;
             let truth = superposed(&result, (1.0, 0.0), zeta, state.time);
@@ -245,7 +245,7 @@ fn a_very_light_absorber_leaves_the_primary_system_alone() {
 fn in_a_vanishing_gap_the_two_masses_move_as_one() {
     // The centre of mass X = x + μy/(1+μ) obeys (1+μ)Ẍ + X = μy/(1+μ) (ζ = 0), |y| ≤ d, X(0) = 1,
     // Ẋ(0) = 0: Duhamel's integral gives |X − cos ωτ| ≤ ωτ μd/(1+μ), ω = 1/√(1+μ). So
-    // |x − cos ωτ| ≤ μd/(1+μ) (1 + ωτ), whatever happens inside the gap.
+    // |x − cos ωτ| ≤ μd/(1+μ) (1 + ωτ), whatever the motion in the gap.
     for (mu, e) in [(0.1, 0.0), (0.1, 0.5), (0.1, 0.9), (1.0, 0.3)] {
         for clearance in [1e-3, 1e-6] {
             let absorber = Siva::new(mu, e, clearance, 0.0).unwrap();
@@ -279,8 +279,8 @@ fn in_a_vanishing_gap_the_damping_ratio_is_that_of_both_masses() {
 
 #[test]
 fn free_decays_from_rest() {
-    // validation table: computed independently with 40 to 60 digits, 16 given. Columns: μ, e, γ, ζ,
-    // t1, t2, t3, t12, energy after the twelfth impact.
+    // Validation table, computed independently with 40 to 60 digits, of which 16 are given. Columns: μ, e, γ,
+    // ζ, t1, t2, t3, t12, energy after the twelfth impact.
     const TABLE: [([&str; 4], [f64; 5]); 4] = [
         (
             ["0.15", "0.5", "0.6", "0"],
@@ -335,7 +335,7 @@ fn free_decays_from_rest() {
         let result =
             run(&scene.absorber(), &scene.begin(), &Limits::new(40.0, clearance.hi)).unwrap();
         for (number, k) in numbers[..4].iter().zip([0, 1, 2, 11]) {
-            // half a unit of the sixteenth digit, at most 5e-16 relative to the leading digit
+            // The printed number has an error of half a unit of the sixteenth digit, at most 5e-16 relative.
             let printed = 0.5 * 10f64.powf(number.log10().floor() - 15.0);
             let error = ((result.impacts[k].time - number).abs() - printed).max(0.0);
             assert!(units(error, times[k], *number) <= UNITS_ALLOWED, "{parameters:?} t{}", k + 1);
@@ -368,21 +368,21 @@ fn without_impacts_every_damping_ratio_is_the_damping_ratio() {
             (3.0, measures.damping_ratio_3),
             (10.0, measures.damping_ratio_10),
         ] {
-            // a_2N is right to six units of size 1: relative to itself 6u(1+t) e^{ζt}; a_0 exactly 1
+            // The error of a_2N is six units of size 1, relative to itself 6u(1+t) e^{ζt}; a_0 is exactly 1.
             let time = cycles * TAU / damped;
             let allowed = 6.0 * U * (1.0 + time) * (zeta * time).exp() / (TAU * cycles) + 8.0 * U;
             let value = value.unwrap();
             assert!((value - zeta).abs() <= allowed, "ζ = {zeta}, {cycles} cycles: {value}");
         }
-        // peaks above 5 %: ln a right to 6u(1+t)·20; over n ≥ 4 points half a cycle apart a slope
-        // moves by less than the largest error over the half span
+        // Peaks above 5 %: the error of ln a is 6u(1+t)·20. Over n ≥ 4 points half a cycle apart a slope
+        // changes by less than the largest error over half the span.
         let last = (20.0f64.ln() / zeta).min(24.0 * TAU);
         let allowed = 6.0 * U * (1.0 + last) * 20.0 / (last / 4.0) + 8.0 * U;
         let fit = measures.damping_ratio_fit.unwrap();
         assert!((fit - zeta).abs() <= allowed, "ζ = {zeta}: fit {fit}");
-        // E(2π) in closed form
+        // E(2π) in closed form.
         let (x, v) = iva_tests::flight::free(Dd::ONE, Dd::ZERO, zeta.into(), Dd::from(TAU));
-        // without an impact the absorber stands still: its energy is nil
+        // Without an impact the absorber stays at rest: its energy is 0.
         let truth = ((Dd::ONE - x * x - v * v) / (2.0 * TAU)).value();
         let value = measures.damping_ratio_energy.unwrap();
         assert!((value - truth).abs() <= 6.0 * U * (1.0 + TAU) * 2.0 / TAU, "{value} for {truth}");
@@ -392,8 +392,8 @@ fn without_impacts_every_damping_ratio_is_the_damping_ratio() {
 
 #[test]
 fn settling_without_impacts_stays_within_half_a_period_of_the_envelope() {
-    // |x| ≤ exp(−ζτ)/√(1−ζ²): settled after ln(1/(p√(1−ζ²)))/ζ. The peaks exp(−ζτ_k) stand half a
-    // damped period apart: the last one above p comes at most that long before ln(1/p)/ζ.
+    // |x| ≤ exp(−ζτ)/√(1−ζ²): settled after ln(1/(p√(1−ζ²)))/ζ. The peaks exp(−ζτ_k) are half a
+    // damped period apart: the last one above p is at most that long before ln(1/p)/ζ.
     for zeta in [0.005, 0.01, 0.1, 0.3] {
         let duration = (50.0f64.ln() / zeta) + 4.0 * TAU;
         let run = decay(0.1, 0.5, 10.0, zeta, duration);
@@ -408,7 +408,7 @@ fn settling_without_impacts_stays_within_half_a_period_of_the_envelope() {
             let latest = (1.0 / (level * damped)).ln() / zeta;
             let earliest = (1.0 / level).ln() / zeta - TAU / 2.0 / damped;
             assert!(earliest <= time && time <= latest, "ζ = {zeta}, {level}: {time}");
-            // and it is a root of |x| = p
+            // The settling time is a root of |x| = p.
             let (x, v) = iva_tests::flight::free(Dd::ONE, Dd::ZERO, zeta.into(), time.into());
             let rounding = U * (UNITS_ALLOWED * (1.0 + time) + time * v.abs().hi);
             assert!((x.abs().hi - level).abs() <= rounding, "ζ = {zeta}, {level}: |x| {}", x.hi);
@@ -418,9 +418,9 @@ fn settling_without_impacts_stays_within_half_a_period_of_the_envelope() {
 
 #[test]
 fn sticking_begins_below_the_tabulated_clearances() {
-    // μ = 0.1, ζ = 0.01, from rest: sticks within two periods for γ below these, found by scanning
-    // in steps of 0.0025 with the oracle of this crate and, earlier, by the table's own author.
-    // (At e = 0.8 a second island of sticking lies just above, between 0.034 and 0.0425.)
+    // μ = 0.1, ζ = 0.01, from rest: the absorber sticks within two periods for γ below these values, found by
+    // scanning in steps of 0.0025 with the oracle of this crate and, earlier, by the author of the table. (At
+    // e = 0.8 a second interval of sticking lies just above, between 0.034 and 0.0425.)
     const TABLE: [(f64, f64); 9] = [
         (0.05, 1.0),
         (0.1, 0.86),
@@ -465,7 +465,7 @@ fn the_chattering_decay_of_the_paper_sticks_and_releases_on_time() {
     assert!(state.gap_velocity.abs() <= allowed);
 }
 
-/// Time stuck in the episodes before the last one.
+/// Time stuck in all stick episodes but the last.
 fn time_stuck_before(run: &Run) -> f64 {
     let (_, before) = run.episodes.split_last().unwrap();
     before.iter().map(|e| e.release_time.unwrap() - e.stick_time).sum()

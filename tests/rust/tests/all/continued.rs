@@ -1,5 +1,5 @@
-//! Runs that begin in the middle: from a state, at another instant of the force, ended by an observer; and the
-//! derivative of a period.
+//! Runs that begin later: from a state, or at another instant of the force; runs ended by an observer; and
+//! the derivative of a period.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ fn harmonic(amplitude: f64, frequency: f64, phase: f64) -> Harmonic {
     Harmonic { amplitude, frequency, phase, acts: Acts::Primary }
 }
 
-/// Impacts and episodes of a run from an instant, with the estimated errors of the impacts.
+/// Impacts and stick episodes of a run from an instant, with the estimated errors of the impacts.
 struct Seen {
     instant: Option<(Outcome, f64)>,
     impacts: Vec<Impact>,
@@ -50,7 +50,8 @@ fn seen<S: Differentiable>(
     (Seen { instant, impacts, episodes, errors }, tally.instant())
 }
 
-/// Runs in one and in two pieces; returns the number of impacts compared and of pieces that begin stuck.
+/// Compares a run in one piece and in two; returns the number of impacts compared and of pieces that begin
+/// stuck.
 fn cut<S: Differentiable>(system: &S, start: &S::Start, at: f64, until: f64) -> [usize; 2] {
     let from = Instant::start(system, start);
     let (whole, end) = seen(system, &from, until);
@@ -109,7 +110,8 @@ fn a_run_in_two_pieces_is_the_run_in_one() {
     assert!(compared > 1500 && stuck > 20, "{compared} {stuck}");
 }
 
-/// A start at an instant of the force is a start at time zero under the force whose phase is further by as much.
+/// A start at a later instant equals a start at time zero under the force with its phase advanced
+/// accordingly.
 #[test]
 fn a_start_at_an_instant_has_the_force_of_that_instant() {
     let mut rng = Rng::new(7);
@@ -138,8 +140,8 @@ fn a_start_at_an_instant_has_the_force_of_that_instant() {
     assert!(compared > 300, "{compared}");
 }
 
-/// A run that begins at an impulse or after it does not have it, one that begins before it does; a run from time zero has
-/// those of time zero.
+/// A run that begins at or after an impulse does not include it, one that begins before does; a run from time
+/// zero includes those of time zero.
 #[test]
 fn impulses_up_to_the_begin_are_over() {
     let impulses = [2.0, 6.0].map(|time| Impulse { velocity: 0.5, time });
@@ -164,7 +166,7 @@ fn impulses_up_to_the_begin_are_over() {
     }
 }
 
-/// Ends a run after so many impacts.
+/// An observer that ends a run after a number of impacts.
 struct After(u64);
 
 impl<S: System> Observer<S> for After {
@@ -187,7 +189,7 @@ fn an_observer_ends_a_run() {
     assert_eq!((tally.outcome, tally.impacts), (Outcome::Stopped, 5));
     assert_eq!(tally.outcome.name(), "stopped");
     assert_eq!(observers.0.impacts.last().unwrap().time, tally.end_time);
-    // What goes on from there has the bits of the whole: nothing was cut.
+    // The continued run has the bits of the whole: the end did not cut a stretch of motion.
     let mut whole = Events::default();
     simulate(&siva, &start, &limits, None, &mut whole).unwrap();
     let mut rest = Events::default();
@@ -195,7 +197,7 @@ fn an_observer_ends_a_run() {
     assert_eq!([observers.0.impacts, rest.impacts].concat(), whole.impacts);
 }
 
-/// Samples, peaks and strobes of a run that goes on are those of the whole from there.
+/// Samples, peaks and strobes of a continued run equal those of the whole run from there on.
 #[test]
 fn observers_see_a_run_from_its_begin_on() {
     let push = harmonic(0.5, 1.1, 0.2);
@@ -238,7 +240,7 @@ fn a_run_does_not_go_on_from_its_end() {
 }
 
 /// A periodic orbit of a free mass under cos τ: clearance, state at time 0 and Floquet multipliers, from a
-/// boundary-value problem in impact times at 50 digits, as printed there to 17.
+/// boundary-value problem in impact times with 50 digits, given to 17.
 struct Orbit {
     clearance: f64,
     state: [f64; 4],
@@ -262,7 +264,7 @@ const ORBITS: [Orbit; 2] = [
             [0.313_709_639_088_309_94, -0.383_674_744_641_538_65],
         ],
     },
-    // Unstable.
+    // An unstable orbit.
     Orbit {
         clearance: 3.0,
         state: [
@@ -280,7 +282,7 @@ const ORBITS: [Orbit; 2] = [
     },
 ];
 
-/// Σ λᵏ, real because multipliers come in pairs.
+/// Σ λᵏ, real because complex multipliers come in conjugate pairs.
 fn power_sum(multipliers: &[[f64; 2]; 4], k: i32) -> f64 {
     let part = |[re, im]: &[f64; 2]| re.hypot(*im).powi(k) * (f64::from(k) * im.atan2(*re)).cos();
     multipliers.iter().map(part).sum()

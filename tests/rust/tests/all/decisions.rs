@@ -1,4 +1,4 @@
-//! What decides a grazing: the twice-precise distance, and that the search relies on it.
+//! The decision of a grazing: the distance in double-double, and that the search uses it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
@@ -16,7 +16,7 @@ use iva_tests::{
     pendulum::{sine_cosine, swing},
 };
 
-/// A parabola over a wall whose plain evaluation errs by a hundred roundings, this way or that.
+/// A parabola over a wall whose plain evaluation has an error of a hundred roundings, of either sign.
 struct Noisy {
     lowest: f64,
     noise: f64,
@@ -69,7 +69,7 @@ fn the_precise_distance_decides_not_the_plain_one() {
 
 #[test]
 fn the_precise_distance_of_a_free_mass_leaves_out_a_ten_thousandth_of_a_rounding() {
-    // The first term that the series leaves out is below 2/22! = 2e-21 = 2e-5 U of the motion.
+    // The first truncated term of the series is below 2/22! = 2e-21 = 2e-5 U of the motion.
     for (zeta, x, v, y, w) in
         [(0.0, 1.0, 0.3, 0.1, -0.2), (0.7, -0.98, 0.7, 0.0, 1e-3), (3.0, -6.0, 1.0, 0.2, -0.4)]
     {
@@ -92,7 +92,7 @@ fn the_precise_distance_of_a_free_mass_leaves_out_a_ten_thousandth_of_a_rounding
 
 #[test]
 fn the_precise_distance_of_a_pendulum_leaves_out_less_than_the_band() {
-    // The series is cut where its last terms are 1e-17 of the clearance, a tenth of a rounding.
+    // The series is truncated where its terms are 1e-17 of the clearance, a tenth of a rounding.
     let p = Parameters {
         frequency_ratio: 0.6,
         inertia_ratio: 1.2,
@@ -105,7 +105,7 @@ fn the_precise_distance_of_a_pendulum_leaves_out_less_than_the_band() {
     let state = piva.begin(&start.into());
     let flight = piva.flight(&state);
     let s = piva.wall(&state).sign();
-    // The start as the simulator carries it: sinθ = y/b, and the rate from ẏ = b cosθ θ̇.
+    // The start in the variables of the simulator: sinθ = y/b, and the rate from ẏ = b cosθ θ̇.
     let sine = Dd::from(0.75) / 3.0;
     let cosine = (Dd::ONE - sine * sine).sqrt();
     let mut angle = Dd::from(sine.value().asin());
@@ -142,7 +142,7 @@ fn the_pressure_gain_is_the_rise_of_the_pressure_at_a_slow_impact() {
         let (after, _) = system.impact(&state, 0.0);
         (system.distance(&state).curvature - system.distance(&after).curvature) / approach
     }
-    // The rise per speed has a rest of first order in the speed: 1e-7 of order 1.
+    // The rise per speed has an error of first order in the speed: 1e-7 of order 1.
     let approach = 1e-7;
     let siva = Siva::new(0.2, 0.6, 0.5, 0.3).unwrap();
     let pendulum = |pivot_damping_ratio, damping_ratio| {

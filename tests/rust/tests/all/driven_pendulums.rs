@@ -1,4 +1,5 @@
-//! Pendulums under one harmonic force, at large and small angles, side by side, are the runs one by one, bit for bit.
+//! Pendulums under one harmonic force, at large and small angles: runs side by side equal single runs bit for
+//! bit.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -16,8 +17,9 @@ use iva_tests::rng::Rng;
 
 use crate::lanes::{alone_wanting, together_wanting};
 
-/// Light and heavy ones, hard and soft walls, damped and undamped pivots, on a force or on a base that moves, with a
-/// transient to leave out or none; a few under two forces, or hit as well.
+/// Random pendulums: light and heavy, with hard and soft walls and damped and undamped pivots, under a force
+/// or on a moving base, with or without a transient that is left out; a few under two forces, or with an
+/// impulse.
 fn driven(rng: &mut Rng, steady: SteadyWanted, tolerance: f64) -> Vec<Job<Piva>> {
     let job = |i: usize| {
         let clearance = rng.log_range(0.05, 2.0);
@@ -85,7 +87,7 @@ fn driven_pendulums_are_the_same_side_by_side() {
     }
 }
 
-/// What is stopped by a number of impacts or of stretches is stopped where it would be alone.
+/// A run stopped by a number of impacts or of stretches ends at the same place side by side and alone.
 #[test]
 fn limits_stop_driven_pendulums_where_they_are() {
     let mut rng = Rng::new(20_261_127);

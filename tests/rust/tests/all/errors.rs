@@ -1,6 +1,6 @@
-//! Estimated errors of impact times against true ones: references with 50 digits, random decays against
+//! Estimated errors of impact times compared with true ones: references with 50 digits, random decays against
 //! the double-double oracle, and random scenes of every kind against the core in numbers of twice the
-//! precision (which `verified.rs` holds against the references).
+//! precision (which `verified.rs` compares with the references).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::atomic::AtomicBool;
@@ -34,7 +34,7 @@ use iva_tests::{
 };
 use proptest::{prelude::*, strategy::ValueTree, test_runner::TestRunner};
 
-/// Impacts of a run: instant, approach speed, estimated error, near a grazing.
+/// The impacts of a run: instant, approach speed, estimated error, and whether it is near a grazing.
 fn impacts<S: Differentiable>(
     system: &S,
     start: &S::Start,
@@ -52,7 +52,7 @@ fn impacts<S: Differentiable>(
     .collect()
 }
 
-/// Estimates over true errors.
+/// Ratios of estimated and true errors.
 #[derive(Default)]
 struct Ratios {
     all: Vec<f64>,
@@ -65,7 +65,7 @@ struct Ratios {
 impl Ratios {
     fn take(&mut self, time: f64, estimate: f64, grazing: bool, truth: Dd) {
         if grazing || estimate > 1e-3 {
-            // It says itself that it is no longer to be trusted.
+            // The estimate itself is reported as unreliable.
             self.flagged += 1;
             return;
         }
@@ -75,7 +75,8 @@ impl Ratios {
         self.all.push(estimate / error.max(1e-18));
     }
 
-    /// Never small but in one row of 10⁴, and then not by more than twice, and not idle.
+    /// Checks that at most one estimate in 10⁴ is too small, by a factor of two at most, and that estimates
+    /// are not far too large.
     fn assert_good(mut self, name: &str) {
         self.all.sort_by(f64::total_cmp);
         let rows = self.all.len();
@@ -130,7 +131,7 @@ fn estimates_hold_on_random_decays() {
     let mut ratios = [Ratios::default(), Ratios::default()];
     let mut runner = TestRunner::deterministic();
     let strategy = any_case(5.0, 40.0);
-    // SCENES=10000 takes more than half an hour: the oracle is slow.
+    // With SCENES=10000 this takes more than half an hour, because the oracle is slow.
     let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(60);
     for _ in 0..count {
         let case: Case = strategy.new_tree(&mut runner).unwrap().current();
@@ -158,7 +159,7 @@ fn estimates_hold_on_random_decays() {
     }
 }
 
-/// What is out of the ordinary about a random pendulum.
+/// Unusual features of a random pendulum.
 #[derive(Debug, Clone, Copy, Default)]
 struct Twist {
     impact_law: ImpactLaw,
@@ -168,7 +169,7 @@ struct Twist {
 }
 
 impl Twist {
-    /// Of every second pendulum something.
+    /// Random features; about every second pendulum has one.
     fn random(rng: &mut Rng) -> Self {
         let printed = rng.unit() < 0.25;
         let small = rng.unit() < 0.1;
@@ -181,14 +182,14 @@ impl Twist {
     }
 }
 
-/// A random scene, of moderate numbers: free masses and pendulums, free and forced.
+/// A random scene with moderate parameters: free masses and pendulums, free and forced.
 fn scene(rng: &mut Rng, twist: Twist) -> Spec {
     let kind = if rng.unit() < 0.5 { Kinds::Siva } else { Kinds::Piva };
     let mut choices = Choices { kind, ..Choices::default() };
     if kind == Kinds::Piva {
         (choices.impact_law, choices.angles) = (twist.impact_law, twist.angles);
     }
-    // Walls near the horizontal are met by violent motions only.
+    // Walls near the horizontal are reached by violent motions only.
     let most = if twist.horizontal.is_some() { 3.0 } else { 1.0 };
     let mut spec = Spec::new(choices);
     let clearance = rng.log_range(0.05, 1.5);
@@ -226,7 +227,7 @@ fn scene(rng: &mut Rng, twist: Twist) -> Spec {
     spec
 }
 
-/// The estimates of a scene against the core in numbers of twice the precision.
+/// Compares the estimates of a scene with the core in numbers of twice the precision.
 fn compare_with_twofold(spec: Spec, ratios: &mut Ratios) {
     let never = AtomicBool::new(false);
     let workers = Workers::new(Some(1)).unwrap();
@@ -243,7 +244,7 @@ fn compare_with_twofold(spec: Spec, ratios: &mut Ratios) {
     let grazing = run.column_by_name("near_grazing").unwrap().as_boolean();
     for (row, error) in errors.into_iter().take(found.findings[0].alike).enumerate() {
         let estimate = estimates[row].unwrap_or(f64::INFINITY);
-        // From a grazing on, or from where nothing is estimated, the motion may be another one.
+        // After a grazing, and where nothing is estimated, the two runs may be different motions.
         if estimate.is_infinite() || grazing.value(row) {
             ratios.flagged += 1;
             break;
@@ -253,14 +254,14 @@ fn compare_with_twofold(spec: Spec, ratios: &mut Ratios) {
     }
 }
 
-/// The seed of [`scene`] that the tests below have in common.
+/// The common seed of [`scene`] for the tests below.
 const SEED: u64 = 641;
 
 #[test]
 fn estimates_hold_on_random_scenes_of_every_kind() {
     let (mut rng, mut twists) = (Rng::new(SEED), Rng::new(SEED + 1));
     let mut ratios = Ratios::default();
-    // SCENES=10000 takes two minutes.
+    // With SCENES=10000 this takes two minutes.
     let count = std::env::var("SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
     for _ in 0..count {
         let twist = Twist::random(&mut twists);
@@ -269,9 +270,9 @@ fn estimates_hold_on_random_scenes_of_every_kind() {
     ratios.assert_good("every kind");
 }
 
-/// Chains of rebounds on a wall that hardly presses, among the first 10 000 random scenes: what is rounded
-/// alike at every rebound adds up. Counted as if it did not, 2 000 of these rows were too small, up to
-/// 22 times.
+/// Chains of rebounds on a wall that hardly presses, among the first 10 000 random scenes: rounding errors
+/// that are equal at every rebound add up. With errors taken as independent, 2 000 of these estimates were
+/// too small, by factors of up to 22.
 #[test]
 fn estimates_hold_where_every_rebound_rounds_alike() {
     let (mut rng, mut ratios) = (Rng::new(SEED), Ratios::default());
@@ -305,7 +306,7 @@ fn pendulum(ratio: f64, impact_law: ImpactLaw) -> Spec {
     spec
 }
 
-/// Instants of impacts and their errors.
+/// The instants of impacts and their true errors.
 fn true_errors(spec: Spec) -> Vec<[f64; 2]> {
     let never = AtomicBool::new(false);
     let study = Study { tables: vec![Table::Impacts], ..Study::single(spec) };
@@ -322,8 +323,8 @@ fn true_errors(spec: Spec) -> Vec<[f64; 2]> {
     times(&run[&Table::Impacts]).into_iter().zip(errors).map(|(time, it)| [time, it]).collect()
 }
 
-/// There sinθ hardly changes with the angle. Measured by it, the first impact was off by 100 rounding units
-/// at d/b = 1 − 10⁻⁶ and by 30 000 at 1 − 10⁻¹².
+/// Near the horizontal sinθ hardly changes with the angle. With the distance computed from it, the first
+/// impact had an error of 100 rounding units at d/b = 1 − 10⁻⁶ and of 30 000 at 1 − 10⁻¹².
 #[test]
 fn walls_near_the_horizontal_are_met_as_exactly_as_others() {
     for k in 1..=12 {
@@ -336,8 +337,8 @@ fn walls_near_the_horizontal_are_met_as_exactly_as_others() {
     }
 }
 
-/// The printed law takes momentum at every rebound. Taken all at once, where the rest of a chatter is summed,
-/// it put the primary aside by some hundred rounding units.
+/// The printed law changes the momentum at every rebound. With the whole change at once, where the rest of a
+/// chatter is summed, the displacement of the primary had an error of some hundred rounding units.
 #[test]
 fn chatters_of_the_printed_law_are_summed_as_exactly_as_others() {
     for ratio in [0.05, 0.1, 0.2, 0.4] {
@@ -351,7 +352,7 @@ fn chatters_of_the_printed_law_are_summed_as_exactly_as_others() {
 
 #[test]
 fn a_motion_that_forgets_its_start_says_so() {
-    // Chaotic under force: errors grow by orders of magnitude each cycle, beyond any double.
+    // A chaotic motion under force: errors grow by orders of magnitude each cycle.
     let force = Harmonic { amplitude: 0.3, frequency: 0.83, phase: 0.0, acts: Acts::Primary };
     let siva = mass(0.1, 0.95, 0.3, 0.005)(Force::harmonic(vec![force]).unwrap());
     let start = Start { displacement: 1.0, ..Start::default() };

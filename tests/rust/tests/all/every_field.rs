@@ -1,6 +1,6 @@
-//! A sweep over any field, of any scene: each column holds what a run of that point alone has, and the summary
-//! has the same bits whatever is computed beside it, on however many threads, with whatever neighbours.
-//! A sweep of which only the summary is asked runs its points side by side where it can.
+//! Sweeps over every field, of every kind of scene: each row equals a run of that point alone, and the
+//! summary has the same bits whatever else is computed, on any number of threads, and with any neighbours. A
+//! sweep with only the summary runs its points side by side where it can.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -22,7 +22,7 @@ use iva_sweep::sampling::Sampling;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, Tables, Workers, sweep, validate};
 
-/// What drives a scene.
+/// The excitation of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Drive {
     Nothing,
@@ -31,7 +31,7 @@ enum Drive {
     Record,
 }
 
-/// A structure of 100 kg at 30 rad/s with its absorber, on a line of motion that is level or rises.
+/// A structure of 100 kg at 30 rad/s with its absorber, on a level or inclined line of motion.
 fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
     use FieldId as F;
     let mut spec = Spec::new(Choices { kind, ..Choices::default() });
@@ -73,7 +73,7 @@ fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
     spec
 }
 
-/// A value of a field that fits the scenes.
+/// A typical value of a field for these scenes.
 fn usual(field: FieldId) -> f64 {
     use FieldId as F;
     match field {
@@ -129,7 +129,7 @@ fn axis(field: FieldId) -> Axis {
     let whole = matches!(field, FieldId::MaxImpacts | FieldId::MaxWork);
     let factors = if whole { [1.0, 2.0, 3.0] } else { [1.0, 1.01, 1.1] };
     let values = factors.map(|factor| factor * usual(field)).to_vec();
-    // By its bare name where that is unique, which may be that of a column.
+    // Under its bare name where that is unique; it may also be the name of a column.
     let bare = field.info().name;
     let key = if FieldId::from_key(bare) == Ok(field) { bare } else { &field.path() };
     Axis::new(key, values).unwrap()
@@ -140,7 +140,7 @@ fn run(study: &Study, workers: &Workers, chunk: Option<usize>, points: Range<u64
     sweep(study, points, &Control { workers, chunk, cancel: &never, progress: &|_| {} }).unwrap()
 }
 
-/// The columns of a run of one point alone, by their names, against a row of a sweep over `key`.
+/// Checks that the columns of a run of one point alone equal a row of a sweep over `key`, by their names.
 fn assert_is_row(row: &RecordBatch, alone: &RecordBatch, key: &str, value: f64) {
     assert_eq!(row[key].as_primitive::<Float64Type>().value(0), value);
     for column in SUMMARY.iter().filter(|column| column.name != key) {
@@ -148,12 +148,14 @@ fn assert_is_row(row: &RecordBatch, alone: &RecordBatch, key: &str, value: f64) 
     }
 }
 
-/// A tolerance of a free mass: only where nothing but the summary is asked for the fast tier makes the row.
+/// True for a tolerance of a free mass: the fast tier makes its row only if nothing but the summary is
+/// wanted.
 fn is_tier_of_free_mass(study: &Study, field: FieldId) -> bool {
     field == FieldId::Tolerance && study.spec.choices().kind == Kind::Siva
 }
 
-/// The summary of a sweep over a field beside these tables, run in different ways: always the same.
+/// Checks that the summary of a sweep over a field is the same beside other tables and when run in different
+/// ways.
 fn assert_same_bits(study: &Study, field: FieldId, workers: &[Workers; 2]) {
     let beside = [Table::Impacts, Table::Episodes, Table::Envelope, Table::Stroboscope];
     let summary = |study: &Study, workers, chunk| {
@@ -175,12 +177,12 @@ fn assert_same_bits(study: &Study, field: FieldId, workers: &[Workers; 2]) {
         let one = run(&alone, &workers[0], None, point..point + 1);
         assert_eq!(one[&Table::Summary], reference.slice(point as usize, 1), "point {point}");
     }
-    // In the fast tier stretches end where a measure looks, so that the measures asked for move the last digits.
+    // In the fast tier stretches end where a measure looks, so the last digits depend on the wanted measures.
     if is_tier_of_free_mass(study, field) {
         return;
     }
-    // Measures that are asked for one at a time have the bits that they have together, those included that nobody gets
-    // who does not name them.
+    // Measures computed one at a time have the bits that they have together, including those that are
+    // computed only if asked for by name.
     let all = Study { measures: Selection::all(), ..alone.clone() };
     let everything = summary(&all, &workers[0], None);
     let usual = Selection::default();

@@ -1,4 +1,5 @@
-//! How far an absorber goes and how hard its structure is shaken, and runs that begin later than at time zero.
+//! Largest displacements of an absorber and accelerations of its structure, and runs that begin after time
+//! zero.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -28,7 +29,7 @@ fn extremes<S: System<Real = f64>>(system: &S, start: &S::Start, duration: f64) 
 
 #[test]
 fn an_absorber_that_meets_nothing_rests_in_space() {
-    // x = cos τ, and the absorber stays at x + y = 1: y = 1 − cos τ.
+    // x = cos τ, and the absorber stays at x + y = 1, so y = 1 − cos τ.
     let siva = Siva::new(0.1, 0.5, 3.0, 0.0).unwrap();
     let start = Start { displacement: 1.0, ..Start::default() };
     let found = extremes(&siva, &start, 5.0);
@@ -40,11 +41,11 @@ fn an_absorber_that_meets_nothing_rests_in_space() {
     ] {
         assert!((value.unwrap() - truth).abs() <= 8.0 * U, "{found:?}");
     }
-    // Before x has turned round, the ends are the extremes.
+    // Before the first extremum of x, the ends are the extremes.
     let found = extremes(&siva, &start, 2.0);
     let y = 1.0 - 2f64.cos();
     assert!((found.stroke.unwrap() - y).abs() <= 8.0 * U, "{found:?}");
-    // Drifting with w = 1/4 from y = −1: x₁ = τ/4, and y = τ/4 − cos τ turns where sin τ = −1/4.
+    // With w = 1/4 from y = −1: x₁ = τ/4, and y = τ/4 − cos τ has its extremum where sin τ = −1/4.
     let drifting = Start { gap_displacement: -1.0, gap_velocity: 0.25, ..start };
     let found = extremes(&siva, &drifting, 6.0);
     let turn = std::f64::consts::PI + 0.25f64.asin();
@@ -77,7 +78,8 @@ fn between_both_walls_the_stroke_is_the_play() {
 
 #[test]
 fn without_absorber_there_is_an_acceleration() {
-    // Let go from 1 without damping: |ẍ| = 1 at the start; a step of the base by a: |A| = |x| swings to 2a.
+    // Released from x = 1 without damping: |ẍ| = 1 at the start. After a step a of the base acceleration
+    // |A| = |x| reaches 2a.
     let alone = Alone::new(0.0).unwrap();
     let found = extremes(&alone, &iva_core::system::Point { x: 1.0, v: 0.0 }, 10.0);
     assert!((found.acceleration.unwrap() - 1.0).abs() <= 4.0 * U);
@@ -88,7 +90,7 @@ fn without_absorber_there_is_an_acceleration() {
     assert!((found.acceleration.unwrap() - 0.5).abs() <= 8.0 * U, "{found:?}");
 }
 
-/// Samples of a run stay below its extremes, and come as close as their distance allows.
+/// Samples of a run stay below its extremes, and come as close to them as the sampling interval allows.
 fn assert_above_samples<S: System<Real = f64>>(system: &S, start: &S::Start, gravity: f64) {
     let (duration, count) = (12.0, 24_000);
     let times = (0..=count).map(|k| duration * f64::from(k) / f64::from(count)).collect();
@@ -202,10 +204,10 @@ fn measures_of_a_decay_that_begins_later_count_from_there() {
     };
     near(one.damping_ratio_3, other.damping_ratio_3, 0.0);
     near(one.residual_amplitude, other.residual_amplitude, 0.0);
-    // Instants are on the clock.
+    // Settling times are instants on the clock of the force.
     near(one.settling_time_10, other.settling_time_10, 8.0);
     assert!(one.damping_ratio_energy.is_none() && other.damping_ratio_energy.is_some());
-    // Within the first period of the clock as well.
+    // Nor is it defined for a run that begins within the first period of the clock.
     assert!(measured(2.0, 9.0).damping_ratio_energy.is_none());
     assert!(short.residual_amplitude.is_none());
     let end = Limits::new(8.0, 0.6);

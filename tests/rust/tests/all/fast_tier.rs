@@ -1,7 +1,8 @@
 //! The fast tier: free masses in plain doubles.
 //!
-//! An impact's instant is where a run that stops at so many impacts ends. Judged are the instants of the references (50
-//! digits, `tests/reference`), and those of random runs by the exact tier, which is off by less than a unit itself.
+//! The instant of an impact is obtained as the end of a run that stops at a number of impacts. These instants
+//! are compared with the references (50 digits, `tests/reference`), and for random runs with the exact tier,
+//! whose own error is below one unit.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::{f64::consts::TAU, fmt::Debug};
@@ -26,19 +27,19 @@ use iva_tests::{
     units,
 };
 
-/// Approach speed at or below which the reference leaves impacts out.
+/// Approach speed at or below which impacts are missing in the reference.
 const FLOOR: f64 = 1e-9;
-/// What the median of the errors of instants may be, in rounding units.
+/// Largest median of the errors of instants, in rounding units.
 const MEDIAN_ALLOWED: f64 = 1.0;
 
-/// What runs of a tier come to, in the order of the jobs.
+/// The results of runs in a tier, in the order of the jobs.
 fn all<S: SideBySide>(jobs: &[Job<S>], wanted: Wanted) -> Vec<Ended<S>> {
     let mut found: Vec<Option<Ended<S>>> = vec![None; jobs.len()];
     lanes::run(jobs, wanted, None, &mut |i, ended: &Ended<S>| found[i] = Some(*ended)).unwrap();
     found.into_iter().map(Option::unwrap).collect()
 }
 
-/// One job for each number of impacts to stop at.
+/// Copies of a job that stop at the given numbers of impacts.
 fn stopped_at<S: SideBySide + Clone>(
     job: &Job<S>,
     impacts: impl Iterator<Item = u64>,
@@ -52,8 +53,8 @@ fn stopped_at<S: SideBySide + Clone>(
 
 const NOTHING: Wanted = Wanted { peaks: false, settling: false, residual: false, ledger: false };
 
-/// The errors of all impacts of a reference, in rounding units. In a chatter the exact tier is at work, so scenes with
-/// sticks are judged by their counts.
+/// The errors of all impacts of a reference, in rounding units. A chatter is left to the exact tier, so
+/// scenes with stick episodes are compared by their counts.
 fn judged<S: SideBySide + Clone>(job: &Job<S>, events: &[Expected]) -> Vec<f64> {
     let sticks = events.iter().filter(|event| event.kind == Kind::Stick).count();
     let impacts: Vec<_> = events.iter().filter(|event| event.kind == Kind::Impact).collect();
@@ -71,7 +72,7 @@ fn judged<S: SideBySide + Clone>(job: &Job<S>, events: &[Expected]) -> Vec<f64> 
     ends.iter().zip(&impacts).map(error).collect()
 }
 
-/// Fails unless errors are as small as they should be.
+/// Fails unless the errors are within their bounds.
 fn small(what: &str, mut errors: Vec<f64>) {
     if errors.is_empty() {
         return;
@@ -119,7 +120,7 @@ fn decay(rng: &mut Rng) -> Job<Siva> {
     Job { system, start, begin: 0.0, limits, steady: None, tier: Tier::Fast }
 }
 
-/// The force that drives a system.
+/// A random harmonic force.
 fn harmonic(rng: &mut Rng, acts: Acts) -> Harmonic {
     let frequency = rng.log_range(0.2, 4.0);
     Harmonic { amplitude: rng.range(-0.5, 0.5), frequency, phase: rng.range(-3.0, 3.0), acts }
@@ -131,8 +132,8 @@ fn driven(rng: &mut Rng, acts: Acts) -> Job<Siva<DrivenHost>> {
     Job { system: system.under(force), start, begin: 0.0, limits, steady: None, tier }
 }
 
-/// The error of an impact of a random run in rounding units, by the exact tier; `None` if there is none to judge: without
-/// impacts, after a stick, or where the motion forgets its start.
+/// The error of an impact of a random run in rounding units, relative to the exact tier; `None` if no impact
+/// can be compared: without impacts, after a stick, or where the motion has forgotten its start.
 fn by_the_exact_tier<S: SideBySide + Differentiable + Clone + Debug>(
     job: &Job<S>,
     share: f64,
@@ -148,7 +149,7 @@ fn by_the_exact_tier<S: SideBySide + Differentiable + Clone + Debug>(
     }
     let estimate = errors.impacts.last()?.time?;
     let condition = errors.condition()?;
-    // What the estimate of the exact tier comes to is at least what one rounding of each number does.
+    // The estimate of the exact tier is at least the effect of one rounding of each number.
     if condition > 1e6 || errors.impacts.iter().any(|impact| impact.grazing) {
         return None;
     }
@@ -177,7 +178,7 @@ fn random_runs_are_those_of_the_exact_tier_to_some_units() {
     }
 }
 
-/// Everything that a run comes to, with all digits.
+/// The results of a run as a text with all digits.
 fn told<S: SideBySide>(ended: &Ended<S>) -> String {
     let (tally, measures, steady) = ended;
     format!("{tally:?} {measures:?} {steady:?}")
@@ -185,7 +186,7 @@ fn told<S: SideBySide>(ended: &Ended<S>) -> String {
 
 const STEADY: SteadyWanted = SteadyWanted { strobes: false, ..SteadyWanted::ALL };
 
-/// Driven runs with a window that begins anywhere.
+/// Random driven runs with windows that begin anywhere.
 fn steady(rng: &mut Rng, acts: Acts) -> Job<Siva<DrivenHost>> {
     let job = driven(rng, acts);
     let cycle = job.system.force().and_then(|force| force.harmonics().first().copied());
@@ -241,7 +242,7 @@ fn measures(values: &MeasureValues, steady: Option<&SteadyValues>) -> Vec<(&'sta
     .collect()
 }
 
-/// The largest difference between the measures of both tiers in units of condition; `None` if they cannot be compared.
+/// The largest difference between the measures of both tiers, over the condition; `None` if not comparable.
 fn difference<S: SideBySide + Differentiable + Clone + Debug>(
     job: &Job<S>,
 ) -> Option<(f64, &'static str)> {
@@ -286,7 +287,7 @@ fn measures_differ_by_no_more_than_their_condition_explains() {
     assert!(found.len() > 300);
 }
 
-/// Runs that the fast tier does not know are those of the exact one.
+/// Runs for which there is no fast tier equal those of the exact tier, and are reported as such.
 #[test]
 fn a_tier_that_is_not_there_is_not_named() {
     let period = TAU;
@@ -317,14 +318,14 @@ fn a_tier_that_is_not_there_is_not_named() {
     assert_eq!(two, exact);
 }
 
-/// Both tiers, with all measures.
+/// The runs in both tiers, with all measures.
 fn both<S: SideBySide + Clone>(jobs: &[Job<S>]) -> [Vec<Ended<S>>; 2] {
     let exact: Vec<_> =
         jobs.iter().map(|job| Job { tier: Tier::Exact, ..Job::clone(job) }).collect();
     [all(&exact, Wanted::ALL), all(jobs, Wanted::ALL)]
 }
 
-/// A strobe at time zero, at the begin of the window and at the end of the run, and others at stops of the event loop.
+/// Strobes at time zero, at the begin of the window, at the end of the run, and at stops of the event loop.
 #[test]
 fn strobes_at_stops_are_taken_once() {
     let mut jobs = Vec::new();
@@ -353,7 +354,7 @@ fn strobes_at_stops_are_taken_once() {
     assert!(fast.iter().any(|it| it.2.unwrap().regime.is_some()));
 }
 
-/// One period, and one period before the end, within rounding of each other.
+/// One period after the start and one period before the end coincide within rounding.
 #[test]
 fn the_energy_after_one_period_is_told_beside_another_stop() {
     let siva = Siva::new(0.1, 0.6, 0.7, 0.01).unwrap();
@@ -374,7 +375,7 @@ fn the_energy_after_one_period_is_told_beside_another_stop() {
     }
 }
 
-/// Where the polynomials of a force overflow the event loop does all, and nothing else is lost.
+/// Where the polynomials of a force overflow the event loop does everything, and no measure is lost.
 #[test]
 fn forces_too_fast_for_the_lanes_leave_no_trace() {
     let mut jobs = Vec::new();

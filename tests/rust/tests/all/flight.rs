@@ -1,5 +1,5 @@
-//! Flight alone, in a gap that is never closed, for every damping ratio: against the power series in
-//! double-double and against nalgebra's matrix exponential.
+//! Flight alone, in a gap too wide to be closed, for every damping ratio: compared with the power series in
+//! double-double and with nalgebra's matrix exponential.
 //!
 //! The bound is the contract on event times, applied to the motion: six units of 2⁻⁵³ (1 + t) times
 //! the initial size.
@@ -11,7 +11,7 @@ use iva_tests::{U, UNITS_ALLOWED, dd::Dd};
 /// Clearance that no flight here reaches: |y| ≤ |x0| + |ẋ0| t + |x| < 94.
 const WIDE: f64 = 128.0;
 
-/// Free flight as the simulator gives it, in a gap that is never closed: x, ẋ, y.
+/// Free flight as the simulator computes it, in a gap too wide to be closed: x, ẋ, y.
 fn flights(zeta: f64, x: f64, v: f64, times: &[f64]) -> Vec<(f64, f64, f64)> {
     let absorber = Siva::new(0.1, 0.5, WIDE, zeta).unwrap();
     let start = Start { displacement: x, velocity: v, ..Start::default() };
@@ -37,13 +37,13 @@ fn flight_is_right_for_every_damping_ratio() {
                 let allowed = UNITS_ALLOWED * U * (1.0 + t) * size;
                 let place = format!("ζ = {zeta}, ({x}, {v}), t = {t}");
                 assert!((true_x - found_x).abs().hi <= allowed, "x, {place}: {found_x}");
-                // the velocity turns with ẍ: up to 2ζ|ẋ| + |x| per unit time or, where that is
-                // fast, per unit of x
+                // The velocity changes with ẍ: up to 2ζ|ẋ| + |x| per unit time or, where that is fast, per
+                // unit of x.
                 let steep = 1.0f64.max(2.0 * zeta);
                 assert!((true_v - found_v).abs().hi <= allowed * steep, "ẋ, {place}: {found_v}");
                 // y = x0 + ẋ0 t − x (the absorber starts with the primary system's velocity)
                 let y = Dd::from(x) + Dd::from(v) * t - true_x;
-                // the gap may be carried as a distance to a wall: roundings of d come in
+                // The gap may be computed as a distance to a wall: roundings of d are added.
                 let allowed = allowed + 2.0 * U * WIDE;
                 assert!((y - found_y).abs().hi <= allowed, "y, {place}: {found_y}");
             }

@@ -1,4 +1,4 @@
-//! Scenes under force and base motion: reference events, exact periodic answers, work.
+//! Scenes under force and base motion: reference events, exact periodic motions, work.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{PI, TAU};
@@ -25,7 +25,7 @@ use iva_tests::{
 };
 use proptest::{prelude::*, test_runner::TestCaseResult};
 
-/// Approach speed at or below which the reference leaves impacts out.
+/// Approach speed at or below which impacts are missing in the reference.
 const FLOOR: f64 = 1e-9;
 
 #[test]
@@ -42,7 +42,7 @@ fn every_forced_reference_event_is_found_and_none_added() {
     }
 }
 
-/// Fails unless a run has the events of a reference, to rounding.
+/// Fails unless a run has the events of a reference, within rounding.
 fn is_the_reference<S>(result: &Run<S>, scene: &PivaReference) {
     assert_eq!((result.tally.outcome, result.tally.undecided), (Outcome::Finished, 0));
     let list = marks(result, FLOOR);
@@ -69,16 +69,16 @@ fn on_primary(amplitude: f64, frequency: f64, phase: f64) -> Harmonic {
 /// A symmetric motion with two impacts a cycle (Masri and Caughey 1966), at the impact on wall +.
 struct Orbit {
     absorber: Siva<DrivenHost>,
-    /// Just before the impact.
+    /// State just before the impact.
     start: Start,
     half_period: f64,
 }
 
-/// μ, e, d, ζ, F, Ω, then s, x, ẋ before the impact and the phase a of F sin(Ωτ + a), all from the
-/// closed form (evaluated with 40 digits).
+/// The orbit with μ, e, d, ζ, F, Ω, then s, x, ẋ before the impact and the phase a of F sin(Ωτ + a), all from
+/// the closed form (evaluated with 40 digits).
 fn orbit([mu, e, d, zeta, amplitude, frequency]: [f64; 6], [s, x, v, a]: [f64; 4]) -> Orbit {
     let force = on_primary(amplitude, frequency, a - 0.5 * PI);
-    // The absorber moves with s between walls: before the impact on + its velocity is +s.
+    // The absorber moves with s between walls: before the impact on wall + its velocity is +s.
     Orbit {
         absorber: mass(mu, e, d, zeta)(Force::harmonic(vec![force]).unwrap()),
         start: Start { displacement: x, velocity: v, gap_displacement: d, gap_velocity: s - v },
@@ -123,13 +123,13 @@ fn from_rest_it_locks_to_the_stable_orbit() {
 
 #[test]
 fn an_undamped_resonance_grows_with_time() {
-    // x = (F/2) τ sin τ from rest, the secular term; the gap is out of reach.
+    // x = (F/2) τ sin τ from rest (resonance); the walls are out of reach.
     let siva = mass(0.1, 0.5, 1e6, 0.0)(Force::harmonic(vec![on_primary(0.1, 1.0, 0.0)]).unwrap());
     let times = [1.0, 10.0, 100.0, 1e3, 1e4];
     let found = states(&siva, &Start::default(), &Limits::new(1e4, 1e6), &times).unwrap();
     for state in found {
         let truth = 0.05 * state.time * state.time.sin();
-        // An error of the frequency of one rounding unit would be off by τ² of them.
+        // An error of one rounding unit in the frequency would give τ² units here.
         let allowed = 64.0 * U * 0.05 * state.time * state.time.sqrt().max(1.0);
         assert!((state.displacement - truth).abs() < allowed, "{state:?} {truth}");
     }
@@ -142,7 +142,7 @@ fn the_unstable_orbit_is_left_at_the_rate_of_its_multiplier() {
         [1.490992427985109, 1.342045429158013, -0.5591221604944157, 4.572987560392349],
     );
     let result = run(&orbit.absorber, &orbit.start, &Limits::new(15.0 * TAU, 1.0)).unwrap();
-    // Off by what the start was rounded, each half cycle times −2.56749605.
+    // The deviation comes from the rounding of the start, times −2.56749605 in each half cycle.
     let off: Vec<f64> = result
         .impacts
         .iter()
@@ -160,21 +160,22 @@ fn the_unstable_orbit_is_left_at_the_rate_of_its_multiplier() {
     }
 }
 
-/// A base with a_g = a cos(Ωτ + φ). Seen from outside it is a force x_g + 2ζ ẋ_g on the primary, with
-/// x_g = −(a/Ω²) cos(Ωτ + φ), and the absorber feels nothing.
+/// A base with a_g = a cos(Ωτ + φ). In the inertial frame it is a force x_g + 2ζ ẋ_g on the primary, with
+/// x_g = −(a/Ω²) cos(Ωτ + φ), and no force acts on the absorber.
 struct MovingBase {
     acceleration: Harmonic,
     damping_ratio: f64,
 }
 
 impl MovingBase {
-    /// −a/Ω².
+    /// Amplitude −a/Ω² of the base displacement.
     fn moved(&self) -> f64 {
         let Harmonic { amplitude, frequency, .. } = self.acceleration;
         -amplitude / (frequency * frequency)
     }
 
-    /// From a displacement relative to the base, at rest there: as it is, and as seen from outside.
+    /// Runs from rest relative to the base at a displacement: in the frame of the base, and in the inertial
+    /// frame.
     fn both<S>(&self, under: impl Fn(Force) -> S, x: f64, duration: f64) -> [Run<S::State>; 2]
     where
         S: System<Real = f64, Start: From<Start>>,
@@ -196,7 +197,7 @@ impl MovingBase {
         })
     }
 
-    /// The same impacts at the same times, and a ledger that closes.
+    /// Both runs have the same impacts at the same times, and ledgers that close.
     fn is_a_force<S>(&self, under: impl Fn(Force) -> S, x: f64) -> TestCaseResult
     where
         S: System<Real = f64, Start: From<Start>>,
@@ -220,7 +221,7 @@ impl MovingBase {
     }
 }
 
-/// A mirrored scene is the same to the bit, and one whose phase is a turn further to rounding.
+/// A mirrored scene gives the same bits; a phase advanced by a full turn gives the same run within rounding.
 fn mirror_and_turn<S>(under: impl Fn(Force) -> S, force: Harmonic, x: f64) -> TestCaseResult
 where
     S: System<Real = f64, Start: From<Start>>,
@@ -264,7 +265,7 @@ impl<S> Judged<S> {
         Self { marks: marks(&run, f64::NEG_INFINITY), run, errors: errors.impacts }
     }
 
-    /// The estimate of an impact; infinite from where it says itself that it is not to be trusted.
+    /// The estimated error of an impact; infinite once the estimate is unreliable.
     fn error(&self, impact: usize) -> f64 {
         self.errors.get(impact).map_or(0.0, |error| match error.time {
             Some(time) if !error.grazing && time <= 1e-6 => time,
@@ -273,14 +274,14 @@ impl<S> Judged<S> {
     }
 }
 
-/// The same events in order, impacts at the same times as far as both estimate their errors, and the same
-/// energies if that is to the end.
+/// The same events in order, impacts at the same times as long as both runs estimate their errors, and the
+/// same energies if that holds to the end.
 fn agree<S, T>(one: &Judged<S>, other: &Judged<T>) -> TestCaseResult {
     let (mut impacts, mut largest) = (0, 0.0f64);
     for k in 0..one.marks.len().max(other.marks.len()) {
         let (a, b) = (one.marks.get(k), other.marks.get(k));
         if [a, b].iter().flatten().any(|mark| mark.kind == Kind::Impact) {
-            // Each is off by a quarter of it at most, as a rule.
+            // The error of a run is usually at most a quarter of its estimate.
             let allowed = 4.0 * (one.error(impacts) + other.error(impacts));
             if allowed.is_infinite() {
                 return Ok(());
@@ -296,7 +297,7 @@ fn agree<S, T>(one: &Judged<S>, other: &Judged<T>) -> TestCaseResult {
     }
     let (a, b) = (&one.run.measures, &other.run.measures);
     let size = a.energy_initial.max(a.energy_work.abs());
-    // A state that is off by this much moves the energies by some hundred times as much.
+    // An error of the state of this size changes the energies by some hundred times as much.
     let allowed = size * (128.0 * largest).max(1e-9);
     for (a, b) in [(a.energy_viscous, b.energy_viscous), (a.energy_work, b.energy_work)] {
         prop_assert!((a - b).abs() <= allowed, "{a:e} {b:e}, allowed {allowed:e}");
@@ -342,7 +343,7 @@ proptest! {
         mirror_and_turn(mass(mass_ratio, restitution, clearance, damping_ratio), force, x)?;
     }
 
-    /// Both are power series, but of other equations and in other variables.
+    /// Both flights are power series, but of different equations in different variables.
     #[test]
     fn a_driven_free_mass_is_a_pendulum_at_small_angles_without_gravity(
         mu in 0.01..1.0f64,
@@ -370,7 +371,7 @@ proptest! {
     }
 }
 
-/// Many sticks a cycle keep the ledger and look the same from outside.
+/// Runs with many stick episodes a cycle close the ledger and agree in both frames.
 fn many_sticks<S>(under: impl Fn(Force) -> S, damping_ratio: f64)
 where
     S: System<Real = f64, Start: From<Start>>,
@@ -383,7 +384,7 @@ where
         let size = m.energy_initial + m.energy_work.abs() + m.energy_viscous;
         assert!(m.energy_residual.abs() < 1e-11 * size, "{:e}", m.energy_residual / size);
     }
-    // Twenty sticks forget where they came from: an error does not grow through them.
+    // An error does not grow through twenty stick episodes, because a stick forgets the state before it.
     for (a, b) in one.episodes.iter().zip(&other.episodes).take(20) {
         assert_eq!(a.wall, b.wall);
         assert!((a.stick_time - b.stick_time).abs() < 1e-12 * (1.0 + a.stick_time));
