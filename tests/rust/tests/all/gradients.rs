@@ -1,8 +1,8 @@
-//! Derivatives of runs against differences of runs in numbers of twice the precision, away from
-//! grazings to 1e-8 of the largest so far.
+//! Derivatives of runs compared with difference quotients of runs in numbers of twice the precision: away
+//! from grazings they agree to 1e-8 of the largest derivative so far.
 //!
-//! Differences are central, of steps h and 2h extrapolated: with h = 1e-8 they leave some 1e-14 of the
-//! derivative. The runs that are subtracted reproduce the 50-digit references (`verified.rs`).
+//! Differences are central, with steps h and 2h extrapolated: for h = 1e-8 their relative error is some
+//! 1e-14. The runs in twice the precision reproduce the 50-digit references (`verified.rs`).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::atomic::AtomicBool;
@@ -33,7 +33,7 @@ use iva_tests::rng::Rng;
 const STEP: f64 = 1e-8;
 const ALLOWED: f64 = 1e-8;
 
-/// What is compared of a run, all in natural units.
+/// The numbers of a run that are compared, in natural units.
 #[derive(Debug)]
 struct Numbers {
     kinds: Vec<f64>,
@@ -88,8 +88,8 @@ struct Check {
 }
 
 impl Check {
-    /// Errors grow with the derivatives, also where one of them happens to be small: they are
-    /// relative to the largest of the run so far.
+    /// Adds an error relative to the largest derivative of the run so far, because errors grow with the
+    /// derivatives even where one of them is small.
     fn take(&mut self, what: &str, value: f64, truth: f64) {
         self.largest = self.largest.max(truth.abs());
         let error = (value - truth).abs() / self.largest;
@@ -98,7 +98,7 @@ impl Check {
         assert!(error <= ALLOWED, "{what}: {value:e} instead of {truth:e}");
     }
 
-    /// Compares the gradient by one field with differences of `runs` at −2h, −h, h, 2h.
+    /// Compares the gradient with respect to one field with differences of `runs` at −2h, −h, h, 2h.
     fn gradient(&mut self, spec: &Spec, field: F, value: f64, runs: &dyn Fn(Twofold) -> Numbers) {
         let study = Study::single(spec.clone());
         let tables = gradients(&study, &field.path(), &AtomicBool::new(false)).unwrap();
@@ -191,7 +191,7 @@ fn derivatives_of_free_masses_are_right() {
     assert!(check.compared > 5000 && check.flagged < check.compared / 3);
 }
 
-/// Of free masses with gravity along their motion, that start on their lower stop.
+/// Derivatives of free masses with gravity along their motion, which start on their lower stop.
 #[test]
 fn derivatives_where_the_motion_rises_are_right() {
     let mut rng = Rng::new(64);
@@ -281,7 +281,8 @@ fn derivatives_of_pendulums_are_right() {
     assert!(check.compared > 3000 && check.flagged < check.compared / 3);
 }
 
-/// Impacts of a free mass or, under force or gravity, a pendulum, in numbers of one kind: bits of values.
+/// The impacts of a free mass or, under force or gravity, a pendulum, in one number type, as bits of their
+/// values.
 fn bits<R: Real>(
     fields: [f64; 6],
     pendulum: bool,
@@ -308,7 +309,7 @@ fn bits<R: Real>(
     found.iter().map(list).collect()
 }
 
-/// Chaotic runs too: each decision falls on the same bits.
+/// This holds for chaotic runs too, because each decision uses the same bits.
 #[test]
 fn a_run_with_derivatives_is_the_run_to_the_bit() {
     let mut rng = Rng::new(63);
@@ -336,7 +337,8 @@ fn a_run_with_derivatives_is_the_run_to_the_bit() {
     assert!(impacts > 20_000, "{impacts}");
 }
 
-/// A chaotic run, whose last impacts rounding decides: its derivatives once belonged to a run of other impacts.
+/// A chaotic run whose last impacts depend on rounding: its derivatives once belonged to a run with other
+/// impacts.
 #[test]
 fn derivatives_end_where_rounding_decides() {
     let fields = [

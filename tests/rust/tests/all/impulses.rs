@@ -40,7 +40,7 @@ fn state_at(siva: &Siva<DrivenHost>, start: Start, duration: f64, time: f64) -> 
 fn an_impulse_at_time_zero_is_a_start_velocity() {
     let (mu, e, d, zeta, v) = (0.1, 0.6, 0.5, 0.01, 0.9);
     let run_ = kicked(&mass(mu, e, d, zeta)(kicks(&[[0.0, v]])), Start::default(), 60.0);
-    // The absorber stays where it is: its gap velocity is −v.
+    // The absorber stays at rest: its gap velocity is −v.
     let start = Start { velocity: v, gap_velocity: -v, ..Start::default() };
     let siva = Siva::new(mu, e, d, zeta).unwrap();
     let free = run(&siva, &start, &Limits::new(60.0, d)).unwrap();
@@ -52,7 +52,7 @@ fn an_impulse_at_time_zero_is_a_start_velocity() {
     let (a, b) = (&run_.measures, &free.measures);
     assert_eq!(a.energy_initial, 0.0);
     assert_eq!(a.energy_work, 0.5 * v * v);
-    // Impulses alone leave all measures of a decay standing.
+    // With impulses as the only force all measures of a decay are defined.
     for (one, other) in [
         (a.damping_ratio_1, b.damping_ratio_1),
         (a.damping_ratio_energy, b.damping_ratio_energy),
@@ -64,16 +64,17 @@ fn an_impulse_at_time_zero_is_a_start_velocity() {
     }
 }
 
-/// A plastic free mass that starts at rest on the wall which presses it, released at τ = π/2.
+/// A plastic free mass that starts at rest on a wall that presses it; without impulse it is released at
+/// τ = π/2.
 fn riding(velocity: f64) -> (Siva<DrivenHost>, Start) {
     let siva = mass(0.25, 0.0, 0.5, 0.0)(kicks(&[[0.5, velocity]]));
-    // x > 0: ẍ < 0 presses the wall + on the absorber.
+    // For x > 0, ẍ < 0 presses wall + on the absorber.
     (siva, Start { displacement: 1.0, gap_displacement: 0.5, ..Start::default() })
 }
 
 #[test]
 fn a_push_away_from_the_wall_sets_the_absorber_free() {
-    // x = cos(ωτ) with ω² = 1/(1 + μ); the push v > 0 takes the + wall ... away from the absorber.
+    // x = cos(ωτ) with ω² = 1/(1 + μ); the impulse v > 0 moves wall + away from the absorber.
     let (siva, start) = riding(0.3);
     let omega = 1.25f64.sqrt().recip();
     let truth = -omega * (omega * 0.5).sin() + 0.3;
@@ -94,7 +95,7 @@ fn a_push_into_the_wall_moves_both_masses() {
     assert_eq!((after.gap_velocity, after.wall), (0.0, 1));
     let run = run(&siva, &start, &Limits::new(3.0, 0.5)).unwrap();
     assert!(run.episodes[0].release_time.unwrap() > 0.6);
-    // P(ẋ⁻ + ẋ⁺)/2
+    // The work of the impulse is P(ẋ⁻ + ẋ⁺)/2.
     let work = -0.3 * (truth + 0.15 / 1.25);
     assert!((run.measures.energy_work - work).abs() < 1e-15);
     assert!(run.measures.energy_residual.abs() < 1e-15);
@@ -102,8 +103,8 @@ fn a_push_into_the_wall_moves_both_masses() {
 
 #[test]
 fn a_damped_push_can_let_go_at_once() {
-    // Pushed into the wall the pair turns round so fast that the damper, not the spring, decides:
-    // A = −(x + 2ζẋ)/(1 + μ) changes sign, and the wall pulls away.
+    // After an impulse into the wall the pair moves back so fast that the damper decides, not the spring:
+    // A = −(x + 2ζẋ)/(1 + μ) changes sign, and the wall moves off the absorber.
     let siva = mass(0.25, 0.0, 0.5, 0.5)(kicks(&[[0.1, -2.0]]));
     let start = Start { displacement: 1.0, gap_displacement: 0.5, ..Start::default() };
     let run = run(&siva, &start, &Limits::new(1.0, 0.5)).unwrap();
@@ -112,7 +113,7 @@ fn a_damped_push_can_let_go_at_once() {
 
 #[test]
 fn an_impulse_in_the_instant_of_an_impact_follows_it() {
-    // τ = arccos(1 − d): the impulse falls on the double next to it, or just after.
+    // The contact is at τ = arccos(1 − d): the impulse is placed at the nearest double, or just after it.
     let d = 0.5f64;
     let time = (1.0 - d).acos();
     let under = mass(0.1, 0.5, d, 0.0);
@@ -157,8 +158,8 @@ proptest! {
         };
         let before = piva.begin(&start);
         let after = piva.apply_impulse(&before, velocity, false);
-        // Momentum along x of all masses grows by P, that of the pendulum about its pivot, less what
-        // the pivot's own motion adds, not at all.
+        // The momentum of all masses along x grows by P. The angular momentum of the pendulum about its
+        // pivot, less the part from the motion of the pivot, does not change.
         let mass = parameters.mass_ratio;
         let cosine = (1.0 - (angle * parameters.clearance / b).powi(2)).sqrt();
         let of = |state| {
@@ -195,8 +196,8 @@ proptest! {
 
 #[test]
 fn an_impulse_within_the_last_rebounds_of_a_chatter_comes_before_the_stick() {
-    // The end of the chatter without impulse is known; one that falls just before must not be summed
-    // over: there is no stick before it.
+    // The end of the chatter without impulse is known; a chatter must not be summed across an impulse just
+    // before it, so there is no stick before the impulse.
     let under = mass(0.1, 0.5, 0.1, 0.0);
     let start = Start { displacement: 1.0, ..Start::default() };
     let end = kicked(&under(Force::default()), start, 20.0).episodes[0].stick_time;

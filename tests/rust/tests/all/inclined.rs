@@ -1,9 +1,9 @@
-//! Free masses whose line of motion rises: gravity G = g sin α along it.
+//! Free masses on an inclined line of motion: gravity G = g sin α along it.
 //!
-//! A uniform field of gravity cannot be told from a base with constant acceleration, only the origin of x differs: x
-//! on such a base is smaller by (1 + μ)G, what the spring carries when the absorber lies on its lower stop. Such a base is
-//! a record of two points, whose motion other tests judge. The run in numbers of twice the precision judges the run in
-//! doubles.
+//! A uniform field of gravity is equivalent to a base with constant acceleration, except for the origin of x:
+//! x on such a base is smaller by (1 + μ)G, the load of the spring with the absorber on its lower stop. Such
+//! a base is a record of two points, whose motion is tested elsewhere. Runs in doubles are compared with runs
+//! in numbers of twice the precision.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -21,11 +21,12 @@ use iva_core::{
 };
 use iva_tests::{U, UNITS_ALLOWED, rng::Rng, units};
 
-/// Relative change of gravity that shows how much depends on it: far below what changes the events, far above the roundings
-/// of numbers of twice the precision.
+/// Relative change of gravity by which sensitivities are measured: far too small to change the events, far
+/// above the rounding of numbers of twice the precision.
 const MOVED: f64 = 1e-14;
 
-/// An absorber with gravity G = g sin α along its motion, on a structure that is let go from a displacement and may be driven.
+/// An absorber with gravity G = g sin α along its motion, on a structure released from a displacement, driven
+/// or not.
 #[derive(Debug, Clone, Copy)]
 struct Scene {
     mass_ratio: f64,
@@ -34,7 +35,7 @@ struct Scene {
     damping_ratio: f64,
     gravity: f64,
     displacement: f64,
-    /// Above the lower stop.
+    /// Height of the absorber above its lower stop.
     height: f64,
     harmonic: Option<Harmonic>,
     duration: f64,
@@ -89,7 +90,7 @@ impl Scene {
         self.absorber().inclined(self.gravity.into(), self.force(Vec::new()))
     }
 
-    /// The same with a relative change of gravity.
+    /// The scene with a relative change of gravity.
     fn heavier(&self, by: f64) -> Siva<DrivenHost<Twofold>> {
         let gravity = (Twofold::ONE + by) * self.gravity;
         self.absorber().inclined(gravity, self.force(Vec::new()))
@@ -109,7 +110,7 @@ impl Scene {
     }
 }
 
-/// Impacts, sticks and releases with their walls.
+/// The instants of impacts, sticks and releases, with their walls.
 fn instants<S, R: Real>(run: &Run<S, R>) -> Vec<(char, f64, R)> {
     let impacts = run.impacts.iter().map(|it| ('i', it.wall.sign(), it.time));
     let sticks = run.episodes.iter().map(|it| ('s', it.wall.sign(), it.stick_time));
@@ -131,7 +132,7 @@ fn assert_same_events<R: Real, Q: Real>(
     assert_eq!(kinds(&one), kinds(&other), "{scene:?}");
 }
 
-/// True if rounding could decide which events there are: far beyond what two programs can agree on.
+/// True if the events could depend on rounding, so that two runs need not agree.
 fn is_too_sensitive(errors: &Errors) -> bool {
     errors.condition().is_none_or(|condition| condition > 1e6)
         || errors.impacts.iter().any(|impact| impact.grazing || impact.time.is_none())
@@ -212,7 +213,7 @@ fn doubles_are_off_by_some_rounding_units() {
     assert!(found.last().unwrap().0 <= UNITS_ALLOWED, "{:?}", found.last());
 }
 
-/// Without damper and at e = 1 nothing is lost: gravity, structure and absorber exchange all they have.
+/// Without damping and with e = 1 no energy is lost: gravity, structure and absorber exchange it.
 #[test]
 fn elastic_impacts_on_an_undamped_structure_keep_the_energy() {
     let scene = Scene {
@@ -233,14 +234,15 @@ fn elastic_impacts_on_an_undamped_structure_keep_the_energy() {
     let initial = 0.5 + 0.1 * 0.7 * 0.3;
     assert!(tally.impacts > 1000, "{}", tally.impacts);
     assert!((values.energy_initial - initial).abs() < 1e-15, "{}", values.energy_initial);
-    // A random walk of one rounding an impact and a stretch.
+    // A random walk with one rounding per impact and stretch.
     let stretches = tally.work as f64;
     assert!((values.energy_final - initial).abs() < 4.0 * U * stretches.sqrt(), "{values:?}");
     assert_eq!(values.energy_work, 0.0);
 }
 
-/// Stuck on its lower stop the absorber moves as one mass with the structure, x = x₀ cos(t/√(1 + μ)) without a damper:
-/// it lifts off where the structure falls faster than it, at cos(t/√(1 + μ)) = (1 + μ)G/x₀, if it does at all.
+/// Stuck on its lower stop the absorber moves as one mass with the structure, x = x₀ cos(t/√(1 + μ)) without
+/// damping. It lifts off where the structure decelerates by more than gravity, if it does: at
+/// cos(t/√(1 + μ)) = (1 + μ)G/x₀.
 #[test]
 fn a_resting_absorber_lifts_off_where_gravity_no_longer_holds_it() {
     let mass = 1.25_f64;
@@ -252,7 +254,7 @@ fn a_resting_absorber_lifts_off_where_gravity_no_longer_holds_it() {
             clearance: 0.4,
             damping_ratio: 0.0,
             gravity,
-            // The structure is pushed down, and on its way up slows down.
+            // The structure starts below its position of rest, and decelerates on its way up.
             displacement: -1.0,
             height: 0.0,
             harmonic: None,
@@ -272,8 +274,8 @@ fn a_resting_absorber_lifts_off_where_gravity_no_longer_holds_it() {
     }
 }
 
-/// What is stuck is a dead weight: nothing of gravity is left in its motion, which is x₀ cos(t/√(1 + μ)) without a damper,
-/// however large gravity is against it.
+/// A stuck absorber adds its weight only: gravity does not appear in the motion, which is x₀ cos(t/√(1 + μ))
+/// without damping, for any size of gravity.
 #[test]
 fn a_dead_weight_keeps_its_digits_under_any_gravity() {
     for gravity in [2.0, 1e4, 1e8, 1e12] {

@@ -1,8 +1,8 @@
-//! What holds for every run, tried on random scenes: momentum, restitution, ledger, the walls,
-//! mirror symmetry, restarts, scaling, and the event list itself against the oracle.
+//! Properties of every run, tested on random scenes: momentum, restitution, energy ledger, walls, mirror
+//! symmetry, restarts, scaling, and the list of events compared with the oracle.
 //!
-//! Runs are judged by conditioning: the oracle of this crate says how much a rounding moves each
-//! event; past a condition of 1e9 the comparison stops (see `iva_tests::timeline::compare`).
+//! Runs are compared by conditioning: the oracle of this crate computes the effect of a rounding on each
+//! event. Above a condition of 1e9 the comparison stops (see `iva_tests::timeline::compare`).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
@@ -25,7 +25,7 @@ use iva_tests::{
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
-/// How far the absorber is ever carried beyond a wall, looked at in the motion itself.
+/// Largest distance of the absorber beyond a wall, computed from the motion itself.
 #[derive(Default)]
 struct Widest {
     spans: u64,
@@ -47,7 +47,7 @@ impl Observer<Siva> for Widest {
             let h = share * span.length;
             let distance = system.distance(&span.motion.state(h));
             let beyond = (-distance.value).max(distance.value - 2.0 * system.clearance());
-            // The instant of a contact is a double: right to its last place, in which the absorber moves.
+            // The instant of a contact is rounded to a double, in which the absorber moves.
             let instant = f64::EPSILON * h * distance.rate.abs();
             self.excess = self.excess.max(beyond - instant);
         }
@@ -68,9 +68,9 @@ proptest! {
             prop_assert!(impact.wall.sign() * w0 > 0.0, "{impact:?}");
             // restitution: one product, one rounding
             prop_assert!((w1 + e * w0).abs() <= 2.0 * U * w1.abs(), "{impact:?}");
-            // horizontal momentum ẋ + μ(ẋ + w), in double-double so that only the roundings of
-            // the velocities count: ẋ⁺ = ẋ⁻ + c w⁻ with c of at most 8 operations, and each
-            // velocity of the record rounded once from what the run carries
+            // Horizontal momentum ẋ + μ(ẋ + w), in double-double so that only the roundings of the velocities
+            // matter: ẋ⁺ = ẋ⁻ + c w⁻ with at most 8 operations for c, and each recorded velocity rounded once
+            // from that of the run.
             let momentum = |v: f64, w: f64| (Dd::from(mu) + 1.0) * v + Dd::from(mu) * w;
             let change = (momentum(v1, w1) - momentum(v0, w0)).abs().hi;
             let allowed = (1.0 + mu) * (8.0 * (v1 - v0).abs() + v0.abs() + v1.abs())
@@ -84,7 +84,7 @@ proptest! {
                 prop_assert!((Dd::sum(v, w) - x1).abs().hi <= U * x1.abs());
             }
             prop_assert_eq!(impact.effective(), v0 * impact.absorber_velocity_before() < 0.0);
-            // ½ μ/(1+μ) (1−e²) w²: at most 8 roundings, 1 − e² to a rounding of 1
+            // ½ μ/(1+μ) (1−e²) w²: at most 8 roundings, with 1 − e² rounded to a unit of 1.
             let scale = mu / (1.0 + mu) / 2.0 * w0 * w0;
             let loss = scale * (1.0 - e) * (1.0 + e);
             prop_assert!((impact.energy_loss - loss).abs() <= 16.0 * U * scale, "{impact:?}");
@@ -124,16 +124,16 @@ proptest! {
                 .impacts
                 .iter()
                 .any(|i| i.time > episode.stick_time && i.time < end));
-            // the listed impacts and the unlisted rest, whose speeds are below the floor: the rest
-            // is a geometric sum, ½ μ/(1+μ) floor² at most when e² + e⁴ + … is folded in
+            // The losses of the listed impacts and of the unlisted ones, whose speeds are below the floor:
+            // the latter are a geometric sum of at most ½ μ/(1+μ) floor², including e² + e⁴ + ….
             let listed: f64 = inside.iter().map(|i| i.energy_loss).sum();
             let floor = case.limits().chatter_floor;
             let rest = 0.5 * case.mu / (1.0 + case.mu) * floor * floor;
             let rounding = 4.0 * U * (inside.len() + 4) as f64 * listed;
             prop_assert!(episode.energy_loss >= listed - rounding, "{episode:?}, {listed}");
             prop_assert!(episode.energy_loss <= listed + rest + rounding, "{episode:?}, {listed}");
-            // the first impact of the chatter follows one at the other wall, or a flight from
-            // another episode or the start
+            // The first impact of the chatter follows an impact on the other wall, or a flight from another
+            // stick episode or from the start.
             if let Some(before) = run.impacts.iter().rev().find(|i| i.time < episode.start_time) {
                 let other = before.wall != episode.wall;
                 let parted = run.episodes.iter().any(|e| {
@@ -153,7 +153,7 @@ proptest! {
     fn the_ledger_closes(case in any_case(5.0, 40.0)) {
         let run = case.run();
         let m = &run.measures;
-        // largest energy of a decay: the initial one; 1e-12 is the contract of the project
+        // The largest energy of a decay is the initial one; 1e-12 is the contract of the project.
         prop_assert!(m.energy_residual.abs() <= 1e-12 * m.energy_initial, "{m:?}");
         let residual =
             m.energy_initial - run.tally.energy_impacts - m.energy_viscous - m.energy_final;
@@ -219,7 +219,7 @@ proptest! {
             },
             ..case
         };
-        // Rounding to nearest knows no sign: the runs agree to the bit.
+        // Rounding to nearest does not depend on the sign: the runs agree to the bit.
         let (run, image) = (case.run(), mirrored.run());
         prop_assert_eq!(run.impacts.len(), image.impacts.len());
         for (a, b) in run.impacts.iter().zip(&image.impacts) {
@@ -286,7 +286,7 @@ proptest! {
 }
 
 proptest! {
-    // each case runs the double-double oracle nine times
+    // Each case runs the double-double oracle nine times.
     #![proptest_config(cases(60))]
 
     #[test]
@@ -295,7 +295,7 @@ proptest! {
         factor in prop_oneof![Just(0.1), Just(3.0), 1e-3..1e3],
     ) {
         let start = &case.start;
-        // the scaled doubles are the truth: they decide where a start on a wall stands
+        // The scaled doubles are the exact input: they determine whether a start is on a wall.
         let scaled = Case {
             clearance: case.clearance * factor,
             start: Start {
@@ -309,8 +309,8 @@ proptest! {
         };
         let on_wall = start.gap_displacement.abs() == case.clearance;
         prop_assume!(!on_wall || scaled.start.gap_displacement.abs() == scaled.clearance);
-        // Truth of the unscaled scene: the scaled one differs by a rounding of each input, so two
-        // shares of six units at most.
+        // The exact events are those of the unscaled scene. The scaled one differs by one rounding of each
+        // input, so an error of two times six units is allowed.
         let scene = Case { duration: scaled.duration, ..case }.scene();
         let truth = oracle::events(&scene, 400);
         prop_assume!(truth.len() < 400);
@@ -345,7 +345,7 @@ proptest! {
         let truth = oracle::events(&scene, 300);
         prop_assume!(truth.len() < 300 && truth.iter().all(|e| e.time.hi < rest.duration - 1e-6));
         let threshold = clear_threshold(&truth);
-        // both the restarted run and the rest of the whole one against the truth of the restart
+        // Both the restarted run and the rest of the whole run are compared with the oracle's restart.
         let again = marks(&simulated(&scene), threshold);
         compare(&scene, &truth, &again, threshold, 0.0, 1.0)
             .map_err(|e| TestCaseError::fail(format!("restarted: {e}")))?;
@@ -353,15 +353,15 @@ proptest! {
             .into_iter()
             .filter(|m| m.time > impact.time || (m.time == impact.time && m.kind == Kind::Stick))
             .collect();
-        // A release at the very instant of the impact belongs to the episode before it.
+        // A release at the instant of the impact belongs to the stick episode before it.
         after.retain(|m| m.kind != Kind::Release || m.time > impact.time);
         compare(&scene, &truth, &after, threshold, impact.time, 1.0)
             .map_err(|e| TestCaseError::fail(format!("continued: {e}")))?;
     }
 }
 
-/// Event lists of seeded scenes against the oracle: nothing lost, nothing invented, times within
-/// six units (the condition covers the roundings of every state after an impact as well).
+/// Compares the events of seeded scenes with the oracle: none missing, none invented, times within six units
+/// (the condition covers the roundings of every state after an impact as well).
 fn against_the_oracle(seed: u64, scenes: usize, draw: impl Fn(&mut Rng) -> Scene) {
     let mut rng = Rng::new(seed);
     let (mut compared, mut expected) = (0, 0);
@@ -388,7 +388,7 @@ fn against_the_oracle(seed: u64, scenes: usize, draw: impl Fn(&mut Rng) -> Scene
         expected += truth.iter().filter(|e| iva_tests::timeline::listed(e, threshold)).count();
     }
     println!("{compared} of {expected} events compared in {scenes} scenes");
-    // the rules that end a comparison must not empty it
+    // The rules that end a comparison must not leave too little to compare.
     assert!(compared * 10 >= expected * 8, "only {compared} of {expected} events compared");
     assert!(failures.is_empty(), "{} scenes: {failures:#?}", failures.len());
 }
@@ -399,7 +399,7 @@ fn event_lists_of_decays_from_rest() {
         let zeta = rng.pick(&[0.0, 0.01, 0.1, 0.5]);
         let (mu, e) = (rng.log_range(0.01, 3.0), rng.range(0.0, 0.95));
         let scene = Scene::decay(mu, e, rng.log_range(0.03, 2.13), zeta, 4.0 * TAU);
-        // either side: centred starts have no mirror test of their own
+        // Both signs, because the mirror test does not cover centred starts.
         let start = [Dd::from(rng.sign()), Dd::ZERO, Dd::ZERO, Dd::ZERO];
         Scene { start, ..scene }
     });

@@ -1,7 +1,7 @@
-//! Runs side by side are the runs one by one, bit for bit.
+//! Runs side by side equal single runs bit for bit.
 //!
-//! What is compared is everything that `lanes::run` hands out; floats are printed with all their digits,
-//! so that equal texts are equal bits.
+//! Everything that `lanes::run` hands out is compared. Floats are printed with all their digits, so equal
+//! texts are equal bits.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -69,7 +69,8 @@ fn grid() -> Vec<Job<Siva>> {
     scenes
 }
 
-/// Pendulums that reach their walls often, seldom or never, hard and soft, with and without damped pivots.
+/// Pendulums that reach their walls often, rarely or never, with hard and soft walls, with and without pivot
+/// damping.
 fn pendulums(tolerance: f64) -> Vec<Job<Piva>> {
     let mut scenes = Vec::new();
     for (zeta, zeta_p) in [(0.0, 0.0), (0.02, 0.0), (0.02, 0.05), (1.2, 0.0)] {
@@ -95,8 +96,9 @@ fn pendulums(tolerance: f64) -> Vec<Job<Piva>> {
     scenes
 }
 
-/// Free masses under force: light and heavy, slow and fast, with and without damping, some of which chatter or stick, most
-/// with a transient to leave out; a third on a base that moves, a few under two forces, or hit as well.
+/// Free masses under force: light and heavy, slow and fast, with and without damping, some with chatter or
+/// sticking, most with a transient that is left out; a third on a moving base, a few under two forces, or
+/// with an impulse.
 fn driven(steady: SteadyWanted) -> Vec<Job<Siva<DrivenHost>>> {
     let mut jobs = Vec::new();
     for (number, zeta) in [0.0, 0.02, 0.3, 1.1].into_iter().enumerate() {
@@ -149,7 +151,7 @@ fn driven_free_masses_are_the_same_side_by_side() {
         }
         jobs.reverse();
         assert!(together_wanting(&jobs, wanted).iter().rev().eq(&found));
-        // Neighbours of which something else is asked, or nothing.
+        // Neighbouring jobs with other wanted measures, or with none.
         for (job, other) in
             jobs.iter_mut().step_by(3).zip([Some(rms), None, Some(all)].iter().cycle())
         {
@@ -168,7 +170,7 @@ fn driven_free_masses_are_the_same_side_by_side() {
     }
 }
 
-/// Long runs show their logs several times on the way.
+/// The logs of long runs are measured and cleared several times on the way.
 #[test]
 fn long_driven_runs_are_the_same_side_by_side() {
     let all = SteadyWanted { strobes: false, ..SteadyWanted::ALL };
@@ -185,13 +187,13 @@ fn long_driven_runs_are_the_same_side_by_side() {
     assert!(found.iter().filter(|run| work(run) > 3 * 4096).count() > 3);
 }
 
-/// Segments of a run, from what was printed of it.
+/// Number of segments of a run, from its printed text.
 fn work(run: &str) -> u64 {
     let (_, after) = run.split_once("work: ").unwrap();
     after.split(',').next().and_then(|number| number.parse().ok()).unwrap()
 }
 
-/// Lanes of decays measure no steady state: with one asked for, runs go one by one.
+/// Lanes of decays do not measure a steady state: if one is wanted, the runs go one by one.
 #[test]
 fn decays_whose_steady_state_is_asked_for_are_the_same() {
     let steady = Some((SteadyWanted::ALL, Window { from: 3.0, cycle: None }));
@@ -207,7 +209,7 @@ fn decays_whose_steady_state_is_asked_for_are_the_same() {
 
 #[test]
 fn pendulums_are_the_same_side_by_side() {
-    // One for each order of the series.
+    // One tolerance for each order of the series.
     for tolerance in [0.0, 1e-12, 1e-9, 1e-6] {
         let scenes = pendulums(tolerance);
         let found = together(&scenes);
@@ -228,7 +230,7 @@ fn pendulums_are_the_same_side_by_side() {
 
 #[test]
 fn pendulums_of_many_kinds_keep_apart() {
-    // Tolerances, small angles, a force: not all of these share lanes.
+    // Different tolerances, small angles, a force: these cannot all share lanes.
     let mut scenes: Vec<Job<Piva>> = [0.0, 1e-9]
         .into_iter()
         .flat_map(|tolerance| pendulums(tolerance).into_iter().step_by(5))
@@ -269,7 +271,7 @@ fn losses_not_asked_for_change_nothing_else() {
     fn check<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted, other: impl Fn(&str) -> String) {
         for (scene, found) in scenes.iter().zip(together_wanting(scenes, wanted)) {
             assert_eq!(found, alone_wanting(scene, wanted));
-            // Everything but the energies.
+            // The rest of the summary, without the energies, is the same.
             assert_eq!(other(&found), other(&alone(scene)));
             assert!(found.contains("energy_viscous: 0.0, energy_pivot: 0.0,"));
         }
@@ -278,7 +280,7 @@ fn losses_not_asked_for_change_nothing_else() {
     check(&pendulums(1e-9), wanted, other);
 }
 
-/// Lanes of free decays without what is read from the displacement, with losses and without; some start at x = 0.
+/// Lanes of free decays without measures of the displacement, with losses and without; some start at x = 0.
 #[test]
 fn decays_of_which_little_is_asked_are_the_same() {
     for ledger in [true, false] {
@@ -297,7 +299,7 @@ fn decays_of_which_little_is_asked_are_the_same() {
 fn neighbours_change_nothing() {
     let scenes = grid();
     let whole = together(&scenes);
-    // Backwards, and in groups of other sizes: other lanes, other neighbours.
+    // In reverse order, and in groups of other sizes: other lanes, other neighbours.
     let backwards: Vec<Job<Siva>> = scenes.iter().rev().cloned().collect();
     assert!(together(&backwards).iter().rev().eq(&whole));
     for size in [1, 3, LANES, LANES + 1] {
@@ -312,7 +314,7 @@ fn limits_stop_each_run_where_it_is() {
     for (i, decay) in grid().into_iter().enumerate() {
         let (max_impacts, max_work) =
             ([3, 10, 10_000_000][i % 3], [17, 1000, 100_000_000][i / 3 % 3]);
-        // Ends close to the instants that the measures look at as well.
+        // Some runs end close to the instants that the measures look at.
         let duration = [0.5, TAU, 2.0 * TAU, 2.0 * TAU + 1e-15, 9.0, 100.0][i % 6];
         let limits = Limits { duration, max_impacts, max_work, ..decay.limits };
         scenes.push(Job { limits, ..decay });
@@ -328,7 +330,7 @@ fn limits_stop_each_run_where_it_is() {
 
 #[test]
 fn cancelled_runs_come_back_as_they_are() {
-    // Elastic and undamped: without the cancellation these would run for a long time.
+    // Elastic and undamped runs, which would take a long time without the cancellation.
     let endless: Vec<Job<Siva>> =
         (0..40).map(|i| scene(0.1, 1.0, 0.01 + 0.001 * f64::from(i), 0.0, 1e6)).collect();
     let cancel = AtomicBool::new(false);
@@ -362,7 +364,7 @@ fn a_bad_start_is_refused_before_anything_runs() {
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Whatever the start and the parameters; a group has one damping ratio.
+    /// For any start and parameters; the runs of a group have one damping ratio.
     #[test]
     fn random_runs_are_the_same_side_by_side(
         all in prop::collection::vec(any_case(1.0, 60.0), 3 * LANES),
@@ -383,7 +385,7 @@ proptest! {
         }
     }
 
-    /// Whatever the start and the pendulum.
+    /// For any start and pendulum.
     #[test]
     fn random_pendulums_are_the_same_side_by_side(
         all in prop::collection::vec((compound(), any_case(1.0, 60.0), -3.1..3.1), 3 * LANES),

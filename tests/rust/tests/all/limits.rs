@@ -1,4 +1,4 @@
-//! What a run does at its edges: limits, starts on and beyond a wall, bad values, no motion.
+//! Edge cases: limits, starts on and beyond a wall, bad values, no motion.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
@@ -24,7 +24,7 @@ fn go(start: &Start, duration: f64) -> Result<Run, Invalid> {
     run(&siva(), start, &Limits::new(duration, CLEARANCE))
 }
 
-/// `value` moved by `steps` doubles away from zero (towards it if negative).
+/// `value` moved by `steps` doubles away from zero (towards it if `steps` is negative).
 fn ulps(value: f64, steps: i64) -> f64 {
     f64::from_bits(value.to_bits().wrapping_add_signed(steps))
 }
@@ -86,7 +86,7 @@ fn max_work_gives_the_beginning_of_the_run() {
 
 #[test]
 fn a_chattering_run_is_cut_short_as_well() {
-    // e = 0.99 chatters with about a thousand rebounds; the limit must also count within a tail
+    // e = 0.99 gives chatters of about a thousand rebounds; the limit must also hold within a summed tail.
     let absorber = Siva::new(0.1, 0.99, 1e-3, 0.0).unwrap();
     let start = start(1.0, 0.0, 0.0, 0.0);
     let limits = Limits { max_impacts: 200, chatter_floor: 1e-12, ..Limits::new(100.0, 1e-3) };
@@ -97,8 +97,8 @@ fn a_chattering_run_is_cut_short_as_well() {
 
 #[test]
 fn rebounds_that_become_no_rows_do_not_count() {
-    // Nine rows above the floor 0.01; the low rebounds before the stick must not reach a limit of
-    // ten.
+    // Nine impacts are above the floor of 0.01; the low rebounds before the stick must not count towards a
+    // limit of ten.
     let absorber = Siva::new(0.15, 0.5, 0.1, 0.0).unwrap();
     let start = start(1.0, 0.0, 0.0, 0.0);
     let limits = Limits { chatter_floor: 1e-2, ..Limits::new(6.0, 0.1) };
@@ -115,7 +115,7 @@ fn rebounds_that_become_no_rows_do_not_count() {
 
 #[test]
 fn the_lowest_floor_lists_rebounds_like_any_other() {
-    // A chatter in an overdamped decay, listed through seventy orders of magnitude.
+    // A chatter in an overdamped decay, listed over seventy orders of magnitude.
     let absorber = Siva::new(0.1, 0.5, 0.01, 1.2).unwrap();
     let start = start(1.0, 0.0, 0.0, 0.0);
     let at = |floor: f64| {
@@ -146,8 +146,8 @@ fn the_lowest_floor_lists_rebounds_like_any_other() {
 
 #[test]
 fn the_ends_of_the_range_are_exact_as_well() {
-    // Lengths times a power of two change no bit; heavy, light and stiffly damped scenes close
-    // their ledger.
+    // Scaling lengths by a power of two changes no bit; heavy, light and strongly damped scenes close their
+    // ledgers.
     let scene = |power: i32| {
         let scale = 2f64.powi(power);
         let absorber = Siva::new(0.15, 0.5, 0.1 * scale, 0.02).unwrap();
@@ -198,7 +198,7 @@ fn within_four_ulps_a_start_is_on_the_wall_and_beyond_it_is_an_error() {
                 assert!(!error.value.is_empty() && !error.allowed.is_empty());
             }
         }
-        // well inside the gap the first impact comes after the time to cross what is left
+        // Well inside the gap the first impact comes after the remaining distance is covered.
         let y = side * (CLEARANCE - 1e-9);
         let result = go(&start(0.0, 0.0, y, side * 0.5), 1.0).unwrap();
         let time = result.impacts[0].time;
@@ -292,7 +292,7 @@ fn without_motion_nothing_happens() {
     ] {
         assert_eq!(energy, 0.0);
     }
-    // ratios to a zero amplitude or energy do not exist; a NaN would be a wrong answer
+    // Ratios to an amplitude or energy of zero are null, not NaN.
     for value in [
         measures.damping_ratio_1,
         measures.damping_ratio_fit,
@@ -309,7 +309,7 @@ fn without_motion_nothing_happens() {
         assert_eq!((state.displacement, state.velocity), (0.0, 0.0));
         assert_eq!((state.gap_displacement, state.gap_velocity, state.wall), (0.2, 0.0, 0));
     }
-    // at rest touching a wall, without motion: no impacts and no endless loop
+    // At rest and touching a wall, without motion: no impacts and no endless loop.
     let touching = go(&start(0.0, 0.0, CLEARANCE, 0.0), 50.0).unwrap();
     assert_eq!((touching.tally.outcome, touching.impacts.len()), (Outcome::Finished, 0));
 }
@@ -400,7 +400,7 @@ fn the_motion_does_not_depend_on_the_floor() {
             assert_eq!(coarse.energy_loss, fine.energy_loss);
             assert!(coarse.impacts <= fine.impacts);
         }
-        // what is listed is listed alike; what is missing are rebounds of a chatter below the floor
+        // Common impacts are equal; only rebounds of a chatter below the floor are missing.
         let listed: Vec<_> = fine
             .impacts
             .iter()

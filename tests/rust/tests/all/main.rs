@@ -1,4 +1,4 @@
-//! The tests that cross rooms, in one program: linking takes longer than compiling.
+//! The integration tests of the Rust crates, in one program because linking takes longer than compiling.
 //!
 //! One file alone: `cargo test --release -p iva-tests planted::`.
 

@@ -1,11 +1,11 @@
-//! Every damping measure against a second computation of it: the motion is taken from `states` on a
-//! dense grid and from the list of events, continued between them by the power series, and the
-//! definitions are applied to it word by word.
+//! Every damping measure compared with a second computation: the motion is taken from `states` on a dense
+//! grid and from the list of events, continued between them by the power series, and the definitions are
+//! applied to it literally.
 //!
-//! Both sides see the same motion to rounding: |Δx| ≤ 16 · 2⁻⁵³ (1 + t) R, R the size of the
-//! motion (six units for either side and some for the arithmetic here). What that does to a measure
-//! is worked out measure by measure. Where the motion comes closer than that to a level that
-//! decides (5 % of the amplitude, say), the measure is not compared.
+//! Both computations have the same motion within rounding: |Δx| ≤ 16 · 2⁻⁵³ (1 + t) R, R the size of the
+//! motion (six units for each and some for the arithmetic here). The effect on a measure is derived for each
+//! measure. Where the motion comes closer than that to a level that decides (for example 5 % of the
+//! amplitude), the measure is not compared.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
@@ -23,14 +23,14 @@ use iva_tests::{
 };
 use std::f64::consts::{PI, TAU};
 
-/// Smooth motion from `time` on, for `length`.
+/// Smooth motion of a given length from `time` on.
 struct Piece {
     time: f64,
     length: f64,
     segment: Segment,
 }
 
-/// An instant such that x is monotone from it to the next one.
+/// An instant, such that x is monotonic from it to the next one.
 #[derive(Clone, Copy)]
 struct Node {
     time: f64,
@@ -65,8 +65,8 @@ impl Trace {
                 starts.contains(&state.time) || (state.wall != 0 && !ends.contains(&state.time));
             knots.push((state.time, state.displacement, state.velocity, stuck));
         }
-        // A sample at the very instant of an impact may be the state before it (the instant is
-        // rounded): the record of the impact replaces it, also where a plastic impact sticks.
+        // A sample at the instant of an impact may be the state before it (the instant is rounded). The
+        // record of the impact replaces it, also where a plastic impact sticks.
         let hits: Vec<f64> = run.impacts.iter().map(|i| i.time).collect();
         knots.retain(|k| !hits.contains(&k.0));
         for impact in &run.impacts {
@@ -93,7 +93,7 @@ impl Trace {
         trace
     }
 
-    /// Start, turning point if any, and end of the last piece.
+    /// Adds start, extremum if there is one, and end of the last piece.
     fn add_nodes(&mut self) {
         let index = self.pieces.len() - 1;
         let piece = &self.pieces[index];
@@ -122,8 +122,8 @@ impl Trace {
         let mut best = self.nodes[0];
         let mut sign = 0.0;
         for &node in &self.nodes {
-            // Without damping a release falls on x = 0 exactly: what is below the rounding of the
-            // motion there has no sign.
+            // Without damping a release is at x = 0 exactly: values below the rounding of the motion have no
+            // sign there.
             let piece = &self.pieces[node.piece];
             let speed = piece.segment.at(Dd::sum(node.time, -piece.time)).1.hi.abs();
             let clear = node.x.abs() > 16.0 * U * speed;
@@ -162,7 +162,7 @@ impl Trace {
         Some((piece.time + h.value(), piece.segment.at(h).1.abs().hi))
     }
 
-    /// Whether an extremum or an end of the run is too close to a level to tell on which side.
+    /// True if an extremum or an end of the run is too close to a level to decide on which side it is.
     fn touches(&self, level: f64) -> bool {
         let extremes = self.nodes.windows(3).filter(|w| {
             let (a, b) = (w[1].x - w[0].x, w[2].x - w[1].x);
@@ -200,7 +200,7 @@ impl Trace {
     }
 }
 
-/// Asserts that both are missing or both within `allowed` of each other.
+/// Asserts that both values are missing, or that they agree within `allowed`.
 fn same(name: &str, found: Option<f64>, truth: Option<f64>, allowed: f64) {
     match (found, truth) {
         (None, None) => {}
@@ -213,7 +213,7 @@ fn same(name: &str, found: Option<f64>, truth: Option<f64>, allowed: f64) {
     }
 }
 
-/// Slope of the least-squares line and how far errors of at most `errors` in y can move it.
+/// Slope of the least-squares line, and its largest change by errors of at most `errors` in y.
 fn slope(points: &[(f64, f64)], errors: &[f64]) -> (f64, f64) {
     let n = points.len() as f64;
     let mean_t = points.iter().map(|p| p.0).sum::<f64>() / n;
@@ -224,7 +224,7 @@ fn slope(points: &[(f64, f64)], errors: &[f64]) -> (f64, f64) {
     (product / square, moved / square)
 }
 
-/// How many of the comparisons that can be skipped were made.
+/// Number of comparisons made, of those that can be skipped.
 #[derive(Default)]
 struct Made {
     fits: u32,
@@ -232,7 +232,7 @@ struct Made {
 }
 
 fn check(case: &Case, made: &mut Made) {
-    // with all impacts above 1e-15 in the list, what a tail leaves out is below rounding
+    // With all impacts above 1e-15 listed, the unlisted rest of a tail is below rounding.
     let limits = Limits { chatter_floor: 1e-15, ..case.limits() };
     let run = run(&case.siva(), &case.start, &limits).unwrap();
     assert_eq!(run.tally.undecided, 0);
@@ -248,8 +248,8 @@ fn check(case: &Case, made: &mut Made) {
     for (found, truth) in run.peaks.iter().zip(&peaks) {
         let allowed = trace.rounding(truth.time);
         assert!((found.displacement - truth.x).abs() <= allowed, "{found:?} for {}", truth.x);
-        // where x turns smoothly a time error h costs x h²/2: two extrema closer in height than
-        // rounding may change places, so the height at the reported time decides
+        // At a smooth extremum a time error h changes x by h²/2. Two extrema closer in height than rounding
+        // may be exchanged, so the height at the reported time is compared.
         let piece = trace.pieces.iter().rev().find(|p| p.time <= found.time).unwrap();
         let there = piece.segment.at(Dd::sum(found.time, -piece.time)).0;
         let late = U * found.time * trace.size;
@@ -278,7 +278,7 @@ fn check(case: &Case, made: &mut Made) {
     let kept = peaks.iter().position(|p| p.x.abs() < level).unwrap_or(peaks.len());
     if !peaks.iter().any(|p| (p.x.abs() - level).abs() <= 4.0 * trace.rounding(p.time)) {
         let points: Vec<_> = peaks[..kept].iter().map(|p| (p.time, p.x.abs().ln())).collect();
-        // an extremum is as flat as x'' = −x there: its time moves by rounding/|x|
+        // The curvature at an extremum is −x: an error of x moves its time by the error over |x|.
         let errors: Vec<_> = peaks[..kept]
             .iter()
             .map(|p| trace.rounding(p.time) / p.x.abs() * 2.0 + 8.0 * U)
@@ -326,7 +326,7 @@ fn check(case: &Case, made: &mut Made) {
     } else {
         let after = states(&case.siva(), s, &limits, &[TAU]).unwrap()[0];
         let later = energy(after.displacement, after.velocity, after.gap_velocity);
-        // each energy to 2 |Δ(x, ẋ)| |(x, ẋ)|, which 2π of motion keep below this
+        // The error of each energy is 2 |Δ(x, ẋ)| |(x, ẋ)|, below this bound over a time of 2π.
         let allowed = 8.0 * trace.rounding(TAU) * (1.0 + case.mu) * trace.size.max(1.0) / initial;
         let truth = (initial - later) / (2.0 * TAU * initial);
         same("damping_ratio_energy", m.damping_ratio_energy, Some(truth), allowed);
@@ -353,7 +353,7 @@ fn measures_of_random_decays() {
     if let Err(TestError::Fail(why, case)) = result {
         panic!("{why}\n{case:#?}");
     }
-    // the rules that skip a comparison must not skip the measure
+    // The rules that skip a comparison must not skip too many.
     let made = made.into_inner();
     assert!(
         made.fits > 200 && made.settlings > 300,
@@ -364,7 +364,7 @@ fn measures_of_random_decays() {
 }
 
 fn case(x: f64, v: f64, zeta: f64, duration: f64) -> Case {
-    // the absorber starts at rest, so that it stays where it is without impacts
+    // The absorber starts at rest, and so stays at rest without impacts.
     let start = Start { displacement: x, velocity: v, gap_velocity: -v, ..Start::default() };
     Case { mu: 0.1, e: 0.5, clearance: 0.6, zeta, start, duration }
 }
@@ -383,7 +383,7 @@ fn a_start_at_zero_takes_its_first_peak_as_reference() {
     let damped = (1.0f64 - 0.09).sqrt();
     let peak = (-0.3 * 0.3f64.acos() / damped).exp();
     assert!((run.peaks[0].displacement - peak).abs() <= 8.0 * U);
-    // settled to 5 % of the peak within half a period before the envelope says so
+    // |x| is below 5 % of the peak at most half a period before the envelope is.
     let latest = (1.0 / (0.05 * peak * damped)).ln() / 0.3;
     let time = run.measures.settling_time_5.unwrap();
     assert!(time <= latest && time >= latest - PI / damped - 0.3, "{time} of {latest}");
@@ -404,7 +404,7 @@ fn a_run_without_zero_crossing_has_one_peak() {
             }
         }
     }
-    // and so has a run that ends before the first crossing, at π/2
+    // The same for a run that ends before the first crossing, at π/2.
     let run = case(1.0, 0.0, 0.0, 1.0).run();
     assert_eq!(run.peaks.len(), 1);
     assert_eq!((run.peaks[0].time, run.peaks[0].displacement), (0.0, 1.0));

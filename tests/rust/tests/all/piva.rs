@@ -13,7 +13,7 @@ use iva_tests::{
 };
 use proptest::prelude::*;
 
-/// Approach speed at or below which the reference leaves impacts out.
+/// Approach speed at or below which impacts are missing in the reference.
 const FLOOR: f64 = 1e-9;
 
 fn released(displacement: f64) -> Start {
@@ -39,8 +39,8 @@ fn every_reference_event_is_found_and_none_added() {
             if let (Kind::Impact, Some([velocity, absorber, approach])) =
                 (mark.kind, mark.velocities)
             {
-                // The reference gives no condition of velocities: that of the time, times the
-                // largest acceleration (about 1), stands for it.
+                // The reference has no condition of velocities: the condition of the time times the largest
+                // acceleration (about 1) is used instead.
                 let allowed = UNITS_ALLOWED * U * (event.condition.max(1.0) + mark.time);
                 for (value, truth) in [
                     (velocity, event.velocity),
@@ -81,7 +81,7 @@ fn a_tolerance_keeps_its_promise() {
         let (error, less) = worst(tolerance);
         println!("tolerance {tolerance:e}: error {error:e}, {less} steps of {work}");
         assert!(error <= 10.0 * tolerance, "{error:e}");
-        // It does something: less accurate and in fewer steps.
+        // The tolerance has an effect: the run is less accurate and has fewer steps.
         assert!(error > 3.0 * full && less < work, "{error:e} {full:e} {less} {work}");
     }
 }
@@ -89,8 +89,8 @@ fn a_tolerance_keeps_its_promise() {
 proptest! {
     #![proptest_config(iva_tests::rejecting(10_000))]
 
-    /// As for the single mass: the wall is put a chosen distance beyond or before the first
-    /// extremum of y, which an independent double-double series gives.
+    /// As for the free mass: the wall is placed at a chosen distance beyond or before the first extremum of
+    /// y, which an independent double-double series gives.
     #[test]
     fn planted_grazings_are_decided_right(
         p in compound(),
@@ -110,7 +110,7 @@ proptest! {
         prop_assume!(over.abs() > band);
         let parameters = Parameters { clearance, ..p };
         let start = Start { gap_velocity: -v, ..Start { velocity: v, ..released(x) } };
-        // Not on to the next extremum: |ÿ| keeps half its size for a while.
+        // The run ends before the next extremum: |ÿ| keeps half its size until then.
         let limits = Limits::new(time.hi + 0.02, clearance);
         let result = run(&Piva::new(parameters).unwrap(), &start.into(), &limits).unwrap();
         prop_assert_eq!(result.tally.undecided, 0, "over by {:e}", over);
@@ -171,7 +171,7 @@ fn bad_parameters_name_their_field() {
     ] {
         assert_eq!(Piva::new(bad).unwrap_err().field, field);
     }
-    // d ≥ b: the stops are out of reach, which is no error; a start beyond the rod is one
+    // d ≥ b: the walls are out of reach, which is no error; a start beyond b is an error.
     let short = Piva::new(Parameters { clearance: 6.0, ..good }).unwrap();
     assert!(!short.stop_reachable());
     let start = Start { gap_displacement: 5.5, ..released(1.0) };

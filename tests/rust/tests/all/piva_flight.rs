@@ -1,4 +1,4 @@
-//! The motion of the pendulum absorber between impacts, and its limits: exact periods, energy, modes,
+//! The motion of the pendulum absorber between impacts, and its limiting cases: exact periods, energy, modes,
 //! Lagrange's equations, the free mass.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -37,7 +37,7 @@ fn period(frequency: f64, amplitude: f64) -> f64 {
 
 #[test]
 fn pendulum_periods_are_those_of_the_arithmetic_geometric_mean() {
-    // A bob so light that the primary stands still, walls out of reach.
+    // The bob is so light that the primary stays at rest; the walls are out of reach.
     for degrees in [1.0, 10.0, 30.0, 60.0, 89.0, 90.0, 91.0, 120.0, 150.0f64] {
         let amplitude = degrees.to_radians();
         let parameters =
@@ -47,7 +47,7 @@ fn pendulum_periods_are_those_of_the_arithmetic_geometric_mean() {
         let start = PivaStart { place: Given::Angle(amplitude), ..Start::default().into() };
         let truth = period(0.1, amplitude);
         let limits = Limits::new(3.0 * truth, 2.0);
-        // It passes the middle after (k + 1/4) and (k + 3/4) periods.
+        // The pendulum passes θ = 0 after (k + 1/4) and (k + 3/4) periods.
         for quarters in [1.0, 3.0, 9.0, 11.0] {
             let time = 0.25 * quarters * truth;
             let state = states(&piva, &start, &limits, &[time]).unwrap()[0];
@@ -57,8 +57,8 @@ fn pendulum_periods_are_those_of_the_arithmetic_geometric_mean() {
     }
 }
 
-/// A bob so light that the primary stands still, without gravity: it turns at a steady rate, and its angle says
-/// when it is at the wall. There y = b sinθ tells the angle to 10⁻¹⁰ at best.
+/// The bob is so light that the primary stays at rest, without gravity: it rotates at a constant rate, and
+/// its angle gives the time of the contact. y = b sinθ would give the angle to 10⁻¹⁰ at best.
 #[test]
 fn a_start_by_its_angle_is_as_far_from_a_wall_near_the_horizontal_as_the_angle_says() {
     for k in [3, 6, 9, 12] {
@@ -84,7 +84,7 @@ fn a_start_by_its_angle_is_as_far_from_a_wall_near_the_horizontal_as_the_angle_s
 
 #[test]
 fn a_slow_pendulum_on_a_long_rod_is_a_free_mass() {
-    // r → 0: only the curvature of the path is left, and its effect falls as 1/L².
+    // For r → 0 only the curvature of the path has an effect, which decreases as 1/L².
     let (mu, e, d, zeta) = (0.1, 0.5, 0.6, 0.01);
     let limits = Limits::new(30.0, d);
     let siva = run(&Siva::new(mu, e, d, zeta).unwrap(), &released(1.0), &limits).unwrap();
@@ -103,7 +103,7 @@ fn a_slow_pendulum_on_a_long_rod_is_a_free_mass() {
 
 #[test]
 fn without_impacts_and_damping_the_energy_stays() {
-    // Ten thousand periods of a large swing.
+    // Ten thousand periods of a large oscillation.
     for (kappa, contact) in [(1.0, 2.0), (1.3, 2.5)] {
         let parameters = Parameters {
             frequency_ratio: 0.7,
@@ -123,7 +123,7 @@ fn without_impacts_and_damping_the_energy_stays() {
 
 #[test]
 fn a_pendulum_that_turns_over_keeps_its_energy() {
-    // Ten thousand periods of a primary that a turning pendulum shakes, walls out of reach.
+    // Ten thousand periods of a primary with a rotating pendulum, walls out of reach.
     for (kappa, rate) in [(1.0, 2.5), (1.2, -3.0)] {
         let parameters = Parameters {
             frequency_ratio: 0.7,
@@ -143,7 +143,7 @@ fn a_pendulum_that_turns_over_keeps_its_energy() {
         let drift = result.measures.energy_final / result.measures.energy_initial - 1.0;
         println!("κ = {kappa}, turning: drift {drift:e}");
         assert!(drift.abs() < 1e-13, "{drift:e}");
-        // sin² + cos² = 1 all the way: the angle in the table is that of the gap displacement.
+        // sin² + cos² = 1 throughout: the angle in the table agrees with the gap displacement.
         let times: Vec<f64> = (0..50).map(|k| 100.0 + f64::from(k) * 0.21).collect();
         let found = states(&piva, &start, &Limits::new(end, 3.0), &times).unwrap();
         let over = found.iter().filter(|s| s.angle.unwrap().value.abs() > 0.5 * PI).count();
@@ -159,8 +159,8 @@ fn a_pendulum_that_turns_over_keeps_its_energy() {
 
 #[test]
 fn the_order_of_the_series_is_the_one_it_says() {
-    // Of a step h the series of order N leaves out C h^(N+1): halving h divides by 2^(N+1). Truth is
-    // the independent series.
+    // With steps h the series of order N has a truncation error C h^(N+1): halving h divides it by 2^(N+1).
+    // The exact values are those of the independent series.
     let p = Parameters {
         frequency_ratio: 0.9,
         inertia_ratio: 1.1,
@@ -201,7 +201,7 @@ proptest! {
         p in compound(), x in -1.0..1.0f64, v in -1.0..1.0f64, angle in -1.2..1.2f64, rate in -0.5..0.5f64,
         time in 0.1..6.0f64, pivot in prop_oneof![Just(0.0), 0.0..0.3],
     ) {
-        // Out of reach of the walls; truth from the independent double-double series.
+        // The walls are out of reach; exact values from the independent double-double series.
         let p = Parameters { clearance: 2.0 * p.contact_distance, pivot_damping_ratio: pivot, ..p };
         let (sine, cosine) = sine_cosine(angle.into());
         let y = (sine * p.contact_distance).value();
@@ -214,7 +214,7 @@ proptest! {
         let (sine, cosine) = sine_cosine(true_angle);
         let true_y = sine * p.contact_distance;
         let true_w = cosine * true_rate * p.contact_distance;
-        // Rounding of the start moves the end by its growth over the time, some (1 + t)².
+        // The rounding of the start grows over the time by a factor of some (1 + t)².
         let size = 1.0 + p.contact_distance;
         let allowed = 16.0 * U * size * (1.0 + time) * (1.0 + time);
         for (found, truth) in [
@@ -231,7 +231,7 @@ proptest! {
 
 #[test]
 fn small_angles_swing_by_the_modes_of_the_linear_system() {
-    // Truth: the exponential of the 4 × 4 matrix of (x, y, ẋ, ẏ), walls out of reach.
+    // Exact values: the exponential of the 4 × 4 matrix of (x, y, ẋ, ẏ), walls out of reach.
     use nalgebra::{Matrix4, Vector4};
     for (mu, zeta, r, kappa, lever, pivot) in [
         (0.12, 0.0, 0.4, 1.0, 1.0, 0.0),
@@ -271,7 +271,7 @@ fn small_angles_swing_by_the_modes_of_the_linear_system() {
                 (state.velocity, truth[2]),
                 (state.gap_velocity, truth[3]),
             ] {
-                // the gap is carried as a distance to a wall 1000 away
+                // The gap is computed as a distance to a wall 1000 away.
                 assert!(
                     (value - truth).abs() < 1e-13 + 4.0 * U * 1e3,
                     "{value} for {truth} at {time}"
@@ -301,7 +301,7 @@ fn small_and_large_angles_agree_as_the_square_of_the_angle() {
     };
     let order = (difference(50.0) / difference(500.0)).log10();
     assert!((order - 2.0).abs() < 0.01, "order {order}");
-    // Where angles count as small the length drops out.
+    // At small angles the length has no effect.
     assert_eq!(times(5.0, Angles::Small).len(), times(50.0, Angles::Small).len());
 }
 
@@ -318,7 +318,7 @@ fn small_angles_without_gravity_are_the_single_mass() {
         let siva = run(&Siva::new(mu, e, d, zeta).unwrap(), &released(1.0), &limits).unwrap();
         let (list, expected) = (marks(&piva, FLOOR), marks(&siva, FLOOR));
         assert_eq!(list.len(), expected.len());
-        // Both are within six units of the truth; the conditions of these scenes stay below 1e3.
+        // Both runs are within six units of the exact times; the conditions of these scenes are below 1e3.
         for (a, b) in list.iter().zip(&expected) {
             assert_eq!((a.kind, a.wall), (b.kind, b.wall));
             assert!(

@@ -1,8 +1,8 @@
-//! Contacts near tangency with the truth planted: the first extremum of the gap displacement is
-//! computed in double-double, and the wall is put a chosen distance beyond or before it.
+//! Contacts near tangency with known outcome: the first extremum of the gap displacement is computed in
+//! double-double, and the wall is placed at a chosen distance beyond or before it.
 //!
-//! Beyond the band of 32 · 2⁻⁵³ · max(d, |y|) hit or miss must be right, and nothing undecided;
-//! inside it the answer may be "undecided" (which counts as no contact) or must be right.
+//! Outside the band of 32 · 2⁻⁵³ · max(d, |y|) hit or miss must be right, and nothing undecided; inside it
+//! the answer may be "undecided" (which counts as no contact) or must be right.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{run::run, simulate::Limits, siva::Siva, system::Start};
@@ -28,12 +28,12 @@ struct Extremum {
 }
 
 impl Approach {
-    /// Velocity of the absorber, which flies straight.
+    /// Velocity of the absorber, constant in flight.
     fn drift(&self) -> Dd {
         Dd::sum(self.start.velocity, self.start.gap_velocity)
     }
 
-    /// y, w = ẏ at a time.
+    /// y and w = ẏ at an instant.
     fn gap(&self, time: Dd) -> (Dd, Dd) {
         let s = &self.start;
         let (x, v) = free(s.displacement.into(), s.velocity.into(), self.zeta.into(), time);
@@ -41,8 +41,8 @@ impl Approach {
         (from + self.drift() * time - x, self.drift() - v)
     }
 
-    /// The first zero of w after the start within 12 units of time. Steps of at most a tenth and
-    /// the zeros of ẍ between them leave none out.
+    /// The first zero of w after the start within 12 units of time. Steps of at most a tenth and the zeros of
+    /// ẍ between them ensure that none is missed.
     fn extremum(&self) -> Option<Extremum> {
         let zeta = Dd::from(self.zeta);
         let (mut x, mut v) = (Dd::from(self.start.displacement), Dd::from(self.start.velocity));
@@ -71,8 +71,8 @@ impl Approach {
         None
     }
 
-    /// The contact with a wall at `level` (with the sign of the extremum) before the extremum: the
-    /// start when y(0) lies before it and y moves monotonically to the extremum.
+    /// The contact with a wall at `level` (with the sign of the extremum) before the extremum. y must be
+    /// inside the wall at the start and monotonic from there to the extremum.
     fn contact(&self, level: Dd, extremum: &Extremum) -> Dd {
         root(
             |time| {
@@ -104,8 +104,8 @@ prop_compose! {
 }
 
 prop_compose! {
-    /// Spring and damper balance at the start, and the first extremum comes so soon that the gap
-    /// is small against the displacement: y is what is left of large terms.
+    /// Spring and damper force balance at the start, and the first extremum comes so soon that the gap is
+    /// small against the displacement: y is a small difference of large terms.
     fn balanced()(
         zeta in 0.05..3.0,
         v in prop_oneof![-1.0..-0.01, 0.01..1.0],
@@ -125,13 +125,13 @@ prop_compose! {
     }
 }
 
-/// How far the wall stands beyond (+) or before (−) the extremum, relative.
+/// Relative distance of the wall beyond (+) or before (−) the extremum.
 fn shift() -> impl Strategy<Value = f64> {
     (prop_oneof![Just(1.0), Just(-1.0)], -14.0..-2.0)
         .prop_map(|(s, p): (f64, f64)| s * 10f64.powf(p))
 }
 
-/// What came of a planted wall.
+/// The result of a run with a planted wall.
 struct Planted {
     /// |extremum| − d, exact: positive if the wall is hit.
     over: f64,
@@ -139,19 +139,19 @@ struct Planted {
     band: f64,
     impacts: usize,
     undecided: u64,
-    /// Error of the time of the hit and what is allowed.
+    /// Error of the time of the hit, and the error allowed.
     hit: Option<(f64, f64)>,
 }
 
-/// Puts the wall at |extremum| (1 + shift) and runs past the extremum. `None` where the start is
-/// not a plain approach: the gap must open towards the extremum from well inside.
+/// Places the wall at |extremum| (1 + shift) and runs past the extremum. `None` where the start is not a
+/// plain approach: y must move towards the extremum from well inside the gap.
 fn plant(approach: &Approach, shift: f64, mu: f64, e: f64) -> Option<Planted> {
     let extremum = approach.extremum()?;
     let side = extremum.y.hi.signum();
     let size = extremum.y.abs();
     let start = &approach.start;
     let reach = start.displacement.hypot(start.velocity) + start.gap_displacement.abs();
-    // well inside at first, moving towards the wall of the extremum (not away from the other one)
+    // Well inside the gap at first, moving towards the wall of the extremum (not away from the other one).
     if start.gap_displacement.abs() > 0.9 * size.hi {
         return None;
     }
@@ -160,9 +160,9 @@ fn plant(approach: &Approach, shift: f64, mu: f64, e: f64) -> Option<Planted> {
     }
     let clearance = (size * (Dd::ONE + shift)).value();
     let over = (size - clearance).value();
-    // After the extremum y turns back with |ÿ| ≤ reach: the other wall, 2d away, is not met
-    // within √(2·2d/reach); nor is the same one without a further extremum. |x⃛| ≤ reach makes ÿ
-    // keep its sign for curvature/reach.
+    // After the extremum y moves back with |ÿ| ≤ reach: the other wall, 2d away, is not met within
+    // √(2·2d/reach), nor the same wall again before another extremum. As |x⃛| ≤ reach, ÿ keeps its sign for
+    // curvature/reach.
     let after = (0.5 * extremum.curvature / (2.0 * reach)).min((clearance / reach).sqrt());
     let duration = extremum.time.hi + after.min(0.3);
     let siva = Siva::new(mu, e, clearance, approach.zeta).unwrap();
@@ -170,8 +170,8 @@ fn plant(approach: &Approach, shift: f64, mu: f64, e: f64) -> Option<Planted> {
     let hit = (over > 0.0).then(|| {
         let truth = approach.contact(Dd::from(side * clearance), &extremum);
         let speed = approach.gap(truth).1.abs().hi;
-        // A relative change of the inputs (x, ẋ, y, w, d) by one unit moves y at the wall by at
-        // most this, and the contact by 1/w of that.
+        // A relative change of the inputs (x, ẋ, y, w, d) by one unit changes y at the wall by at most this,
+        // and the time of the contact by 1/w of that.
         let time = truth.hi;
         let moved = reach + (1.0 + time) * (reach + approach.drift().abs().hi) + clearance;
         let allowed = UNITS_ALLOWED * U * ((moved / speed).max(1.0) + time);
@@ -204,7 +204,7 @@ proptest! {
             None => prop_assert_eq!(impacts, 0, "over by {:e}", over),
             Some((error, allowed)) => {
                 prop_assert!(impacts >= 1, "missed, over by {over:e}");
-                // a hit whose own bound exceeds the time since the tangent could not be judged
+                // A hit with an allowed error above the time since the tangent could not be checked.
                 prop_assert!(error <= allowed, "off by {error:e} of {allowed:e}, over {over:e}");
             }
         }
@@ -216,7 +216,7 @@ proptest! {
         steps in -120i32..120,
         mu in 0.01..3.0,
     ) {
-        // walls a few roundings from the extremum: 2⁻⁵³ relative apart
+        // Walls a few roundings from the extremum, 2⁻⁵³ relative apart.
         let planted = plant(&approach, f64::from(steps) * U, mu, 0.5);
         prop_assume!(planted.is_some());
         let Planted { over, band, impacts, undecided, .. } = planted.unwrap();
@@ -226,7 +226,7 @@ proptest! {
         if undecided == 0 {
             prop_assert_eq!(impacts > 0, over > 0.0, "over by {:e}", over);
         } else {
-            // undecided once, and it counts as no contact
+            // Undecided once, which counts as no contact.
             prop_assert_eq!((undecided, impacts), (1, 0));
         }
     }
@@ -236,7 +236,7 @@ proptest! {
 #[test]
 fn every_wall_around_an_exact_tangent() {
     for steps in 1..=4000_i64 {
-        // doubles below and above 2 are 2⁻⁵² and 2⁻⁵¹ apart
+        // Doubles below and above 2 are 2⁻⁵² and 2⁻⁵¹ apart.
         let inside = f64::from_bits(2.0f64.to_bits() - steps as u64);
         let outside = f64::from_bits(2.0f64.to_bits() + steps as u64);
         for clearance in [inside, outside] {
@@ -260,8 +260,8 @@ fn every_wall_around_an_exact_tangent() {
 fn low_rebounds_are_never_undecided() {
     for exponent in 2..=11 {
         let w = 10f64.powi(-exponent);
-        // on wall +, pressed (x = 1: ÿ = +1 towards the wall), moving off at speed w:
-        // back after 2w/A, A = 1 to order w
+        // On wall +, pressed (x = 1: ÿ = +1 towards the wall), leaving at speed w: it returns after 2w/A,
+        // A = 1 to order w.
         let siva = Siva::new(0.1, 0.9, 0.5, 0.0).unwrap();
         let start =
             Start { displacement: 1.0, velocity: 0.0, gap_displacement: 0.5, gap_velocity: -w };
