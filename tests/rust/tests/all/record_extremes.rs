@@ -1,4 +1,5 @@
-//! Largest displacements and accelerations under records, whose pieces end in kinks and jumps, against samples of the motion.
+//! Largest displacements and accelerations under records, whose pieces end in kinks and jumps, compared with
+//! samples.
 #![allow(clippy::unwrap_used)]
 
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use proptest::prelude::*;
 
 const SAMPLES: usize = 8000;
 
-/// Largest |x| and |A| of a structure without absorber, as measured.
+/// Largest |x| and |A| of a structure without absorber, as measured by the simulator.
 fn measured(zeta: f64, force: Force, start: Point, duration: f64) -> [f64; 2] {
     let structure = Alone::new(zeta).unwrap().under(force);
     let wanted = SteadyWanted { amplitude: true, acceleration: true, ..SteadyWanted::default() };
@@ -31,7 +32,7 @@ fn record(times: Vec<f64>, values: Vec<f64>, acts: Acts) -> Record {
     Record { history, acts, rate: 1.0, scale: 1.0 }
 }
 
-/// The straight line of a record at an instant; 0 outside.
+/// The linear interpolation of a record at an instant; 0 outside.
 fn line(times: &[f64], values: &[f64], time: f64) -> f64 {
     let after = times.partition_point(|knot| *knot <= time);
     if after == 0 || after == times.len() {
@@ -44,7 +45,7 @@ fn line(times: &[f64], values: &[f64], time: f64) -> f64 {
 proptest! {
     #![proptest_config(cases(300))]
 
-    /// No sample is larger, and the largest is almost reached: also where the record jumps at its ends.
+    /// No sample is larger, and the largest value is nearly reached, also where the record jumps at its ends.
     #[test]
     fn samples_come_close_and_no_further(
         knots in prop::collection::vec((0.3..1.5f64, -3.0..3.0f64), 2..7),
@@ -65,7 +66,7 @@ proptest! {
         let [largest_x, largest_a] = measured(zeta, force.clone(), start, duration);
 
         let structure = Alone::new(zeta).unwrap().under(force);
-        // The end itself is the last: one rounding before it there would be no sample.
+        // The last instant is the end itself: a rounding before it there would be no sample.
         let before = (0..SAMPLES).map(|k| duration * k as f64 / SAMPLES as f64);
         let instants: Vec<f64> = before.chain([duration]).collect();
         let sampled = states(&structure, &start, &Limits::new(duration, 1.0), &instants).unwrap();
@@ -76,7 +77,8 @@ proptest! {
             let a = force - state.displacement - 2.0 * zeta * state.velocity;
             most_a = most_a.max(a.abs());
         }
-        // A jump is a limit from one side, which samples miss by a step of them.
+        // At a jump the largest value is a one-sided limit, which samples miss by up to one sampling
+        // interval.
         prop_assert!(largest_x >= most_x - 1e-12, "{largest_x} {most_x}");
         prop_assert!(largest_a >= most_a - 1e-12, "{largest_a} {most_a}");
         prop_assert!(largest_x <= most_x + 1e-5, "{largest_x} {most_x}");
@@ -84,11 +86,11 @@ proptest! {
     }
 }
 
-/// Found by review: at the end of the flight the record jumps, and the acceleration beyond the jump made x look as if it ran
-/// one way.
+/// Found by review: the record jumps at the end of the flight, and the acceleration beyond the jump made x
+/// look monotonic.
 #[test]
 fn a_crest_just_before_a_jump_counts() {
-    // From rest at x₀ on; at t₁ an impulse makes the state (cos θ, −sin θ), and the record begins.
+    // From rest at x₀; at t₁ an impulse makes the state (cos θ, −sin θ), and the record begins.
     let (theta, x0): (f64, f64) = (-0.680_619_2, 1.007_031_529_304_719);
     let [x, v] = [theta.cos(), -theta.sin()];
     let t1 = (x / x0).acos();

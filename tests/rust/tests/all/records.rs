@@ -1,4 +1,4 @@
-//! Recorded forces: pieces that are known in closed form, convergence, and cuts that change nothing.
+//! Recorded forces: motions known in closed form, convergence, and additional knots without effect.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -52,7 +52,7 @@ where
     run
 }
 
-/// The condition of every impact time, by a small change of the start.
+/// The condition of every impact time, from a small change of the start.
 fn conditions(run: impl Fn(f64) -> Vec<Impact>, from: f64) -> Vec<f64> {
     let change = 1e-9 * from;
     let pairs = run(from).into_iter().zip(run(from + change));
@@ -61,7 +61,7 @@ fn conditions(run: impl Fn(f64) -> Vec<Impact>, from: f64) -> Vec<f64> {
 
 #[test]
 fn a_constant_force_moves_the_rest_position() {
-    // x − F decays as x does without force; the gap does not know of it.
+    // x − F decays like x without force; the gap is not affected.
     let (mu, e, d, zeta, push) = (0.1, 0.6, 0.5, 0.01, 0.25);
     let force = record(Acts::Primary, vec![[0.0, push], [100.0, push]]);
     let forced = driven(mass(mu, e, d, zeta), &force, 1.0 + push, 40.0);
@@ -81,7 +81,7 @@ fn a_constant_force_moves_the_rest_position() {
     }
 }
 
-/// The same broken line with this many cuts in each piece.
+/// The same broken line with additional knots: this many pieces for each of its own.
 fn broken_line(cuts: u32) -> Vec<[f64; 2]> {
     let corners = [[0.0, 0.3], [7.3, -0.4], [11.1, 0.35], [19.7, 0.0], [26.0, -0.5], [41.0, 0.45]];
     let mut points = vec![corners[0]];
@@ -104,7 +104,7 @@ fn cuts_move_no_event<S: System<Real = f64, Start: From<Start>>>(
     let reference = events(&whole, 1.0);
     assert!(reference.len() > 8, "{}", reference.len());
     let conditions = conditions(|from| events(&whole, from), 1.0);
-    // 40 segments, and 100 000: a step ends on every one.
+    // 40 pieces, and 100 000: a step ends at every knot.
     for cuts in [8, 20_000] {
         let cut = events(&record(acts, broken_line(cuts)), 1.0);
         assert_eq!(cut.len(), reference.len());
@@ -161,7 +161,7 @@ fn a_sampled_harmonic_converges_at_second_order() {
     }
 }
 
-/// A thousand impacts at least, and the ledger closed.
+/// Checks that there are at least a thousand impacts, and that the ledger closes.
 fn assert_closed<S: System<Real = f64, Start: From<Start>>>(
     under: impl Fn(Force) -> S,
     force: &Force,
@@ -175,7 +175,8 @@ fn assert_closed<S: System<Real = f64, Start: From<Start>>>(
     assert!(m.energy_residual.abs() < 1e-10 * turned_over);
 }
 
-/// 10⁴ periods under a record with a knot every 0.05: finished, and the ledger closed.
+/// Checks that a run of 10⁴ periods under a record with a knot every 0.05 finishes, and that its ledger
+/// closes.
 fn assert_long_run(acts: Acts, mut value: impl FnMut(f64) -> f64) {
     let duration = 1e4 * TAU;
     let point = |k: u32| {
@@ -204,7 +205,7 @@ fn the_ledger_closes_over_a_chirp_through_resonance() {
     assert_long_run(Acts::Primary, |time| 0.1 * (time * (0.5 + 0.5 * rate * time)).cos());
 }
 
-/// Everything that acts on a scene whose time zero may be anywhere.
+/// A scene with forces of every kind, whose time zero can be shifted.
 struct Scene {
     harmonic: Harmonic,
     values: Vec<f64>,
@@ -212,7 +213,7 @@ struct Scene {
 }
 
 impl Scene {
-    /// As seen from an instant `zero` on, the phase of the harmonic a little further.
+    /// The forces with time zero at `zero`, and the phase of the harmonic advanced by `more`.
     fn force(&self, zero: f64, more: f64) -> Force {
         let Harmonic { frequency, phase, acts, .. } = self.harmonic;
         let times = (0..8).map(|k| f64::from(k) * 4.1 - zero).collect();
@@ -223,7 +224,7 @@ impl Scene {
         Force::new(vec![harmonic], records, &impulses).unwrap()
     }
 
-    /// A run that begins `later` finds the impacts that are after it.
+    /// A run that begins at `later` finds the impacts after that instant.
     fn may_begin<S>(&self, under: impl Fn(Force) -> S, later: f64) -> TestCaseResult
     where
         S: System<Real = f64, Start: From<Start>>,
@@ -238,7 +239,7 @@ impl Scene {
         let d = system.clearance();
         let limits = Limits::new(self.end, d);
         let there = states(&system, &start(0.7).into(), &limits, &[later]).unwrap()[0];
-        // Stuck, the begin would be another kind of scene.
+        // A stuck absorber at the begin would make another kind of scene.
         prop_assume!(there.wall == 0 && (there.gap_displacement.abs() - d).abs() > 1e-6);
         let state =
             [there.displacement, there.velocity, there.gap_displacement, there.gap_velocity];
@@ -257,7 +258,7 @@ impl Scene {
         let turned = run_from(later, 1e-9, begin_at(state));
         let after = reference.iter().filter(|impact| impact.time > later);
         for (k, (shifted, truth)) in rest.iter().zip(after).enumerate() {
-            // The state there is rounded in each of its four numbers, the phase by its size.
+            // The four numbers of the state at the begin are rounded, and so is the phase.
             let moved = |list: &Vec<Impact>| match list.get(k) {
                 Some(other) if other.wall == shifted.wall => (other.time - shifted.time).abs(),
                 _ => f64::INFINITY,
@@ -265,7 +266,7 @@ impl Scene {
             let turns = self.harmonic.phase.abs() + self.harmonic.frequency * later;
             let condition =
                 (changed.iter().map(moved).sum::<f64>() + turns * moved(&turned)) / 1e-9;
-            // Beyond, the lists part: at a grazing, or where a chatter is summed.
+            // Beyond this the runs may differ: at a grazing, or where a chatter is summed.
             if condition > 1e4 {
                 break;
             }
@@ -327,7 +328,7 @@ proptest! {
         tiny in prop::collection::vec(any::<bool>(), 30),
         on_base in any::<bool>(),
     ) {
-        // Knots close together and far apart; ends that jump.
+        // Knots close together and far apart; jumps at the ends.
         let mut time = -1.0;
         let points: Vec<[f64; 2]> = steps.iter().zip(&tiny).map(|((step, value), tiny)| {
             time += if *tiny { 1e-9 * step } else { *step } + 1e-12;
@@ -345,8 +346,8 @@ proptest! {
 
 #[test]
 fn a_record_that_ends_off_zero_lets_go_of_what_it_pressed() {
-    // (1 + μ) ẍ = f − x < 0 presses the + wall on the absorber until the force ends at 1; then
-    // ẍ = −x/(1 + μ) > 0, for x = −0.5 (1 − cos ωτ) is negative.
+    // (1 + μ) ẍ = f − x < 0 presses wall + on the absorber until the force ends at 1. Then
+    // ẍ = −x/(1 + μ) > 0, because x = −0.5 (1 − cos ωτ) is negative.
     let force = record(Acts::Primary, vec![[0.0, -0.5], [1.0, -0.5]]);
     let siva = mass(0.1, 0.5, 0.2, 0.0)(force);
     let start = Start { gap_displacement: 0.2, ..Start::default() };
@@ -371,8 +372,8 @@ fn before_and_after_its_points_a_record_is_zero() {
 
 #[test]
 fn a_pressure_that_dies_away_ends_in_bounded_work() {
-    // Stuck on a slow ramp a critically damped pair comes to rest: the pressure is what rounding
-    // leaves of f − x − 2ζẋ.
+    // Stuck under a slow ramp a critically damped pair comes to rest: the pressure is the rounding error of
+    // f − x − 2ζẋ.
     let force = record(Acts::Primary, vec![[0.0, 0.2], [60.0, 0.2], [61.0, -0.2], [150.0, 0.0]]);
     for (mu, zeta) in [(1e-5, 1.0), (1e-3, 1.0), (1e-3, 1.05), (0.03, 1.05), (1e-5, 0.95)] {
         let siva = mass(mu, 0.0, 0.193, zeta)(force.clone());
@@ -389,7 +390,8 @@ fn a_pressure_that_dies_away_ends_in_bounded_work() {
 
 #[test]
 fn a_heavy_free_mass_loses_the_same_energy_with_and_without_force() {
-    // A record of zeros is a force; the pendulum that a free mass is a case of has a law of its own.
+    // A record of zeros counts as a force; the pendulum that corresponds to the free mass has its own impact
+    // law.
     for mu in [1.0, 1e3, 1e6, 1e9] {
         let nothing = record(Acts::Primary, vec![[0.0, 0.0], [30.0, 0.0]]);
         let forced = driven(mass(mu, 0.5, 0.4, 0.0), &nothing, 1.0, 20.0).impacts;

@@ -1,4 +1,4 @@
-//! The nine reference decays: every event found, none added, times and velocities to rounding.
+//! The nine reference decays: every event found, none added, times and velocities within rounding.
 //!
 //! The numbers are those of `tests/reference` (50 digits, an independent program). The bound on
 //! an event time is the contract of the project: six rounding units, with the condition number of
@@ -19,10 +19,10 @@ use iva_tests::{
     units,
 };
 
-/// Approach speed at or below which the lists leave impacts of a chatter out.
+/// Approach speed at or below which impacts of a chatter are missing in the lists.
 const FLOOR: f64 = 1e-9;
 
-/// The oracle's events of a reference scene, without the impacts that the reference leaves out.
+/// The oracle's events of a reference scene, without the impacts that are missing in the reference.
 fn oracle_events(reference: &Reference) -> Vec<Event> {
     oracle::events(&reference.scene, 5000)
 }
@@ -124,10 +124,10 @@ fn every_event_is_found_none_added_and_times_are_right_to_six_units() {
 
 #[test]
 fn approach_speeds_of_a_chatter_keep_their_relative_accuracy() {
-    // Scene with 18 chatters, e = 0.5: over one rebound u⁺ = e u (1 − …), so down to 1e-9 the
-    // approach speed must stay right relative to itself, not only to 1e-16 absolutely. A relative
-    // change of 2⁻⁵³ of the state at the first impact of a chatter moves u by condition · 2⁻⁵³;
-    // the low rebounds inherit it in proportion to their size.
+    // The scene has 18 chatters, e = 0.5: over one rebound u⁺ = e u (1 − …), so down to 1e-9 the error of the
+    // approach speed must be small relative to itself, not only absolutely. A relative change of 2⁻⁵³ of the
+    // state at the first impact of a chatter changes u by condition · 2⁻⁵³; the low rebounds inherit this
+    // change in proportion to their size.
     let reference = scenes().into_iter().find(|s| s.name == "siva_gamma_0.1_chatter").unwrap();
     let scene = &reference.scene;
     let limits = Limits { chatter_floor: FLOOR, ..Limits::new(scene.duration, scene.clearance.hi) };
@@ -142,7 +142,7 @@ fn approach_speeds_of_a_chatter_keep_their_relative_accuracy() {
     assert_eq!(result.impacts.len(), truth.len());
     let mut rebounds = 0.0;
     for (impact, (event, condition)) in result.impacts.iter().zip(truth) {
-        // every rebound of the chain adds a few roundings relative to u itself
+        // Every rebound of the chain adds a few roundings relative to u itself.
         rebounds = if event.gap_velocity[0].abs().hi < 0.1 { rebounds + 1.0 } else { 0.0 };
         let u = event.gap_velocity[0].abs().hi;
         let error = (Dd::from(impact.gap_velocity_before) - event.gap_velocity[0]).abs().hi;

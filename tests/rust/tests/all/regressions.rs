@@ -1,4 +1,4 @@
-//! Scenes that once went wrong.
+//! Scenes that revealed errors.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::{sync::mpsc, thread, time::Duration};
@@ -17,8 +17,8 @@ use iva_core::{
 };
 use iva_tests::{UNITS_ALLOWED, dd::Dd, driven::mass, pendulum, units};
 
-/// The outcome of a run; `None` if it does not end. (A segment that does not end cannot be
-/// cancelled: its thread is left behind.)
+/// The outcome of a run; `None` if it does not end. (An endless segment cannot be cancelled: its thread is
+/// abandoned.)
 fn outcome<S>(system: S, start: S::Start, duration: f64) -> Option<Outcome>
 where
     S: System<Real = f64> + Send + 'static,
@@ -27,7 +27,7 @@ where
     let (done, ended) = mpsc::channel();
     thread::spawn(move || {
         let limits = Limits { max_work: 100_000, ..Limits::new(duration, system.clearance()) };
-        // nobody listens any more if it took too long
+        // The receiver is gone if the run took too long.
         let _ = done.send(run(&system, &start, &limits).unwrap().tally.outcome);
     });
     ended.recv_timeout(Duration::from_secs(20)).ok()
@@ -41,7 +41,7 @@ fn a_mass_that_creeps_beside_its_wall_is_run_to_the_end() {
     assert_eq!(outcome(siva, start, 10.0), Some(Outcome::Finished));
 }
 
-/// The first contact of a heavy pendulum on a long rod, against the double-double series.
+/// The first contact of a heavy pendulum on a long rod agrees with the double-double series.
 #[test]
 fn a_heavy_pendulum_meets_its_wall_on_time() {
     let mut failures = Vec::new();
@@ -55,7 +55,7 @@ fn a_heavy_pendulum_meets_its_wall_on_time() {
         let limits = Limits { max_impacts: 1, ..Limits::new(5.0, 0.3) };
         let impact = run(&piva, &start.into(), &limits).unwrap().impacts[0];
         let from = |x: f64, w: f64| [Dd::from(x), Dd::ZERO, Dd::ZERO, Dd::from(w) / length];
-        // by how much the contact would come late: (|y| − d)/|w| at that instant
+        // The delay of the contact: (|y| − d)/|w| at that instant.
         let late = |p: &Parameters, start| {
             let [_, _, angle, rate] = pendulum::swing(p, start, impact.time);
             let (sine, cosine) = pendulum::sine_cosine(angle);
@@ -110,8 +110,8 @@ fn a_driven_start_at_rest_has_an_exact_mirror_image() {
     assert!(mirrored([&under(0.7), &under(-0.7)], [Start::default(); 2]));
 }
 
-/// A pendulum as long as the gap is wide turns over and touches y = ±d from inside once a turn: no wall is
-/// there, so that is neither an impact nor undecided.
+/// A pendulum as long as the clearance rotates and touches y = ±d from inside once a turn: no wall is there,
+/// so that is neither an impact nor undecided.
 #[test]
 fn walls_out_of_reach_are_not_met_where_the_pendulum_points_sideways() {
     let parameters =
@@ -128,7 +128,7 @@ fn walls_out_of_reach_are_not_met_where_the_pendulum_points_sideways() {
     assert_eq!((result.tally.impacts, result.tally.undecided), (0, 0));
 }
 
-/// Its reduction to one turn would leave nothing of it.
+/// The reduction of such a phase to one turn would leave no correct digits.
 #[test]
 fn a_phase_beyond_all_digits_is_refused() {
     for phase in [1e300, f64::NAN, f64::INFINITY] {
@@ -149,8 +149,8 @@ fn the_digits_of_an_exact_impact_are_those_of_a_double() {
     assert_eq!(errors.digits(), Some(53.0 * 2f64.log10()));
 }
 
-/// A heavy mass that rides on its wall under a strong force: the release is where the force changes its
-/// sign, however slowly the structure moves.
+/// A heavy mass stuck on its wall under a strong force: the release is where the force changes sign, however
+/// slowly the structure moves.
 #[test]
 fn a_release_by_a_strong_force_keeps_the_ledger() {
     let harmonic = Harmonic {
@@ -175,7 +175,7 @@ fn a_release_by_a_strong_force_keeps_the_ledger() {
     );
 }
 
-/// Instants of all impacts, also of those that are taken back.
+/// The instants of all impacts, including those that are not listed in the end.
 #[derive(Default)]
 struct Instants(Vec<f64>);
 
@@ -193,7 +193,7 @@ fn strobes_count_what_is_kept<S: System<Real = f64, Start: From<Start>>>(system:
     let kept = run(system, &start, &limits).unwrap();
     assert!(kept.tally.episodes > 0 && (all.0.len() as u64) > kept.tally.impacts);
     for instant in all.0 {
-        // Strobes at this instant and a long time later.
+        // Strobes at this instant and much later.
         let frequency = 1e-3;
         let phase = -instant * frequency;
         let cycle = Harmonic { amplitude: 1.0, frequency, phase, acts: Acts::Primary };
@@ -207,12 +207,12 @@ fn strobes_count_what_is_kept<S: System<Real = f64, Start: From<Start>>>(system:
     }
 }
 
-/// A strobe at the very instant of a rebound that is taken back later, but before it by less than a double
-/// can tell, had not counted it.
+/// A strobe at the instant of a rebound that is unlisted later. The strobe came before the rebound by less
+/// than a rounding, so it had not counted the rebound.
 #[test]
 fn a_strobe_does_not_take_back_what_it_has_not_counted() {
     strobes_count_what_is_kept(&mass(0.1, 0.5, 0.05, 0.02)(Force::default()));
-    // As it was found.
+    // The scene in which the error was found.
     let parameters = Parameters::free_mass(0.1, 0.5, 0.05, 0.02);
     strobes_count_what_is_kept(&Piva::new(parameters).unwrap());
 }

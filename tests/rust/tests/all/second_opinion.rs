@@ -1,12 +1,12 @@
-//! A thousand moderate scenes against a deliberately naive program (`iva_tests::naive`: fixed
+//! A thousand moderate scenes compared with a deliberately simple program (`iva_tests::naive`: fixed
 //! Runge–Kutta steps, bisection, the impact law), impact by impact.
 //!
-//! The naive program says itself how good it is. Halving its step moves every number by fifteen times
-//! the error of the finer run, impacts and their amplification included; so the simulator must agree
-//! within what the halving moved so far, plus the roundings of the naive program times the condition,
-//! measured by a moved start. Where the naive program has no say the comparison of a scene stops:
-//! before the first low rebound (and so before any stick), before a near miss of a wall, and where
-//! halving or the moved start give other impacts or move them by more than 10⁻⁶.
+//! The error of the simple program is estimated. Halving its step changes every number by fifteen times the
+//! error of the finer run, impacts and their amplification included. So the simulator must agree within the
+//! largest change by halving so far, plus the roundings of the simple program times the condition, measured
+//! by a changed start. The comparison of a scene stops where the simple program is unreliable: before the
+//! first low rebound (and so before any stick), before a near miss of a wall, and where halving or the
+//! changed start give other impacts or change them by more than 10⁻⁶.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -28,15 +28,15 @@ use iva_tests::{
 
 /// Step of the coarse run; a power of two, so that instants add up without rounding.
 const STEP: f64 = 1.0 / 256.0;
-/// An approach speed below this share of the motion ends a comparison.
+/// Approach speed, as a share of the motion, below which a comparison ends.
 const LOW: f64 = 0.01;
-/// So does an extremum nearer to a wall than this share of the clearance.
+/// Distance of an extremum from a wall, as a share of the clearance, below which a comparison ends.
 const MARGIN: f64 = 1e-4;
-/// How far the start is moved, and what the roundings of the naive program are taken for: some
-/// thousand steps of a unit each.
+/// Change of each number of the start, by which conditions are measured.
 const MOVED: f64 = 1e-8;
+/// Rounding error of the simple program, to be multiplied by the condition: some thousand steps of a unit each.
 const ROUNDING: f64 = 2e-13;
-/// The halving moves it further: no second opinion any more.
+/// Change by halving the step above which the simple program counts as unreliable.
 const TOO_FAR: f64 = 1e-6;
 
 fn scene(rng: &mut Rng, number: usize) -> Scene {
@@ -79,7 +79,7 @@ fn scene(rng: &mut Rng, number: usize) -> Scene {
     }
 }
 
-/// What the simulator under test says.
+/// The results of the simulator under test.
 struct Answer {
     impacts: Vec<Impact>,
     sticks: usize,
@@ -127,23 +127,23 @@ fn answer<S: System<Real = f64>>(system: &S, start: &S::Start, clearance: f64, e
     Answer { impacts, sticks: episodes.len(), last }
 }
 
-/// What was compared, and how far it was off.
+/// The comparisons made, and the differences found.
 #[derive(Debug, Default)]
 struct Compared {
     impacts: usize,
     expected: usize,
     last_states: usize,
-    /// Differences of instants, and the same over what is allowed.
+    /// Differences of instants, and the largest over the allowed one.
     off: Vec<f64>,
     share: f64,
 }
 
-/// The runs of the naive program to the end of what it can tell: fine, coarse, with a moved start.
+/// The runs of the simple program up to where it is reliable: fine, coarse, and with a changed start.
 fn opinions(scene: &Scene) -> [naive::Run; 3] {
     let (low, margin) = (LOW, MARGIN * scene.clearance);
     let first = scene.run(STEP / 2.0, low, margin);
     let mut end = first.end;
-    // not within reach of an impact, which one of the runs could have beyond the end
+    // The end must not be near an impact, which one of the runs could have beyond the end.
     for impact in first.impacts.iter().rev() {
         if (impact.time - end).abs() < 2.0 * STEP {
             end = impact.time - 2.0 * STEP;
@@ -156,16 +156,16 @@ fn opinions(scene: &Scene) -> [naive::Run; 3] {
         .map(|(scene, step)| scene.run(step, 0.0, 0.0))
 }
 
-/// The error that the naive program may have by now.
+/// The estimated error of the simple program up to the current instant.
 struct Doubt {
     halving: f64,
     condition: f64,
 }
 
 impl Doubt {
-    /// Judges numbers that belong together, each from the fine, the coarse and the moved run and from
-    /// the simulator. `None`: too much in doubt; else the difference of the first, and the largest over
-    /// what is allowed.
+    /// Compares numbers that belong together, each from the fine, the coarse and the changed run and from the
+    /// simulator. `None` if the estimated error is too large; otherwise the difference of the first number,
+    /// and the largest difference over the allowed one.
     fn judge(&mut self, what: &str, numbers: &[[f64; 4]]) -> Result<Option<(f64, f64)>, String> {
         for [fine, coarse, moved, _] in numbers {
             self.halving = self.halving.max((fine - coarse).abs());
@@ -184,7 +184,7 @@ impl Doubt {
     }
 }
 
-/// Compares `scene` of the naive program with `tested` of the simulator.
+/// Compares `scene`, run by the simple program, with `tested`, run by the simulator.
 fn compare(scene: &Scene, tested: &Scene, so_far: &mut Compared) -> Result<(), String> {
     let [fine, coarse, moved] = opinions(scene);
     let Answer { impacts, sticks, last } = simulated(tested, fine.end);
@@ -260,13 +260,13 @@ fn a_thousand_scenes_agree_with_a_naive_program() {
         total.share,
     );
     assert!(failures.is_empty(), "{} scenes: {failures:#?}", failures.len());
-    // the rules that end a comparison must not empty it, and the comparison must be sharp
+    // The rules that end a comparison must not leave too little to compare, and the comparison must be sharp.
     assert!(total.impacts * 10 >= total.expected * 9 && total.impacts > 3000);
     assert!(total.last_states > 700);
     assert!(total.off[total.off.len() / 2] < 1e-10);
 }
 
-/// The comparison is a real one: small changes on one side are seen in nearly every scene.
+/// The comparison is effective: small changes of one of the two programs are detected in nearly every scene.
 #[test]
 fn a_small_difference_is_seen() {
     let seen = |change: &dyn Fn(&mut Scene) -> bool| {
@@ -291,13 +291,13 @@ fn a_small_difference_is_seen() {
         scene.clearance *= 1.0 + 1e-8;
         true
     });
-    // base motion taken for a force on the primary alone
+    // Base motion replaced by a force on the primary alone.
     seen(&|scene| {
         let Some(drive) = scene.drive.as_mut().filter(|drive| drive.base) else { return false };
         (drive.base, drive.amplitude) = (false, -drive.amplitude);
         true
     });
-    // large angles taken for small ones
+    // Large angles replaced by small ones.
     seen(&|scene| match &mut scene.absorber {
         Absorber::Pendulum { large_angles, .. } if *large_angles => {
             *large_angles = false;

@@ -1,4 +1,4 @@
-//! Steady states: strobes, amplitudes and regimes against closed forms.
+//! Steady states: strobes, amplitudes and regimes compared with closed forms.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{PI, TAU};
@@ -30,7 +30,7 @@ fn start(displacement: f64, velocity: f64) -> Start {
 
 #[test]
 fn without_impacts_it_is_the_oscillators_steady_state() {
-    // f/M = F cos(Ωτ + φ): x = Re X e^{i(Ωτ + φ)}, X = F/(1 − Ω² + 2iζΩ). The gap is out of reach.
+    // f/M = F cos(Ωτ + φ): x = Re X e^{i(Ωτ + φ)}, X = F/(1 − Ω² + 2iζΩ). The walls are out of reach.
     let [zeta, amplitude, frequency, phase] = [0.05_f64, 0.3, 0.8, 0.7];
     let (re, im) = (1.0 - frequency * frequency, 2.0 * zeta * frequency);
     let size = amplitude / re.hypot(im);
@@ -42,11 +42,11 @@ fn without_impacts_it_is_the_oscillators_steady_state() {
         let force = Harmonic { amplitude: sign * amplitude, frequency, phase, acts };
         let siva = mass(1e-3, 0.5, 1e6, zeta)(Force::harmonic(vec![force]).unwrap());
         let cycle = TAU / frequency;
-        // 20.5 cycles, the first 3.25 left out.
+        // 20.5 cycles, without the first 3.25.
         let steady = watch(&siva, &start(x(0.0), v(0.0)), 20.5 * cycle, 3.25 * cycle);
         let values = steady.values();
         assert!((values.amplitude_max.unwrap() - size).abs() < 1e-14);
-        // 17.25 cycles: the mean of cos² over a quarter cycle more than whole and half cycles.
+        // The mean of cos² over 17.25 cycles, a quarter cycle more than an integer number of half cycles.
         let (from, to) = (3.25 * cycle, 20.5 * cycle);
         let integral = |time: f64| {
             let angle = frequency * time + phase - lag;
@@ -87,7 +87,7 @@ fn the_symmetric_orbit_is_two_impacts_a_cycle() {
     assert_eq!(values.regime, Some(Regime::Periodic { impacts: 2, cycles: 1 }));
     assert!((values.impacts_per_cycle.unwrap() - 2.0).abs() < 1e-12);
     let strobes: Vec<_> = steady.strobes().collect();
-    // Instants 600 to 700: the last is the end of the run.
+    // Strobes 600 to 700; the last is at the end of the run.
     assert_eq!(strobes.len(), 101);
     for pair in strobes.windows(2) {
         assert_eq!(pair[1].impacts - pair[0].impacts, 2);
@@ -97,7 +97,7 @@ fn the_symmetric_orbit_is_two_impacts_a_cycle() {
 
 #[test]
 fn the_counts_of_a_chattering_scene_are_those_of_its_list() {
-    // Many chatters and sticks a cycle, some of whose low rebounds are taken back.
+    // Many chatters and stick episodes a cycle; some of their low rebounds are unlisted later.
     let force = Harmonic { amplitude: 0.8, frequency: 0.35, phase: -1.0, acts: Acts::Base };
     let siva = mass(0.3, 0.3, 0.4, 0.01)(Force::harmonic(vec![force]).unwrap());
     let duration = 60.0 * TAU / 0.35;
@@ -139,8 +139,8 @@ fn a_phase_beyond_a_turn_strobes_at_the_same_instants() {
 
 #[test]
 fn a_peak_between_two_others_within_a_step_is_seen() {
-    // After an impact on this exact orbit (Masri and Caughey 1966) x turns twice within a step; its
-    // largest value, from the closed form, lies between.
+    // After an impact on this exact orbit (Masri and Caughey 1966) x has two extrema within a step; the
+    // largest |x|, from the closed form, lies inside the step.
     let force = Harmonic {
         amplitude: 0.41294499696887355,
         frequency: 1.8893676707352416,

@@ -1,8 +1,8 @@
 //! The simulator under stress: extreme numbers, starts on walls, grazings, chatter, long runs.
 //!
-//! Bounds are derived where they are used (`iva_tests::stress`). What is marked as long runs with
-//! `cargo test --release -p iva-tests stress:: -- --ignored --nocapture`. Runs that end at
-//! `max_work` or `max_impacts` are counted, not failures: the limits here are low.
+//! Bounds are derived where they are used (`iva_tests::stress`). The tests marked as long run with `cargo
+//! test --release -p iva-tests stress:: -- --ignored --nocapture`. Runs that end at `max_work` or
+//! `max_impacts` are counted and are no failures, because the limits here are low.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::Arc;
@@ -44,7 +44,7 @@ fn a_million_extreme_scenes() {
     campaign(1_000_000, 2, extreme).conclude("extreme scenes");
 }
 
-/// Every corner: on a wall or a rounding off it, at rest or not, pressed, pulled or balanced.
+/// All combinations of a start on a wall or a rounding off it, at rest or not, pressed, pulled or balanced.
 #[test]
 fn starts_on_walls_and_corners() {
     let mut report = Report::default();
@@ -77,8 +77,8 @@ fn starts_on_walls_and_corners() {
     report.conclude("starts on walls and corners");
 }
 
-/// In a gap that closes the free mass rides along: x → cos(τ/√(1+μ)). The gap lets it lag by d, and
-/// the motion within is a perturbation of first order in d times some logarithms at most.
+/// For d → 0 the free mass moves with the structure: x → cos(τ/√(1+μ)). The absorber can lag by d, and the
+/// motion in the gap is a perturbation of first order in d, times some logarithms at most.
 #[test]
 fn a_gap_that_closes_carries_the_mass_along() {
     let mu = 0.2;
@@ -112,18 +112,18 @@ fn slope(points: &[(f64, f64)]) -> f64 {
     top / bottom
 }
 
-/// A family of scenes whose wall stands δ before (hit) or beyond (miss) the first extremum of y.
+/// A family of scenes with a wall at the distance δ before (hit) or beyond (miss) the first extremum of y.
 struct Grazing<'a> {
     /// The extremum, its instant, and |ÿ| there.
     y: Dd,
     time: f64,
     curvature: f64,
-    /// First impacts (time, speed) and undecided extrema with the wall at a clearance.
+    /// The first impact (time, speed) and the number of undecided extrema for a given clearance.
     run: &'a dyn Fn(f64) -> (Option<(f64, f64)>, u64),
 }
 
 impl Grazing<'_> {
-    /// The slope of the law, over eight decades; counts the runs.
+    /// The exponent of the law over eight decades; counts the runs.
     fn measure(&self, runs: &mut u64) -> f64 {
         let mut points = Vec::new();
         for k in 0..=32 {
@@ -139,7 +139,7 @@ impl Grazing<'_> {
                     continue;
                 }
                 let (time, speed) = impact.unwrap_or_else(|| panic!("no hit at {share:e}"));
-                // ẏ²/2 = a δ (1 + O(√δ)); a rounding of y is a share U d/δ of the overlap
+                // ẏ²/2 = a δ (1 + O(√δ)); a rounding of y is a share U d/δ of δ.
                 let law = (2.0 * self.curvature * over).sqrt();
                 let bound = 64.0 * (U / share + share.sqrt());
                 assert!((speed / law - 1.0).abs() <= bound, "{share:e}: {speed:e} for {law:e}");
@@ -165,7 +165,7 @@ fn first_of<S: System<Real = f64>>(
     (first, run.tally.undecided)
 }
 
-/// A free mass that leaves the middle of its gap: the first zero of w, bisected in double-double.
+/// A free mass starting in the middle of its gap: the first zero of w, bisected in double-double.
 fn mass_grazing(rng: &mut Rng) -> Option<(f64, Start, Dd, Dd, f64)> {
     let zeta = rng.pick(&[0.0, 0.01, 0.3, 1.0, 1.4]);
     let start = Start {
@@ -262,34 +262,34 @@ fn many_grazings_obey_the_square_root_law() {
     grazings(3000, 12);
 }
 
-/// A million rebounds on a pressing wall, to the stick.
+/// A million rebounds on a pressing wall, up to the stick.
 #[test]
 fn a_chatter_of_a_million_rebounds() {
     let (mu, e, d) = (0.1, 1.0 - 1e-5, 0.5);
     let siva = Siva::new(mu, e, d, 0.01).unwrap();
     let start =
         Start { displacement: 1.0, gap_displacement: d, gap_velocity: -1e-7, ..Start::default() };
-    // 2u/(A(1−e)) = 0.02 to first order
+    // To first order 2u/(A(1−e)) = 0.02.
     let limits = Limits { chatter_floor: 1e-30, ..Limits::new(0.1, d) };
     let mut report = Counted::default();
     let tally = simulate(&siva, &start, &limits, None, &mut report).unwrap();
     println!("chatter: {} rebounds flown, {} listed", report.spans, tally.impacts);
     assert_eq!((tally.outcome, tally.episodes), (Outcome::Finished, 1));
     assert!(tally.impacts > 1_000_000);
-    // the pressure x + 2ζẋ = cos τ … changes by 0.02² in the meantime
+    // The pressure x + 2ζẋ = cos τ … changes by 0.02² meanwhile.
     let stick = 0.1 - tally.time_stuck;
     assert!((stick / 0.02 - 1.0).abs() < 2e-3, "{stick}");
     let lost = 0.5 * mu / (1.0 + mu) * 1e-14;
     assert!((tally.energy_impacts / lost - 1.0).abs() < 2e-3, "{:e}", tally.energy_impacts);
 }
 
-/// A ball on a table that never moves: rebounds last 2u/g, all of them 2u/(g(1−e)).
+/// A ball on a table at rest: a rebound lasts 2u/g, all of them together 2u/(g(1−e)).
 fn ball(e: f64, least: u64) {
     let (speed, gravity, d) = (1e-3, 1.0, 10.0);
     let history = History::new(vec![0.0, 1e6], vec![-gravity, -gravity]).unwrap();
     let record = Record { history: Arc::new(history), acts: Acts::Base, rate: 1.0, scale: 1.0 };
     let force = Force::new(Vec::new(), vec![record], &[]).unwrap();
-    // so light that the primary, at rest in its equilibrium, does not feel it
+    // The absorber is so light that it does not affect the primary, which is at rest in equilibrium.
     let siva = mass(1e-15, e, d, 0.0)(force);
     let start = Start {
         displacement: gravity,
@@ -307,7 +307,7 @@ fn ball(e: f64, least: u64) {
     );
     assert_eq!((tally.outcome, tally.episodes), (Outcome::Finished, 1));
     assert!(tally.impacts > least);
-    // each instant is right to a rounding of the time since the impact before it
+    // The error of each instant is one rounding of the time since the previous impact.
     let off = (limits.duration - tally.time_stuck - expected).abs() / expected;
     assert!(off < 1e-10, "off by {off:e}");
 }
@@ -323,7 +323,7 @@ fn a_ball_comes_to_rest_after_a_million_rebounds() {
     ball(1.0 - 1e-5, 1_000_000);
 }
 
-/// Counts, and nothing else.
+/// An observer that only counts.
 #[derive(Default)]
 struct Counted {
     spans: u64,
@@ -339,14 +339,14 @@ impl<S: System<Real = f64>> Observer<S> for Counted {
     }
 }
 
-/// Memory in use at most, in kB; `None` where the system does not tell.
+/// Peak memory in use, in kB; `None` where the system does not report it.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM"))?;
     line.split_whitespace().nth(1)?.parse().ok()
 }
 
-/// Impacts without loss: the energy after many of them.
+/// Impacts without loss: the energy must be conserved over many of them.
 fn elastic(impacts: u64) {
     for (mu, gamma) in [(0.1, 0.01), (1.0, 0.3)] {
         let siva = Siva::new(mu, 1.0, gamma, 0.0).unwrap();

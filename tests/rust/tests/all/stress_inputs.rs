@@ -1,5 +1,5 @@
-//! Numbers at the end of the doubles: refused by name, or a run like any other; and natural
-//! frequencies over fifteen decades.
+//! Numbers near the limits of doubles: refused by name, or a run like any other; and natural frequencies over
+//! fifteen decades.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::sync::atomic::AtomicBool;
@@ -24,7 +24,7 @@ use iva_sweep::{
     sweep::{Control, Workers, sweep},
 };
 
-/// The smallest denormal, others, and the smallest normal number.
+/// The smallest subnormal number, two others, and the smallest normal number.
 const TINY: [f64; 4] = [5e-324, 1e-320, 2.2e-308, f64::MIN_POSITIVE];
 
 fn refused<T: std::fmt::Debug>(result: Result<T, Invalid>, field: &str, value: f64) {
@@ -150,8 +150,8 @@ fn table(natural_frequency: Option<f64>, pendulum: bool) -> RecordBatch {
     sweep(&study, 0..1, &control).unwrap().remove(&Table::Summary).unwrap()
 }
 
-/// The same scene in other seconds: one rounding of each start velocity on the way in, one or two of
-/// each number on the way out. With a power of two in ωn no bit of it changes.
+/// The same scene with another unit of time: one rounding of each start velocity at the input, one or two of
+/// each number at the output. If ωn is a power of two, no bit changes.
 #[test]
 fn natural_frequencies_over_fifteen_decades() {
     let value = |table: &RecordBatch, name: &str| {
@@ -166,7 +166,7 @@ fn natural_frequencies_over_fifteen_decades() {
         let powers = [-20, -7, 3, 10, 29].map(|power| 2f64.powi(power));
         for omega in powers.into_iter().chain([1e-6, 1e-3, 0.7, 62.8, 1e5, 1e9]) {
             let other = table(Some(omega), pendulum);
-            // a rounding of a start velocity moves events by its condition, some hundreds here
+            // The rounding of a start velocity changes events by its condition, some hundreds here.
             let exact = powers.contains(&omega);
             let allowed = if exact { 4.0 * f64::EPSILON } else { 1e-11 };
             for (name, scale) in [

@@ -1,4 +1,4 @@
-//! Tables of a sweep: the same whatever the threads and chunks, complete, in the order of `point`.
+//! Tables of a sweep: independent of threads and chunks, complete, in the order of `point`.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -25,7 +25,7 @@ fn spec() -> Spec {
     with_scene(Spec::default())
 }
 
-/// The same scene with a pendulum, which has a value in every column.
+/// The scene with a pendulum, which has a value in every column.
 fn pendulum() -> Spec {
     let mut choices = Choices::default();
     choices.choose("kind", "piva").unwrap();
@@ -50,7 +50,7 @@ fn with_scene(mut spec: Spec) -> Spec {
     spec
 }
 
-/// The same on a moving base.
+/// The scene with a pendulum on a moving base.
 fn shaken() -> Spec {
     let mut spec = pendulum();
     spec.set(FieldId::BaseAcceleration, 0.3).unwrap();
@@ -123,21 +123,21 @@ fn rows_stand_in_the_order_of_point_last_axis_fastest() {
     assert!(impacts.is_sorted());
 }
 
-/// Defined in a decay only.
+/// True for columns that are defined in a decay only.
 fn of_a_decay(column: &str) -> bool {
     column.starts_with("damping_ratio")
         || column.starts_with("settling_time")
         || column == "residual_amplitude"
 }
 
-/// Defined under force only.
+/// True for columns that are defined under force only.
 fn of_a_steady_state(column: &str) -> bool {
     let driven = ["reduction", "reduction_rms", "transmissibility", "impacts_per_cycle", "regime"];
     column.starts_with("amplitude_") || driven.contains(&column)
 }
 
-/// A cell of the wrong type would become null: in a scene with chatter every column of every table
-/// is filled, but for what is null by definition.
+/// A cell of the wrong type would become null: in a scene with chatter every column of every table has
+/// values, except those that are null by definition.
 #[test]
 fn rows_fit_their_columns() {
     for (mut study, driven) in [
@@ -165,7 +165,7 @@ fn rows_fit_their_columns() {
                     {
                         batch.num_rows()
                     }
-                    // Of a free mass alone.
+                    // A column of free masses only.
                     "peak_force_estimate" if !without_angle => batch.num_rows(),
                     "condition" | "digits" | "time_error" | "near_grazing" if !study.errors => {
                         batch.num_rows()
@@ -180,8 +180,7 @@ fn rows_fit_their_columns() {
     }
 }
 
-/// Columns that are not asked for are null, the others keep their bits.
-/// Gravity is a parameter and a column: swept, it is there once, with the values of the axis.
+/// Gravity is both a parameter and a column: if swept, it appears once, with the values of the axis.
 #[test]
 fn a_swept_parameter_is_no_column_besides() {
     let axis = Axis::new("gravity", vec![0.2, 0.20000000001]).unwrap();
@@ -190,10 +189,11 @@ fn a_swept_parameter_is_no_column_besides() {
     let summary = &tables[&Table::Summary];
     assert_eq!(summary.num_columns(), 1 + SUMMARY.len());
     assert_eq!(numbers(summary, "gravity"), [Some(0.2), Some(0.20000000001)]);
-    // The column after it has its own values still.
+    // The next column still has its own values.
     assert_eq!(numbers(summary, "energy_work"), [Some(0.0); 2]);
 }
 
+/// Columns that are not asked for are null; the others keep their bits.
 #[test]
 fn measures_not_asked_for_are_null() {
     for (spec, foreign) in [
@@ -209,7 +209,7 @@ fn measures_not_asked_for_are_null() {
             let (all, some) = (&all[&Table::Summary], &some[&Table::Summary]);
             for column in SUMMARY {
                 let asked_for = column.name == asked || column.name == "outcome";
-                // Nothing is known of the contacts of a pendulum.
+                // The contacts of a pendulum have no known duration.
                 let foreign = foreign(column.name) || column.name == "peak_force_estimate";
                 let there = asked_for && !foreign;
                 assert_eq!(some[column.name].is_null(0), !there, "{} of {asked}", column.name);
@@ -229,8 +229,8 @@ fn points_not_begun_when_cancelled_are_left_out() {
     assert_eq!(tables.len(), Table::SWEEP.len());
 }
 
-/// A point under way says so: the first report of progress cancels a sweep of one long point a
-/// chunk, and what the second thread was at has its outcome and no measures of the whole run.
+/// Cancellation: the first report of progress cancels a sweep with one point per chunk; the long point of the
+/// second thread then has the outcome `cancelled` and no measures of the whole run.
 #[test]
 fn a_point_under_way_when_cancelled_says_so() {
     let mut study = clearance_study();
@@ -290,7 +290,7 @@ fn too_many_points_are_refused_without_allocating() {
     assert!(message.contains("70000 × 70000") && message.contains("2^32"), "{message}");
 }
 
-/// Forced by two harmonics, so that `reduction` needs a run without absorber.
+/// A scene under two harmonics, so that `reduction` needs a run without absorber.
 fn beaten() -> Spec {
     let mut spec = shaken();
     spec.add_force(ForceSpec::new(None));
@@ -311,8 +311,8 @@ fn a_brief_run_has_the_rows_of_a_sweep_or_none() {
     }
 }
 
-/// What may not be cut short: a run that ends at the user's own limit is whole, and one to compare with
-/// may take longer than the run itself.
+/// A run must not be cut short if it ends at the user's own limit, or if it needs a run without absorber,
+/// which may take longer than the run itself.
 #[test]
 fn a_brief_run_is_never_cut_in_what_it_shows() {
     let mut study = Study::single(spec());
@@ -326,7 +326,7 @@ fn a_brief_run_is_never_cut_in_what_it_shows() {
     assert_eq!(run_inline(&study, 1_000_000).unwrap(), None);
 }
 
-/// Stretches of motion that a study of one point takes.
+/// Number of stretches of motion of a study of one point.
 fn work_of(study: &Study) -> u64 {
     let design = study.design(0).unwrap();
     match design.scene {

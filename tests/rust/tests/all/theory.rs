@@ -1,4 +1,4 @@
-//! Steady states in closed form: against numbers of 40 digits, against simulation, against each other.
+//! Steady states in closed form, compared with numbers of 40 digits, with simulations and with each other.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::{PI, TAU};
@@ -30,7 +30,7 @@ fn plus(scene: &SymmetricScene) -> Orbit {
     masri_caughey(scene).unwrap().branches[0].expect("the orbit exists")
 }
 
-/// The absorber under the scene's force, with this phase.
+/// The absorber under the scene's force, with a given phase.
 fn absorber(scene: &SymmetricScene, phase: f64) -> Siva<DrivenHost> {
     let SymmetricScene { mass_ratio, restitution, clearance, damping_ratio, force } = *scene;
     let force = Force::harmonic(vec![Harmonic { phase, ..force }]).unwrap();
@@ -39,7 +39,7 @@ fn absorber(scene: &SymmetricScene, phase: f64) -> Siva<DrivenHost> {
 
 type Result = Run<<Siva<DrivenHost> as System>::State>;
 
-/// So many half cycles and a quarter, from just after the impact on wall +.
+/// A run of a number of half cycles and a quarter, from just after the impact on wall +.
 fn follow(scene: &SymmetricScene, orbit: &Orbit, half_cycles: f64) -> Result {
     let limits = Limits::new((half_cycles + 0.25) * PI / scene.force.frequency, scene.clearance);
     run(&absorber(scene, orbit.phase), &orbit.start, &limits).unwrap()
@@ -65,7 +65,7 @@ fn the_stable_orbit_has_its_numbers() {
     close(orbit.displacement, 0.2809109011943361, 1e-14);
     close(orbit.velocity_before, -0.2420121631181788, 1e-14);
     close(orbit.velocity_after, -0.09680486524727154, 1e-14);
-    // Of sin(Ωτ + a).
+    // The phase of sin(Ωτ + a).
     close(orbit.phase, 4.59047988735129 - 0.5 * PI, 1e-14);
     close(orbit.amplitude, 0.3532853191886, 1e-13);
     assert!(orbit.admissible && orbit.stable);
@@ -102,7 +102,7 @@ fn orbits_end_at_the_largest_clearance_in_a_fold() {
         masri_caughey(&SymmetricScene { clearance, ..scene(numbers) }).unwrap()
     };
     assert_eq!(near(1.0 + 1e-12).branches, [None, None]);
-    // Both branches meet there, each with a multiplier that reaches 1 like the root of the distance.
+    // Both branches meet there; a multiplier of each tends to 1 like the square root of the distance.
     let away = |factor: f64| {
         near(factor).branches.map(|orbit| {
             let sizes = orbit.unwrap().multipliers.map(|multiplier| (multiplier - 1.0).norm());
@@ -118,14 +118,14 @@ fn orbits_end_at_the_largest_clearance_in_a_fold() {
 
 #[test]
 fn an_orbit_through_the_wall_is_not_admissible() {
-    // Stable in form, but after a weak rebound the primary catches up with the absorber at once.
+    // The orbit is stable, but after a weak rebound the primary catches up with the absorber at once.
     let scene = scene([0.05, 0.02, 1.0, 0.02, 0.1, 1.0]);
     let orbit = plus(&scene);
     assert!(orbit.stable && !orbit.admissible);
     let first = follow(&scene, &orbit, 1.0).impacts[0];
     assert_eq!(first.wall, Wall::Plus);
     assert!(first.time < 0.5 * PI, "{}", first.time);
-    // A livelier rebound takes it across.
+    // With a stronger rebound the absorber crosses the gap.
     let pushed = plus(&SymmetricScene { restitution: 0.3, ..scene });
     assert!(pushed.admissible);
 }
@@ -189,8 +189,8 @@ proptest! {
         prop_assert!(off < 1e-12 * size * size, "{off:e}");
     }
 
-    /// One impact after half a cycle on the other wall and nothing before: what "admissible" claims,
-    /// and what it denies.
+    /// One impact after half a cycle on the other wall and none before: true if the orbit is admissible, and
+    /// false otherwise.
     #[test]
     fn admissible_orbits_are_motions_and_others_are_not((scene, orbit) in orbits()) {
         let half = PI / scene.force.frequency;
@@ -214,7 +214,7 @@ proptest! {
         }
     }
 
-    /// A stable orbit, entered anywhere, is kept for a hundred cycles; its largest |x| is reached.
+    /// A stable orbit, started at any phase, is kept for a hundred cycles, and its largest |x| is reached.
     #[test]
     fn stable_orbits_are_kept((scene, orbit) in orbits(), phase in -7.0..7.0f64) {
         prop_assume!(orbit.admissible && orbit.multipliers[0].norm() < 0.99);
@@ -239,9 +239,9 @@ proptest! {
         prop_assert!(largest > orbit.amplitude * (1.0 - 1e-4), "{largest}");
     }
 
-    /// The half cycle's map by central differences of the simulation, from the middle between two
-    /// impacts to the mirrored middle: another section, the same multipliers. Compared are the traces
-    /// of its powers, which a double multiplier does not spoil.
+    /// The map of the half cycle by central differences of the simulation, from the middle between two
+    /// impacts to the mirrored middle: another section with the same multipliers. The traces of its powers
+    /// are compared, which are well conditioned also for double multipliers.
     #[test]
     fn multipliers_are_those_of_the_simulated_map((scene, orbit) in orbits()) {
         prop_assume!(orbit.admissible);
@@ -275,7 +275,7 @@ proptest! {
                 }
             }
         }
-        // Third derivatives grow as the speed of the impact falls.
+        // Third derivatives grow as the approach speed decreases.
         let gentle = scene.force.frequency * scene.clearance / orbit.approach_speed;
         prop_assume!(gentle < 3.0);
         let size = 1.0 + map.norm();
@@ -289,7 +289,7 @@ proptest! {
         }
     }
 
-    /// As μ → 0 the forced orbit at Ω = 1 lies on the manifold.
+    /// For μ → 0 the forced orbit at Ω = 1 lies on the manifold.
     #[test]
     fn light_absorbers_lie_on_the_manifold(
         e in 0.1..0.95f64,
@@ -298,7 +298,7 @@ proptest! {
     ) {
         let manifold = slow_manifold(1e-9, e, d).unwrap();
         let amplitude = manifold.amplitude(theta) * d;
-        // Resonance: F = 2ζ times the amplitude.
+        // At resonance F = 2ζ times the amplitude.
         let answer = masri_caughey(&scene([1e-9, e, d, 0.05, 0.1 * amplitude, 1.0])).unwrap();
         let upper = theta > manifold.stable_theta[0];
         prop_assume!((theta - manifold.stable_theta[0]).abs() > 0.01);
@@ -318,7 +318,7 @@ proptest! {
 
 #[test]
 fn the_manifold_has_its_closed_forms() {
-    // e = 1/2: (1−e)/(1+e) = 1/3.
+    // For e = 1/2: (1−e)/(1+e) = 1/3.
     let manifold = slow_manifold(0.02, 0.5, 3.0).unwrap();
     let rho = 2.0 / (3.0 * PI);
     close(manifold.rho, rho, 1e-16);
@@ -328,7 +328,7 @@ fn the_manifold_has_its_closed_forms() {
     close(manifold.stable_theta[1], PI * PI / (PI * PI - 4.0), 1e-15);
     close(manifold.amplitude(manifold.stable_theta[0]), manifold.activation, 1e-15);
     close(manifold.largest_added_damping, 0.04 / PI * 3.0, 1e-16);
-    // The damping is largest where the impacts meet x = 0.
+    // The damping is largest where the impacts are at x = 0.
     close(manifold.best_amplitude, manifold.amplitude(1.0) * 3.0, 1e-15);
     close(manifold.added_damping(1.0), manifold.largest_added_damping, 1e-16);
     for theta in [0.96, 0.99, 1.01, 1.3] {
@@ -344,14 +344,14 @@ fn elastic_and_plastic_impacts_are_the_limits_of_the_manifold() {
     assert_eq!(elastic.added_damping(1.5), 0.0);
     assert_eq!(elastic.added_damping(1.0), f64::INFINITY);
     close(elastic.amplitude(1.5), 0.5, 1e-16);
-    // With e = 0 the absorber leaves its wall only where the primary decelerates away: θ < 1.
+    // For e = 0 the absorber leaves its wall only where the primary decelerates: θ < 1.
     let plastic = slow_manifold(0.02, 0.0, 3.0).unwrap();
     close(plastic.stable_theta[1], 1.0, 1e-12);
     assert_eq!(plastic.stable_theta_at(1.0), None);
 }
 
-/// Time in which a free decay falls from θ = 1.4 to 1.05, from dξ/dτ = −ζ_added ξ integrated along
-/// the manifold, and as simulated.
+/// The time in which a free decay falls from θ = 1.4 to 1.05: from dξ/dτ = −ζ_added ξ integrated along the
+/// manifold, and from a simulation.
 fn decay_times(mass_ratio: f64) -> [f64; 2] {
     let (e, d) = (0.6, 1.0);
     let manifold = slow_manifold(mass_ratio, e, d).unwrap();
@@ -390,7 +390,7 @@ fn a_light_absorber_damps_free_decay_as_the_manifold_says() {
         (simulated / theory - 1.0) / mass_ratio
     });
     println!("relative error over μ: {errors:?}");
-    // What is left out is of first order in μ: the error over μ tends to a constant.
+    // The neglected terms are of first order in μ: the error over μ tends to a constant.
     for error in errors {
         close(error, errors[3], 0.01 * errors[3].abs());
         close(error, 0.0, 6.0);

@@ -1,5 +1,5 @@
-//! An absorber that the core has never seen, of one file (`iva_tests::dashpot`): it runs alone and in sweeps, its
-//! errors are estimated, it is verified and differentiated.
+//! An absorber outside the core, in one file (`iva_tests::dashpot`): it runs alone and in sweeps, its errors
+//! are estimated, and its runs are verified and differentiated.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -21,7 +21,7 @@ use iva_tests::{
     rng::Rng,
 };
 
-/// μ, e, d and ζ; the dashpot comes last.
+/// μ, e, d, ζ and the constant γ of the dashpot.
 const NUMBERS: [f64; 5] = [0.15, 0.6, 0.4, 0.02, 0.3];
 
 fn start<R: Real>() -> Start<R> {
@@ -47,7 +47,7 @@ fn without_its_dashpot_it_is_a_free_mass() {
         simulate(&siva, &start(), &Limits::new(3.0 * TAU, d), None, &mut seen).unwrap();
         let (Events { impacts, episodes }, errors) = seen;
         for ((a, b), error) in found.impacts.iter().zip(&impacts).zip(&errors.impacts) {
-            // The plain state loses some units in the last place at each event.
+            // The state in plain numbers loses some units in the last place at each event.
             let allowed = 64.0 * error.time.unwrap_or(f64::INFINITY);
             if allowed > 1e-9 {
                 break;

@@ -1,4 +1,4 @@
-//! Stops that are not alike: another restitution at the wall −, a gap whose middle is not at y = 0.
+//! Unequal stops: another restitution at wall −, and a gap whose middle is not at y = 0.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
@@ -18,10 +18,10 @@ use iva_core::{
 };
 use iva_tests::{U, rng::Rng};
 
-/// So light that it does not move the structure.
+/// A mass ratio so small that the absorber does not affect the structure.
 const LIGHT: f64 = 1e-20;
 
-/// A free mass with its restitutions at + and −, and where the middle of its gap is.
+/// A free mass with its restitutions at walls + and −, and the middle of its gap.
 fn free_mass<R: Real>(
     mu: f64,
     e: [f64; 2],
@@ -36,7 +36,7 @@ fn free_mass<R: Real>(
 
 #[test]
 fn between_walls_at_rest_each_impact_takes_its_own_share() {
-    // Without gravity the mass crosses the play 2d at the speed that its last impact has left: after n impacts that
+    // Without gravity the mass crosses the play 2d at its speed after the last impact: after n impacts that
     // is the product of their restitutions.
     for (e, offset) in [([0.5, 0.8], 0.0), ([0.9, 0.25], 0.125), ([1.0, 0.5], -0.25)] {
         let siva = free_mass(LIGHT, e, 0.5, offset, 0.02);
@@ -62,7 +62,8 @@ fn between_walls_at_rest_each_impact_takes_its_own_share() {
 
 #[test]
 fn on_the_lower_stop_a_ball_comes_to_rest_by_the_restitution_of_that() {
-    // Thrown up with w on a structure at rest it lands after 2w/G, and stays after 2w/(G (1 − e)).
+    // Leaving the lower stop with w, on a structure at rest, it returns after 2w/G, and sticks after 2w/(G
+    // (1 − e)).
     for (below, above) in [(0.5, 0.9), (0.8, 0.1), (0.3, 1.0)] {
         let (gravity, w) = (2.0, 0.75);
         let siva =
@@ -77,7 +78,7 @@ fn on_the_lower_stop_a_ball_comes_to_rest_by_the_restitution_of_that() {
     }
 }
 
-/// A random free mass with the start of its decay.
+/// A random free mass and the start of its decay.
 fn random(rng: &mut Rng) -> ([f64; 5], Start) {
     let numbers = [
         rng.log_range(0.02, 0.3),
@@ -105,7 +106,7 @@ fn mirrored(start: &Start) -> Start {
     }
 }
 
-/// The same impacts at the other walls, to the bit.
+/// Checks for the same impacts at the opposite walls, to the bit.
 fn assert_mirrored<S>(one: &Run<S>, other: &Run<S>) {
     assert_eq!(one.impacts.len(), other.impacts.len());
     for (a, b) in one.impacts.iter().zip(&other.impacts) {
@@ -152,7 +153,7 @@ fn exchanged_walls_mirror_the_motion_and_equal_ones_change_nothing() {
 
 #[test]
 fn an_offset_is_a_start_elsewhere_in_the_gap() {
-    // With numbers of few digits no rounding tells the two apart.
+    // The numbers have few digits: adding the offset is exact, and both runs are equal to the bit.
     for (offset, y) in [(0.25, 0.125), (-0.375, 0.0), (4.0, -0.25)] {
         let limits = Limits::new(10.0 * TAU, 0.5);
         let start = |y| Start {
@@ -179,7 +180,7 @@ fn an_offset_is_a_start_elsewhere_in_the_gap() {
 
 #[test]
 fn its_errors_are_what_is_estimated_and_its_energies_add_up() {
-    // The run in numbers of twice the precision is the truth.
+    // The run in numbers of twice the precision gives the exact values.
     let mut rng = Rng::new(7);
     let (mut compared, mut beyond) = (0, 0);
     for _ in 0..60 {
@@ -237,7 +238,7 @@ fn beside_others_it_runs_as_alone() {
 
 #[test]
 fn its_derivative_has_the_determinant_of_both_restitutions() {
-    // Liouville: a time T of flight gives exp(−2ζT), an impact with restitution e gives e².
+    // Liouville's formula: a time T of flight gives exp(−2ζT), an impact with restitution e gives e².
     let (e, zeta, duration) = ([0.95, 0.8], 0.02, 12.0);
     let siva: Siva = free_mass(0.1, e, 0.4, 0.0, zeta);
     let start = Start { displacement: 1.0, ..Start::default() };

@@ -1,6 +1,6 @@
-//! The core in numbers of twice the precision, fed with the decimals of the references: it must
-//! reproduce their 30 digits to a hundredth of a rounding unit of doubles. So it can judge the core in
-//! doubles.
+//! The core in numbers of twice the precision, with the decimals of the references as input: it must
+//! reproduce their 30 digits to a hundredth of a rounding unit of doubles. So it is a valid standard for the
+//! core in doubles.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -33,16 +33,16 @@ use iva_tests::{
     units,
 };
 
-/// Approach speed at or below which the references leave impacts out.
+/// Approach speed at or below which impacts are missing in the references.
 const FLOOR: f64 = 1e-9;
-/// Rounding units of doubles.
+/// Largest error, in rounding units of doubles.
 const ALLOWED: f64 = 0.01;
 
 fn twofold(number: Dd) -> Twofold {
     Twofold::new(number.hi, number.lo)
 }
 
-/// Events in order of time; at one instant an impact before the stick that it ends in.
+/// Events in order of time; at one instant an impact comes before the stick that it ends in.
 fn marks<S>(run: &Run<S, Twofold>) -> Vec<(Kind, f64, Twofold)> {
     let mut marks: Vec<(Kind, f64, Twofold)> = Vec::new();
     for impact in run.impacts.iter().filter(|impact| impact.approach_speed() > FLOOR) {
@@ -96,8 +96,8 @@ fn free_masses_reproduce_the_references() {
     }
 }
 
-/// A run of n whole periods ends at a strobe, and at an instant that measures look at, but for the rounding
-/// of its duration: that is no difference in what happens.
+/// A run of n whole periods ends at a strobe, and at an instant that measures look at, apart from the
+/// rounding of its duration: its rows must still describe the same events.
 #[test]
 fn runs_of_whole_periods_agree_to_their_very_end() {
     let never = AtomicBool::new(false);
@@ -135,7 +135,7 @@ fn force(given: &BTreeMap<String, Dd>) -> Force<Twofold> {
     Force::harmonic(harmonic.into_iter().collect()).unwrap()
 }
 
-/// A free mass as what it is; `None` of a pendulum.
+/// The free mass of a reference; `None` for a pendulum.
 fn mass(given: &BTreeMap<String, Dd>) -> Option<Siva<DrivenHost<Twofold>>> {
     let key = |name: &str| twofold(given[name]);
     if given.contains_key("r") {
@@ -145,7 +145,7 @@ fn mass(given: &BTreeMap<String, Dd>) -> Option<Siva<DrivenHost<Twofold>>> {
     Some(siva.under(force(given)))
 }
 
-/// A pendulum; a free mass is one at small angles without gravity.
+/// The pendulum of a reference; a free mass is a pendulum at small angles without gravity.
 fn pendulum(given: &BTreeMap<String, Dd>) -> Piva<Twofold> {
     let key = |name: &str| twofold(given[name]);
     let [mass_ratio, restitution, clearance] = ["mu", "e", "gamma"].map(key);
@@ -175,8 +175,8 @@ fn pendulums_and_forced_scenes_reproduce_the_references() {
     }
 }
 
-/// The errors that a user sees, of runs fed with doubles: value minus error is the reference, but for
-/// the rounding of the inputs: 0.12 units at most, 0.20 in the heavy scene.
+/// The errors that a user sees, of runs with doubles as input: value minus error is the reference, apart from
+/// the rounding of the inputs, which is 0.12 units at most, 0.20 in the heavy scene.
 #[test]
 fn errors_shown_to_users_are_those_against_the_references() {
     let never = AtomicBool::new(false);
