@@ -1,8 +1,8 @@
-//! How far event times are off on the reference scenes, in rounding units |Δτ| / (2⁻⁵³ (max(condition, 1)
-//! + τ)), and what doubles allow at best: the exact times, rounded.
+//! Errors of event times on the reference scenes, in rounding units |Δτ| / (2⁻⁵³ (max(condition, 1) + τ)),
+//! beside the least possible errors: those of the exact times rounded to doubles.
 //!
-//! `cargo bench -p iva-benches --bench accuracy`. The truth is that of `tests/reference`, to 30 digits, of
-//! the decimals given there; the run is fed with the nearest doubles.
+//! `cargo bench -p iva-benches --bench accuracy`. The exact times are those of `tests/reference`, to 30
+//! digits, for the decimals given there; the run has the nearest doubles as input.
 
 use iva_core::piva::{Piva, PivaStart};
 use iva_core::run::run;
@@ -12,7 +12,7 @@ use iva_tests::dd::Dd;
 use iva_tests::reference::{Expected, forced_scenes, piva_scenes, scenes};
 use iva_tests::{timeline::marks, units};
 
-/// Approach speed at or below which the references leave impacts out.
+/// Approach speed at or below which impacts are missing in the references.
 const FLOOR: f64 = 1e-9;
 
 /// Errors of the events of one scene, and of their exact times rounded to doubles.

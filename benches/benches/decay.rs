@@ -13,7 +13,7 @@ use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
 use iva_core::system::Start;
 
-/// μ, e, γ, ζ of the scenes: few strong impacts, long chatter, a hard and lively one.
+/// μ, e, γ, ζ of the scenes: few strong impacts; a long chatter; many impacts with little loss.
 const SCENES: [(&str, [f64; 4]); 3] = [
     ("wide gap", [0.15, 0.5, 0.6, 0.01]),
     ("chatter", [0.15, 0.5, 0.1, 0.01]),

@@ -1,4 +1,4 @@
-//! One run of a driven free mass, 60 cycles: time per run, with and without what is measured.
+//! One run of a driven free mass, 60 cycles: time per run, with and without measures.
 //!
 //! `cargo bench -p iva-benches --bench driven`.
 

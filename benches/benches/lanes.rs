@@ -1,7 +1,7 @@
 //! Free decays and driven runs of many absorbers: one by one, and side by side.
 //!
-//! `cargo bench -p iva-benches --bench lanes`. Criterion reports elements (points) per second, summary
-//! with all measures included.
+//! `cargo bench -p iva-benches --bench lanes`. Criterion reports elements (points) per second, including a
+//! summary with all measures.
 
 use std::hint::black_box;
 
@@ -37,7 +37,7 @@ fn lanes(criterion: &mut Criterion) {
     }
 }
 
-/// Driven runs one by one, side by side with all measures, and side by side with counts of impacts.
+/// Driven runs one by one, side by side with all measures, and side by side with counts of impacts only.
 fn driven<S: SideBySide + Clone>(criterion: &mut Criterion, name: &str, jobs: &[Job<S>]) {
     let mut group = criterion.benchmark_group(name);
     group.throughput(Throughput::Elements(jobs.len() as u64));
@@ -80,7 +80,7 @@ fn compare<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S
     group.finish();
 }
 
-/// Runs that go side by side even where they are few.
+/// Runs that go side by side even if they are few.
 fn side_by_side<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[Job<S>]) {
     let mut group = criterion.benchmark_group(name);
     group.throughput(Throughput::Elements(scenes.len() as u64));

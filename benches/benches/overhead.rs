@@ -1,9 +1,8 @@
-//! What a sweep costs beside its points: the time of a summary sweep on one thread over that of the same
-//! runs in the core.
+//! The overhead of a sweep: the time of a summary sweep on one thread over that of the same runs in the core.
 //!
-//! `cargo bench -p iva-benches --bench overhead [-- POINTS]`, 100 000 points without a number. Grid, checks,
-//! measures and Arrow tables are all in the first, only runs and measures in the second. Both in turns;
-//! the ratio is the median of the rounds.
+//! `cargo bench -p iva-benches --bench overhead [-- POINTS]`, 100 000 points by default. The sweep includes
+//! grid, checks, measures and Arrow tables, the core runs and measures only. They are timed in turn; the
+//! ratio is the median over the rounds.
 
 use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
@@ -22,7 +21,7 @@ use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, SweepError, Workers, sweep};
 
 const ROUNDS: usize = 7;
-/// Points that a worker of a sweep takes at once.
+/// Number of points that a worker of a sweep takes at once.
 const CHUNK: usize = 256;
 
 /// 30 periods over mass ratio, clearance and restitution, `side`³ points.
@@ -72,7 +71,7 @@ fn main() -> Result<(), SweepError> {
     let control = Control { workers: &workers, chunk: None, cancel: &never, progress: &|_| {} };
     let mut ratios = Vec::new();
     for _ in 0..ROUNDS {
-        // Made anew: what a first run makes and keeps belongs to the runs.
+        // Made anew in each round: tables that the first run computes and keeps count as part of the runs.
         let scenes = scenes(&study)?;
         let begin = Instant::now();
         for chunk in scenes.chunks(CHUNK) {

@@ -15,7 +15,7 @@ use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
 use iva_core::system::{Start, System};
 
-/// A flight from a state to its end; the same searched for a contact that it makes; the impact there.
+/// Times a flight from a state to its end, the search of that flight for a contact, and the impact there.
 fn of_a_run<S: System<Real = f64>>(
     criterion: &mut Criterion,
     name: &str,
@@ -44,7 +44,7 @@ fn of_a_run<S: System<Real = f64>>(
     group.finish();
 }
 
-/// A whole chatter: the first impact on a pressing wall, and all that follow until it sticks.
+/// Times a whole chatter: the first impact on a pressing wall, and all that follow until it sticks.
 fn chatter<S: System<Real = f64>>(
     criterion: &mut Criterion,
     name: &str,
@@ -61,7 +61,7 @@ fn chatter<S: System<Real = f64>>(
 }
 
 fn parts(criterion: &mut Criterion) {
-    // Close to the wall, and towards it.
+    // Close to the wall and moving towards it.
     let near = Start { gap_displacement: 0.55, gap_velocity: 0.4, ..START };
     let pendulum = |e, clearance| {
         let pendulum = Parameters::point_bob(0.12, e, clearance, 0.01, 10.0);

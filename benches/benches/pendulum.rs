@@ -14,7 +14,7 @@ use iva_core::piva::{Angles, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, simulate};
 use iva_core::system::Start;
 
-/// Name, tolerance, angles.
+/// Name, tolerance and angles of each bench.
 const WAYS: [(&str, f64, Angles); 5] = [
     ("full accuracy", 0.0, Angles::Large),
     ("tolerance 1e-12", 1e-12, Angles::Large),

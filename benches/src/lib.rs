@@ -1,4 +1,4 @@
-//! Criterion benches live in `benches/*.rs` beside this file; `bin/counted.rs` runs the scenes whose
+//! Scenes of the benches. Criterion benches are in `benches/*.rs`; `bin/counted.rs` runs the scenes whose
 //! instructions are counted.
 
 use std::f64::consts::TAU;
@@ -14,7 +14,7 @@ use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyWanted, Window};
 use iva_core::system::{Start, System, Wall};
 
-/// The start of all scenes here: displaced by 1, at rest.
+/// The start of all scenes: displaced by 1, at rest.
 pub const START: Start =
     Start { displacement: 1.0, velocity: 0.0, gap_displacement: 0.0, gap_velocity: 0.0 };
 
@@ -46,12 +46,12 @@ pub fn decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva>>, Invalid> {
     Ok(scenes)
 }
 
-/// The same runs in the fast tier.
+/// These jobs in the fast tier.
 pub fn fast<S: SideBySide>(jobs: Vec<Job<S>>) -> Vec<Job<S>> {
     jobs.into_iter().map(|job| Job { tier: Tier::Fast, ..job }).collect()
 }
 
-/// The decays of [`decays`] with pendulums, r 0.4 and L 10, of a tolerance.
+/// The decays of [`decays`] with pendulums of r = 0.4 and L = 10, at a tolerance.
 ///
 /// # Errors
 /// [`Invalid`] for a clearance of 0 or less.
@@ -69,8 +69,8 @@ pub fn swinging_decays(
     decays(masses, narrowest)?.into_iter().map(pendulum).collect()
 }
 
-/// The decays of [`decays`] upright, with a tenth of the largest gravity at which the absorber would fly at all; it starts on its
-/// lower stop.
+/// The decays of [`decays`] with a vertical line of motion, with a tenth of the largest gravity at which the
+/// absorber would leave its lower stop; it starts on that stop.
 ///
 /// # Errors
 /// [`Invalid`] for a clearance of 0 or less.
@@ -84,10 +84,10 @@ pub fn upright_decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva<Driven
     Ok(decays(masses, narrowest)?.into_iter().map(upright).collect())
 }
 
-/// A free mass under a harmonic force for 60 cycles, and what its steady state is measured by.
+/// A free mass under a harmonic force for 60 cycles, with the window of its steady state.
 ///
 /// # Errors
-/// [`Invalid`] for numbers out of range: these are not.
+/// [`Invalid`] for numbers out of range, which these are not.
 pub fn driven() -> Result<(Siva<DrivenHost>, Limits, Window), Invalid> {
     let force = Harmonic { amplitude: 0.1, frequency: 0.95, phase: 0.0, acts: Acts::Primary };
     let siva = Siva::new(0.1, 0.7, 1.0, 0.02)?.under(Force::harmonic(vec![force])?);
@@ -95,16 +95,17 @@ pub fn driven() -> Result<(Siva<DrivenHost>, Limits, Window), Invalid> {
     Ok((siva, limits, Window { from: 0.0, cycle: Some(force) }))
 }
 
-/// All that a summary tells of a driven run.
+/// All measures of a summary of a driven run.
 pub fn driven_measures(window: Window) -> (Measures<Siva<DrivenHost>>, Steady) {
     let wanted = SteadyWanted { strobes: false, ..SteadyWanted::ALL };
     (Measures::new(Wanted::ALL), Steady::new(window, wanted))
 }
 
-/// Forty driven free masses of one damping ratio, under forces of many frequencies on the structure or its base.
+/// Forty driven free masses with one damping ratio, under forces of many frequencies on the structure or its
+/// base.
 ///
 /// # Errors
-/// [`Invalid`] for numbers out of range: these are not.
+/// [`Invalid`] for numbers out of range, which these are not.
 pub fn driven_jobs(acts: Acts) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
     let wanted = SteadyWanted { strobes: false, ..SteadyWanted::ALL };
     let job = |i: u32| {
@@ -125,10 +126,10 @@ pub fn driven_jobs(acts: Acts) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
     (0..40).map(job).collect()
 }
 
-/// The runs of [`driven_jobs`] with pendulums, r 0.3 and L 10, of a tolerance.
+/// The runs of [`driven_jobs`] with pendulums of r = 0.3 and L = 10, at a tolerance.
 ///
 /// # Errors
-/// [`Invalid`] for numbers out of range: these are not.
+/// [`Invalid`] for numbers out of range, which these are not.
 pub fn driven_pendulums(acts: Acts, tolerance: f64) -> Result<Vec<Job<Piva>>, Invalid> {
     let pendulum = |Job { system, limits, steady, tier, .. }: Job<Siva<DrivenHost>>| {
         let force = system.force().cloned().unwrap_or_default();

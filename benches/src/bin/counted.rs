@@ -1,6 +1,6 @@
-//! Runs one of the fixed scenes of `.ci/instructions.py`, which counts the instructions it takes.
+//! Runs one of the fixed scenes of `.ci/instructions.py`, which counts the instructions of the run.
 //!
-//! `counted NAME`; without a name it lists them.
+//! `counted NAME`; without a name it lists the scenes.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -21,7 +21,7 @@ use iva_core::system::System;
 
 type Run = fn() -> Result<(), Invalid>;
 
-/// Each a name and what it runs; `nothing` is what a program costs that runs nothing.
+/// Name and code of each scene; `nothing` gives the instructions of a program that runs nothing.
 const SCENES: [(&str, Run); 17] = [
     ("nothing", || Ok(())),
     ("siva", || decay(&Siva::new(0.15, 0.5, 0.6, 0.01)?, &START)),
@@ -51,10 +51,10 @@ const SCENES: [(&str, Run); 17] = [
     }),
 ];
 
-/// No measures.
+/// Counts of impacts only, without measures.
 const IMPACTS: Wanted = Wanted { peaks: false, settling: false, residual: false, ledger: false };
 
-/// Runs side by side.
+/// Runs jobs side by side.
 fn count<S: SideBySide>(jobs: &[Job<S>], wanted: Wanted) -> Result<(), Invalid> {
     lanes::run(jobs, wanted, None, &mut |_, ended| {
         black_box(ended);
