@@ -8,15 +8,15 @@
 //! T = 2u/(A(1−e)) + (4/3) J u²/(A³(1−e)²) − 2βe u²/(A²(1−e)²(1+e)).
 //! ```
 //!
-//! (By perturbation: a rebound lasts 2u/A + (4/3) J u²/A³ and returns with u (1 − ⅔ J u/A²) to a pressure A −
-//! 2 J u/A, which the impact then raises by β u; the sums over all rebounds are geometric.) The sum replaces
-//! the simulation once the third-order terms, estimated from A, J, β and the size R of D⁗, are below rounding
-//! ([`Real::NEGLIGIBLE`]). That is an estimate, not an enclosure. Where the absorber then sticks, the common
-//! velocity follows from momentum, and the stick episode starts at the instant of the switch: rebounds are
-//! internal forces, so the centre of mass obeys the equation of the stuck pair through the whole tail up to
-//! terms of third order, and the motion after it has the same accuracy. Rebounds of the impact law as the
-//! paper prints it change the momentum as well; `piva/impact_law.rs` gives the effect on the stick episode to
-//! second order.
+//! (By perturbation: a rebound lasts 2u/A + (4/3) J u²/A³ and returns with u (1 − ⅔ J u/A²) to a pressure
+//! A − 2 J u/A, which the impact then raises by β u; the sums over all rebounds are geometric.) The sum
+//! replaces the simulation once the third-order terms, estimated from A, J, β and the size R of D⁗, are below
+//! rounding ([`Real::NEGLIGIBLE`]). That is an estimate, not an enclosure. Where the absorber then sticks,
+//! the common velocity follows from momentum, and the stick episode starts at the instant of the switch:
+//! rebounds are internal forces, so the centre of mass obeys the equation of the stuck pair through the whole
+//! tail up to terms of third order, and the motion after it has the same accuracy. Rebounds of the impact law
+//! as the paper prints it change the momentum as well; `piva/impact_law.rs` gives the effect on the stick
+//! episode to second order.
 
 use crate::real::Real;
 

@@ -286,8 +286,8 @@ impl<R: Real> Force<R> {
         drive
     }
 
-    /// Bounds F̂ for f/M and for a_g with |F_k| ≤ F̂ qᵏ/(k+1) for the coefficients F_k of (t/h)ᵏ with k ≥ N ≥
-    /// 2; ∞ if q is too small. A piece of a record is linear and has no such coefficients.
+    /// Bounds F̂ for f/M and for a_g with |F_k| ≤ F̂ qᵏ/(k+1) for the coefficients F_k of (t/h)ᵏ with
+    /// k ≥ N ≥ 2; ∞ if q is too small. A piece of a record is linear and has no such coefficients.
     #[inline(always)]
     pub fn tail<const N: usize>(&self, h: R, ratio: R) -> [R; 2] {
         let mut tail = [R::ZERO; 2];

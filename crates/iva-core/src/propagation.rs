@@ -231,8 +231,8 @@ impl Errors {
         self.tail = self.of_tail(system, after, time);
     }
 
-    /// The error of all further rebounds of a chatter from this impact on: their times add up to T = 2u/(A(1
-    /// − e)).
+    /// The error of all further rebounds of a chatter from this impact on: their times add up to
+    /// T = 2u/(A(1 − e)).
     fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State, time: f64) -> f64 {
         let leave = system.distance(after);
         let left = 1.0 - system.rebound_ratio(system.wall(after));

@@ -1,10 +1,10 @@
 //! The single-mass impact absorber: a free mass between two walls (paper, Eqs. 1, 2, 7, 9–14).
 //!
 //! In flight no force acts on the mass, except gravity where the line of motion is inclined; gravity counts
-//! as an acceleration of the base ([`crate::host`]). So ẍ₁ = −a_g relative to the base, and the gap y = x₁ −
-//! x obeys ÿ = −A with A = ẍ + a_g the absolute acceleration of the structure. With s the sign of the wall
-//! last touched and D = d − s y the distance to it, D̈ = s A: neither y nor d enters a rebound, which starts
-//! from D = 0.
+//! as an acceleration of the base ([`crate::host`]). So ẍ₁ = −a_g relative to the base, and the gap
+//! y = x₁ − x obeys ÿ = −A with A = ẍ + a_g the absolute acceleration of the structure. With s the sign of
+//! the wall last touched and D = d − s y the distance to it, D̈ = s A: neither y nor d enters a rebound,
+//! which starts from D = 0.
 
 use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};

@@ -4,10 +4,10 @@
 //! flight proves that it is simple or gives up; then the stretch is searched by [`crate::contact`]. The code
 //! has no branches, so that many flights can go side by side ([`crate::lanes`]).
 //!
-//! **Proof.** Distance, rate and curvature at both ends of a stretch of length L define a quintic H. With M =
-//! L⁶ max |D⁽⁶⁾|, [`crate::quintic`] bounds the error D − H. In a flight that starts on the wall the bounds
-//! apply to H/t, with the coefficients 5b₁, 5b₂/2, 5b₃/3, 5b₄/4, b₅: |D − H|/t ≤ M t² (L−t)³/(720 L⁶) ≤
-//! M/20833 L, and L² |(D/t)′ − (H/t)′| ≤ ½ M/1920, as t e′ − e = ∫ t e″ dt for the error e.
+//! **Proof.** Distance, rate and curvature at both ends of a stretch of length L define a quintic H. With
+//! M = L⁶ max |D⁽⁶⁾|, [`crate::quintic`] bounds the error D − H. In a flight that starts on the wall the
+//! bounds apply to H/t, with the coefficients 5b₁, 5b₂/2, 5b₃/3, 5b₄/4, b₅: |D − H|/t ≤ M t² (L−t)³/(720
+//! L⁶) ≤ M/20833 L, and L² |(D/t)′ − (H/t)′| ≤ ½ M/1920, as t e′ − e = ∫ t e″ dt for the error e.
 //!
 //! **Root.** Where H − level changes sign and its slope keeps its own, D has one root. The motion is
 //! evaluated at the root of H, and the Taylor series about that instant gives the contact.

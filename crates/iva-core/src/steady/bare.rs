@@ -11,8 +11,8 @@ use crate::simulate::{Limits, simulate_from};
 use crate::system::Point;
 
 impl<R: Real> Harmonic<R> {
-    /// Amplitude of the steady state of an oscillator of damping ratio ζ under this force: F/√((1 − Ω²)² +
-    /// (2ζΩ)²); infinite at resonance without damping.
+    /// Amplitude of the steady state of an oscillator of damping ratio ζ under this force:
+    /// F/√((1 − Ω²)² + (2ζΩ)²); infinite at resonance without damping.
     pub fn response(&self, damping_ratio: R) -> R {
         let Self { amplitude, frequency, .. } = *self;
         let detuning = (R::ONE - frequency) * (R::ONE + frequency);

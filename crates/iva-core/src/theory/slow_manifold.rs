@@ -29,8 +29,8 @@ pub struct SlowManifold {
     /// ξ_min d, the amplitude |x| below which the absorber is not active, length.
     pub activation_amplitude: f64,
     /// θ of the stable motions: from the fold at ξ_min, 1/(1+ρ²), to period doubling at π²/(π²−4) or, for e
-    /// below about 0.09, to where the absorber touches the wall that it has just left (1 for e = 0). With e =
-    /// 1 small disturbances neither decay nor grow.
+    /// below about 0.09, to where the absorber touches the wall that it has just left (1 for e = 0). With
+    /// e = 1 small disturbances neither decay nor grow.
     pub stable_theta: [f64; 2],
     /// ξ at both ends of the range `stable_theta`.
     pub stable_amplitude: [f64; 2],

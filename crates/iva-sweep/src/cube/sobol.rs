@@ -18,8 +18,8 @@ const DIGITS_A_BLOCK: usize = 8;
 /// which needs none.
 pub const MOST_AXES: usize = 1 + POLYNOMIALS.len();
 
-/// For each axis from the second: the inner coefficients a₁ … aₛ₋₁ of the polynomial xˢ + a₁xˢ⁻¹ + … + aₛ₋₁x
-/// + 1, read as a binary number, and the first direction numbers m₁ … mₛ.
+/// For each axis from the second: the inner coefficients a₁ … aₛ₋₁ of the polynomial
+/// xˢ + a₁xˢ⁻¹ + … + aₛ₋₁x + 1, read as a binary number, and the first direction numbers m₁ … mₛ.
 #[rustfmt::skip]
 const POLYNOMIALS: [(u32, &[u32]); 36] = [
     (0, &[1]), (1, &[1, 3]), (1, &[1, 3, 1]), (2, &[1, 1, 1]), (1, &[1, 1, 3, 3]),

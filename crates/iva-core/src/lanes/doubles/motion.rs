@@ -1,7 +1,7 @@
 //! A free mass on its structure in plain doubles: its state, and the motion from it.
 //!
-//! Let f = F cos(Ω t + φ) be the force on the structure, or −a_g of its base, f̂ = F sin(Ω t + φ), a = f − x
-//! − 2ζv, and P, Q, C, B the responses of [`super::responses`]. Then
+//! Let f = F cos(Ω t + φ) be the force on the structure, or −a_g of its base, f̂ = F sin(Ω t + φ),
+//! a = f − x − 2ζv, and P, Q, C, B the responses of [`super::responses`]. Then
 //!
 //! ```text
 //! x(h) = x + v h + a P + v Q + Ω²f C − Ωf̂ B,
@@ -10,8 +10,8 @@
 //! f̂(h) = f̂ (1 − Ω²κ) + f Ωσ,    σ = sin Ωh/Ω = h + Q + (1 − Ω²) B + 2ζΩ²C.
 //! ```
 //!
-//! The distance to the wall gains ∬A, where A = ẍ on a base at rest and A = ẍ + a_g on a moving base, with ∬f
-//! = f κ − f̂ (Ωh − sin Ωh)/Ω².
+//! The distance to the wall gains ∬A, where A = ẍ on a base at rest and A = ẍ + a_g on a moving base, with
+//! ∬f = f κ − f̂ (Ωh − sin Ωh)/Ω².
 
 use super::responses::Tables;
 use crate::lanes::arrays::arrays;
@@ -157,8 +157,8 @@ impl State {
         let (less, turn) = (rapid * kappa, frequency * sigma);
         let force = f - f.mul_add(less, q * turn);
         let quadrature = q + f.mul_add(turn, -(q * less));
-        // Rounding errors must not let the force grow or fade: one Newton step back to the circle f² + f̂² =
-        // F².
+        // Rounding errors must not let the force grow or fade: one Newton step back to the circle
+        // f² + f̂² = F².
         let circle = force.mul_add(force, quadrature * quadrature);
         let circle = (0.5 * over_square).mul_add(-circle, 1.5);
         let (mut absolute, mut gained) = (apart, faster);

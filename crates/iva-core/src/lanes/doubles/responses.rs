@@ -1,8 +1,8 @@
 //! The four responses of the oscillator from rest that every flight is a sum of, as short polynomials.
 //!
-//! P is the response to a constant force of 1 and Q = −∫P ([`crate::oscillator`]); C and B are those to
-//! (cos Ωs − 1)/Ω² and to sin Ωs/Ω, which stay finite for slow forces. With S = h − 2ζP + Q every flight is a
-//! sum of these four:
+//! P is the response to a constant force of 1 and Q = −∫P ([`crate::oscillator`]); C and B are those to (cos
+//! Ωs − 1)/Ω² and to sin Ωs/Ω, which stay finite for slow forces. With S = h − 2ζP + Q every flight is a sum
+//! of these four:
 //!
 //! ```text
 //! Ṗ = S,    Ċ = −B,    Ḃ = P + Ω²C.
