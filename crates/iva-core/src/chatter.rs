@@ -34,7 +34,7 @@ pub struct Rebound<R = f64> {
     pub jerk: R,
     /// β: rise of A at an impact of unit approach speed.
     pub gain: R,
-    /// R: bound on |D⁗|, and at least the size of the motion.
+    /// R: bound on |D⁗|, of the size of the motion.
     pub fourth: R,
     /// e: ratio of successive rebound speeds, < 1 for a tail.
     pub ratio: R,

@@ -71,7 +71,7 @@ pub struct Rows<R = f64> {
 /// The polynomials of structure, gap and absorber in one motion.
 #[derive(Debug, Clone, Copy)]
 pub struct Travel<R = f64> {
-    /// Those of the structure, with the unit of time and the order of all.
+    /// The polynomials of the structure; their `step` and `order` hold for the others as well.
     pub rows: Rows<R>,
     /// Gap displacement.
     pub gap: Row<R>,
@@ -80,8 +80,8 @@ pub struct Travel<R = f64> {
 }
 
 impl<R: Real> Travel<R> {
-    /// From the series of structure and gap; `lever` is the displacement of the centre of mass per gap
-    /// displacement.
+    /// The polynomials from those of structure and gap; `lever` is the displacement of the centre of mass per
+    /// gap displacement.
     pub fn new(rows: Rows<R>, gap: Row<R>, lever: R) -> Self {
         let absorber = std::array::from_fn(|k| rows.x[k] + lever * gap[k]);
         Self { rows, gap, absorber }
@@ -137,8 +137,8 @@ pub struct Arc<R = f64> {
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl<R: Real> Arc<R> {
-    /// From value and first two derivatives at both ends of an interval of this length, and a bound on the
-    /// sixth derivative.
+    /// The arc of a function from its value and first two derivatives at both ends of an interval of this
+    /// length, and a bound on its sixth derivative.
     #[inline(always)]
     pub fn new(begin: [R; 3], end: [R; 3], sixth: R, length: R) -> Self {
         let half_square = (length * length) * 0.5;
@@ -206,8 +206,7 @@ pub struct Extreme<R = f64> {
 }
 
 impl<R: Real> Extreme<R> {
-    /// Of the function of an arc that is monotonic, or that has a single extremum, if `once`, with the value
-    /// `turned`.
+    /// The extreme of an arc. If `once`, the arc is known to have a single extremum, with the value `turned`.
     #[inline(always)]
     pub fn new(arc: &Arc<R>, once: bool, turned: R) -> Self {
         let ends = R::larger(arc.begin[0].abs(), arc.end[0].abs());

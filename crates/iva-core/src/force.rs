@@ -73,11 +73,11 @@ pub struct Drive<T, const LENGTH: usize = { ORDER + 1 }> {
 pub struct Push<R = f64> {
     /// The value of f/M or a_g.
     pub value: DoubleDouble<R>,
-    /// Its first derivative.
+    /// The first derivative in time.
     pub rate: DoubleDouble<R>,
-    /// Its second derivative.
+    /// The second derivative in time.
     pub second: DoubleDouble<R>,
-    /// Its third derivative.
+    /// The third derivative in time.
     pub third: R,
 }
 

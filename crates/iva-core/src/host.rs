@@ -7,8 +7,8 @@
 //! m A + 2ζ ẋ + x = f/M,    A = ẍ + a_g,    m = 1 in flight, m = 1 + μ with the absorber stuck to it.
 //! ```
 //!
-//! Where the line of motion is inclined, A includes gravity along it, and the force of the spring that lifts
-//! the masses (`host/driven/weight.rs`).
+//! Where the line of motion is inclined, A includes gravity along it, and a constant lift of the spring is
+//! added to f/M (`host/driven/weight.rs`).
 //!
 //! A [`Structure`] is that equation for one mass m: [`Oscillator`](crate::oscillator::Oscillator) without
 //! drive, in closed form (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A
@@ -170,7 +170,7 @@ pub trait Structure: std::fmt::Debug {
 pub struct Integrated<'a, S: Structure + ?Sized> {
     /// The state at its begin.
     pub from: &'a HostState<S::Phase, S::Real>,
-    /// Its course.
+    /// The course of the motion.
     pub course: &'a S::Course,
     /// Mass ratio μ of the absorber.
     pub mass_ratio: S::Real,

@@ -16,8 +16,8 @@
 //! constants at every rebound. Such correlated errors are columns that add up, and join the covariance when
 //! the other wall is met.
 //!
-//! The error of an impact time is the error of the distance over the approach speed. If that is not small, it
-//! is the largest change of the instant that the curvature allows. Once the error reaches 1/ωn the run has
+//! The error of an impact time is the error of the distance over the approach speed. Close to a grazing it is
+//! the largest change of the instant that the curvature allows. Once the error reaches 1/ωn the run has
 //! forgotten its start, and nothing is estimated from there on.
 
 use nalgebra::{Matrix4, Vector4};

@@ -61,7 +61,7 @@ impl Wall {
 pub struct Start<R = f64> {
     /// Displacement x of the primary system.
     pub displacement: R,
-    /// Its velocity ẋ.
+    /// Velocity ẋ of the primary system.
     pub velocity: R,
     /// Gap displacement y.
     pub gap_displacement: R,

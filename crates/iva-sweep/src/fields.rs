@@ -108,7 +108,7 @@ pub enum Allowed {
     MassRatio,
     /// A damping ratio, at least 0.
     DampingRatio,
-    /// From 0 to 1, both included.
+    /// A number from 0 to 1, both included.
     UnitInterval,
     /// An integer from 1 to 2⁵³.
     PositiveInteger,

@@ -16,7 +16,7 @@ use crate::real::Real;
 pub struct History {
     times: Vec<f64>,
     values: Vec<f64>,
-    /// Of the times and of the values: smallest size other than 0, and largest size.
+    /// Smallest size other than 0 and largest size, of the times and of the values.
     sizes: [[f64; 2]; 2],
     /// Largest size of a slope.
     steepest: f64,

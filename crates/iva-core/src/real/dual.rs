@@ -12,7 +12,7 @@ use crate::compensated::DoubleDouble;
 pub struct Dual<const N: usize = 1> {
     /// The value.
     pub value: f64,
-    /// Its derivatives.
+    /// The derivatives, one for each variable.
     pub slopes: [f64; N],
 }
 

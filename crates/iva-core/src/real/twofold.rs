@@ -21,7 +21,7 @@ pub struct Twofold {
 impl Twofold {
     const LN_2: Self = Self::new(std::f64::consts::LN_2, 2.319_046_813_846_299_6e-17);
 
-    /// From a high part and a low part of at most half a unit in the last place of the high part.
+    /// The sum of a high part and a low part of at most half a unit in the last place of the high part.
     pub const fn new(high: f64, low: f64) -> Self {
         Self { high, low }
     }

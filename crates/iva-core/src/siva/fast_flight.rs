@@ -72,7 +72,7 @@ impl<R: Real> Quintic<R> {
         Self::of([ends(from), ends(to)], sixth, clearance)
     }
 
-    /// From distance, L × rate and ½ L² × curvature at both ends, M and the clearance.
+    /// The quintic from distance, L × rate and ½ L² × curvature at both ends, M and the clearance.
     #[inline(always)]
     pub fn of([begin, end]: [[R; 3]; 2], sixth: R, clearance: R) -> Self {
         Self { begin, end, sixth, far: clearance * 2.0 }

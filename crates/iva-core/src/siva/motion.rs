@@ -158,7 +158,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         )
     }
 
-    /// From ÿ = −A and ẍ₁ = −a_g. The series of A leaves gravity out, so it is added to both.
+    /// The series follow from ÿ = −A and ẍ₁ = −a_g. The series of A leaves gravity out, so it is added to both.
     fn travel(&self) -> Option<Travel<R>> {
         let rows = self.structure().series(&self.from.host, &self.course);
         let Rows { step, x, acceleration, base, .. } = &rows;

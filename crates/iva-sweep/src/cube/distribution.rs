@@ -42,7 +42,7 @@ pub enum Distribution {
 pub struct Unfit {
     /// The name of the parameter, as in [`Distribution`].
     pub field: &'static str,
-    /// Its value.
+    /// The value of that parameter.
     pub value: f64,
     /// The range that is allowed.
     pub allowed: &'static str,

@@ -34,7 +34,7 @@ const LOW: f64 = 0.01;
 const MARGIN: f64 = 1e-4;
 /// Change of each number of the start, by which conditions are measured.
 const MOVED: f64 = 1e-8;
-/// Rounding error of the simple program, to be multiplied by the condition: some thousand steps of a unit each.
+/// Rounding error of the simple program per unit of condition: some thousand steps of a unit each.
 const ROUNDING: f64 = 2e-13;
 /// Change by halving the step above which the simple program counts as unreliable.
 const TOO_FAR: f64 = 1e-6;

@@ -28,13 +28,13 @@ pub struct Weight<R = f64> {
 }
 
 impl<R: Real> Weight<R> {
-    /// For a structure whose absorber of mass ratio μ is in flight; `None` for G = 0.
+    /// The weight on a structure whose absorber of mass ratio μ is in flight; `None` for G = 0.
     pub(super) fn new(gravity: R, mass_ratio: R) -> Option<Self> {
         let lift = DoubleDouble::new(gravity).times(mass_ratio);
         (gravity != 0.0).then_some(Self { gravity, lift })
     }
 
-    /// For a structure with the absorber stuck to it.
+    /// The weight on a structure with the absorber stuck to it.
     pub(super) fn loaded(self) -> Self {
         Self { lift: DoubleDouble::ZERO, ..self }
     }

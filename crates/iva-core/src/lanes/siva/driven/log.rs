@@ -40,7 +40,7 @@ arrays! {
 }
 
 impl End {
-    /// Those at a state of the structure; derivatives only if extremes are wanted.
+    /// The end of a flight at a state of the structure, with derivatives only if extremes are wanted.
     #[inline(always)]
     pub fn new(
         free: &Driven<impl Source<Real = f64>>,
