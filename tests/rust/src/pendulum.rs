@@ -142,7 +142,7 @@ pub fn extremum(p: &Parameters, start: Swing) -> Option<(Dd, Dd, f64)> {
             return Some((time + h, y, curvature.abs().hi));
         }
         if from[1].hi * to[1].hi <= 0.0 && time.hi > 0.0 {
-            return None; // a degenerate one
+            return None; // a degenerate extremum
         }
         state = segment.at(STEP.into());
         time = time + STEP;

@@ -178,7 +178,7 @@ fn restart(scene: &Scene, watch: &Watch, report: &mut Report) -> Result<(), Stri
     let w = impact.gap_velocity_before.abs();
     let pull = (speed + p.frequency_ratio.powi(2) * p.clearance) * (1.0 + p.damping_ratio);
     if w * w < 1e4 * pull * moved || w < 1e-6 * speed {
-        return Ok(()); // grazing: the impact itself is at stake
+        return Ok(()); // a grazing: the impact may not exist
     }
     let allowed = moved / w + 8.0 * U * impact.time;
     match watch.first.first() {

@@ -66,7 +66,7 @@ impl<R: Real> Piva<R> {
                 (b * sine, DoubleDouble::new(cosine))
             }
         };
-        #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
+        #[allow(clippy::redundant_guards)] // a generic number is not allowed in a pattern
         let w = match start.rate {
             Given::Gap(w) if w == 0.0 => R::ZERO,
             Given::Gap(w) => w / cosine.value,
@@ -152,7 +152,7 @@ impl<R: Real> Piva<R> {
             _ => DoubleDouble::new(clearance).plus(y * -wall.sign()),
         };
         let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * clearance;
-        #[allow(clippy::redundant_guards)] // not every kind of number can stand in a pattern
+        #[allow(clippy::redundant_guards)] // a generic number is not allowed in a pattern
         let w = match start.rate {
             Given::Gap(rate) if w != 0.0 => DoubleDouble::new(rate).over_sum(cosine),
             _ => DoubleDouble::new(w),

@@ -247,7 +247,7 @@ struct Orbit {
     multipliers: [[f64; 2]; 4],
 }
 
-#[allow(clippy::excessive_precision)] // as they are printed
+#[allow(clippy::excessive_precision)] // the digits as printed
 const ORBITS: [Orbit; 2] = [
     Orbit {
         clearance: 4.5,

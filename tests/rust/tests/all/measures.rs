@@ -241,7 +241,7 @@ fn check(case: &Case, made: &mut Made) {
     let peaks = trace.peaks();
     let still = trace.size == 0.0 || peaks[0].x == 0.0;
     if still {
-        return; // ratios to nothing: `limits.rs` says what comes then
+        return; // ratios to zero, which `limits.rs` tests
     }
 
     assert_eq!(run.peaks.len(), peaks.len(), "peaks");
