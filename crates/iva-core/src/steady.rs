@@ -112,11 +112,13 @@ pub struct Steady<R = f64> {
     duration: R,
     values: SteadyValues<R>,
     strobes: VecDeque<Strobe<R>>,
-    /// Index and instant of the next strobe to keep.
+    /// Index of the next strobe to keep.
     next: u64,
+    /// Instant of the next strobe to keep.
     instant: Option<DoubleDouble<R>>,
-    /// Largest |x| of the current cycle, if strobes are wanted, and of the window.
+    /// Largest |x| of the current cycle, if strobes are wanted.
     current: R,
+    /// Largest |x| of the window.
     largest: R,
     acceleration: R,
     base: R,

@@ -11,8 +11,9 @@ const SIXTH: [f64; 2] = [1.0 / 6.0, 9.251_858_538_542_97e-18];
 /// within a quarter turn, the leading two terms in double-double.
 #[inline(always)]
 pub fn close_sine_cosine<R: Real>(angle: DoubleDouble<R>) -> (DoubleDouble<R>, DoubleDouble<R>) {
-    /// The coefficients 1/5!, −1/7!, … of the sine; those of the cosine are 1/4!, −1/6!, ….
+    /// The coefficients 1/5!, −1/7!, … of the sine.
     const SINE: [f64; 8] = factorials(5);
+    /// The coefficients 1/4!, −1/6!, … of the cosine.
     const COSINE: [f64; 9] = factorials(4);
     let quarter = (angle.value * std::f64::consts::FRAC_2_PI).round();
     let small = angle - R::QUARTER.times(quarter);

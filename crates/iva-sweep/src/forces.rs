@@ -8,6 +8,7 @@ use crate::fields::{FieldId, Part};
 
 /// Index of the first field of a force; these fields are contiguous in the table.
 const FIRST: usize = FieldId::Amplitude as usize;
+/// Number of fields of a force.
 const COUNT: usize = FieldId::RecordScale as usize - FIRST + 1;
 
 /// The quantity that the values of a record give.

@@ -24,6 +24,7 @@ const PART_ROWS: f64 = (1 << 20) as f64;
 const PART_SECONDS: f64 = 3.0;
 /// Assumed time of a point, in seconds, apart from its motion.
 const POINT_SECONDS: f64 = 4e-6;
+/// Assumed time of a row in the tables other than the summary, in seconds.
 const ROW_SECONDS: f64 = 0.4e-6;
 /// Number of points that are run to estimate the work of a point.
 const SAMPLES: u64 = 16;
@@ -167,7 +168,7 @@ fn row_bytes(study: &Study, table: Table) -> u64 {
     let swept = if table == Table::Summary { study.sampling.keys().count() } else { 0 };
     // Eight bytes per number and one bit for null; flags and small numbers take less.
     let columns = columns(table).len() as u64 + swept as u64;
-    // Polars keeps 16 bytes for each text of a row; the summary has two.
+    // Polars keeps 16 more bytes for each text of a row; two texts are assumed in the summary.
     let words = if table == Table::Summary { 32 } else { 0 };
     4 + columns * 8 + columns.div_ceil(8) + words
 }

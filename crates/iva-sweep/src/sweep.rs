@@ -223,7 +223,8 @@ fn finish(builders: Builders) -> Result<Tables, SweepError> {
 }
 
 /// Runs a study of one point, with its summary, on the calling thread if that takes no more than `work`
-/// stretches of motion. `None`: it takes more, or it is in the fast tier or under several forces.
+/// stretches of motion. `None`: it takes more, it is in the fast tier, or its force is not a single harmonic
+/// one.
 ///
 /// # Errors
 /// [`SweepError`] for an invalid point.

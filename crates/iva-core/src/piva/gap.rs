@@ -14,8 +14,9 @@ use crate::real::Real;
 pub(crate) struct Gap {
     /// True if it meets no wall.
     pub clear: bool,
-    /// True if it meets the near wall, or the far wall, exactly once.
+    /// True if it meets the near wall, and that once.
     pub near: bool,
+    /// True if it meets the far wall, and that once.
     pub far: bool,
 }
 

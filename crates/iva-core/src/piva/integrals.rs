@@ -13,9 +13,11 @@ use crate::taylor::{Pendulum, Row, unrolled};
 /// The power series that losses and work are integrals of.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Integrands<'a, R> {
-    /// Series of ẋ, y and W.
+    /// Series of ẋ.
     pub u: &'a Row<R>,
+    /// Series of the gap displacement y.
     pub y: &'a Row<R>,
+    /// Series of W.
     pub w: &'a Row<R>,
     /// Series of f/M and a_g; `None` in free motion.
     pub drive: Option<&'a Drive<R>>,

@@ -24,8 +24,9 @@ pub struct PivaRide<'a, R = f64> {
     piva: &'a Piva<R>,
     from: PivaState<R>,
     drive: Drive<R>,
-    /// Coefficients of x and ẋ, in powers of t over `step`.
+    /// Coefficients of x in powers of t over `step`.
     x: Row<R>,
+    /// Coefficients of ẋ.
     u: Row<R>,
     /// Coefficients of the absolute acceleration A.
     a: Row<R>,

@@ -16,6 +16,7 @@ const TERMS: u32 = 32;
 const NEGLIGIBLE: f64 = 0.125 * f64::EPSILON;
 /// Argument from which Mills' ratio is computed as a continued fraction.
 const FAR: f64 = 8.0;
+/// Number of levels of that continued fraction, enough for double precision.
 const LEVELS: u32 = 12;
 /// Largest number of iterations for a quantile; two or three are enough.
 const STEPS: u32 = 20;

@@ -34,8 +34,9 @@ pub(crate) struct Request {
     pub wanted: Wanted,
     pub steady: SteadyWanted,
     pub reduction: bool,
-    /// Whether the extremes of every run are wanted, and those of free decays.
+    /// True if the extremes of every run are wanted.
     pub extremes: bool,
+    /// True if the extremes of runs in free decay are wanted.
     pub extremes_of_decays: bool,
     pub columns: Vec<SummaryColumn>,
 }

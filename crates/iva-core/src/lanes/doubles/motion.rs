@@ -113,7 +113,7 @@ impl Structure {
         [relative, relative]
     }
 
-    /// The constants without the bounds that a force adds to.
+    /// The constants, without the contributions of a force to the bounds.
     pub fn new(equation: &Equation, frequency: f64, amplitude: f64, longest: f64) -> Self {
         let Equation { damping, growth, .. } = *equation;
         let over_square = if amplitude == 0.0 { 0.0 } else { 1.0 / (amplitude * amplitude) };

@@ -1,8 +1,8 @@
 //! The four responses of the oscillator from rest that every flight is a sum of, as short polynomials.
 //!
-//! P is the response to a constant force of 1 and Q = −∫P ([`crate::oscillator`]); C and B are those to (cos
-//! Ωs − 1)/Ω² and to sin Ωs/Ω, which stay finite for slow forces. With S = h − 2ζP + Q every flight is a sum
-//! of these four:
+//! P is the response to a constant force of 1 and Q = −∫P ([`crate::oscillator`]); C and B are those to
+//! (cos Ωs − 1)/Ω² and to sin Ωs/Ω, which stay finite for slow forces. With S = h − 2ζP + Q every flight is a
+//! sum of these four:
 //!
 //! ```text
 //! Ṗ = S,    Ċ = −B,    Ḃ = P + Ω²C.
@@ -81,8 +81,9 @@ const OVER: [f64; TAYLOR + 6] = {
 /// The polynomials for one oscillator and one frequency of the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Responses {
-    /// 2ζ of the oscillator, and Ω of the force.
+    /// 2ζ of the oscillator.
     pub damping: f64,
+    /// Ω of the force; 0 without force.
     pub frequency: f64,
     /// The longest flight that they hold for.
     pub longest: f64,

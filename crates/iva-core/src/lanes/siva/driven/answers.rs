@@ -119,11 +119,13 @@ macro_rules! dispatched {
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Block {
-    /// Series of f/M (0 where the base moves), and of x.
+    /// Series of f/M, 0 where the base moves.
     pub pushed: Series,
+    /// Series of x.
     pub place: Series,
-    /// Series of ∬A and ∬a_g, where the base moves.
+    /// Series of ∬A, where the base moves.
     pub pulled: Series,
+    /// Series of ∬a_g, where the base moves.
     pub carried: Series,
 }
 

@@ -14,8 +14,9 @@ use crate::system::{Point, System, Wall};
 /// Structure and absorber at one instant of a flight.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// The index of the flight in the log, and the time after its begin.
+    /// The index of the flight in the log.
     pub index: usize,
+    /// The time after the begin of the flight.
     pub h: f64,
     pub primary: Point,
     pub gap: GapPoint,
