@@ -1,4 +1,8 @@
-"""Check that imports run one way: python/iva → iva-py → iva-cli → iva-sweep → iva-core."""
+"""Check that imports run one way.
+
+python/iva → iva-py → iva-study → iva-store → iva-sweep → iva-core, and iva-cli beside iva-py on
+iva-study; of iva-cli iva-py has nothing but the command.
+"""
 
 import re
 import subprocess
@@ -7,13 +11,19 @@ from pathlib import Path
 
 # What must not be among the dependencies of a crate, at any depth.
 FORBIDDEN_CRATES = {
-    "iva-core": "iva-sweep iva-cli iva-py rayon arrow-array arrow-schema parquet pyo3 clap toml",
-    "iva-sweep": "iva-cli iva-py parquet pyo3 clap toml tempfile",
+    "iva-core": "iva-sweep iva-store iva-study iva-cli iva-py rayon arrow-array arrow-schema "
+    "parquet pyo3 clap toml",
+    "iva-sweep": "iva-store iva-study iva-cli iva-py parquet pyo3 clap toml tempfile",
+    "iva-store": "iva-study iva-cli iva-py pyo3 clap indicatif ctrlc anstream annotate-snippets "
+    "toml tempfile",
+    "iva-study": "iva-cli iva-py pyo3 clap indicatif ctrlc anstream annotate-snippets tempfile",
     "iva-cli": "iva-py pyo3",
 }
 
 # What must not stand in the code of a folder or file: physics knows no files, threads or clock;
-# the driver knows no absorber; libraries do not end the process; one crate names pyo3.
+# the driver knows no absorber; folders and studies print nothing and name no option of a front;
+# libraries do not end the process; one crate names pyo3.
+FRONT = r"\be?print(ln)?!|\bpyo3\b|--(out|overwrite|resume)\b|\b(overwrite|resume)=True"
 FORBIDDEN_WORDS = [
     ("crates/iva-core/src", r"\bstd::(fs|io|thread|time|env|process|net)\b|\bprintln!"),
     ("crates/iva-core/src/simulate.rs", r"\b([sp]iva|[SP]iva)\b"),
@@ -26,8 +36,10 @@ FORBIDDEN_WORDS = [
     ("crates/iva-sweep/src", r"\bstd::(fs|io|env|process|net)\b|\bprintln!"),
     ("crates/iva-core/src", r"\bpyo3\b"),
     ("crates/iva-sweep/src", r"\bpyo3\b"),
+    ("crates/iva-store/src", FRONT),
+    ("crates/iva-study/src", FRONT),
     ("crates/iva-cli/src", r"\bpyo3\b"),
-    ("crates/iva-py/src", r"\bstd::(fs|io)\b|\bparquet::"),
+    ("crates/iva-py/src", r"\bstd::(fs|io)\b|\bparquet::|\biva_cli::(?!main_with_args\b)"),
     ("crates", r"\bprocess::exit\b|\bunimplemented!|\btodo!"),
     ("python/iva", r"\bimport (pyarrow|pandas)\b"),
 ]

@@ -3,13 +3,14 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use iva_store::table_file::{Format, Style};
 use iva_sweep::fields::nearest;
 use iva_sweep::study::Table;
 use iva_sweep::sweep::MAX_THREADS;
 
 use crate::error::Error;
-use crate::table_file::{Format, Style};
 
 /// What was asked for.
 #[derive(Debug, Parser)]
@@ -121,7 +122,7 @@ pub struct RunArgs {
     /// What the tables are written as
     #[arg(
         long,
-        value_enum,
+        value_parser = formats(),
         default_value_t,
         hide_possible_values = true,
         value_name = "FORMAT",
@@ -190,6 +191,12 @@ pub struct ReproduceArgs {
     /// What to draw; `iva reproduce --help` of the Python package lists it
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
     pub arguments: Vec<OsString>,
+}
+
+/// The formats by their names.
+fn formats() -> impl TypedValueParser<Value = Format> {
+    let names = PossibleValuesParser::new(Format::ALL.map(Format::name));
+    names.map(|name| Format::from_name(&name).unwrap_or_default())
 }
 
 fn table(name: &str) -> Result<Table, String> {

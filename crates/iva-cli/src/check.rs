@@ -6,6 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use iva_store::table_file::encoded_size;
+use iva_study::resolved::first_upper;
+use iva_study::study_file::{StudyFile, read_study};
+use iva_study::threads;
 use iva_sweep::Invalid;
 use iva_sweep::axis::Axis;
 use iva_sweep::identity::Identity;
@@ -19,14 +23,11 @@ use iva_sweep::tables::schema;
 use crate::args::CheckArgs;
 use crate::cell::duration;
 use crate::error::Error;
-use crate::layout::{first_upper, wrap};
+use crate::layout::wrap;
 use crate::progress::Progress;
 use crate::report::counted;
 use crate::run_study::{size, without_trajectory};
 use crate::scene::describe;
-use crate::study_file::{StudyFile, read_study};
-use crate::table_file::encoded_size;
-use crate::threads;
 
 /// Points run for the estimate. A study of up to twice as many is run whole.
 const SAMPLES: u64 = 1024;

@@ -26,16 +26,6 @@ pub(crate) fn wrap(text: &str) -> String {
     lines.join("\n")
 }
 
-/// The sentence with a capital letter in front.
-pub(crate) fn first_upper(sentence: &str) -> String {
-    let mut chars = sentence.chars();
-    match chars.next() {
-        // Only ASCII letters: "ωn" is a symbol.
-        Some(first) => first.to_ascii_uppercase().to_string() + chars.as_str(),
-        None => String::new(),
-    }
-}
-
 /// A table of right-aligned columns that fits the terminal.
 #[derive(Debug, Default)]
 pub(crate) struct TextTable {

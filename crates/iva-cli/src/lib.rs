@@ -1,69 +1,37 @@
-//! The `iva` command as a library: study files in, Parquet tables out.
+//! The `iva` command as a library: arguments in, what is printed out.
 //!
 //! [`main_with_args`] is the one command line that the native binary and the Python console script
-//! share. Below it, in the order of a run:
-//! [`args`] (what was asked) → [`study_file`] (TOML, with the place of every error) →
-//! [`run_sweep`] (part by part, by [`iva_sweep`]) → [`part_files`] and [`table_file`] →
-//! [`sweep_folder`] with its [`manifest`] ([`output`] of a single run) → [`report`] (the best points).
-//! [`resolved`] writes the study with every default filled in. `directory` holds a folder by a handle that
-//! follows no link, `folder` says what in it is ours, `exchange` replaces one result by another.
+//! share. Below it, in the order of a run: [`args`] (what was asked) → `sweep_command`, `run_command` and
+//! `check` (what each command does, by [`iva_study`] and [`iva_store`], with what they share in
+//! `run_study`) → [`report`] (the best points, the measures of a run), [`scene`] (what a study is about)
+//! and `verified` (the errors of a run). While it runs, `progress` shows how far it is, `log` writes it
+//! down, and `interrupt` listens to Ctrl-C. [`error`] words what went wrong, with the options that help.
 
 pub mod args;
-mod axes;
-mod caught;
 mod cell;
-mod changes;
 mod check;
-mod claim;
-mod claims;
-mod created;
-mod directory;
 pub mod error;
-mod exchange;
-mod folder;
-mod forces;
-mod hidden;
-mod inputs;
 mod interrupt;
 mod layout;
 mod log;
-pub mod manifest;
-pub mod output;
-pub mod part_files;
-pub mod points_file;
 mod progress;
-pub mod record_file;
-mod regular_file;
-pub mod remedy;
 pub mod report;
-pub mod resolved;
 mod run_command;
 mod run_study;
-pub mod run_sweep;
-pub mod sampling;
 pub mod scene;
-pub mod source;
-pub mod study_file;
 mod sweep_command;
-pub mod sweep_folder;
-pub mod table_file;
 #[cfg(test)]
 mod tests;
-pub mod threads;
-mod value;
 mod verified;
-mod visible;
 
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use clap::Parser;
+use iva_store::visible;
 
 pub use error::Error;
-pub use iva_sweep::columns::SCHEMA_VERSION;
-pub use study_file::{STUDY_VERSION, StudyFile, parse_study, read_study};
-pub use visible::visible;
 
 use args::{Cli, Command};
 

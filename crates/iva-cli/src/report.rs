@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use arrow_array::RecordBatch;
+use iva_study::report::Report;
+use iva_study::resolved::first_upper;
 use iva_sweep::choices::Kind;
 use iva_sweep::columns::{Better, Column, SUMMARY, ranked};
 use iva_sweep::fields::Quantity;
@@ -11,17 +13,8 @@ use iva_sweep::study::Study;
 use iva_sweep::units::UnitSystem;
 
 use crate::cell::{aligned, number, short, significant, text};
-use crate::layout::{TextTable, first_upper, wrap};
+use crate::layout::{TextTable, wrap};
 use crate::scene::NOTHING_MOVES;
-
-/// Default of `report.best_by` in a decay.
-pub const BEST_DECAY: &str = "settling_time_5";
-/// Default of `report.best_by` under a harmonic or recorded force.
-pub const BEST_DRIVEN: &str = "reduction";
-/// The same without absorber, where there is nothing to compare with.
-pub const BEST_ALONE: &str = "amplitude_max";
-/// Default of `report.count`.
-pub const DEFAULT_COUNT: usize = 10;
 
 /// Said under every table of best points.
 const LUCK: &str = "A single best row is often luck: look at its neighbours, and sweep restitution and \
@@ -34,15 +27,6 @@ const BESIDE_DRIVEN: [&str; 4] = ["amplitude_max", "reduction", "impacts_per_cyc
 
 /// Those of them that say nothing without absorber.
 const OF_ABSORBER: [&str; 3] = ["reduction", "impacts_per_cycle", "impacts"];
-
-/// The `[report]` section: what the table of best points shows.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Report {
-    /// The measure to rank by; `None` if it is the default one and the study leaves it out.
-    pub best_by: Option<&'static str>,
-    /// Rows shown.
-    pub count: usize,
-}
 
 /// One row of the table of best points.
 #[derive(Debug, Clone)]

@@ -3,6 +3,13 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use arrow_array::RecordBatch;
+use iva_store::manifest::Total;
+use iva_store::output::Output;
+use iva_store::table_file::part_schema;
+use iva_study::error::Kept;
+use iva_study::resolved::{resolve, write};
+use iva_study::study_file::{StudyFile, read_study};
+use iva_study::threads::workers;
 use iva_sweep::done::Done;
 use iva_sweep::identity::Identity;
 use iva_sweep::motion::trajectory;
@@ -14,18 +21,12 @@ use iva_sweep::verify::{Verification, verify};
 use serde_json::json;
 
 use crate::args::RunPointArgs;
-use crate::error::{Error, Kept};
+use crate::error::Error;
 use crate::interrupt;
 use crate::log::Log;
-use crate::manifest::Total;
-use crate::output::Output;
 use crate::progress::Progress;
 use crate::report::print_run;
-use crate::resolved::{resolve, write};
 use crate::run_study::{choose_tables, folder, log_start, print_written, without_trajectory};
-use crate::study_file::{StudyFile, read_study};
-use crate::table_file::part_schema;
-use crate::threads::workers;
 use crate::verified::{print_verified, write_errors};
 
 /// Runs a study without a sweep, or one point of one; returns what is to be printed.
@@ -80,7 +81,7 @@ fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
         verification = Some(found);
     }
     if cancel.load(Ordering::Relaxed) {
-        return Err(Error::Interrupted(Kept::nothing()));
+        return Err(iva_study::Error::Interrupted(Kept::nothing()).into());
     }
     output.commit(&file.study, identity, &text, failed)?;
     let mut out = String::new();

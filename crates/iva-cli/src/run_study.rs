@@ -3,15 +3,15 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use iva_store::manifest::Total;
+use iva_study::study_file::{NO_TRAJECTORY, StudyFile, read_study};
 use iva_sweep::study::{Study, Table};
 use serde_json::json;
 
 use crate::args::RunArgs;
 use crate::error::Error;
 use crate::log::Log;
-use crate::manifest::Total;
 use crate::report::counted;
-use crate::study_file::{NO_TRAJECTORY, StudyFile, read_study};
 
 /// Reads the study of a command.
 ///

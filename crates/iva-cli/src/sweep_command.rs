@@ -3,6 +3,10 @@
 use std::sync::Mutex;
 
 use arrow_array::RecordBatch;
+use iva_store::manifest::Manifest;
+use iva_study::report::Report;
+use iva_study::run_sweep::{Sweep, Watch};
+use iva_study::threads::workers;
 use iva_sweep::done::Done;
 use iva_sweep::study::{Study, Table};
 use serde_json::{Map, Value, json};
@@ -12,17 +16,14 @@ use crate::error::Error;
 use crate::interrupt;
 use crate::layout::wrap;
 use crate::log::Log;
-use crate::manifest::Manifest;
 use crate::progress::Progress;
-use crate::report::{BestPoints, Report};
+use crate::report::BestPoints;
 use crate::run_study::{folder, load, log_start, print_written};
-use crate::run_sweep::{Sweep, Watch};
-use crate::threads::workers;
 
 /// Runs the points of a study; returns what is to be printed.
 ///
 /// # Errors
-/// Anything [`crate::read_study`] and [`Sweep::run`] refuse; a study without `[sweep]`.
+/// Anything [`iva_study::read_study`] and [`Sweep::run`] refuse; a study without `[sweep]`.
 pub(crate) fn sweep_command(args: &SweepArgs) -> Result<String, Error> {
     let log = Log::open(args.run.log.as_deref())?;
     let result = run(args, &log);

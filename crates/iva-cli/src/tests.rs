@@ -12,7 +12,12 @@ use std::sync::atomic::AtomicBool;
 
 use super::*;
 use crate::cell::{number, text};
+use iva_store::folder::HEADER;
+use iva_study::read_study;
+use iva_sweep::columns::SCHEMA_VERSION;
 use iva_sweep::sweep::Workers;
+
+mod faults;
 
 const SINGLE: &str = "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\nkind = \"siva\"\n\
     mass_ratio = 0.1\nrestitution = 0.5\nrelative_clearance = 0.6\n[start]\ndisplacement = 1.0\n\
@@ -188,7 +193,7 @@ fn a_sweep_writes_its_tables() {
     assert_eq!(rows(&impacts) as f64, listed);
     assert!(!place.path("out/episodes").exists());
     let resolved = fs::read_to_string(place.path("out/study.toml")).unwrap();
-    assert!(resolved.starts_with(resolved::HEADER));
+    assert!(resolved.starts_with(HEADER));
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use iva_store::output::Output;
+use iva_store::table_file::part_schema;
 use iva_sweep::columns::columns;
 use iva_sweep::study::Table;
 use iva_sweep::units::UnitSystem;
@@ -11,13 +13,11 @@ use iva_sweep::verify::{Finding, Verification};
 use crate::cell::significant;
 use crate::error::Error;
 use crate::layout::wrap;
-use crate::output::Output;
-use crate::table_file::part_schema;
 
 /// Writes a table of errors for each table of the run.
 ///
 /// # Errors
-/// [`Error::Io`] if one cannot be written.
+/// [`Error::Study`] if one cannot be written.
 pub(crate) fn write_errors(output: &mut Output, verification: &Verification) -> Result<(), Error> {
     for (table, errors) in &verification.errors {
         output.write_errors(*table, part_schema(&errors.schema(), &(0..1)), errors)?;

@@ -1,7 +1,10 @@
-//! Which Python exception a failure becomes.
+//! Which Python exception a failure becomes, and its words.
 
-use iva_cli::remedy::Words;
-use iva_cli::visible;
+use std::fmt::Display;
+use std::path::Path;
+
+use iva_store::remedy::Words;
+use iva_store::visible;
 use iva_sweep::Invalid;
 use iva_sweep::sweep::SweepError;
 use pyo3::PyErr;
@@ -29,14 +32,24 @@ pub fn failed(error: SweepError) -> PyErr {
 }
 
 /// A file of a result that cannot be read.
-pub fn unreadable(error: iva_cli::Error) -> PyErr {
-    let sentence = match &error {
-        iva_cli::Error::Io { action: "read", path, source } => {
-            format!("{} cannot be read: {source}", path.display())
-        }
-        other => other.to_string(),
-    };
-    IvaError::new_err(visible(&sentence))
+pub fn unreadable(error: iva_store::Error) -> PyErr {
+    match error {
+        iva_store::Error::Io { action: "read", path, source } => cannot_be_read(&path, source),
+        other => IvaError::new_err(visible(&other.to_string())),
+    }
+}
+
+/// A file of a study, or of a record, that cannot be read.
+pub fn unreadable_study(error: iva_study::Error) -> PyErr {
+    match error {
+        iva_study::Error::Store(error) => unreadable(error),
+        iva_study::Error::UnreadableRecord { path, reason } => cannot_be_read(&path, reason),
+        other => IvaError::new_err(visible(&other.to_string())),
+    }
+}
+
+fn cannot_be_read(path: &Path, reason: impl Display) -> PyErr {
+    IvaError::new_err(visible(&format!("{} cannot be read: {reason}", path.display())))
 }
 
 /// How options are written in Python.
@@ -48,11 +61,25 @@ pub const PYTHON: Words = Words {
 };
 
 /// A sweep into a folder that did not come to its end, in the words of Python.
-pub fn refused(error: iva_cli::Error) -> PyErr {
-    let sentence = visible(&error.message(&PYTHON));
-    match error.exit_code() {
-        2 => PyValueError::new_err(sentence),
-        _ => IvaError::new_err(sentence),
+pub fn refused(error: iva_study::Error) -> PyErr {
+    let sentence = visible(&worded(&error));
+    match error.is_bad_input() {
+        true => PyValueError::new_err(sentence),
+        false => IvaError::new_err(sentence),
+    }
+}
+
+/// The message of an error with the arguments that help. A study made in Python has no file to point at.
+pub fn worded(error: &iva_study::Error) -> String {
+    use iva_study::Error;
+    match error {
+        Error::Study(error) => error.message.clone(),
+        Error::Store(error) => error.message(&PYTHON),
+        Error::Incomplete { reason, kept } => {
+            format!("{}; {}", worded(reason), kept.sentence(&PYTHON))
+        }
+        Error::Interrupted(kept) => format!("interrupted: {}", kept.sentence(&PYTHON)),
+        other => other.to_string(),
     }
 }
 

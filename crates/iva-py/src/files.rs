@@ -1,19 +1,19 @@
-//! What the files of a result say of themselves; iva-cli reads them.
+//! What the files of a result say of themselves; iva-store reads them.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use arrow_array::RecordBatch;
-use iva_cli::StudyFile;
-use iva_cli::table_file::{self, Contents, first_damaged};
+use iva_store::table_file::{self, Contents, first_damaged};
+use iva_study::StudyFile;
 use iva_sweep::identity::Identity;
 use iva_sweep::study::Table;
 use iva_sweep::tables::schema;
 use pyo3::prelude::*;
 
 use crate::arrow_table::ArrowTable;
-use crate::errors::{IvaError, unreadable};
+use crate::errors::{IvaError, unreadable, unreadable_study};
 use crate::worker;
 
 /// The metadata of a Parquet or Arrow file.
@@ -59,17 +59,17 @@ pub fn check_files(py: Python<'_>, files: Vec<(PathBuf, u64, String)>) -> PyResu
 /// A text with the control characters in it written out.
 #[pyfunction]
 pub fn visible(text: &str) -> String {
-    iva_cli::visible(text)
+    iva_store::visible(text)
 }
 
 /// Every table of a study file by name, with columns and metadata but no rows.
 #[pyfunction]
 pub fn empty_tables(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMap<&'static str, ArrowTable>> {
-    let file = worker::run_any(py, None, move |_| iva_cli::read_study(&path))?;
-    tables_of(&file.map_err(unreadable)?).map_err(unreadable)
+    let file = worker::run_any(py, None, move |_| iva_study::read_study(&path))?;
+    tables_of(&file.map_err(unreadable_study)?).map_err(unreadable_study)
 }
 
-fn tables_of(file: &StudyFile) -> Result<BTreeMap<&'static str, ArrowTable>, iva_cli::Error> {
+fn tables_of(file: &StudyFile) -> Result<BTreeMap<&'static str, ArrowTable>, iva_study::Error> {
     let located = |invalid| file.source.locate(&invalid);
     let identity = Identity::of(&file.study).map_err(located)?;
     let empty = |table: Table| {

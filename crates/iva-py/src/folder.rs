@@ -3,18 +3,19 @@
 use std::path::PathBuf;
 use std::sync::Mutex;
 
-use iva_cli::manifest::Manifest;
-use iva_cli::part_files::Staged;
-use iva_cli::run_sweep::{Opened, Sweep, Watch};
-use iva_cli::study_file::StudyFile;
-use iva_cli::table_file::{Format, Style};
-use iva_cli::threads::workers;
+use iva_store::Error;
+use iva_store::manifest::Manifest;
+use iva_store::part_files::Staged;
+use iva_store::table_file::{Format, Style};
+use iva_study::run_sweep::{Opened, Sweep, Watch};
+use iva_study::study_file::StudyFile;
+use iva_study::threads::workers;
 use iva_sweep::Invalid;
 use iva_sweep::done::Done;
 use iva_sweep::study::Study;
 use pyo3::prelude::*;
 
-use crate::errors::{PYTHON, internal, invalid, refused};
+use crate::errors::{PYTHON, internal, invalid, refused, worded};
 use crate::study::{PyStudy, count};
 use crate::worker::{self, Progress, Shared};
 
@@ -92,8 +93,8 @@ impl Asked {
     fn with<T>(
         &self,
         shared: &Shared,
-        work: impl FnOnce(&Sweep<'_>) -> Result<T, iva_cli::Error>,
-    ) -> Result<T, iva_cli::Error> {
+        work: impl FnOnce(&Sweep<'_>) -> Result<T, iva_study::Error>,
+    ) -> Result<T, iva_study::Error> {
         let workers = workers(self.threads)?;
         work(&Sweep {
             file: &self.file,
@@ -191,13 +192,17 @@ impl PySweepFolder {
     /// Takes the files of a part, as [`PyStudy::run_part`] describes them.
     fn take(&self, py: Python<'_>, part: u64, staged: &str) -> PyResult<()> {
         let staged = received(part, staged)?;
-        py.detach(|| self.with(|opened| opened.folder.receive(part, staged).map_err(refused)))
+        py.detach(|| {
+            self.with(|opened| opened.folder.receive(part, staged).map_err(refused_by_folder))
+        })
     }
 
     /// Enters a part whose files are in place elsewhere.
     fn enter(&self, py: Python<'_>, part: u64, staged: &str) -> PyResult<()> {
         let staged = received(part, staged)?;
-        py.detach(|| self.with(|opened| opened.folder.receive_entry(part, staged).map_err(refused)))
+        py.detach(|| {
+            self.with(|opened| opened.folder.receive_entry(part, staged).map_err(refused_by_folder))
+        })
     }
 
     /// Ends a sweep of which all parts are complete.
@@ -210,8 +215,8 @@ impl PySweepFolder {
     fn abandon(&self, py: Python<'_>) -> String {
         let Some(opened) = self.take_opened() else { return String::new() };
         match py.detach(|| opened.close(None)) {
-            Err(iva_cli::Error::Interrupted(kept)) => kept.sentence(&PYTHON),
-            Err(other) => other.message(&PYTHON),
+            Err(iva_study::Error::Interrupted(kept)) => kept.sentence(&PYTHON),
+            Err(other) => worded(&other),
             Ok(_) => "every part is complete".to_owned(),
         }
     }
@@ -219,10 +224,12 @@ impl PySweepFolder {
 
 /// Reads what a worker said of the part that it ran.
 fn received(part: u64, staged: &str) -> PyResult<Staged> {
-    serde_json::from_str(staged).map_err(|_| {
-        let reason = format!("what a worker said of part {part} does not fit the sweep");
-        refused(iva_cli::Error::Refused(reason))
-    })
+    serde_json::from_str(staged).map_err(|_| refused_by_folder(Error::UnfitPart { part }))
+}
+
+/// A folder that does not take a part.
+fn refused_by_folder(error: Error) -> PyErr {
+    refused(error.into())
 }
 
 impl PySweepFolder {

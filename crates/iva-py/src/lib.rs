@@ -2,8 +2,8 @@
 //!
 //! [`arguments`] reads what Python hands over → [`calls`] are the functions of the module →
 //! [`worker`] runs them away from the interpreter → [`arrow_table`] hands the result back.
-//! [`record`] holds what drives a scene by points. [`files`] asks iva-cli what written files say of themselves. [`errors`] says which exception a
-//! failure becomes. No physics.
+//! [`record`] holds what drives a scene by points. [`files`] asks iva-store what written files say of themselves.
+//! [`errors`] says which exception a failure becomes, in the words of Python. No physics.
 
 mod arguments;
 mod arrow_table;

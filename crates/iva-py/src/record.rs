@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use iva_cli::record_file::{RecordUnit, read_record as read};
-use iva_cli::visible;
+use iva_store::visible;
+use iva_study::record_file::{RecordUnit, read_record as read};
 use iva_sweep::Invalid;
 use iva_sweep::forces::{History, RecordKind, Recorded};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 
-use crate::errors::{invalid, unreadable};
+use crate::errors::{invalid, unreadable_study};
 use crate::worker;
 
 /// Increasing times with a value each, and what the values are.
@@ -75,7 +75,7 @@ pub fn read_record(py: Python<'_>, path: PathBuf, kind: Option<&str>) -> PyResul
     // A large file takes seconds: other threads may use Python meanwhile.
     let read = worker::run_any(py, None, move |_| read(&path))?;
     let file = read.map_err(|error| match error {
-        iva_cli::Error::Io { .. } => unreadable(error),
+        iva_study::Error::UnreadableRecord { .. } => unreadable_study(error),
         other => PyValueError::new_err(visible(&other.to_string())),
     })?;
     let is_metric = file.unit == RecordUnit::MetresPerSecondSquared;

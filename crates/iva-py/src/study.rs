@@ -6,9 +6,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use arrow_array::RecordBatch;
-use iva_cli::part_files::PartFiles;
-use iva_cli::run_sweep::PartWork;
-use iva_cli::threads::workers;
+use iva_store::part_files::PartFiles;
+use iva_study::run_sweep::PartWork;
+use iva_study::threads::workers;
 use iva_sweep::Invalid;
 use iva_sweep::cube::Method;
 use iva_sweep::done::Done;

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use iva_cli::resolved::{resolve, write};
 use iva_cli::scene::describe;
-use iva_cli::{Error, StudyFile, parse_study};
+use iva_study::resolved::{resolve, write};
+use iva_study::{Error, StudyFile, parse_study};
 use iva_sweep::identity::Identity;
 use iva_sweep::study::Table;
 use iva_sweep::sweep::Workers;

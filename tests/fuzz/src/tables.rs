@@ -7,7 +7,7 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use arrow_schema::DataType;
-use iva_cli::{Error, StudyFile};
+use iva_study::{Error, StudyFile};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
 use iva_sweep::gradients::gradients;

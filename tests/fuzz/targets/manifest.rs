@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use iva_cli::manifest::Manifest;
+use iva_store::manifest::Manifest;
 use iva_sweep::study::Table;
 use libfuzzer_sys::{Corpus, fuzz_target};
 

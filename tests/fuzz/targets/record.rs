@@ -4,16 +4,16 @@
 
 use std::path::Path;
 
-use iva_cli::record_file::{RecordFile, parse_record};
 use iva_core::force::History;
 use iva_fuzz::refusal;
+use iva_study::record_file::{RecordFile, parse_record};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     for name in ["record.csv", "record.at2"] {
         match parse_record(Path::new(name), bytes) {
             Ok(record) => check(record),
-            Err(error) => refusal::check(&error),
+            Err(error) => refusal::check(error),
         }
     }
 });

@@ -10,7 +10,7 @@ fuzz_target!(|text: &str| -> Corpus {
         return Corpus::Reject;
     }
     if let Err(error) = study::read(text).and_then(|file| study::expand(&file)) {
-        refusal::check(&error);
+        refusal::check(error);
     }
     Corpus::Keep
 });

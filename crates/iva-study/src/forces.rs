@@ -1,0 +1,121 @@
+//! The section `[force]`, or several sections `[[force]]`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use iva_sweep::design::Spec;
+use iva_sweep::fields::{FieldId, Part};
+use iva_sweep::forces::{ForceSpec, History, RecordKind, Recorded};
+use iva_sweep::slot::Slot;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::Error;
+use crate::record_file::{RecordUnit, read_record};
+use crate::source::Source;
+use crate::value::{Key, Value, at, entries, name, number, table, unknown_key};
+
+/// Keys of a recorded force beside its numbers.
+const OF_A_RECORD: [&str; 2] = ["record", "kind"];
+
+/// Reads all forces of a study into its spec.
+///
+/// # Errors
+/// At the place of the first key or value that cannot be used; what cannot be read in the file of a
+/// record at its place there.
+pub(crate) fn read(
+    source: &mut Source,
+    key: &Key<'_>,
+    value: &Value<'_>,
+    spec: &mut Spec,
+) -> Result<(), Error> {
+    source.note(Part::Force.name().to_owned(), key.span());
+    let items = match value.get_ref() {
+        DeValue::Array(items) if items.iter().all(|item| item.get_ref().is_table()) => &items[..],
+        _ => std::slice::from_ref(value),
+    };
+    let mut sections = Vec::with_capacity(items.len());
+    for item in items {
+        let section = table(source, Part::Force.name(), key, item)?;
+        spec.add_force(ForceSpec::new(read_recorded(source, section)?));
+        sections.push(section);
+    }
+    for (number, section) in sections.iter().enumerate() {
+        if sections.len() > 1 {
+            source.note(format!("force.{number}"), items[number].span());
+        }
+        read_numbers(source, section, number, sections.len(), spec)?;
+    }
+    Ok(())
+}
+
+fn read_numbers(
+    source: &mut Source,
+    section: &DeTable<'_>,
+    force: usize,
+    count: usize,
+    spec: &mut Spec,
+) -> Result<(), Error> {
+    for (key, value) in entries(section) {
+        let bare = key.get_ref().as_ref();
+        if OF_A_RECORD.contains(&bare) {
+            continue;
+        }
+        let Some(field) = FieldId::find(Part::Force, bare) else {
+            return Err(unknown_key(source, Part::Force.name(), key, &known_keys()));
+        };
+        let slot = Slot::of_force(field, force, count);
+        let number = number(source, &slot.path(), value, field.info().allowed)?;
+        spec.set(slot, number).map_err(|invalid| at(source, value.span(), &invalid))?;
+        source.note(slot.path(), key.span().start..value.span().end);
+    }
+    Ok(())
+}
+
+fn known_keys() -> Vec<&'static str> {
+    let fields = FieldId::all().map(FieldId::info).filter(|info| info.part == Part::Force);
+    fields.map(|info| info.name).chain(OF_A_RECORD).collect()
+}
+
+/// The recorded force of a section, if it names one.
+fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Recorded>, Error> {
+    let Some((_, value)) = section.get_key_value("record") else {
+        return match section.get_key_value("kind") {
+            Some((key, _)) => Err(source.error(
+                key.span(),
+                "force.kind says what the values of a record are: give record, the name of a file",
+            )),
+            None => Ok(None),
+        };
+    };
+    let DeValue::String(file) = value.get_ref() else {
+        let rule = "give the name of a file, in quotes";
+        return Err(source.bad_value("force.record", value.span(), rule));
+    };
+    let kinds = RecordKind::ALL.map(RecordKind::name);
+    let kind = match section.get_key_value("kind") {
+        Some((_, kind)) => name(source, "force.kind", kind, &kinds, RecordKind::from_name)?,
+        None => {
+            let rule = format!("force.kind is missing: give one of \"{}\"", kinds.join("\", \""));
+            return Err(source.error(value.span(), rule));
+        }
+    };
+    let path = beside(source.path(), file.as_ref());
+    let read = read_record(&path).map_err(|error| match error {
+        Error::UnreadableRecord { reason, .. } => {
+            source.bad_value("force.record", value.span(), &format!("it cannot be read: {reason}"))
+        }
+        other => other,
+    })?;
+    let is_metric = read.unit == RecordUnit::MetresPerSecondSquared;
+    let history = History::new(read.times, read.values)
+        .map_err(|invalid| source.error(value.span(), format!("{}: {invalid}", path.display())))?;
+    let file = Some(path.display().to_string());
+    Ok(Some(Recorded { history: Arc::new(history), kind, file, is_metric }))
+}
+
+/// A file that a study names stands beside the study, unless its name begins at the root.
+pub(crate) fn beside(study: &Path, file: &str) -> PathBuf {
+    let path = study.parent().unwrap_or(Path::new("")).join(file);
+    // The resolved study stands elsewhere.
+    path.canonicalize().unwrap_or(path)
+}

@@ -1,0 +1,143 @@
+//! Files of recorded forces and base motions: text → times and values.
+//!
+//! `columns` reads a time and a value a line, or `dt = …` and values; `at2` reads PEER's format of
+//! accelerograms. Which of them it is shows in the text; a name in `.at2` settles it. Every fault names
+//! file, line and column.
+
+mod at2;
+mod columns;
+
+use std::io::Read;
+use std::ops::Range;
+use std::path::Path;
+
+use iva_store::regular_file;
+
+use crate::error::Error;
+use crate::source::{Source, shortened};
+
+/// A file of more bytes is refused: a minute at a kilohertz takes some 1 MB.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// A recorded history: increasing times and one value each, all finite, at least two.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecordFile {
+    /// Times, strictly increasing, in the file's unit (PEER AT2: seconds from 0).
+    pub times: Vec<f64>,
+    /// One value for each time, in [`RecordFile::unit`].
+    pub values: Vec<f64>,
+    /// The unit of the values.
+    pub unit: RecordUnit,
+}
+
+/// What a file says about the unit of its values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RecordUnit {
+    /// Nothing: it is for the reader of the file to know.
+    Unstated,
+    /// An acceleration, converted from g to m/s².
+    MetresPerSecondSquared,
+}
+
+/// Reads a file of a recorded history.
+///
+/// # Errors
+/// [`Error::UnreadableRecord`] if it cannot be read, [`Error::LargeRecord`] if it is larger than 1 GiB, and
+/// [`Error::Study`] with line and column for anything in it that cannot be used.
+pub fn read_record(path: &Path) -> Result<RecordFile, Error> {
+    let fault = |reason| Error::UnreadableRecord { path: path.to_owned(), reason };
+    let file = regular_file::open(path).map_err(fault)?;
+    let mut size = file.metadata().map_err(fault)?.len();
+    let mut bytes = Vec::new();
+    if size <= MOST_BYTES {
+        // It may grow meanwhile.
+        file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(fault)?;
+        size = bytes.len() as u64;
+    }
+    if size > MOST_BYTES {
+        return Err(Error::LargeRecord { path: path.to_owned() });
+    }
+    parse_record(path, &bytes)
+}
+
+/// Reads the bytes of a recorded history; of `path` the extension may tell the format, beside that it
+/// is only the name shown in messages.
+///
+/// # Errors
+/// [`Error::Study`] with line and column for anything that cannot be used.
+pub fn parse_record(path: &Path, bytes: &[u8]) -> Result<RecordFile, Error> {
+    if bytes.contains(&0) {
+        let message = "a binary file or text in UTF-16; give a record as text in UTF-8";
+        return Err(Source::new(path, "").missing(message));
+    }
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text),
+        Err(error) => {
+            let end = error.valid_up_to();
+            let valid = String::from_utf8_lossy(&bytes[..end]);
+            let message = "not UTF-8 text; give a record as text in UTF-8";
+            return Err(Source::new(path, &valid).error(end..end, message));
+        }
+    };
+    parse(path, text).map_err(|fault| {
+        let source = Source::new(path, text);
+        match fault.place {
+            Some(place) => source.error(place, fault.message),
+            None => source.missing(fault.message),
+        }
+    })
+}
+
+fn parse(path: &Path, text: &str) -> Result<RecordFile, Fault> {
+    if text.trim().is_empty() {
+        return Err(Fault::missing("the file is empty; give times and values"));
+    }
+    let record = if at2::is_at2(path, text) { at2::read(text)? } else { columns::read(text)? };
+    match record.values.len() {
+        0 => Err(Fault::missing("no numbers in it; a record needs at least 2 points")),
+        1 => Err(Fault::missing("1 point in it; a record needs at least 2")),
+        _ => Ok(record),
+    }
+}
+
+/// What is wrong with a text, and which of its bytes are to blame; none if something is missing.
+struct Fault {
+    place: Option<Range<usize>>,
+    message: String,
+}
+
+impl Fault {
+    fn missing(message: impl Into<String>) -> Self {
+        Self { place: None, message: message.into() }
+    }
+
+    /// A fault of `part`, which is a slice of `text`.
+    fn at(text: &str, part: &str, message: impl Into<String>) -> Self {
+        let start = part.as_ptr().addr().saturating_sub(text.as_ptr().addr());
+        Self { place: Some(start..start + part.len()), message: message.into() }
+    }
+}
+
+/// The number that a word is, as most programs or Fortran (`-.5D-3`) write it.
+fn number(word: &str) -> Option<f64> {
+    word.parse().or_else(|_| word.replace(['D', 'd'], "E").parse()).ok()
+}
+
+/// A finite number at its place in `text`.
+fn finite(text: &str, word: &str) -> Result<f64, Fault> {
+    let what = match number(word) {
+        Some(number) if number.is_finite() => return Ok(number),
+        Some(_) => "is not finite",
+        None => "is not a number",
+    };
+    let message = format!("\"{}\" {what}; give finite numbers such as -0.5e-3", shortened(word));
+    Err(Fault::at(text, word, message))
+}
+
+/// The times k·`dt`, k = 0 … `count` − 1.
+fn even_times(dt: f64, count: usize) -> Vec<f64> {
+    (0..count).map(|step| step as f64 * dt).collect()
+}
+
+#[cfg(test)]
+mod tests;
