@@ -6,7 +6,7 @@
 use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Write};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use cap_fs_ext::{DirExt, FollowSymlinks, OpenOptionsFollowExt, OpenOptionsSyncExt};
 use cap_std::ambient_authority;
@@ -16,6 +16,9 @@ use crate::error::Error;
 
 #[cfg(any(test, feature = "faults"))]
 pub mod faults;
+mod names;
+
+use names::{absent_is_fine, components, is_absent, is_same};
 
 /// How often a folder is emptied that another process puts files into meanwhile.
 const ATTEMPTS: u32 = 8;
@@ -383,43 +386,6 @@ impl Directory {
             }
         })
     }
-}
-
-/// The components of a name below a folder.
-///
-/// # Errors
-/// [`Error::Io`] for one that leads elsewhere.
-fn components<'a>(folder: &Directory, name: &'a Path) -> Result<Vec<&'a OsStr>, Error> {
-    let plain = |component| match component {
-        Component::Normal(name) => Ok(name),
-        _ => {
-            let reason = io::Error::other("it is no plain name below the folder");
-            Err(Error::io("use", &folder.path.join(name), reason))
-        }
-    };
-    name.components().map(plain).collect()
-}
-
-fn is_absent(reason: &io::Error) -> bool {
-    matches!(reason.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
-}
-
-fn absent_is_fine(removed: Result<(), Error>) -> Result<(), Error> {
-    match removed {
-        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => Ok(()),
-        other => other,
-    }
-}
-
-#[cfg(unix)]
-fn is_same(one: &cap_std::fs::Metadata, other: &cap_std::fs::Metadata) -> bool {
-    use cap_std::fs::MetadataExt;
-    (one.dev(), one.ino()) == (other.dev(), other.ino())
-}
-
-#[cfg(not(unix))]
-fn is_same(_one: &cap_std::fs::Metadata, other: &cap_std::fs::Metadata) -> bool {
-    other.is_dir()
 }
 
 #[cfg(test)]
