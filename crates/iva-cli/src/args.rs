@@ -1,5 +1,8 @@
 //! The command line of `iva`.
 
+// The comments are what a terminal shows as help, brackets and all.
+#![allow(rustdoc::broken_intra_doc_links, rustdoc::invalid_html_tags)]
+
 use std::ffi::OsString;
 use std::path::PathBuf;
 
