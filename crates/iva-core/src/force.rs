@@ -286,15 +286,15 @@ impl<R: Real> Force<R> {
         drive
     }
 
-    /// Bounds F̂ for f/M and for a_g with |F_k| ≤ F̂ qᵏ/(k+1) for the coefficients F_k of (t/h)ᵏ with
-    /// k ≥ N ≥ 2; ∞ if q is too small. A piece of a record is linear and has no such coefficients.
+    /// Bounds Σ_{k≥N} |F_k| for the coefficients F_k of (t/h)ᵏ of f/M and of a_g, N ≥ 2; ∞ where h is too long for the
+    /// bound. A piece of a record is linear and has no such coefficients.
     #[inline(always)]
-    pub fn tail<const N: usize>(&self, h: R, ratio: R) -> [R; 2] {
-        let mut tail = [R::ZERO; 2];
+    pub fn left_out<const N: usize>(&self, h: R) -> [R; 2] {
+        let mut left_out = [R::ZERO; 2];
         for harmonic in &self.harmonics {
-            tail[usize::from(harmonic.acts == Acts::Base)] += harmonic.tail::<N>(h, ratio);
+            left_out[usize::from(harmonic.acts == Acts::Base)] += harmonic.left_out::<N>(h);
         }
-        tail
+        left_out
     }
 
     /// The next instant after `time` at which the force is not smooth, when its first `done` kicks have

@@ -229,9 +229,9 @@ impl Real for f64 {
         DoubleDouble { value: std::f64::consts::TAU, rest: 2.449_293_598_294_706_4e-16 };
     const QUARTER: DoubleDouble =
         DoubleDouble { value: std::f64::consts::FRAC_PI_2, rest: 6.123_233_995_736_766e-17 };
-    /// As large as rounding errors. It is a proven bound; the true truncation error is smaller by a factor of
-    /// ten or more.
-    const LEFT_OUT: f64 = 1e-16;
+    /// A quarter of a rounding error. It is a proven bound; the true truncation error is smaller by a factor of some
+    /// three or more.
+    const LEFT_OUT: f64 = 3e-17;
     /// A tenth of the rounding error of a time of order 1.
     const NEGLIGIBLE: f64 = 1e-17;
     const FAST_PATHS: bool = true;

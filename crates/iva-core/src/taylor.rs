@@ -63,7 +63,7 @@ macro_rules! with_order {
 pub(crate) use {unrolled, with_order};
 
 mod recurrence;
-pub(crate) mod remainder;
+mod remainder;
 
 /// Highest order of the series.
 pub const ORDER: usize = 20;

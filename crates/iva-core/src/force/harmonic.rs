@@ -94,16 +94,14 @@ impl<R: Real> Harmonic<R> {
         }
     }
 
-    /// The bound F̂ of [`super::Force::tail`]; ∞ if q is too small.
+    /// The bound of [`super::Force::left_out`]: twice the first term, (Ωh)ᴺ/N!, as each is at most half the one before.
     #[inline(always)]
-    pub(crate) fn tail<const N: usize>(&self, h: R, ratio: R) -> R {
-        let n = (N + 1) as f64;
-        // (Ωh/q)ᵏ (k+1)/k! falls from k = N on if Ωh/q < (N+1)²/(N+2).
-        let turn = self.frequency * h / ratio;
-        let mut first = R::from(n);
+    pub(crate) fn left_out<const N: usize>(&self, h: R) -> R {
+        let turn = self.frequency * h;
+        let mut first = R::from(2.0);
         unrolled!(k < N => first *= turn * R::reciprocal(k + 1));
-        let falls = turn * (n + 1.0) < n * n;
-        if falls { self.amplitude.abs() * first } else { R::INFINITY }
+        let halves = turn * 2.0 <= (N + 1) as f64;
+        if halves { self.amplitude.abs() * first } else { R::INFINITY }
     }
 
     /// The angle Ω t + phase in rad, reduced to [−π, π].

@@ -3,7 +3,7 @@
 use super::{Parameters, Piva, PivaState};
 use crate::real::Real;
 use crate::roots::DOUBT;
-use crate::taylor::{ORDER, Remainder};
+use crate::taylor::{ORDER, Remainder, Series, with_order};
 use std::f64::consts::LN_2;
 
 /// How accurately a flight is computed, and at what cost.
@@ -25,7 +25,7 @@ impl<R: Real> Accuracy<R> {
             t if t >= 1e-7 => (10, 0.9),
             t if t >= 1e-10 => (16, 1.2),
             t if t >= 1e-13 => (18, 1.0),
-            _ => (ORDER, 0.75),
+            _ => (ORDER, 0.9),
         };
         Self { tolerance, order, longest_step }
     }
@@ -40,18 +40,19 @@ impl<R: Real> Accuracy<R> {
 const SHORTER: f64 = 0.84;
 /// At most this often, to 2⁻²⁰.
 const MOST_SHORTENINGS: u32 = 80;
+/// A bound that holds for no more than a part of the step is looked for on halves of it, to 2⁻²⁰.
+const MOST_HALVINGS: u32 = 20;
 
-/// The share of a step, up to `most`, on which its series leaves out no more than the tolerance.
+/// The share of a step on which its series leaves out no more than the tolerance.
 pub(super) fn share_kept<R: Real>(
     remainder: &Remainder<R>,
-    most: R,
     piva: &Piva<R>,
     from: &PivaState<R>,
     driven: R,
 ) -> Option<R> {
     let sizes = Sizes::of(piva, from, driven);
     let tolerance = piva.accuracy.tolerance;
-    let (mut share, mut kept) = sizes.share(remainder, most, tolerance);
+    let (mut share, mut kept) = sizes.share(remainder, tolerance);
     for _ in 0..MOST_SHORTENINGS {
         if kept {
             return Some(share);
@@ -60,6 +61,42 @@ pub(super) fn share_kept<R: Real>(
         kept = sizes.keep(remainder, share, tolerance);
     }
     None
+}
+
+impl<R: Real> Piva<R> {
+    /// The share of a step, up to `most`, on which its series is proved to leave out no more than the tolerance;
+    /// `None` if that can be proved of no share.
+    pub(super) fn share_proved(
+        &self,
+        series: &Series<R>,
+        (step, most): (R, R),
+        from: &PivaState<R>,
+        driven: R,
+    ) -> Option<R> {
+        let fastest = self.fastest();
+        let mut most = most;
+        for _ in 0..MOST_HALVINGS {
+            let remainder = R::dispatched(
+                #[inline(always)]
+                || {
+                    with_order!(self.accuracy.order, N => {
+                        let left_out = self.force.left_out::<N>(step * most);
+                        Remainder::new::<N>(&self.pendulum, fastest, series, left_out, (step, most))
+                    })
+                },
+            );
+            if remainder.proves() {
+                return share_kept(&remainder, self, from, driven);
+            }
+            most = most * 0.5;
+        }
+        None
+    }
+
+    /// The fastest rate in the equations but for the swing: of primary, pendulum and force.
+    pub(super) fn fastest(&self) -> R {
+        self.pendulum.fastest().max(self.force.fastest())
+    }
 }
 
 /// A little less than excess^(−1/order), but not less than a fifth.
@@ -97,13 +134,14 @@ impl<R: Real> Sizes<R> {
         Self { primary: self.primary.max(driven), ..self }
     }
 
-    /// The share of a step, up to `most`, on which its series leaves out no more than the tolerance, if that
-    /// is not far less than it is good for.
+    /// The share of a step on which its series leaves out no more than the tolerance, if that is not far less than
+    /// the share that the remainder was bounded for.
     #[inline(always)]
-    pub(crate) fn share(&self, remainder: &Remainder<R>, most: R, tolerance: R) -> (R, bool) {
-        let whole = remainder.reach(most);
+    pub(crate) fn share(&self, remainder: &Remainder<R>, tolerance: R) -> (R, bool) {
+        let whole = remainder.most();
         let [primary, gap] = remainder.left_out(whole);
         let excess = R::larger(primary / (tolerance * self.primary), gap / (tolerance * self.gap));
+        let excess = R::larger(remainder.within(whole), excess);
         let share = whole * shortening(excess, remainder.order() + 1);
         (share, self.keep(remainder, share, tolerance))
     }
@@ -112,7 +150,9 @@ impl<R: Real> Sizes<R> {
     #[inline(always)]
     pub(crate) fn keep(&self, remainder: &Remainder<R>, share: R, tolerance: R) -> bool {
         let [primary, gap] = remainder.left_out(share);
-        (primary <= tolerance * self.primary) & (gap <= tolerance * self.gap)
+        (primary <= tolerance * self.primary)
+            & (gap <= tolerance * self.gap)
+            & (remainder.within(share) <= 1.0)
     }
 }
 

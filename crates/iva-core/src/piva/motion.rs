@@ -1,6 +1,5 @@
 //! The flight of a pendulum absorber: swinging in its gap.
 
-use super::accuracy::share_kept;
 use super::gap::Gap;
 use super::integrals::{Integrands, square};
 use super::step::{Step, Turning};
@@ -12,7 +11,7 @@ use crate::flight::{
 use crate::force::Drive;
 use crate::real::Real;
 use crate::system::{Clock, Wall};
-use crate::taylor::{ORDER, Remainder, Row, Series, Swing, horner, with_order};
+use crate::taylor::{ORDER, Row, Series, Swing, horner, with_order};
 
 /// The pendulum free in its gap.
 #[derive(Debug, Clone)]
@@ -26,8 +25,8 @@ pub struct PivaFlight<'a, R = f64> {
     reach: R,
     /// Where the reach ends because the force bends, jumps or kicks there.
     bend: Option<Clock<R>>,
-    /// What the series leaves out; `None` where nothing could be proved.
-    remainder: Option<Remainder<R>>,
+    /// True if what the series leaves out is bounded by the tolerance.
+    proved: bool,
     /// What lanes have made of it up to its reach.
     known: Option<Known<R>>,
 }
@@ -53,10 +52,7 @@ impl<'a, R: Real> PivaFlight<'a, R> {
         let series = piva.pendulum.series(&piva.swing(&from), drive.as_ref(), step, order);
         let series = at_rest_on_release(&from, series);
         let size = drive.as_ref().map_or(R::ZERO, Drive::size);
-        let share = Remainder::prove(&piva.pendulum, &series, &piva.force, step, order).and_then(
-            |remainder| Some((share_kept(&remainder, most, piva, &from, size)?, remainder)),
-        );
-        let Some((share, remainder)) = share else {
+        let Some(share) = piva.share_proved(&series, (step, most), &from, size) else {
             // What cannot be enclosed is not flown: the run ends there and says so.
             return Self {
                 piva,
@@ -66,13 +62,12 @@ impl<'a, R: Real> PivaFlight<'a, R> {
                 step,
                 reach: step,
                 bend: None,
-                remainder: None,
+                proved: false,
                 known: None,
             };
         };
         let (reach, bend) = piva.until_bend(&from, share * step);
-        let (remainder, known) = (Some(remainder), None);
-        Self { piva, from, series, drive, step, reach, bend, remainder, known }
+        Self { piva, from, series, drive, step, reach, bend, proved: true, known: None }
     }
 
     /// A flight that lanes have proved and flown to its end, to be measured.
@@ -84,7 +79,7 @@ impl<'a, R: Real> PivaFlight<'a, R> {
         (reach, known): (R, Known<R>),
     ) -> Self {
         let (drive, known) = (Some(drive), Some(known));
-        Self { piva, from, series, drive, step, reach, bend: None, remainder: None, known }
+        Self { piva, from, series, drive, step, reach, bend: None, proved: true, known }
     }
 
     /// h in steps.
@@ -150,8 +145,8 @@ impl<R: Real> Piva<R> {
 
     /// A step short against every time scale: of the primary, of the pendulum, of its swing.
     fn longest_step(&self, state: &PivaState<R>) -> R {
-        let fastest = self.pendulum.fastest().max(self.force.fastest());
-        R::from(self.accuracy.longest_step) / R::larger(fastest, self.pendulum.swing(state.w.value))
+        R::from(self.accuracy.longest_step)
+            / R::larger(self.fastest(), self.pendulum.swing(state.w.value))
     }
 }
 
@@ -188,7 +183,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
     }
 
     fn fast_path(&self, length: R) -> Option<FastFlight<PivaState<R>, R>> {
-        if !R::FAST_PATHS || self.remainder.is_none() {
+        if !R::FAST_PATHS || !self.proved {
             return None;
         }
         let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
@@ -223,7 +218,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
     }
 
     fn turns(&self, length: R, end: &PivaState<R>) -> Turns<R> {
-        if !R::FAST_PATHS || self.remainder.is_none() {
+        if !R::FAST_PATHS || !self.proved {
             return Turns::Unknown;
         }
         let order = self.piva.accuracy.order;
@@ -342,10 +337,10 @@ impl<R: Real> Curve for PivaFlight<'_, R> {
 
     fn fourth(&self) -> R {
         let share = self.share(self.reach);
-        self.remainder.map_or(R::NAN, |remainder| {
-            let fourth = fourth_bound(&self.series.y, share) + remainder.fourth(share);
-            fourth / (self.step * self.step * self.step * self.step)
-        })
+        // Of the motion as carried; what it leaves out is part of the doubt.
+        let fourth = fourth_bound(&self.series.y, share);
+        let fourth = fourth / (self.step * self.step * self.step * self.step);
+        if self.proved { fourth } else { R::NAN }
     }
 
     fn magnitude(&self) -> R {

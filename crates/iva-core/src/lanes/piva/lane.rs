@@ -51,8 +51,8 @@ arrays! {
     lost, lost_in_pivot, worked, square, limit_x, limit_a,
     /// The step: its length, how much of it is wanted, how much of it is proven.
     step, most, reach,
-    /// Whether that is, with which ratio, and how often one was tried.
-    proved, ratio, tries,
+    /// 1 if that is proved.
+    proved,
     /// The stretch that was looked at, and the distance at its end; where it meets a wall, and which.
     length, end_distance, until, meets,
     /// A step that is done: how much of it, 0 for one that is not; the wall at its end.
@@ -165,10 +165,10 @@ impl Lane {
         Drive { primary: [value[0], rate[0]], base: [value[1], rate[1]] }
     }
 
-    /// Bounds on the coefficients that are left out ([`Force::tail`]); infinite if the ratio is too small.
+    /// Bounds on what is left out of the force ([`Force::left_out`]).
     #[inline(always)]
-    pub fn tail<const N: usize>(&self, h: f64, ratio: f64) -> [f64; 2] {
-        self.acting(self.harmonic().tail::<N>(h, ratio))
+    pub fn left_out<const N: usize>(&self, h: f64) -> [f64; 2] {
+        self.acting(self.harmonic().left_out::<N>(h))
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! A step of every lane, in parts that leave their numbers to the next.
 //!
 //! The same numbers in the same order as in the event loop, without branches. What a lane cannot do here
-//! it leaves as it is, and requests its run; a proof that fails is tried again in the next round.
+//! it leaves as it is, and requests its run.
 
 use super::Shared;
 use super::any;
@@ -16,11 +16,7 @@ use crate::piva::accuracy::Sizes;
 use crate::piva::integrals::{self, Integrands};
 use crate::piva::step::{Step, Turning};
 use crate::real::Real;
-use crate::taylor::remainder::{ATTEMPTS, COARSER, Proof, Remainder, first_ratio};
-use crate::taylor::{ORDER, Series, Swing, unrolled};
-
-/// A proof is tried so often here at most.
-const TRIES: f64 = 3.0;
+use crate::taylor::{ORDER, Remainder, Series, Swing, unrolled};
 
 /// The length of a step, and the force over it.
 #[inline(always)]
@@ -81,23 +77,15 @@ pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool, const SM
 ) {
     for i in 0..W {
         let (lane, series) = (lanes.get(i), rows.get::<N>(i));
-        let ratio = pick(lane.tries > 0.0, lane.ratio, first_ratio::<_, N>(&series));
-        let pendulum = lane.pendulum::<SMALL>();
-        let driven = if DRIVEN { lane.tail::<N>(lane.step, ratio) } else { [0.0; 2] };
-        let proof = Proof::new::<N>(&pendulum, &series, driven, lane.step, ratio);
-        let (mut tail, mut proved) = (proof.first(), false);
-        unrolled!(_attempt < ATTEMPTS => {
-            let (proves, larger) = proof.tried(&tail);
-            proved |= proves;
-            tail = tail.map(&larger, |now, next| pick(proved, now, next));
-        });
-        let remainder = Remainder::proven::<N>(ratio, tail);
+        let (pendulum, most) = (lane.pendulum::<SMALL>(), lane.most);
+        let driven = if DRIVEN { lane.left_out::<N>(lane.step * most) } else { [0.0; 2] };
+        let remainder =
+            Remainder::new::<N>(&pendulum, lane.fastest, &series, driven, (lane.step, most));
         let size = if DRIVEN { rows.drive(i).size() } else { 0.0 };
         let sizes = Sizes::at(lane.mass_ratio, lane.gap_size, &lane.pose.state()).with(size);
-        let (share, kept) = sizes.share(&remainder, lane.most, shared.tolerance);
+        let (share, kept) = sizes.share(&remainder, shared.tolerance);
         lanes.reach[i] = share * lane.step;
-        lanes.proved[i] = pick(proved, pick(kept, 1.0, -1.0), 0.0);
-        lanes.ratio[i] = pick(proved, ratio, ratio * COARSER);
+        lanes.proved[i] = pick(kept, 1.0, 0.0);
     }
 }
 
@@ -127,7 +115,6 @@ pub(super) fn arrive<const W: usize, const N: usize, const DRIVEN: bool, const S
         let proved = lane.proved > 0.0;
         let done = proved & (gap.clear | meeting) & simple & (meeting | (length < remaining));
         let looks = proved & !meeting & (gap.near | gap.far);
-        let tries = (lane.proved == 0.0) & (lane.tries + 1.0 < TRIES);
 
         let mut next = lane;
         (next.length, next.end_distance) = (length, end.distance.value);
@@ -141,11 +128,10 @@ pub(super) fn arrive<const W: usize, const N: usize, const DRIVEN: bool, const S
         next.first = pick(done, f64::INFINITY, lane.first);
         next.share = pick(done, share, 0.0);
         next.work = lane.work + pick(done, 1.0, 0.0);
-        next.tries = pick(tries, lane.tries + 1.0, pick(looks, lane.tries, 0.0));
         next.meets = pick(looks, pick(gap.near, NEAR, FAR), NONE);
         next.met = pick(done, lane.meets, NONE);
         let full = next.work >= lane.max_work;
-        let goes_on = ((done & !meeting) | looks | tries) & !full;
+        let goes_on = ((done & !meeting) | looks) & !full;
         next.request = pick(goes_on, 0.0, lane.live);
         if DRIVEN {
             next.requests = next.request + pick(done, shared.tells, 0.0);
