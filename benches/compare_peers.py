@@ -11,8 +11,8 @@ The rows of iva differ in the measures asked for; chatter is always included. Th
 "heyoka's over it" is the time of heyoka's fastest complete mode over that of the row; complete is a
 mode that runs every scene to its end. The others count impacts and keep the last state.
 
-Then the speed-up by a second thread against that of an empty loop, and the time of one call from
-Python. Needs the extra ``bench``.
+Then a sweep under a recorded force, the speed-up by a second thread against that of an empty loop,
+and the time of one call from Python. Needs the extra ``bench``.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
-from sweep_peers import with_heyoka, with_numba, with_scipy
+from sweep_peers import recorded, with_heyoka, with_numba, with_scipy
 from sweep_peers.grid import GRIDS, UNFINISHED, Grid
 
 import iva
@@ -229,6 +229,19 @@ def call() -> str:
     return f"A call of iva.simulate, 30 periods, impacts and summary: {median:.0f} µs."
 
 
+def frame() -> str:
+    """Time a sweep of one point that lasts a tenth of a period, with its summary."""
+    scene = GRIDS["siva"].scene() | {"duration": 0.6}
+    over = {"mass_ratio": [0.1]}
+
+    def once() -> object:
+        return iva.sweep(**scene, over=over, measures=("impacts",), threads=1).summary
+
+    once()
+    median = 1e6 * statistics.median(wall(once) for _ in range(2000))
+    return f"A call of iva.sweep with one point of no work, and its summary: {median:.0f} µs."
+
+
 def conversion() -> str:
     """Time what makes a polars frame of a table: it changes hands without a copy."""
     results = [
@@ -253,8 +266,11 @@ def main() -> None:
         for line in table(name, compare(name, 1 if quick else ROUNDS)):
             print(line, flush=True)
         print()
+    print(recorded.table(1 if quick else ROUNDS))
+    print()
     print(threads(2 if quick else PAIRS))
     print(call())
+    print(frame())
     print(conversion())
 
 
