@@ -247,17 +247,20 @@ impl<R: Real> Defects<R> {
             coupling,
             frequency_squared: r2,
             pivot_damping: nu,
+            small_angles,
             ..
         } = *pendulum;
         let over_b = R::ONE / b;
-        // Bounds on θ̇ = W/b and on β a/b on the neighbourhood, and on y/b.
-        let turning = (sums.w * over_b + NEIGHBOURHOOD) * WIDER;
-        let pulled = (coupling * (sums.a + self.acceleration) * over_b + NEIGHBOURHOOD) * WIDER;
+        // Bounds on θ̇ = W/b and on β a/b on the neighbourhood, and on y/b; at small angles all three are without effect.
+        let nonlinear = |size: R| if small_angles { R::ZERO } else { size };
+        let turning = nonlinear((sums.w * over_b + NEIGHBOURHOOD) * WIDER);
+        let pull = coupling * (sums.a + self.acceleration) * over_b;
+        let pulled = nonlinear((pull + NEIGHBOURHOOD) * WIDER);
         let wide = R::from(WIDER);
         // Partial derivatives of a: by x and u together, by y, W/F and b c together.
         let by_primary = (R::ONE + damping_ratio * 2.0) * self.over_inertia;
         let centrifugal = turning * (turning + fastest * wide * 2.0 + nu);
-        let hanging = (r2 * 2.0 + fastest * nu) * wide;
+        let hanging = (r2 + nonlinear(r2) + fastest * nu) * wide;
         let by_gap = (centrifugal + hanging + pulled * wide * 2.0)
             * (mass_ratio * lever * self.over_inertia);
         let growth = self.length / (order + 2.0);
