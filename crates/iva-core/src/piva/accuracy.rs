@@ -88,7 +88,7 @@ impl<R: Real> Piva<R> {
             if remainder.proves() {
                 return share_kept(&remainder, self, from, driven);
             }
-            most = most * 0.5;
+            most *= 0.5;
         }
         None
     }
