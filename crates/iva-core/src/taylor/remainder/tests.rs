@@ -4,7 +4,7 @@
 use super::*;
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Force, Harmonic};
-use crate::taylor::{Swing, with_order};
+use crate::taylor::Swing;
 
 /// Longer than any series in use.
 const LONG: usize = 121;
