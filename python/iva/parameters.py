@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, fields
+from functools import cache
 from numbers import Real
 
 from iva import _iva
@@ -108,14 +109,12 @@ class Part:
 
     def __post_init__(self) -> None:
         """Turn every value into a float; check ranges, and that no two set the same quantity."""
-        for field in fields(self):  # type: ignore[arg-type]
-            value = getattr(self, field.name)
-            path = f"{self._part}.{field.name}"
-            if field.name in self._words:
-                if not isinstance(value, str):
-                    raise TypeError(f"{path} = {shown(value)}: give a word")
-            elif value is not None:
-                object.__setattr__(self, field.name, number(path, value))
+        for name in self._words:
+            if not isinstance(value := getattr(self, name), str):
+                raise TypeError(f"{self._part}.{name} = {shown(value)}: give a word")
+        for name, path in numeric(type(self)):
+            if (value := getattr(self, name)) is not None:
+                object.__setattr__(self, name, number(path, value))
         _iva.check(self._part, list(given(self).items()))
 
     def __repr__(self) -> str:
@@ -125,9 +124,15 @@ class Part:
 
 def given(part: Part) -> dict[str, float]:
     """Return the fields of a part that were given, by name."""
-    names = (field.name for field in fields(part) if field.name not in part._words)  # type: ignore[arg-type]
-    values = ((name, getattr(part, name)) for name in names)
+    values = ((name, getattr(part, name)) for name, _ in numeric(type(part)))
     return {name: value for name, value in values if value is not None}
+
+
+@cache
+def numeric(kind: type[Part]) -> tuple[tuple[str, str], ...]:
+    """Return name and path ``"part.name"`` of every field of a kind of part that holds a number."""
+    names = (field.name for field in fields(kind))  # type: ignore[arg-type]
+    return tuple((name, f"{kind._part}.{name}") for name in names if name not in kind._words)
 
 
 def constructor(part: Part) -> str:
@@ -452,7 +457,9 @@ def spec(*parts: Part | None, run: Mapping[str, float | None] | None = None) -> 
             fields_given |= {f"absorber.{name}": word for name, word in choices(part)}
         if part is None:
             continue
-        fields_given |= {f"{part._part}.{name}": value for name, value in given(part).items()}
+        for name, path in numeric(type(part)):
+            if (value := getattr(part, name)) is not None:
+                fields_given[path] = value
     for name, value in (run or {}).items():
         if value is not None:
             fields_given[f"run.{name}"] = number(f"run.{name}", value)

@@ -150,7 +150,7 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     let study = without_trajectory(&file.study);
     let located = |invalid| file.source.locate(&invalid);
     let cancel = alarm(PATIENCE);
-    let workers = Workers::new(Some(1))?;
+    let workers = Workers::caller();
     let control =
         Control { workers: &workers, chunk: Some(BATCH), cancel: &cancel, progress: &|_| {} };
     let is_over = || cancel.load(Ordering::Relaxed);

@@ -112,10 +112,8 @@ pub fn column_units(
     system: &str,
     swept: Vec<String>,
 ) -> PyResult<(&'static str, BTreeMap<&'static str, Units>)> {
-    let system = [UnitSystem::Si, UnitSystem::Seconds, UnitSystem::Natural]
-        .into_iter()
-        .find(|units| units.name() == system)
-        .ok_or_else(|| {
+    let system =
+        UnitSystem::ALL.into_iter().find(|units| units.name() == system).ok_or_else(|| {
             let rule = "give si, seconds or natural";
             invalid(Invalid::new("units", system, rule))
         })?;
@@ -219,7 +217,7 @@ pub(crate) fn named(tables: engine::Tables) -> Tables {
 /// Runs a study of one point that takes more than a moment.
 fn run(py: Python<'_>, study: Study) -> PyResult<Tables> {
     let tables = worker::run(py, None, move |shared| {
-        let workers = engine::Workers::new(Some(1))?;
+        let workers = engine::Workers::caller();
         engine::validate(&study, &workers, &shared.cancel, &|_| {})?;
         let control = engine::Control {
             workers: &workers,

@@ -105,7 +105,7 @@ impl PyStudy {
         let (study, points) = (Arc::clone(&self.study), self.identity.points);
         let progress = progress.map(|callback| Progress { callback, total: points });
         let tables = worker::run(py, progress.as_ref(), move |shared| {
-            let workers = workers(threads)?;
+            let workers = if threads == Some(1) { Workers::caller() } else { workers(threads)? };
             if let Some(limit) = memory_limit {
                 refuse_too_large(&study, limit, &workers, &shared.cancel)?;
             }
@@ -151,7 +151,7 @@ impl PyStudy {
     fn run_points(&self, py: Python<'_>, first: u64, last: u64) -> PyResult<Tables> {
         let study = Arc::clone(&self.study);
         let tables = worker::run(py, None, move |shared| {
-            let workers = Workers::new(Some(1))?;
+            let workers = Workers::caller();
             let (chunk, cancel) = (None, &shared.cancel);
             let progress = |done| shared.add(done);
             let control = Control { workers: &workers, chunk, cancel, progress: &progress };

@@ -32,6 +32,7 @@ pub mod theory;
 pub mod units;
 pub mod variable;
 pub mod verify;
+mod workers;
 
 pub use engine::{design, scene};
 pub(crate) use iva_core::error;

@@ -6,8 +6,6 @@
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
-
 use crate::choices::Kind;
 use crate::columns::columns;
 use crate::done::Done;
@@ -57,12 +55,8 @@ impl Trial {
         let points = study.points()?;
         let samples = SAMPLES.min(points);
         let study = limited(study)?;
-        let tried: Vec<Result<(Tables, Done), SweepError>> = workers.install(|| {
-            (0..samples)
-                .into_par_iter()
-                .map(|sample| one(&study, spread(sample, samples, points), workers, cancel))
-                .collect()
-        });
+        let tried = workers
+            .map(samples, |sample| one(&study, spread(sample, samples, points), workers, cancel));
         let mut trial = Self { done: Done::default(), tables: Vec::new() };
         for tried in tried {
             let (tables, done) = tried?;

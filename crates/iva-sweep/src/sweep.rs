@@ -6,16 +6,14 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 
 use arrow_array::{Array, RecordBatch, StringArray};
-use arrow_schema::ArrowError;
+use arrow_schema::{ArrowError, SchemaRef};
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
 use iva_core::lanes::Tier;
 use iva_core::propagation::{Differentiable, Errors};
 use iva_core::simulate::Outcome;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::done::Done;
 use crate::engine::design::Design;
@@ -24,7 +22,7 @@ use crate::engine::rows::{Cell, Estimate};
 use crate::side_by_side::{Asked, summaries};
 use crate::study::{Study, Table};
 use crate::tables::{TableBuilder, schema_in};
-use crate::units::UnitSystem;
+pub use crate::workers::{MAX_THREADS, Workers};
 
 /// The tables of a range of points.
 pub type Tables = BTreeMap<Table, RecordBatch>;
@@ -41,38 +39,6 @@ pub enum SweepError {
     /// A table could not be built.
     #[error("a result table could not be built: {0}")]
     Table(#[from] ArrowError),
-}
-
-/// Largest number of worker threads.
-pub const MAX_THREADS: usize = 1024;
-
-/// The worker threads of one or more sweeps.
-pub struct Workers(rayon::ThreadPool);
-
-impl Workers {
-    /// Starts `threads` workers; `None`: one per core.
-    ///
-    /// # Errors
-    /// [`SweepError`] for a count of zero or beyond [`MAX_THREADS`], or threads that do not start.
-    pub fn new(threads: Option<usize>) -> Result<Self, SweepError> {
-        // Without a number rayon would read it from the environment, without this limit.
-        let cores = || thread::available_parallelism().map_or(1, usize::from).min(MAX_THREADS);
-        let threads = threads.unwrap_or_else(cores);
-        if !(1..=MAX_THREADS).contains(&threads) {
-            let allowed = format!("give a whole number, 1 or greater, at most {MAX_THREADS}");
-            return Err(Invalid::new("threads", threads, allowed).into());
-        }
-        Ok(Self(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?))
-    }
-
-    pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        self.0.install(work)
-    }
-
-    /// Number of threads.
-    pub fn count(&self) -> usize {
-        self.0.current_num_threads()
-    }
 }
 
 /// How a sweep runs; nothing here changes a result.
@@ -125,7 +91,7 @@ pub fn validate(
         fault
     };
     let chunks = points.div_ceil(CHECKED);
-    let fault = workers.install(|| (0..chunks).into_par_iter().find_map_first(first_fault));
+    let fault = workers.first(chunks, first_fault);
     fault.flatten().map_or(Ok(()), Err)
 }
 
@@ -144,7 +110,7 @@ pub fn sweep(
     points: Range<u64>,
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
-    let units = study.units()?;
+    let schemas = schemas(study)?;
     let length = points.end.saturating_sub(points.start);
     // Several chunks per worker, so that a small grid keeps all workers busy. Lanes become idle at the end of
     // each chunk.
@@ -153,29 +119,31 @@ pub fn sweep(
         workers => length.div_ceil(8 * workers),
     };
     let chunk = control.chunk.map_or(CHUNK.min(share), |chunk| chunk as u64).max(1);
-    let parts: Vec<Result<Tables, SweepError>> = control.workers.install(|| {
-        (0..length.div_ceil(chunk))
-            .into_par_iter()
-            .map(|index| {
-                let first = points.start + index * chunk;
-                let range = first..points.end.min(first + chunk);
-                run_chunk(study, range, units, control)
-            })
-            .collect()
+    let parts = control.workers.map(length.div_ceil(chunk), |index| {
+        let first = points.start + index * chunk;
+        run_chunk(study, first..points.end.min(first + chunk), &schemas, control)
     });
-    join(study, units, parts)
+    join(&schemas, parts)
 }
 
-fn join(
-    study: &Study,
-    units: UnitSystem,
-    parts: Vec<Result<Tables, SweepError>>,
-) -> Result<Tables, SweepError> {
-    let parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
+type Schemas = BTreeMap<Table, SchemaRef>;
+
+/// The schemas of the tables of a study.
+fn schemas(study: &Study) -> Result<Schemas, Invalid> {
+    let units = study.units()?;
+    let tables = study.tables.iter().filter(|table| Table::SWEEP.contains(table));
+    Ok(tables.map(|&table| (table, schema_in(study, table, units))).collect())
+}
+
+fn join(schemas: &Schemas, parts: Vec<Result<Tables, SweepError>>) -> Result<Tables, SweepError> {
+    let mut parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
+    if parts.len() == 1 {
+        return Ok(parts.swap_remove(0));
+    }
     let mut tables = Tables::new();
-    for &table in study.tables.iter().filter(|table| Table::SWEEP.contains(table)) {
-        let batches = parts.iter().filter_map(|part| part.get(&table));
-        tables.insert(table, concat_batches(&schema_in(study, table, units), batches)?);
+    for (table, schema) in schemas {
+        let batches = parts.iter().filter_map(|part| part.get(table));
+        tables.insert(*table, concat_batches(schema, batches)?);
     }
     Ok(tables)
 }
@@ -183,12 +151,12 @@ fn join(
 fn run_chunk(
     study: &Study,
     points: Range<u64>,
-    units: UnitSystem,
+    schemas: &Schemas,
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
     let request = Request::new(study);
     let rows = (points.end - points.start) as usize;
-    let mut builders = builders(study, units, rows);
+    let mut builders = builders(schemas, rows);
     let mut row = |cells: &mut dyn Iterator<Item = Cell>| {
         if let Some(builder) = builders.get_mut(&Table::Summary) {
             builder.row(cells);
@@ -213,9 +181,9 @@ fn run_chunk(
 type Builders = BTreeMap<Table, TableBuilder>;
 
 /// Empty tables, each with room for this number of rows.
-fn builders(study: &Study, units: UnitSystem, rows: usize) -> Builders {
-    let tables = study.tables.iter().filter(|table| Table::SWEEP.contains(table));
-    tables.map(|&table| (table, TableBuilder::new(schema_in(study, table, units), rows))).collect()
+fn builders(schemas: &Schemas, rows: usize) -> Builders {
+    let builder = |schema: &SchemaRef| TableBuilder::new(SchemaRef::clone(schema), rows);
+    schemas.iter().map(|(&table, schema)| (table, builder(schema))).collect()
 }
 
 fn finish(builders: Builders) -> Result<Tables, SweepError> {
@@ -237,7 +205,7 @@ pub fn run_inline(study: &Study, work: u64) -> Result<Option<Tables>, SweepError
     }
     let cut = design.limits.max_work > work;
     design.limits.max_work = design.limits.max_work.min(work);
-    let mut builders = builders(study, study.units()?, 1);
+    let mut builders = builders(&schemas(study)?, 1);
     let request = Request::new(study);
     run_point(study, 0, &design, &request, &AtomicBool::new(false), &mut builders)?;
     let tables = finish(builders)?;

@@ -2,16 +2,17 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::iter;
+use std::sync::{Arc, OnceLock};
 
 use arrow_array::builder::{
     BooleanBuilder, Float64Builder, Int8Builder, Int64Builder, StringBuilder, UInt32Builder,
 };
 use arrow_array::{ArrayRef, RecordBatch};
-use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
+use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema, SchemaRef};
 use iva_core::error::Invalid;
 
-use crate::columns::{SCHEMA_VERSION, columns};
+use crate::columns::{Column, SCHEMA_VERSION, columns};
 use crate::fields::Quantity;
 use crate::identity::Identity;
 use crate::slot::Slot;
@@ -115,25 +116,19 @@ pub(crate) fn schema_of(
 }
 
 pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> SchemaRef {
-    let mut fields = vec![Field::new("point", DataType::UInt32, false).with_metadata(
-        field_metadata("1", "number of the point; of a grid row-major, last axis fastest"),
-    )];
+    let (point, own) = fields(table, units).split_at(1);
+    let mut fields = point.to_vec();
     if table == Table::Summary {
         for swept in study.sampling.keys() {
             let info = swept.slot.info();
-            fields.push(
+            fields.push(Arc::new(
                 Field::new(swept.key, DataType::Float64, false)
                     .with_metadata(field_metadata(units.unit(info.quantity), info.help)),
-            );
+            ));
         }
     }
     let there = |name| table == Table::Summary && study.sweeps(name);
-    for column in columns(table).iter().filter(|column| !there(column.name)) {
-        fields.push(
-            Field::new(column.name, data_type(column.quantity), true)
-                .with_metadata(field_metadata(units.unit(column.quantity), column.help)),
-        );
-    }
+    fields.extend(own.iter().filter(|column| !there(column.name())).cloned());
     let swept: Vec<&str> = study.sampling.keys().map(|swept| swept.key).collect();
     let metadata = [
         ("iva.schema_version", SCHEMA_VERSION.to_string()),
@@ -147,6 +142,24 @@ pub(crate) fn schema_in(study: &Study, table: Table, units: UnitSystem) -> Schem
     let metadata: HashMap<String, String> =
         metadata.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
     Arc::new(Schema::new_with_metadata(fields, metadata))
+}
+
+/// The column `point` and the [`columns`] of a table as Arrow fields. They are made once in a process, for to
+/// make them takes longer than a short run.
+fn fields(table: Table, units: UnitSystem) -> &'static [FieldRef] {
+    static FIELDS: [[OnceLock<Vec<FieldRef>>; Table::ALL.len()]; UnitSystem::ALL.len()] =
+        [const { [const { OnceLock::new() }; Table::ALL.len()] }; UnitSystem::ALL.len()];
+    FIELDS[units as usize][table as usize].get_or_init(|| {
+        let point = Field::new("point", DataType::UInt32, false).with_metadata(field_metadata(
+            "1",
+            "number of the point; of a grid row-major, last axis fastest",
+        ));
+        let column = |column: &Column| {
+            Field::new(column.name, data_type(column.quantity), true)
+                .with_metadata(field_metadata(units.unit(column.quantity), column.help))
+        };
+        iter::once(point).chain(columns(table).iter().map(column)).map(Arc::new).collect()
+    })
 }
 
 fn field_metadata(unit: &str, description: &str) -> HashMap<String, String> {

@@ -25,6 +25,9 @@ pub enum UnitSystem {
 }
 
 impl UnitSystem {
+    /// All of them.
+    pub const ALL: [UnitSystem; 3] = [UnitSystem::Si, UnitSystem::Seconds, UnitSystem::Natural];
+
     /// The unit of a quantity, as written into Arrow field metadata and `repr`.
     pub fn unit(self, quantity: Quantity) -> &'static str {
         use Quantity as Q;
