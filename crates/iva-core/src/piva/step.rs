@@ -10,7 +10,7 @@ use crate::oscillator::Primary;
 use crate::polynomial::horners;
 use crate::quintic::{monomials, root};
 use crate::real::Real;
-use crate::taylor::{Pendulum, Row, Series, Swing, refined_cosine, unrolled};
+use crate::taylor::{ORDER, Pendulum, Row, Series, Swing, refined_cosine, unrolled};
 
 /// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
 pub(crate) const STEEP: f64 = 0.7;
@@ -36,13 +36,17 @@ impl<R: Real> Step<'_, R> {
         self.reached(h, primary, distance, from.w.plus(w), from.cosine.plus(c))
     }
 
-    /// The same, the linear terms to twice the precision, which leaves the rounding of those from h² on.
+    /// The state at the end of a step. At full accuracy its linear terms are computed to twice the precision,
+    /// which leaves the rounding of those from h² on; a series of a lower order leaves out more than they round.
     #[inline(always)]
     pub fn arrival<const N: usize>(
         &self,
         h: R,
         drive: Option<&Drive<DoubleDouble<R>, 2>>,
     ) -> PivaState<R> {
+        if N < ORDER {
+            return self.state::<N>(h);
+        }
         let (t, from, series) = (h / self.length, self.from, self.series);
         let cosine = self.precise_cosine();
         let start =
