@@ -41,6 +41,8 @@ struct Shared {
     longest: f64,
     /// What y may be off, relative to the clearance.
     doubt: f64,
+    /// True if measures read the displacement of a free decay.
+    decay: bool,
     /// True if losses are asked for.
     ledger: bool,
     /// True if pivots are damped.
@@ -104,6 +106,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
             tolerance: piva.accuracy.tolerance,
             longest: piva.accuracy.longest_step,
             doubt: piva.accuracy.doubt(),
+            decay: wanted.decay(),
             ledger: wanted.ledger,
             pivots: piva.pendulum.pivot_damping != 0.0,
             tells: if tells { 1.0 } else { 0.0 },
@@ -119,7 +122,11 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
         step::begin::<LANES, DRIVEN, SMALL>(lanes, rows, shared);
         step::series::<LANES, N, DRIVEN, SMALL>(lanes, rows);
         step::prove::<LANES, N, DRIVEN, SMALL>(lanes, rows, shared);
-        step::arrive::<LANES, N, DRIVEN, SMALL>(lanes, rows, shared);
+        if !DRIVEN && shared.decay {
+            step::arrive::<LANES, N, DRIVEN, SMALL, true>(lanes, rows, shared);
+        } else {
+            step::arrive::<LANES, N, DRIVEN, SMALL, false>(lanes, rows, shared);
+        }
         if any(&lanes.meets) {
             step::meet::<LANES, N, SMALL>(lanes, rows);
         }

@@ -176,6 +176,13 @@ impl Lane {
         DoubleDouble { value: self.time, rest: self.time_rest }
     }
 
+    /// True if a step of this length passes an instant.
+    #[inline(always)]
+    pub fn passes(&self, instant: f64, length: f64) -> bool {
+        let ahead = -self.clock().minus(instant);
+        (ahead > 0.0) & (ahead <= length)
+    }
+
     /// A lane without a run: it never gets anywhere.
     pub fn idle() -> Self {
         let pose =

@@ -89,9 +89,15 @@ pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool, const SM
     }
 }
 
-/// Goes to the end of the step, if it meets no wall, and measures on the way.
+/// Goes to the end of the step, if it meets no wall; where a decay is `WATCHED`, measures it on the way.
 #[inline(always)]
-pub(super) fn arrive<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>(
+pub(super) fn arrive<
+    const W: usize,
+    const N: usize,
+    const DRIVEN: bool,
+    const SMALL: bool,
+    const WATCHED: bool,
+>(
     lanes: &mut Lanes<W>,
     rows: &Rows<W>,
     shared: &Shared,
@@ -110,8 +116,12 @@ pub(super) fn arrive<const W: usize, const N: usize, const DRIVEN: bool, const S
         let drive = if DRIVEN { Some(lane.beginning()) } else { None };
         let end = step.arrival::<N>(length, drive.as_ref());
         let gap = step.gap::<N>(&end, length, shared.doubt);
-        let (simple, stretch) =
-            if DRIVEN { (true, Stretch::NONE) } else { looked_at::<N>(&lane, &step, &end, length) };
+        let (simple, stretch) = if WATCHED {
+            looked_at::<N>(&lane, &step, &end, length)
+        } else {
+            // The energy after a period is read of every decay.
+            (DRIVEN | !lane.passes(f64::TURN.value, length), Stretch::NONE)
+        };
         let proved = lane.proved > 0.0;
         let done = proved & (gap.clear | meeting) & simple & (meeting | (length < remaining));
         let looks = proved & !meeting & (gap.near | gap.far);
@@ -135,8 +145,10 @@ pub(super) fn arrive<const W: usize, const N: usize, const DRIVEN: bool, const S
         next.request = pick(goes_on, 0.0, lane.live);
         if DRIVEN {
             next.requests = next.request + pick(done, shared.tells, 0.0);
-        } else {
+        } else if WATCHED {
             watch(&mut next, &stretch, clock, done);
+        } else {
+            next.requests = next.request;
         }
         lanes.set(i, &next);
     }
@@ -156,12 +168,9 @@ fn looked_at<const N: usize>(
     let stretch =
         Stretch { x: [x, x_turn, end.primary.x.value], h: [0.0, h_turn, length], turns, loss: 0.0 };
     // Steps across the instants that measures look at are for the loop.
-    let across = |instant: f64| {
-        let ahead = -lane.clock().minus(instant);
-        (ahead > 0.0) & (ahead <= length)
-    };
-    let looked_at =
-        across(f64::TURN.value) | across(lane.watch.late_from) | across(lane.watch.later_from);
+    let looked_at = lane.passes(f64::TURN.value, length)
+        | lane.passes(lane.watch.late_from, length)
+        | lane.passes(lane.watch.later_from, length);
     (stretch.ends(lane.watch.peak_sign).simple() & decided & !looked_at, stretch)
 }
 
