@@ -5,7 +5,7 @@ use arrow_array::types::{Float64Type, Int8Type, Int32Type, Int64Type, UInt32Type
 use arrow_array::{Array, RecordBatch};
 use arrow_schema::DataType;
 
-/// The number in a column and row; `None` for null, for text and for an unknown column.
+/// The numeric value of a cell; `None` for null, for text and for an unknown column.
 pub(crate) fn number(rows: &RecordBatch, column: &str, row: usize) -> Option<f64> {
     let array = rows.column_by_name(column)?;
     if row >= array.len() || array.is_null(row) {
@@ -22,7 +22,7 @@ pub(crate) fn number(rows: &RecordBatch, column: &str, row: usize) -> Option<f64
     }
 }
 
-/// The text in a column and row, yes or no for a flag; `None` for null, for numbers and for an unknown column.
+/// The text of a cell, `yes` or `no` for a flag; `None` for null, for numbers and for an unknown column.
 pub(crate) fn text<'a>(rows: &'a RecordBatch, column: &str, row: usize) -> Option<&'a str> {
     let array = rows.column_by_name(column)?;
     if row >= array.len() || array.is_null(row) {
@@ -37,7 +37,7 @@ pub(crate) fn text<'a>(rows: &'a RecordBatch, column: &str, row: usize) -> Optio
     }
 }
 
-/// A number to so many significant digits, as short as it can be said.
+/// A number rounded to a count of significant digits, without zeros at its end.
 pub(crate) fn short(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
     match text.split_once('e') {
@@ -46,7 +46,7 @@ pub(crate) fn short(value: f64, digits: usize) -> String {
     }
 }
 
-/// Numbers of one column, as short as they can be said with the same number of decimals.
+/// The numbers of one column, all with the fewest decimals that every one of them needs.
 pub(crate) fn aligned(values: &[f64], digits: usize) -> Vec<String> {
     let texts: Vec<String> = values.iter().map(|value| short(*value, digits)).collect();
     if texts.iter().any(|text| text.contains('e')) {
@@ -60,13 +60,13 @@ pub(crate) fn aligned(values: &[f64], digits: usize) -> Vec<String> {
     values.iter().map(|value| format!("{value:.decimals$}")).collect()
 }
 
-/// A number to so many significant digits, zeros at the end kept so that columns line up.
+/// A number rounded to a count of significant digits, with zeros at its end so that columns line up.
 pub(crate) fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
     let digits = digits.max(1);
-    // Rounding first tells the exponent of what will be shown (9.9996 → 10.00).
+    // The exponent is that of the rounded number (9.9996 → 10.00).
     let scientific = format!("{value:.*e}", digits - 1);
     let exponent: i32 =
         scientific.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
@@ -81,7 +81,7 @@ fn trim_zeros(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
-/// A time in words, to two figures.
+/// A time rounded for reading, with its unit.
 pub(crate) fn duration(seconds: f64) -> String {
     if seconds < 1e-3 {
         "less than 1 ms".to_owned()

@@ -29,20 +29,20 @@ use crate::report::counted;
 use crate::run_study::{size, without_trajectory};
 use crate::scene::describe;
 
-/// Points run for the estimate. A study of up to twice as many is run whole.
+/// Number of points run for the estimate; a study of up to twice as many is run whole.
 const SAMPLES: u64 = 1024;
-/// Points run at once, as many as side by side fill a worker's time well.
+/// Number of points run in one batch, enough to fill the lanes of a worker.
 const BATCH: usize = 64;
-/// Samples that are not done after this time are dropped.
+/// Time limit of the runs of the estimate; a batch that is not done by then is dropped.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// So long may it take to find out into how many parts the study is divided.
+/// Time limit of the trial that finds into how many parts the study is divided.
 const PLAN_PATIENCE: Duration = Duration::from_secs(3);
-/// Of more points only some are checked, as many as take a moment.
+/// Largest number of points that are all checked; of a larger study this many are, spread over it.
 const CHECKED: u64 = 1 << 19;
-/// Samples of a trajectory that is made to see what one takes.
+/// Largest number of samples of the trajectory that is computed for the estimate.
 const TRAJECTORY_SAMPLES: f64 = 1e5;
 
-/// Returns what is to be printed.
+/// Runs `iva check`; returns the text to print.
 ///
 /// # Errors
 /// Anything [`read_study`] and [`StudyFile::validate`] refuse.
@@ -105,7 +105,7 @@ pub(crate) fn check_command(args: &CheckArgs) -> Result<String, Error> {
     Ok(out)
 }
 
-/// Checks every point of a study, or of many points some that are spread over it.
+/// Checks every point of a study, or points spread over it if it has more than [`CHECKED`].
 fn check_points(file: &StudyFile, points: u64) -> Result<(), Error> {
     if points <= CHECKED {
         let progress = Progress::new("checking", points, false);
@@ -123,7 +123,7 @@ fn check_points(file: &StudyFile, points: u64) -> Result<(), Error> {
     Ok(())
 }
 
-/// A flag that is set after some time.
+/// A flag that is set once the given time has passed.
 fn alarm(after: Duration) -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     let set = Arc::clone(&flag);
@@ -134,15 +134,16 @@ fn alarm(after: Duration) -> Arc<AtomicBool> {
     flag
 }
 
+/// Division, time and size of a study, estimated from some of its points.
 struct Estimate {
-    /// `None` if it takes long to tell.
+    /// Division of the study into parts; `None` if finding it takes too long.
     plan: Option<Plan>,
     samples: u64,
-    /// The only run was stopped: time and sizes are too small.
+    /// True if the only run was stopped, so that time and sizes are too small.
     cut: bool,
-    /// On one thread, for the whole study.
+    /// Time of the whole study on one thread, in seconds.
     seconds: f64,
-    /// Bytes of each table.
+    /// Size of each table, in bytes.
     sizes: Vec<(Table, f64)>,
 }
 
@@ -160,7 +161,7 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     let (mut samples, mut seconds) = (0, 0.0);
     let mut batches = Vec::new();
     while samples < wanted {
-        // As many as the time that is left allows, by those before.
+        // As many points as the time left allows, at the mean time of those before.
         let each = start.elapsed().as_secs_f64() / samples as f64;
         let left = PATIENCE.saturating_sub(start.elapsed()).as_secs_f64();
         let batch = if samples == 0 { 1 } else { ((left / each) as u64).clamp(1, BATCH as u64) };
@@ -168,7 +169,7 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
         let tables = sweep(&sampled, samples..last, &control)
             .map_err(|error| file.source.locate_sweep(error))?;
         if is_over() && samples > 0 {
-            // The last of them may have been stopped.
+            // A run of the last batch may have been stopped.
             break;
         }
         batches.push(tables);
@@ -184,7 +185,7 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     let plan = if study.sampling.is_empty() {
         Some(Plan { points: 1, part_points: 1 })
     } else if cut {
-        // Points of a part would be run to see what one takes.
+        // The trial would run more points that take too long.
         None
     } else {
         let stop = alarm(PLAN_PATIENCE);
@@ -203,7 +204,7 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
         sizes.push((*table, parts * empty + factor * (full - empty)));
     }
     if file.study.tables.contains(&Table::Trajectory) {
-        // A long one is made of fewer samples.
+        // Of a long trajectory fewer samples are computed, and the result is scaled up.
         let wanted = file.samples_per_period;
         let duration = file.study.spec.design().map_err(located)?.limits.duration;
         let count = samples_of_motion(duration, wanted).map_err(located)? as f64;
@@ -220,7 +221,7 @@ fn estimate(file: &StudyFile, points: u64) -> Result<Estimate, Error> {
     Ok(Estimate { plan, samples, cut, seconds: seconds * factor, sizes })
 }
 
-/// The study at points spread over it, in an order of which any begin is spread as well.
+/// The study at points spread over it, in an order whose first points are spread over it as well.
 fn sampled(study: &Study, wanted: u64, points: u64) -> Result<Study, Invalid> {
     if study.sampling.is_empty() {
         return Ok(study.clone());

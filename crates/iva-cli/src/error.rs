@@ -1,4 +1,4 @@
-//! What the command can fail with, in the words of the terminal, and the exit code of each.
+//! The errors of the command, worded for the terminal, and their exit codes.
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use iva_store::remedy::Words;
@@ -10,7 +10,7 @@ use iva_sweep::sweep::SweepError;
 use crate::layout::WIDTH;
 use crate::{EXIT_BAD_INPUT, EXIT_FAULT, EXIT_INTERRUPTED};
 
-/// How options are written on the command line.
+/// Spelling of the options on the command line, for error messages.
 pub const COMMAND: Words = Words {
     out: "with --out",
     overwrite: "--overwrite",
@@ -18,19 +18,19 @@ pub const COMMAND: Words = Words {
     overwrite_and_resume: "--overwrite --resume",
 };
 
-/// Everything the command can fail with. `Display` is the message a user reads.
+/// An error of the command; its `Display` is the message a user reads.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A study, or what becomes of it in a folder.
+    /// An error of a study file, a run or an output folder.
     #[error("{}", worded(.0))]
     Study(#[from] iva_study::Error),
-    /// A request that cannot be served as asked: one sentence with what to do instead.
+    /// A request that cannot be served: one sentence with what to do instead.
     #[error("{0}")]
     Refused(String),
 }
 
 impl Error {
-    /// 2 for bad input, 1 for an I/O or internal fault, 130 for an interrupt.
+    /// The exit code: 2 for bad input, 1 for an I/O or internal fault, 130 for an interrupt.
     pub fn exit_code(&self) -> i32 {
         match self {
             Error::Study(error) if error.is_interrupted() => EXIT_INTERRUPTED,
@@ -39,7 +39,7 @@ impl Error {
         }
     }
 
-    /// What a terminal shows, with colours; of an error in a study file also the line.
+    /// The report for a terminal, with colours; for an error in a study file with the line in question.
     pub fn report(&self) -> String {
         match self {
             Error::Study(iva_study::Error::Study(error)) => picture(error),
@@ -48,7 +48,7 @@ impl Error {
     }
 }
 
-/// The message of an error with the options that help.
+/// The message of an error with the command-line options that help.
 fn worded(error: &iva_study::Error) -> String {
     use iva_study::Error;
     match error {
@@ -61,7 +61,7 @@ fn worded(error: &iva_study::Error) -> String {
     }
 }
 
-/// The message with the line it is about, the place underlined; with terminal colours.
+/// The message of an error in a study file with the line in question, the place underlined, in colours.
 fn picture(error: &StudyError) -> String {
     let path = visible(&error.path.display().to_string());
     let message = visible(&error.message);

@@ -1,7 +1,8 @@
 //! Plain text for a terminal of 80 columns.
 
-/// Widest line that is printed.
+/// Width of the widest line that is printed, in characters.
 pub(crate) const WIDTH: usize = 80;
+/// Width of the blank space before each column, in characters.
 const BETWEEN: usize = 2;
 
 /// Breaks a text into lines of at most [`WIDTH`] characters.
@@ -59,7 +60,7 @@ impl TextTable {
         });
     }
 
-    /// Adds a column that may be left out for want of room; of several the last go first.
+    /// Adds a column that is left out if the table is too wide, the last optional column first.
     pub(crate) fn push_optional(&mut self, heading: &str, unit: &str, cells: Vec<String>) {
         self.push(heading, unit, cells);
         if let Some(column) = self.columns.last_mut() {
@@ -79,7 +80,7 @@ impl TextTable {
             }
         }
         let mut left_out = Vec::new();
-        // The last column is the one the table is about: it stays.
+        // The last column is the ranked measure: it stays.
         while width(&columns) > WIDTH && columns.len() > 1 {
             left_out.push(columns.remove(columns.len() - 2).heading.concat());
         }
@@ -111,7 +112,7 @@ impl TextTable {
     }
 }
 
-/// `relative_clearance` over several lines: `relative_`, `clearance`.
+/// A heading broken into lines after `_` and `.`: `relative_`, `clearance`.
 fn stacked(heading: &[String]) -> Vec<String> {
     heading.iter().flat_map(|word| word.split_inclusive(['_', '.'])).map(str::to_owned).collect()
 }

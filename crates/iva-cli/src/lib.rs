@@ -1,4 +1,4 @@
-//! The `iva` command as a library: arguments in, what is printed out.
+//! The `iva` command as a library.
 //!
 //! [`main_with_args`] is the one command line that the native binary and the Python console script
 //! share. Below it, in the order of a run: [`args`] (what was asked) → `sweep_command`, `run_command` and
@@ -35,16 +35,16 @@ pub use error::Error;
 
 use args::{Cli, Command};
 
-/// Done.
+/// Exit code of a command that succeeds.
 pub const EXIT_OK: i32 = 0;
-/// Reading or writing failed, or an internal fault.
+/// Exit code of a failed read or write, or of an internal fault.
 pub const EXIT_FAULT: i32 = 1;
-/// A bad study, argument or output folder.
+/// Exit code of a bad study, argument or output folder.
 pub const EXIT_BAD_INPUT: i32 = 2;
-/// Interrupted by Ctrl-C or a request to terminate.
+/// Exit code after Ctrl-C or a request to terminate.
 pub const EXIT_INTERRUPTED: i32 = 130;
 
-/// The answer to `iva reproduce` where there is no Python.
+/// Message of `iva reproduce` in the native binary, which has no Python.
 const NO_PLOTS: &str = "reproduce draws with Python: pip install 'iva-dynamics[plots]', then run iva \
                         reproduce from there";
 
@@ -58,7 +58,7 @@ pub fn main_with_args(args: Vec<OsString>) -> i32 {
 }
 
 fn parse_and_run(args: Vec<OsString>) -> i32 {
-    // What is said of wrong arguments quotes them.
+    // Usage errors quote the arguments, so control characters in these are made visible.
     let shown: Vec<OsString> =
         args.iter().map(|arg| visible(&arg.to_string_lossy()).into()).collect();
     let parsed = Cli::try_parse_from(args)
@@ -66,7 +66,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
     let cli = match parsed {
         Ok(cli) => cli,
         Err(usage) => {
-            // Help and version come this way too, with exit code 0.
+            // Help and version are also such "errors", with exit code 0.
             return match usage.print() {
                 Ok(()) => usage.exit_code(),
                 Err(reason) if reason.kind() == ErrorKind::BrokenPipe => usage.exit_code(),
@@ -91,13 +91,13 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
     }
 }
 
-/// Does what was asked; returns what is to be printed.
+/// Runs a command; returns the text to print.
 fn run_command_line(command: &Command) -> Result<String, Error> {
     match command {
         Command::Sweep(args) => sweep_command::sweep_command(args),
         Command::Run(args) => run_command::run_command(args),
         Command::Check(args) => check::check_command(args),
-        // The console script of the Python package does this itself before it comes here.
+        // The console script of the Python package handles this command before it calls this function.
         Command::Reproduce(_) => Err(Error::Refused(NO_PLOTS.to_owned())),
     }
 }

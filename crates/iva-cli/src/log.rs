@@ -1,4 +1,4 @@
-//! `--log FILE`: what a run does, as lines of JSON for machines that watch it.
+//! The log of `--log FILE`: the events of a run as lines of JSON.
 //!
 //! Every line is an object with `time` (seconds since 1970, UTC) and `event`: `start`, `checked`,
 //! `damaged`, `part`, and at the end `finished` or `failed`.
@@ -13,14 +13,14 @@ use serde_json::{Value, json};
 
 use crate::error::Error;
 
-/// The file, if one was asked for.
+/// The log of a command; without a file it writes nothing.
 pub(crate) struct Log {
     file: Option<Mutex<File>>,
     start: Instant,
 }
 
 impl Log {
-    /// Opens the file; lines are added at its end.
+    /// Opens the log file for appending; without a path the log writes nothing.
     ///
     /// # Errors
     /// [`Error::Refused`] if it cannot be written.
@@ -41,7 +41,7 @@ impl Log {
         Ok(Self { file, start: Instant::now() })
     }
 
-    /// Writes one line: the event with its fields, an object.
+    /// Appends one event with its fields, which are a JSON object.
     pub(crate) fn event(&self, event: &str, fields: Value) {
         let Some(file) = &self.file else { return };
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
@@ -49,13 +49,13 @@ impl Log {
         if let (Value::Object(line), Value::Object(fields)) = (&mut line, fields) {
             line.extend(fields);
         }
-        // A log that fills the disk must not end the run it tells of.
+        // A log that cannot be written, as on a full disk, must not end the run.
         if let Ok(mut file) = file.lock() {
             let _ = writeln!(file, "{line}");
         }
     }
 
-    /// The last line: how it ended, and after how many seconds.
+    /// Appends the last event: `finished` or `failed`, with the exit code and the time in seconds.
     pub(crate) fn end<T>(&self, result: &Result<T, Error>) {
         let seconds = self.start.elapsed().as_secs_f64();
         match result {

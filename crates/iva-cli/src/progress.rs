@@ -1,4 +1,4 @@
-//! A bar on standard error that tells how far a sweep is; silent unless that is a terminal.
+//! The progress bar of a sweep on standard error, hidden unless that is a terminal.
 
 use std::fmt::Write;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,19 +7,19 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use iva_sweep::done::Done;
 
-/// What is shown, in at most 80 columns.
+/// Template of the bar, at most 80 columns wide.
 const TEMPLATE: &str = "{prefix} {bar:20} {percent:>3} %  {pos}/{len}  {rate}  {eta} left{msg}";
-/// How often the bar moves on by itself, so that long points show that time passes.
+/// Interval at which the bar is redrawn even if no point finishes.
 const TICK: Duration = Duration::from_millis(200);
 
-/// Counts finished points and shows them from whatever thread finishes them.
+/// A progress bar that counts finished points, from any thread.
 pub(crate) struct Progress {
     bar: ProgressBar,
     failed: AtomicU64,
 }
 
 impl Progress {
-    /// Starts the clock; `doing` says what is done to the points.
+    /// Shows a bar and starts its clock; `doing` is the word before it.
     pub(crate) fn new(doing: &'static str, total: u64, quiet: bool) -> Self {
         let target =
             if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
@@ -33,7 +33,7 @@ impl Progress {
         Self { bar, failed: AtomicU64::new(0) }
     }
 
-    /// Begins with points that were finished before; they count for neither rate nor time left.
+    /// Sets the points that were finished earlier; they count neither for the rate nor for the time left.
     pub(crate) fn begin_at(&self, points: u64, failed: u64) {
         self.bar.set_position(points);
         self.bar.reset_eta();
@@ -45,7 +45,7 @@ impl Progress {
         self.bar.inc(points);
     }
 
-    /// Adds finished points, and says how many failed so far.
+    /// Adds finished points and shows how many points have failed so far.
     pub(crate) fn done(&self, done: Done) {
         self.show_failed(done.failed);
         self.add(done.points);
@@ -69,10 +69,10 @@ impl Progress {
     }
 }
 
-/// Points a second, without the decimals that the bar itself would show.
+/// Writes the rate in points a second, with fewer decimals than the bar by default.
 fn write_rate(state: &ProgressState, to: &mut dyn Write) {
     let decimals = if state.per_sec() < 10.0 { 1 } else { 0 };
-    // Nothing can be done about a terminal that takes no text.
+    // A failure to write to the terminal is ignored.
     let _ = write!(to, "{:.decimals$}/s", state.per_sec());
 }
 

@@ -1,4 +1,4 @@
-//! What is printed at the end: the best points of a sweep, or the measures of a single run.
+//! The printed report: the best points of a sweep, or the measures of a single run.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -16,19 +16,20 @@ use crate::cell::{aligned, number, short, significant, text};
 use crate::layout::{TextTable, wrap};
 use crate::scene::NOTHING_MOVES;
 
-/// Said under every table of best points.
+/// Advice under a table of several best points.
 const LUCK: &str = "A single best row is often luck: look at its neighbours, and sweep restitution and \
     the start as well (docs/recipes.md).";
 
-/// Columns shown beside the ranked one, where there is room: in a decay, and under force.
+/// Columns shown beside the ranked one in a free decay, where there is room.
 const BESIDE_DECAY: [&str; 4] =
     ["settling_time_5", "damping_ratio_3", "residual_amplitude", "impacts"];
+/// Columns shown beside the ranked one under force, where there is room.
 const BESIDE_DRIVEN: [&str; 4] = ["amplitude_max", "reduction", "impacts_per_cycle", "impacts"];
 
-/// Those of them that say nothing without absorber.
+/// Columns that are left out for a structure without absorber.
 const OF_ABSORBER: [&str; 3] = ["reduction", "impacts_per_cycle", "impacts"];
 
-/// One row of the table of best points.
+/// A row of the table of best points.
 #[derive(Debug, Clone)]
 struct Row {
     point: u64,
@@ -37,7 +38,7 @@ struct Row {
     beside: Vec<Option<f64>>,
 }
 
-/// Collects the best points of a sweep, batch by batch.
+/// The best points of a sweep, collected batch by batch.
 #[derive(Debug)]
 pub struct BestPoints {
     best_by: &'static str,
@@ -52,7 +53,7 @@ pub struct BestPoints {
 }
 
 impl BestPoints {
-    /// An empty collection; `None` if the report names no measure.
+    /// An empty collection; `None` if the report ranks by no measure.
     pub fn new(report: &Report, study: &Study) -> Option<Self> {
         let best_by = report.best_by?;
         let better = ranked().find(|column| column.name == best_by)?.better?;
@@ -81,7 +82,7 @@ impl BestPoints {
         })
     }
 
-    /// Takes rows of the summary table.
+    /// Adds rows of the summary table.
     pub fn add(&mut self, summary: &RecordBatch) {
         for index in 0..summary.num_rows() {
             self.points += 1;
@@ -102,7 +103,7 @@ impl BestPoints {
             self.rows.push(Row { point, value, impacts, beside });
         }
         let better = self.better;
-        // Nulls last, ties in the order of the points.
+        // Points without a value come last, equal values in the order of the points.
         self.rows.sort_by(|a, b| {
             let order = match (a.value, b.value, better) {
                 (Some(a), Some(b), Better::Smaller) => a.total_cmp(&b),
@@ -114,12 +115,12 @@ impl BestPoints {
         self.rows.truncate(self.count);
     }
 
-    /// The points kept, best first.
+    /// The numbers of the best points, best first.
     pub fn points(&self) -> impl Iterator<Item = u64> + '_ {
         self.rows.iter().map(|row| row.point)
     }
 
-    /// The table and what it leaves out, in lines of at most 80 characters.
+    /// The table of best points with remarks on points it leaves out, in lines of at most 80 characters.
     pub fn print(&self, study: &Study, units: UnitSystem) -> String {
         let mut out = String::new();
         let ranked: u64 = self.points - self.unfinished.values().sum::<u64>();
@@ -173,7 +174,7 @@ impl BestPoints {
         out
     }
 
-    /// Says where the absorber does nothing.
+    /// Adds a remark if nothing moves or the absorber never touches a wall.
     fn remark_idle(&self, study: &Study, out: &mut String) {
         let shown = self.rows.iter().filter(|row| row.impacts == Some(0.0)).count() as u64;
         let sentence = if study.design(0).is_ok_and(|design| design.scene.at_rest()) {
@@ -227,7 +228,7 @@ impl BestPoints {
     }
 }
 
-/// Why a finished run may have no value of a ranked measure.
+/// The reason why a finished run may have no value of a ranked measure, in brackets.
 fn why_none(measure: &str) -> &'static str {
     match measure {
         "residual_amplitude" | "damping_ratio_energy" => {
@@ -240,7 +241,7 @@ fn why_none(measure: &str) -> &'static str {
     }
 }
 
-/// The measures of a single run, one a line, and which of them it does not define.
+/// The measures of a single run, one a line, then the names of those without a value.
 pub fn print_run(summary: &RecordBatch, study: &Study, units: UnitSystem) -> String {
     let mut out = String::new();
     let mut undefined = Vec::new();
@@ -269,7 +270,7 @@ pub fn print_run(summary: &RecordBatch, study: &Study, units: UnitSystem) -> Str
     out
 }
 
-/// The unit where it is a short one; the sentence below the table says the others.
+/// The unit of a quantity, or nothing if it is 1 or too long for a column.
 fn short_unit(units: UnitSystem, quantity: Quantity) -> &'static str {
     match units.unit(quantity) {
         "1" => "",
@@ -278,7 +279,7 @@ fn short_unit(units: UnitSystem, quantity: Quantity) -> &'static str {
     }
 }
 
-/// `1 point`, `2 points`.
+/// A count with its noun in the singular or plural: `1 point`, `2 points`.
 pub(crate) fn counted(count: u64, noun: &str) -> String {
     match count {
         1 => format!("1 {noun}"),

@@ -1,4 +1,4 @@
-//! `iva run`: one run, every table of it.
+//! `iva run`: a single run with all its tables.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -29,7 +29,7 @@ use crate::report::print_run;
 use crate::run_study::{choose_tables, folder, log_start, print_written, without_trajectory};
 use crate::verified::{print_verified, write_errors};
 
-/// Runs a study without a sweep, or one point of one; returns what is to be printed.
+/// Runs a study without a sweep, or one point of a sweep; returns the text to print.
 ///
 /// # Errors
 /// Anything [`read_study`], [`StudyFile::validate`] and [`Output`] refuse; a study with `[sweep]`
@@ -95,7 +95,7 @@ fn run(all: &RunPointArgs, log: &Log) -> Result<String, Error> {
     Ok(out)
 }
 
-/// The tables that are asked for, the trajectory among them, and the number of runs that were not finished.
+/// The tables of the run, with the trajectory if asked for, and the number of runs that did not finish.
 fn compute(
     file: &StudyFile,
     workers: &Workers,
@@ -133,7 +133,7 @@ fn write_table(
     Ok((table.name().to_owned(), total))
 }
 
-/// Makes a study without a sweep of one of its points.
+/// Turns a sweep into a single run of one of its points, with every table.
 fn single_out(file: &mut StudyFile, point: u64) -> Result<(), Error> {
     let points = file.points()?;
     if file.study.sampling.is_empty() || point >= points {

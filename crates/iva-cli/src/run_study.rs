@@ -1,4 +1,4 @@
-//! What `iva sweep` and `iva run` have in common: reading the study, the folder, the last lines.
+//! Common parts of `iva sweep` and `iva run`: study, output folder, and the list of written files.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::log::Log;
 use crate::report::counted;
 
-/// Reads the study of a command.
+/// Reads the study of a command and applies `--tables`.
 ///
 /// # Errors
 /// Anything [`read_study`] refuses, and tables that do not go with the study.
@@ -23,7 +23,7 @@ pub(crate) fn load(args: &RunArgs) -> Result<StudyFile, Error> {
     Ok(file)
 }
 
-/// Puts `--tables` in the place of `run.tables`.
+/// Replaces `run.tables` of the study by `--tables`, if that is given.
 ///
 /// # Errors
 /// [`Error::Refused`] for the trajectory of a sweep.
@@ -40,7 +40,7 @@ pub(crate) fn choose_tables(file: &mut StudyFile, args: &RunArgs) -> Result<(), 
     Ok(())
 }
 
-/// Logs what is about to run.
+/// Logs the `start` event: version, study, points, threads and format.
 ///
 /// # Errors
 /// As [`StudyFile::points`].
@@ -59,25 +59,26 @@ pub(crate) fn log_start(log: &Log, args: &RunArgs, file: &StudyFile) -> Result<(
     Ok(())
 }
 
-/// The folder that a command writes.
+/// The output folder of a command.
 pub(crate) fn folder(args: &RunArgs) -> PathBuf {
     args.out.clone().unwrap_or_else(|| default_folder(&args.study))
 }
 
-/// `results/<name of the study file>`; of a name like `...toml` all of it, for its stem is `..`.
+/// The default output folder, `results/<stem of the study file>`; where the stem is `.` or `..` the
+/// whole name takes its place.
 fn default_folder(study: &Path) -> PathBuf {
     let stem = study.file_stem().filter(|stem| *stem != ".." && *stem != ".");
     Path::new("results").join(stem.or(study.file_name()).unwrap_or(study.as_os_str()))
 }
 
-/// The study with the tables that a sweep builds.
+/// The study without the trajectory table, which no sweep builds.
 pub(crate) fn without_trajectory(study: &Study) -> Study {
     let mut study = study.clone();
     study.tables.retain(|table| *table != Table::Trajectory);
     study
 }
 
-/// Says what is in a folder, and how much of it.
+/// A list of the written tables with their rows, sizes and numbers of files.
 pub(crate) fn print_written(dir: &Path, written: &[(String, Total)]) -> String {
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -96,7 +97,7 @@ pub(crate) fn print_written(dir: &Path, written: &[(String, Total)]) -> String {
     out
 }
 
-/// A size in bytes for reading, to two or three figures.
+/// A size in bytes, kB, MB or GB, rounded for reading.
 pub(crate) fn size(bytes: f64) -> String {
     let (value, unit) = match bytes {
         b if b < 1e3 => return format!("{b:.0} bytes"),

@@ -1,4 +1,4 @@
-//! What a study is about, in two or three lines: mistaken units show here before anything is run.
+//! A summary of a study in a few lines, in which mistaken units show before anything is run.
 
 use std::fmt::Write;
 use std::sync::atomic::AtomicBool;
@@ -14,10 +14,10 @@ use crate::cell::short;
 use crate::layout::wrap;
 use crate::report::counted;
 
-/// Points looked at for the ranges, the corners of most grids among them.
+/// Approximate number of points that the printed ranges are taken from.
 const LOOKED_AT: u64 = 512;
 
-/// Structure, absorber and start of the points of a valid study, as ranges where they are swept.
+/// Structure, absorber, forces and start of a valid study, as ranges where they are swept.
 pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     let last = points.saturating_sub(1);
     let step = points.div_ceil(LOOKED_AT).max(1);
@@ -53,7 +53,7 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     out
 }
 
-/// Kind, mass ratio and restitution of the absorbers.
+/// The line on the absorber: kind, mass ratio and restitution.
 fn absorber(designs: &[Design], kind: Kind) -> String {
     let name = match kind {
         Kind::Siva => "free mass",
@@ -69,7 +69,7 @@ fn absorber(designs: &[Design], kind: Kind) -> String {
     format!("Absorber: {name}, mass ratio {mass}, restitution {restitution}{minus}")
 }
 
-/// Displacement of the structure at time zero, and the clearance beside it.
+/// The line on the start: initial displacement of the structure, and the clearance.
 fn start(designs: &[Design], units: UnitSystem) -> String {
     let unit = if units == UnitSystem::Si { " m" } else { "" };
     let from = range(designs, |design| design.scene.primary().x);
@@ -90,8 +90,8 @@ fn start(designs: &[Design], units: UnitSystem) -> String {
     )
 }
 
-/// Gravity along the motion of free masses against the acceleration of the structure; where the motion is level, what that
-/// would be upright.
+/// The line on gravity along the motion of a free mass, relative to the largest acceleration of the
+/// structure; for a level motion it gives the ratio of an upright one.
 fn gravity(designs: &[Design], units: UnitSystem) -> Option<String> {
     let along: Option<Vec<f64>> =
         designs.iter().map(|design| design.scene.gravity_along()).collect();
@@ -124,8 +124,8 @@ fn gravity(designs: &[Design], units: UnitSystem) -> Option<String> {
     ))
 }
 
-/// The largest acceleration without absorber, in ωn² × length: of a decay, and under one harmonic force at most; `None` where a
-/// run would have to tell.
+/// Estimate of the structure's largest acceleration without absorber, in ωn² × length; `None` under
+/// any force but a single harmonic one on the structure.
 fn acceleration(design: &Design) -> Option<f64> {
     let from = design.scene.primary();
     let decaying = from.x.hypot(from.v);
@@ -137,16 +137,16 @@ fn acceleration(design: &Design) -> Option<f64> {
     (!force.moves_base()).then_some(decaying + square * forced)
 }
 
-/// A number of the absorbers, from the lowest to the highest.
+/// The range of a number of the absorber over some designs.
 fn range_of(designs: &[Design], value: impl Fn(Absorber) -> f64) -> String {
     range(designs, |design| design.scene.absorber().map_or(f64::NAN, &value))
 }
 
-/// Said where no point of a study has any motion.
+/// Remark on a study in which nothing moves.
 pub(crate) const NOTHING_MOVES: &str =
     "Nothing moves: the start has neither displacement nor velocity. Give start.displacement.";
 
-/// The values of some designs, from the lowest to the highest.
+/// The range of a value over some designs.
 fn range(designs: &[Design], value: impl Fn(&Design) -> f64) -> String {
     let (low, high) = designs
         .iter()
@@ -160,8 +160,8 @@ fn span(low: f64, high: f64) -> String {
     if low == high { low } else { format!("{low} … {high}") }
 }
 
-/// A line for each force: harmonic ones by amplitude (over what the spring makes of a length of 1) and
-/// frequency, records by their extent.
+/// The lines on forces: amplitude (as static displacement) and frequency of a harmonic force, extent
+/// and largest value of a record, number of impulses.
 fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
     let Some(first) = designs.first().and_then(|design| design.scene.force()) else {
         return Vec::new();
@@ -203,7 +203,7 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
     lines
 }
 
-/// Length, frequency and gravity of the pendulums.
+/// The line on the pendulum: frequency ratio, length, gravity, and stops out of reach.
 fn pendulum(designs: &[Design], units: UnitSystem) -> String {
     let ratio =
         range(designs, |design| design.scene.pendulum().map_or(f64::NAN, |p| p.frequency_ratio));

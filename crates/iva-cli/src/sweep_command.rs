@@ -1,4 +1,4 @@
-//! `iva sweep`: runs a study into a folder, shows how far it is, prints the best points.
+//! `iva sweep`: runs a study into a folder, shows its progress and prints the best points.
 
 use std::sync::Mutex;
 
@@ -20,7 +20,7 @@ use crate::progress::Progress;
 use crate::report::BestPoints;
 use crate::run_study::{folder, load, log_start, print_written};
 
-/// Runs the points of a study; returns what is to be printed.
+/// Runs the points of a study; returns the text to print.
 ///
 /// # Errors
 /// Anything [`iva_study::read_study`] and [`Sweep::run`] refuse; a study without `[sweep]`.
@@ -88,7 +88,7 @@ fn run(all: &SweepArgs, log: &Log) -> Result<String, Error> {
     Ok(out)
 }
 
-/// Bars, log, and the best points so far.
+/// Observer of a sweep that keeps the progress bars, the log and the best points so far.
 struct Watching<'a> {
     study: &'a Study,
     best: Mutex<Option<BestPoints>>,

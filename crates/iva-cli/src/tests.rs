@@ -65,7 +65,7 @@ fn rows(path: &Path) -> usize {
     read(path).iter().map(RecordBatch::num_rows).sum()
 }
 
-/// The impacts of the small grid as every format gives them, with the bytes of the file.
+/// The bytes of the file of impacts of the small grid, written in a format.
 fn impacts_as(format: &str, more: &[&str]) -> Vec<u8> {
     let place = Place::new();
     place.study(&format!("{SINGLE}{GRID}"));

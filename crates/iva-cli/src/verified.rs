@@ -25,7 +25,7 @@ pub(crate) fn write_errors(output: &mut Output, verification: &Verification) -> 
     Ok(())
 }
 
-/// What was found, for people.
+/// The report of a verification: agreement and largest error of each table.
 pub(crate) fn print_verified(verification: &Verification, units: UnitSystem, dir: &Path) -> String {
     let mut out = String::from("\nVerified by a second run in numbers of twice the precision:\n");
     // Writing to a String cannot fail.
@@ -57,7 +57,7 @@ fn line(finding: &Finding, units: UnitSystem) -> String {
     format!("  {name:12} {alike}{most}")
 }
 
-/// The unit of a column and a blank, where it is short enough for a line.
+/// The unit of a column and a blank, or nothing if it is 1 or too long for a line.
 fn unit_of(table: Table, column: &str, units: UnitSystem) -> String {
     let quantity = columns(table).iter().find(|it| it.name == column).map(|it| it.quantity);
     match quantity.map(|quantity| units.unit(quantity)) {

@@ -22,7 +22,7 @@ relative_clearance = { start = 0.1, stop = 1.2, count = 111 }
 mass_ratio = [0.05, 0.1, 0.15, 0.2]
 "#;
 
-/// What the terminal shows of an error, without its colours.
+/// The report of an error for the terminal, without colours.
 fn plain(error: iva_study::Error) -> String {
     anstream::adapter::strip_str(&Error::from(error).report()).to_string()
 }

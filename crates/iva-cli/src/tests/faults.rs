@@ -1,4 +1,4 @@
-//! Faults and kills at every call of the system: whatever happens, one whole result is there at the end.
+//! Faults and kills at every system call: one whole result is there at the end in every case.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -30,7 +30,7 @@ fn files(dir: &Path) -> Files {
     found
 }
 
-/// Without what is hidden.
+/// The files below a folder with their bytes, without hidden ones.
 fn visible(dir: &Path) -> Files {
     let mut found = files(dir);
     found.retain(|name, _| !name.starts_with(".iva-"));
@@ -49,7 +49,7 @@ const STUDY: &str = "version = 1\n[absorber]\nkind = \"siva\"\nmass_ratio = 0.1\
 const SWEEP: &str = "tables = [\"summary\", \"impacts\"]\n[sweep]\n\
     relative_clearance = [1.0, 1.5, 2.0]\n";
 
-/// A folder with a study, and one for results.
+/// A temporary folder with a study and folders for results.
 struct Place(tempfile::TempDir);
 
 impl Place {
@@ -72,19 +72,20 @@ impl Place {
         args.push(self.path(out).into());
         args.extend(more.iter().map(OsString::from));
         let cli = Cli::try_parse_from(args).unwrap();
-        // Thousands of messages would bury the one that counts.
+        // Errors are not printed: thousands of messages would bury the one of a failed test.
         run_command_line(&cli.command).map_or_else(|error| error.exit_code(), |_| 0)
     }
 
-    /// The files that a command makes in an empty folder.
+    /// The files that a command writes into an empty folder.
     fn made(&self, command: &str) -> Files {
         assert_eq!(self.iva(command, &["--overwrite"], "made"), 0);
         files(&self.path("made"))
     }
 }
 
-/// Lets a command fail at every call, or be killed there, over the tables of an earlier one, and looks at what
-/// is there then, after the next command, and after the same command again. With `EVERY_FAULT` set every call is tried, else every fifth.
+/// Lets a command over the tables of an earlier one fail or be killed at a system call, and checks the files
+/// then, after the next command, and after the same command again; for every fifth call, or for every
+/// call if `EVERY_FAULT` is set.
 fn attack(earlier: Option<&str>, command: &str, more: &[&str]) {
     let step = if std::env::var_os("EVERY_FAULT").is_some() { 1 } else { 5 };
     let place = Place::new();
@@ -118,7 +119,7 @@ fn attack(earlier: Option<&str>, command: &str, more: &[&str]) {
             if !killed && earlier.is_some() {
                 assert!(found == old || found == new, "{:?}: {told}", found.keys());
             }
-            // The next command ends what was begun, even if it is itself refused.
+            // The next command completes an unfinished exchange of files, even if it is itself refused.
             let refused = place.iva("run", &[], "out");
             let found = visible(&out);
             if earlier.is_some() {

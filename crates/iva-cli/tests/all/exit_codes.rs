@@ -1,4 +1,4 @@
-//! The exit codes of the native program: the table that the console script is held to as well.
+//! The exit codes of the native program, by the same table as those of the Python console script.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -61,7 +61,7 @@ fn run(case: &Table, studies: &Table) {
     assert!(said.contains(case["says"].as_str().unwrap()), "{name}: {said}");
 }
 
-/// Whether a part is being written somewhere below a folder.
+/// True if a part is being written somewhere below a folder.
 fn has_part(dir: &Path) -> bool {
     fs::read_dir(dir).into_iter().flatten().flatten().any(|entry| {
         entry.file_name().to_string_lossy().starts_with("part-") || has_part(&entry.path())

@@ -1,4 +1,4 @@
-//! Files that cannot grow, as on a full disk: one clear message, exit code 1, nothing half-written.
+//! Runs whose files cannot grow, as on a full disk: one clear message, exit code 1, nothing half-written.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

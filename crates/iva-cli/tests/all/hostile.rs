@@ -1,4 +1,4 @@
-//! Folders made by an enemy: whatever they hold, nothing outside them is touched.
+//! Output folders with hostile contents: nothing outside them is touched.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -16,7 +16,7 @@ const STUDY: &str = "version = 1\n[absorber]\nkind = \"siva\"\nmass_ratio = 0.1\
 /// The text that marks the hidden folders of iva.
 const MARK: &str = "Made by iva-dynamics for unfinished files; iva removes it.\n";
 
-/// `home/hostile` is attacked from; everything else in `home` is precious.
+/// A temporary home with a hostile folder, `home/hostile`; everything else in it must stay untouched.
 struct Home(tempfile::TempDir);
 
 impl Home {
@@ -50,7 +50,7 @@ impl Home {
         symlink(self.path(to), path).unwrap();
     }
 
-    /// Runs a command; returns its exit code and what it said.
+    /// Runs a command; returns its exit code and its standard error.
     fn iva(&self, command: &[&str]) -> (Option<i32>, String) {
         let output = Command::new(env!("CARGO_BIN_EXE_iva"))
             .current_dir(self.0.path())
@@ -65,7 +65,7 @@ impl Home {
         self.iva(&[&["sweep"][..], more].concat())
     }
 
-    /// A complete result in the folder.
+    /// A home with a complete result in the hostile folder, and the manifest of that result.
     fn with_result() -> (Self, Value) {
         let home = Self::new();
         assert_eq!(home.sweep(&[]).0, Some(0));
@@ -74,7 +74,7 @@ impl Home {
     }
 }
 
-/// Everything outside the hostile folder: names, kinds, texts.
+/// Names, kinds and contents of everything outside the hostile folder.
 fn outside(home: &Home) -> BTreeMap<PathBuf, String> {
     let mut found = BTreeMap::new();
     let mut folders = vec![home.0.path().to_owned()];
@@ -98,14 +98,14 @@ fn outside(home: &Home) -> BTreeMap<PathBuf, String> {
 
 /// The text of a manifest as the program writes it.
 fn text(manifest: &Value) -> String {
-    // The first key tells that it is one.
+    // The first key marks the file as a manifest.
     let mut rest = manifest.as_object().unwrap().clone();
     let version = rest.remove("manifest").unwrap();
     let rest = serde_json::to_string(&rest).unwrap();
     format!("{{\n  \"manifest\": {version},{}", &rest[1..])
 }
 
-/// Every command that writes into a folder, one after the other; none may touch anything outside it.
+/// Runs every command that writes into a folder; none may touch anything outside it.
 fn attack(home: &Home, told: &str) {
     let before = outside(home);
     for more in [&[][..], &["--resume"], &["--overwrite", "--resume"], &["--overwrite"]] {
@@ -173,7 +173,7 @@ fn inputs_of_a_manifest_lead_nowhere_else() {
     ] {
         let mut hostile = manifest.clone();
         hostile["inputs"] = json!([input]);
-        // In its place, and where an overwrite or an exchange of tables would find it.
+        // The manifest's own place, and those where an overwrite or an exchange of tables looks for it.
         for place in ["manifest.json", ".iva-new/manifest.json", ".iva-new/earlier/manifest.json"] {
             let home = Home::new();
             copy(&source.out(), &home.out());

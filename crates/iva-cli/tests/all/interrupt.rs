@@ -1,5 +1,5 @@
-//! Real signals to the real program: it ends within a second with exit code 130, keeps what is
-//! finished, and leaves nothing half-written.
+//! Signals to the native program: it ends soon with exit code 130, keeps what is finished, and leaves
+//! nothing half-written.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A million points; `periods` decides how long each takes.
+/// The file of a study of many points, with the number of periods of each run.
 fn study(dir: &Path, periods: f64) -> PathBuf {
     let path = dir.join("long.toml");
     let text = format!(
@@ -35,7 +35,7 @@ fn start(dir: &Path, study: &Path, more: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Sends a signal and waits; returns what was said and how long it took.
+/// Sends a signal and waits for the end; returns the output and the time from signal to end.
 fn interrupt(child: Child, signal: &str) -> (Output, Duration) {
     let sent = Instant::now();
     let kill = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
@@ -52,7 +52,7 @@ fn wait_for(what: impl Fn() -> bool) {
     }
 }
 
-/// Files below a folder, relative to it; hidden ones too.
+/// Paths of the files below a folder, relative to it, with hidden ones.
 fn files(dir: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(dir).into_iter().flatten().flatten() {
@@ -69,7 +69,7 @@ fn files(dir: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The staged parts of a sweep under way.
+/// The number of staged parts of a sweep under way.
 fn staged(dir: &Path) -> usize {
     files(&dir.join("out"))
         .iter()
@@ -86,14 +86,14 @@ fn a_sweep_interrupted_in_its_first_part_writes_nothing() {
         let (output, time) = interrupt(child, signal);
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(130), "{said}");
-        // a second is promised; a busy machine may take longer to give the threads their turn
+        // The program promises one second; a busy machine may take longer.
         assert!(time < Duration::from_secs(5), "{time:?}");
         assert!(said.contains("interrupted: nothing was finished"), "{said}");
         assert!(!dir.path().join("out").exists());
     }
 }
 
-/// The complete parts of a table.
+/// The number of complete parts of the summary table.
 fn complete(dir: &Path) -> usize {
     fs::read_dir(dir.join("summary")).into_iter().flatten().count()
 }

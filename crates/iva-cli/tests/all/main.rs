@@ -1,4 +1,4 @@
-//! The command as a process, in one program: linking takes longer than compiling.
+//! Tests of the command as a process; all are in one program, because linking each would take long.
 
 mod exit_codes;
 mod full_disk;

@@ -1,4 +1,4 @@
-//! Output folders that cannot be written, or that vanish: one clear message, nothing half-written.
+//! Output folders that cannot be written or that vanish: one clear message, nothing half-written.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A user whom no permission is waived for.
+/// User id without privileges, for which permissions hold.
 const NOBODY: u32 = 65_534;
 
 fn study(dir: &Path, periods: f64, count: u32) {
@@ -27,7 +27,7 @@ fn allow(path: &Path, mode: u32) {
     fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
 }
 
-/// Names in a folder, hidden ones too.
+/// Paths of the entries of a folder, with hidden ones.
 fn entries(dir: &Path) -> Vec<PathBuf> {
     fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().path()).collect()
 }
@@ -69,7 +69,7 @@ fn start(dir: &Path) -> Child {
         .unwrap()
 }
 
-/// Removes the output folder once so many parts were begun, and checks how the run ends.
+/// Moves the output folder away once a number of parts were begun, and checks how the run ends.
 fn vanish(dir: &Path, parts: usize) {
     let mut child = start(dir);
     let begin = Instant::now();
@@ -85,7 +85,7 @@ fn vanish(dir: &Path, parts: usize) {
         assert_eq!(child.try_wait().unwrap(), None, "the run was over too soon");
         sleep(Duration::from_millis(2));
     }
-    // Moved away at once: removed file by file it would be filled from the other end.
+    // A folder removed file by file would be filled again meanwhile; a rename moves it at once.
     fs::rename(&out, dir.join("gone")).unwrap();
     let output = child.wait_with_output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();

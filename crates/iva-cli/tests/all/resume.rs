@@ -1,4 +1,4 @@
-//! Sweeps that end in any way and go on: the same files, nothing twice, nothing broken.
+//! Resumed sweeps after ends of every kind: the files are those of an uninterrupted sweep.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// 10⁶ points in some ten parts.
+/// A study of 10⁶ points in some ten parts.
 const MILLION: &str = "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\nkind = \"siva\"\n\
     restitution = 0.5\n[start]\ndisplacement = 1.0\n[run]\nperiods = 20\n\
     tables = [\"summary\"]\n[sweep]\n\
@@ -58,7 +58,7 @@ impl Place {
         said
     }
 
-    /// Runs it again; nothing may have changed. Returns what was said.
+    /// Runs the sweep again, which must be refused and change no file; returns its message.
     fn refused(&self, more: &[&str]) -> String {
         let before = files(&self.out());
         let output = self.sweep(more);
@@ -126,7 +126,7 @@ fn killed_at_twenty_random_moments_a_sweep_of_a_million_points_gives_the_same_fi
     let mut kills = 0;
     while kills < 20 {
         let mut child = place.start(&["--quiet", "--resume"]);
-        // Long enough for a part now and then, so that kills fall on every stage of the sweep.
+        // A random time in which a part is finished now and then, so that kills fall on every stage.
         sleep(time.mul_f64(0.25 * random.next()));
         kills += usize::from(child.try_wait().unwrap().is_none());
         child.kill().unwrap();
@@ -240,7 +240,7 @@ fn another_sweep_is_refused_with_what_changed() {
     assert!(said.contains("the format was parquet, is csv"), "{said}");
     let said = place.refused(&[]);
     assert!(!said.contains("--resume"), "it is complete: {said}");
-    // What is only printed does not count.
+    // A change of the report, which is only printed, does not prevent resuming.
     place.write(&format!("{}[report]\ncount = 3\n", small(20)));
     place.succeed(&["--resume"]);
     let manifest = place.out().join("manifest.json");
@@ -273,7 +273,7 @@ fn a_folder_of_which_nothing_is_known_begins_or_is_refused() {
     fs::write(place.out().join(".iva-work/part-abc/summary.parquet"), "half").unwrap();
     place.succeed(&["--quiet", "--resume"]);
     assert_eq!(files(&place.out()).len(), 3);
-    // A manifest that is none.
+    // Manifests that cannot be read as one.
     let whole = fs::read_to_string(place.out().join("manifest.json")).unwrap();
     for (text, said) in [
         ("{\n  \"manifest\": 1", "it is no manifest of a result"),
@@ -304,7 +304,7 @@ fn two_sweeps_never_write_into_one_folder() {
 
 #[test]
 fn an_interrupt_while_parts_are_checked_changes_nothing() {
-    // Enough to read that the signal may fall into it: 50 MB.
+    // Files large enough (50 MB) that the signal may come while they are read.
     let place = Place::new(&MILLION.replace("2500 }", "1000 }"));
     place.succeed(&["--quiet"]);
     let expected = files(&place.out());
@@ -361,7 +361,7 @@ fn an_exchange_that_was_killed_is_ended_by_the_next_process() {
         fs::write(beside.join("lock"), MARK).unwrap();
         fs::write(beside.join("exchange.json"), &journal).unwrap();
         place.write(&small(21));
-        // Whatever the next command is, it ends the exchange, even if it is refused itself.
+        // The next command completes the exchange, even if it is itself refused.
         assert_eq!(place.sweep(&[]).status.code(), Some(2));
         assert!(files(&place.out()) == new, "after {done} of {moves} moves");
         place.succeed(&["--quiet", "--overwrite"]);
