@@ -1,4 +1,4 @@
-//! From Python arguments to a study.
+//! Conversion of Python arguments into a study.
 
 use std::collections::BTreeMap;
 
@@ -55,7 +55,7 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
 /// Key of the list of forces in the dict of a spec.
 const FORCES: &str = "forces";
 
-/// Adds forces, each a dict of field → number, or `"record"` → the points of one.
+/// Adds forces to a spec; each is a dict of field → number and, for a recorded force, `"record"` → the record.
 fn forces(list: &[Bound<'_, PyDict>], spec: &mut Spec) -> PyResult<()> {
     for force in list {
         let record = match force.get_item(RECORD)? {
@@ -82,7 +82,7 @@ fn forces(list: &[Bound<'_, PyDict>], spec: &mut Spec) -> PyResult<()> {
 
 const RECORD: &str = "record";
 
-/// The part of that name.
+/// The part with a name.
 ///
 /// # Errors
 /// `ValueError` that lists the parts.
@@ -121,7 +121,7 @@ pub fn check(part: Part, values: &[(String, f64)]) -> Result<(), Invalid> {
 /// A study from a spec, points, table names and measure names (`None`: all).
 ///
 /// # Errors
-/// `ValueError` for an unknown name, or points that are none.
+/// `ValueError` for an unknown name or invalid points.
 pub fn study(
     spec: Spec,
     sampling: Sampling,
@@ -138,7 +138,7 @@ pub fn study(
     })
 }
 
-/// Keys with the values of each.
+/// Swept keys, each with its values.
 type Columns = Vec<(String, Vec<f64>)>;
 
 /// The points of `("grid", columns)`, `("rows", columns, number of the first point)` or
@@ -229,9 +229,9 @@ pub fn whole(field: &str, value: &Bound<'_, PyAny>, most: u64) -> PyResult<u64> 
     }
 }
 
-/// A Python value for a message: at most some 60 characters, whatever it is.
+/// A Python value as text for a message, cut after 60 characters.
 fn shown(value: &Bound<'_, PyAny>) -> String {
-    // `str` of a huge int is an error of its own.
+    // `str` of a huge int raises.
     let text = value.str().map_or_else(|_| "a huge number".to_owned(), |text| text.to_string());
     match text.char_indices().nth(60) {
         Some((end, _)) => format!("{}…", &text[..end]),
@@ -239,7 +239,7 @@ fn shown(value: &Bound<'_, PyAny>) -> String {
     }
 }
 
-/// The error of a name out of a known set: with the one that may be meant, else with all of them.
+/// The error for an unknown name, with the nearest known name, or with all of them if none is near.
 fn unknown(field: &str, name: &str, known: &[&str]) -> Invalid {
     match nearest(name, known.iter().copied()) {
         Some(near) => {

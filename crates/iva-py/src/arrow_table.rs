@@ -1,4 +1,4 @@
-//! A result table on its way to Python, by the Arrow C stream interface.
+//! Result tables for Python, passed by the Arrow C stream interface.
 
 use std::collections::BTreeMap;
 
@@ -14,12 +14,12 @@ use pyo3::types::PyCapsule;
 #[pyclass(frozen, module = "iva._iva")]
 pub struct ArrowTable {
     schema: SchemaRef,
-    /// One below the other: to join them would take the memory of the table twice.
+    /// The rows in batches, not joined, because joining takes the memory of the table twice.
     batches: Vec<RecordBatch>,
 }
 
 impl ArrowTable {
-    /// Rows one below the other, all of one schema.
+    /// A table of batches of rows that have one schema.
     pub fn new(schema: SchemaRef, batches: Vec<RecordBatch>) -> Self {
         Self { schema, batches }
     }
@@ -62,7 +62,7 @@ impl ArrowTable {
         let _ = requested_schema;
         let batches: Vec<_> = self.batches.iter().cloned().map(Ok).collect();
         let batches = RecordBatchIterator::new(batches, self.schema.clone());
-        // The capsule frees the stream when nobody took it; who takes it marks it as released.
+        // The capsule frees the stream unless a consumer took it and marked it as released.
         let stream = FFI_ArrowArrayStream::new(Box::new(batches));
         PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
     }

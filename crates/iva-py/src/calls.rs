@@ -1,4 +1,4 @@
-//! The functions of the module, one for each thing that Python asks for.
+//! The functions of the extension module.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -26,7 +26,7 @@ use crate::arrow_table::ArrowTable;
 use crate::errors::invalid;
 use crate::worker;
 
-/// Tables by name.
+/// Result tables by name.
 pub(crate) type Tables = BTreeMap<&'static str, ArrowTable>;
 type Units = BTreeMap<String, String>;
 
@@ -155,11 +155,11 @@ pub fn simulate(
     }
 }
 
-/// Stretches of motion that a call may take before it is worth a thread of its own: some milliseconds.
+/// Number of stretches of motion, some milliseconds of work, above which a call gets its own thread.
 const BRIEF: u64 = 5000;
 
-/// A study of one scene; without names every table, and the summary always: it says how the run
-/// ended.
+/// A study of one scene, with the named tables (without names all) and always the summary, which
+/// has the outcome of the run.
 fn single(
     spec: &Bound<'_, PyDict>,
     measures: Option<Vec<String>>,
@@ -214,7 +214,7 @@ pub(crate) fn named(tables: engine::Tables) -> Tables {
     tables.into_iter().map(|(table, batch)| (table.name(), batch.into())).collect()
 }
 
-/// Runs a study of one point that takes more than a moment.
+/// Runs a study of one point on a thread of its own.
 fn run(py: Python<'_>, study: Study) -> PyResult<Tables> {
     let tables = worker::run(py, None, move |shared| {
         let workers = engine::Workers::caller();

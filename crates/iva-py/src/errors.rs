@@ -1,4 +1,4 @@
-//! Which Python exception a failure becomes, and its words.
+//! Conversion of errors into Python exceptions.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -18,12 +18,12 @@ create_exception!(
     "A fault that no argument explains: files that cannot be read, or a defect of the program."
 );
 
-/// A value that cannot be used: `ValueError` with field, value and what is allowed.
+/// The exception for an invalid value: `ValueError` with field, value and what is allowed.
 pub fn invalid(error: Invalid) -> PyErr {
     PyValueError::new_err(visible(&error.to_string()))
 }
 
-/// A run that could not be made: `ValueError` where the user can mend it, else `IvaError`.
+/// The exception for a failed run: `ValueError` where the user can mend it, else `IvaError`.
 pub fn failed(error: SweepError) -> PyErr {
     match error {
         SweepError::Invalid(error) => invalid(error),
@@ -31,7 +31,7 @@ pub fn failed(error: SweepError) -> PyErr {
     }
 }
 
-/// A file of a result that cannot be read.
+/// The exception for a result file that cannot be read.
 pub fn unreadable(error: iva_store::Error) -> PyErr {
     match error {
         iva_store::Error::Io { action: "read", path, source } => cannot_be_read(&path, source),
@@ -39,7 +39,7 @@ pub fn unreadable(error: iva_store::Error) -> PyErr {
     }
 }
 
-/// A file of a study, or of a record, that cannot be read.
+/// The exception for a study or record file that cannot be read.
 pub fn unreadable_study(error: iva_study::Error) -> PyErr {
     match error {
         iva_study::Error::Store(error) => unreadable(error),
@@ -52,7 +52,7 @@ fn cannot_be_read(path: &Path, reason: impl Display) -> PyErr {
     IvaError::new_err(visible(&format!("{} cannot be read: {reason}", path.display())))
 }
 
-/// How options are written in Python.
+/// Spelling of the options in Python, for error messages.
 pub const PYTHON: Words = Words {
     out: "as out",
     overwrite: "overwrite=True",
@@ -60,7 +60,7 @@ pub const PYTHON: Words = Words {
     overwrite_and_resume: "overwrite=True, resume=True",
 };
 
-/// A sweep into a folder that did not come to its end, in the words of Python.
+/// The exception for a sweep into a folder that did not finish.
 pub fn refused(error: iva_study::Error) -> PyErr {
     let sentence = visible(&worded(&error));
     match error.is_bad_input() {
@@ -69,7 +69,7 @@ pub fn refused(error: iva_study::Error) -> PyErr {
     }
 }
 
-/// The message of an error with the arguments that help. A study made in Python has no file to point at.
+/// The message of an error with the Python arguments that help; it points at no line of a study file.
 pub fn worded(error: &iva_study::Error) -> String {
     use iva_study::Error;
     match error {
@@ -83,7 +83,7 @@ pub fn worded(error: &iva_study::Error) -> String {
     }
 }
 
-/// A defect of the program, with what is known of it.
+/// The exception for a defect of the program, with a description.
 pub fn internal(what: &str) -> PyErr {
     IvaError::new_err(format!("internal error, please report it: {what}"))
 }

@@ -1,4 +1,4 @@
-//! What the files of a result say of themselves; iva-store reads them.
+//! Metadata, rows and checksums of result files, read by iva-store.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! The folder of a sweep for Python: filled here, or by other processes part by part.
+//! The output folder of a sweep for Python, filled by this process or part by part by others.
 
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -19,7 +19,7 @@ use crate::errors::{PYTHON, internal, invalid, refused, worded};
 use crate::study::{PyStudy, count};
 use crate::worker::{self, Progress, Shared};
 
-/// The style of a format's name.
+/// The file style of a format given by name.
 ///
 /// # Errors
 /// `ValueError` that lists the formats.
@@ -39,7 +39,7 @@ pub struct PySweepFolder {
     opened: Mutex<Option<Opened>>,
 }
 
-/// Counts what is done, for whoever looks.
+/// Observer of a sweep that counts finished points and collects the names of damaged files.
 struct Counting<'a> {
     shared: &'a Shared,
     damaged: &'a Mutex<Vec<String>>,
@@ -65,7 +65,7 @@ impl Watch for Counting<'_> {
     }
 }
 
-/// What a folder is opened with.
+/// The arguments with which a folder is opened.
 struct Asked {
     file: StudyFile,
     dir: PathBuf,
@@ -222,12 +222,12 @@ impl PySweepFolder {
     }
 }
 
-/// Reads what a worker said of the part that it ran.
+/// Reads a worker's JSON description of the part that it ran.
 fn received(part: u64, staged: &str) -> PyResult<Staged> {
     serde_json::from_str(staged).map_err(|_| refused_by_folder(Error::UnfitPart { part }))
 }
 
-/// A folder that does not take a part.
+/// The exception for a folder error, such as a refused part.
 fn refused_by_folder(error: Error) -> PyErr {
     refused(error.into())
 }

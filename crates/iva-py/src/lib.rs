@@ -1,9 +1,9 @@
-//! The extension module `iva._iva`: Python values in, Arrow tables out.
+//! The extension module `iva._iva`, which takes Python values and returns Arrow tables.
 //!
 //! [`arguments`] reads what Python hands over → [`calls`] are the functions of the module →
 //! [`worker`] runs them away from the interpreter → [`arrow_table`] hands the result back.
-//! [`record`] holds what drives a scene by points. [`files`] asks iva-store what written files say of themselves.
-//! [`errors`] says which exception a failure becomes, in the words of Python. No physics.
+//! [`record`] holds recorded forces. [`files`] reads result files through iva-store. [`errors`] converts
+//! errors into Python exceptions. There is no physics here.
 
 mod arguments;
 mod arrow_table;

@@ -1,4 +1,4 @@
-//! A recorded force as Python holds it: checked once, shared by all scenes it drives.
+//! Recorded forces for Python, each checked once and shared by all scenes that it drives.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -72,7 +72,7 @@ impl PyRecord {
 #[pyo3(signature = (path, kind = None))]
 pub fn read_record(py: Python<'_>, path: PathBuf, kind: Option<&str>) -> PyResult<PyRecord> {
     let kind = kind.map(kind_of).transpose()?;
-    // A large file takes seconds: other threads may use Python meanwhile.
+    // Reading a large file takes seconds, in which other threads may use Python.
     let read = worker::run_any(py, None, move |_| read(&path))?;
     let file = read.map_err(|error| match error {
         iva_study::Error::UnreadableRecord { .. } => unreadable_study(error),

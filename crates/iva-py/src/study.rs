@@ -1,4 +1,4 @@
-//! A study as Python holds it: what is to be run, and running it.
+//! Studies for Python: their points, and runs of all or some of them.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -26,9 +26,9 @@ use crate::calls::{Tables, named};
 use crate::errors::{internal, invalid, refused};
 use crate::worker::{self, Progress, Shared};
 
-/// Points of a sweep that fit into memory whatever their tables are.
+/// Number of points whose tables always fit into memory.
 const FEW: u64 = 4096;
-/// Bytes of the tables that are joined at once.
+/// Size of the tables that are joined in one batch, in bytes.
 const BATCH_BYTES: f64 = 1e8;
 
 /// What is run at many points: scene, points, tables. Studies can be pickled.
@@ -39,7 +39,7 @@ pub struct PyStudy {
     given: Given,
 }
 
-/// The arguments of the constructor.
+/// The Python arguments of the constructor, kept for pickling.
 struct Given {
     spec: Py<PyDict>,
     sampling: Py<PyTuple>,
@@ -109,13 +109,13 @@ impl PyStudy {
             if let Some(limit) = memory_limit {
                 refuse_too_large(&study, limit, &workers, &shared.cancel)?;
             }
-            // A bad point is said at once, not after the good ones before it.
+            // An invalid point is reported before any point is run.
             validate(&study, &workers, &shared.cancel, &|_| {})?;
             let batch = batch_points(&study, &workers, &shared.cancel)?;
             let progress = |done| shared.add(done);
             let (chunk, cancel) = (None, &shared.cancel);
             let control = Control { workers: &workers, chunk, cancel, progress: &progress };
-            // Joined batch by batch: to join all at once would take the memory of the tables twice.
+            // Tables are joined batch by batch; joining all at once takes their memory twice.
             let mut made: BTreeMap<Table, Vec<RecordBatch>> = BTreeMap::new();
             let mut first = 0;
             while first < points && !shared.cancel.load(Ordering::Relaxed) {
@@ -221,7 +221,7 @@ impl PyStudy {
 }
 
 impl PyStudy {
-    /// True if the points are described in fewer numbers than those of so many of them.
+    /// True if describing all points takes no more numbers than listing a given count of them.
     fn is_short(&self, points: u64) -> bool {
         match &self.study.sampling {
             Sampling::Grid(axes) => {
@@ -231,25 +231,25 @@ impl PyStudy {
             Sampling::Rows(rows) => {
                 rows.axes().iter().all(|axis| axis.values.len() as u64 <= points)
             }
-            // A Latin hypercube would have to be laid out anew for each part.
+            // A Latin hypercube takes time: each part would have to lay it out anew.
             Sampling::Sample(sample) => sample.method != Method::LatinHypercube,
         }
     }
 }
 
-/// Points that are run and joined at once: so many that they take little beside all tables.
+/// The number of points in one batch, whose tables take about [`BATCH_BYTES`].
 fn batch_points(study: &Study, workers: &Workers, cancel: &AtomicBool) -> Result<u64, SweepError> {
     let each = memory(study, &tried(study, workers, cancel)?)? / study.points()? as f64;
     Ok((BATCH_BYTES / each).clamp(FEW as f64, MAX_PART_POINTS as f64) as u64)
 }
 
-/// Some points of a study where it takes them to know how large its tables are.
+/// A trial run of some points, from which the size of the tables is estimated; empty if no trial is needed.
 fn tried(study: &Study, workers: &Workers, cancel: &AtomicBool) -> Result<Trial, SweepError> {
     let known = study.points()? <= FEW || study.tables == [Table::Summary];
     if known { Ok(Trial::default()) } else { Trial::run(study, workers, cancel) }
 }
 
-/// Refuses a sweep whose tables would not fit.
+/// Refuses a sweep whose tables would take more memory than `limit`, in bytes.
 fn refuse_too_large(
     study: &Study,
     limit: f64,
@@ -274,7 +274,7 @@ fn refuse_too_large(
     .into())
 }
 
-/// A number of threads; `None`: one a core.
+/// The number of threads from a Python argument; `None` means one per core.
 pub fn count(threads: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
     Ok(threads
         .map(|n| arguments::whole("threads", n, MAX_THREADS as u64))

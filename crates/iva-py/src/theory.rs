@@ -1,4 +1,4 @@
-//! Exact steady states for Python, in the user's units.
+//! Theory of steady motion for Python, in the user's units: two impacts a cycle, slow manifold.
 
 use iva_sweep::theory::{self as engine, Orbit};
 use iva_sweep::units::Scale;

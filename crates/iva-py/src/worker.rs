@@ -1,5 +1,5 @@
-//! Long calls: the work runs on a thread of its own, the calling thread looks after Python. What takes
-//! no longer than a few milliseconds is done at once.
+//! Long calls: the work runs on a thread of its own while the calling thread serves Python. Work of a
+//! few milliseconds runs on the calling thread.
 //!
 //! The caller detaches from the interpreter and wakes every 50 ms to let signal handlers run and
 //! to call the progress callback. Whatever these raise cancels the work and surfaces unchanged.
@@ -20,29 +20,29 @@ use pyo3::prelude::*;
 use crate::errors::{failed, internal};
 
 const WAKE: Duration = Duration::from_millis(50);
-/// Work that ignores its cancellation for longer is left to end by itself.
+/// Longest wait for cancelled work; after it the work is left to end by itself.
 const PATIENCE: Duration = Duration::from_millis(900);
 
-/// What the work and the calling thread share.
+/// The state shared by the work and the calling thread.
 #[derive(Default)]
 pub struct Shared {
-    /// Set to ask the work to stop.
+    /// Flag that asks the work to stop.
     pub cancel: AtomicBool,
-    /// Points finished so far.
+    /// Number of points finished so far.
     pub done: AtomicU64,
-    /// Those with another outcome than `finished`.
+    /// Number of points so far with another outcome than `finished`.
     pub failed: AtomicU64,
 }
 
 impl Shared {
-    /// Adds what was done.
+    /// Adds finished points to the counts.
     pub fn add(&self, done: Done) {
         self.failed.fetch_add(done.failed, Ordering::Relaxed);
         self.done.fetch_add(done.points, Ordering::Relaxed);
     }
 }
 
-/// Reports (done, total, failed) to a Python callable, once for every change.
+/// A Python callable for progress, called with (done, total, failed) when a change is seen.
 pub struct Progress<'a, 'py> {
     /// The callable.
     pub callback: &'a Bound<'py, PyAny>,
@@ -62,7 +62,7 @@ pub fn run<T: Send + 'static>(
     run_any(py, progress, work)?.map_err(failed)
 }
 
-/// As [`run`], with an error of any kind, which is handed back.
+/// Runs `work` like [`run`], but returns its error, of any type, instead of raising it.
 ///
 /// # Errors
 /// `IvaError` for a panic, and what handler or callback raised.
@@ -78,7 +78,7 @@ pub fn run_any<T: Send + 'static, E: Send + 'static>(
         .name("iva".to_owned())
         .spawn(move || {
             let result = catch_unwind(AssertUnwindSafe(|| work(&theirs)));
-            // Nobody listens any more after an interruption that ran out of patience.
+            // The receiver is gone if an interrupted caller has stopped waiting.
             let _ = sender.send(result);
         })
         .map_err(|error| internal(&format!("cannot start a thread: {error}")))?;
@@ -113,10 +113,10 @@ pub fn run_any<T: Send + 'static, E: Send + 'static>(
     }
 }
 
-/// Runs work of some milliseconds at once, on the calling thread.
+/// Runs work of some milliseconds on the calling thread.
 ///
 /// # Errors
-/// As [`run`].
+/// What [`failed`] makes of the error, and `IvaError` for a panic.
 pub fn at_once<T: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<T, SweepError> + Send,
@@ -136,7 +136,7 @@ fn wait<T>(receiver: Mailbox<T>, time: Duration) -> (Mailbox<T>, Message<T>) {
 }
 
 fn give_up<T>(receiver: Mailbox<T>) {
-    // A partial result is of no use to anybody.
+    // A partial result is dropped.
     drop(wait(receiver, PATIENCE));
 }
 

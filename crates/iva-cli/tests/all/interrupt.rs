@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// The file of a study of many points, with the number of periods of each run.
+/// Writes a study of 10⁶ points into a folder; `periods` is the length of each run.
 fn study(dir: &Path, periods: f64) -> PathBuf {
     let path = dir.join("long.toml");
     let text = format!(

@@ -273,7 +273,7 @@ fn a_folder_of_which_nothing_is_known_begins_or_is_refused() {
     fs::write(place.out().join(".iva-work/part-abc/summary.parquet"), "half").unwrap();
     place.succeed(&["--quiet", "--resume"]);
     assert_eq!(files(&place.out()).len(), 3);
-    // Manifests that cannot be read as one.
+    // Files in place of the manifest that are no valid manifest.
     let whole = fs::read_to_string(place.out().join("manifest.json")).unwrap();
     for (text, said) in [
         ("{\n  \"manifest\": 1", "it is no manifest of a result"),
