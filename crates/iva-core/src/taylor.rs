@@ -231,7 +231,7 @@ impl<R: Real> Pendulum<R> {
         if self.small_angles { R::ONE } else { cosine }
     }
 
-    /// The same to twice the precision.
+    /// cosθ at a gap displacement to twice the precision.
     pub fn precise_cosine(&self, y: DoubleDouble<R>) -> DoubleDouble<R> {
         let cosine = self.cosine(y.value);
         if self.small_angles {
@@ -274,7 +274,7 @@ impl<R: Real> Pendulum<R> {
         )
     }
 
-    /// The same, of an order that the compiler knows.
+    /// The series from a state under a drive, of an order N that the compiler knows.
     #[inline(always)]
     pub(crate) fn series_to<T: Number<Real = R>, const LENGTH: usize, const N: usize>(
         &self,

@@ -24,7 +24,7 @@ use crate::system::System;
 use lane::{FAR, Lane, Lanes, NEAR};
 use rows::Rows;
 
-/// Eight lanes whose series have the order N.
+/// Lanes side by side whose series have the order N.
 #[derive(Debug)]
 pub(super) struct Steps<const N: usize, const DRIVEN: bool, const SMALL: bool> {
     lanes: Lanes<LANES>,
@@ -32,14 +32,14 @@ pub(super) struct Steps<const N: usize, const DRIVEN: bool, const SMALL: bool> {
     shared: Shared,
 }
 
-/// What all lanes have in common.
+/// The settings that all lanes share.
 #[derive(Debug, Clone, Copy)]
 struct Shared {
-    /// What a step may leave out.
+    /// Largest truncation error of a step, relative to the size of each variable.
     tolerance: f64,
-    /// How long it may be, over the fastest time scale.
+    /// Longest step, over the fastest time scale.
     longest: f64,
-    /// What y may be off, relative to the clearance.
+    /// Bound on the error of y, relative to the clearance.
     doubt: f64,
     /// True if measures read the displacement of a free decay.
     decay: bool,
@@ -49,13 +49,14 @@ struct Shared {
     pivots: bool,
     /// 1 if the measures of driven runs are shown their steps.
     tells: f64,
-    /// True if mean squares of displacements are asked for, and largest displacements or accelerations.
+    /// True if mean squares of displacements are asked for.
     squares: bool,
+    /// True if largest displacements or accelerations are asked for.
     extremes: bool,
 }
 
 impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMALL> {
-    /// Goes on if the lane can; where it has met a wall, after the impact; false: the event loop has to.
+    /// Lets a lane go on, after the impact if it met a wall; false if the event loop has to take the run.
     fn meet(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
         let lanes = &self.lanes;
         if lanes.request[i] == 0.0 {

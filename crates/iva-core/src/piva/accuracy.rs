@@ -1,4 +1,4 @@
-//! Order and step of the flight, from its tolerance.
+//! Order and step length of the flight, from its tolerance.
 
 use super::{Parameters, Piva, PivaState};
 use crate::real::Real;
@@ -9,7 +9,7 @@ use std::f64::consts::LN_2;
 /// How accurately a flight is computed, and at what cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Accuracy<R = f64> {
-    /// What a step may leave out, relative to the size of each variable.
+    /// Largest truncation error of a step, relative to the size of each variable.
     pub tolerance: R,
     /// Order of the series.
     pub order: usize,
@@ -30,17 +30,17 @@ impl<R: Real> Accuracy<R> {
         Self { tolerance, order, longest_step }
     }
 
-    /// What y may be off relative to the clearance: what a step leaves out, and rounding.
+    /// Bound on the error of y relative to the clearance, from truncation and rounding.
     pub fn doubt(&self) -> R {
         self.tolerance + (R::EPSILON * 0.5) * DOUBT
     }
 }
 
-/// Where one shortening of a step was not enough, it is shortened by this factor until it is.
+/// Factor of each further shortening of a step.
 const SHORTER: f64 = 0.84;
-/// At most this often, to 2⁻²⁰.
+/// Largest number of further shortenings of a step, down to 2⁻²⁰ of it.
 const MOST_SHORTENINGS: u32 = 80;
-/// A bound that holds for no more than a part of the step is looked for on halves of it, to 2⁻²⁰.
+/// Largest number of halvings of a step on which no bound can be proved, down to 2⁻²⁰ of it.
 const MOST_HALVINGS: u32 = 20;
 
 /// The share of a step on which its series leaves out no more than the tolerance.
@@ -109,26 +109,26 @@ fn shortening<R: Real>(excess: R, order: usize) -> f64 {
     if excess > 1.0 { 1.0 - z * (1.0 - z * (0.5 - z * tail)) } else { 1.0 }
 }
 
-/// Sizes that truncation is measured against.
+/// Sizes of the variables of primary and gap, which the tolerance is relative to.
 pub(crate) struct Sizes<R = f64> {
     pub primary: R,
     pub gap: R,
 }
 
 impl<R: Real> Sizes<R> {
-    /// At a state, under a force of size `driven`.
+    /// The sizes at a state, under a force of size `driven`.
     pub(crate) fn of(piva: &Piva<R>, state: &PivaState<R>, driven: R) -> Self {
         Self::at(piva.parameters.mass_ratio, piva.gap_size(), state).with(driven)
     }
 
-    /// At a state, of an absorber with this mass ratio and gap.
+    /// The sizes at a state without force, for an absorber with this mass ratio and gap.
     #[inline(always)]
     pub(crate) fn at(mass_ratio: R, gap: R, state: &PivaState<R>) -> Self {
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
         Self { primary: moved.max(mass_ratio * gap), gap }
     }
 
-    /// Under a force of this size.
+    /// The sizes under a force of size `driven`.
     #[inline(always)]
     pub(crate) fn with(self, driven: R) -> Self {
         Self { primary: self.primary.max(driven), ..self }
@@ -157,7 +157,7 @@ impl<R: Real> Sizes<R> {
 }
 
 impl<R: Real> Piva<R> {
-    /// What y is measured against.
+    /// The length that the tolerance on y is relative to: clearance, or contact distance if that is smaller.
     pub(crate) fn gap_size(&self) -> R {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
         if self.stop_reachable() { clearance } else { clearance.min(contact_distance) }

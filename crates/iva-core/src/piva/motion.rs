@@ -18,26 +18,26 @@ use crate::taylor::{ORDER, Row, Series, Swing, horner, with_order};
 pub struct PivaFlight<'a, R = f64> {
     piva: &'a Piva<R>,
     from: PivaState<R>,
-    /// In powers of t over `step`.
+    /// Coefficients in powers of t over `step`.
     series: Series<R>,
     drive: Option<Drive<R>>,
     step: R,
     reach: R,
-    /// Where the reach ends because the force bends, jumps or kicks there.
+    /// Instant at which the force bends, jumps or kicks, if the reach ends there.
     bend: Option<Clock<R>>,
     /// True if what the series leaves out is bounded by the tolerance.
     proved: bool,
-    /// What lanes have made of it up to its reach.
+    /// Integrals and bounds over the whole reach, if lanes have computed them.
     known: Option<Known<R>>,
 }
 
-/// What is known of a flight over its whole length.
+/// Integrals and bounds over the whole length of a flight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Known<R = f64> {
     pub losses: Losses<R>,
     /// ∫x²
     pub square: R,
-    /// What |x| and |ẍ + a_g| stay below.
+    /// Bounds on |x| and |ẍ + a_g|.
     pub limits: [R; 2],
 }
 
@@ -53,7 +53,7 @@ impl<'a, R: Real> PivaFlight<'a, R> {
         let series = at_rest_on_release(&from, series);
         let size = drive.as_ref().map_or(R::ZERO, Drive::size);
         let Some(share) = piva.share_proved(&series, (step, most), &from, size) else {
-            // What cannot be enclosed is not flown: the run ends there and says so.
+            // Without a proved bound there is no flight: the run ends there with that outcome.
             return Self {
                 piva,
                 from,
@@ -82,7 +82,7 @@ impl<'a, R: Real> PivaFlight<'a, R> {
         Self { piva, from, series, drive, step, reach, bend: None, proved: true, known }
     }
 
-    /// h in steps.
+    /// The time h as a share of the step.
     fn share(&self, h: R) -> R {
         h / self.step
     }
@@ -93,7 +93,7 @@ impl<'a, R: Real> PivaFlight<'a, R> {
         Step { pendulum: &piva.pendulum, from, series, length: *step }
     }
 
-    /// A state at h, at the very instant of a bend.
+    /// A state at h, with the exact instant of the bend if h is the reach that ends there.
     fn at_bend(&self, h: R, state: PivaState<R>) -> PivaState<R> {
         let time = self.bend.filter(|_| h == self.reach).unwrap_or(state.time);
         PivaState { time, ..state }
@@ -337,7 +337,7 @@ impl<R: Real> Curve for PivaFlight<'_, R> {
 
     fn fourth(&self) -> R {
         let share = self.share(self.reach);
-        // Of the motion as carried; what it leaves out is part of the doubt.
+        // The bound is that of the series itself; its truncation error is part of the doubt.
         let fourth = fourth_bound(&self.series.y, share);
         let fourth = fourth / (self.step * self.step * self.step * self.step);
         if self.proved { fourth } else { R::NAN }

@@ -1,4 +1,4 @@
-//! One step of flight: what its series says of the states in it.
+//! One step of flight: states and turning points from its series.
 //!
 //! For an order N that the compiler knows and without branches, so that many can go side by side
 //! ([`crate::lanes`]).
@@ -97,7 +97,7 @@ impl<R: Real> Step<'_, R> {
         PivaState { time, primary, distance, w, cosine, released: false, ..*from }
     }
 
-    /// Whether and where x turns round on the way to an end.
+    /// The turning point of x on the way to an end.
     #[inline(always)]
     pub fn turning<const N: usize>(&self, end: &PivaState<R>, h: R) -> Turning<R> {
         let share = h / self.length;
@@ -131,7 +131,7 @@ impl<R: Real> Step<'_, R> {
     }
 }
 
-/// Where x turns round: once or not at all if that is `decided`.
+/// The turning point of x in a step: there is one or none if that is `decided`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Turning<R = f64> {
     pub decided: bool,
@@ -140,12 +140,13 @@ pub(crate) struct Turning<R = f64> {
     pub x: R,
 }
 
-/// What a polynomial of order N does at the end of [0, share], and on the way there.
+/// Derivatives of a polynomial of order N at the end of [0, share], and a bound over that interval.
 pub(super) struct Ahead<R = f64> {
-    /// f′ and f″ at the end.
+    /// First derivative f′ at the end.
     pub rate: R,
+    /// Second derivative f″ at the end.
     pub bend: R,
-    /// Bound on |f⁗|.
+    /// Bound on |f⁗| over the interval.
     pub fourth: R,
 }
 
@@ -204,7 +205,7 @@ impl<R: Real> Enclosure<R> {
         self.slowest > doubt
     }
 
-    /// True if it falls all the way.
+    /// True if it falls all the way, by more than the doubt about its rate.
     #[inline(always)]
     pub fn falls(&self, doubt: R) -> bool {
         self.fastest < -doubt

@@ -1,4 +1,4 @@
-//! One order of the series after the other, arranged so that none waits long for the one before.
+//! Recurrence of the series from order to order, arranged so that each order waits little for the last.
 //!
 //! With Y = (y W)_k, B = (c W)_{k+1} without c₀ W_{k+1} and A = (c a)_k without c₀ a_k (as sums over
 //! coefficients up to the order k) the recurrences of [`super`] read
@@ -125,7 +125,7 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Recurrence<'a, T, LE
             rest = is.beta.fused(sums[2], rest);
         }
 
-        // The two known last.
+        // The terms of W_k and a_{k−1}, which are known last.
         a = is.of_u.fused(u, is.of_last.fused(last, a));
         let mut of_w = is.of_w;
         if !self.small_angles {

@@ -1,4 +1,4 @@
-//! What a truncated series leaves out: a bound by what its polynomials leave of the equations of motion.
+//! Bound on the truncation error of a series, from the defects of its polynomials in the equations of motion.
 //!
 //! Let x, u, y, W, c and a be the polynomials of the step, of order N (a: N − 1), in powers of s = t/H up to s = 1.
 //! The recurrences cancel the equations up to order N − 1, so that each equation is left with terms from sᴺ on.
@@ -34,7 +34,7 @@
 use super::{ORDER, Pendulum, Series};
 use crate::real::Real;
 
-/// Bound on what a series leaves out.
+/// Bound on the truncation error of a series.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Remainder<R = f64> {
     order: usize,
@@ -190,13 +190,13 @@ impl<R: Real> Sums<R> {
     }
 }
 
-/// What the polynomials leave of the equations, over sᴺ.
+/// Bounds on the defects of the polynomials in the equations of motion, over sᴺ.
 struct Defects<R> {
     /// H of the step as far as it is looked at.
     length: R,
-    /// 1/D at most.
+    /// Upper bound on 1/D.
     over_inertia: R,
-    /// ρ/D.
+    /// Bound on ρ/D, the defect of the acceleration.
     acceleration: R,
     x: R,
     u: R,

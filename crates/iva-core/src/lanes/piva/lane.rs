@@ -12,17 +12,17 @@ use crate::simulate::Phase;
 use crate::system::Wall;
 use crate::taylor::{ORDER, Pendulum, unrolled};
 
-/// No wall,
+/// Code for no wall.
 pub(super) const NONE: f64 = 0.0;
-/// the near one,
+/// Code for the near wall.
 pub(super) const NEAR: f64 = 1.0;
-/// the far one.
+/// Code for the far wall.
 pub(super) const FAR: f64 = 2.0;
 
 arrays! {
     /// A state in flight.
     Pose,
-    /// Many.
+    /// States in flight side by side: an array for each number.
     Poses:
     x, x_rest, v, v_rest, side, clearance, distance, distance_rest, w, w_rest, cosine, cosine_rest,
     released, age, age_rest,
@@ -31,42 +31,43 @@ arrays! {
 arrays! {
     /// The numbers of one run.
     Lane,
-    /// Lanes side by side: of every number an array.
+    /// Lanes side by side: an array for each number.
     Lanes:
-    /// The pendulum, and what its gap is measured against.
+    /// Constants of the pendulum, and the length that the tolerance on its gap is relative to.
     mass_ratio, damping_ratio, contact_distance, inertia_ratio, lever, coupling, frequency_squared,
     pivot_damping, gap_size,
-    /// The fastest rate of both but for the swing, and of the force.
+    /// Fastest rate of primary, pendulum and force, without the swing.
     fastest,
-    /// The harmonic force, and 1 if it moves the base.
+    /// Harmonic force: amplitude, frequency, phase, and 1 if it moves the base.
     amplitude, frequency, angle, moves_base,
-    /// The clock, the instant of the next stop, how far to look first.
+    /// Clock, instant of the next stop, and longest first stretch.
     time, time_rest, stop, first,
     work, max_work,
-    /// 1; of a lane without a run 0.
+    /// 1 for a lane with a run, 0 for one without.
     live,
     /// Losses in the dampers of primary and pivot.
     viscous, viscous_rest, pivot, pivot_rest,
-    /// What the step has come to: losses, work, ∫x², and what |x| and |ẍ + a_g| stay below.
+    /// Losses, work and ∫x² over the step, and bounds on |x| and |ẍ + a_g| in it.
     lost, lost_in_pivot, worked, square, limit_x, limit_a,
-    /// The step: its length, how much of it is wanted, how much of it is proven.
+    /// Length of the step, largest share of it to be proved, and proved time.
     step, most, reach,
-    /// 1 if that is proved.
+    /// 1 if the truncation error up to `reach` is proved to be within the tolerance.
     proved,
-    /// The stretch that was looked at, and the distance at its end; where it meets a wall, and which.
+    /// Length of the stretch searched for contact, distance at its end, time to the contact, and the wall.
     length, end_distance, until, meets,
-    /// A step that is done: how much of it, 0 for one that is not; the wall at its end.
+    /// Share of the step that is done (0 if none), and the wall met at its end.
     share, met,
-    /// The clock at its begin.
+    /// Clock at the beginning of the step.
     start_time, start_time_rest,
-    /// Levels that |x| has fallen below in it, with the sign of x, and between which instants; 0: none.
+    /// Settling levels that |x| falls below in the step, with the sign of x (0: none), and the instants
+    /// between which it does.
     passed_1, from_1, to_1, passed_2, from_2, to_2, passed_3, from_3, to_3,
-    /// What the run is called for: something that is for the event loop; that or anything else.
+    /// Requests that call the run: those for impact or event loop, and those of any kind.
     request, requests;
-    /// Where the run is, and where the step began.
+    /// State of the run, and state at the beginning of the step.
     pose: Pose, Poses,
     origin: Pose, Poses,
-    /// Measures.
+    /// Measures of a decay.
     watch: Watch, Watches
 }
 
@@ -94,7 +95,7 @@ impl Pose {
         }
     }
 
-    /// Without impulses.
+    /// The state of a motion without impulses.
     #[inline(always)]
     pub fn state(&self) -> PivaState {
         let sum = |value, rest| DoubleDouble { value, rest };
@@ -128,14 +129,14 @@ impl Lane {
         }
     }
 
-    /// The force as if it acted on the primary.
+    /// The harmonic force, as one that acts on the primary.
     #[inline(always)]
     fn harmonic(&self) -> Harmonic {
         let Self { amplitude, frequency, angle: phase, .. } = *self;
         Harmonic { amplitude, frequency, phase, acts: Acts::Primary }
     }
 
-    /// Numbers of the force: those of f/M and a_g.
+    /// A number of the force as the pair for f/M and a_g, one of which is 0.
     #[inline(always)]
     fn acting(&self, number: f64) -> [f64; 2] {
         let base = self.moves_base > 0.0;
@@ -154,7 +155,7 @@ impl Lane {
         drive
     }
 
-    /// Its first two in powers of time, to twice the precision.
+    /// The first two coefficients of the force in powers of time, to twice the precision.
     #[inline(always)]
     pub fn beginning(&self) -> Drive<DoubleDouble, 2> {
         let push: Push = self.harmonic().push(self.pose.state().time);
@@ -183,7 +184,7 @@ impl Lane {
         (ahead > 0.0) & (ahead <= length)
     }
 
-    /// A lane without a run: it never gets anywhere.
+    /// A lane without a run, at rest.
     pub fn idle() -> Self {
         let pose =
             Pose { side: 1.0, clearance: 1.0, distance: 1.0, cosine: 1.0, ..Pose::default() };
@@ -195,7 +196,7 @@ impl Lane {
         Self { pose, watch: Watch::idle(), ..endless }
     }
 
-    /// A run in flight.
+    /// The lane of a run in flight.
     pub fn of(run: &ScalarRun<'_, Piva>, first: f64) -> Self {
         let pendulum = run.system.pendulum;
         let force: &Force = run.system.force();
@@ -233,7 +234,7 @@ impl Lane {
         }
     }
 
-    /// Puts the numbers back into the run; the measures of a driven one have been told.
+    /// Puts the numbers back into the run; the measures of a driven run have had every step shown already.
     pub fn put_back<const DRIVEN: bool>(&self, run: &mut ScalarRun<'_, Piva>) {
         run.tally.state = self.pose.state();
         run.tally.work = self.work as u64;

@@ -1,9 +1,9 @@
-//! The series of a step of every lane.
+//! Series and forces of a step of every lane.
 
 use crate::force::Drive;
 use crate::taylor::{ORDER, Series, unrolled};
 
-/// Of every coefficient an array.
+/// Coefficients of motion and force, each an array over the lanes.
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Rows<const W: usize>(Series<[f64; W]>, Drive<[f64; W]>);
@@ -15,13 +15,13 @@ impl<const W: usize> Rows<W> {
         Self(Series { x: row, u: row, a: row, y: row, w: row, c: row }, drive)
     }
 
-    /// Displacements and accelerations of all lanes.
+    /// Series of the primary's displacement and absolute acceleration in all lanes.
     #[inline(always)]
     pub fn primary(&self) -> [&[[f64; W]; ORDER + 1]; 2] {
         [&self.0.x, &self.0.a]
     }
 
-    /// The drive of a lane.
+    /// The coefficients of the force in a lane.
     #[inline(always)]
     pub fn drive(&self, i: usize) -> Drive<f64> {
         let mut drive = Drive::NONE;

@@ -1,7 +1,7 @@
-//! A step of every lane, in parts that leave their numbers to the next.
+//! A step of every lane, in parts that pass numbers on in the lanes.
 //!
-//! The same numbers in the same order as in the event loop, without branches. What a lane cannot do here
-//! it leaves as it is, and requests its run.
+//! The arithmetic is that of the event loop, without branches. A lane that cannot make the step keeps its
+//! state and requests its run.
 
 use super::Shared;
 use super::any;
@@ -18,7 +18,7 @@ use crate::piva::step::{Step, Turning};
 use crate::real::Real;
 use crate::taylor::{ORDER, Remainder, Series, Swing, unrolled};
 
-/// The length of a step, and the force over it.
+/// Sets the length of the step and computes the force over it.
 #[inline(always)]
 pub(super) fn begin<const W: usize, const DRIVEN: bool, const SMALL: bool>(
     lanes: &mut Lanes<W>,
@@ -41,7 +41,7 @@ pub(super) fn begin<const W: usize, const DRIVEN: bool, const SMALL: bool>(
     }
 }
 
-/// The series.
+/// Computes the series of the step.
 #[inline(always)]
 pub(super) fn series<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>(
     lanes: &Lanes<W>,
@@ -68,7 +68,7 @@ pub(super) fn series<const W: usize, const N: usize, const DRIVEN: bool, const S
     }
 }
 
-/// How much of its step each series is good for.
+/// Proves up to which time of the step each series keeps to the tolerance.
 #[inline(always)]
 pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>(
     lanes: &mut Lanes<W>,
@@ -89,7 +89,7 @@ pub(super) fn prove<const W: usize, const N: usize, const DRIVEN: bool, const SM
     }
 }
 
-/// Goes to the end of the step, if it meets no wall; where a decay is `WATCHED`, measures it on the way.
+/// Goes to the end of the step, or to a contact found before; takes the measures of a decay that is `WATCHED`.
 #[inline(always)]
 pub(super) fn arrive<
     const W: usize,
@@ -108,7 +108,7 @@ pub(super) fn arrive<
         let step = Step { pendulum: &pendulum, from: &from, series: &series, length: lane.step };
         let clock = lane.clock();
         let remaining = -clock.minus(lane.stop);
-        // A step towards a wall was looked at before: this time it goes there.
+        // The contact of a step towards a wall was found in the round before.
         let meeting = lane.meets > NONE;
         let whole = lane.reach.min(remaining).min(lane.first);
         let length = pick(meeting, lane.until, whole);
@@ -154,7 +154,7 @@ pub(super) fn arrive<
     }
 }
 
-/// Where x turns round in a stretch of a decay to an end, and whether it is simple enough for what measures look at.
+/// The turning point of x in a stretch of a decay, and whether the stretch is simple enough for the measures.
 #[inline(always)]
 fn looked_at<const N: usize>(
     lane: &Lane,
@@ -167,14 +167,14 @@ fn looked_at<const N: usize>(
     let (h_turn, x_turn) = (pick(turns, h_turn, 0.0), pick(turns, x_turn, x));
     let stretch =
         Stretch { x: [x, x_turn, end.primary.x.value], h: [0.0, h_turn, length], turns, loss: 0.0 };
-    // Steps across the instants that measures look at are for the loop.
+    // Steps across instants at which measures are taken are for the event loop.
     let looked_at = lane.passes(f64::TURN.value, length)
         | lane.passes(lane.watch.late_from, length)
         | lane.passes(lane.watch.later_from, length);
     (stretch.ends(lane.watch.peak_sign).simple() & decided & !looked_at, stretch)
 }
 
-/// What measures of a decay take in of a stretch that begins at an instant, if it is `done`.
+/// Adds a stretch that begins at an instant to the measures of a decay, if it is `done`.
 #[inline(always)]
 fn watch(next: &mut Lane, stretch: &Stretch, clock: DoubleDouble, done: bool) {
     let before = next.watch;
@@ -198,7 +198,7 @@ fn watch(next: &mut Lane, stretch: &Stretch, clock: DoubleDouble, done: bool) {
         + next.passed_3.abs();
 }
 
-/// Where lanes meet the wall that they have been found to meet.
+/// Finds the time of contact of the lanes that meet a wall.
 #[inline(always)]
 pub(super) fn meet<const W: usize, const N: usize, const SMALL: bool>(
     lanes: &mut Lanes<W>,
@@ -219,7 +219,7 @@ pub(super) fn meet<const W: usize, const N: usize, const SMALL: bool>(
     }
 }
 
-/// What dampers take and forces give in a step that is done.
+/// Losses in the dampers and work of the force over a step that is done.
 #[inline(always)]
 pub(super) fn lose<const W: usize, const N: usize, const DRIVEN: bool>(
     lanes: &mut Lanes<W>,
@@ -264,12 +264,12 @@ pub(super) fn square<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows:
     }
 }
 
-/// What |x| and |ẍ + a_g| stay below in a step that is done.
+/// Bounds on |x| and |ẍ + a_g| in a step that is done.
 #[inline(always)]
 pub(super) fn limit<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows: &Rows<W>) {
     let [x, a] = rows.primary();
     limits::<W, N>(x, &lanes.share, &mut lanes.limit_x);
-    // Its coefficient of the order N is not known: it is left out as in the event loop.
+    // The series of the acceleration has no coefficient of the order N.
     match N {
         10 => limits::<W, 9>(a, &lanes.share, &mut lanes.limit_a),
         16 => limits::<W, 15>(a, &lanes.share, &mut lanes.limit_a),
@@ -278,7 +278,7 @@ pub(super) fn limit<const W: usize, const N: usize>(lanes: &mut Lanes<W>, rows: 
     }
 }
 
-/// What polynomials of order N stay below on shares of a step.
+/// Bounds on the absolute values of polynomials of order N on shares of a step.
 #[inline(always)]
 fn limits<const W: usize, const N: usize>(
     row: &[[f64; W]; ORDER + 1],
