@@ -165,7 +165,7 @@ pub struct Pendulum<R = f64> {
 pub struct Swing<T> {
     /// Displacement of the primary.
     pub x: T,
-    /// Its velocity.
+    /// Velocity of the primary.
     pub u: T,
     /// Gap displacement y = b sinθ.
     pub y: T,
@@ -180,9 +180,9 @@ pub struct Swing<T> {
 pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
     /// Displacement of the primary.
     pub x: [T; LENGTH],
-    /// Its velocity.
+    /// Velocity of the primary.
     pub u: [T; LENGTH],
-    /// Its absolute acceleration A = ẍ + a_g, one order less.
+    /// Absolute acceleration ẍ + a_g of the primary, to one order less.
     pub a: [T; LENGTH],
     /// Gap displacement.
     pub y: [T; LENGTH],

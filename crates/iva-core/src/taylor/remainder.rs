@@ -126,18 +126,25 @@ fn power<R: Real>(p: R, n: usize) -> R {
 
 /// Sums over the coefficients of a series in powers of s.
 struct Sums<R> {
-    /// Last coefficients, without sign.
+    /// |x_N|.
     x_last: R,
+    /// |u_N|.
     u_last: R,
+    /// |y_N|.
     y_last: R,
+    /// |W_N|.
     w_last: R,
-    /// S_W(0) and S_a(0).
+    /// S_W(0).
     w: R,
+    /// S_a(0).
     a: R,
-    /// U(c, W), U(y, W), U(c, a) and V.
+    /// U(c, W).
     cw: R,
+    /// U(y, W).
     yw: R,
+    /// U(c, a).
     ca: R,
+    /// V.
     cw_rate: R,
 }
 
@@ -192,7 +199,7 @@ impl<R: Real> Sums<R> {
 
 /// Bounds on the defects of the polynomials in the equations of motion, over sᴺ.
 struct Defects<R> {
-    /// H of the step as far as it is looked at.
+    /// H, the length of the step times the share that the bound is for.
     length: R,
     /// Upper bound on 1/D.
     over_inertia: R,
