@@ -30,16 +30,23 @@ struct Constants<T> {
     c0: T,
     y0: T,
     w0: T,
-    /// 1/D
+    /// 1/D.
     freed: T,
-    /// Factors in a_k: of u_k, B, Y, A, y_k, a_{k−1}, and of W_k without and with s.
+    /// Factor of u_k in a_k.
     of_u: T,
+    /// Factor of B in a_k, without (k+1)/h.
     of_b: T,
+    /// Factor of Y in a_k.
     of_y: T,
+    /// Factor of A in a_k.
     of_a: T,
+    /// Factor of y_k in a_k.
     of_gap: T,
+    /// Factor of a_{k−1} in a_k.
     of_last: T,
+    /// Factor of W_k in a_k, without the part from s.
     of_w: T,
+    /// Factor of W_k in a_k from s, without its multiple k + 2.
     of_turn: T,
 }
 
