@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, fields
-from functools import cache
 from numbers import Real
 
 from iva import _iva
@@ -128,11 +127,16 @@ def given(part: Part) -> dict[str, float]:
     return {name: value for name, value in values if value is not None}
 
 
-@cache
 def numeric(kind: type[Part]) -> tuple[tuple[str, str], ...]:
     """Return name and path ``"part.name"`` of every field of a kind of part that holds a number."""
-    names = (field.name for field in fields(kind))  # type: ignore[arg-type]
-    return tuple((name, f"{kind._part}.{name}") for name in names if name not in kind._words)
+    if kind not in NUMERIC:
+        names = (field.name for field in fields(kind) if field.name not in kind._words)  # type: ignore[arg-type]
+        NUMERIC[kind] = tuple((name, f"{kind._part}.{name}") for name in names)
+    return NUMERIC[kind]
+
+
+#: What :func:`numeric` returns, by kind; to look through the fields takes longer than a short run.
+NUMERIC: dict[type[Part], tuple[tuple[str, str], ...]] = {}
 
 
 def constructor(part: Part) -> str:
