@@ -1,22 +1,21 @@
-//! Reading what others wrote: a panic over damaged bytes, in the crates that decode Parquet and Arrow,
-//! is an error like any other.
+//! Conversion of panics into errors, for the decoders of Parquet and Arrow, which panic over damaged files.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
 
-/// What is said of a file over which its reader panicked.
+/// Message for a file whose contents are inconsistent.
 pub(crate) const DAMAGED: &str = "it is damaged: its parts contradict each other";
 
 thread_local! {
-    /// True while this thread reads: then a panic prints nothing.
+    /// True while this thread is inside [`caught`], where a panic prints nothing.
     static QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Calls `read` on this thread; `None` if it panicked. Nothing is printed of that.
+/// Calls `read` on this thread and returns its result, or `None` if it panics; the panic is not printed.
 pub(crate) fn caught<T>(read: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
-    // The hook is one for all threads: it is set once, and asks the thread that panics.
+    // The panic hook is global: it is set once, and checks the flag of the thread that panics.
     HOOK.call_once(|| {
         let before = panic::take_hook();
         panic::set_hook(Box::new(move |info| {

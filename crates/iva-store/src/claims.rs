@@ -1,5 +1,5 @@
-//! What a file of Parquet or Arrow claims to hold, compared with its size before it is decoded: decoders
-//! make room for what is claimed, and a process without memory ends.
+//! Checks of the sizes that a Parquet or Arrow file states against its length, before it is decoded: decoders
+//! allocate the stated sizes, and a process that runs out of memory is ended.
 
 pub(crate) mod arrow;
 mod compact;
@@ -7,13 +7,13 @@ pub(crate) mod parquet;
 
 use iva_sweep::sampling::MAX_POINTS;
 
-/// Bytes that the cells of a file may take in memory: as many as the tables of a sweep.
+/// Most bytes that the cells of a file may take in memory.
 const MOST_BYTES: u64 = 4_000_000_000;
 
-/// Checks that so many rows can be read.
+/// Checks that a table of this size fits the limits on rows and memory.
 ///
 /// # Errors
-/// A sentence with what they would take.
+/// A sentence with the size and the limit.
 pub(crate) fn check_rows(rows: u64, columns: usize) -> Result<(), String> {
     if rows > MAX_POINTS {
         return Err(format!("it has {rows} rows; at most 2^32 are read"));

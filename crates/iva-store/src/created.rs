@@ -1,18 +1,18 @@
-//! Folders that are made on the way to a result.
+//! Folders that are created for a result.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Folders made for the output, removed again if nothing was put into them.
+/// Folders created for the output, which are removed on drop where they are empty.
 #[derive(Debug, Default)]
 pub(crate) struct CreatedFolders(Vec<PathBuf>);
 
 impl CreatedFolders {
-    /// Makes a folder that the user named, and those above it.
+    /// Creates a folder with its missing parent folders.
     ///
     /// # Errors
-    /// What the system says.
+    /// The error of the operating system.
     pub(crate) fn create(dir: &Path) -> io::Result<Self> {
         let mut missing: Vec<PathBuf> = dir
             .ancestors()
@@ -29,7 +29,7 @@ impl CreatedFolders {
 impl Drop for CreatedFolders {
     fn drop(&mut self) {
         for folder in self.0.iter().rev() {
-            // Fails, as it should, for a folder that holds something.
+            // The call fails for a folder that is not empty, as intended.
             let _ = fs::remove_dir(folder);
         }
     }

@@ -9,8 +9,8 @@ use iva_sweep::sweep::SweepError;
 use crate::fault::Fault;
 use crate::remedy::{Remedy, Words};
 
-/// Everything that writing and reading results can fail with. `Display` says what is wrong, and
-/// [`Error::message`] also what the user can do about it, in the words of a front.
+/// A failure of writing or reading results. `Display` says what is wrong, and [`Error::message`] also what the
+/// user can do about it, with the option names of a front.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A study without units or with values that cannot be used.
@@ -19,12 +19,12 @@ pub enum Error {
     /// A folder that cannot take a result as asked.
     #[error("{fault}")]
     Folder {
-        /// What is wrong with it.
+        /// Reason for the refusal.
         fault: Fault,
-        /// What can be done.
+        /// Advice to the user.
         remedy: Remedy,
     },
-    /// A part comes from a process that runs another version.
+    /// A part was computed by another version of the program.
     #[error(
         "a worker runs iva-dynamics {theirs:?}, this is {ours}: install the same version on all of them"
     )]
@@ -34,13 +34,13 @@ pub enum Error {
         /// The version of this process.
         ours: String,
     },
-    /// What a process says of a part is not what any process could say of it.
+    /// The report of a worker about a part contradicts the sweep.
     #[error("what a worker said of part {part} does not fit the sweep")]
     UnfitPart {
         /// The number of the part.
         part: u64,
     },
-    /// The files of a part are not what the process that ran it says.
+    /// The files of a part differ from the report of the worker that ran it.
     #[error("the files of part {part} are not what its worker said")]
     ChangedPart {
         /// The number of the part.
@@ -49,21 +49,21 @@ pub enum Error {
     /// Reading or writing failed.
     #[error("cannot {action} {}: {source}", .path.display())]
     Io {
-        /// What was attempted, for example `write`.
+        /// Verb for the attempted action, for example `write`.
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// Finished tables could not be moved into place.
     #[error("{reason}; {what} are kept in {}", .kept.display())]
     NotMoved {
-        /// Why not.
+        /// Failure that prevented the move.
         reason: Box<Error>,
-        /// Which tables.
+        /// Name of the tables concerned, for example `the new tables`.
         what: &'static str,
-        /// Where they are.
+        /// Folder that holds the tables now.
         kept: PathBuf,
     },
     /// A fault of this program or of the machine, such as a table that cannot be encoded.
@@ -72,12 +72,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// A folder that cannot take a result, and what can be done.
+    /// An [`Error::Folder`] from its reason and the advice to the user.
     pub fn folder(fault: Fault, remedy: Remedy) -> Self {
         Self::Folder { fault, remedy }
     }
 
-    /// The message in the words of a front.
+    /// The message with advice to the user, in the option names of a front.
     pub fn message(&self, words: &Words) -> String {
         match self {
             Error::Folder { fault, remedy } => format!("{fault}; {}", remedy.sentence(words)),
@@ -88,8 +88,7 @@ impl Error {
         }
     }
 
-    /// True if the user can mend it by asking for something else, false for a fault of reading or writing and for
-    /// a defect.
+    /// True if another request of the user can avoid the error, false for I/O errors and internal faults.
     pub fn is_bad_input(&self) -> bool {
         match self {
             Error::Invalid(_)

@@ -1,70 +1,70 @@
-//! Why a folder cannot take a result as asked.
+//! Reasons for refusing a folder.
 
 use std::io;
 use std::path::PathBuf;
 
 use crate::folder::MANIFEST_FILE;
 
-/// What is wrong with a folder, with the names that it concerns. `Display` says it in one sentence without a
-/// stop; what can be done is a [`crate::remedy::Remedy`].
+/// The reason for refusing a folder, with the paths concerned. `Display` gives one sentence without a full
+/// stop; the advice to the user is a [`crate::remedy::Remedy`].
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// The folder is a file.
+    /// The path of the output folder is that of a file.
     #[error("the output folder {} is a file", .0.display())]
     IsFile(PathBuf),
-    /// The folder holds tables, and nothing says that they may be replaced.
+    /// The folder holds tables, and replacing them was not allowed.
     #[error("the output folder {} already holds tables", .0.display())]
     HoldsTables(PathBuf),
-    /// Nothing can be written into the folder.
+    /// The folder cannot be created or written into.
     #[error("cannot write into the folder {}: {reason}", .dir.display())]
     Unwritable {
         /// The folder.
         dir: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         reason: io::Error,
     },
-    /// Another process has taken the folder.
+    /// Another process holds the lock of the folder.
     #[error("another process is writing into {}", .0.display())]
     Taken(PathBuf),
-    /// A file of others stands where one of a result must go.
+    /// A file that the program did not write has the name of a file of the result.
     #[error("{} {what} and would be replaced", .path.display())]
     InTheWay {
         /// The file.
         path: PathBuf,
-        /// What it is, or is not.
+        /// Predicate of the message, for example `was not written by iva`.
         what: &'static str,
     },
-    /// A link, folder or file stands where something of another kind must go.
+    /// A link, folder or file has the name that something of another kind must have.
     #[error("{} {what}", .path.display())]
     OtherKind {
-        /// What stands there.
+        /// Path of what was found.
         path: PathBuf,
-        /// What it is, and what must go there.
+        /// Predicate of the message, for example `is a folder where a file must go`.
         what: &'static str,
     },
-    /// A hidden folder has the name of one of ours and no mark.
+    /// A hidden folder has the name of one of the program's and does not hold its mark.
     #[error("{} was not made by iva and would be used for unfinished files", .0.display())]
     Unmarked(PathBuf),
-    /// The list of files that are to be moved cannot be understood.
+    /// The journal of an exchange of results cannot be read as one.
     #[error("{} is no list of files of a result", .0.display())]
     BadJournal(PathBuf),
-    /// The manifest cannot be understood.
+    /// The manifest is invalid.
     #[error("{}: {reason}", .path.display())]
     BadManifest {
-        /// The manifest.
+        /// Path of the manifest.
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
     },
-    /// The folder holds a sweep that is not the one to go on with.
+    /// The folder holds another sweep than the one to resume.
     #[error("{} holds another sweep: {}", .dir.display(), .differences.join("; "))]
     OtherSweep {
         /// The folder.
         dir: PathBuf,
-        /// What differs, one sentence each.
+        /// Differences between the two sweeps, one sentence each.
         differences: Vec<String>,
     },
-    /// The folder holds tables of another study, and nothing says which of them are complete.
+    /// The folder holds tables of another study, without a manifest that lists the complete ones.
     #[error("{} holds tables of another study and no {MANIFEST_FILE} to go on from", .0.display())]
     OtherTables(PathBuf),
 }

@@ -1,5 +1,5 @@
-//! Points and records that a study refers to and that no file holds. They are written beside the tables,
-//! so that the resolved study can name them.
+//! Points and records of a study made in a program, which are written beside the tables so that the resolved
+//! study can name their files.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -12,12 +12,12 @@ use crate::directory::Directory;
 use crate::error::Error;
 use crate::points_file::write_points;
 
-/// The name of the folder of inputs below that of the result.
+/// Name of the folder of inputs in the folder of a result.
 pub const INPUTS: &str = "inputs";
-/// The file of points in it.
+/// Name of the file of points in the folder of inputs.
 const POINTS_FILE: &str = "points.parquet";
 
-/// True of a name that an input has, relative to the folder of the result.
+/// True if `name`, relative to the folder of the result, is that of a file of points or of a record.
 pub(crate) fn is_input_name(name: &str) -> bool {
     let Some(file) = name.strip_prefix(INPUTS).and_then(|rest| rest.strip_prefix('/')) else {
         return false;
@@ -29,34 +29,35 @@ pub(crate) fn is_input_name(name: &str) -> bool {
     file == POINTS_FILE || number.is_some_and(is_number)
 }
 
-/// A file of points or of a record that is to be written below the folder of a result.
+/// A file of points or of a record that is to be written into the folder of inputs.
 pub struct Input {
     name: String,
     content: Content,
 }
 
+/// The numbers of an input.
 enum Content {
     Points(Rows),
     Record(Arc<History>),
 }
 
 impl Input {
-    /// The points of a sweep.
+    /// The file of the points of a sweep.
     pub fn points(rows: Rows) -> Self {
         Self { name: format!("{INPUTS}/{POINTS_FILE}"), content: Content::Points(rows) }
     }
 
-    /// The record of the force of that number.
+    /// The file of a recorded history, numbered from 0 among the records of the study.
     pub fn record(number: usize, history: Arc<History>) -> Self {
         Self { name: format!("{INPUTS}/record-{number}.csv"), content: Content::Record(history) }
     }
 
-    /// Its name, relative to the folder.
+    /// Name of the file, relative to the folder of the result.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Writes the file below a folder: first aside, in a folder of unfinished files, then into place.
+    /// Writes the file into `work`, the folder of unfinished files, and renames it into place below `root`.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
@@ -71,7 +72,7 @@ impl Input {
     }
 }
 
-/// Times and values with the digits that read back the same.
+/// The CSV text of a history, with digits that read back as the same numbers.
 fn record(history: &History) -> String {
     let mut text = "time,value\n".to_owned();
     for (time, value) in history.times().iter().zip(history.values()) {

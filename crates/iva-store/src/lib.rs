@@ -1,16 +1,15 @@
 //! Results on disk: the folder of a result, its manifest, and its tables as Parquet, Arrow or CSV.
 //!
-//! In the order of a sweep: [`taken`] looks at a folder and takes it, ready for the first missing part →
-//! [`part_files`] are the files of a part while they are written, each a [`table_file`] → [`sweep_folder`]
-//! enters complete parts in the [`manifest`]. [`output`] is the folder of a single run. [`inputs`] are
-//! files that a study refers to and that are kept beside its tables, [`points_file`] those of points.
-//! Below them: `directory` holds a folder by a handle that follows no link, `folder` says what in it is
-//! ours, `claim` keeps other processes out of it, `exchange` replaces one result by another, and `claims`
-//! checks what a file of others claims to hold before it is decoded.
+//! In the order of a sweep: [`taken`] checks a folder and locks it for a sweep → [`part_files`] are the files
+//! of a part while they are written, each a [`table_file`] → [`sweep_folder`] enters complete parts in the
+//! [`manifest`]. [`output`] is the folder of a single run. [`inputs`] are points and records that are kept
+//! beside the tables, [`points_file`] reads and writes files of points. Below them: `directory` is an open
+//! folder in which no link is followed, [`folder`] knows the layout of a result and which files belong to it,
+//! `claim` locks it against other processes, `exchange` replaces one result by another, and `claims` checks
+//! the sizes that a file states before it is decoded.
 //!
-//! What a study says in TOML is not known here: its text is kept and handed back. What cannot be done is
-//! an [`Error`] that carries data; the words for what the user can do about it come from the front that
-//! shows it, see [`remedy`].
+//! The text of a study is kept and handed back; its TOML is not read here. A failure is an [`Error`] that
+//! carries data; the names of options in the advice to the user come from the front, see [`remedy`].
 
 mod caught;
 mod claim;

@@ -1,19 +1,19 @@
-//! Files that a user named are opened only if they are regular ones: reading a pipe without a writer
-//! would wait for ever, a device may never end.
+//! Opening of regular files only: reading a pipe without a writer would wait for ever, and a device may have
+//! no end.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Opens a file for reading.
+/// Opens a regular file for reading.
 ///
 /// # Errors
-/// As [`File::open`], and [`ErrorKind::InvalidInput`] for what is no regular file.
+/// As [`File::open`], and [`ErrorKind::InvalidInput`] for anything but a regular file.
 pub fn open(path: &Path) -> io::Result<File> {
-    // Opening alone would wait for the writer of a pipe.
+    // Opening a pipe would already wait for its writer.
     refuse(&fs::metadata(path)?)?;
     let file = File::open(path)?;
-    // The name may stand for another file by now.
+    // The path may lead to another file by now.
     refuse(&file.metadata()?)?;
     Ok(file)
 }

@@ -1,40 +1,40 @@
-//! What a user can do about a folder that is refused, in the words of the front that shows it: the
-//! terminal or Python.
+//! Advice to the user about a folder that is refused, with the option names of the front that shows it: the
+//! command line or Python.
 
-/// How a front writes its options.
+/// Names of a front's options, as messages show them.
 #[derive(Debug, Clone, Copy)]
 pub struct Words {
-    /// Names the folder.
+    /// Option that names the output folder.
     pub out: &'static str,
-    /// Replaces what is there.
+    /// Option that replaces the result in the folder.
     pub overwrite: &'static str,
-    /// Goes on with what is there.
+    /// Option that resumes the sweep in the folder.
     pub resume: &'static str,
-    /// Goes on with what was to replace what is there.
+    /// Options that resume a sweep that is to replace the result in the folder.
     pub overwrite_and_resume: &'static str,
 }
 
-/// What can be done.
+/// Advice to the user about a refused folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Remedy {
     /// Choose another folder.
     OtherFolder,
-    /// The same, or move what is in the way.
+    /// Move the file or folder that is in the way, or choose another folder.
     MoveOrOtherFolder,
-    /// The same, or wait for another process.
+    /// Wait for the end of the process that writes into the folder, or choose another folder.
     WaitOrOtherFolder,
-    /// The same, or replace the tables that are there.
+    /// Choose another folder, or replace the tables in this one.
     OtherFolderOrReplace,
-    /// The same, or go on with the sweep that wrote them.
+    /// Choose another folder, replace the tables in this one, or resume the sweep that wrote them.
     OtherFolderReplaceOrGoOn,
-    /// Choose another folder, or replace another sweep instead of going on with it.
+    /// Choose another folder, or replace the sweep in this one instead of resuming it.
     OtherFolderOrNotResume,
-    /// Replace what is there.
+    /// Replace the result in the folder.
     BeginAnew,
 }
 
 impl Remedy {
-    /// An order to the user, without a stop.
+    /// The advice as an imperative clause, without a full stop.
     pub fn sentence(self, words: &Words) -> String {
         let Words { out, overwrite, resume, .. } = words;
         let other = format!("choose another folder {out}");

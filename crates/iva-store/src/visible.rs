@@ -1,7 +1,7 @@
-//! Text of others on a terminal: names of files, keys and columns may hold characters that move the
-//! cursor, change colours or turn the direction of reading. They are shown, not obeyed.
+//! Escaping of control characters in text for a terminal: names of files, keys and columns may hold
+//! characters that move the cursor, change colours or turn the direction of reading.
 
-/// A text with the control characters in it written out, as `\u{1b}`; line ends stay.
+/// A text with its control and direction characters escaped, as `\u{1b}`; line feeds stay.
 pub fn visible(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for character in text.chars() {
@@ -14,7 +14,7 @@ pub fn visible(text: &str) -> String {
     shown
 }
 
-/// True of a character that does something instead of being seen.
+/// True for control characters but the line feed, and for marks that turn the direction of reading.
 fn acts(character: char) -> bool {
     let turns = matches!(
         character,

@@ -1,4 +1,4 @@
-//! Arrow files: what they claim is compared with their size before they are decoded.
+//! Check of the sizes that an Arrow file states, before it is decoded.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -10,21 +10,24 @@ use arrow_schema::Schema;
 use super::check_rows;
 use crate::table_file::footer;
 
+/// Message for a file that is damaged, cut short or of another format.
 const DAMAGED: &str = "it is not an Arrow file, or not all of it";
+/// Message for a file with compressed buffers, which are not read.
 const COMPRESSED: &str = "it is compressed; write it without compression, or as Parquet";
+/// Continuation marker in front of the length of a message, which files of older versions lack.
 const CONTINUATION: [u8; 4] = [0xff; 4];
 
-/// The columns of an Arrow file.
+/// The schema of an Arrow file.
 ///
 /// # Errors
-/// A sentence if it is none.
+/// A sentence for a file that is not an Arrow file or cannot be read.
 pub(crate) fn schema(file: &mut File) -> Result<Schema, String> {
     let bytes = footer(file).map_err(said)?;
     let footer = root_as_footer(&bytes).map_err(|_| DAMAGED)?;
     Ok(fb_to_schema(footer.schema().ok_or(DAMAGED)?))
 }
 
-/// Checks that all that an Arrow file describes lies within it; returns the number of rows.
+/// Checks that all batches and buffers of an Arrow file lie within it; returns the number of rows.
 ///
 /// # Errors
 /// A sentence that says what is wrong with it.
@@ -40,6 +43,7 @@ pub(crate) fn check(file: &mut File, columns: usize) -> Result<u64, String> {
     Ok(rows)
 }
 
+/// The blocks of the record batches; files with dictionaries are refused.
 fn blocks<'a>(footer: &Footer<'a>) -> Result<impl Iterator<Item = &'a Block>, String> {
     if footer.dictionaries().is_some_and(|blocks| !blocks.is_empty()) {
         return Err("it has columns of words out of a list; write them as plain columns".to_owned());
@@ -47,7 +51,8 @@ fn blocks<'a>(footer: &Footer<'a>) -> Result<impl Iterator<Item = &'a Block>, St
     Ok(footer.recordBatches().into_iter().flatten())
 }
 
-/// The rows of a batch, after a check that its buffers lie within it, and it within the file.
+/// The number of rows of a batch, after a check that the batch lies within the file and its buffers within
+/// the batch.
 fn rows_of(file: &mut File, block: &Block, size: u64) -> Result<u64, String> {
     let number = |value: i64| u64::try_from(value).map_err(|_| DAMAGED);
     let start = number(block.offset())?;
@@ -77,13 +82,14 @@ fn rows_of(file: &mut File, block: &Block, size: u64) -> Result<u64, String> {
             return Err(DAMAGED.to_owned());
         }
     }
-    // A cell takes a byte at least, and a flag a bit.
+    // A row takes at least one bit.
     if rows / 8 > body {
         return Err(format!("it claims {rows} rows, but it has {size} bytes in all"));
     }
     Ok(rows)
 }
 
+/// The message for an I/O error.
 fn said(reason: io::Error) -> String {
     use io::ErrorKind::{InvalidData, UnexpectedEof};
     match reason.kind() {

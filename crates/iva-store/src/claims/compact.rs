@@ -1,9 +1,10 @@
-//! Thrift's compact protocol, in which Parquet writes the heads of its pages: just enough of it to know
-//! how much a page claims before the decoder makes room for it.
+//! Reader of Thrift's compact protocol, in which Parquet writes the headers of its pages, for the whole
+//! numbers that state the sizes of a page.
 
-/// Depth at which structures within structures are refused.
+/// Depth at which nested structures are refused.
 const MOST_DEPTH: usize = 16;
 
+// Type codes of the protocol; 4 to 6 are the whole numbers i16, i32 and i64.
 const TRUE: u8 = 1;
 const FALSE: u8 = 2;
 const BYTE: u8 = 3;
@@ -14,28 +15,30 @@ const SET: u8 = 10;
 const MAP: u8 = 11;
 const STRUCT: u8 = 12;
 
-/// Bytes in this protocol, read from the front.
+/// A reader of bytes in the compact protocol.
 pub(super) struct Compact<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Compact<'a> {
+    /// A reader at the first byte.
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0 }
     }
 
-    /// Bytes read so far.
+    /// Number of bytes read so far.
     pub(super) fn read(&self) -> usize {
         self.at
     }
 
-    /// Reads a structure and hands out its whole numbers, each with the numbers of the fields that lead
-    /// to it; `None` if the bytes are no such structure.
+    /// Reads a structure and passes each of its whole numbers to `found`, with the path of field numbers that
+    /// leads to it; `None` if the bytes are not a valid structure.
     pub(super) fn structure(&mut self, found: &mut dyn FnMut(&[i64], i64)) -> Option<()> {
         self.fields(&mut Vec::new(), found)
     }
 
+    /// Reads the fields of a structure up to its end.
     fn fields(&mut self, path: &mut Vec<i64>, found: &mut dyn FnMut(&[i64], i64)) -> Option<()> {
         if path.len() >= MOST_DEPTH {
             return None;
@@ -56,6 +59,7 @@ impl<'a> Compact<'a> {
         }
     }
 
+    /// Reads a value of a type code.
     fn value(
         &mut self,
         kind: u8,
@@ -92,6 +96,7 @@ impl<'a> Compact<'a> {
         }
     }
 
+    /// Reads the items of a list, set or map, of which each has values of the types `kinds`.
     fn items(
         &mut self,
         length: u64,
@@ -104,7 +109,7 @@ impl<'a> Compact<'a> {
         }
         for _ in 0..length {
             for kind in kinds {
-                // In a collection a truth value has a byte of its own.
+                // In a collection a boolean is a byte, not part of the type code.
                 path.push(-1);
                 self.value(if *kind <= FALSE { BYTE } else { *kind }, path, found)?;
                 path.pop();
@@ -113,6 +118,7 @@ impl<'a> Compact<'a> {
         Some(())
     }
 
+    /// Number of bytes not read yet.
     fn left(&self) -> u64 {
         (self.bytes.len() - self.at) as u64
     }
@@ -131,6 +137,7 @@ impl<'a> Compact<'a> {
         Some(())
     }
 
+    /// Reads an unsigned number of variable length, seven bits a byte.
     fn varint(&mut self) -> Option<u64> {
         let mut value = 0u64;
         for shift in (0..64).step_by(7) {
@@ -143,7 +150,7 @@ impl<'a> Compact<'a> {
         None
     }
 
-    /// A whole number with its sign in the last bit.
+    /// Reads a signed number in zigzag coding, with the sign in the last bit.
     fn whole(&mut self) -> Option<i64> {
         let value = self.varint()?;
         Some((value >> 1) as i64 ^ -((value & 1) as i64))
@@ -160,7 +167,7 @@ mod tests {
         Some(all)
     }
 
-    // The bytes are laid out by hand after the specification of the protocol.
+    // The bytes are written by hand from the specification of the protocol.
     #[test]
     fn whole_numbers_come_with_their_fields() {
         // 1: i32 3, 5: struct { 1: i32 −1 }, then a binary of two bytes.

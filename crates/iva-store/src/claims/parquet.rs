@@ -1,5 +1,4 @@
-//! Parquet files: what they claim is compared with their size, and what a page claims with its row
-//! group, before they are decoded.
+//! Check of the sizes that a Parquet file and its pages state, before it is decoded.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -11,12 +10,12 @@ use super::check_rows;
 use super::compact::Compact;
 use crate::caught::DAMAGED;
 
-/// Bytes that the head of a page may take; those of numbers take about a hundred.
+/// Most bytes of a page header; that of a page of numbers takes about a hundred.
 const MOST_HEAD: u64 = 1 << 16;
-/// Bytes of a page beside those of its numbers.
+/// Bytes that a page may have beyond those of its values.
 const BESIDE: i64 = 1 << 16;
 
-/// Checks that all that a Parquet file describes lies within it; returns the number of rows.
+/// Checks that all columns and pages of a Parquet file lie within it; returns the number of rows.
 ///
 /// # Errors
 /// A sentence that says what is wrong with it.
@@ -41,7 +40,7 @@ pub(crate) fn check(
     Ok(rows)
 }
 
-/// Follows the pages of a column of a row group.
+/// Checks the pages of a column of a row group.
 fn check_column(
     file: &mut File,
     column: &ColumnChunkMetaData,
@@ -55,7 +54,7 @@ fn check_column(
     let end = end.ok_or_else(|| {
         format!("it claims {claimed} bytes of a column, but it has {size} bytes in all")
     })?;
-    // Eight bytes a number, and as many for what tells which are there; words as long as those of tables.
+    // A number takes eight bytes and at most as many for its levels; a text at most 256 bytes.
     let each = if column.column_type() == Type::BYTE_ARRAY { 256 } else { 16 };
     while at < end {
         let page = page(file, at, end).ok_or(DAMAGED)?;
@@ -71,23 +70,24 @@ fn check_column(
     Ok(())
 }
 
-/// What the head of a page says.
+/// The sizes in the header of a page.
 struct Page {
-    /// Where the page itself begins.
+    /// Offset of the first byte after the header.
     body: u64,
     uncompressed: i64,
     compressed: i64,
     values: i64,
 }
 
+/// Reads the header of the page at the offset `at`, in a column that ends at `end`.
 fn page(file: &mut File, at: u64, end: u64) -> Option<Page> {
     let mut bytes = Vec::new();
     file.seek(SeekFrom::Start(at)).ok()?;
     Read::by_ref(file).take((end - at).min(MOST_HEAD)).read_to_end(&mut bytes).ok()?;
     let mut head = Compact::new(&bytes);
     let mut page = Page { body: 0, uncompressed: -1, compressed: -1, values: 0 };
-    // PageHeader of parquet.thrift: data page 5, dictionary 7, data page of version 2 8, and in each of
-    // them the number of values 1.
+    // Fields of PageHeader in parquet.thrift: 5 is a data page, 7 a dictionary page and 8 a data page of
+    // version 2; field 1 of each is the number of values.
     head.structure(&mut |path, value| match path {
         [2] => page.uncompressed = value,
         [3] => page.compressed = value,
