@@ -1,4 +1,4 @@
-//! A folder taken by one process: as long as a claim lives, no other process writes results into it.
+//! The lock on the folder of a result: as long as a claim lives, no other process writes results into it.
 
 use std::fs::{File, TryLockError};
 use std::io::{self, Write};
@@ -13,22 +13,23 @@ use crate::folder::unwritable;
 use crate::hidden::{MARK, MARK_FILE, empty, remove_work_folder, work_folder};
 use crate::remedy::Remedy;
 
-/// A folder that is ours, with a place for unfinished files. When it is let go the unfinished files go,
-/// and so do folders that were made and hold nothing.
+/// A locked folder with its folder of unfinished files. Drop removes the unfinished files, the folders that
+/// were created and are empty, and the lock.
 #[derive(Debug)]
 pub(crate) struct Claim {
     dir: Directory,
     work: Directory,
-    // Dropped in this order: the lock is held until all is removed.
+    // Fields drop in this order: the lock is held until everything is removed.
     _created: CreatedFolders,
     lock: File,
 }
 
 impl Claim {
-    /// Takes a folder, and ends an exchange of tables that a killed process began.
+    /// Creates and locks a folder, and completes or undoes an exchange of results that a killed process began.
     ///
     /// # Errors
-    /// [`Error::Folder`] if it cannot be written, or another process has it.
+    /// [`Error::Folder`] if it cannot be written or another process has locked it, [`Error::NotMoved`] if the
+    /// exchange cannot be ended.
     pub(crate) fn take(path: &Path) -> Result<Self, Error> {
         let unwritable = |reason: io::Error| unwritable(path, reason);
         let created = CreatedFolders::create(path).map_err(unwritable)?;
@@ -42,7 +43,7 @@ impl Claim {
         Ok(claim)
     }
 
-    /// Writes the mark into the locked file, which must stay the one that it is.
+    /// Writes the mark into the locked file, which must not be replaced by another.
     fn mark(&self) -> Result<(), Error> {
         let name = Path::new(MARK_FILE);
         if self.work.read(name, MARK.len() as u64)?.as_deref() == Some(MARK) {
@@ -53,12 +54,12 @@ impl Claim {
         written.map_err(|reason| Error::io("write", &self.work.path().join(name), reason))
     }
 
-    /// The folder.
+    /// The folder of the result.
     pub(crate) fn dir(&self) -> &Directory {
         &self.dir
     }
 
-    /// Where unfinished files are.
+    /// The folder of unfinished files.
     pub(crate) fn work(&self) -> &Directory {
         &self.work
     }
@@ -66,15 +67,15 @@ impl Claim {
 
 impl Drop for Claim {
     fn drop(&mut self) {
-        // What cannot be removed now is removed by the next process that takes the folder.
+        // The next process that locks the folder removes the rest.
         let _ = remove_work_folder(&self.dir);
     }
 }
 
-/// Ends an exchange of tables in a folder that a killed process began, if there is one.
+/// Completes or undoes an exchange of results that a killed process began in a folder, if there is one.
 ///
 /// # Errors
-/// As [`Claim::take`], if there is one.
+/// As [`Claim::take`], and [`Error::Io`] if the folder cannot be read.
 pub(crate) fn end_exchange(path: &Path) -> Result<(), Error> {
     match Directory::find(path)? {
         Some(dir) if exchange::is_begun(&dir)? => Claim::take(path).map(drop),
@@ -82,7 +83,7 @@ pub(crate) fn end_exchange(path: &Path) -> Result<(), Error> {
     }
 }
 
-/// A failure to write is the user's to mend: another folder can be chosen.
+/// An I/O error as a refusal of the folder, since the user can choose another one.
 fn refused(path: &Path, error: Error) -> Error {
     match error {
         Error::Io { source, .. } => unwritable(path, source),
@@ -90,13 +91,13 @@ fn refused(path: &Path, error: Error) -> Error {
     }
 }
 
-/// Locks the mark of the folder of unfinished files, until this process ends, however it ends. Where the
-/// file system knows no locks the folder is taken on trust.
+/// Opens and locks the file of the mark in the folder of unfinished files; the system releases the lock with
+/// the process. On a file system without locks the folder counts as locked.
 fn lock(path: &Path, work: &Directory) -> Result<File, Error> {
     let taken = || Error::folder(Fault::Taken(path.to_owned()), Remedy::WaitOrOtherFolder);
     let name = Path::new(MARK_FILE);
     let file = match work.open_or_create_file(name) {
-        // The process that had it has just removed the folder.
+        // The process that had the lock has just removed the folder.
         Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
             return Err(taken());
         }
@@ -104,12 +105,13 @@ fn lock(path: &Path, work: &Directory) -> Result<File, Error> {
     };
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(taken()),
-        // Between opening and locking the process that had it may have removed it.
+        // The process that had the lock may have removed the file between opening and locking.
         _ if is_still(&file, work)? => Ok(file),
         _ => Err(taken()),
     }
 }
 
+/// True if the file of the mark in `work` is the open one.
 #[cfg(unix)]
 fn is_still(file: &File, work: &Directory) -> Result<bool, Error> {
     use std::os::unix::fs::MetadataExt;
@@ -120,6 +122,7 @@ fn is_still(file: &File, work: &Directory) -> Result<bool, Error> {
     })
 }
 
+/// True if there is a file of the mark in `work`: systems without inode numbers do not tell which one.
 #[cfg(not(unix))]
 fn is_still(_file: &File, work: &Directory) -> Result<bool, Error> {
     Ok(work.kind(Path::new(MARK_FILE))?.is_some())
@@ -134,8 +137,8 @@ mod tests {
     use super::*;
     use crate::folder::WORK;
 
-    /// A worker of a cluster does not know that the sweep was interrupted, and goes on to put the files of its part
-    /// into the folder of unfinished files while that is removed.
+    /// A worker of a cluster that does not know of an interruption writes the files of its part into the folder
+    /// of unfinished files while another process removes that folder.
     #[test]
     fn a_folder_that_a_late_worker_writes_into_can_be_taken_again() {
         let home = tempfile::tempdir().unwrap();
@@ -152,7 +155,7 @@ mod tests {
                 }
                 made
             });
-            // The thread ends before a failure is told.
+            // The assertions come after the end of the thread, which would otherwise run on.
             let failure = (0..2000).find_map(|_| Claim::take(&dir).map(drop).err());
             ended.store(true, Ordering::Relaxed);
             let made = work.join().unwrap();

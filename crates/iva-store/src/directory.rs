@@ -1,7 +1,7 @@
-//! A folder held by a handle.
+//! A folder accessed through an open handle.
 //!
 //! Names are resolved below the handle, one component at a time, and no symbolic link is followed. So
-//! whatever a folder from elsewhere holds, nothing outside it is written, moved or removed through it.
+//! nothing outside the folder is written, moved or removed, whatever links the folder holds.
 
 use std::ffi::OsStr;
 use std::fs::File;
@@ -20,44 +20,44 @@ mod names;
 
 use names::{absent_is_fine, components, is_absent, is_same};
 
-/// How often a folder is emptied that another process puts files into meanwhile.
+/// Number of attempts to remove a folder that another process puts files into meanwhile.
 const ATTEMPTS: u32 = 8;
 
 /// An open folder.
 #[derive(Debug)]
 pub(crate) struct Directory {
     dir: Dir,
-    /// Where it was opened, for messages.
+    /// Path at which the folder was opened, for messages.
     path: PathBuf,
 }
 
-/// What a name stands for.
+/// Type of a directory entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A regular file.
     File,
     /// A folder.
     Folder,
-    /// A symbolic link, whatever it points to.
+    /// A symbolic link, whatever its target.
     Link,
-    /// A pipe, a device, a socket.
+    /// A pipe, a device or a socket.
     Other,
 }
 
 impl Directory {
-    /// Opens a folder that the user named; links on the way to it are the user's own.
+    /// Opens a folder by a path from the user, in which links are followed.
     ///
     /// # Errors
-    /// What the system says.
+    /// The error of the operating system.
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
         let dir = Dir::open_ambient_dir(path, ambient_authority())?;
         Ok(Self { dir, path: path.to_owned() })
     }
 
-    /// As [`Directory::open`]; `None` if there is no such folder.
+    /// Opens a folder as [`Directory::open`] does; `None` if there is no such folder.
     ///
     /// # Errors
-    /// [`Error::Io`] if it is there and cannot be opened.
+    /// [`Error::Io`] if it exists and cannot be opened.
     pub(crate) fn find(path: &Path) -> Result<Option<Self>, Error> {
         match Self::open(path) {
             Err(reason) if is_absent(&reason) => Ok(None),
@@ -65,12 +65,12 @@ impl Directory {
         }
     }
 
-    /// Where it was opened.
+    /// Path at which the folder was opened.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// True if the folder still is where it was opened.
+    /// True if the path at which the folder was opened still leads to it.
     pub(crate) fn is_in_place(&self) -> bool {
         match (self.dir.dir_metadata(), Self::open(&self.path).and_then(|it| it.dir.dir_metadata()))
         {
@@ -79,10 +79,10 @@ impl Directory {
         }
     }
 
-    /// The folder of that name; `None` if there is none.
+    /// Opens a folder below this one; `None` if there is none of that name.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be opened, or a component is no folder.
+    /// [`Error::Io`] if it cannot be opened, or a component is not a folder.
     pub(crate) fn folder(&self, name: &Path) -> Result<Option<Self>, Error> {
         let mut found = self.itself()?;
         for component in components(self, name)? {
@@ -97,10 +97,10 @@ impl Directory {
         Ok(Some(found))
     }
 
-    /// Makes a folder in this one; false if something of that name is there already.
+    /// Creates a folder in this one; false if the name is in use already.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be made.
+    /// [`Error::Io`] if it cannot be created.
     pub(crate) fn make_absent_folder(&self, name: &Path) -> Result<bool, Error> {
         match self.attempt("create", name, |dir| dir.create_dir(name)) {
             Err(Error::Io { source, .. }) if source.kind() == ErrorKind::AlreadyExists => Ok(false),
@@ -108,10 +108,10 @@ impl Directory {
         }
     }
 
-    /// The folder of that name, made if there is none.
+    /// Opens a folder below this one, which is created, with those on the way to it, if it is absent.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be made or opened.
+    /// [`Error::Io`] if it cannot be created or opened.
     pub(crate) fn make_folder(&self, name: &Path) -> Result<Self, Error> {
         let mut found = self.itself()?;
         for component in components(self, name)? {
@@ -127,10 +127,10 @@ impl Directory {
         Ok(found)
     }
 
-    /// Makes a folder of a name that begins as said and that no other folder has.
+    /// Creates a folder of a new name, which is `begin`, a hyphen and a number.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be made.
+    /// [`Error::Io`] if it cannot be created.
     pub(crate) fn make_new_folder(&self, begin: &str) -> Result<(String, Self), Error> {
         for number in 0_u64.. {
             let name = format!("{begin}-{number}");
@@ -147,10 +147,10 @@ impl Directory {
         Err(Error::Internal("no number is left for a folder".to_owned()))
     }
 
-    /// What stands under a name; `None`: nothing.
+    /// The type of the entry of a name; `None` if there is none.
     ///
     /// # Errors
-    /// [`Error::Io`] if that cannot be found out.
+    /// [`Error::Io`] if it cannot be read.
     pub(crate) fn kind(&self, name: &Path) -> Result<Option<Kind>, Error> {
         let Some((folder, leaf)) = self.above(name)? else { return Ok(None) };
         let found = folder.attempt("read", leaf, |dir| dir.symlink_metadata(leaf));
@@ -166,7 +166,7 @@ impl Directory {
         }))
     }
 
-    /// The names in it that are text, sorted by length and then by letters.
+    /// The names of the entries that are valid Unicode, sorted by length and then alphabetically.
     ///
     /// # Errors
     /// [`Error::Io`] if they cannot be read.
@@ -182,15 +182,15 @@ impl Directory {
         self.attempt("read", Path::new(""), read)
     }
 
-    /// Opens a regular file; `None` if there is none.
+    /// Opens a regular file for reading; `None` if there is none.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be opened, or is no regular file.
+    /// [`Error::Io`] if it cannot be opened, or is not a regular file.
     pub(crate) fn open_file(&self, name: &Path) -> Result<Option<File>, Error> {
         let Some((folder, leaf)) = self.above(name)? else { return Ok(None) };
         let found = folder.attempt("read", leaf, |dir| {
             let mut options = OpenOptions::new();
-            // A pipe without a writer would be waited for.
+            // Without `nonblock` the opening of a pipe would wait for a writer.
             options.read(true).follow(FollowSymlinks::No).nonblock(true);
             let file = dir.open_with(leaf, &options)?.into_std();
             match file.metadata()?.is_file() {
@@ -219,26 +219,27 @@ impl Directory {
         })
     }
 
-    /// Makes a file; its folder is there.
+    /// Creates a file in an existing folder.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be made, or something of that name is there.
+    /// [`Error::Io`] if it cannot be created, or the name is in use.
     pub(crate) fn create_file(&self, name: &Path) -> Result<File, Error> {
         let mut options = OpenOptions::new();
         options.write(true).create_new(true).follow(FollowSymlinks::No);
         self.open_with(name, &options)
     }
 
-    /// Opens a file for writing with what is in it, or makes it; its folder is there.
+    /// Opens a file for reading and writing, which is created in its existing folder if it is absent.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be opened or made.
+    /// [`Error::Io`] if it cannot be opened or created.
     pub(crate) fn open_or_create_file(&self, name: &Path) -> Result<File, Error> {
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).follow(FollowSymlinks::No).nonblock(true);
         self.open_with(name, &options)
     }
 
+    /// Opens a file in an existing folder with the given options.
     fn open_with(&self, name: &Path, options: &OpenOptions) -> Result<File, Error> {
         let Some((folder, leaf)) = self.above(name)? else {
             return Err(Error::io("create", &self.path.join(name), ErrorKind::NotFound.into()));
@@ -246,29 +247,29 @@ impl Directory {
         folder.attempt("create", leaf, |dir| Ok(dir.open_with(leaf, options)?.into_std()))
     }
 
-    /// Makes a file of some bytes and sees them onto the disk.
+    /// Creates a file with the given bytes and syncs it.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be written, or something of that name is there.
+    /// [`Error::Io`] if it cannot be written, or the name is in use.
     pub(crate) fn write_new(&self, name: &Path, bytes: &[u8]) -> Result<(), Error> {
         let mut file = self.create_file(name)?;
         self.attempt("write", name, |_| file.write_all(bytes).and_then(|()| file.sync_all()))
     }
 
-    /// Moves a file or folder to another folder under a name that is free; folders on the way are made.
+    /// Moves a file or folder to the unused name `new` in the folder `to`; missing folders are created.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be moved, or something of that name is there.
+    /// [`Error::Io`] if it cannot be moved, or the new name is in use.
     pub(crate) fn rename(&self, name: &Path, to: &Self, new: &Path) -> Result<(), Error> {
         if to.kind(new)?.is_some() {
-            // A rename would silently replace it on some systems.
+            // On some systems a rename would silently replace the entry.
             return Err(Error::io("write", &to.path.join(new), ErrorKind::AlreadyExists.into()));
         }
         self.replace(name, to, new)
     }
 
-    /// Moves a file to another folder, in the place of a file of that name if there is one. What is
-    /// replaced is the name: if it was a link, the file that it points to stays as it is.
+    /// Moves a file to the name `new` in the folder `to`, where it replaces a file of that name. Of a link the
+    /// link itself is replaced, not its target.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be moved.
@@ -284,7 +285,7 @@ impl Directory {
         target.attempt("write", new, |dir| from.dir.rename(leaf, dir, new))
     }
 
-    /// Removes a file, or a link itself; it is no fault if there is none.
+    /// Removes a file or a link, not its target; the absence of the file is not an error.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be removed.
@@ -293,8 +294,8 @@ impl Directory {
         absent_is_fine(folder.attempt("remove", leaf, |dir| dir.remove_file_or_symlink(leaf)))
     }
 
-    /// Removes a folder with all that is in it; links in it are removed, not followed. It is no fault if
-    /// there is none.
+    /// Removes a folder with its contents; links in it are removed, not followed. The absence of the folder is
+    /// not an error.
     ///
     /// # Errors
     /// [`Error::Io`] if something cannot be removed.
@@ -311,27 +312,27 @@ impl Directory {
         absent_is_fine(remove())
     }
 
-    /// Removes a folder if nothing is in it.
+    /// Removes a folder if it is empty.
     pub(crate) fn remove_if_empty(&self, name: &Path) {
         if let Ok(Some((folder, leaf))) = self.above(name) {
-            // Fails, as it should, where files are left.
+            // The call fails for a folder that is not empty, as intended.
             let _ = folder.attempt("remove", leaf, |dir| dir.remove_dir(leaf));
         }
     }
 
-    /// Sees the names in it onto the disk.
+    /// Syncs the directory entries of the folder.
     ///
     /// # Errors
-    /// [`Error::Io`] if that fails.
+    /// [`Error::Io`] if they cannot be synced.
     pub(crate) fn sync(&self) -> Result<(), Error> {
-        // Elsewhere folders cannot be synced, and a rename lasts by itself.
+        // Other systems do not sync folders, and keep a rename without it.
         if !cfg!(unix) {
             return Ok(());
         }
         self.attempt("write", Path::new(""), |dir| {
-            // The handle itself may be one that only finds names.
+            // The handle itself may have been opened for path lookups only.
             match dir.open(".")?.into_std().sync_all() {
-                // Some file systems of the network know no such thing.
+                // Some network file systems cannot sync folders.
                 Err(reason)
                     if matches!(
                         reason.kind(),
@@ -348,13 +349,13 @@ impl Directory {
     /// Another handle of the same folder.
     ///
     /// # Errors
-    /// [`Error::Io`] if the system gives none.
+    /// [`Error::Io`] if the system cannot duplicate the handle.
     pub(crate) fn itself(&self) -> Result<Self, Error> {
         let dir = self.dir.try_clone().map_err(|reason| Error::io("read", &self.path, reason))?;
         Ok(Self { dir, path: self.path.clone() })
     }
 
-    /// The folder that a name is in and its last component; `None` if there is no such folder.
+    /// The parent folder of a name and its last component; `None` if there is no such folder.
     fn above<'a>(&self, name: &'a Path) -> Result<Option<(Self, &'a OsStr)>, Error> {
         let mut names = components(self, name)?;
         let leaf = names.pop().unwrap_or_default();
@@ -362,7 +363,8 @@ impl Directory {
         Ok(self.folder(&parent)?.map(|folder| (folder, leaf)))
     }
 
-    /// Every call of the system that concerns a name goes through here.
+    /// Calls the system for a name in the folder, with the error turned into [`Error::Io`]; tests make such calls
+    /// fail.
     fn attempt<T>(
         &self,
         action: &'static str,
@@ -375,7 +377,7 @@ impl Directory {
         act(&self.dir).map_err(|reason| {
             // Joining an empty name would add a separator.
             let path = if name == Path::new("") { self.path.clone() } else { self.path.join(name) };
-            // The system's own word for it is "too many levels".
+            // The system's own message for a link is "too many levels of symbolic links".
             let is_link = || self.dir.symlink_metadata(name).is_ok_and(|it| it.is_symlink());
             match reason.kind() {
                 ErrorKind::NotFound | ErrorKind::AlreadyExists => Error::io(action, &path, reason),

@@ -1,4 +1,4 @@
-//! Hidden folders of this program in the folder of a result, told by a mark that stands in them.
+//! The hidden folders of the program in the folder of a result, which hold a mark in a file.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -9,15 +9,15 @@ use crate::fault::Fault;
 use crate::folder::{MANIFEST_FILE, NEW, WORK};
 use crate::remedy::Remedy;
 
-/// The file of the mark. In the folder of unfinished files it is locked by the process that writes there.
+/// Name of the file of the mark, which in the folder of unfinished files also serves as the lock.
 pub(crate) const MARK_FILE: &str = "lock";
-/// What stands in it.
+/// Contents of the file of the mark.
 pub(crate) const MARK: &[u8] = b"Made by iva-dynamics for unfinished files; iva removes it.\n";
 
-/// The folder of unfinished files, made if there is none.
+/// Opens the folder of unfinished files, which is created if it is absent.
 ///
 /// # Errors
-/// [`Error::Folder`] if a folder of that name is not ours, [`Error::Io`] if it cannot be made.
+/// [`Error::Folder`] if a folder of that name has no mark, [`Error::Io`] if it cannot be created.
 pub(crate) fn work_folder(dir: &Directory) -> Result<Directory, Error> {
     let name = Path::new(WORK);
     // A worker of a cluster may put files into a new folder before it is marked.
@@ -29,20 +29,20 @@ pub(crate) fn work_folder(dir: &Directory) -> Result<Directory, Error> {
     Ok(work)
 }
 
-/// The folder of a result that is to replace another, if there is one.
+/// Opens the folder of a result that is to replace another, if there is one.
 ///
 /// # Errors
-/// [`Error::Folder`] if a folder of that name is not ours.
+/// [`Error::Folder`] if a folder of that name has no mark.
 pub(crate) fn new_folder(dir: &Directory) -> Result<Option<Directory>, Error> {
     let Some(new) = dir.folder(Path::new(NEW))? else { return Ok(None) };
     refuse_unmarked(&new)?;
     Ok(Some(new))
 }
 
-/// Makes the folder of a result that is to replace another, and marks it.
+/// Creates the folder of a result that is to replace another, and marks it.
 ///
 /// # Errors
-/// As [`work_folder`].
+/// [`Error::Folder`] if a folder of that name has no mark, [`Error::Io`] if it cannot be created.
 pub(crate) fn make_new_folder(dir: &Directory) -> Result<Directory, Error> {
     let new = dir.make_folder(Path::new(NEW))?;
     refuse_unmarked(&new)?;
@@ -50,7 +50,7 @@ pub(crate) fn make_new_folder(dir: &Directory) -> Result<Directory, Error> {
     Ok(new)
 }
 
-/// Marks a folder as ours.
+/// Writes the mark into a folder.
 ///
 /// # Errors
 /// [`Error::Io`] if the mark cannot be written.
@@ -63,10 +63,10 @@ pub(crate) fn mark(folder: &Directory) -> Result<(), Error> {
     folder.write_new(name, MARK)
 }
 
-/// Removes the result that was to replace another.
+/// Removes the folder of a result that was to replace another.
 ///
 /// # Errors
-/// [`Error::Folder`] if a folder of that name is not ours, [`Error::Io`] if it cannot be removed.
+/// [`Error::Folder`] if a folder of that name has no mark, [`Error::Io`] if it cannot be removed.
 pub(crate) fn remove_new_folder(dir: &Directory) -> Result<(), Error> {
     match new_folder(dir)? {
         Some(new) => remove_hidden(dir, &new, Path::new(NEW)),
@@ -87,7 +87,7 @@ pub(crate) fn remove_work_folder(dir: &Directory) -> Result<(), Error> {
     }
 }
 
-/// Removes what is in a hidden folder but its mark.
+/// Removes the contents of a hidden folder but its mark.
 ///
 /// # Errors
 /// [`Error::Io`] if something cannot be removed.
@@ -101,8 +101,8 @@ pub(crate) fn empty(hidden: &Directory) -> Result<(), Error> {
     Ok(())
 }
 
-/// The mark goes last, so that what a kill leaves of the folder can still be told as ours. If the folder stays,
-/// because a worker of a cluster has just put files into it, it is marked again.
+/// Removes a hidden folder, with its mark last, so that the rest of a removal that is killed still has it. A
+/// folder that stays, because a worker of a cluster has just put files into it, is marked again.
 fn remove_hidden(dir: &Directory, hidden: &Directory, name: &Path) -> Result<(), Error> {
     empty(hidden)?;
     let mark = Path::new(MARK_FILE);
@@ -112,7 +112,7 @@ fn remove_hidden(dir: &Directory, hidden: &Directory, name: &Path) -> Result<(),
         return Ok(());
     }
     match hidden.write_new(mark, MARK) {
-        // Another process has taken the folder meanwhile, or removed it.
+        // Another process has marked or removed the folder meanwhile.
         Err(Error::Io { source, .. })
             if matches!(source.kind(), ErrorKind::AlreadyExists | ErrorKind::NotFound) =>
         {
@@ -122,7 +122,7 @@ fn remove_hidden(dir: &Directory, hidden: &Directory, name: &Path) -> Result<(),
     }
 }
 
-/// True if parts of a sweep that is to replace another have been kept.
+/// True if `.iva-new` holds a sweep that is to replace the result of the folder.
 ///
 /// # Errors
 /// As [`new_folder`].
@@ -131,8 +131,8 @@ pub(crate) fn holds_kept_sweep(dir: &Directory) -> Result<bool, Error> {
     Ok(new.kind(Path::new(MANIFEST_FILE))? == Some(Kind::File))
 }
 
-/// A folder is ours that holds the mark; or nothing, or an empty mark alone, as after a kill in its first
-/// moment.
+/// Refuses a hidden folder without the mark, unless it is empty or holds only the beginning of a mark, as
+/// after a kill during its creation.
 fn refuse_unmarked(folder: &Directory) -> Result<(), Error> {
     let mark = folder.read(Path::new(MARK_FILE), 1 << 12)?;
     let ours = match mark.as_deref() {

@@ -1,5 +1,5 @@
-//! The tables of a single run: written aside first, and moved into place when all of it is complete. Tables
-//! of an earlier run stay until then, and come back if anything fails.
+//! The tables of a single run, which are written into a hidden folder and moved into place when all of them
+//! are complete. Earlier tables stay until then, and are moved back if the exchange fails.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,10 +20,10 @@ use crate::hidden::{mark, remove_new_folder};
 use crate::manifest::{Manifest, Part};
 use crate::table_file::{Contents, Style, TableFile};
 
-/// The folder of the new result in that of unfinished files.
+/// Name of the folder of the new result in the folder of unfinished files.
 const STAGED: &str = "result";
 
-/// An output folder that was found usable, and what has been written for it so far.
+/// A locked output folder, and the tables written for it so far.
 #[derive(Debug)]
 pub struct Output {
     overwrite: bool,
@@ -31,21 +31,21 @@ pub struct Output {
     staged: Directory,
     tables: BTreeMap<String, Contents>,
     errors: BTreeMap<String, Contents>,
-    /// After `staged` in drop order.
+    /// Lock of the folder, which must drop after `staged`.
     claim: Claim,
 }
 
 impl Output {
-    /// Checks that the folder can take the results, before anything is computed.
+    /// Locks the folder and checks that it can take the results, before anything is computed.
     ///
     /// # Errors
-    /// [`Error::Folder`] if the folder holds tables (unless `overwrite`), holds a `study.toml`
-    /// that is not `iva`'s own, or cannot be written.
+    /// [`Error::Folder`] if the folder holds tables (unless `overwrite`) or files that `iva` did not write under
+    /// the names of a result, cannot be written, or is locked by another process.
     pub fn prepare(dir: &Path, overwrite: bool, style: Style) -> Result<Self, Error> {
         end_exchange(dir)?;
         refuse_conflicts(dir, overwrite)?;
         let claim = Claim::take(dir)?;
-        // What it holds may have changed before it was ours.
+        // The contents may have changed before the folder was locked.
         refuse_conflicts(dir, overwrite)?;
         let staged = claim.work().make_folder(Path::new(STAGED))?;
         mark(&staged)?;
@@ -53,7 +53,7 @@ impl Output {
         Ok(Self { overwrite, style, staged, tables, errors, claim })
     }
 
-    /// Writes a table aside; returns what is in its file.
+    /// Writes a table into the hidden folder; returns the size and checksum of its file.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
@@ -68,7 +68,7 @@ impl Output {
         Ok(contents)
     }
 
-    /// Writes the errors of a table aside.
+    /// Writes the errors of a table into the hidden folder.
     ///
     /// # Errors
     /// [`Error::Io`] if they cannot be written.
@@ -83,6 +83,7 @@ impl Output {
         Ok(())
     }
 
+    /// Writes rows as the only part of a table.
     fn write(
         &self,
         folder: &Path,
@@ -97,6 +98,7 @@ impl Output {
         file.finish()
     }
 
+    /// Refuses to go on if the hidden folder was moved or removed.
     fn is_there(&self) -> Result<(), Error> {
         match self.staged.is_in_place() {
             true => Ok(()),
@@ -104,12 +106,12 @@ impl Output {
         }
     }
 
-    /// Writes study and manifest, and moves everything into place: the earlier tables go, the new ones
-    /// come. `text` is the resolved study, `failed` the number of runs that were not finished.
+    /// Writes study and manifest, and replaces the earlier result by the new one. `text` is the resolved study,
+    /// `failed` the number of runs with another outcome than `finished`.
     ///
     /// # Errors
-    /// [`Error::NotMoved`] if tables have appeared in the folder meanwhile or a file cannot be
-    /// moved; [`Error::Io`] if something cannot be written or the staged files are gone.
+    /// [`Error::NotMoved`] if tables have appeared in the folder meanwhile or a file cannot be moved;
+    /// [`Error::Io`] if something cannot be written or the new tables are gone.
     pub fn commit(
         self,
         study: &Study,

@@ -1,5 +1,5 @@
-//! A folder that is taken for a sweep, before the first of its parts is run: what it holds decides if the
-//! sweep begins, goes on, or gathers beside earlier tables until it is complete.
+//! A folder locked for a sweep, before the first part is run: its contents decide if the sweep begins, resumes,
+//! or fills a hidden folder until it can replace earlier tables.
 
 use std::path::Path;
 
@@ -14,12 +14,12 @@ use crate::manifest::Manifest;
 use crate::remedy::Remedy;
 use crate::sweep_folder::{Resumed, SweepFolder};
 
-/// What may be done with what a folder holds.
+/// Permissions of the user for a folder that holds a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Allowed {
-    /// Go on with the sweep that it holds.
+    /// True if the sweep in the folder may be resumed.
     pub resume: bool,
-    /// Replace the tables that it holds, once the new ones are complete.
+    /// True if the tables in the folder may be replaced, once the new ones are complete.
     pub overwrite: bool,
 }
 
@@ -29,73 +29,73 @@ impl Allowed {
     }
 }
 
-/// A folder that no other process writes into.
+/// A folder locked for a sweep.
 pub struct Taken {
     claim: Claim,
     allowed: Allowed,
     replaces: bool,
 }
 
-/// A sweep that a folder holds.
+/// An earlier sweep in a folder.
 pub struct Earlier {
     root: Directory,
     manifest: Manifest,
 }
 
 impl Earlier {
-    /// What is complete of it.
+    /// The manifest, which lists the complete parts.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Its resolved study; nothing if that is gone.
+    /// The text of the resolved study; empty if its file is absent.
     ///
     /// # Errors
-    /// [`Error::Io`] if it is there and cannot be read.
+    /// [`Error::Io`] if the file exists and cannot be read.
     pub fn study_text(&self) -> Result<String, Error> {
         Ok(study_text(&self.root)?.unwrap_or_default())
     }
 
-    /// Says that it is not the sweep to go on with.
+    /// The error for a sweep that differs from the one to resume.
     pub fn refused(&self, differences: Vec<String>) -> Error {
         let dir = self.root.path().to_owned();
         Error::folder(Fault::OtherSweep { dir, differences }, Remedy::OtherFolderOrNotResume)
     }
 }
 
-/// Ends what a killed process began to move in a folder, and checks that it can take a result, as far as
-/// that shows from what it holds.
+/// Ends an exchange of results that a killed process began in a folder, and checks from its contents that it
+/// can take a result.
 ///
 /// # Errors
-/// [`Error::Folder`] if it cannot; [`Error::Io`] if it cannot be read.
+/// [`Error::Folder`] if it cannot take one; [`Error::Io`] if it cannot be read.
 pub fn look(dir: &Path, allowed: Allowed) -> Result<(), Error> {
     end_exchange(dir)?;
     refuse_conflicts(dir, allowed.any())
 }
 
 impl Taken {
-    /// Takes a folder for the sweep of a study; `text` is the resolved study.
+    /// Locks a folder for the sweep of a study; `text` is the resolved study.
     ///
     /// # Errors
-    /// [`Error::Folder`] if the folder cannot be written, another process has it, or it holds what must not
-    /// be replaced; [`Error::Io`] if it cannot be read.
+    /// [`Error::Folder`] if the folder cannot be written, another process has locked it, or it holds files that
+    /// must not be replaced; [`Error::Io`] if it cannot be read.
     pub fn take(dir: &Path, allowed: Allowed, text: &str) -> Result<Self, Error> {
         let claim = Claim::take(dir)?;
-        // What it holds may have changed before it was ours.
+        // The contents may have changed before the folder was locked.
         refuse_conflicts(dir, allowed.any())?;
         let replaces = replaces(claim.dir(), allowed, text)?;
         Ok(Self { claim, allowed, replaces })
     }
 
-    /// True if the sweep is to gather in `.iva-new`, with the tables of the folder as they are until the end.
+    /// True if the sweep fills `.iva-new` and replaces the tables of the folder when it is complete.
     pub fn replaces(&self) -> bool {
         self.replaces
     }
 
-    /// The sweep that the folder holds, if going on is allowed.
+    /// The sweep in the folder, if there is one and resuming it is allowed.
     ///
     /// # Errors
-    /// [`Error::Folder`] if its manifest cannot be understood; [`Error::Io`] if it cannot be read.
+    /// [`Error::Folder`] if its manifest is invalid; [`Error::Io`] if it cannot be read.
     pub fn earlier(&self) -> Result<Option<Earlier>, Error> {
         let root = match (self.allowed.resume, self.replaces) {
             (false, _) => None,
@@ -111,12 +111,12 @@ impl Taken {
         Ok(Some(Earlier { root, manifest }))
     }
 
-    /// Goes on with a sweep. Returns its folder, with the names of files that are not what its manifest
-    /// says and are to be computed again; files that are `elsewhere` are taken on trust. `None`: `go_on`
-    /// returned false, and nothing was changed.
+    /// Resumes a sweep. Returns its folder, with the names of files that differ from the manifest and are to be
+    /// computed again; with `elsewhere` no files are checked. Returns `None`, with nothing changed, if `go_on`
+    /// returns false.
     ///
     /// # Errors
-    /// [`Error::Io`] if a file is there and cannot be read, or something cannot be written.
+    /// [`Error::Io`] if a file exists and cannot be read, or something cannot be written.
     pub fn resume(
         self,
         earlier: Earlier,
@@ -128,11 +128,11 @@ impl Taken {
         SweepFolder::resume(root, self.claim, manifest, study_and_inputs, elsewhere, go_on)
     }
 
-    /// Begins a sweep, of which no part is complete.
+    /// Begins a sweep without complete parts.
     ///
     /// # Errors
-    /// [`Error::Folder`] if a file that is not `iva`'s stands where an input must go; [`Error::Io`] if
-    /// something cannot be written.
+    /// [`Error::Folder`] if a file that `iva` did not write has the name of an input; [`Error::Io`] if something
+    /// cannot be written.
     pub fn begin(
         self,
         manifest: Manifest,
@@ -148,13 +148,18 @@ impl Taken {
     }
 }
 
+/// True if the sweep of the resolved study `text` has to fill `.iva-new`, since the folder holds tables that
+/// stay until it is complete.
+///
+/// # Errors
+/// [`Error::Folder`] if the tables are those of another study; [`Error::Io`] if the folder cannot be read.
 fn replaces(dir: &Directory, allowed: Allowed, text: &str) -> Result<bool, Error> {
     let has_tables = holds_tables(dir)?;
     if allowed.overwrite && (has_tables || holds_kept_sweep(dir)?) {
         return Ok(true);
     }
     if allowed.resume && has_tables && dir.kind(Path::new(MANIFEST_FILE))?.is_none() {
-        // Nothing says that they are complete: they stay until the new ones are.
+        // Tables without a manifest may be incomplete: they stay until the new ones are complete.
         if study_text(dir)?.as_deref() == Some(text) {
             return Ok(true);
         }

@@ -1,26 +1,31 @@
-//! Faults on purpose: the n-th call of the system fails, or it and all after it, as if the process had
-//! been killed there.
+//! Injected faults for tests: the n-th system call in a folder fails, or all from the n-th on, as after a kill
+//! of the process.
 
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What is to go wrong below a folder.
+/// The faults to inject in a folder and below it.
 struct Plan {
+    /// Folder whose calls are counted, with those below it.
     below: PathBuf,
+    /// Number of calls so far.
     calls: u64,
+    /// Number of the call that fails, from 1.
     at: u64,
+    /// True if all later calls fail too.
     for_good: bool,
 }
 
+/// Plans of the tests that run now.
 static PLANS: Mutex<Vec<Plan>> = Mutex::new(Vec::new());
 
 fn plans() -> MutexGuard<'static, Vec<Plan>> {
     PLANS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Lets call number `at` in a folder and below it fail while `act` runs, and all after it if it is `for_good`.
-/// Returns also how many calls there were.
+/// Runs `act` while system call number `at` in the folder `below`, and with `for_good` every later one, fails.
+/// Returns the result of `act` and the number of calls.
 pub fn with<T>(below: &Path, at: u64, for_good: bool, act: impl FnOnce() -> T) -> (T, u64) {
     let below = below.to_owned();
     plans().push(Plan { below: below.clone(), calls: 0, at, for_good });
@@ -30,7 +35,7 @@ pub fn with<T>(below: &Path, at: u64, for_good: bool, act: impl FnOnce() -> T) -
     (result, place.map_or(0, |place| plans.swap_remove(place).calls))
 }
 
-/// Counts a call in a folder.
+/// Counts a system call in a folder; an error if it is to fail.
 pub(crate) fn next(folder: &Path) -> io::Result<()> {
     let mut plans = plans();
     let Some(plan) = plans.iter_mut().find(|plan| folder.starts_with(&plan.below)) else {

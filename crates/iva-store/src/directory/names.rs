@@ -1,4 +1,4 @@
-//! Names below a folder, and what the system says of them.
+//! Components of names below a folder, and the evaluation of errors and metadata of the system.
 
 use std::ffi::OsStr;
 use std::io::{self, ErrorKind};
@@ -10,7 +10,7 @@ use crate::error::Error;
 /// The components of a name below a folder.
 ///
 /// # Errors
-/// [`Error::Io`] for one that leads elsewhere.
+/// [`Error::Io`] for a name with a root, a prefix, `.` in front or `..`.
 pub(super) fn components<'a>(folder: &Directory, name: &'a Path) -> Result<Vec<&'a OsStr>, Error> {
     let plain = |component| match component {
         Component::Normal(name) => Ok(name),
@@ -22,12 +22,12 @@ pub(super) fn components<'a>(folder: &Directory, name: &'a Path) -> Result<Vec<&
     name.components().map(plain).collect()
 }
 
-/// True if nothing stands under a name.
+/// True if the error says that there is no entry of a name.
 pub(super) fn is_absent(reason: &io::Error) -> bool {
     matches!(reason.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
 }
 
-/// Takes what was gone before it was removed for removed.
+/// Treats the removal of an absent file or folder as a success.
 pub(super) fn absent_is_fine(removed: Result<(), Error>) -> Result<(), Error> {
     match removed {
         Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => Ok(()),
@@ -35,14 +35,14 @@ pub(super) fn absent_is_fine(removed: Result<(), Error>) -> Result<(), Error> {
     }
 }
 
-/// True if both are of one folder.
+/// True if both metadata are those of one folder.
 #[cfg(unix)]
 pub(super) fn is_same(one: &cap_std::fs::Metadata, other: &cap_std::fs::Metadata) -> bool {
     use cap_std::fs::MetadataExt;
     (one.dev(), one.ino()) == (other.dev(), other.ino())
 }
 
-/// True if both may be of one folder: where folders have no numbers, any two may.
+/// True if both metadata may be those of one folder: without inode numbers any two may be.
 #[cfg(not(unix))]
 pub(super) fn is_same(_one: &cap_std::fs::Metadata, other: &cap_std::fs::Metadata) -> bool {
     other.is_dir()

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use super::*;
 
-/// A folder to attack and another one beside it that nothing may reach.
+/// A folder to attack, and beside it a folder `outside` that must not be reached.
 fn places() -> (tempfile::TempDir, Directory) {
     let root = tempfile::tempdir().unwrap();
     fs::create_dir_all(root.path().join("inside/real")).unwrap();
@@ -17,6 +17,7 @@ fn places() -> (tempfile::TempDir, Directory) {
     (root, directory)
 }
 
+/// True if the folder `outside` and its file are unchanged.
 fn is_untouched(root: &tempfile::TempDir) -> bool {
     let outside = root.path().join("outside");
     let names = |dir: &Path| fs::read_dir(dir).unwrap().count();

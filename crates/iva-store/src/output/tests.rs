@@ -13,7 +13,7 @@ use crate::folder::{HEADER, is_part};
 use crate::remedy::Words;
 use crate::table_file::Format;
 
-/// Every file below a folder with its bytes; hidden leftovers would show up too.
+/// Every file below a folder with its bytes, hidden files included.
 fn contents(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
     let mut folders = vec![dir.to_owned()];
@@ -31,7 +31,7 @@ fn contents(dir: &Path) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
-/// A table of one number, with the mark that all of ours have.
+/// A table of one number, with the metadata that marks tables of the program.
 fn table(value: i32) -> (SchemaRef, RecordBatch) {
     let mark = [("iva.schema_version".to_owned(), SCHEMA_VERSION.to_string())];
     let fields = vec![Field::new("value", DataType::Int32, false)];
@@ -59,14 +59,14 @@ fn write_run(dir: &Path, tables: &[Table], value: i32) {
     commit(output, value).unwrap();
 }
 
-/// The files that a run makes in a folder of its own.
+/// The files that a run writes into an empty folder.
 fn expected(tables: &[Table], value: i32) -> BTreeMap<String, Vec<u8>> {
     let root = tempfile::tempdir().unwrap();
     write_run(root.path(), tables, value);
     contents(root.path())
 }
 
-/// The options of some front.
+/// Option names of an invented front.
 const WORDS: Words =
     Words { out: "as o", overwrite: "-o", resume: "-r", overwrite_and_resume: "-o -r" };
 
@@ -76,7 +76,7 @@ fn refusal(result: Result<Output, Error>) -> String {
     error.message(&WORDS)
 }
 
-/// Where a failed commit says that the new tables are.
+/// The folder of the new tables in the error of a failed commit.
 fn kept(error: Error) -> PathBuf {
     let Error::NotMoved { ref kept, .. } = error else { panic!("{error}") };
     assert!(error.to_string().contains(&kept.display().to_string()), "{error}");
@@ -131,7 +131,7 @@ fn overwriting_leaves_no_table_of_the_earlier_run() {
     let root = tempfile::tempdir().unwrap();
     let dir = root.path();
     write_run(dir, &Table::ALL, 1);
-    // A part that no manifest lists says by its content that it is ours.
+    // A part that the manifest does not list is recognised by the metadata in it.
     fs::copy(dir.join("summary/part-00000.parquet"), dir.join("summary/part-00001.parquet"))
         .unwrap();
     write_run(dir, &TABLES, 2);
@@ -161,7 +161,7 @@ fn until_the_commit_the_old_tables_stay() {
     let before = contents(root.path());
     let mut output = Output::prepare(root.path(), true, Style::default()).unwrap();
     write_all(&mut output, &Table::ALL, 2);
-    // As when writing fails midway.
+    // A drop without a commit is what happens when writing fails midway.
     drop(output);
     assert_eq!(contents(root.path()), before);
 }
@@ -192,7 +192,7 @@ fn tables_that_appear_meanwhile_are_not_replaced() {
     write_all(&mut slow, &TABLES, 1);
     let message = refusal(Output::prepare(root.path(), true, Style::default()));
     assert!(message.contains("another process is writing into"), "{message}");
-    // Not by this program, which would have seen the lock.
+    // Another program writes the tables: this one would respect the lock.
     fs::create_dir(root.path().join("summary")).unwrap();
     fs::write(root.path().join("summary/part-00000.parquet"), "fast").unwrap();
     let error = commit(slow, 1).unwrap_err();
