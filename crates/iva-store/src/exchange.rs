@@ -1,15 +1,14 @@
-//! A complete result takes the place of an earlier one, file by file, so that it can be ended or undone
-//! whatever happens in between.
+//! Exchange of an earlier result for a new one, file by file and with a journal, so that after an interruption
+//! it can be completed or undone.
 //!
-//! The new result lies in `.iva-new` below the folder. What is to be moved is first written into a
-//! journal there; then the earlier files go to `.iva-new/earlier`, the manifest last; then the new
-//! ones come, the manifest first, so that at any instant a reader finds one result, or one of which
-//! files are missing, and never a part of one that looks whole. Then the journal is renamed, which is the
-//! moment from which the new result counts, and `.iva-new` is removed.
+//! The new result is in `.iva-new` in the folder. A journal there lists the files to be moved; then the earlier
+//! files are moved to `.iva-new/earlier`, the manifest last, and the new ones into place, the manifest first.
+//! So at any instant a reader finds a whole result, or one whose manifest lists missing files, and never a part
+//! that looks whole. The renaming of the journal makes the new result valid; then `.iva-new` is removed.
 //!
-//! A process that is killed leaves the journal, and the next command that writes into the folder goes on
-//! from it: forth, if every new file is still there, else back. Which moves are done shows from where the
-//! files are, so going on twice does no harm.
+//! A process that is killed leaves the journal, from which the next command that writes into the folder
+//! completes the exchange if every new file is still there, and undoes it otherwise. The places of the files
+//! show which moves are done, so both can be repeated.
 
 use std::collections::HashSet;
 use std::io;
@@ -27,13 +26,13 @@ use crate::folder::{
 use crate::hidden::{new_folder, remove_new_folder};
 use crate::remedy::Remedy;
 
-/// What is to be moved.
+/// Name of the journal of an exchange under way.
 const JOURNAL: &str = "exchange.json";
-/// The journal of an exchange of which every move is done.
+/// Name of the journal of an exchange whose moves are all done.
 const DONE: &str = "exchanged.json";
-/// Where the earlier files are until the end.
+/// Name of the folder of the earlier files during an exchange.
 const EARLIER: &str = "earlier";
-/// Most bytes of a journal that are read.
+/// Largest size of a journal in bytes.
 const LIMIT: u64 = 1 << 30;
 /// Version of the journal's layout.
 const VERSION: u32 = 1;
@@ -41,20 +40,21 @@ const VERSION: u32 = 1;
 /// The names of the files that are moved, relative to the folder of the result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Journal {
+    /// Version of the journal's layout.
     exchange: u32,
-    /// Of the earlier result, in the order in which they go.
+    /// Files of the earlier result, in the order in which they are moved away.
     out: Vec<PathBuf>,
-    /// Of the new result, in the order in which they come.
+    /// Files of the new result, in the order in which they are moved into place.
     #[serde(rename = "in")]
     into: Vec<PathBuf>,
 }
 
-/// Writes the journal of an exchange into the folder of the new result, which need not be in its place
-/// yet. Nothing is moved.
+/// Writes the journal of an exchange into the folder of the new result, which need not be `.iva-new` yet.
+/// Nothing is moved.
 ///
 /// # Errors
-/// [`Error::Folder`] if a file that is not ours stands where a new one must go; [`Error::Io`] if a folder
-/// cannot be read or the journal not written.
+/// [`Error::Folder`] if a file that `iva` did not write has the name of a new one; [`Error::Io`] if a folder
+/// cannot be read, a new file is missing or the journal cannot be written.
 pub(crate) fn prepare(dir: &Directory, new: &Directory) -> Result<(), Error> {
     let out = written_by_iva(dir)?;
     let mut into = written_by_iva(new)?;
@@ -71,7 +71,7 @@ pub(crate) fn prepare(dir: &Directory, new: &Directory) -> Result<(), Error> {
         }
     }
     let journal = Journal { exchange: VERSION, out, into };
-    // Strings alone: there is nothing in it that JSON cannot say.
+    // A number and strings are valid in JSON, so this cannot fail.
     let text = serde_json::to_vec(&journal).unwrap_or_default();
     let aside = Path::new("exchange");
     new.remove_file(aside)?;
@@ -80,20 +80,21 @@ pub(crate) fn prepare(dir: &Directory, new: &Directory) -> Result<(), Error> {
     new.sync()
 }
 
-/// True if there is a journal of an exchange that was not ended.
+/// True if there is the journal of an exchange under way.
 ///
 /// # Errors
-/// [`Error::Io`] if that cannot be found out.
+/// [`Error::Io`] if the folder cannot be read.
 pub(crate) fn is_begun(dir: &Directory) -> Result<bool, Error> {
     let journal = Path::new(NEW).join(JOURNAL);
     Ok(dir.kind(Path::new(NEW))? == Some(Kind::Folder) && dir.kind(&journal)?.is_some())
 }
 
-/// Does what the journal in `.iva-new` says, as far as it is not done. Without a journal there is nothing
-/// to do; a `.iva-new` in which nothing was kept is removed.
+/// Completes the exchange of the journal in `.iva-new`, or undoes it if new files are missing. Without a
+/// journal nothing is moved, and a `.iva-new` that holds no unfinished sweep is removed.
 ///
 /// # Errors
-/// [`Error::NotMoved`] if a file cannot be moved; what was moved is moved back then, as far as that can be.
+/// [`Error::NotMoved`] if a file cannot be moved, after the moved ones are moved back where possible;
+/// [`Error::Folder`] for an invalid journal.
 pub(crate) fn finish(dir: &Directory) -> Result<(), Error> {
     let Some(new) = new_folder(dir)? else { return Ok(()) };
     let is_there = |name: &str| Ok::<_, Error>(new.kind(Path::new(name))?.is_some());
@@ -122,14 +123,15 @@ pub(crate) fn finish(dir: &Directory) -> Result<(), Error> {
     })
 }
 
+/// The names as a set.
 fn set(names: &[PathBuf]) -> HashSet<&Path> {
     names.iter().map(PathBuf::as_path).collect()
 }
 
-/// Reads a journal.
+/// Reads the bytes of a journal.
 ///
 /// # Errors
-/// [`Error::Folder`] if it says what none of this program says.
+/// [`Error::Folder`] for another layout, or a name that no file of a result has.
 fn parse(new: &Directory, bytes: &[u8]) -> Result<Journal, Error> {
     let refused =
         || Error::folder(Fault::BadJournal(new.path().join(JOURNAL)), Remedy::MoveOrOtherFolder);
@@ -151,29 +153,34 @@ struct Exchange<'a> {
 }
 
 impl Exchange<'_> {
+    /// The name of an earlier file that is moved away, relative to `.iva-new`.
     fn earlier(name: &Path) -> PathBuf {
         Path::new(EARLIER).join(name)
     }
 
+    /// True if `.iva-new` holds a file of that name.
     fn is_new(&self, name: &Path) -> Result<bool, Error> {
         Ok(self.new.kind(name)?.is_some())
     }
 
+    /// True if the earlier file of that name is moved away.
     fn is_aside(&self, name: &Path) -> Result<bool, Error> {
         self.is_new(&Self::earlier(name))
     }
 
+    /// True if the folder of the result holds a file of that name.
     fn is_here(&self, name: &Path) -> Result<bool, Error> {
         Ok(self.dir.kind(name)?.is_some())
     }
 
-    /// True if a new file has come: it is here, not with the others, and the earlier one of its name, if
-    /// there was one, is aside.
+    /// True if a new file is moved into place: the folder of the result holds the name, `.iva-new` does not, and
+    /// the earlier file of the name, if there was one, is moved away.
     fn has_come(&self, name: &Path) -> Result<bool, Error> {
         let replaces = self.goes.contains(name);
         Ok(self.is_here(name)? && !self.is_new(name)? && (!replaces || self.is_aside(name)?))
     }
 
+    /// True if every new file is in `.iva-new` or in place.
     fn can_go_forth(&self) -> Result<bool, Error> {
         for name in &self.journal.into {
             if !self.is_new(name)? && !self.has_come(name)? {
@@ -183,7 +190,7 @@ impl Exchange<'_> {
         Ok(true)
     }
 
-    /// Moves what is not moved yet, and ends the exchange.
+    /// Makes the remaining moves and completes the exchange.
     fn forth(&self) -> Result<(), Error> {
         let Self { dir, new, journal, .. } = self;
         for name in &journal.out {
@@ -204,7 +211,7 @@ impl Exchange<'_> {
         Ok(())
     }
 
-    /// Moves everything back to where it was, and forgets the exchange; the new files stay in `.iva-new`.
+    /// Undoes the moves and removes the journal; the new files stay in `.iva-new`.
     fn back(&self) -> Result<(), Error> {
         let Self { dir, new, journal, .. } = self;
         for name in journal.into.iter().rev() {
@@ -223,7 +230,7 @@ impl Exchange<'_> {
         new.remove_folder(Path::new(EARLIER))
     }
 
-    /// Sees every folder that a file went from or came to onto the disk.
+    /// Syncs every folder from which or into which a file is moved.
     fn sync(&self) -> Result<(), Error> {
         let mut folders: Vec<&Path> = self
             .journal
@@ -243,8 +250,8 @@ impl Exchange<'_> {
     }
 }
 
-/// Removes `.iva-new`.
+/// Removes `.iva-new` as far as possible.
 fn clear(dir: &Directory) {
-    // What cannot be removed now is removed by the next command that writes into the folder.
+    // The next command that writes into the folder removes the rest.
     let _ = remove_new_folder(dir);
 }

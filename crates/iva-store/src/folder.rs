@@ -1,4 +1,4 @@
-//! The folder of a result: its layout, and what in it is ours.
+//! The folder of a result: its layout, and the recognition of files that the program wrote.
 //!
 //! ```text
 //! DIR/study.toml                       the resolved study
@@ -12,9 +12,9 @@
 //! DIR/.iva-new/                        new tables until they take the place of earlier ones
 //! ```
 //!
-//! With another format the files of tables end in `.arrow` or `.csv`. A file is ours if the manifest
-//! lists it or its content says so, never by its name alone; others are left alone, and where one stands
-//! in the way the command is refused.
+//! With another format the files of tables end in `.arrow` or `.csv`. A file counts as one of the program's if
+//! the manifest lists it or its content shows it, never by its name alone. Other files stay as they are; a
+//! command that would replace one is refused.
 
 use std::collections::HashSet;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -31,60 +31,61 @@ use crate::manifest::Manifest;
 use crate::remedy::Remedy;
 use crate::table_file::Format;
 
-/// How the first line of every resolved study begins; a `study.toml` without it is the user's.
+/// Beginning of every resolved study; a `study.toml` without it is a file of the user.
 pub const HEADER: &str = "# Resolved by iva-dynamics";
-/// The name of the file of the resolved study.
+/// Name of the file of the resolved study.
 pub const STUDY_FILE: &str = "study.toml";
-/// The name of the file in which a result says what it is.
+/// Name of the file of the manifest.
 pub const MANIFEST_FILE: &str = "manifest.json";
-/// Unfinished files.
+/// Name of the hidden folder of unfinished files.
 pub(crate) const WORK: &str = ".iva-work";
-/// A result that is to take the place of the one in the folder.
+/// Name of the hidden folder of a result that is to replace the one in the folder.
 pub(crate) const NEW: &str = ".iva-new";
-/// Most bytes of a manifest that are read.
+/// Largest size of a manifest in bytes.
 const MANIFEST_LIMIT: u64 = 1 << 30;
-/// Most bytes of a resolved study that are read.
+/// Largest size of a resolved study in bytes.
 const STUDY_LIMIT: u64 = 1 << 26;
-/// How every manifest begins.
+/// Beginning of every manifest.
 const MANIFEST_BEGIN: &[u8] = b"{\n  \"manifest\": ";
-/// What every Parquet and Arrow file of ours says in its footer.
+/// Metadata key in the footer of every Parquet and Arrow file of the program.
 const TABLE_MARK: &[u8] = b"iva.schema_version";
-/// Bytes at the end of a file in which its footer is looked for.
+/// Number of bytes at the end of a file in which the key is searched for.
 const FOOTER: u64 = 1 << 20;
+/// Name of the folder of the errors of a verified run.
 const ERRORS: &str = "errors";
 
-/// File name of a part.
+/// Name of the file of a part.
 pub(crate) fn part_name(part: u64, format: Format) -> String {
     format!("part-{part:05}.{format}")
 }
 
-/// The folder of a table's errors, relative to that of the result.
+/// Folder of the errors of a table, relative to that of the result.
 pub(crate) fn errors_folder(table: &str) -> PathBuf {
     Path::new(ERRORS).join(table)
 }
 
-/// What is said of a folder that went while it was written into.
+/// The error for a folder that vanished while results were written into it.
 pub(crate) fn vanished(dir: &Path) -> Error {
     let reason = io::Error::new(io::ErrorKind::NotFound, "the folder vanished during the run");
     Error::io("write", dir, reason)
 }
 
-/// What is said of a folder that cannot be written into.
+/// The error for a folder that cannot be written into.
 pub(crate) fn unwritable(dir: &Path, reason: io::Error) -> Error {
     Error::folder(Fault::Unwritable { dir: dir.to_owned(), reason }, Remedy::OtherFolder)
 }
 
-/// The folders that tables go into, with their tables, relative to that of the result.
+/// The folders of tables and of their errors, relative to that of the result, each with its table.
 fn table_folders() -> impl Iterator<Item = (PathBuf, Table)> {
     let plain = Table::ALL.into_iter().map(|table| (PathBuf::from(table.name()), table));
     plain.chain(Table::SWEEP.into_iter().map(|table| (errors_folder(table.name()), table)))
 }
 
-/// Checks that a folder can take new results, as far as that shows from what it holds.
+/// Checks from the contents of a folder that it can take new results.
 ///
 /// # Errors
-/// [`Error::Folder`] if it holds tables (unless `replace`), a symbolic link where something of ours
-/// goes, or a file that is not `iva`'s where one of its own must go.
+/// [`Error::Folder`] if it holds tables (unless `replace`), or a symbolic link or a file that `iva` did not
+/// write under a name of a result; [`Error::Io`] if it cannot be read.
 pub(crate) fn refuse_conflicts(dir: &Path, replace: bool) -> Result<(), Error> {
     if dir.exists() && !dir.is_dir() {
         return Err(Error::folder(Fault::IsFile(dir.to_owned()), Remedy::OtherFolder));
@@ -114,13 +115,13 @@ pub(crate) fn refuse_conflicts(dir: &Path, replace: bool) -> Result<(), Error> {
     Ok(())
 }
 
-/// What is said of a file that is not ours and would be replaced.
+/// The error for a file that the program did not write and would replace.
 pub(crate) fn in_the_way(dir: &Directory, name: &Path, what: &'static str) -> Error {
     let fault = Fault::InTheWay { path: dir.path().join(name), what };
     Error::folder(fault, Remedy::MoveOrOtherFolder)
 }
 
-/// Refuses links, and files where folders must go and the other way round.
+/// Refuses entries of the wrong type: links, files under names of folders, and folders under names of files.
 fn refuse_other_kinds(dir: &Directory) -> Result<(), Error> {
     let check = |name: &Path, wanted: Kind| {
         let what = match dir.kind(name)? {
@@ -134,7 +135,7 @@ fn refuse_other_kinds(dir: &Directory) -> Result<(), Error> {
         let fault = Fault::OtherKind { path: dir.path().join(name), what };
         Err(Error::folder(fault, Remedy::MoveOrOtherFolder))
     };
-    // Outer folders first: a name is looked up in a folder that has been found to be one.
+    // Outer folders come first, so that names are looked up only in entries known to be folders.
     for folder in [ERRORS, INPUTS, WORK, NEW] {
         check(Path::new(folder), Kind::Folder)?;
     }
@@ -145,15 +146,15 @@ fn refuse_other_kinds(dir: &Directory) -> Result<(), Error> {
     inputs_in(dir)?.iter().try_for_each(|input| check(input, Kind::File))
 }
 
-/// What is named like an input, relative to the folder.
+/// The entries with names of inputs, relative to the folder.
 fn inputs_in(dir: &Directory) -> Result<Vec<PathBuf>, Error> {
-    // A link in its place has been refused by then.
+    // The caller has refused a link of that name.
     let Some(folder) = dir.folder(Path::new(INPUTS))? else { return Ok(Vec::new()) };
     let names = folder.names()?.into_iter().map(|name| format!("{INPUTS}/{name}"));
     Ok(names.filter(|name| is_input_name(name)).map(PathBuf::from).collect())
 }
 
-/// True if there are tables in a folder.
+/// True if a folder holds parts of tables.
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be read.
@@ -161,6 +162,7 @@ pub(crate) fn holds_tables(dir: &Directory) -> Result<bool, Error> {
     Ok(!parts_in(dir)?.is_empty())
 }
 
+/// The bytes of a folder's manifest, if it has one.
 fn manifest_bytes(dir: &Directory) -> Result<Option<Vec<u8>>, Error> {
     dir.read(Path::new(MANIFEST_FILE), MANIFEST_LIMIT)
 }
@@ -168,29 +170,29 @@ fn manifest_bytes(dir: &Directory) -> Result<Option<Vec<u8>>, Error> {
 /// The text of a folder's manifest, if it has one.
 ///
 /// # Errors
-/// [`Error::Io`] if it is there and cannot be read.
+/// [`Error::Io`] if it exists and cannot be read.
 pub(crate) fn manifest_text(dir: &Directory) -> Result<Option<String>, Error> {
     Ok(manifest_bytes(dir)?.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
 }
 
-/// The manifest of a folder, if it has one that can be used.
+/// The manifest of a folder, if it has a valid one.
 ///
 /// # Errors
-/// [`Error::Io`] if it is there and cannot be read.
+/// [`Error::Io`] if it exists and cannot be read.
 pub(crate) fn manifest(dir: &Directory) -> Result<Option<Manifest>, Error> {
     Ok(manifest_text(dir)?.and_then(|text| Manifest::parse(&text).ok()))
 }
 
-/// The resolved study of a folder, if it has one.
+/// The text of `study.toml` in a folder, if it has one.
 ///
 /// # Errors
-/// [`Error::Io`] if it is there and cannot be read.
+/// [`Error::Io`] if it exists and cannot be read.
 pub(crate) fn study_text(dir: &Directory) -> Result<Option<String>, Error> {
     let bytes = dir.read(Path::new(STUDY_FILE), STUDY_LIMIT)?;
     Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
 }
 
-/// The files of points and records that the manifest of a folder lists, as far as they are there.
+/// The files of points and records that the manifest of a folder lists and that exist.
 ///
 /// # Errors
 /// [`Error::Io`] if the folder cannot be read.
@@ -205,7 +207,7 @@ pub(crate) fn inputs_of(dir: &Directory) -> Result<Vec<PathBuf>, Error> {
     Ok(found)
 }
 
-/// What is named like a part, relative to the folder, in a fixed order.
+/// The entries with names of parts, relative to the folder, each with its table, in a fixed order.
 fn parts_in(dir: &Directory) -> Result<Vec<(PathBuf, Table)>, Error> {
     let mut parts = Vec::new();
     for (folder, table) in table_folders() {
@@ -217,7 +219,7 @@ fn parts_in(dir: &Directory) -> Result<Vec<(PathBuf, Table)>, Error> {
     Ok(parts)
 }
 
-/// The parts of a folder that are ours, relative to it, in a fixed order.
+/// The parts in a folder that the program wrote, relative to it, in a fixed order.
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be read.
@@ -225,6 +227,7 @@ pub(crate) fn our_parts(dir: &Directory) -> Result<Vec<PathBuf>, Error> {
     ours_of(dir, &parts_in(dir)?)
 }
 
+/// Those of the entries `parts` that the program wrote.
 fn ours_of(dir: &Directory, parts: &[(PathBuf, Table)]) -> Result<Vec<PathBuf>, Error> {
     if parts.is_empty() {
         return Ok(Vec::new());
@@ -243,8 +246,8 @@ fn ours_of(dir: &Directory, parts: &[(PathBuf, Table)]) -> Result<Vec<PathBuf>, 
     Ok(ours)
 }
 
-/// True of a file that says of itself that it is a table of ours: Parquet and Arrow in their footer, CSV
-/// in its first line.
+/// True if the content of a file shows a table of the program: of Parquet and Arrow the footer, of CSV the
+/// first line.
 fn is_table(dir: &Directory, name: &Path, table: Table) -> Result<bool, Error> {
     let Some(mut file) = dir.open_file(name)? else { return Ok(false) };
     let csv = name.extension().is_some_and(|ending| ending == Format::Csv.name());
@@ -266,7 +269,7 @@ fn is_table(dir: &Directory, name: &Path, table: Table) -> Result<bool, Error> {
     read().map_err(|reason| Error::io("read", &dir.path().join(name), reason))
 }
 
-/// The files of a result, relative to the folder, in a fixed order: what they are told by last.
+/// The files of a result, relative to the folder, in a fixed order: tables, inputs, study, manifest.
 ///
 /// # Errors
 /// [`Error::Io`] if the folder cannot be read.
@@ -282,7 +285,7 @@ pub(crate) fn written_by_iva(dir: &Directory) -> Result<Vec<PathBuf>, Error> {
     Ok(names)
 }
 
-/// True of a name that a file of a result can have, relative to its folder.
+/// True if a file of a result can have this name, relative to its folder.
 pub(crate) fn is_result_name(name: &Path) -> bool {
     let text = name.to_str().unwrap_or_default();
     let parent = name.parent().unwrap_or(Path::new(""));
@@ -293,6 +296,7 @@ pub(crate) fn is_result_name(name: &Path) -> bool {
         || is_part(leaf) && table_folders().any(|(folder, _)| folder == parent)
 }
 
+/// True if a file of a part can have this name.
 pub(crate) fn is_part(name: &str) -> bool {
     name.strip_prefix("part-").and_then(|rest| rest.split_once('.')).is_some_and(
         |(digits, ending)| {
@@ -303,7 +307,7 @@ pub(crate) fn is_part(name: &str) -> bool {
     )
 }
 
-/// Removes the folders of tables that hold nothing.
+/// Removes the empty ones among the folders of tables, errors and inputs.
 pub(crate) fn remove_empty_table_folders(dir: &Directory) {
     let folders = table_folders().map(|(folder, _)| folder);
     for folder in folders.chain([ERRORS, INPUTS].map(PathBuf::from)) {

@@ -1,9 +1,9 @@
-//! `manifest.json`: what a result is, and which of its parts are complete.
+//! The manifest `manifest.json`: the description of a result, and the list of its complete parts.
 //!
-//! A sweep writes it anew, aside and then renamed, after every part. A part that it lists is complete and
-//! has the checksums that it states; a part that it does not list is not there, whatever the folder
-//! holds. A single run has one part. A manifest may come from anywhere, so nothing in it is used before
-//! [`Manifest::parse`] has checked all of it.
+//! A sweep rewrites it, under another name and then renamed, after every part of the first few hundred, and less
+//! often after that. A listed part is complete and has the stated checksums; a part that is not listed counts
+//! as missing, whatever the folder holds. A single run has one part. A manifest may come from any source, so
+//! nothing in it is used before [`Manifest::parse`] has checked all of it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -19,53 +19,53 @@ use crate::table_file::{Contents, Style};
 
 /// Version of the manifest's layout.
 pub const MANIFEST_VERSION: u32 = 1;
-/// Most parts that a manifest may speak of: even one of a second each takes half a year.
+/// Largest number of parts of a sweep; at one second each they take half a year.
 const MOST_PARTS: u64 = 1 << 24;
 
-/// The manifest of a folder.
+/// The manifest of a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
-    /// Version of this layout.
+    /// Version of the manifest's layout.
     pub manifest: u32,
     /// Version of the program.
     pub iva: String,
-    /// Digest of all that decides the values, as files carry it under `iva.study`.
+    /// Digest of everything that determines the values, which files carry under `iva.study`.
     pub study: String,
-    /// What is swept.
+    /// Keys of the swept quantities.
     pub swept: Vec<String>,
-    /// Points of the sweep.
+    /// Number of points of the sweep.
     pub points: u64,
-    /// Points of a part; the last may have fewer.
+    /// Number of points of a part; the last part may have fewer.
     pub part_points: u64,
-    /// Tables that are written.
+    /// Names of the tables.
     pub tables: Vec<String>,
-    /// Files of points and records that were written along, relative to the folder.
+    /// Files of points and records beside the tables, relative to the folder.
     pub inputs: Vec<String>,
-    /// How they are written.
+    /// File format of the tables.
     #[serde(flatten)]
     pub style: Style,
-    /// The complete parts by number.
+    /// Complete parts by number.
     pub parts: BTreeMap<u64, Part>,
 }
 
-/// A complete part.
+/// The entry of a complete part.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Part {
-    /// Its first point.
+    /// Number of the first point of the part.
     pub first_point: u64,
-    /// Points that it covers.
+    /// Number of points of the part.
     pub points: u64,
-    /// Those with another outcome than `finished`.
+    /// Number of points with another outcome than `finished`.
     pub failed: u64,
-    /// Its files by the name of the table.
+    /// Files of the tables, by the name of the table.
     pub tables: BTreeMap<String, Contents>,
-    /// The files of errors of a verified run by the name of the table.
+    /// Files of the errors of a verified run, by the name of the table.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub errors: BTreeMap<String, Contents>,
 }
 
 impl Manifest {
-    /// The manifest of a sweep of which no part is complete.
+    /// The manifest of a sweep without complete parts.
     pub fn new(study: &Study, identity: Identity, plan: Plan, style: Style) -> Self {
         Self {
             manifest: MANIFEST_VERSION,
@@ -81,7 +81,7 @@ impl Manifest {
         }
     }
 
-    /// The manifest of a single run, of which one part holds all that was written.
+    /// The manifest of a single run, whose one part lists all of its files.
     pub fn of_run(study: &Study, identity: Identity, style: Style, part: Part) -> Self {
         let tables = part.tables.keys().cloned().collect();
         let plan = Plan { points: 1, part_points: 1 };
@@ -89,7 +89,7 @@ impl Manifest {
         Self { tables, parts, ..Self::new(study, identity, plan, style) }
     }
 
-    /// Reads the text of a manifest.
+    /// Reads and checks the text of a manifest.
     ///
     /// # Errors
     /// A sentence that says what is wrong with it.
@@ -108,7 +108,7 @@ impl Manifest {
         }
     }
 
-    /// The same manifest with one part alone.
+    /// A copy of the manifest with one part only.
     pub(crate) fn with_only(&self, number: u64, part: Part) -> Self {
         Self {
             manifest: self.manifest,
@@ -124,7 +124,7 @@ impl Manifest {
         }
     }
 
-    /// What a manifest says that none of this program says.
+    /// The first contradiction or impossible value in the manifest; `None` for a valid one.
     pub(crate) fn fault(&self) -> Option<&'static str> {
         let plan = self.plan();
         let plain =
@@ -173,26 +173,24 @@ impl Manifest {
         })
     }
 
-    /// The text of the file.
+    /// The text of the manifest as JSON.
     pub fn text(&self) -> String {
-        // Strings as keys and plain numbers: there is nothing in it that JSON cannot say.
+        // Strings, numbers and maps with such keys are valid in JSON, so this cannot fail.
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
-    /// What its files are told by.
-    ///
-    /// A digest that is no hexadecimal number is that of no study.
+    /// The identity of the study, which the files of its tables carry; a digest that is not hexadecimal counts as 0.
     pub fn identity(&self) -> Identity {
         let digest = u64::from_str_radix(&self.study, 16).unwrap_or(0);
         Identity { digest, points: self.points }
     }
 
-    /// How the sweep is divided.
+    /// The division of the sweep into parts.
     pub fn plan(&self) -> Plan {
         Plan { points: self.points, part_points: self.part_points }
     }
 
-    /// The parts that are not complete, in order.
+    /// Numbers of the parts that are not complete, in ascending order.
     pub fn missing(&self) -> impl Iterator<Item = u64> + '_ {
         (0..self.plan().parts()).filter(|part| !self.parts.contains_key(part))
     }
@@ -202,12 +200,12 @@ impl Manifest {
         self.parts.len() as u64 == self.plan().parts()
     }
 
-    /// Points of the complete parts.
+    /// Number of points of the complete parts.
     pub fn done(&self) -> u64 {
         self.parts.values().map(|part| part.points).sum()
     }
 
-    /// Files, rows and bytes of a table.
+    /// Number of files, rows and bytes of a table in the complete parts.
     pub fn total(&self, table: &str) -> Total {
         let mut total = Total::default();
         for contents in self.parts.values().filter_map(|part| part.tables.get(table)) {
@@ -218,7 +216,7 @@ impl Manifest {
         total
     }
 
-    /// What differs between two sweeps beside their studies; nothing if they are one.
+    /// Differences between two sweeps in version, tables and format, one sentence each; the studies are not compared.
     pub fn differences(&self, now: &Self) -> Vec<String> {
         let style = |style: Style| match style.units_row {
             true => format!("{} with a row of units", style.format),
@@ -237,14 +235,14 @@ impl Manifest {
     }
 }
 
-/// Files, rows and bytes.
+/// Size of a table on disk.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Total {
     /// Number of files.
     pub files: u64,
-    /// Rows in them.
+    /// Number of rows.
     pub rows: u64,
-    /// Their size.
+    /// Size of the files in bytes.
     pub bytes: u64,
 }
 

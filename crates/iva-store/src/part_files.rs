@@ -1,4 +1,4 @@
-//! The files of one part, one for each table, as they are written.
+//! The files of one part while they are written, one for each table.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -15,29 +15,29 @@ use crate::error::Error;
 use crate::manifest::sweep_tables;
 use crate::table_file::{Contents, Format, Style, TableFile, part_schema};
 
-/// Files that are being written; removed unless they are finished.
+/// The open files of a part, which are removed on drop unless they are finished.
 pub struct PartFiles {
-    // Closed before the folder is removed.
+    // Fields drop in this order: the files are closed before their folder is removed.
     files: Vec<(Table, TableFile)>,
     folder: Unfinished,
-    /// Points that failed.
+    /// Number of points with another outcome than `finished`.
     pub failed: u64,
 }
 
-/// Complete files of a part that are not in their place yet.
+/// The report of complete files of a part that are not in their final place yet.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Staged {
-    /// Version of the program that made them.
+    /// Version of the program that wrote the files.
     pub iva: String,
-    /// The name of their folder, in the folder of unfinished files.
+    /// Name of the folder of the files, in the folder of unfinished files.
     pub folder: String,
-    /// What is in them, by the name of the table.
+    /// Sizes and checksums of the files, by the name of the table.
     pub contents: BTreeMap<String, Contents>,
-    /// Points that failed.
+    /// Number of points with another outcome than `finished`.
     pub failed: u64,
 }
 
-/// A folder of unfinished files, removed with all that is in it unless it is kept.
+/// The folder of the files of a part, which is removed on drop with its contents unless it is kept.
 struct Unfinished {
     work: Directory,
     name: String,
@@ -47,23 +47,23 @@ struct Unfinished {
 impl Drop for Unfinished {
     fn drop(&mut self) {
         if !self.kept {
-            // What cannot be removed now is removed with all unfinished files.
+            // The rest is removed with all unfinished files.
             let _ = self.work.remove_folder(Path::new(&self.name));
         }
     }
 }
 
-/// File name of a table of a part that is not in its place yet.
+/// Name of the file of a table in the folder of an unfinished part.
 pub(crate) fn staged_name(table: &str, format: Format) -> PathBuf {
     PathBuf::from(format!("{table}.{format}"))
 }
 
 impl PartFiles {
-    /// Makes the files in a folder of their own below `work`, a folder that the user or the process that
-    /// divides the sweep named.
+    /// Creates the files in a new folder in `work`, a path from the user or from the process that divides the
+    /// sweep.
     ///
     /// # Errors
-    /// [`Error::Io`] if they cannot be made, [`Error::Invalid`] for a study without units.
+    /// [`Error::Io`] if they cannot be created, [`Error::Invalid`] for a study without units.
     pub fn create_in(
         work: &Path,
         study: &Study,
@@ -75,10 +75,10 @@ impl PartFiles {
         Self::create(&work, study, identity, points, style)
     }
 
-    /// As [`PartFiles::create_in`], in an open folder.
+    /// Creates the files in a new folder in the open folder `work`.
     ///
     /// # Errors
-    /// As there.
+    /// As [`PartFiles::create_in`].
     pub(crate) fn create(
         work: &Directory,
         study: &Study,
@@ -97,7 +97,7 @@ impl PartFiles {
         Ok(Self { folder: kept, files, failed: 0 })
     }
 
-    /// Appends rows.
+    /// Appends the rows of each table to its file.
     ///
     /// # Errors
     /// [`Error::Io`] if they cannot be written.
@@ -110,10 +110,10 @@ impl PartFiles {
         Ok(())
     }
 
-    /// Completes the files and sees them onto the disk.
+    /// Completes, syncs and closes the files, and keeps them.
     ///
     /// # Errors
-    /// [`Error::Io`] if that fails.
+    /// [`Error::Io`] if they cannot be written.
     pub fn finish(self) -> Result<Staged, Error> {
         let Self { files, mut folder, failed } = self;
         let mut contents = BTreeMap::new();

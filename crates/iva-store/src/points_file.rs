@@ -1,5 +1,5 @@
-//! Points of a sweep from a file: Parquet, Arrow IPC or CSV, by the ending of its name. Each row is a
-//! point, each column a quantity, named like an axis.
+//! Files of the points of a sweep: Parquet, Arrow IPC or CSV, by the ending of the name. Each row is a point,
+//! each column a quantity with the key of an axis as its name.
 
 use std::fs::File;
 use std::io::{BufReader, Seek};
@@ -27,24 +27,25 @@ use crate::directory::Directory;
 use crate::error::Error;
 use crate::regular_file;
 
-/// Columns of a file: more quantities than a study has.
+/// Largest number of columns of a file, which is more than a study has quantities.
 const MOST_COLUMNS: usize = 1000;
 
-/// Keys with a value for each point.
+/// Columns of a file of points: the key of a quantity, and its value at each point.
 pub type Columns = Vec<(String, Vec<f64>)>;
 
 type Batches = Box<dyn Iterator<Item = Result<RecordBatch, ArrowError>>>;
 
-/// Reads the points of a file. What the file claims to hold is checked before room is made for it, and
-/// a decoder that panics over it is an error like any other.
+/// Reads a file of points. The sizes that the file states are checked before memory is allocated, and a panic
+/// of the decoder is returned as an error.
 ///
 /// # Errors
-/// A sentence for a file that is no regular one, cannot be read, is damaged or of another kind, that has
-/// no rows, more than fit into 4 GB, or two columns of one name, and for a cell that is no number.
+/// A sentence for a file that is not a regular one, cannot be read, is damaged or of another kind, has no
+/// rows, more than 2³² rows or 4 GB, too many columns or two of one name, or a cell that is not a number.
 pub fn read_points(path: &Path) -> Result<Columns, String> {
     caught(|| read(path)).unwrap_or_else(|| Err(DAMAGED.to_owned()))
 }
 
+/// Reads a file of points; damaged files may make it panic.
 fn read(path: &Path) -> Result<Columns, String> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
     let open = || regular_file::open(path).map_err(|reason| format!("it cannot be read: {reason}"));
@@ -97,10 +98,10 @@ fn read(path: &Path) -> Result<Columns, String> {
     }
 }
 
-/// Checks that every column is of numbers, and has a name of its own.
+/// Checks the number of columns, and that every column has numbers and a name of its own.
 ///
 /// # Errors
-/// A sentence that names the first that is not.
+/// A sentence with the number of columns or the name of the first bad one.
 fn check_columns(schema: &Schema) -> Result<(), String> {
     let fields = schema.fields();
     if fields.len() > MOST_COLUMNS {
@@ -130,6 +131,7 @@ fn said(reason: std::io::Error) -> String {
     format!("it cannot be read: {reason}")
 }
 
+/// The first line of a decoder's message.
 fn broken(reason: ArrowError) -> String {
     match reason {
         ArrowError::ParseError(reason) | ArrowError::CsvError(reason) => first_line(&reason),
@@ -137,8 +139,9 @@ fn broken(reason: ArrowError) -> String {
     }
 }
 
+/// A reader of a CSV file whose columns are all read as floating-point numbers.
 fn csv(mut file: File) -> Result<CsvReader<BufReader<File>>, ArrowError> {
-    // Only the names are wanted: every column must be of numbers.
+    // The header gives the names only, since the type of every column is known.
     let (heading, _) = CsvFormat::default().with_header(true).infer_schema(&file, Some(0))?;
     file.rewind()?;
     let field = |field: &Arc<Field>| Field::new(field.name().trim(), DataType::Float64, true);
@@ -147,11 +150,12 @@ fn csv(mut file: File) -> Result<CsvReader<BufReader<File>>, ArrowError> {
     builder.build_buffered(BufReader::new(file))
 }
 
+/// Appends the rows of a batch.
 fn append(columns: &mut Columns, rows: &RecordBatch) -> Result<(), String> {
     let count = columns.len();
     for ((name, values), array) in columns.iter_mut().zip(rows.columns()) {
         let before = values.len();
-        // What is read counts, whatever was claimed.
+        // The limit is checked again for the rows that are really read.
         check_rows(before as u64 + array.len() as u64, count)?;
         let numbers = numbers(array).ok_or_else(|| {
             format!("the column `{name}` is of {}, not of numbers", array.data_type())
@@ -165,7 +169,7 @@ fn append(columns: &mut Columns, rows: &RecordBatch) -> Result<(), String> {
     Ok(())
 }
 
-/// A column of numbers of any kind.
+/// A column of any numeric type, converted to double precision; `None` for another type.
 fn numbers(array: &ArrayRef) -> Option<Float64Array> {
     Some(match array.data_type() {
         DataType::Float64 => array.as_primitive::<Float64Type>().clone(),

@@ -1,5 +1,5 @@
-//! The folder of a sweep: parts are written aside, synced, renamed into place and then entered in the
-//! manifest, so that at any instant everything that the manifest lists is there and complete.
+//! The folder of a sweep: parts are written as unfinished files, synced, renamed into place and then entered
+//! in the manifest, so that at any instant everything that the manifest lists exists and is complete.
 
 use std::collections::{BTreeMap, HashSet};
 use std::io;
@@ -25,31 +25,35 @@ use crate::manifest::{Manifest, Part};
 use crate::part_files::{PartFiles, Staged, staged_name};
 use crate::table_file::{Style, part_schema, read_rows};
 
-/// Parts up to which the manifest is written after every one of them.
+/// Number of parts up to which the manifest is written after every part.
 const FEW_PARTS: usize = 256;
 
-/// A folder that a sweep fills part by part.
+/// A locked folder that a sweep fills part by part.
 #[derive(Debug)]
 pub struct SweepFolder {
     root: Directory,
     manifest: Manifest,
-    /// Of the folder of the result, which `root` is or is in.
+    /// Lock of the folder of the result, which is `root` or the parent of it.
     claim: Claim,
     written: Written,
 }
 
-/// When the manifest was last written, how long that took, and if something was entered since.
+/// The state of the manifest on disk.
 #[derive(Debug)]
 struct Written {
+    /// Instant of the last write.
     at: Instant,
+    /// Duration of the last write.
     took: Duration,
+    /// True if a part was entered since the last write.
     stale: bool,
 }
 
-/// A folder with a sweep to go on with, and the files of it that are not what they should be.
+/// The folder of a resumed sweep, and the names of its damaged or missing files.
 pub type Resumed = (SweepFolder, Vec<String>);
 
 impl SweepFolder {
+    /// A folder whose manifest counts as written now.
     fn new(root: Directory, manifest: Manifest, claim: Claim) -> Self {
         let written = Written { at: Instant::now(), took: Duration::ZERO, stale: false };
         Self { root, manifest, claim, written }
@@ -58,8 +62,8 @@ impl SweepFolder {
     /// Begins a sweep in a folder without tables.
     ///
     /// # Errors
-    /// [`Error::Folder`] if a file that is not `iva`'s stands where an input must go; [`Error::Io`] if
-    /// something cannot be written.
+    /// [`Error::Folder`] if a file that `iva` did not write has the name of an input; [`Error::Io`] if something
+    /// cannot be written.
     pub(crate) fn begin(
         root: Directory,
         claim: Claim,
@@ -79,19 +83,19 @@ impl SweepFolder {
         match ready {
             Ok(()) => Ok(folder),
             Err(reason) => {
-                // The first reason is the one to tell.
+                // The first error is returned, not that of the cleanup.
                 let _ = folder.close();
                 Err(reason)
             }
         }
     }
 
-    /// Goes on with the sweep of a folder whose manifest is that of the same sweep. Parts that are not
-    /// what the manifest says are taken out of it, to be computed again. Parts that are `elsewhere` are
-    /// taken on trust. `None`: `go_on` returned false, and nothing was changed.
+    /// Resumes the sweep in a folder whose manifest is that of the same sweep. Parts with files that differ from
+    /// the manifest are removed from it, to be computed again; with `elsewhere` no files are checked. Returns
+    /// `None`, with nothing changed, if `go_on` returns false.
     ///
     /// # Errors
-    /// [`Error::Io`] if a part is there and cannot be read, or something cannot be written.
+    /// [`Error::Io`] if a part exists and cannot be read, or something cannot be written.
     pub(crate) fn resume(
         root: Directory,
         claim: Claim,
@@ -109,43 +113,43 @@ impl SweepFolder {
         if !bad.is_empty() {
             folder.write_manifest()?;
         }
-        // They were listed until now; what is in them need not say that they are ours.
+        // The manifest listed these files until now, so their content is not needed to recognise them.
         bad.iter().try_for_each(|name| folder.root.remove_file(Path::new(name)))?;
         folder.write_study(study, inputs)?;
         folder.remove_unlisted()?;
         Ok(Some((folder, bad)))
     }
 
-    /// What is complete.
+    /// The manifest, which lists the complete parts.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// The folder.
+    /// Path of the folder that is filled.
     pub fn root(&self) -> &Path {
         self.root.path()
     }
 
-    /// The folder of the result: the one that is filled, or the one whose tables it is to replace.
+    /// Path of the folder of the result: the one that is filled, or the one whose tables are to be replaced.
     pub fn dir(&self) -> &Path {
         self.claim.dir().path()
     }
 
-    /// True if the folder that is filled is to replace the tables of the folder of the result.
+    /// True if the folder that is filled is `.iva-new` and is to replace the tables of the folder of the result.
     pub fn replaces(&self) -> bool {
         self.root() != self.dir()
     }
 
-    /// Says that the folder vanished, if it or that of unfinished files is not where it was.
+    /// The error for a vanished folder, if this one or that of unfinished files was moved or removed.
     pub fn vanished(&self) -> Option<Error> {
         let is_in_place = self.root.is_in_place() && self.claim.work().is_in_place();
         (!is_in_place).then(|| vanished(self.root.path()))
     }
 
-    /// Hands out the rows of the summary of a complete part, in portions.
+    /// Reads the summary of a complete part and passes its rows to `take`, in batches.
     ///
     /// # Errors
-    /// [`Error::Io`] if they cannot be read, [`Error::Invalid`] for a study without units.
+    /// [`Error::Io`] if it cannot be read, [`Error::Invalid`] for a study without units.
     pub fn read_summary(
         &self,
         study: &Study,
@@ -160,10 +164,11 @@ impl SweepFolder {
         read_rows(&path, schema, style, take)
     }
 
-    /// Lets the tables of a complete sweep take the place of those that it is to replace, if there are any.
+    /// Exchanges the earlier result for that of the complete sweep, if there is one to replace.
     ///
     /// # Errors
-    /// [`Error::NotMoved`] if a file cannot be moved; [`Error::Folder`] if a file of others is in the way.
+    /// [`Error::NotMoved`] if a file cannot be moved; [`Error::Folder`] if a file that `iva` did not write would
+    /// be replaced.
     pub fn put_in_place(&self) -> Result<(), Error> {
         if self.replaces() {
             exchange::prepare(self.claim.dir(), &self.root)?;
@@ -172,10 +177,10 @@ impl SweepFolder {
         Ok(())
     }
 
-    /// Opens the files of a part, aside.
+    /// Creates the files of a part in the folder of unfinished files.
     ///
     /// # Errors
-    /// [`Error::Io`] if they cannot be made.
+    /// [`Error::Io`] if they cannot be created, [`Error::Invalid`] for a study without units.
     pub fn stage(&self, study: &Study, part: u64) -> Result<PartFiles, Error> {
         self.is_there()?;
         let plan = self.manifest.plan();
@@ -183,6 +188,7 @@ impl SweepFolder {
         PartFiles::create(self.claim.work(), study, identity, plan.range(part), self.style())
     }
 
+    /// Refuses to go on if the folder was moved or removed.
     fn is_there(&self) -> Result<(), Error> {
         match self.root.is_in_place() {
             true => Ok(()),
@@ -190,12 +196,12 @@ impl SweepFolder {
         }
     }
 
-    /// Where unfinished files go.
+    /// Path of the folder of unfinished files.
     pub fn work(&self) -> PathBuf {
         self.claim.work().path().to_owned()
     }
 
-    /// How tables are written.
+    /// File format of the tables.
     pub fn style(&self) -> Style {
         self.manifest.style
     }
@@ -214,17 +220,17 @@ impl SweepFolder {
             work.rename(&from, &folder, Path::new(&name))?;
             folder.sync()?;
         }
-        // It is empty, and what remains of it is removed with all unfinished files.
+        // A folder that is not empty is removed with all unfinished files.
         work.remove_if_empty(Path::new(&staged.folder));
         self.enter(part, staged)
     }
 
-    /// As [`SweepFolder::take`], of a part that another process ran: nothing that it says is believed
-    /// before the files have been found to be what it says.
+    /// Checks the files of a part that another process ran against its report, moves them into place and enters
+    /// the part in the manifest.
     ///
     /// # Errors
-    /// [`Error::OtherVersion`], [`Error::UnfitPart`] or [`Error::ChangedPart`] if they are not; as
-    /// [`SweepFolder::take`].
+    /// [`Error::OtherVersion`] or [`Error::UnfitPart`] if the report does not fit the sweep,
+    /// [`Error::ChangedPart`] if the files differ from it; otherwise as [`SweepFolder::take`].
     pub fn receive(&mut self, part: u64, staged: Staged) -> Result<(), Error> {
         self.check(part, &staged)?;
         let refused = || Error::ChangedPart { part };
@@ -240,17 +246,17 @@ impl SweepFolder {
         self.take(part, staged)
     }
 
-    /// Enters a part in the manifest that another process ran and whose files are in place elsewhere.
+    /// Enters a part that another process ran, with files in another place, in the manifest.
     ///
     /// # Errors
-    /// [`Error::OtherVersion`] or [`Error::UnfitPart`] if what it says does not fit the sweep; [`Error::Io`] if
-    /// the manifest cannot be written.
+    /// [`Error::OtherVersion`] or [`Error::UnfitPart`] if its report does not fit the sweep; [`Error::Io`] if the
+    /// manifest cannot be written.
     pub fn receive_entry(&mut self, part: u64, staged: Staged) -> Result<(), Error> {
         self.check(part, &staged)?;
         self.enter(part, staged)
     }
 
-    /// Checks what another process says of a part.
+    /// Checks the report of another process about a part.
     fn check(&self, part: u64, staged: &Staged) -> Result<(), Error> {
         if staged.iva != self.manifest.iva {
             let (theirs, ours) = (staged.iva.clone(), self.manifest.iva.clone());
@@ -269,7 +275,7 @@ impl SweepFolder {
         }
     }
 
-    /// Enters a part in the manifest whose files are in place already, here or elsewhere.
+    /// Enters a part whose files are in place in the manifest, and writes the manifest if it is due.
     ///
     /// # Errors
     /// [`Error::Io`] if the manifest cannot be written.
@@ -278,7 +284,7 @@ impl SweepFolder {
         let entry = entry(points, &staged);
         self.manifest.parts.insert(part, entry);
         self.written.stale = true;
-        // A manifest of thousands of parts is not written anew for each: a tenth of the time is enough.
+        // A long manifest is written less often, so that writing takes at most about a tenth of the time.
         if self.manifest.parts.len() <= FEW_PARTS
             || self.written.at.elapsed() > 10 * self.written.took
         {
@@ -291,7 +297,7 @@ impl SweepFolder {
         Ok(())
     }
 
-    /// Brings manifest and folder to one state; of a sweep without a complete part everything is removed.
+    /// Writes the manifest and removes parts that it does not list; a sweep without complete parts is removed.
     ///
     /// # Errors
     /// [`Error::Io`] if a file cannot be written or removed.
@@ -316,7 +322,7 @@ impl SweepFolder {
         Ok(())
     }
 
-    /// Removes parts that the manifest does not list: a process was killed before it entered them.
+    /// Removes parts that the manifest does not list, which a process that was killed leaves.
     fn remove_unlisted(&self) -> Result<(), Error> {
         let listed: HashSet<PathBuf> = self.manifest.files().map(|(name, _)| name).collect();
         our_parts(&self.root)?
@@ -325,7 +331,8 @@ impl SweepFolder {
             .try_for_each(|name| self.root.remove_file(name))
     }
 
-    /// Takes parts out of the manifest that are not what it says; `None` if the look was ended early.
+    /// Removes parts with damaged or missing files from the manifest, and returns the names of these files; `None`
+    /// if `go_on` ends the check.
     fn drop_bad_parts(&mut self, go_on: &dyn Fn() -> bool) -> Result<Option<Vec<String>>, Error> {
         let (mut bad, mut numbers) = (Vec::new(), Vec::new());
         for (number, part) in &self.manifest.parts {
@@ -355,6 +362,7 @@ impl SweepFolder {
         Ok(Some(bad))
     }
 
+    /// Writes the manifest and notes when.
     fn write_manifest(&mut self) -> Result<(), Error> {
         let begin = Instant::now();
         self.write_aside(MANIFEST_FILE, self.manifest.text().as_bytes())?;
@@ -362,13 +370,13 @@ impl SweepFolder {
         Ok(())
     }
 
-    /// Writes the study and its inputs; on resumption anew, for nothing vouches for those that are there.
+    /// Writes the study and its inputs, also on resumption, since there are no checksums of the existing ones.
     fn write_study(&self, study: &str, inputs: &[Input]) -> Result<(), Error> {
         inputs.iter().try_for_each(|input| input.write(self.claim.work(), &self.root))?;
         self.write_aside(STUDY_FILE, study.as_bytes())
     }
 
-    /// Writes a file of the folder aside, syncs it and renames it.
+    /// Writes a file into the folder of unfinished files, syncs it and renames it into place.
     fn write_aside(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
         let (name, work) = (Path::new(name), self.claim.work());
         let written = work

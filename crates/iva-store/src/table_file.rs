@@ -1,4 +1,4 @@
-//! One part of a table as a file: the same rows always give the same bytes.
+//! The file of one part of a table; the same rows always give the same bytes.
 
 mod read;
 
@@ -32,10 +32,10 @@ use crate::regular_file;
 pub(crate) use read::footer;
 pub use read::{metadata, read_rows, read_table};
 
-/// Rows of a row group: a constant, so that the bytes do not depend on the machine.
+/// Rows of a row group of Parquet, a constant so that the bytes do not depend on the machine.
 const ROW_GROUP_ROWS: usize = 1 << 16;
 
-/// What tables are written as.
+/// File format of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -52,7 +52,7 @@ impl Format {
     /// Every format.
     pub const ALL: [Format; 3] = [Format::Parquet, Format::Arrow, Format::Csv];
 
-    /// What file names end in, and what the format is called.
+    /// Name of the format, which is also the extension of its files.
     pub fn name(self) -> &'static str {
         match self {
             Format::Parquet => "parquet",
@@ -73,17 +73,17 @@ impl fmt::Display for Format {
     }
 }
 
-/// How tables are written.
+/// Format and options of the files of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Style {
-    /// The kind of file.
+    /// File format.
     pub format: Format,
-    /// In CSV files a second line with the unit of each column.
+    /// True if CSV files have a second line with the unit of each column.
     pub units_row: bool,
 }
 
-/// The schema of a part: that of its table, with `iva.first_point` and `iva.part_points`, the points
-/// that it covers.
+/// The schema of a part: that of its table, with the first point and the number of points of the part in the
+/// metadata `iva.first_point` and `iva.part_points`.
 pub fn part_schema(schema: &Schema, points: &Range<u64>) -> SchemaRef {
     let mut metadata = schema.metadata().clone();
     metadata.insert("iva.first_point".to_owned(), points.start.to_string());
@@ -91,19 +91,19 @@ pub fn part_schema(schema: &Schema, points: &Range<u64>) -> SchemaRef {
     Arc::new(Schema::new_with_metadata(schema.fields().clone(), metadata))
 }
 
-/// What stands in a finished file.
+/// Size and checksum of a finished file.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Contents {
-    /// Rows of the table.
+    /// Number of rows.
     pub rows: u64,
-    /// Size of the file.
+    /// Size of the file in bytes.
     pub bytes: u64,
-    /// SHA-256 of its bytes in hexadecimal digits, as `sha256sum` prints it.
+    /// SHA-256 of the file in hexadecimal digits, as `sha256sum` prints it.
     pub sha256: String,
 }
 
 impl Contents {
-    /// True if a file has the bytes that were written. `go_on` is called between pieces of it.
+    /// True if a file has this size and checksum. `go_on` is called between pieces of it.
     ///
     /// # Errors
     /// If it cannot be read; [`io::ErrorKind::Interrupted`] if `go_on` returned false.
@@ -123,11 +123,11 @@ impl Contents {
     }
 }
 
-/// The first of some files that has not the bytes that were written, as its number in the list. Files
-/// are read on as many threads as there are cores; `go_on` is called between pieces of them.
+/// Index of the first file in the list that is missing or differs from its size and checksum. Files are read on
+/// as many threads as there are cores; `go_on` is called between pieces of them.
 ///
 /// # Errors
-/// If a file is there and cannot be opened, and as [`Contents::are_in`], for the file of that number.
+/// The index of a file that exists and cannot be opened, or fails as in [`Contents::are_in`], with the reason.
 pub fn first_damaged(
     files: &[(PathBuf, Contents)],
     go_on: &(dyn Fn() -> bool + Sync),
@@ -136,7 +136,7 @@ pub fn first_damaged(
     let found: Mutex<BTreeMap<usize, Option<io::Error>>> = Mutex::default();
     let clean = || found.lock().is_ok_and(|found| found.is_empty());
     let check = || {
-        // Files are taken in order: none before the first that is found is left out.
+        // Files are taken in order, so all before the first fault are checked.
         while clean() {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some((path, contents)) = files.get(number) else { break };
@@ -171,7 +171,7 @@ fn hexadecimal(hash: Sha256) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// A file that hashes and counts the bytes that go into it.
+/// A file with the count and hash of the bytes written into it.
 struct Hashing {
     file: File,
     hash: Sha256,
@@ -191,7 +191,7 @@ impl Write for Hashing {
     }
 }
 
-/// A file being written.
+/// The file of a part of a table while it is written.
 pub struct TableFile {
     path: PathBuf,
     schema: SchemaRef,
@@ -199,6 +199,7 @@ pub struct TableFile {
     rows: u64,
 }
 
+/// The encoder of each format.
 enum Writer {
     Parquet(Box<ArrowWriter<Hashing>>),
     Arrow(Box<FileWriter<BufWriter<Hashing>>>),
@@ -206,7 +207,7 @@ enum Writer {
 }
 
 impl TableFile {
-    /// Creates the file in a folder; without any rows it holds its schema only.
+    /// Creates the file in a folder; without rows it holds the schema only.
     ///
     /// # Errors
     /// [`Error::Io`] if the file cannot be created or written.
@@ -245,7 +246,7 @@ impl TableFile {
     pub fn append(&mut self, rows: &RecordBatch) -> Result<(), Error> {
         let Self { path, schema, writer, rows: count } = self;
         *count += rows.num_rows() as u64;
-        // The same columns, with the metadata of the part.
+        // The columns are the same; the schema of the part has more metadata.
         let rows = rows.clone().with_schema(schema.clone()).map_err(|e| arrow_fault(path, e))?;
         match writer {
             Writer::Parquet(writer) => writer.write(&rows).map_err(|e| parquet_fault(path, e)),
@@ -254,10 +255,10 @@ impl TableFile {
         }
     }
 
-    /// Completes the file and sees it onto the disk; returns what is in it.
+    /// Completes, syncs and closes the file; returns its size and checksum.
     ///
     /// # Errors
-    /// [`Error::Io`] if that fails.
+    /// [`Error::Io`] if it cannot be written.
     pub fn finish(self) -> Result<Contents, Error> {
         let Self { path, writer, rows, .. } = self;
         let failed = |reason| Error::io("write", &path, reason);
@@ -278,7 +279,7 @@ impl TableFile {
     }
 }
 
-/// Bytes that rows take as a Parquet file; used for estimates.
+/// Size in bytes of rows as a Parquet file, for estimates.
 ///
 /// # Errors
 /// [`Error::Internal`] if they cannot be encoded.
@@ -303,7 +304,7 @@ fn parquet_writer<W: Write + Send>(
         .set_key_value_metadata(Some(key_values(&schema)));
     let swept = schema.metadata().get("iva.swept").map_or("", String::as_str);
     for field in schema.fields().iter().filter(|field| *field.data_type() == DataType::Float64) {
-        // A dictionary pays for the few values of an axis, not for results that are all different.
+        // A dictionary saves space for the few values of an axis, not for results that all differ.
         if !swept.split(',').any(|key| key == field.name()) {
             let column = ColumnPath::new(vec![field.name().clone()]);
             properties = properties.set_column_dictionary_enabled(column, false);
@@ -312,7 +313,7 @@ fn parquet_writer<W: Write + Send>(
     ArrowWriter::try_new(sink, schema, Some(properties.build()))
 }
 
-/// The schema metadata once more as Parquet keys, for readers that know no Arrow; sorted.
+/// The metadata of the schema as sorted Parquet keys, for readers that do not know Arrow.
 fn key_values(schema: &Schema) -> Vec<KeyValue> {
     let mut pairs: Vec<(String, String)> =
         schema.metadata().iter().map(|(key, value)| (key.clone(), value.clone())).collect();
@@ -320,7 +321,7 @@ fn key_values(schema: &Schema) -> Vec<KeyValue> {
     pairs.into_iter().map(|(key, value)| KeyValue::new(key, value)).collect()
 }
 
-/// The first line of a CSV file, and the second if units are asked for. No name or unit has a comma.
+/// The header of a CSV file: a line of names and, with `units_row`, one of units. No name or unit has a comma.
 fn csv_head(schema: &Schema, units_row: bool) -> String {
     let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
     let mut head = format!("{}\n", names.join(","));

@@ -1,4 +1,4 @@
-//! What is read back of table files.
+//! Reading of the files of tables.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -20,12 +20,12 @@ use crate::claims;
 use crate::error::Error;
 use crate::regular_file;
 
-/// Rows handed out at once.
+/// Number of rows of a batch.
 const BATCH_ROWS: usize = 8192;
 
 type Batches = Box<dyn Iterator<Item = Result<RecordBatch, ArrowError>>>;
 
-/// Hands out the rows of a file that [`super::TableFile`] wrote, in portions.
+/// Reads a file that [`super::TableFile`] wrote and passes its rows to `take`, in batches.
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be read.
@@ -64,7 +64,7 @@ fn skip_line(file: &mut impl io::BufRead) -> io::Result<()> {
     file.skip_until(b'\n').map(drop)
 }
 
-/// The metadata of a file of Parquet or Arrow, by the ending of its name.
+/// The metadata of a Parquet or Arrow file; the extension tells the format.
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be read or is of another kind.
@@ -92,7 +92,7 @@ fn parquet_metadata(path: &Path) -> Result<BTreeMap<String, String>, Error> {
 fn arrow_metadata(path: &Path) -> Result<BTreeMap<String, String>, Error> {
     let read = || {
         let bytes = footer(&mut regular_file::open(path)?)?;
-        // The reader of the library would also build the schema, and panic over a broken one.
+        // The reader of the library would also build the schema, and panic over a damaged one.
         let footer = root_as_footer(&bytes).map_err(|_| io::ErrorKind::InvalidData)?;
         let pairs = footer.schema().and_then(|schema| schema.custom_metadata());
         let text = |value: Option<&str>| value.unwrap_or_default().to_owned();
@@ -107,11 +107,11 @@ fn arrow_metadata(path: &Path) -> Result<BTreeMap<String, String>, Error> {
     })
 }
 
-/// All rows of a file of Parquet or Arrow of which nothing says that it is as it was written: what it
-/// claims is checked first, and a decoder that panics over it is an error like any other.
+/// Schema and rows of a Parquet or Arrow file that may be damaged: the sizes that it states are checked first,
+/// and a panic of the decoder is returned as an error.
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be read, is damaged or takes more than 4 GB.
+/// [`Error::Io`] if it cannot be read, is damaged, or has more than 2³² rows or 4 GB in memory.
 pub fn read_table(path: &Path) -> Result<(SchemaRef, Vec<RecordBatch>), Error> {
     let read = || {
         let said = |reason: ArrowError| reason.to_string();
@@ -140,9 +140,9 @@ pub fn read_table(path: &Path) -> Result<(SchemaRef, Vec<RecordBatch>), Error> {
     })
 }
 
-/// The end of an Arrow file, which describes the rest.
+/// The footer of an Arrow file, which describes its schema and batches.
 pub(crate) fn footer(file: &mut File) -> io::Result<Vec<u8>> {
-    // A length of four bytes, and the six letters of the format.
+    // The file ends with the length of the footer in four bytes and the six letters of the format.
     const END: usize = 10;
     let mut end = [0; END];
     let whole = file.seek(SeekFrom::End(0))?;
