@@ -1,4 +1,4 @@
-//! What differs between two studies, in words.
+//! Differences between two resolved studies, in words.
 
 use std::collections::BTreeMap;
 
@@ -6,11 +6,10 @@ use toml::{Table, Value};
 
 use crate::source::shortened;
 
-/// Most differences that are named.
+/// Largest number of differences that are listed.
 const NAMED: usize = 5;
 
-/// Says what changed from one resolved study to another, key by key. What is only printed does not
-/// count.
+/// The differences between two resolved studies, one sentence a key. The section `[report]` is not compared.
 pub(crate) fn changes(was: &str, is: &str) -> Vec<String> {
     let (was, is) = (keys(was), keys(is));
     let all: BTreeMap<&String, ()> = was.keys().chain(is.keys()).map(|key| (key, ())).collect();
@@ -31,7 +30,7 @@ pub(crate) fn changes(was: &str, is: &str) -> Vec<String> {
     found
 }
 
-/// Every key of a study with its value as TOML writes it.
+/// Every key of a study but those of `[report]`, with its value in TOML.
 fn keys(text: &str) -> BTreeMap<String, String> {
     let mut keys = BTreeMap::new();
     let mut study: Table = text.parse().unwrap_or_default();
@@ -40,6 +39,7 @@ fn keys(text: &str) -> BTreeMap<String, String> {
     keys
 }
 
+/// Adds the keys below `path` with their values.
 fn collect(keys: &mut BTreeMap<String, String>, path: &str, value: &Value) {
     let below =
         |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };

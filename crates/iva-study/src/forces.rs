@@ -1,4 +1,4 @@
-//! The section `[force]`, or several sections `[[force]]`.
+//! Reading of the section `[force]` or of several sections `[[force]]`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,14 +14,14 @@ use crate::record_file::{RecordUnit, read_record};
 use crate::source::Source;
 use crate::value::{Key, Value, at, entries, name, number, table, unknown_key};
 
-/// Keys of a recorded force beside its numbers.
+/// Keys of a recorded force that are not numbers.
 const OF_A_RECORD: [&str; 2] = ["record", "kind"];
 
 /// Reads all forces of a study into its spec.
 ///
 /// # Errors
-/// At the place of the first key or value that cannot be used; what cannot be read in the file of a
-/// record at its place there.
+/// At the place of the first unknown key or invalid value; for invalid contents of a record, at their place in
+/// the file of the record.
 pub(crate) fn read(
     source: &mut Source,
     key: &Key<'_>,
@@ -48,6 +48,7 @@ pub(crate) fn read(
     Ok(())
 }
 
+/// Reads the numeric fields of force number `force` of `count`.
 fn read_numbers(
     source: &mut Source,
     section: &DeTable<'_>,
@@ -71,12 +72,13 @@ fn read_numbers(
     Ok(())
 }
 
+/// The keys that a section of a force may have.
 fn known_keys() -> Vec<&'static str> {
     let fields = FieldId::all().map(FieldId::info).filter(|info| info.part == Part::Force);
     fields.map(|info| info.name).chain(OF_A_RECORD).collect()
 }
 
-/// The recorded force of a section, if it names one.
+/// The recorded force of a section, if the section names a record.
 fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Recorded>, Error> {
     let Some((_, value)) = section.get_key_value("record") else {
         return match section.get_key_value("kind") {
@@ -113,9 +115,9 @@ fn read_recorded(source: &Source, section: &DeTable<'_>) -> Result<Option<Record
     Ok(Some(Recorded { history: Arc::new(history), kind, file, is_metric }))
 }
 
-/// A file that a study names stands beside the study, unless its name begins at the root.
+/// The path of a file that a study names, relative to the folder of the study unless the name is absolute.
 pub(crate) fn beside(study: &Path, file: &str) -> PathBuf {
     let path = study.parent().unwrap_or(Path::new("")).join(file);
-    // The resolved study stands elsewhere.
+    // The resolved study is in another folder, so the path must be absolute.
     path.canonicalize().unwrap_or(path)
 }

@@ -1,13 +1,13 @@
-//! Studies: TOML text → what to run, and running it into a folder.
+//! Studies: reading them from TOML text, and running their sweeps into a folder.
 //!
 //! In the order of a sweep: [`study_file`] reads the text, with the place of every error in [`error`]
-//! (`value`, `axes`, [`sampling`], `forces` and [`record_file`] read what stands in it, [`source`] keeps the
-//! places, [`report`] says what is to be shown) → [`resolved`] writes the study with every default filled
-//! in, `named` gives names to points and records that no file holds → [`run_sweep`] runs it part by part
-//! into a folder of [`iva_store`], and compares it by `changes` with the study that a folder holds.
+//! (`value`, `axes`, [`sampling`], `forces` and [`record_file`] read its sections, [`source`] keeps the places
+//! of keys, [`report`] holds the settings of the table of best points) → `named` gives file names to points
+//! and records made in a program, [`resolved`] writes the study with every default filled in → [`run_sweep`]
+//! runs it part by part into a folder of [`iva_store`]; `changes` lists differences from the study in a folder.
 //!
-//! Nothing is printed here, and no signal is listened to: who runs a sweep hands in a
-//! [`run_sweep::Watch`] that is told how far it is, and a flag that ends it.
+//! Nothing is printed and no signal is handled here: the caller of a sweep passes a [`run_sweep::Watch`], which
+//! receives the progress, and a flag that cancels it.
 
 mod axes;
 mod changes;

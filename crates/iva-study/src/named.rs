@@ -1,4 +1,4 @@
-//! Names for the points and records of a study that no file holds.
+//! File names for points and records of a study made in a program.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -8,11 +8,11 @@ use iva_sweep::sampling::Sampling;
 
 use crate::study_file::StudyFile;
 
-/// More points than this are not written out in the study.
+/// Largest number of points that are written out in the study itself.
 const FEW: usize = 1000;
 
-/// The study with names for what has none, and the files of these names. What is among the inputs of the
-/// folder already is written anew: it would go with the tables that are replaced.
+/// The study with file names for its unnamed points and records, and these files. Inputs that are read from
+/// the folder of the result itself are written again, since they are removed with the tables they replace.
 pub(crate) fn named(file: &StudyFile, dir: &Path) -> (StudyFile, Vec<Input>) {
     let mut named = file.clone();
     let mut inputs = Vec::new();

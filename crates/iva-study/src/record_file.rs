@@ -1,8 +1,8 @@
-//! Files of recorded forces and base motions: text → times and values.
+//! Reading of files of recorded forces and base motions.
 //!
-//! `columns` reads a time and a value a line, or `dt = …` and values; `at2` reads PEER's format of
-//! accelerograms. Which of them it is shows in the text; a name in `.at2` settles it. Every fault names
-//! file, line and column.
+//! `columns` reads lines of a time and a value, or `dt = …` and values; `at2` reads PEER's format of
+//! accelerograms, which is recognised by the extension `.at2` or by the header. Every error names the file, and
+//! line and column unless something is missing.
 
 mod at2;
 mod columns;
@@ -16,26 +16,26 @@ use iva_store::regular_file;
 use crate::error::Error;
 use crate::source::{Source, shortened};
 
-/// A file of more bytes is refused: a minute at a kilohertz takes some 1 MB.
+/// Largest size of a file in bytes; a minute at 1 kHz takes about 1 MB.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// A recorded history: increasing times and one value each, all finite, at least two.
+/// A recorded history of at least two points: increasing times with one value each, all finite.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordFile {
-    /// Times, strictly increasing, in the file's unit (PEER AT2: seconds from 0).
+    /// Strictly increasing times, in the file's unit; those of PEER AT2 are in seconds from 0.
     pub times: Vec<f64>,
-    /// One value for each time, in [`RecordFile::unit`].
+    /// Values at the times, in [`RecordFile::unit`].
     pub values: Vec<f64>,
-    /// The unit of the values.
+    /// Unit of the values.
     pub unit: RecordUnit,
 }
 
-/// What a file says about the unit of its values.
+/// The unit of the values of a record, as far as the file states it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordUnit {
-    /// Nothing: it is for the reader of the file to know.
+    /// The file states no unit.
     Unstated,
-    /// An acceleration, converted from g to m/s².
+    /// The values are accelerations in m/s², converted from g.
     MetresPerSecondSquared,
 }
 
@@ -43,14 +43,14 @@ pub enum RecordUnit {
 ///
 /// # Errors
 /// [`Error::UnreadableRecord`] if it cannot be read, [`Error::LargeRecord`] if it is larger than 1 GiB, and
-/// [`Error::Study`] with line and column for anything in it that cannot be used.
+/// [`Error::Study`], with line and column where there are any, for invalid contents.
 pub fn read_record(path: &Path) -> Result<RecordFile, Error> {
     let fault = |reason| Error::UnreadableRecord { path: path.to_owned(), reason };
     let file = regular_file::open(path).map_err(fault)?;
     let mut size = file.metadata().map_err(fault)?.len();
     let mut bytes = Vec::new();
     if size <= MOST_BYTES {
-        // It may grow meanwhile.
+        // The file may grow while it is read.
         file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(fault)?;
         size = bytes.len() as u64;
     }
@@ -60,11 +60,11 @@ pub fn read_record(path: &Path) -> Result<RecordFile, Error> {
     parse_record(path, &bytes)
 }
 
-/// Reads the bytes of a recorded history; of `path` the extension may tell the format, beside that it
-/// is only the name shown in messages.
+/// Reads the bytes of a recorded history. The extension of `path` may tell the format; otherwise `path` is only
+/// the name in messages.
 ///
 /// # Errors
-/// [`Error::Study`] with line and column for anything that cannot be used.
+/// [`Error::Study`], with line and column where there are any, for invalid contents.
 pub fn parse_record(path: &Path, bytes: &[u8]) -> Result<RecordFile, Error> {
     if bytes.contains(&0) {
         let message = "a binary file or text in UTF-16; give a record as text in UTF-8";
@@ -100,30 +100,31 @@ fn parse(path: &Path, text: &str) -> Result<RecordFile, Fault> {
     }
 }
 
-/// What is wrong with a text, and which of its bytes are to blame; none if something is missing.
+/// An error in a text, with the range of its bytes, or without a range if something is missing.
 struct Fault {
     place: Option<Range<usize>>,
     message: String,
 }
 
 impl Fault {
+    /// An error without a place.
     fn missing(message: impl Into<String>) -> Self {
         Self { place: None, message: message.into() }
     }
 
-    /// A fault of `part`, which is a slice of `text`.
+    /// An error at the place of `part`, which is a slice of `text`.
     fn at(text: &str, part: &str, message: impl Into<String>) -> Self {
         let start = part.as_ptr().addr().saturating_sub(text.as_ptr().addr());
         Self { place: Some(start..start + part.len()), message: message.into() }
     }
 }
 
-/// The number that a word is, as most programs or Fortran (`-.5D-3`) write it.
+/// The number that a word stands for, also with Fortran's exponent (`-.5D-3`).
 fn number(word: &str) -> Option<f64> {
     word.parse().or_else(|_| word.replace(['D', 'd'], "E").parse()).ok()
 }
 
-/// A finite number at its place in `text`.
+/// Reads a finite number from `word`, which is a slice of `text`.
 fn finite(text: &str, word: &str) -> Result<f64, Fault> {
     let what = match number(word) {
         Some(number) if number.is_finite() => return Ok(number),

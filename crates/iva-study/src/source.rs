@@ -1,4 +1,4 @@
-//! The text of a study file and the places of its fields, to point at what an error is about.
+//! The text of a study file and the places of its keys, for errors with line and column.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use iva_sweep::sweep::SweepError;
 
 use crate::error::{Error, Place, StudyError};
 
-/// A study file as read, with the place of every key that was understood.
+/// The text of a study file, with the places of the keys read so far.
 #[derive(Debug, Clone)]
 pub struct Source {
     path: PathBuf,
@@ -19,26 +19,27 @@ pub struct Source {
 }
 
 impl Source {
-    /// A file's text under the name that messages show.
+    /// The text of a file, with the name for messages.
     pub fn new(path: &Path, text: &str) -> Self {
         Self { path: path.to_owned(), text: text.to_owned(), places: Vec::new() }
     }
 
-    /// The file, as named by the user.
+    /// Path of the file, as named by the user.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Notes where a name (`absorber.clearance`, `sweep.gap`, a section) stands.
+    /// Records the place of a key (`absorber.clearance`, `sweep.gap`) or section.
     pub(crate) fn note(&mut self, name: String, span: Range<usize>) {
         self.places.push((name, span));
     }
 
+    /// The recorded place of a name.
     fn find(&self, name: &str) -> Option<Range<usize>> {
         self.places.iter().find(|(known, _)| known == name).map(|(_, span)| span.clone())
     }
 
-    /// What stands at a place, as written, shortened to one line of 40 characters.
+    /// The text at a place, shortened to one line of at most 40 characters.
     pub(crate) fn literal(&self, span: &Range<usize>) -> String {
         let whole = self.text.get(span.clone()).unwrap_or_default();
         shortened(whole)
@@ -54,19 +55,19 @@ impl Source {
         .into()
     }
 
-    /// An error about a field and the value written for it.
+    /// An error at the place of a value, with the field, the value and the `allowed` values.
     pub(crate) fn bad_value(&self, field: &str, span: Range<usize>, allowed: &str) -> Error {
         let value = self.literal(&span);
         self.error(span, format!("{field} = {value}: {allowed}"))
     }
 
-    /// An error about something that does not stand in the file.
+    /// An error without a place, for something missing in the file.
     pub(crate) fn missing(&self, message: impl Into<String>) -> Error {
         StudyError { path: self.path.clone(), place: None, message: message.into() }.into()
     }
 
-    /// Points an error found elsewhere (when all fields come together) at the line it is about:
-    /// the field itself, the axis that sweeps it, an alternative of it, or its section.
+    /// The error of an invalid value that was found after reading, at the place of the axis that sweeps its field,
+    /// of the field, of another field for the same quantity, or of its section.
     pub fn locate(&self, invalid: &Invalid) -> Error {
         let message = invalid.to_string();
         match self.blame(&invalid.field) {
@@ -75,7 +76,7 @@ impl Source {
         }
     }
 
-    /// [`Source::locate`] for what a sweep can fail with.
+    /// The error of a sweep, with a place for an invalid value as in [`Source::locate`].
     pub fn locate_sweep(&self, error: SweepError) -> Error {
         match error {
             SweepError::Invalid(invalid) => self.locate(&invalid),
@@ -83,6 +84,7 @@ impl Source {
         }
     }
 
+    /// The place that caused an invalid value of a field.
     fn blame(&self, field: &str) -> Option<Range<usize>> {
         let name = field.split('[').next().unwrap_or(field);
         let exact = self.swept(name).or_else(|| self.find(name));
@@ -101,18 +103,18 @@ impl Source {
         exact.or_else(alternative).or_else(enclosing)
     }
 
-    // An axis replaces the base value of its field, so it is the one to blame.
+    /// The place of the axis over a field, which replaces the base value of the field.
     fn swept(&self, path: &str) -> Option<Range<usize>> {
         self.find(&format!("axis {path}"))
     }
 
-    /// Notes where the axis over a field stands.
+    /// Records the place of the axis over a field.
     pub(crate) fn note_axis(&mut self, slot: Slot, span: Range<usize>) {
         self.note(format!("axis {}", slot.path()), span);
     }
 }
 
-/// Text of a study on one line of at most 40 characters, fit for a terminal.
+/// The first line of a text, cut to 40 characters and with control characters replaced.
 pub(crate) fn shortened(text: &str) -> String {
     let line = text.lines().next().unwrap_or_default();
     let visible = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
@@ -124,7 +126,7 @@ pub(crate) fn shortened(text: &str) -> String {
     }
 }
 
-/// Line, column and extent of a byte range.
+/// Line, column and extent of the range `span` of bytes, as far as it lies in its first line.
 fn place(text: &str, span: Range<usize>) -> Place {
     let mut start = span.start.min(text.len());
     while !text.is_char_boundary(start) {
@@ -134,7 +136,7 @@ fn place(text: &str, span: Range<usize>) -> Place {
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
     let line = text[line_start..].lines().next().unwrap_or_default();
     let line_end = line_start + line.len();
-    // What lies between the \r and the \n of a line's end is meant at its end.
+    // A position between \r and \n counts as the end of the line.
     let start = start.min(line_end);
     let end = span.end.clamp(start, line_end);
     Place {

@@ -1,14 +1,14 @@
-//! How many threads work.
+//! The number of worker threads.
 
 use std::env;
 
 use iva_sweep::Invalid;
 use iva_sweep::sweep::{MAX_THREADS, SweepError, Workers};
 
-/// Where an environment says how many threads programs like this one start.
+/// Environment variable of the number of threads, which is that of rayon.
 const VARIABLE: &str = "RAYON_NUM_THREADS";
 
-/// Starts `threads` workers; `None`: as many as the environment says, else one a core.
+/// Starts `threads` workers; for `None`, the number in `RAYON_NUM_THREADS`, or one a core without it.
 ///
 /// # Errors
 /// As [`Workers::new`]; also for more than [`MAX_THREADS`] in the environment.
@@ -22,7 +22,7 @@ pub fn workers(threads: Option<usize>) -> Result<Workers, SweepError> {
             let allowed = format!("give a whole number from 1 to {MAX_THREADS}");
             Err(Invalid::new(VARIABLE, wanted, allowed).into())
         }
-        // As rayon reads it, 0 and what is no number count for nothing.
+        // As in rayon, 0 and anything but a number are ignored.
         other => Workers::new(other.filter(|wanted| *wanted > 0)),
     }
 }

@@ -1,4 +1,4 @@
-//! Single values of a study file: the right type, the right range, or an error at their place.
+//! Checked reading of single values of a study file, with errors at their place.
 
 use std::ops::Range;
 
@@ -10,9 +10,9 @@ use toml::de::{DeString, DeTable, DeValue};
 use crate::error::Error;
 use crate::source::{Source, shortened};
 
-/// A value with the place it stands at.
+/// A value with its place in the file.
 pub(crate) type Value<'t> = Spanned<DeValue<'t>>;
-/// A key with the place it stands at.
+/// A key with its place in the file.
 pub(crate) type Key<'t> = Spanned<DeString<'t>>;
 
 /// The entries of a table in the order of the file.
@@ -22,7 +22,7 @@ pub(crate) fn entries<'a, 't>(table: &'a DeTable<'t>) -> Vec<(&'a Key<'t>, &'a V
     entries
 }
 
-/// The number written, if it is one. Whole numbers are numbers too.
+/// The value of a float or integer; `None` for another type.
 fn as_number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Float(float) => float.as_str().parse().ok(),
@@ -33,7 +33,7 @@ fn as_number(value: &DeValue<'_>) -> Option<f64> {
     }
 }
 
-/// A number within a range.
+/// Reads a number in the allowed range.
 pub(crate) fn number(
     source: &Source,
     field: &str,
@@ -52,7 +52,7 @@ pub(crate) fn number(
     }
 }
 
-/// A whole number from `least` to `most`.
+/// Reads a whole number from `least` to `most`.
 pub(crate) fn whole_number(
     source: &Source,
     field: &str,
@@ -60,7 +60,7 @@ pub(crate) fn whole_number(
     (least, most): (u64, u64),
 ) -> Result<u64, Error> {
     let number = match value.get_ref() {
-        // A double would round what lies beyond 2⁵³.
+        // A double would round numbers beyond 2⁵³.
         DeValue::Integer(integer) => u64::from_str_radix(integer.as_str(), integer.radix()).ok(),
         other => as_number(other)
             .filter(|number| number.fract() == 0.0)
@@ -73,7 +73,7 @@ pub(crate) fn whole_number(
     })
 }
 
-/// `true` or `false`.
+/// Reads a boolean.
 pub(crate) fn truth(source: &Source, field: &str, value: &Value<'_>) -> Result<bool, Error> {
     match value.get_ref() {
         DeValue::Boolean(truth) => Ok(*truth),
@@ -81,7 +81,7 @@ pub(crate) fn truth(source: &Source, field: &str, value: &Value<'_>) -> Result<b
     }
 }
 
-/// A list.
+/// Reads a list; `of` names its items in the error.
 pub(crate) fn list<'a, 't>(
     source: &Source,
     field: &str,
@@ -97,7 +97,7 @@ pub(crate) fn list<'a, 't>(
     }
 }
 
-/// A name out of a known set, read by `find`.
+/// Reads one of the `known` names, which `find` converts.
 pub(crate) fn name<T>(
     source: &Source,
     field: &str,
@@ -122,7 +122,7 @@ pub(crate) fn name<T>(
     })
 }
 
-/// Names out of a known set, each at most once.
+/// Reads a list of `known` names, each at most once.
 pub(crate) fn names<T: PartialEq>(
     source: &Source,
     field: &str,
@@ -143,7 +143,7 @@ pub(crate) fn names<T: PartialEq>(
     Ok(found)
 }
 
-/// The table behind a key.
+/// Reads a section, the table under a key.
 pub(crate) fn table<'a, 't>(
     source: &Source,
     field: &str,
@@ -165,7 +165,7 @@ pub(crate) fn table<'a, 't>(
     }
 }
 
-/// The error about a key that nobody knows.
+/// The error for an unknown key, with the section it belongs in, a similar key or all known ones.
 pub(crate) fn unknown_key(source: &Source, section: &str, key: &Key<'_>, known: &[&str]) -> Error {
     let name = key.get_ref().as_ref();
     let path = match section {
@@ -183,12 +183,12 @@ pub(crate) fn unknown_key(source: &Source, section: &str, key: &Key<'_>, known: 
     source.error(key.span(), format!("{}: no such key; {hint}", shortened(&path)))
 }
 
-/// Points an [`Invalid`] at a place, quoting what is written there.
+/// The error of an [`Invalid`] value at a place of the file.
 pub(crate) fn at(source: &Source, span: Range<usize>, invalid: &Invalid) -> Error {
     source.error(span, invalid.to_string())
 }
 
-/// `"a"`, `"a" or "b"`, `one of "a", "b", "c"`.
+/// The known names as a phrase: `"a"`, `"a" or "b"`, `one of "a", "b", "c"`.
 pub(crate) fn one_of(known: &[&str]) -> String {
     let quoted: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
     match quoted.as_slice() {
@@ -198,6 +198,7 @@ pub(crate) fn one_of(known: &[&str]) -> String {
     }
 }
 
+/// The name of a value's type, with its article.
 fn with_article(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "a text in quotes",

@@ -1,4 +1,4 @@
-//! PEER's format of accelerograms: four header lines, then the accelerations in g, several a line.
+//! Reading of PEER's format of accelerograms: four header lines, then accelerations in g, several a line.
 
 use std::path::Path;
 
@@ -8,9 +8,10 @@ use iva_sweep::units::STANDARD_GRAVITY;
 use super::{Fault, RecordFile, RecordUnit, even_times, finite, number};
 use crate::source::shortened;
 
+/// Number of header lines.
 const HEADER_LINES: usize = 4;
 
-/// True if the name ends in `.at2` or the first lines give NPTS as PEER does.
+/// True if the name ends in `.at2`, or one of the first four lines that is not a comment contains NPTS.
 pub(super) fn is_at2(path: &Path, text: &str) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("at2"))
         || text
@@ -33,7 +34,7 @@ pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
     let mut values = Vec::new();
     for word in lines.flat_map(str::split_whitespace) {
         for part in numbers(word) {
-            // Without a point it may be the exponent of Fortran's `.5-100`.
+            // A part without a point may be the exponent of Fortran's `.5-100`, so the whole word is refused.
             let whole = if part.len() == word.len() || part.contains('.') { part } else { word };
             let value = finite(text, whole)? * STANDARD_GRAVITY;
             if !value.is_finite() {
@@ -52,11 +53,12 @@ pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
     Ok(RecordFile { times, values, unit: RecordUnit::MetresPerSecondSquared })
 }
 
-/// True if `word`, in capitals, stands in the line in any case.
+/// True if the line contains `word`, which is in capitals, in any case.
 fn has_word(line: &str, word: &str) -> bool {
     line.to_ascii_uppercase().contains(word)
 }
 
+/// Checks that the third header line states accelerations in g.
 fn check_units(text: &str, line: &str) -> Result<(), Fault> {
     for other in ["VELOCITY", "DISPLACEMENT"] {
         if has_word(line, other) {
@@ -82,8 +84,8 @@ fn check_units(text: &str, line: &str) -> Result<(), Fault> {
     }
 }
 
-/// The number of values and the time step: `NPTS=  4000, DT=   .0050 SEC`, or in older files
-/// `4000    0.0050    NPTS, DT`.
+/// Reads the number of values and the time step from the fourth header line:
+/// `NPTS=  4000, DT=   .0050 SEC`, or in older files `4000    0.0050    NPTS, DT`.
 fn read_sampling(text: &str, line: &str) -> Result<(usize, f64), Fault> {
     let separator = |c: char| c.is_whitespace() || "=,".contains(c);
     let words: Vec<&str> = line.split(separator).filter(|word| !word.is_empty()).take(6).collect();
@@ -122,8 +124,8 @@ fn read_sampling(text: &str, line: &str) -> Result<(usize, f64), Fault> {
     }
 }
 
-/// The numbers of a word. Fortran's columns have a fixed width, so a sign may follow the last digit of
-/// the number before; after E or D it is that of an exponent.
+/// The numbers in a word. In Fortran's columns of fixed width a sign may directly follow the digits of the
+/// previous number, and begins a new one unless it follows E or D.
 fn numbers(word: &str) -> impl Iterator<Item = &str> {
     let mut rest = word;
     std::iter::from_fn(move || {

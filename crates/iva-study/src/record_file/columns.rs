@@ -1,11 +1,11 @@
-//! A time and a value a line, or a time step `dt = …` and then values.
+//! Reading of records as lines of a time and a value, or as a time step `dt = …` and then values.
 
 use iva_sweep::fields::Allowed;
 
 use super::{Fault, RecordFile, RecordUnit, even_times, finite, number};
 use crate::source::shortened;
 
-/// Reads either of the two. Blank lines and lines that begin with `#` count for nothing.
+/// Reads a record in columns or with a time step. Blank lines and lines that begin with `#` are skipped.
 pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
     let mut lines = text
         .lines()
@@ -26,6 +26,7 @@ pub(super) fn read(text: &str) -> Result<RecordFile, Fault> {
     Ok(RecordFile { times, values, unit: RecordUnit::Unstated })
 }
 
+/// Reads lines of a time and a value.
 fn read_points<'t>(
     text: &'t str,
     lines: impl Iterator<Item = &'t str>,
@@ -49,10 +50,12 @@ fn read_points<'t>(
     Ok((times, values))
 }
 
+/// Reads lines of values only.
 fn read_values<'t>(text: &'t str, lines: impl Iterator<Item = &'t str>) -> Result<Vec<f64>, Fault> {
     lines.flat_map(|line| cells(line).map(move |cell| read_cell(text, line, cell))).collect()
 }
 
+/// The error for a line with another number of columns than two.
 fn wrong_count(text: &str, line: &str) -> Fault {
     let columns = match cells(line).count() {
         1 => "1 column".to_owned(),
@@ -65,6 +68,7 @@ fn wrong_count(text: &str, line: &str) -> Fault {
     Fault::at(text, line, message)
 }
 
+/// Reads the number of a cell.
 fn read_cell(text: &str, line: &str, cell: &str) -> Result<f64, Fault> {
     if cell.is_empty() {
         return Err(Fault::at(text, cell, "an empty column; give a number between separators"));
@@ -72,8 +76,8 @@ fn read_cell(text: &str, line: &str, cell: &str) -> Result<f64, Fault> {
     finite(text, cell).map_err(|fault| decimal_comma(text, line).unwrap_or(fault))
 }
 
-/// The columns of a line: between semicolons; if it has none, between commas; if it has none either,
-/// between blanks.
+/// The cells of a line, separated by semicolons if it has any, otherwise by commas if it has any, otherwise by
+/// blanks.
 fn cells(line: &str) -> impl Iterator<Item = &str> {
     let separator = [';', ','].into_iter().find(|mark| line.contains(*mark));
     line.split(move |c: char| separator.map_or(c.is_whitespace(), |mark| c == mark))
@@ -81,7 +85,8 @@ fn cells(line: &str) -> impl Iterator<Item = &str> {
         .filter(move |cell| separator.is_some() || !cell.is_empty())
 }
 
-/// True if a line is names throughout. A number that cannot be read is none: left out, it would be missed.
+/// True if every cell of a line is a name. A number that cannot be read is not a name, so that its line is
+/// refused instead of skipped.
 fn is_header(line: &str) -> bool {
     let opening = |c: char| "\"'([{".contains(c);
     let begins = |cell: &str| {
@@ -92,7 +97,7 @@ fn is_header(line: &str) -> bool {
         && cells(line).all(|cell| number(cell).is_none() && begins(cell))
 }
 
-/// The fault of a number with a decimal comma, if a line that cannot be read seems to have one.
+/// The error for a decimal comma, if a line that cannot be read seems to have one.
 fn decimal_comma(text: &str, line: &str) -> Option<Fault> {
     line.split(|c: char| c == ';' || c.is_whitespace()).find_map(|word| {
         let (whole, decimals) = word.split_once(',')?;
@@ -111,7 +116,7 @@ fn decimal_comma(text: &str, line: &str) -> Option<Fault> {
     })
 }
 
-/// What follows `dt =` or `dt,` in the line that gives the time step.
+/// The text after `dt =`, `dt,`, `dt;` or `dt`; `None` for a line that does not give the time step.
 fn after_dt(line: &str) -> Option<&str> {
     let (name, rest) = line.split_at_checked(2)?;
     let separator = |c: char| c.is_whitespace() || "=,;".contains(c);
@@ -119,6 +124,7 @@ fn after_dt(line: &str) -> Option<&str> {
         .then(|| rest.trim_start_matches(separator))
 }
 
+/// Reads the time step.
 fn time_step(text: &str, step: &str) -> Result<f64, Fault> {
     match number(step) {
         Some(dt) if Allowed::Positive.contains(dt) => Ok(dt),

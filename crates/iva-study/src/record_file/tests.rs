@@ -1,4 +1,4 @@
-//! Numbers are those written in the texts; of AT2 files times g = 9.80665 m/s², exact by definition.
+//! Expected numbers are those in the texts, for AT2 files times g = 9.80665 m/s², which is exact by definition.
 
 use std::fmt::Write;
 use std::fs;
@@ -24,7 +24,7 @@ fn fault(name: &str, bytes: &[u8]) -> StudyError {
     }
 }
 
-/// Line, column and message of the error of a text.
+/// Line, column and message of the error for a text.
 fn said(text: &str) -> String {
     said_as("record.txt", text)
 }
@@ -91,7 +91,7 @@ fn at2_in_both_forms_and_without_blanks_between_numbers() {
         let in_g = [0.1234e-2, -0.5e-3, -0.1234567e-2, -0.2345678e-3, 0.1e1];
         assert_eq!(record.values, in_g.map(|value| value * g), "{sampling}");
         assert_eq!(record.unit, RecordUnit::MetresPerSecondSquared);
-        // The content tells as well, with a mark and other line ends.
+        // The format is also recognised by the content, with a byte order mark and CRLF line ends.
         let other = format!("\u{feff}{text}").replace('\n', "\r\n");
         assert_eq!(read_as("quake.txt", &other), record, "{sampling}");
     }
@@ -111,7 +111,7 @@ fn the_record_of_the_repository_reads() {
     assert_eq!((values[0], values[999]), (0.0, 0.0));
     let peak = values.iter().fold(0.0, |peak: f64, value| peak.max(value.abs()));
     assert_eq!(peak, 0.3 * 9.80665);
-    // Its numbers are multiples of 1e-7 g whose sums for velocity and displacement at the end are 0.
+    // The values are multiples of 1e-7 g whose sums for the final velocity and displacement are 0.
     let whole: Vec<i64> =
         values.iter().map(|value| (value / 9.80665 * 1e7).round() as i64).collect();
     let velocity: i64 = whole.iter().sum();
@@ -123,7 +123,7 @@ fn the_record_of_the_repository_reads() {
 fn faults_of_columns() {
     for (text, expected) in [
         ("", " the file is empty; give times and values"),
-        // What is no name is no header.
+        // A line with a cell that is not a name is not a header.
         (" \r\n\u{feff}", "2:1: 1 column; give two, a time and a value with decimal points"),
         ("1.O,2\n1,2\n2,3\n", "1:1: \"1.O\" is not a number; give finite numbers"),
         ("--,--\n1,2\n2,3\n", "1:1: \"--\" is not a number; give finite numbers"),
@@ -215,7 +215,7 @@ fn faults_of_at2() {
         (sampled.replace("= 3", "= 1") + ".1", " 1 point in it; a record needs at least 2"),
         (format!("{sampled}.1 .2\n ***** .3"), "6:2: \"*****\" is not a number"),
         (format!("{sampled}.1 .2\n.1-.2E-01NaN"), "6:3: \"-.2E-01NaN\" is not a number"),
-        // Fortran leaves out the E of an exponent of three digits: not two numbers.
+        // Fortran leaves out the E of an exponent of three digits; the word is not two numbers.
         (format!("{sampled}.1 .5-102"), "5:4: \".5-102\" is not a number"),
         (format!("{sampled}.1 .2 inf"), "5:7: \"inf\" is not finite"),
         (format!("{sampled}.1 .2 .9E308"), "5:7: \".9E308\" g is too large in m/s²"),
@@ -224,11 +224,11 @@ fn faults_of_at2() {
         assert!(message.starts_with(expected), "{text:?}: {message}");
         assert!(!message.contains('\n'), "{message}");
     }
-    // The extension alone makes it one.
+    // The extension alone selects the format AT2.
     let columns = "0 1\n1 2\n2 3\n3 4\n4 5\n";
     assert_eq!(read(columns).values.len(), 5);
     assert!(said_as("quake.AT2", columns).starts_with("3:1: \"2 3\": the third line of a PEER"));
-    // A remark about NPTS does not.
+    // A comment that contains NPTS does not select it.
     assert_eq!(read(&format!("# NPTS= 5, converted\n{columns}")).values.len(), 5);
 }
 
@@ -250,7 +250,7 @@ fn files_that_cannot_be_read_or_are_too_large() {
         assert!(error.to_string().starts_with(&format!("cannot read {}", path.display())));
     }
     let large = folder.path().join("large.csv");
-    // A file with a hole: it takes no space.
+    // The file is sparse and takes no space.
     fs::File::create(&large).unwrap().set_len(MOST_BYTES + 1).unwrap();
     let error = read_record(&large).unwrap_err();
     assert!(matches!(error, Error::LargeRecord { .. }), "{error}");
@@ -260,7 +260,7 @@ fn files_that_cannot_be_read_or_are_too_large() {
     assert_eq!(read_record(&good).unwrap().values, [1.0, 2.0]);
 }
 
-/// What a record, or something much like it, is made of.
+/// Pieces of the texts of records, valid and invalid.
 fn scraps() -> impl Strategy<Value = String> {
     let scrap = prop::sample::select(vec![
         "0",
@@ -311,7 +311,7 @@ fn scraps() -> impl Strategy<Value = String> {
     prop::collection::vec(scrap, 0..60).prop_map(|scraps| scraps.concat())
 }
 
-/// Reading ends in a record as promised or in an error that can be shown.
+/// Checks that reading gives a valid record or an error with a valid place.
 fn check_any(bytes: &[u8]) -> Result<(), TestCaseError> {
     for name in ["a.csv", "a.at2"] {
         match parse_record(Path::new(name), bytes) {
