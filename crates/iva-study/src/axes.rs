@@ -1,4 +1,4 @@
-//! The `[sweep]` section: what is swept, in the order of the file, and the values of axes.
+//! Reading of the section `[sweep]`: the swept quantities, in the order of the file, and the values of axes.
 
 use std::ops::Range;
 
@@ -14,12 +14,12 @@ use crate::error::Error;
 use crate::source::{Source, shortened};
 use crate::value::{Key, Value, at, entries, number, table, whole_number};
 
-/// What is swept as written, before its values are made.
+/// An entry of the section `[sweep]`, before its values are computed.
 pub(crate) struct Entry<'a, 't> {
-    /// The key as the user wrote it; `part.name` for the nested form.
+    /// Key as the user wrote it, with dots for nested tables (`part.name`).
     pub key: String,
     span: Range<usize>,
-    /// What stands behind it.
+    /// Value of the key.
     pub value: &'a Value<'t>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn read<'a, 't>(
     Ok(entries)
 }
 
-/// Makes the values of axes.
+/// Reads the axes with their values.
 ///
 /// # Errors
 /// At the place of the first wrong type or value out of range.
@@ -60,14 +60,14 @@ pub(crate) fn values(source: &mut Source, entries: &[Entry<'_, '_>]) -> Result<V
     Ok(axes)
 }
 
-/// Notes where something swept stands.
+/// Records the place of an entry.
 pub(crate) fn note(source: &mut Source, entry: &Entry<'_, '_>, slot: Slot) {
     source.note(format!("sweep.{}", entry.key), entry.span.clone());
     source.note_axis(slot, entry.span.clone());
 }
 
-/// `absorber.mass = …` is TOML for a table inside a table: gives it back as `absorber.mass`; so does
-/// `force.0.frequency`.
+/// The entries in the order of the file. TOML parses `absorber.mass = …` or `force.0.frequency = …` as nested
+/// tables, which become entries with dotted keys again.
 fn flatten<'a, 't>(section: &'a DeTable<'t>) -> Vec<Entry<'a, 't>> {
     let mut flat = Vec::new();
     push_entries(&mut flat, "", section);
@@ -75,6 +75,7 @@ fn flatten<'a, 't>(section: &'a DeTable<'t>) -> Vec<Entry<'a, 't>> {
     flat
 }
 
+/// Adds the entries of a table with the key `outer`, and of tables nested in it.
 fn push_entries<'a, 't>(flat: &mut Vec<Entry<'a, 't>>, outer: &str, table: &'a DeTable<'t>) {
     for (key, value) in entries(table) {
         let inner = key.get_ref().as_ref();
@@ -88,7 +89,7 @@ fn push_entries<'a, 't>(flat: &mut Vec<Entry<'a, 't>>, outer: &str, table: &'a D
     }
 }
 
-/// Every key must name a field.
+/// Checks that every key names a field.
 fn check_fields(source: &Source, entries: &[Entry<'_, '_>]) -> Result<(), Error> {
     entries.iter().try_for_each(|entry| slot(source, entry).map(drop))
 }
@@ -104,7 +105,7 @@ pub(crate) fn slot(source: &Source, entry: &Entry<'_, '_>) -> Result<Slot, Error
     })
 }
 
-/// Refuses a grid that is too large before any of its values are made.
+/// Refuses a grid with too many points before its values are computed.
 ///
 /// # Errors
 /// At the place of the section.
@@ -123,6 +124,7 @@ pub(crate) fn check_size(
         .error(span, format!("sweep = {}: a grid has at most 2^32 points", lengths.join(" × "))))
 }
 
+/// The number of values of an axis; `None` if it cannot be read or is larger than a whole grid may be.
 fn length(entry: &Entry<'_, '_>) -> Option<f64> {
     match entry.value.get_ref() {
         DeValue::Array(items) => Some(items.len() as f64),
@@ -138,6 +140,7 @@ fn length(entry: &Entry<'_, '_>) -> Option<f64> {
     }
 }
 
+/// Reads an axis from a list of values, or from start, stop and count.
 fn read_axis(source: &Source, entry: &Entry<'_, '_>) -> Result<Axis, Error> {
     let name = format!("sweep.{}", entry.key);
     let allowed = slot(source, entry)?.info().allowed;
@@ -168,6 +171,7 @@ fn read_axis(source: &Source, entry: &Entry<'_, '_>) -> Result<Axis, Error> {
     axis.map_err(|invalid| at(source, place, &invalid))
 }
 
+/// Reads start, stop and count of an axis.
 fn read_range(
     source: &Source,
     entry: &Entry<'_, '_>,

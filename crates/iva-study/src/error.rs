@@ -1,4 +1,4 @@
-//! What can go wrong between a study file and the tables of its sweep.
+//! Errors of reading a study and of running it into a folder.
 
 use std::fmt;
 use std::io;
@@ -12,14 +12,14 @@ use iva_sweep::sweep::SweepError;
 
 use crate::study_file::MOST_BYTES;
 
-/// Everything that reading a study and running it into a folder can fail with. `Display` says what is wrong;
-/// what the user can do about a folder, and what is kept of a sweep, a front says in its own words.
+/// A failure of reading a study or of running it into a folder. `Display` says what is wrong; a front adds the
+/// advice about a folder and what is kept of a sweep, in its own option names.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Something in a study file or in a file of a record, with its place.
+    /// The contents of a study file or of a file of a record are invalid.
     #[error("{0}")]
     Study(Box<StudyError>),
-    /// A value from elsewhere, such as a study built in a program.
+    /// A value without a place in a file is invalid, for example one of a study made in a program.
     #[error(transparent)]
     Invalid(#[from] Invalid),
     /// A study file cannot be opened or read.
@@ -27,10 +27,10 @@ pub enum Error {
     UnreadableStudy {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         reason: io::Error,
     },
-    /// A study file is larger than any is.
+    /// A study file is larger than the limit.
     #[error(
         "{} has {:.1} MB; a study file has at most {} MB: give many points as a file of points",
         .path.display(), *.bytes as f64 / 1e6, MOST_BYTES / 1_000_000
@@ -38,15 +38,15 @@ pub enum Error {
     LargeStudy {
         /// The file.
         path: PathBuf,
-        /// Its size.
+        /// Size of the file in bytes.
         bytes: u64,
     },
-    /// A study file is no text in UTF-8.
+    /// A study file is not text in UTF-8.
     #[error("{}: line {line} is not UTF-8 text; a study file is TOML in UTF-8", .path.display())]
     NotText {
         /// The file.
         path: PathBuf,
-        /// The first line that is not, from 1.
+        /// Number of the first line that is not UTF-8, from 1.
         line: usize,
     },
     /// The resolved study would be larger than a study file may be.
@@ -56,7 +56,7 @@ pub enum Error {
         *.bytes as f64 / 1e6, MOST_BYTES / 1_000_000
     )]
     LargeResolved {
-        /// Its size.
+        /// Size of its text in bytes.
         bytes: u64,
     },
     /// A file of a record cannot be opened or read.
@@ -64,27 +64,27 @@ pub enum Error {
     UnreadableRecord {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         reason: io::Error,
     },
-    /// A file of a record is larger than any is.
+    /// A file of a record is larger than the limit.
     #[error("{} is larger than 1 GiB; give a record of at most that size", .path.display())]
     LargeRecord {
         /// The file.
         path: PathBuf,
     },
-    /// A folder that cannot take a result, or a file of one that cannot be read or written.
+    /// A folder cannot take a result, or a file of a result cannot be read or written.
     #[error(transparent)]
     Store(#[from] iva_store::Error),
-    /// A fault midway; what is kept of the finished parts is not part of `Display`.
+    /// A sweep failed midway; `Display` does not say what is kept of it.
     #[error("{reason}")]
     Incomplete {
-        /// What went wrong.
+        /// Error that ended the sweep.
         reason: Box<Error>,
-        /// What is kept of the results.
+        /// Complete parts that are kept.
         kept: Kept,
     },
-    /// The sweep was cancelled; what is kept of it is not part of `Display`.
+    /// A sweep was cancelled; `Display` does not say what is kept of it.
     #[error("interrupted")]
     Interrupted(Kept),
     /// A fault of this program or of the machine, such as threads that do not start.
@@ -93,8 +93,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// True if the user can mend it by asking for something else, false for a fault of reading or writing, a defect,
-    /// and a sweep that was cancelled.
+    /// True if another request of the user can avoid the error, false for I/O errors, internal faults and a sweep
+    /// that was cancelled.
     pub fn is_bad_input(&self) -> bool {
         match self {
             Error::Store(error) => error.is_bad_input(),
@@ -110,7 +110,7 @@ impl Error {
         }
     }
 
-    /// True if the user ended it.
+    /// True if the sweep was cancelled.
     pub fn is_interrupted(&self) -> bool {
         match self {
             Error::Interrupted(_) => true,
@@ -120,26 +120,26 @@ impl Error {
     }
 }
 
-/// What is kept of a sweep that ended early.
+/// The complete parts that are kept of a sweep that ended early.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Kept {
     /// The folder of the sweep.
     pub dir: PathBuf,
-    /// Points of complete parts.
+    /// Number of points of complete parts.
     pub done: u64,
-    /// Points of the sweep.
+    /// Number of points of the sweep.
     pub points: u64,
-    /// It was to replace earlier tables.
+    /// True if the sweep was to replace earlier tables.
     pub replaced: bool,
 }
 
 impl Kept {
-    /// Nothing: no part was complete.
+    /// The value for a sweep without complete parts.
     pub fn nothing() -> Self {
         Self { dir: PathBuf::new(), done: 0, points: 0, replaced: false }
     }
 
-    /// One sentence, which says in the words of a front how to ask for the rest.
+    /// One sentence on what is kept and how to resume the sweep, in the option names of a front.
     pub fn sentence(&self, words: &Words) -> String {
         let Self { done, points, .. } = self;
         let resume = match self.replaced {
@@ -158,27 +158,27 @@ impl Kept {
     }
 }
 
-/// A fault in a study file: where it is, what is wrong and what is allowed.
+/// An error in a study file or a file of a record, with its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StudyError {
-    /// The file, as named by the user.
+    /// Path of the file, as named by the user.
     pub path: PathBuf,
-    /// Where in the file; `None` if nothing in it is to blame (something is missing).
+    /// Place in the file; `None` if something is missing.
     pub place: Option<Place>,
-    /// One sentence with field, value and what is allowed.
+    /// One sentence with the field, its value and the allowed values.
     pub message: String,
 }
 
-/// A stretch of one line of a study file.
+/// A range of characters in one line of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
     /// Line number from 1.
     pub line: usize,
     /// Column from 1, in characters.
     pub column: usize,
-    /// The line, without its end.
+    /// Text of the line, without its end.
     pub text: String,
-    /// The bytes of `text` that are meant.
+    /// Range of bytes in `text`.
     pub span: Range<usize>,
 }
 

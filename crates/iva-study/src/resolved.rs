@@ -1,4 +1,4 @@
-//! The resolved study: every default filled in, written as a study file that reads back the same.
+//! The resolved study: a study file with every default filled in, which reads back as the same study.
 
 use std::fmt::Write;
 
@@ -15,7 +15,7 @@ use iva_sweep::study::Table;
 use crate::error::Error;
 use crate::study_file::{MOST_BYTES, STUDY_VERSION, StudyFile};
 
-/// The same study with its defaults written out, and without the base values that an axis replaces.
+/// A study with its defaults filled in and without the base values that an axis replaces.
 ///
 /// # Errors
 /// If the first point of the study is invalid.
@@ -25,13 +25,13 @@ pub fn resolve(file: &StudyFile) -> Result<StudyFile, Error> {
     fill_in(file)
 }
 
-/// The chatter floor is no plain number: it follows the clearance of each point.
+/// Fills in the defaults, but not that of the chatter floor, which depends on the clearance of each point.
 fn fill_in(file: &StudyFile) -> Result<StudyFile, Error> {
     let mut resolved = file.clone();
     let choices = *file.study.spec.choices();
     let mut spec = Spec::new(choices);
     let sampling = &file.study.sampling;
-    // A force may be made of axes alone.
+    // A force may be given by axes alone.
     let forces = file.study.spec(0)?.forces().to_vec();
     for force in &forces {
         spec.add_force(ForceSpec::new(force.record.clone()));
@@ -62,10 +62,10 @@ fn fill_in(file: &StudyFile) -> Result<StudyFile, Error> {
     Ok(resolved)
 }
 
-/// The text of a study, after [`resolve`]: the same study reads the same bytes, always.
+/// The text of a study after [`resolve`]; the same study always gives the same bytes.
 ///
 /// # Errors
-/// If the first point of the study is invalid, or the text is larger than what is read.
+/// If the units of the study are invalid, or the text is larger than a study file may be.
 pub fn write(file: &StudyFile) -> Result<String, Error> {
     let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
     let text = text_of(file, units.sentence());
@@ -75,16 +75,17 @@ pub fn write(file: &StudyFile) -> Result<String, Error> {
     }
 }
 
-/// The sentence with a capital letter in front.
+/// The sentence with a capital first letter.
 pub fn first_upper(sentence: &str) -> String {
     let mut chars = sentence.chars();
     match chars.next() {
-        // Only ASCII letters: "ωn" is a symbol.
+        // Only ASCII letters change, since "ωn" is a symbol.
         Some(first) => first.to_ascii_uppercase().to_string() + chars.as_str(),
         None => String::new(),
     }
 }
 
+/// The text of a resolved study, with the sentence `units` in its header.
 fn text_of(file: &StudyFile, units: &str) -> String {
     let mut text = String::new();
     let version = env!("CARGO_PKG_VERSION");
@@ -121,6 +122,7 @@ fn text_of(file: &StudyFile, units: &str) -> String {
     text
 }
 
+/// Writes the sections of the forces.
 fn write_forces(text: &mut String, spec: &Spec) {
     let heading = if spec.forces().len() > 1 { "[[force]]" } else { "[force]" };
     for (number, force) in spec.forces().iter().enumerate() {
@@ -137,6 +139,7 @@ fn write_forces(text: &mut String, spec: &Spec) {
     }
 }
 
+/// Writes the keys of `[run]` that are not fields of the spec.
 fn write_run(text: &mut String, file: &StudyFile) {
     let study = &file.study;
     let floor = FieldId::ChatterFloor;
@@ -155,6 +158,7 @@ fn write_run(text: &mut String, file: &StudyFile) {
     text.push_str("]\n");
 }
 
+/// Writes the sections `[sampling]` and `[sweep]`.
 fn write_sweep(text: &mut String, sampling: &Sampling) {
     let axes = match sampling {
         Sampling::Grid(axes) => axes.as_slice(),
@@ -177,6 +181,7 @@ fn write_sweep(text: &mut String, sampling: &Sampling) {
     }
 }
 
+/// Writes the sections of a sample of random variables.
 fn write_sample(text: &mut String, sample: &Sample) {
     let Sample { method, count, seed, .. } = sample;
     let _ = writeln!(text, "\n[sampling]\nmethod = \"{}\"", method.name());
@@ -194,12 +199,13 @@ fn write_sample(text: &mut String, sample: &Sample) {
     }
 }
 
-/// A key as TOML takes it.
+/// A key in TOML, quoted if necessary.
 fn key_of(key: &str) -> String {
     let plain = key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if plain { key.to_owned() } else { format!("\"{key}\"") }
 }
 
+/// Writes an axis as start, stop and count, or as a list of values.
 fn write_axis(text: &mut String, axis: &Axis) {
     let key = key_of(&axis.key);
     let literal = |value: f64| literal(axis.slot.field, value);
@@ -217,7 +223,7 @@ fn write_axis(text: &mut String, axis: &Axis) {
     }
 }
 
-/// The ends of an axis whose values are, bit for bit, those of start, stop and count.
+/// The ends of an axis whose values are bit for bit those computed from start, stop and count.
 fn equidistant(axis: &Axis) -> Option<(f64, f64)> {
     let (start, stop) = (*axis.values.first()?, *axis.values.last()?);
     let count = axis.values.len();
@@ -229,7 +235,7 @@ fn equidistant(axis: &Axis) -> Option<(f64, f64)> {
     same.then_some((start, stop))
 }
 
-/// The shortest text that reads back as the same number.
+/// The shortest TOML number that reads back as the same value.
 fn literal(field: FieldId, value: f64) -> String {
     match field.info().allowed {
         Allowed::PositiveInteger => format!("{value:.0}"),

@@ -1,6 +1,6 @@
-//! A sweep into a folder: checked, divided into parts, run and written part by part.
+//! Running of a sweep into a folder: the study is checked, divided into parts, run and written part by part.
 //!
-//! Two parts or more are under way at a time, each with a thread that drives and writes it, so that the
+//! Two or more parts are under way at a time, each driven and written by a thread of its own, so that the
 //! workers have points to run while files are encoded and synced.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -28,65 +28,65 @@ use crate::named::named;
 use crate::resolved::{resolve, write};
 use crate::study_file::StudyFile;
 
-/// Points computed and held in memory at once by one driver: a constant, so that the rows reach the files
-/// in the same portions on every machine.
+/// Number of points that a driver holds in memory at once, a constant so that the rows reach the files in the
+/// same batches on every machine.
 const BATCH_POINTS: u64 = 16_384;
-/// Workers that one driver keeps busy, beyond the first two drivers.
+/// Number of workers for each driver beyond the first two.
 const WORKERS_PER_DRIVER: usize = 8;
 
-/// What to run, and where its tables go.
+/// A sweep to run, with its folder and options.
 pub struct Sweep<'a> {
-    /// The study.
+    /// Study file of the sweep.
     pub file: &'a StudyFile,
-    /// The folder.
+    /// Folder of the result.
     pub dir: &'a Path,
-    /// How tables are written.
+    /// File format of the tables.
     pub style: Style,
-    /// Go on with what the folder holds of the same sweep.
+    /// True to resume the same sweep in the folder.
     pub resume: bool,
-    /// Replace the tables that the folder holds, once the new ones are complete.
+    /// True to replace the tables in the folder, once the new ones are complete.
     pub overwrite: bool,
-    /// The parts are not in the folder, which holds only study and manifest.
+    /// True if the parts are in another place and the folder holds only study and manifest.
     pub elsewhere: bool,
-    /// Who does the work.
+    /// Worker threads that run the points.
     pub workers: &'a Workers,
-    /// Set to stop: parts under way are dropped.
+    /// Flag that cancels the sweep; parts under way are dropped.
     pub cancel: &'a AtomicBool,
 }
 
-/// Who is told what happens; from any thread.
+/// The receiver of the progress of a sweep, which may be called from any thread.
 pub trait Watch: Sync {
-    /// So many more points were found valid.
+    /// Receives the number of points checked since the last call.
     fn checked(&self, _points: u64) {}
-    /// The parts are known; what an earlier process left is in the manifest.
+    /// Receives the manifest when the parts are planned, with the parts that an earlier process completed.
     fn planned(&self, _manifest: &Manifest) {}
-    /// Parts of an earlier process that are not what the manifest says, and are computed again.
+    /// Receives the names of damaged or missing files of an earlier process, whose parts are computed again.
     fn damaged(&self, _files: &[String]) {}
-    /// So much more was done.
+    /// Receives the counts of points run since the last call.
     fn done(&self, _done: Done) {}
-    /// A part is complete.
+    /// Receives the number of a part that is complete, and the manifest.
     fn part(&self, _number: u64, _manifest: &Manifest) {}
-    /// True if [`Watch::rows`] is to be called.
+    /// True if [`Watch::rows`] has to be called.
     fn wants_rows(&self) -> bool {
         false
     }
-    /// Rows of the summary, each once, in any order.
+    /// Receives rows of the summary, each once, in any order.
     fn rows(&self, _summary: &RecordBatch) {}
 }
 
-/// A sweep whose folder is ready for the parts that are missing.
+/// A sweep whose folder is ready for the missing parts.
 pub struct Opened {
-    /// The folder that is filled: that of the result, or one in it if earlier tables are to be replaced.
+    /// Folder that is filled: that of the result, or `.iva-new` in it if earlier tables are to be replaced.
     pub folder: SweepFolder,
 }
 
 impl Opened {
-    /// Ends the sweep: what is complete stays, what is unfinished goes, and a complete sweep takes the
-    /// place of earlier tables. Returns the manifest.
+    /// Ends the sweep: complete parts stay, unfinished ones are removed, and a complete sweep replaces earlier
+    /// tables. Returns the manifest.
     ///
     /// # Errors
-    /// [`Error::Incomplete`] if `failure` says why parts are missing, else [`Error::Interrupted`];
-    /// [`Error::Store`] if earlier tables could not be replaced.
+    /// [`Error::Interrupted`] if `failure` is one or parts are missing without a failure, [`Error::Incomplete`] for
+    /// any other `failure`, [`Error::Store`] if the folder cannot be closed or earlier tables cannot be replaced.
     pub fn close(self, failure: Option<Error>) -> Result<Manifest, Error> {
         let Self { mut folder } = self;
         let manifest = folder.manifest().clone();
@@ -111,10 +111,10 @@ impl Opened {
 }
 
 impl Sweep<'_> {
-    /// Runs it; returns the manifest of the complete sweep.
+    /// Runs the sweep; returns the manifest of the complete one.
     ///
     /// # Errors
-    /// As [`Sweep::open`] before anything is run; then as [`Opened::close`].
+    /// As [`Sweep::open`] before the first part, and as [`Opened::close`] after it.
     pub fn run(&self, watch: &dyn Watch) -> Result<Manifest, Error> {
         let mut opened = self.open(watch)?;
         let ran = self
@@ -123,11 +123,11 @@ impl Sweep<'_> {
         opened.close(ran.err())
     }
 
-    /// Checks the study and the folder, and makes the folder ready.
+    /// Checks the study and the folder, and prepares the folder for the missing parts.
     ///
     /// # Errors
-    /// [`Error::Store`] and [`Error::Study`] for what the user can mend, with no result touched;
-    /// [`Error::Interrupted`] if it was cancelled.
+    /// [`Error::Store`] for a folder that cannot take the sweep and [`Error::Study`] for an invalid study, with no
+    /// result changed; [`Error::Interrupted`] if the sweep is cancelled.
     pub fn open(&self, watch: &dyn Watch) -> Result<Opened, Error> {
         let allowed = Allowed { resume: self.resume, overwrite: self.overwrite };
         look(self.dir, allowed)?;
@@ -139,7 +139,7 @@ impl Sweep<'_> {
         Ok(Opened { folder })
     }
 
-    /// The folder, ready for the first missing part.
+    /// Resumes or begins the sweep in a locked folder.
     fn prepare(
         &self,
         taken: Taken,
@@ -153,7 +153,7 @@ impl Sweep<'_> {
             let undivided = Plan { points: identity.points, part_points: 1 };
             let now = Manifest::new(study, identity, undivided, self.style);
             refuse_another(&found, &now, study_and_inputs.0)?;
-            // With no part complete there is nothing to go on with, and the plan is made anew.
+            // Without complete parts there is nothing to resume, and the sweep is planned again.
             if !found.manifest().parts.is_empty() {
                 let kept = self.kept(taken.replaces(), found.manifest());
                 let go_on = || !self.cancel.load(Ordering::Relaxed);
@@ -173,10 +173,12 @@ impl Sweep<'_> {
         Ok(taken.begin(manifest, study_and_inputs)?)
     }
 
+    /// The description of the complete parts for an error.
     fn kept(&self, replaced: bool, manifest: &Manifest) -> Kept {
         Kept { dir: self.dir.to_owned(), done: manifest.done(), points: manifest.points, replaced }
     }
 
+    /// The error of a cancelled sweep without complete parts, if the sweep is cancelled.
     fn nothing_if_cancelled(&self) -> Result<(), Error> {
         match self.cancel.load(Ordering::Relaxed) {
             true => Err(Error::Interrupted(Kept::nothing())),
@@ -184,7 +186,7 @@ impl Sweep<'_> {
         }
     }
 
-    /// Hands out the summaries of complete parts.
+    /// Passes the summaries of complete parts to `watch`.
     fn read_complete(&self, folder: &SweepFolder, watch: &dyn Watch) -> Result<(), Error> {
         let manifest = folder.manifest();
         if !watch.wants_rows() || !self.file.study.tables.contains(&Table::Summary) {
@@ -199,7 +201,7 @@ impl Sweep<'_> {
         Ok(())
     }
 
-    /// Runs the missing parts, until all are complete, one fails, or the sweep is cancelled.
+    /// Runs the missing parts until all are complete, one fails, or the sweep is cancelled.
     fn run_parts(&self, folder: &mut SweepFolder, watch: &dyn Watch) -> Result<(), Error> {
         let missing: Vec<u64> = folder.manifest().missing().collect();
         let drivers = 2 + self.workers.count() / WORKERS_PER_DRIVER;
@@ -211,7 +213,7 @@ impl Sweep<'_> {
                 if self.cancel.load(Ordering::Relaxed) || failed() {
                     break;
                 }
-                // A panic ends the sweep like any other fault, with what is complete kept.
+                // A panic ends the sweep like any other error, and complete parts are kept.
                 let ran = catch_unwind(AssertUnwindSafe(|| self.run_part(*part, &folder, watch)));
                 let panicked = |_| Err(Error::Internal("a part ended in a panic".to_owned()));
                 if let Err(reason) = ran.unwrap_or_else(panicked) {
@@ -230,7 +232,7 @@ impl Sweep<'_> {
         failure.into_inner().ok().flatten().map_or(Ok(()), Err)
     }
 
-    /// Runs and writes a part; if the sweep is cancelled midway nothing of it stays.
+    /// Runs and writes a part; if the sweep is cancelled midway, its files are removed.
     fn run_part(
         &self,
         part: u64,
@@ -262,18 +264,18 @@ impl Sweep<'_> {
     }
 }
 
-/// How a part is run.
+/// The study and the workers that run a part.
 pub struct PartWork<'a> {
-    /// The study, with the points of the part at least.
+    /// Study that contains at least the points of the part.
     pub study: &'a Study,
-    /// Who does the work.
+    /// Worker threads that run the points.
     pub workers: &'a Workers,
-    /// Set to stop.
+    /// Flag that cancels the run.
     pub cancel: &'a AtomicBool,
 }
 
 impl PartWork<'_> {
-    /// Runs the points of a part and writes its files; `None` if it was cancelled.
+    /// Runs the points of a part and writes its files; `None` if the run is cancelled.
     ///
     /// # Errors
     /// [`Error::Store`] if they cannot be written, [`Error::Invalid`] for an invalid point.
@@ -309,7 +311,7 @@ impl PartWork<'_> {
     }
 }
 
-/// Refuses to go on with a sweep that is not the one of a study.
+/// Refuses to resume a sweep that differs from the one of a study.
 fn refuse_another(found: &Earlier, now: &Manifest, text: &str) -> Result<(), Error> {
     let manifest = found.manifest();
     let mut differences = manifest.differences(now);
@@ -322,7 +324,7 @@ fn refuse_another(found: &Earlier, now: &Manifest, text: &str) -> Result<(), Err
     }
 }
 
-/// What a mutex holds; a thread that panicked with it ends the sweep anyway.
+/// Locks a mutex, also after a panic of the thread that held it, which ends the sweep anyway.
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! The section `[sampling]`: how the points of a sweep are chosen.
+//! Reading of the section `[sampling]`: the way in which the points of a sweep are chosen.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -20,16 +20,18 @@ use crate::value::{
     Key, Value, at, entries, name, number, table, truth, unknown_key, whole_number,
 };
 
-/// Largest seed: the whole numbers that a double holds.
+/// Largest seed, up to which a double holds every whole number.
 pub const MOST_SEED: u64 = 1 << 53;
 
+/// Keys of the section.
 const KEYS: [&str; 5] = ["method", "count", "seed", "scramble", "points"];
+/// Words of the key `method`.
 const METHODS: [&str; 5] = ["grid", "zip", "sobol", "latin_hypercube", "random"];
 
-/// What `[sampling]` says.
+/// The values of the section `[sampling]`, with their places.
 #[derive(Default)]
 struct Asked {
-    /// `None`: a grid.
+    /// Way of choosing points; `None` means a grid.
     method: Option<Way>,
     count: Option<(u64, Range<usize>)>,
     seed: Option<(u64, Range<usize>)>,
@@ -37,6 +39,7 @@ struct Asked {
     points: Option<(String, Range<usize>)>,
 }
 
+/// The ways of choosing points.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
     Grid,
@@ -44,10 +47,10 @@ enum Way {
     Sample(Method),
 }
 
-/// Reads the points of a study.
+/// Reads the points of a study from the sections `[sampling]` and `[sweep]`.
 ///
 /// # Errors
-/// At the place of what cannot be used.
+/// At the place of the first unknown key or invalid value.
 pub(crate) fn read(source: &mut Source, root: &DeTable<'_>, kind: Kind) -> Result<Sampling, Error> {
     let asked = match root.get_key_value("sampling") {
         Some((key, value)) => {
@@ -90,6 +93,7 @@ pub(crate) fn read(source: &mut Source, root: &DeTable<'_>, kind: Kind) -> Resul
     Ok(sampling)
 }
 
+/// Reads the keys of the section `[sampling]`.
 fn read_section(source: &mut Source, key: &Key<'_>, value: &Value<'_>) -> Result<Asked, Error> {
     let mut asked = Asked::default();
     for (key, value) in entries(table(source, "sampling", key, value)?) {
@@ -128,7 +132,7 @@ fn read_section(source: &mut Source, key: &Key<'_>, value: &Value<'_>) -> Result
     Ok(asked)
 }
 
-/// Refuses keys that have no meaning beside the others.
+/// Refuses keys that do not go with the method.
 fn refuse_strange(source: &Source, asked: &Asked) -> Result<(), Error> {
     let sample = matches!(asked.method, Some(Way::Sample(_)));
     let sobol = asked.method == Some(Way::Sample(Method::Sobol));
@@ -155,6 +159,7 @@ fn refuse_strange(source: &Source, asked: &Asked) -> Result<(), Error> {
     }
 }
 
+/// Reads the points from a file.
 fn from_file(
     source: &Source,
     file: &str,
@@ -175,6 +180,7 @@ fn from_file(
     Ok(sampling)
 }
 
+/// Reads a sample of random or low-discrepancy points.
 fn sample(
     source: &mut Source,
     method: Method,
@@ -195,7 +201,8 @@ fn sample(
     Sample::new(method, count, seed, scramble, variables).map_err(|invalid| source.locate(&invalid))
 }
 
-/// `{ low = …, high = … }`, or `{ distribution = "normal", mean = …, deviation = … }`.
+/// Reads a random variable: `{ low = …, high = … }`, or
+/// `{ distribution = "normal", mean = …, deviation = … }`.
 fn variable(source: &Source, entry: &Entry<'_, '_>) -> Result<Variable, Error> {
     let field = format!("sweep.{}", entry.key);
     axes::slot(source, entry)?;

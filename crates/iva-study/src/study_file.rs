@@ -1,4 +1,4 @@
-//! Study files: TOML text → what to run, what to write, what to print.
+//! Study files in TOML: the study, its tables and measures, and the report.
 //!
 //! ```toml
 //! version = 1
@@ -47,45 +47,48 @@ use crate::value::{
 /// Version of the study file's schema.
 pub const STUDY_VERSION: u64 = 1;
 
-/// Default of `run.samples_per_period`: rows of the trajectory a period 2π/ωn.
+/// Default of `run.samples_per_period`, the rows of the trajectory in a period 2π/ωn.
 pub const SAMPLES_PER_PERIOD: u32 = 200;
 
 /// The tables of a sweep if the study names none.
 pub const SWEEP_TABLES: [Table; 2] = [Table::Summary, Table::Impacts];
 
-/// A study of more bytes is not one: its text takes some 70 times as much in memory while it is read.
+/// Largest size of a study file in bytes; its text takes about 70 times as much memory while it is read.
 pub(crate) const MOST_BYTES: u64 = 10_000_000;
 
+/// Keys and sections of a study file.
 const SECTIONS: [&str; 9] =
     ["version", "primary", "absorber", "force", "start", "run", "sampling", "sweep", "report"];
+/// Allowed range of `run.samples_per_period`.
 const SAMPLES_RANGE: (u64, u64) = (1, 1_000_000);
+/// Allowed range of `report.count`.
 const COUNT_RANGE: (u64, u64) = (1, 1_000_000);
 
-/// What a study file says.
+/// The contents of a study file.
 #[derive(Debug, Clone)]
 pub struct StudyFile {
-    /// What to run and which tables to build. Of a single run `tables` may name the trajectory.
+    /// Study; without a sweep its `tables` may contain the trajectory.
     pub study: Study,
-    /// Rows of the trajectory a period 2π/ωn; only `iva run` uses it.
+    /// Rows of the trajectory in a period 2π/ωn, for single runs only.
     pub samples_per_period: u32,
-    /// What to print at the end of a sweep.
+    /// Settings of the table of best points.
     pub report: Report,
-    /// The text it was read from, to point at errors found later.
+    /// Text of the file, for the places of errors found later.
     pub source: Source,
 }
 
-/// Reads a study file. Points of a grid are not checked here, see [`StudyFile::validate`].
+/// Reads a study file. The points of a grid are checked by [`StudyFile::validate`], not here.
 ///
 /// # Errors
-/// [`Error::UnreadableStudy`], [`Error::LargeStudy`] or [`Error::NotText`] if the file cannot be read, is no regular file or too
-/// large, [`Error::Study`] with line and column for anything in it that cannot be used.
+/// [`Error::UnreadableStudy`] if the file cannot be read or is not a regular one, [`Error::LargeStudy`] if it is
+/// too large, [`Error::NotText`] if it is not UTF-8, and the errors of [`parse_study`].
 pub fn read_study(path: &Path) -> Result<StudyFile, Error> {
     let failed = |reason: io::Error| Error::UnreadableStudy { path: path.to_owned(), reason };
     let file = regular_file::open(path).map_err(failed)?;
     let mut size = file.metadata().map_err(failed)?.len();
     let mut bytes = Vec::new();
     if size <= MOST_BYTES {
-        // It may grow meanwhile.
+        // The file may grow while it is read.
         file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
         size = bytes.len() as u64;
     }
@@ -100,10 +103,12 @@ pub fn read_study(path: &Path) -> Result<StudyFile, Error> {
     parse_study(path, &text)
 }
 
-/// Reads the text of a study file; `path` is only the name shown in messages.
+/// Reads the text of a study file; `path` is the name in messages, and files that the study names are relative
+/// to its folder.
 ///
 /// # Errors
-/// [`Error::Study`] with line and column for anything that cannot be used.
+/// [`Error::Study`], with line and column where there are any, for invalid contents, also of a record, and
+/// [`Error::LargeRecord`] for a file of a record that is too large.
 pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
     let mut source = Source::new(path, text);
     let document = DeTable::parse(text).map_err(|error| match error.span() {
@@ -158,7 +163,7 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
 }
 
 impl StudyFile {
-    /// A study made in a program: what no file says has its default.
+    /// The study file of a study made in a program, with default settings for trajectory and report.
     pub fn of(study: Study) -> Self {
         let spec = study.spec(study.sampling.first()).unwrap_or_else(|_| study.spec.clone());
         let report = Report::new(study.measures, &spec);
@@ -166,20 +171,20 @@ impl StudyFile {
         Self { study, samples_per_period: SAMPLES_PER_PERIOD, report, source }
     }
 
-    /// Number of points of the grid, 1 without one.
+    /// Number of points of the sweep; 1 without a sweep.
     ///
     /// # Errors
-    /// Too many points.
+    /// [`Error::Study`] if there are too many points.
     pub fn points(&self) -> Result<u64, Error> {
         self.study.points().map_err(|invalid| self.source.locate(&invalid))
     }
 
-    /// Checks every point, without running any; setting `cancel` ends the check early. `progress`
-    /// is called with the number of points checked since the last call.
+    /// Checks every point, without running any; setting `cancel` ends the check early. `progress` is called with
+    /// the number of points checked since the last call.
     ///
     /// # Errors
-    /// The first invalid point, pointed at the line of the field to blame; too many points; a
-    /// trajectory with too many samples.
+    /// [`Error::Study`] for the first invalid point, at the line of the field that causes it, for too many points,
+    /// and for a trajectory with too many samples.
     pub fn validate(
         &self,
         workers: &Workers,
@@ -196,7 +201,7 @@ impl StudyFile {
     }
 }
 
-/// What `[run]` holds beside its numbers.
+/// The values of the keys of `[run]` that are not fields of the spec.
 #[derive(Default)]
 struct Settings {
     tables: Option<(Vec<Table>, std::ops::Range<usize>)>,
@@ -220,6 +225,7 @@ fn check_version(source: &Source, root: &DeTable<'_>) -> Result<(), Error> {
     }
 }
 
+/// Reads the section of a part: its fields into `spec`, and other keys of `[run]` into `settings`.
 fn read_part(
     source: &mut Source,
     part: Part,
@@ -261,8 +267,8 @@ fn read_part(
     Ok(())
 }
 
-/// Reads what is chosen by words, all of it in `[absorber]`; the kind first, for the others and the
-/// numbers depend on it.
+/// Reads the choices given by words, which are all in `[absorber]`. The kind of absorber comes first, since
+/// the other choices and the numbers depend on it.
 fn read_choices(source: &mut Source, root: &DeTable<'_>) -> Result<Choices, Error> {
     let mut choices = Choices::default();
     let Some((section_key, section)) = root.get_key_value(Part::Absorber.name()) else {
@@ -290,7 +296,7 @@ fn read_choices(source: &mut Source, root: &DeTable<'_>) -> Result<Choices, Erro
     Ok(choices)
 }
 
-/// The keys that a section may have, numbers first.
+/// The keys that the section of a part may have with a kind of absorber, numeric fields first.
 fn known_keys(part: Part, kind: Kind) -> Vec<&'static str> {
     let numbers = FieldId::all()
         .map(FieldId::info)
@@ -316,6 +322,7 @@ fn read_tables(source: &Source, field: &str, value: &Value<'_>) -> Result<Vec<Ta
     Ok(tables)
 }
 
+/// The tables that the study names, or the default ones of a sweep or single run.
 fn tables_or_default(
     source: &Source,
     settings: &Settings,
@@ -331,7 +338,7 @@ fn tables_or_default(
     }
 }
 
-/// Why `trajectory` is refused beside axes.
+/// Message for a sweep whose study names the table `trajectory`.
 pub const NO_TRAJECTORY: &str = "a sweep has no trajectory table, only a single run \
      (`iva run`) has; give summary, impacts, episodes, envelope or stroboscope";
 

@@ -311,7 +311,7 @@ fn scraps() -> impl Strategy<Value = String> {
     prop::collection::vec(scrap, 0..60).prop_map(|scraps| scraps.concat())
 }
 
-/// Checks that reading gives a valid record or an error with a valid place.
+/// Checks that reading gives a valid record, or an [`Error::Study`] whose message is one line for a terminal.
 fn check_any(bytes: &[u8]) -> Result<(), TestCaseError> {
     for name in ["a.csv", "a.at2"] {
         match parse_record(Path::new(name), bytes) {

@@ -16,7 +16,7 @@ use crate::report::Report;
 use crate::source::Source;
 use crate::study_file::parse_study;
 
-/// A number that a field accepts.
+/// Numbers that a field accepts.
 fn accepted(field: FieldId) -> BoxedStrategy<f64> {
     match field.info().allowed {
         Allowed::Size => prop_oneof![-1e3..1e3, Just(0.0), Just(-1e30)]
@@ -52,7 +52,7 @@ fn axis(field: FieldId) -> BoxedStrategy<Axis> {
     prop_oneof![list, range].boxed()
 }
 
-/// Kind of absorber and all that goes with it.
+/// Kinds of absorber with the choices that go with them.
 fn choices() -> impl Strategy<Value = Choices> {
     let word = |index: usize| prop::sample::select(CHOICES[index].words);
     (word(0), word(1), word(2)).prop_map(|(kind, angles, law)| {
@@ -66,7 +66,7 @@ fn choices() -> impl Strategy<Value = Choices> {
     })
 }
 
-/// The fields that a kind of absorber has.
+/// The fields of a kind of absorber.
 fn fields(kind: Kind) -> Vec<FieldId> {
     FieldId::all().filter(|field| field.info().kinds.contains(&kind)).collect()
 }
@@ -84,7 +84,7 @@ fn axes(kind: Kind) -> impl Strategy<Value = Vec<Axis>> {
     })
 }
 
-/// All ways to choose points, of axes that fit.
+/// All ways of choosing points, with axes that fit the kind of absorber.
 fn sampling(kind: Kind) -> impl Strategy<Value = Sampling> {
     let seeds = (1..=1_000_000_u64, 0..=1_u64 << 53, any::<bool>());
     (axes(kind), 0..5_usize, seeds).prop_map(|(mut axes, way, (count, seed, scramble))| {
@@ -119,13 +119,13 @@ fn sampling(kind: Kind) -> impl Strategy<Value = Sampling> {
             Variable::new(&axis.key, name, &given).ok()
         };
         let variables: Option<Vec<Variable>> = axes.iter().map(variable).collect();
-        // A subnormal damping ratio is one, but no number of a distribution.
+        // A subnormal number is a valid damping ratio, but not a valid parameter of a distribution.
         let Some(variables) = variables else { return Sampling::Grid(axes) };
         let scramble = scramble || method != Method::Sobol;
         let sample = Sample::new(method, count, seed, scramble, variables).unwrap();
         let slots: Vec<Slot> = sample.variables().iter().map(|variable| variable.slot).collect();
         let sampling = Sampling::Sample(sample);
-        // The first point must be one.
+        // The first point must be valid.
         let fits =
             slots.iter().zip(sampling.values(0)).all(|(slot, value)| slot.check(value).is_ok());
         if fits { sampling } else { Sampling::Grid(axes) }
@@ -192,7 +192,7 @@ proptest! {
         let read = parse_study(Path::new("study.toml"), &text)
             .unwrap_or_else(|error| panic!("{error}\n{text}"));
         assert_same(&read, &resolved, &text);
-        // Nothing is left to resolve, and the bytes are the same again.
+        // Resolving a resolved study changes nothing, down to the bytes.
         let again = fill_in(&read).unwrap();
         assert_same(&again, &resolved, &text);
         prop_assert_eq!(text_of(&again, "any units"), text);

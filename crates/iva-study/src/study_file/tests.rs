@@ -41,7 +41,7 @@ fn bad(text: &str) -> StudyError {
     }
 }
 
-/// The good study without its last section, to append another.
+/// The good study without its section `[sweep]`, to which tests append another.
 fn without_sweep() -> &'static str {
     &GOOD[..GOOD.find("[sweep]").unwrap()]
 }
@@ -117,12 +117,13 @@ fn report_and_run_settings_are_read() {
     assert_eq!(file.report.best_by, None);
 }
 
-/// (text to replace in the good study, replacement, line, column, parts of the message).
+/// A bad study and its error: text to replace in the good study, replacement, line, column, parts of the
+/// message.
 type Case = (&'static str, &'static str, usize, usize, &'static [&'static str]);
 
 #[rustfmt::skip]
 const BAD: &[Case] = &[
-    // Keys.
+    // Unknown keys.
     ("restitution", "restitutoin", 7, 1, &["absorber.restitutoin", "did you mean `restitution`?"]),
     ("[start]", "[strat]", 9, 2, &["strat", "did you mean `start`?"]),
     ("[start]", "[qqq]", 9, 2, &["qqq: no such key", "known keys: version, primary"]),
@@ -133,12 +134,12 @@ const BAD: &[Case] = &[
     ("mass_ratio = [", "mass = [", 16, 1, &["`mass`", "not unique", "`primary.mass` or `absorber.mass`"]),
     ("mass_ratio = [", "\"a\\nb\\u001b\" = [", 16, 1, &["sweep key = `a…`: no such field"]),
     ("mass_ratio = [", "\"force.0.a\\nb\" = [", 16, 1, &["sweep key = `force.0.a…`: no such field of a force"]),
-    // Given twice.
+    // Keys or names given twice.
     ("restitution = 0.5", "mass_ratio = 0.5", 7, 1, &["mass_ratio is given twice"]),
     ("[start]", "[absorber]", 9, 2, &["absorber is given twice"]),
     ("mass_ratio = [", "clearance = [", 16, 1, &["sweep.clearance", "sweep.relative_clearance sets the same quantity"]),
     ("[\"impacts\", \"summary\"]", "[\"impacts\", \"impacts\"]", 13, 22, &["run.tables[1] = \"impacts\"", "give each name once"]),
-    // Types.
+    // Values of the wrong type.
     ("0.1\nrest", "\"0.1\"\nrest", 6, 14, &["absorber.mass_ratio = \"0.1\"", "a number greater than 0", "not a text in quotes"]),
     ("60", "true", 12, 11, &["run.periods = true", "not a truth value"]),
     ("60", "[60, 70]", 12, 11, &["run.periods = [60, 70]", "not a list"]),
@@ -150,7 +151,7 @@ const BAD: &[Case] = &[
     ("[primary]\ndamping_ratio", "primary", 2, 11, &["primary = 0.01", "a line [primary]"]),
     ("[start]", "[[start]]", 9, 3, &["[start] once, in single brackets"]),
     ("[\"impacts\", \"summary\"]", "\"impacts\"", 13, 10, &["run.tables = \"impacts\"", "give a list of names, not a text"]),
-    // Values.
+    // Values out of range.
     ("0.5", "1.5", 7, 15, &["absorber.restitution = 1.5", "a number from 0 to 1"]),
     ("0.5", "nan", 7, 15, &["absorber.restitution = nan", "a number from 0 to 1"]),
     ("0.6", "inf", 8, 22, &["absorber.relative_clearance = inf", "a number greater than 0, from 1e-30 to 1e30"]),
@@ -191,11 +192,11 @@ const BAD: &[Case] = &[
     ("periods = 60", "duration = -3", 12, 12, &["run.duration = -3", "a number greater than 0, from 1e-30 to 1e30"]),
     ("periods = 60", "chatter_floor = 0", 12, 17, &["run.chatter_floor = 0", "a number greater than 0, from 1e-30 to 1e30"]),
     ("periods = 60", "max_work = -1", 12, 12, &["run.max_work = -1", "whole number"]),
-    // Not TOML.
+    // Text that is not TOML.
     ("0.01", "0.01.2", 3, 21, &["not valid TOML"]),
     ("kind = \"siva\"", "kind = siva", 5, 8, &["not valid TOML"]),
     ("damping_ratio = 0.01", "damping_ratio =", 3, 16, &["not valid TOML"]),
-    // Missing, with a section to point at.
+    // A missing key, with the error at its section.
     ("kind = \"siva\"", "", 4, 2, &["absorber.kind is missing", "give one of \"siva\""]),
 ];
 
@@ -279,7 +280,7 @@ fn what_only_shows_together_is_pointed_at_its_line() {
             other => panic!("{other}"),
         }
     };
-    // The field itself, the axis over it, an alternative of it, its section, nothing.
+    // The place is that of the field, the axis over it, another field for its quantity, its section, or none.
     assert_eq!(line(GOOD, "start.displacement"), Some(10));
     assert_eq!(line(GOOD, "absorber.relative_clearance"), Some(15));
     assert_eq!(line(GOOD, "absorber.clearance"), Some(15));
