@@ -123,7 +123,7 @@ type Case = (&'static str, &'static str, usize, usize, &'static [&'static str]);
 
 #[rustfmt::skip]
 const BAD: &[Case] = &[
-    // Unknown keys.
+    // Unknown or ambiguous keys.
     ("restitution", "restitutoin", 7, 1, &["absorber.restitutoin", "did you mean `restitution`?"]),
     ("[start]", "[strat]", 9, 2, &["strat", "did you mean `start`?"]),
     ("[start]", "[qqq]", 9, 2, &["qqq: no such key", "known keys: version, primary"]),
@@ -134,12 +134,12 @@ const BAD: &[Case] = &[
     ("mass_ratio = [", "mass = [", 16, 1, &["`mass`", "not unique", "`primary.mass` or `absorber.mass`"]),
     ("mass_ratio = [", "\"a\\nb\\u001b\" = [", 16, 1, &["sweep key = `a…`: no such field"]),
     ("mass_ratio = [", "\"force.0.a\\nb\" = [", 16, 1, &["sweep key = `force.0.a…`: no such field of a force"]),
-    // Keys or names given twice.
+    // Keys, quantities or names given twice.
     ("restitution = 0.5", "mass_ratio = 0.5", 7, 1, &["mass_ratio is given twice"]),
     ("[start]", "[absorber]", 9, 2, &["absorber is given twice"]),
     ("mass_ratio = [", "clearance = [", 16, 1, &["sweep.clearance", "sweep.relative_clearance sets the same quantity"]),
     ("[\"impacts\", \"summary\"]", "[\"impacts\", \"impacts\"]", 13, 22, &["run.tables[1] = \"impacts\"", "give each name once"]),
-    // Values of the wrong type.
+    // Values of the wrong type, and unknown names.
     ("0.1\nrest", "\"0.1\"\nrest", 6, 14, &["absorber.mass_ratio = \"0.1\"", "a number greater than 0", "not a text in quotes"]),
     ("60", "true", 12, 11, &["run.periods = true", "not a truth value"]),
     ("60", "[60, 70]", 12, 11, &["run.periods = [60, 70]", "not a list"]),
@@ -151,7 +151,7 @@ const BAD: &[Case] = &[
     ("[primary]\ndamping_ratio", "primary", 2, 11, &["primary = 0.01", "a line [primary]"]),
     ("[start]", "[[start]]", 9, 3, &["[start] once, in single brackets"]),
     ("[\"impacts\", \"summary\"]", "\"impacts\"", 13, 10, &["run.tables = \"impacts\"", "give a list of names, not a text"]),
-    // Values out of range.
+    // Values that are not allowed.
     ("0.5", "1.5", 7, 15, &["absorber.restitution = 1.5", "a number from 0 to 1"]),
     ("0.5", "nan", 7, 15, &["absorber.restitution = nan", "a number from 0 to 1"]),
     ("0.6", "inf", 8, 22, &["absorber.relative_clearance = inf", "a number greater than 0, from 1e-30 to 1e30"]),
