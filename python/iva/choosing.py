@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 from iva import _iva
 from iva.parameters import number, shown
+from iva.spelling import spell_checked
 from iva.tables import Table
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 BEHIND_SWEPT = "outcome"
 
 
+@spell_checked
 def best(
     table: Frame | Table,
     by: str = "settling_time_5",
@@ -85,6 +87,7 @@ def best(
     return cast("Frame", chosen.sort(by, descending=larger, maintain_order=True).head(count))
 
 
+@spell_checked
 def pareto(
     table: Frame | Table,
     by: Sequence[str],
@@ -162,6 +165,7 @@ def pareto(
     return cast("Frame", found if isinstance(frame, pl.LazyFrame) else found.collect())
 
 
+@spell_checked
 def robust(
     table: Frame | Table,
     by: str = "settling_time_5",

@@ -8,6 +8,7 @@ from os import PathLike, fspath
 
 from iva import _iva
 from iva.parameters import Part, constructor, given, number, numbers, shown
+from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+@spell_checked
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Harmonic(Part):
     """A harmonic force on the primary system, or a harmonic motion of its base.
@@ -66,6 +68,7 @@ class Harmonic(Part):
     phase: float | None = None
 
 
+@spell_checked
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Impulse(Part):
     """An impulse on the primary system: it changes velocities and nothing else.
@@ -102,6 +105,7 @@ class Impulse(Part):
     time: float | None = None
 
 
+@spell_checked
 class Recorded:
     """A recorded force or base motion: straight lines between points, 0 before and after them.
 
@@ -159,6 +163,7 @@ class Recorded:
         _iva.check("force", [("scale", self.scale)])
 
     @classmethod
+    @spell_checked
     def read(
         cls,
         path: str | PathLike[str],

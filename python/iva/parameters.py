@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 from numbers import Real
 
 from iva import _iva
+from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -149,6 +150,7 @@ def constructor(part: Part) -> str:
     return f"{type(part).__name__}({arguments})"
 
 
+@spell_checked
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Primary(Part):
     """The damped linear oscillator that is to be quietened.
@@ -206,6 +208,7 @@ class Primary(Part):
         return f"{constructor(self)}  # {units}"
 
 
+@spell_checked
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Siva(Part):
     """Single-mass impact vibration absorber: a free mass in a gap of the primary system.
@@ -289,6 +292,7 @@ class Siva(Part):
     gravity: float | None = None
 
 
+@spell_checked
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Piva(Part):
     """Pendulum impact vibration absorber: a pendulum on the primary system, between two stops.
@@ -393,6 +397,7 @@ def choices(absorber: Absorber | None) -> list[tuple[str, str]]:
     return [("kind", absorber._kind), *words]
 
 
+@spell_checked
 @dataclass(frozen=True, kw_only=True, slots=True, repr=False)
 class Start(Part):
     """The state at the begin of a run; what is not given is 0.

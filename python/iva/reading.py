@@ -16,6 +16,7 @@ from iva.frames import NAMES, Frames
 from iva.manifests import FILE, Manifest, bytes_of, manifest_of, sum_of
 from iva.parameters import shown
 from iva.parts import Sum, frame, metadata, part_files, tables_of_study
+from iva.spelling import spell_checked
 from iva.tables import Table
 from iva.units import Units, from_metadata
 
@@ -23,6 +24,7 @@ from iva.units import Units, from_metadata
 EXCHANGE = Path(".iva-new") / "exchange.json"
 
 
+@spell_checked
 def read(folder: str | os.PathLike[str], *, check: bool = True) -> Table:
     """Open the tables of a folder that ``iva sweep`` or ``iva run`` wrote.
 

@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from iva import _iva
 from iva.parameters import number, numbers, shown
+from iva.spelling import spell_checked
 
 if TYPE_CHECKING:
     import polars as pl
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 MOST_SEED = 1 << 53
 
 
+@spell_checked
 @dataclass(frozen=True)
 class Sample:
     """Points drawn from distributions.
@@ -68,6 +70,7 @@ class Sample:
         whole("sampling.seed", self.seed, 0, MOST_SEED)
 
 
+@spell_checked
 @dataclass(frozen=True)
 class Sobol(Sample):
     """Sobol points: more even than random ones, also in their projections on few axes.
@@ -96,6 +99,7 @@ class Sobol(Sample):
     scramble: bool = True
 
 
+@spell_checked
 @dataclass(frozen=True)
 class LatinHypercube(Sample):
     """One point in each of `count` slices of equal probability of every axis.
@@ -106,6 +110,7 @@ class LatinHypercube(Sample):
     _method: ClassVar[str] = "latin_hypercube"
 
 
+@spell_checked
 @dataclass(frozen=True)
 class Random(Sample):
     """Independent points.
@@ -130,6 +135,7 @@ class Distribution:
                 object.__setattr__(self, field.name, number(field.name, value))
 
 
+@spell_checked
 @dataclass(frozen=True)
 class Uniform(Distribution):
     """Of equal density from `low` to `high`.
@@ -148,6 +154,7 @@ class Uniform(Distribution):
     high: float
 
 
+@spell_checked
 @dataclass(frozen=True)
 class Normal(Distribution):
     """Normal, truncated where bounds are given.
@@ -175,6 +182,7 @@ class Normal(Distribution):
     high: float | None = None
 
 
+@spell_checked
 @dataclass(frozen=True)
 class LogNormal(Distribution):
     """Its logarithm is normal; truncated where bounds are given, as :class:`Normal` is.
@@ -203,6 +211,7 @@ Sampling: TypeAlias = Sample | str
 Over: TypeAlias = "Mapping[str, Any] | pl.DataFrame"
 
 
+@spell_checked
 def points(over: Over, sampling: Sampling = "grid") -> pl.DataFrame:
     """Return the points that a sweep would run.
 
@@ -248,6 +257,7 @@ def points_of(over: Over, sampling: Sampling) -> tuple[Any, ...]:
     ValueError
         If there is no axis, or something does not go with the sampling.
     """
+    check_sampling(sampling)
     if not isinstance(over, Mapping):
         return of_frame(over, sampling)
     for key in over:
@@ -271,13 +281,32 @@ def points_of(over: Over, sampling: Sampling) -> tuple[Any, ...]:
     columns = [(key, numbers(f"sweep.{key}", values)) for key, values in over.items()]
     if sampling == "grid":
         return "grid", columns
-    if sampling == "zip":
-        return "rows", columns, 0
+    return "rows", columns, 0
+
+
+def check_sampling(sampling: object) -> None:
+    """Check that a sampling is a known word or a sample.
+
+    Raises
+    ------
+    TypeError
+        If it is of another class.
+    ValueError
+        If the word is unknown.
+    """
+    allowed = "give 'grid', 'zip' or a sample of iva.sampling"
     if isinstance(sampling, str):
-        raise ValueError(
-            f"sampling = {shown(sampling)}: give 'grid', 'zip' or a sample of iva.sampling"
-        )
-    raise TypeError(f"sampling = {shown(sampling)}: give 'grid', 'zip' or a sample of iva.sampling")
+        if sampling not in ("grid", "zip"):
+            raise ValueError(f"sampling = {shown(sampling)}: {allowed}")
+    elif not isinstance(sampling, Sample):
+        # Frames of polars and pandas; a comparison with a word is one of every cell of them.
+        if hasattr(type(sampling), "columns"):
+            package = type(sampling).__module__.partition(".")[0]
+            raise TypeError(
+                f"sampling is a {type(sampling).__name__} of {package}: {allowed}; a frame of "
+                "points goes to over"
+            )
+        raise TypeError(f"sampling = {shown(sampling)}: {allowed}")
 
 
 def variable(key: str, value: object) -> tuple[str, str, dict[str, float]]:
@@ -299,7 +328,7 @@ def of_frame(over: object, sampling: Sampling) -> tuple[Any, ...]:
         raise TypeError(
             f"over = {shown(over)}: give a mapping from field names to values, or a polars frame"
         )
-    if sampling not in ("grid", "zip"):
+    if isinstance(sampling, Sample):
         raise ValueError(f"sampling = {shown(sampling)}: a frame has its points, leave it out")
     if not over.width or not over.height:
         raise ValueError(f"over has the shape {over.shape}: a row is a point, a column a quantity")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from iva import _iva
 from iva.parts import lazy
 from iva.reading import Found, found_in
+from iva.spelling import spell_checked
 from iva.units import Units
 
 if TYPE_CHECKING:
@@ -78,6 +79,7 @@ class Scan:
         )
 
 
+@spell_checked
 def scan(folder: str | os.PathLike[str], *, check: bool = False) -> Scan:
     """Open the tables of a folder without reading them.
 

@@ -8,9 +8,11 @@ from collections.abc import Iterable, Sequence
 from iva import _iva
 from iva.forces import Force, Impulse, listed, written
 from iva.frames import Frames, from_arrow, to_polars
+from iva.millimetres import warn_of_metres
 from iva.parameters import Absorber, Primary, Start, number, numbers, shown
 from iva.run_tables import Gradients, RunTables, Verification, differentiated, verified
 from iva.scenes import scene
+from iva.spelling import spell_checked
 from iva.units import Units, from_metadata
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -63,6 +65,7 @@ class Run(RunTables):
             raise AttributeError("no verification: ask for it with verify=True")
         return self._verification
 
+    @spell_checked
     def trajectory(self, samples_per_period: int = 200) -> pl.DataFrame:
         """Compute the motion in time.
 
@@ -171,6 +174,7 @@ class Run(RunTables):
             raise ValueError(f"time = {at!r}: the run ended before ({end}); give an earlier one")
         return state_of(row, self.start)
 
+    @spell_checked
     def write_mat(self, path: str | PathLike[str], *, samples_per_period: int = 200) -> None:
         """Write all tables and the trajectory into a file for MATLAB and Octave; needs SciPy.
 
@@ -193,6 +197,7 @@ class Run(RunTables):
         trajectory = self.trajectory(samples_per_period)
         exports.write_mat(path, self._frames, self.units, trajectory)
 
+    @spell_checked
     def write_uff(
         self,
         path: str | PathLike[str],
@@ -271,6 +276,7 @@ class Run(RunTables):
         return markup.of_run(self)
 
 
+@spell_checked
 def simulate(
     absorber: Absorber | None,
     primary: Primary,
@@ -362,6 +368,12 @@ def simulate(
         On Ctrl-C, within about a second; nothing of the run comes back. Python hands the signal to
         its main thread only: a run in another thread goes on to its end.
 
+    Warns
+    -----
+    UserWarning
+        If the primary mass is given, so that lengths are in metres, and the gap is 500 times the
+        start displacement or more, or the other way round: one of them seems to be meant in mm.
+
     Examples
     --------
     >>> run = iva.simulate(
@@ -416,6 +428,7 @@ def simulate(
             "tolerance": tolerance,
         },
     )
+    warn_of_metres(spec)
     asked = (names("measures", measures), names("tables", tables))
     by = names("gradients", gradients) or []
     truth("verify", verify)

@@ -12,12 +12,14 @@ from iva import _iva
 from iva.forces import Force
 from iva.frames import from_arrow
 from iva.manifests import FILE, manifest_of
+from iva.millimetres import warn_of_metres
 from iva.parameters import Absorber, Primary, Start, number, shown
 from iva.progress import Progress, reporting
 from iva.reading import read
 from iva.sampling import Sampling, points_of
 from iva.scenes import scene
 from iva.simulation import names, truth
+from iva.spelling import spell_checked
 from iva.tables import Table
 from iva.units import from_metadata
 
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 MEMORY_LIMIT = 4e9
 
 
+@spell_checked
 def sweep(
     absorber: Absorber | None,
     primary: Primary,
@@ -132,6 +135,12 @@ def sweep(
         goes on; else nothing of the sweep comes back. Python hands the signal to its main thread
         only: a sweep in another thread goes on to its end.
 
+    Warns
+    -----
+    UserWarning
+        As :func:`iva.simulate`, of what is swept by the middle of its axis; or if files that `out`
+        holds were not what was written.
+
     Examples
     --------
     >>> table = iva.sweep(
@@ -160,13 +169,15 @@ def sweep(
             "tolerance": tolerance,
         },
     )
+    points = points_of(over, sampling)
     study = _iva.Study(
         spec,
-        points_of(over, sampling),
+        points,
         chosen,
         names("measures", measures),
         truth("errors", errors),
     )
+    warn_of_metres(spec, points)
     limit = number("memory_limit", memory_limit)
     if out is None:
         for name, asked in (("resume", resume), ("overwrite", overwrite)):
@@ -234,9 +245,12 @@ def kept(folder: Path, replaces: bool) -> str:
 
 
 def warned(damaged: Sequence[str]) -> None:
-    """Warn of files that were not what was written, and have been computed again."""
+    """Warn of files that were not what was written, and have been computed again.
+
+    The warning points to the line that calls :func:`sweep`, which is `spell_checked`.
+    """
     if damaged:
         import warnings
 
         files = ", ".join(damaged)
-        warnings.warn(f"not what was written, and computed again: {files}", stacklevel=3)
+        warnings.warn(f"not what was written, and computed again: {files}", stacklevel=4)

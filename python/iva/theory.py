@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from iva import _iva
 from iva.forces import Harmonic, fields_of
 from iva.parameters import Primary, Siva, Start, number, shown, spec
+from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -89,6 +90,7 @@ class MasriCaughey:
         return next(found, None)
 
 
+@spell_checked
 def masri_caughey(absorber: Siva, primary: Primary, force: Harmonic) -> MasriCaughey:
     """Return the symmetric motions with two impacts a cycle: existence, admissibility, stability.
 
@@ -207,6 +209,7 @@ class SlowManifold:
         return _iva.on_slow_manifold(self.scene, theta)
 
 
+@spell_checked
 def slow_manifold(absorber: Siva, primary: Primary | None = None) -> SlowManifold:
     """Return the slow invariant manifold: activation threshold, stable range, added damping.
 

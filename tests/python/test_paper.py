@@ -375,8 +375,8 @@ def test_unknown_names(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> No
     assert text.startswith("error: WHAT = 'fig99': give fig3 to fig22, table1, claims or all")
     assert "drawings" in said(capsys, "fig1", "--out", out)[1]
     assert "drawings" in said(capsys, "fig007x", "--out", out)[1]
-    assert "do you mean 'fig7'" in said(capsys, "FIG7", "--out", out)[1]
-    assert "do you mean 'table1'" in said(capsys, "table", "--out", out)[1]
+    assert "did you mean `fig7`?" in said(capsys, "FIG7", "--out", out)[1]
+    assert "did you mean `table1`?" in said(capsys, "table", "--out", out)[1]
     assert said(capsys, "fig3", "--damping-ratio", "lots")[0] == 2
     assert "--damping-ratio = 3.0" in said(capsys, "fig3", "--damping-ratio", "3")[1]
     assert not Path(out).exists()

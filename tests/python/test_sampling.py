@@ -346,6 +346,18 @@ ARGUMENTS: list[tuple[Any, Any, type[Exception], str]] = [
     ({"mass_ratio": [0.1]}, Sobol(4), TypeError, "with a sample give a distribution"),
     ({"mass_ratio": [0.1]}, "sobol", ValueError, "'grid', 'zip' or a sample"),
     ({"mass_ratio": [0.1]}, 5, TypeError, "'grid', 'zip' or a sample"),
+    ({"mass_ratio": [0.1]}, np.array([0.1, 0.2]), TypeError, "'grid', 'zip' or a sample"),
+    *(
+        (over, frame, TypeError, f"sampling is a {given}: give 'grid', 'zip' or a sample {goes}")
+        for over in ({"mass_ratio": [0.1]}, pl.DataFrame({"mass_ratio": [0.1]}))
+        for frame, given in (
+            (pl.DataFrame({"mass_ratio": [0.1, 0.2]}), "DataFrame of polars"),
+            (pl.LazyFrame({"mass_ratio": [0.1, 0.2]}), "LazyFrame of polars"),
+        )
+        for goes in ("of iva.sampling; a frame of points goes to over",)
+    ),
+    (pl.DataFrame({"mass_ratio": [0.1]}), 5, TypeError, "'grid', 'zip' or a sample"),
+    (pl.DataFrame({"mass_ratio": [0.1]}), "lhs", ValueError, "sampling = 'lhs': give 'grid', "),
     ({"mass_ratio": Uniform(0.2, 0.1)}, Sobol(4), ValueError, "sweep.mass_ratio.high = 0.1"),
     ({"mass_ratio": Normal(0.2, 0.0)}, Sobol(4), ValueError, "sweep.mass_ratio.deviation = 0"),
     ({"mas_ratio": Uniform(0.1, 0.2)}, Sobol(4), ValueError, "did you mean `mass_ratio`"),

@@ -105,8 +105,9 @@ def test_a_part_that_was_altered_is_said_and_computed_again(tmp_path: Path) -> N
     file = out / "impacts" / "part-00000.parquet"
     whole = file.read_bytes()
     file.write_bytes(whole[:-1] + b"!")
-    with pytest.warns(UserWarning, match=r"computed again: impacts/part-00000\.parquet"):
+    with pytest.warns(UserWarning, match=r"computed again: impacts/part-00000\.parquet") as told:
         again = sweep(out=out, resume=True)
+    assert told[0].filename == __file__, "where the sweep was called"
     assert again == expected
     assert file.read_bytes() == whole
 

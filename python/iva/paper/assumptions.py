@@ -6,8 +6,10 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 from iva.parameters import number, shown
+from iva.spelling import spell_checked
 
 
+@spell_checked
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Assumptions:
     """Parameters that the paper does not give, all dimensionless: M = ωn = x₀ = 1.

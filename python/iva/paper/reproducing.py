@@ -6,7 +6,6 @@ import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
 import polars as pl
@@ -21,6 +20,7 @@ from iva.paper.made import Made
 from iva.paper.verdicts import Finding
 from iva.parameters import shown
 from iva.simulation import truth
+from iva.spelling import hint, spell_checked
 
 #: Told what is begun: how many are done, of how many, and the name of the next.
 Told = Callable[[int, int, str], object]
@@ -80,6 +80,7 @@ class Report:
         return page.claims_table(self.findings)
 
 
+@spell_checked
 def reproduce(
     *what: str,
     out: str | os.PathLike[str] | None = None,
@@ -166,11 +167,11 @@ def choice(what: Sequence[str]) -> tuple[list[Item], tuple[str, ...]]:
     for name, as_given in zip(what, given, strict=True):
         if name not in (*known, "claims", "all"):
             words = ["table1", "claims", "all"]
-            near = get_close_matches(name, words, n=1) or [n for n in known if n == name.lower()]
-            hint = f"; do you mean {near[0]!r}?" if near else ""
+            # Of figures only one that is written otherwise: fig30 is no slip for fig3.
+            words += [figure for figure in known if figure == name.lower()]
             raise ValueError(
                 f"what = {as_given!r}: give fig3 to fig22, table1, claims or all (Figs 1 and 2 are "
-                f"drawings){hint}"
+                f"drawings){hint(name, words)}"
             )
     everything = not what or "all" in what
     run = known if everything or "claims" in what else list(what)

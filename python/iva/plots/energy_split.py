@@ -13,6 +13,7 @@ from iva.plots.arguments import Numbers, checked_run, values_of
 from iva.plots.labels import labelled
 from iva.plots.styles import BLACK, ORANGE, PURPLE, SKY_BLUE, VERMILLION, drawing_on, legend_above
 from iva.simulation import Run
+from iva.spelling import spell_checked
 
 COLOURS = {
     "structure": SKY_BLUE,
@@ -31,6 +32,7 @@ TOLERANCE = 1e-4
 Motion = dict[str, Numbers]
 
 
+@spell_checked
 def energy(run: Run, *, ax: Axes | None = None) -> Axes:
     """Draw how the energy splits over time: what the masses have, and what each loss has taken.
 

@@ -17,6 +17,7 @@ from iva.parameters import Primary, Siva, shown, spec
 from iva.plots.arguments import Numbers, checked_table, frame_of, numeric, values_of
 from iva.plots.labels import of_column, valued
 from iva.plots.styles import BLACK, BLUE, GREEN, GREY, PURPLE, VERMILLION, drawing_on, legend_above
+from iva.spelling import spell_checked
 from iva.tables import Table
 from iva.theory import masri_caughey
 
@@ -30,6 +31,7 @@ FINE = 400
 Theory = tuple[Siva, Primary, Harmonic]
 
 
+@spell_checked
 def forced_response(
     table: Table,
     *,

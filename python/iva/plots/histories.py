@@ -14,11 +14,13 @@ from iva.plots.arguments import checked_run, frame_of, motion_of, values_of
 from iva.plots.labels import labelled
 from iva.plots.styles import ABSORBER, GREY, STRUCTURE, WALLS, drawing_on, legend_above
 from iva.simulation import Run, truth
+from iva.spelling import spell_checked
 
 #: Levels in percent whose settling times the summary has.
 SETTLED = (10.0, 5.0, 2.0)
 
 
+@spell_checked
 def decay(
     run: Run,
     *,
@@ -192,6 +194,7 @@ def reference_amplitude(run: Run) -> float:
     return start
 
 
+@spell_checked
 def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) -> Axes:
     """Draw the velocities of structure and absorber, which jump at every impact.
 

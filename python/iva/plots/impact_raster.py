@@ -11,9 +11,11 @@ from iva.plots.arguments import Numbers, frame_of, limit, numeric
 from iva.plots.labels import labelled, of_column
 from iva.plots.styles import WALLS, drawing_on, legend_above
 from iva.simulation import Run
+from iva.spelling import spell_checked
 from iva.tables import Table
 
 
+@spell_checked
 def raster(
     table: Table | Run,
     *,

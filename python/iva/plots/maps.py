@@ -22,12 +22,14 @@ from iva.plots.arguments import (
 )
 from iva.plots.labels import of_column, symbol_of
 from iva.plots.styles import drawing_on, figure_of
+from iva.spelling import spell_checked
 from iva.tables import Table
 
 #: Begins of the names of columns of which the smallest is the best.
 SMALL = ("settling_time_", "residual_amplitude", "amplitude_")
 
 
+@spell_checked
 def heatmap(
     table: Table,
     value: str,

@@ -27,6 +27,7 @@ from iva.plots.labels import labelled
 from iva.plots.scenery import scenery
 from iva.plots.styles import GREY, STRUCTURE, WALLS, style
 from iva.simulation import Run
+from iva.spelling import spell_checked
 
 #: A wall that was hit goes dark again in so many frames.
 FLASH = 5
@@ -49,6 +50,7 @@ BUTTONS = {
 }
 
 
+@spell_checked
 def animation(
     run: Run, *, until: float | None = None, frames: int = 200, fps: int = 25
 ) -> FuncAnimation:
@@ -206,6 +208,7 @@ def brightness(instants: Numbers, stuck: Numbers, hits: pl.DataFrame, wall: int)
     return np.where(stuck == wall, np.maximum(fading, 0.5), fading)
 
 
+@spell_checked
 def animate(
     run: Run,
     path: str | os.PathLike[str],

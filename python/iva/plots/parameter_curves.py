@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from iva.plots.arguments import Numbers, checked_table, frame_of, numeric, once, swept_key
 from iva.plots.labels import of_column, symbol_of
 from iva.plots.styles import CURVES, SHADES, drawing_on, figure_of, legend_above
+from iva.spelling import spell_checked
 from iva.tables import Table
 
 
+@spell_checked
 def curves(
     table: Table,
     y: str,

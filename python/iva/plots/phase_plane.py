@@ -11,8 +11,10 @@ from iva.plots.arguments import checked_run, motion_of
 from iva.plots.labels import labelled
 from iva.plots.styles import STRUCTURE, VERMILLION, drawing_on, legend_above
 from iva.simulation import Run, truth
+from iva.spelling import spell_checked
 
 
+@spell_checked
 def phase(
     run: Run, *, relative: bool = False, until: float | None = None, ax: Axes | None = None
 ) -> Axes:

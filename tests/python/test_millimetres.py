@@ -1,0 +1,128 @@
+"""Metres that were meant to be millimetres: one warning, and none for what is meant so."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import pytest
+
+import iva
+from iva.sampling import LogNormal, Normal, Sobol, Uniform
+
+METRIC = iva.Primary(mass=3.0, stiffness=12_000.0)
+
+
+def siva(**gap: float) -> iva.Siva:
+    return iva.Siva(mass_ratio=0.1, restitution=0.5, **gap)
+
+
+def told(call: Any, *parts: Any, **arguments: Any) -> list[str]:
+    """Return what a call warns of; each warning must point to this file."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        call(*parts, **arguments)
+    for one in caught:
+        assert one.category is UserWarning
+        assert one.filename == __file__
+    return [str(one.message) for one in caught]
+
+
+def run(absorber: Any, start: dict[str, float], primary: Any = METRIC) -> list[str]:
+    return told(iva.simulate, absorber, primary, start=iva.Start(**start), duration=0.1)
+
+
+def swept(
+    over: Any, start: dict[str, float] | None = None, sampling: Any = "grid", **gap: float
+) -> list[str]:
+    return told(
+        iva.sweep,
+        siva(**gap),
+        METRIC,
+        over=over,
+        sampling=sampling,
+        start=iva.Start(**(start or {"displacement": 0.004})),
+        duration=0.1,
+    )
+
+
+def test_a_gap_in_metres() -> None:
+    assert run(siva(gap=4.0), {"displacement": 0.004}) == [
+        "absorber.gap = 4 m is 1000 times start.displacement = 0.004 m: lengths are in metres "
+        "where the primary mass is given; where millimetres are meant, give gap_mm"
+    ]
+    (said,) = run(siva(clearance=3.0), {"displacement_mm": -4.0})
+    assert said.startswith("absorber.clearance = 3 m is 750 times start.displacement_mm = -4 mm: ")
+    assert said.endswith("give clearance_mm")
+    pendulum = iva.Piva(mass=0.3, length=0.3, restitution=0.5, clearance=2.0)
+    assert len(run(pendulum, {"displacement": 0.004})) == 1
+
+
+def test_a_start_in_metres() -> None:
+    (said,) = run(siva(clearance=0.003), {"displacement": 4.0})
+    assert said.startswith("start.displacement = 4 m is 1333 times absorber.clearance = 0.003 m: ")
+    assert said.endswith("give displacement_mm")
+    (said,) = run(siva(gap_mm=6.0), {"displacement": 4.0})
+    assert said.startswith("start.displacement = 4 m is 667 times absorber.gap_mm = 6 mm: ")
+
+
+# absorber, start
+MEANT: list[tuple[iva.Siva | None, dict[str, float]]] = [
+    (siva(gap=0.004), {"displacement": 0.004}),
+    (siva(gap_mm=4.0), {"displacement_mm": 4.0}),
+    (siva(clearance=0.4), {"displacement": 0.001}),
+    (siva(clearance=0.003), {"displacement": 1.0}),
+    (siva(clearance=0.003), {"displacement": 1e-6}),  # a gap of 3 µm nobody means
+    (siva(gap_mm=4000.0), {"displacement": 0.004}),
+    (siva(clearance=1e6), {"displacement": 0.004}),  # without stops
+    (siva(clearance=3.0), {"velocity": 0.1}),
+    (siva(relative_clearance=900.0), {"displacement": 0.004}),
+    # On from another run, late in its decay.
+    (siva(clearance=3.0), {"displacement": 0.001, "reference": 2.0, "time": 12.0}),
+    (None, {"displacement": 4.0}),
+]
+
+
+@pytest.mark.parametrize(("absorber", "start"), MEANT)
+def test_lengths_that_are_meant(absorber: iva.Siva | None, start: dict[str, float]) -> None:
+    assert run(absorber, start) == []
+
+
+@pytest.mark.parametrize("primary", [iva.Primary(), iva.Primary(frequency_hz=3.0)])
+def test_lengths_without_metres(primary: iva.Primary) -> None:
+    assert run(siva(gap=4.0), {"displacement": 0.004}, primary) == []
+
+
+def test_sweeps() -> None:
+    mass = {"absorber.mass_ratio": [0.05, 0.1, 0.2]}
+    assert len(swept(mass, gap=4.0)) == 1, "once, not once a point"
+    assert swept(mass, gap=0.004) == []
+    (said,) = swept({"absorber.gap": [3.0, 5.0, 4.0]}, clearance_mm=3.0)
+    assert said.startswith(
+        "sweep.gap = 4 m (the middle of the axis) is 1000 times start.displacement = 0.004 m: "
+    )
+    (said,) = swept({"displacement": [2.0, 4.0]}, gap_mm=4.0)
+    assert said.startswith("sweep.displacement = 4 m (the middle of the axis) is 1000 times ")
+    assert len(swept({"clearance": [2.0, 3.0], "displacement": [0.004, 0.005]}, None, "zip")) == 1
+
+
+def test_sweeps_that_are_meant() -> None:
+    assert swept({"clearance": [1e-4, 1e-3, 1e-2, 0.1, 1.0]}) == []
+    # What is swept replaces what is given.
+    for axis in ("gap_mm", "relative_clearance", "absorber.relative_clearance"):
+        assert swept({axis: [2.0, 3.0]}, gap=4.0) == []
+    assert swept({"displacement_mm": [3.0, 4.0]}, {"displacement": 4.0}, gap_mm=4.0) == []
+
+
+@pytest.mark.parametrize("drawn", [Uniform(2.5, 3.5), Normal(3.0, 0.1), LogNormal(3.0, 0.1)])
+def test_samples(drawn: Any) -> None:
+    (said,) = swept({"clearance": drawn}, None, Sobol(4))
+    assert said.startswith("sweep.clearance = 3 m (the middle of the axis) is 750 times start.")
+    assert swept({"clearance_mm": drawn}, None, Sobol(4)) == []
+
+
+def test_a_mass_that_is_swept() -> None:
+    start = iva.Start(displacement=0.004)
+    parts = (siva(gap=4.0), iva.Primary(natural_frequency=60.0))
+    over = {"primary.mass": [2.0, 3.0]}
+    assert len(told(iva.sweep, *parts, over=over, start=start, duration=0.1)) == 1
