@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 from iva import _iva
 from iva.parameters import number, shown
-from iva.spelling import spell_checked
+from iva.spelling import no_column, spell_checked
 from iva.tables import Table
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def best(
     import polars as pl
 
     frame = _frame(table)
-    _check(frame, [by])
+    _check(frame, by=[by])
     _check_count(count)
     chosen = frame.filter(pl.col(by).is_not_null() & pl.col(by).is_not_nan())
     for condition in _conditions(where):
@@ -139,7 +139,7 @@ def pareto(
     frame = _frame(table)
     for field, columns in (("by", by), ("larger", larger)):
         _check_list(field, columns, "columns")
-    _check(frame, [*by, *larger])
+    _check(frame, by=by, larger=larger)
     if not by:
         raise ValueError("by = []: name at least one column")
     valued = frame.filter(*(pl.col(name).is_not_null() & pl.col(name).is_not_nan() for name in by))
@@ -228,10 +228,13 @@ def robust(
     frame = _frame(table)
     if not isinstance(within, Mapping):
         raise TypeError(f"within = {shown(within)}: give a mapping of columns to distances")
-    names = _check(frame, [by], within)
+    names = _check(frame, by=[by])
     behind = names.index(BEHIND_SWEPT) if BEHIND_SWEPT in names else 0
     swept = [name for name in names[:behind] if name != "point"]
     for name, distance in within.items():
+        _check_name(name)
+        if name not in names:
+            raise ValueError(f"within[{name!r}]: {no_column(name, swept)}")
         if name not in swept:
             raise ValueError(
                 f"within: {name!r} was not swept; there is {', '.join(swept) or 'none'}"
@@ -307,28 +310,31 @@ def _frame(table: Frame | Table) -> pl.DataFrame | pl.LazyFrame:
     return found
 
 
-def _check(
-    frame: pl.DataFrame | pl.LazyFrame, ranked: Sequence[str], others: Iterable[str] = ()
-) -> list[str]:
-    """Return the names of the columns, after a check of those that are asked for.
+def _check(frame: pl.DataFrame | pl.LazyFrame, **asked: Sequence[str]) -> list[str]:
+    """Return the names of the columns, after a check of those that are asked for, by argument.
 
     Raises
     ------
     TypeError
-        If one is no text, or one of `ranked` is a column that is not of numbers.
+        If one is no text, or a column that is not of numbers.
     ValueError
         If there is no such column.
     """
     schema = frame.lazy().collect_schema()
-    for name in (*ranked, *others):
-        if not isinstance(name, str):
-            raise TypeError(f"{shown(name)} is no name of a column: give a text")
-        if name not in schema:
-            raise ValueError(f"there is no column {name!r}; there is {', '.join(schema)}")
-    for name in ranked:
-        if not schema[name].is_numeric():
-            raise TypeError(f"the column {name!r} is of {schema[name]}: give one of numbers")
+    for field, columns in asked.items():
+        for name in columns:
+            _check_name(name)
+            if name not in schema:
+                there = (key for key, kind in schema.items() if kind.is_numeric())
+                raise ValueError(f"{field} = {name!r}: {no_column(name, there)}")
+            if not schema[name].is_numeric():
+                raise TypeError(f"the column {name!r} is of {schema[name]}: give one of numbers")
     return schema.names()
+
+
+def _check_name(name: object) -> None:
+    if not isinstance(name, str):
+        raise TypeError(f"{shown(name)} is no name of a column: give a text")
 
 
 def _check_count(count: object) -> None:

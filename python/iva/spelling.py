@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
     T = TypeVar("T", bound=Callable[..., Any])
 
+#: So many columns are listed behind the one that was meant; the swept ones are the first of all.
+FEW = 8
+
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that is the most like a misspelt one, if any is like it.
@@ -45,6 +48,28 @@ def hint(name: str, known: Iterable[str]) -> str:
     """
     near = nearest(name, known)
     return "" if near is None else f"; did you mean `{near}`?"
+
+
+def no_column(name: str, known: Iterable[str]) -> str:
+    """Return what to say of a column that is not there: which one was meant, and what there is.
+
+    Examples
+    --------
+    >>> no_column("mas_ratio", ["point", "mass_ratio", "impacts"])
+    'no such column; did you mean `mass_ratio`? Others are point, impacts'
+    >>> no_column("zeta", ["point", "mass_ratio", "impacts"])
+    'no such column; there is point, mass_ratio, impacts'
+    """
+    there = list(known)
+    near = nearest(name, there)
+    if near is None:
+        return f"no such column; there is {', '.join(there) or 'none'}"
+    others = [one for one in there if one != near]
+    said = f"no such column; did you mean `{near}`?"
+    if not others:
+        return said
+    more = f" and {len(others) - FEW} more" if len(others) > FEW else ""
+    return f"{said} Others are {', '.join(others[:FEW])}{more}"
 
 
 def spell_checked(called: T) -> T:

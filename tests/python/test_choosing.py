@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -129,8 +130,29 @@ def test_neighbours_of_scattered_points() -> None:
 
 
 def test_bad_input_gets_one_sentence(table: iva.Table) -> None:
-    with pytest.raises(ValueError, match="there is no column 'settling_tme'; there is point, "):
-        iva.best(table, "settling_tme")
+    slips: list[tuple[Callable[[], object], str]] = [
+        (lambda: iva.best(table, "settling_time"), "by = 'settling_time'"),
+        (lambda: iva.robust(table, "settling_tme_5", within={}), "by = 'settling_tme_5'"),
+        (lambda: iva.pareto(table, ["impacts", "setling_time_5"]), "by = 'setling_time_5'"),
+        (lambda: iva.pareto(table, [], larger=["Settling_Time_5"]), "larger = 'Settling_Time_5'"),
+    ]
+    for call, said in slips:
+        with pytest.raises(
+            ValueError,
+            match=rf"^{said}: no such column; did you mean `settling_time_5`\? Others are point, "
+            r"relative_clearance, mass_ratio, impacts, [a-z_, ]* and \d\d more$",
+        ):
+            call()
+    with pytest.raises(ValueError, match=r"^by = 'zeta': no such column; there is point, .*stroke"):
+        iva.best(table, "zeta")
+    with pytest.raises(
+        ValueError, match=r"^within\['mass'\]: no such column; did you mean `mass_r"
+    ):
+        iva.robust(table, within={"mass": 0.1})
+    with pytest.raises(TypeError, match="3 is no name of a column: give a text"):
+        iva.robust(table, within={3: 0.1})  # type: ignore[dict-item]
+    with pytest.raises(TypeError, match="the column 'outcome' is of String: give one of numbers"):
+        iva.best(table, "outcome")
     with pytest.raises(ValueError, match="count = 0: ask for at least one point"):
         iva.best(table, count=0)
     with pytest.raises(ValueError, match="name at least one column"):

@@ -71,13 +71,23 @@ def test_tables_that_cannot_be_drawn(run: iva.Run, table: iva.Table) -> None:
     not_one: Any = run
     wrong(lambda: plots.curves(not_one, "impacts"), TypeError, "table = Run: finished")
     wrong(lambda: plots.heatmap(not_one, "impacts"), TypeError, "table = Run: finished")
-    wrong(lambda: plots.curves(table, "dampin"), ValueError, "y = 'dampin': no such column, only")
+    meant = "no such column; did you mean `damping_ratio_3`? Others are point, relative_clearance, "
+    wrong(lambda: plots.curves(table, "dampin"), ValueError, f"y = 'dampin': {meant}")
+    wrong(lambda: plots.heatmap(table, "damping"), ValueError, f"value = 'damping': {meant}")
+    wrong(lambda: plots.raster(table, by="dampin"), ValueError, f"by = 'dampin': {meant}")
+    wrong(
+        lambda: plots.curves(table, "impacts", x="mass"),
+        ValueError,
+        "x = 'mass': no such column; did you mean `mass_ratio`? Others are point, ",
+    )
     wrong(lambda: plots.curves(table, "outcome"), ValueError, "y = 'outcome': it holds String")
     wrong(lambda: plots.curves(table, "digits"), ValueError, "y = 'digits': it is null at every")
     wrong(lambda: plots.curves(table, 3), TypeError, "y = 3: give the name of a column")  # type: ignore[arg-type]
     wrong(lambda: plots.heatmap(table, "impacts", best="most"), ValueError, "best = 'most': give")  # type: ignore[arg-type]
     wrong(
-        lambda: plots.heatmap(table, "impacts", y="wide"), ValueError, "y = 'wide': no such column"
+        lambda: plots.heatmap(table, "impacts", y="wide"),
+        ValueError,
+        "y = 'wide': no such column; there is point, relative_clearance, mass_ratio, impacts, ",
     )
     bare = iva.sweep(
         iva.Siva(mass_ratio=0.1, relative_clearance=0.5),

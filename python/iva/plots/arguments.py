@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from iva.parameters import number, shown
 from iva.simulation import Run
+from iva.spelling import no_column
 from iva.tables import Table
 
 Numbers = NDArray[np.float64]
@@ -107,8 +108,8 @@ def numeric(frame: pl.DataFrame, field: str, name: object) -> Numbers:
     if not isinstance(name, str):
         raise TypeError(f"{field} = {shown(name)}: give the name of a column")
     if name not in frame.columns:
-        there = ", ".join(key for key, kind in frame.schema.items() if kind.is_numeric())
-        raise ValueError(f"{field} = {name!r}: no such column, only {there}")
+        there = (key for key, kind in frame.schema.items() if kind.is_numeric())
+        raise ValueError(f"{field} = {name!r}: {no_column(name, there)}")
     kind = frame.schema[name]
     if not kind.is_numeric() and kind != pl.Null:
         raise ValueError(f"{field} = {name!r}: it holds {kind}, give a column of numbers")
