@@ -305,12 +305,23 @@ impl<R: Real> Force<R> {
         bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&R::ZERO))
     }
 
-    /// The number of kicks that have acted where a run begins at an instant: all up to that instant, except
-    /// that a run from time zero still has those of time zero before it.
-    pub(crate) fn kicks_before(&self, time: DoubleDouble<R>) -> u32 {
+    /// The instant at which the force is read where a run begins at `time`, and the number of kicks that have
+    /// acted by then.
+    ///
+    /// The begin of a run and the points of a record are converted to natural time one by one and may differ
+    /// by a rounding where the user gave the same number. So the last bend, jump or impulse up to a rounding
+    /// after `time` counts as reached, for the value of the force as for its kicks. A run from time zero
+    /// still has the kicks of time zero before it.
+    pub(crate) fn begin(&self, time: DoubleDouble<R>) -> (DoubleDouble<R>, u32) {
         let slack = time.value * SLACK;
-        let over = |kick: &&Kick<R>| kick.time.minus(time.value) < slack;
-        self.kicks.iter().take_while(over).count() as u32
+        let over = |kick: &&Kick<R>| (kick.time - time).value < slack;
+        let kicks = self.kicks.iter().take_while(over).count();
+        let kick = kicks.checked_sub(1).map(|last| self.kicks[last].time);
+        let knots = self.records.iter().filter_map(|record| record.last_knot(time.plus(slack)));
+        let later = |a: DoubleDouble<R>, b: DoubleDouble<R>| {
+            if (b - a).value > R::ZERO { b } else { a }
+        };
+        (knots.chain(kick).fold(time, later), kicks as u32)
     }
 
     /// P/M of the kick that is due at `time`, when the first `done` have acted.

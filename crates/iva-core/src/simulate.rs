@@ -172,6 +172,9 @@ pub(crate) struct Run<'a, S: System, O> {
 
 /// Number of segments between two checks of the cancel flag.
 const CANCEL_EVERY: u64 = 1024;
+/// Largest pressure at a release, in units of 2⁻⁵² of the terms that cancel in it. A state with more is not
+/// at a release, and the run ends as `not_finite`.
+const PRESSURE_ULPS: f64 = 1024.0;
 
 impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// A run that has not begun.
@@ -354,15 +357,24 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let length = ride.reach().min(remaining);
         let stretch = first_release(&ride, &state, length);
         self.tally.undecided += stretch.undecided;
-        self.advance(&ride, stretch.end.h, length == remaining);
-        if stretch.contact.is_some() {
-            let (state, later) = system.release(&self.tally.state);
-            self.tally.state = state;
-            self.clock = self.clock.plus(later);
-            self.observer.jump(system, &Jump::Release);
-            self.end_episode(true);
-            self.phase = Phase::Flight { first: R::INFINITY };
+        let ridden = stretch.end.h;
+        self.advance(&ride, ridden, length == remaining);
+        // Where the force jumps or has an impulse at the release, that decides whether the absorber leaves.
+        if stretch.contact.is_none() || system.due(&self.tally.state).is_some() {
+            return true;
         }
+        let (state, later) = system.release(&self.tally.state);
+        let pressure = ride.jet(&self.tally.state).value.abs();
+        let without_pressure = pressure <= ride.magnitude() * (R::EPSILON * PRESSURE_ULPS);
+        let close_by = later >= -ridden && later <= ride.reach();
+        if !(without_pressure && close_by) {
+            return false;
+        }
+        self.tally.state = state;
+        self.clock = self.clock.plus(later);
+        self.observer.jump(system, &Jump::Release);
+        self.end_episode(true);
+        self.phase = Phase::Flight { first: R::INFINITY };
         true
     }
 

@@ -149,6 +149,11 @@ impl<R: Real> Record<R> {
         (passed < self.history.times.len()).then(|| self.knot(passed))
     }
 
+    /// The instant of the last point at or before an instant.
+    pub(super) fn last_knot(&self, time: DoubleDouble<R>) -> Option<DoubleDouble<R>> {
+        self.passed(time).checked_sub(1).map(|last| self.knot(last))
+    }
+
     /// The instants of its jumps: its ends, unless its value is 0 there.
     pub(super) fn jumps(&self) -> impl Iterator<Item = DoubleDouble<R>> + '_ {
         let last = self.history.times.len() - 1;

@@ -129,6 +129,7 @@ impl<R: Real> Piva<R> {
 
     /// The first state of a run, from a start and the instant of the drive.
     pub(super) fn first_state(&self, start: &PivaStart<R>, time: Clock<R>) -> PivaState<R> {
+        let (time, kicks) = self.force.begin(time);
         let primary = Primary {
             x: DoubleDouble::new(start.displacement),
             v: DoubleDouble::new(start.velocity),
@@ -159,7 +160,7 @@ impl<R: Real> Piva<R> {
         };
         PivaState {
             time,
-            kicks: self.force.kicks_before(time),
+            kicks,
             primary,
             wall,
             distance: if touching { DoubleDouble::ZERO } else { distance },

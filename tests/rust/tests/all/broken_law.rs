@@ -6,20 +6,23 @@ use iva_core::{
     flight::Jet,
     impact::Impact,
     run::run,
-    simulate::Limits,
+    simulate::{Limits, Outcome},
     siva::{Siva, SivaState},
     system::{Clock, Point, Start, System, Wall},
 };
 
-/// The velocity that a wrong restitution is used for.
+/// What is wrong: the restitution used for one of the two velocities, or the instant of a release.
 #[derive(Debug, Clone, Copy)]
 enum Fault {
     None,
     Gap,
     Primary,
+    /// The release is this much later than it is.
+    Release,
 }
 
-/// A SIVA whose impact uses a wrong restitution for one of the two velocities.
+/// A SIVA whose impact uses a wrong restitution for one of the two velocities, or that leaves its wall at a
+/// wrong instant.
 struct Broken {
     siva: Siva,
     fault: Fault,
@@ -37,7 +40,7 @@ impl System for Broken {
         let (_, mut impact) = self.siva.impact(state, time);
         let (mu, w) = (self.siva.mass_ratio(), impact.gap_velocity_before);
         match self.fault {
-            Fault::None => {}
+            Fault::None | Fault::Release => {}
             Fault::Gap => impact.gap_velocity_after = -self.wrong * w,
             Fault::Primary => {
                 impact.velocity_after =
@@ -90,7 +93,8 @@ impl System for Broken {
         self.siva.stick(state)
     }
     fn release(&self, state: &SivaState) -> (SivaState, f64) {
-        self.siva.release(state)
+        let (after, later) = self.siva.release(state);
+        (after, if matches!(self.fault, Fault::Release) { self.wrong } else { later })
     }
     fn primary(&self, state: &SivaState) -> Point {
         self.siva.primary(state)
@@ -109,6 +113,30 @@ fn ledger(fault: Fault, wrong: f64) -> f64 {
     assert_eq!(run.tally.impacts, 8);
     let m = &run.measures;
     m.energy_residual.abs() / m.energy_initial.max(run.tally.energy_impacts).max(m.energy_viscous)
+}
+
+/// No row tells of a release that lies before its stick, or far from where the pressure vanishes.
+#[test]
+fn a_release_that_moves_the_clock_far_ends_the_run() {
+    // The paper's Fig. 4: sticks at 3.96 and leaves at 5.07.
+    let siva = Siva::new(0.15, 0.5, 0.1, 0.0).unwrap();
+    let start = Start { displacement: 1.0, ..Start::default() };
+    let limits = Limits::new(20.0, 0.1);
+    let told = |fault, wrong| {
+        let run = run(&Broken { siva: siva.clone(), fault, wrong }, &start, &limits).unwrap();
+        let first = run.episodes.first().map(|it| (it.stick_time, it.release_time));
+        (run.tally.outcome, first)
+    };
+    let (outcome, first) = told(Fault::None, 0.5);
+    let (stick, release) = first.unwrap();
+    assert_eq!(outcome, Outcome::Finished);
+    assert!(
+        (stick - 3.955_188_609).abs() < 1e-8 && (release.unwrap() - 5.066_274_515).abs() < 1e-8
+    );
+    for wrong in [-10.0, -1.5, 3.0, 1e9, f64::NAN] {
+        let (outcome, first) = told(Fault::Release, wrong);
+        assert_eq!((outcome, first), (Outcome::NotFinite, Some((stick, None))), "{wrong} later");
+    }
 }
 
 #[test]

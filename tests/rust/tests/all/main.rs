@@ -31,6 +31,7 @@ mod records;
 mod reference_events;
 mod regressions;
 mod second_opinion;
+mod starts_at_jumps;
 mod steady;
 mod stress;
 mod stress_inputs;

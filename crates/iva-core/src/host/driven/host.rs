@@ -50,7 +50,8 @@ impl<R: Real> Host for DrivenHost<R> {
     }
 
     fn begin_at(&self, time: Clock<R>) -> Moment<R> {
-        self.free.moment(time, time, self.forces.force.kicks_before(time))
+        let (time, kicks) = self.forces.force.begin(time);
+        self.free.moment(time, time, kicks)
     }
 
     fn balanced(&self, phase: &Moment<R>, v: DoubleDouble<R>) -> DoubleDouble<R> {
