@@ -48,6 +48,26 @@ pub struct Tally<State, R = f64> {
 }
 
 impl<State: Copy, R: Real> Tally<State, R> {
+    /// The same counts and sums without the last state, for runs of any kind of scene side by side.
+    pub fn without_state(&self) -> Tally<(), R> {
+        let Self { outcome, impacts, effective_impacts, episodes, undecided, .. } = *self;
+        let Self { approach_speeds, time_stuck, energy_impacts, end_time, work, clock, .. } = *self;
+        Tally {
+            outcome,
+            impacts,
+            effective_impacts,
+            episodes,
+            undecided,
+            approach_speeds,
+            time_stuck,
+            energy_impacts,
+            end_time,
+            work,
+            state: (),
+            clock,
+        }
+    }
+
     /// The end of the run, from which another run can go on.
     pub fn instant(&self) -> Instant<State, R> {
         Instant { time: self.clock, state: self.state }

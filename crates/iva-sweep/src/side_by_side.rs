@@ -1,100 +1,128 @@
 //! Points that are run side by side: those of a study that wants the summary only.
+//!
+//! Whether a point goes side by side, and in which tier, is decided by the study and by the point alone. The
+//! points of a part are grouped after that, one group for each kind of scene, so that no row depends on what
+//! else is in its part.
 
-use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
-use iva_core::lanes::{self, Ended, Job, SideBySide};
+use iva_core::lanes::{self, Job, SideBySide, Tier};
+use iva_core::measures::MeasureValues;
+use iva_core::simulate::Tally;
+use iva_core::steady::SteadyValues;
 
 use crate::done::Done;
 use crate::engine::design::Design;
 use crate::engine::point::Request;
-use crate::engine::rows::{self, Cell};
-use crate::engine::scene::{Scene, with_system};
+use crate::engine::rows::{Cell, RunRow};
+use crate::engine::scene::Scene;
 use crate::error::Invalid;
 use crate::study::Study;
 
-/// The arguments common to all calls of [`summaries`] in a sweep.
-#[derive(Clone, Copy)]
-pub(crate) struct Asked<'a> {
-    pub study: &'a Study,
-    pub request: &'a Request,
-    pub cancel: &'a AtomicBool,
+/// The result of a run, for any kind of scene.
+#[derive(Debug, Clone)]
+pub(crate) struct Ended {
+    /// How it ended, and its counts.
+    pub tally: Tally<()>,
+    /// Its measures.
+    pub measures: MeasureValues,
+    /// Those of its steady state; `None` where they were not asked for.
+    pub steady: Option<SteadyValues>,
+    /// The tier that made it.
+    pub tier: Tier,
 }
 
-type Take<'a> = &'a mut dyn FnMut(&mut dyn Iterator<Item = Cell>);
+impl Ended {
+    /// Hands out the row of `summary`; returns the counts of the run.
+    ///
+    /// # Errors
+    /// As [`Request::settled`].
+    pub fn summarise(
+        &self,
+        study: &Study,
+        point: u64,
+        design: &Design,
+        request: &Request,
+        cancel: &AtomicBool,
+        take: &mut dyn FnMut(&mut dyn Iterator<Item = Cell>),
+    ) -> Result<Done, Invalid> {
+        let Self { tally, measures, steady, tier } = self;
+        let settled = request.settled(design, steady.as_ref(), cancel)?;
+        let row = RunRow { settled, tier: *tier, ..RunRow::new(design, *tally, measures) };
+        take(&mut row.cells(&request.columns, &study.swept(point), point));
+        Ok(Done::run(tally.outcome.name(), tally.work))
+    }
+}
 
-/// Runs points and hands out their rows of `summary`, in order; returns their counts. `None`: these points
-/// have to be run one by one.
+/// Runs those of the designs that can go side by side. The results are in the order of the designs; `None`:
+/// the design has to be run by itself, or had not begun when the sweep was cancelled.
 ///
 /// # Errors
-/// [`Invalid`] for a point that makes no valid scene.
-pub(crate) fn summaries(
-    asked: &Asked<'_>,
-    points: Range<u64>,
-    take: Take<'_>,
-) -> Result<Option<Done>, Invalid> {
-    let Request { summary, impacts, episodes, envelope, ref steady, .. } = *asked.request;
-    let more = impacts || episodes || envelope || steady.strobes || asked.study.errors;
-    if more || !summary || points.is_empty() {
-        return Ok(None);
-    }
-    let design = asked.study.design(points.start)?;
-    if with_system!(&design.scene, |system, _start| asked.request.wants_extremes(system)) {
-        return Ok(None);
-    }
-    match design.scene {
-        Scene::Siva { .. } => together(asked, points, take, |design| match &design.scene {
+/// [`Invalid`] for a start or limits that the core refuses.
+pub(crate) fn run(
+    designs: &[Design],
+    request: &Request,
+    cancel: &AtomicBool,
+) -> Result<Vec<Option<Ended>>, Invalid> {
+    let mut part = Part { designs, request, cancel, ended: vec![None; designs.len()] };
+    if request.summary_alone() {
+        part.run(|scene| match scene {
             Scene::Siva { system, start } => Some((system.clone(), *start)),
             _ => None,
-        }),
-        Scene::DrivenSiva { .. } => together(asked, points, take, |design| match &design.scene {
+        })?;
+        part.run(|scene| match scene {
             Scene::DrivenSiva { system, start, .. } => Some((system.clone(), *start)),
             _ => None,
-        }),
-        Scene::Piva { .. } => together(asked, points, take, |design| match &design.scene {
+        })?;
+        part.run(|scene| match scene {
             Scene::Piva { system, start, .. } => Some((system.clone(), *start)),
             _ => None,
-        }),
-        Scene::Alone { .. } => together(asked, points, take, |design| match &design.scene {
+        })?;
+        part.run(|scene| match scene {
             Scene::Alone { system, start } => Some((system.clone(), *start)),
             _ => None,
-        }),
-        Scene::DrivenAlone { .. } => together(asked, points, take, |design| match &design.scene {
+        })?;
+        part.run(|scene| match scene {
             Scene::DrivenAlone { system, start } => Some((system.clone(), *start)),
             _ => None,
-        }),
+        })?;
     }
+    Ok(part.ended)
 }
 
-fn together<S: SideBySide>(
-    asked: &Asked<'_>,
-    points: Range<u64>,
-    take: Take<'_>,
-    scene: impl Fn(&Design) -> Option<(S, S::Start)>,
-) -> Result<Option<Done>, Invalid> {
-    let Asked { study, request, cancel } = *asked;
-    let (mut designs, mut jobs) = (Vec::new(), Vec::new());
-    let mut designer = study.designer();
-    for point in points.clone() {
-        let design = designer.design(point)?;
-        let Some((system, start)) = scene(&design) else { return Ok(None) };
-        let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
-        let Design { begin, limits, tier, .. } = design;
-        jobs.push(Job { system, start, begin, limits, steady, tier });
-        designs.push(design);
+/// A part of a sweep in progress.
+struct Part<'a> {
+    designs: &'a [Design],
+    request: &'a Request,
+    cancel: &'a AtomicBool,
+    ended: Vec<Option<Ended>>,
+}
+
+impl Part<'_> {
+    /// Runs the designs of one kind of scene.
+    fn run<S: SideBySide>(
+        &mut self,
+        scene: impl Fn(&Scene) -> Option<(S, S::Start)>,
+    ) -> Result<(), Invalid> {
+        let Self { designs, request, cancel, ended } = self;
+        let (mut jobs, mut places) = (Vec::new(), Vec::new());
+        for (place, design) in designs.iter().enumerate() {
+            let Some((system, start)) = scene(&design.scene) else { continue };
+            if request.wants_extremes(&system) {
+                continue;
+            }
+            let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
+            let Design { begin, limits, tier, .. } = *design;
+            jobs.push(Job { system, start, begin, limits, steady, tier });
+            places.push(place);
+        }
+        if jobs.is_empty() {
+            return Ok(());
+        }
+        lanes::run(&jobs, request.wanted, Some(cancel), &mut |index, (tally, measures, steady)| {
+            let (tally, measures, steady) = (tally.without_state(), *measures, *steady);
+            let tier = S::tier(&jobs[index]);
+            ended[places[index]] = Some(Ended { tally, measures, steady, tier });
+        })
     }
-    let mut results: Vec<Option<Ended<S>>> = vec![None; jobs.len()];
-    let keep = &mut |index: usize, ended: &Ended<S>| results[index] = Some(*ended);
-    lanes::run(&jobs, request.wanted, Some(cancel), keep)?;
-    let mut done = Done::default();
-    // After a cancellation only the points before the first one that had not begun.
-    for (index, (point, (design, result))) in points.zip(designs.iter().zip(&results)).enumerate() {
-        let Some((tally, measures, steady)) = result else { break };
-        let settled = request.settled(design, steady.as_ref(), cancel)?;
-        let tier = S::tier(&jobs[index]);
-        let row = rows::RunRow { settled, tier, ..rows::RunRow::new(design, tally, measures) };
-        take(&mut row.cells(&request.columns, &study.swept(point), point));
-        done += Done::run(tally.outcome.name(), tally.work);
-    }
-    Ok(Some(done))
 }

@@ -18,8 +18,8 @@ use iva_core::simulate::Outcome;
 use crate::done::Done;
 use crate::engine::design::Design;
 use crate::engine::point::{Estimates, Request, run};
-use crate::engine::rows::{Cell, Estimate};
-use crate::side_by_side::{Asked, summaries};
+use crate::engine::rows::Estimate;
+use crate::side_by_side;
 use crate::study::{Study, Table};
 use crate::tables::{TableBuilder, schema_in};
 pub use crate::workers::{MAX_THREADS, Workers};
@@ -154,26 +154,26 @@ fn run_chunk(
     schemas: &Schemas,
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
-    let request = Request::new(study);
-    let rows = (points.end - points.start) as usize;
-    let mut builders = builders(schemas, rows);
-    let mut row = |cells: &mut dyn Iterator<Item = Cell>| {
-        if let Some(builder) = builders.get_mut(&Table::Summary) {
-            builder.row(cells);
-        }
-    };
-    let asked = Asked { study, request: &request, cancel: control.cancel };
-    let done = match summaries(&asked, points.clone(), &mut row)? {
-        Some(done) => done,
-        None => {
-            let mut done = Done::default();
-            for point in points.take_while(|_| !control.cancelled()) {
-                let design = study.design(point)?;
-                done += run_point(study, point, &design, &request, control.cancel, &mut builders)?;
+    let (request, cancel) = (Request::new(study), control.cancel);
+    let mut builders = builders(schemas, (points.end - points.start) as usize);
+    let mut designer = study.designer();
+    let designs: Vec<Design> =
+        points.clone().map(|point| designer.design(point)).collect::<Result<_, _>>()?;
+    let ended = side_by_side::run(&designs, &request, cancel)?;
+    let mut done = Done::default();
+    for (point, (design, ended)) in points.zip(designs.iter().zip(&ended)) {
+        done += match ended {
+            Some(ended) => {
+                ended.summarise(study, point, design, &request, cancel, &mut |cells| {
+                    if let Some(builder) = builders.get_mut(&Table::Summary) {
+                        builder.row(cells);
+                    }
+                })?
             }
-            done
-        }
-    };
+            None if control.cancelled() => break,
+            None => run_point(study, point, design, &request, cancel, &mut builders)?,
+        };
+    }
     (control.progress)(done);
     finish(builders)
 }

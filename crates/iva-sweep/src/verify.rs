@@ -14,7 +14,7 @@ use crate::engine::given::Given;
 use crate::engine::point::{Estimates, Request, run};
 use crate::error::Invalid;
 use crate::fields::FieldId;
-use crate::side_by_side::{Asked, summaries};
+use crate::side_by_side;
 use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
 use crate::tables::{Cell, Content, TableBuilder, schema_of};
@@ -125,18 +125,17 @@ fn alike(table: Table, a: &[Cell], b: &[Cell<Twofold>]) -> bool {
 type Rows<R> = Vec<(Table, Vec<Cell<R>>)>;
 
 fn in_doubles(study: &Study, cancel: &AtomicBool) -> Result<Rows<f64>, Invalid> {
-    let design = study.design(0)?;
-    if design.tier == Tier::Fast {
-        let (request, mut found) = (Request::new(study), Rows::new());
-        let asked = Asked { study, request: &request, cancel };
-        let keep = &mut |cells: &mut dyn Iterator<Item = Cell>| {
-            found.push((Table::Summary, cells.collect()));
-        };
-        if summaries(&asked, 0..1, keep)?.is_some() {
-            return Ok(found);
-        }
-    }
-    rows(study, &design, cancel)
+    let (design, request) = (study.design(0)?, Request::new(study));
+    let fast = design.tier == Tier::Fast;
+    let designs = if fast { std::slice::from_ref(&design) } else { &[] };
+    let Some(ended) = side_by_side::run(designs, &request, cancel)?.pop().flatten() else {
+        return rows(study, &design, cancel);
+    };
+    let mut found = Rows::new();
+    ended.summarise(study, 0, &design, &request, cancel, &mut |cells| {
+        found.push((Table::Summary, cells.collect()));
+    })?;
+    Ok(found)
 }
 
 fn in_twofold(study: &Study, cancel: &AtomicBool) -> Result<Rows<Twofold>, Invalid> {

@@ -31,6 +31,8 @@ pub(crate) struct Request {
     pub impacts: bool,
     pub episodes: bool,
     pub envelope: bool,
+    /// True if the errors of the run are to be estimated.
+    pub errors: bool,
     pub wanted: Wanted,
     pub steady: SteadyWanted,
     pub reduction: bool,
@@ -50,6 +52,7 @@ impl Request {
             impacts: asked(Table::Impacts),
             episodes: asked(Table::Episodes),
             envelope: asked(Table::Envelope),
+            errors: study.errors,
             wanted: Wanted {
                 peaks: needs(Group::Peaks),
                 settling: needs(Group::Settling),
@@ -89,6 +92,12 @@ impl Request {
             false => None,
         };
         Ok(Some(Settled { values, bare, moves_base: design.scene.moves_base() }))
+    }
+
+    /// True if the summary is wanted, and nothing else of a run: no other table, no strobes, no errors.
+    pub fn summary_alone(&self) -> bool {
+        let Self { summary, impacts, episodes, envelope, errors, steady, .. } = self;
+        *summary && !(*impacts || *episodes || *envelope || *errors || steady.strobes)
     }
 
     /// True if the extremes of a run are wanted.
@@ -257,13 +266,13 @@ impl<R: Real> Point<'_, R> {
     fn summary<'a, S: System<Real = R>, E: Estimates<S>>(
         &'a self,
         seen: &'a Seen<S, E>,
-    ) -> Result<Option<RunRow<'a, S::State, R>>, Invalid> {
+    ) -> Result<Option<RunRow<'a, R>>, Invalid> {
         let Self { design, request, cancel, .. } = *self;
         let Some(measures) = &seen.measures else { return Ok(None) };
         let settled = request.settled(design, seen.steady.as_ref().map(Steady::values), cancel)?;
         let [condition, digits] = seen.estimates.of_run();
         let extremes = seen.extremes.as_ref().map(Extremes::values);
-        let run = RunRow::new(design, &seen.tally, measures.values());
+        let run = RunRow::new(design, seen.tally.without_state(), measures.values());
         Ok(Some(RunRow { settled, extremes, condition, digits, ..run }))
     }
 }

@@ -41,8 +41,8 @@ impl SummaryColumn {
 }
 
 /// The data of a row of `summary`.
-pub(crate) struct RunRow<'a, S, R: Real = f64> {
-    pub tally: &'a Tally<S, R>,
+pub(crate) struct RunRow<'a, R: Real = f64> {
+    pub tally: Tally<(), R>,
     pub values: &'a MeasureValues<R>,
     pub settled: Option<Settled<'a, R>>,
     pub extremes: Option<&'a ExtremeValues<R>>,
@@ -54,13 +54,9 @@ pub(crate) struct RunRow<'a, S, R: Real = f64> {
     pub scale: &'a Scale<R>,
 }
 
-impl<'a, R: Real, S> RunRow<'a, S, R> {
+impl<'a, R: Real> RunRow<'a, R> {
     /// A run in free decay, without extremes and estimates of errors.
-    pub fn new(
-        design: &'a Design<R>,
-        tally: &'a Tally<S, R>,
-        values: &'a MeasureValues<R>,
-    ) -> Self {
+    pub fn new(design: &'a Design<R>, tally: Tally<(), R>, values: &'a MeasureValues<R>) -> Self {
         let Design { scene, scale, contact_rate, .. } = design;
         let contact_rate = *contact_rate;
         let tier = match scene {

@@ -23,6 +23,7 @@ mod invariants;
 mod lanes;
 mod limits;
 mod measures;
+mod neighbours;
 mod piva;
 mod piva_flight;
 mod planted;
