@@ -51,8 +51,11 @@ pub enum Jump<'a, State> {
         /// The state after.
         after: &'a State,
     },
-    /// The end of a summed chatter: the absorber sticks.
-    Stick,
+    /// The absorber sticks, at the end of a summed chatter or at once.
+    Stick {
+        /// The state stuck to the wall.
+        after: &'a State,
+    },
     /// The release of a stuck absorber.
     Release,
 }

@@ -287,7 +287,7 @@ impl<S: Differentiable> Observer<S> for Errors {
     fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
         match jump {
             Jump::Impact { before, after } => Errors::impact(self, system, before, after),
-            Jump::Stick => {
+            Jump::Stick { .. } => {
                 // On the wall hit last; a plastic stick at the begin of a run changes nothing.
                 self.carry(&system.stick_matrix(self.wall.unwrap_or(Wall::Plus)));
             }

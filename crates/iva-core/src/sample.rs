@@ -2,9 +2,10 @@
 
 use crate::flight::Motion;
 use crate::impact::Impact;
-use crate::observe::{Contact, Observer, Span};
+use crate::observe::{Contact, Jump, Observer, Span};
 use crate::real::Real;
-use crate::simulate::Instant;
+use crate::simulate::wall::presses;
+use crate::simulate::{Instant, Outcome, Tally};
 use crate::system::{Angle, Clock, System};
 
 /// Primary and absorber at one instant.
@@ -59,6 +60,8 @@ pub struct Sampler<R = f64> {
     duration: R,
     /// Accelerations of structure and absorber, before and after the current impact.
     jumped: [[R; 2]; 2],
+    /// True if nothing has come after the last impact.
+    landed: bool,
     /// The samples taken so far, in order of time.
     pub states: Vec<State<R>>,
 }
@@ -68,25 +71,58 @@ impl<R: Real> Sampler<R> {
     pub fn at(times: Vec<R>) -> Self {
         let states = Vec::with_capacity(times.len());
         let (duration, jumped) = (R::ZERO, [[R::ZERO; 2]; 2]);
-        Self { times, next: 0, events: false, duration, jumped, states }
+        Self { times, next: 0, events: false, duration, jumped, landed: false, states }
     }
 
     /// Samples at `times` and both states of every impact.
     pub fn with_events(times: Vec<R>) -> Self {
         Self { events: true, ..Self::at(times) }
     }
+
+    /// Takes the next sample, a time h after the begin of a motion.
+    fn take<S: System<Real = R>, M: Motion<Real = R, State = S::State>>(
+        &mut self,
+        system: &S,
+        motion: &M,
+        time: R,
+        h: R,
+    ) {
+        let (primary, gap) = (motion.primary(h), motion.gap(h));
+        let state = motion.state(h);
+        let acceleration = motion.acceleration(h);
+        let beside = match motion.wall() {
+            Some(_) => R::ZERO,
+            None => system.lever() * gap_acceleration(system, &state),
+        };
+        self.states.push(State {
+            time,
+            displacement: primary.value,
+            velocity: primary.rate,
+            gap_displacement: gap.y,
+            gap_velocity: gap.w,
+            wall: motion.wall().map_or(0, |wall| wall.number()),
+            acceleration,
+            absorber_acceleration: acceleration + beside,
+            angle: system.angle(&state),
+        });
+        self.next += 1;
+    }
 }
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
     fn start(&mut self, _system: &S, from: &Instant<S::State, R>, duration: R) {
-        self.next = self.times.iter().take_while(|time| **time < from.time.value).count();
+        // A sample at the begin may be a rounding before it.
+        let early = |time: &&R| **time + **time * SLACK < from.time.value;
+        self.next = self.times.iter().take_while(early).count();
         self.duration = duration;
     }
 
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         while let Some(time) = self.times.get(self.next).copied() {
             let h = -span.start.minus(time);
-            let last = time >= self.duration && span_ends(&span.start, span.length, self.duration);
+            // A sample at the end may be a rounding before it: nothing comes after to take it.
+            let last = time + time * SLACK >= self.duration
+                && span_ends(&span.start, span.length, self.duration);
             // With events recorded, a sample is not moved to the instant of an event.
             let slack = if self.events { 0.0 } else { SLACK };
             if h >= span.length - time * slack && !last {
@@ -94,25 +130,39 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
             }
             // At the instant of an event: the state from which the run goes on.
             let h = if h <= time * slack { R::ZERO } else { h.clamp(0.0, span.length) };
-            let (primary, gap) = (span.motion.primary(h), span.motion.gap(h));
-            let state = span.motion.state(h);
-            let acceleration = span.motion.acceleration(h);
-            let beside = match span.motion.wall() {
-                Some(_) => R::ZERO,
-                None => system.lever() * gap_acceleration(system, &state),
-            };
-            self.states.push(State {
-                time,
-                displacement: primary.value,
-                velocity: primary.rate,
-                gap_displacement: gap.y,
-                gap_velocity: gap.w,
-                wall: span.motion.wall().map_or(0, |wall| wall.number()),
-                acceleration,
-                absorber_acceleration: acceleration + beside,
-                angle: system.angle(&state),
-            });
-            self.next += 1;
+            self.take(system, span.motion, time, h);
+        }
+        self.landed = false;
+    }
+
+    /// The second row of an impact that sticks at once is a state on the wall.
+    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
+        let Jump::Stick { after } = jump else { return };
+        let row = self.states.last_mut().filter(|row| self.landed && row.gap_velocity == 0.0);
+        if let Some(row) = row {
+            let ride = system.ride(after);
+            row.wall = system.wall(after).number();
+            row.acceleration = ride.acceleration(R::ZERO);
+            row.absorber_acceleration = row.acceleration;
+        }
+    }
+
+    /// A sample at the end of a run that ended early takes the last state.
+    fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
+        let (state, end) = (&tally.state, tally.end_time);
+        if tally.outcome == Outcome::NotFinite {
+            return;
+        }
+        while let Some(time) = self.times.get(self.next).copied() {
+            if time > end + end * SLACK {
+                break;
+            }
+            let leave = system.distance(state);
+            if leave.value == 0.0 && presses(&leave) {
+                self.take(system, &system.ride(state), time, R::ZERO);
+            } else {
+                self.take(system, &system.flight(state), time, R::ZERO);
+            }
         }
     }
 
@@ -148,6 +198,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
             ..before
         };
         self.states.extend([before, after]);
+        self.landed = true;
     }
 }
 

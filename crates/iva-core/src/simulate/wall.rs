@@ -148,7 +148,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let wall = self.system.wall(&self.tally.state);
         let (state, loss) = self.system.stick(&self.tally.state);
         self.losses = self.losses.plus(loss);
-        self.observer.jump(self.system, &Jump::Stick);
+        self.observer.jump(self.system, &Jump::Stick { after: &state });
         self.tally.state = state;
         let mut episode = StickEpisode {
             wall,
@@ -186,7 +186,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
 
 /// True if an absorber that touches a wall stays on it: decided by the sign of its velocity, then the
 /// acceleration, then the jerk.
-pub(super) fn presses<R: Real>(leave: &Jet<R>) -> bool {
+pub(crate) fn presses<R: Real>(leave: &Jet<R>) -> bool {
     let Jet { rate, curvature, jerk, .. } = *leave;
     rate <= 0.0 && (curvature < 0.0 || (curvature == 0.0 && jerk < 0.0))
 }

@@ -31,6 +31,7 @@ mod record_extremes;
 mod records;
 mod reference_events;
 mod regressions;
+mod samples;
 mod second_opinion;
 mod starts_at_jumps;
 mod steady;
