@@ -354,6 +354,44 @@ fn strobes_at_stops_are_taken_once() {
     assert!(fast.iter().any(|it| it.2.unwrap().regime.is_some()));
 }
 
+/// Some strobes are taken in lanes, others in the event loop: after low rebounds and stick episodes. They tell
+/// one regime where all of them have the middle of the gap in y.
+#[test]
+fn strobes_in_a_gap_off_centre_tell_the_regime_of_the_exact_tier() {
+    let mut rng = Rng::new(31);
+    let mut jobs = Vec::new();
+    for _ in 0..300 {
+        let force =
+            Harmonic { frequency: rng.range(0.6, 1.5), ..harmonic(&mut rng, Acts::Primary) };
+        let clearance = rng.log_range(0.1, 0.8);
+        let siva = Siva::new(0.1, rng.range(0.1, 0.5), clearance, 0.1).unwrap();
+        let siva = siva.with_offset(0.7 * clearance).unwrap();
+        let cycle = TAU / force.frequency;
+        let force = Force::new(vec![force], Vec::new(), &[]).unwrap();
+        let cycle_of = force.harmonics()[0];
+        jobs.push(Job {
+            begin: 0.0,
+            system: siva.under(force),
+            start: Start { displacement: 0.5, ..Start::default() },
+            limits: Limits::new(150.0 * cycle, clearance),
+            steady: Some((STEADY, Window { from: 60.0 * cycle, cycle: Some(cycle_of) })),
+            tier: Tier::Fast,
+        });
+    }
+    let [exact, fast] = both(&jobs);
+    let regime = |ended: &Ended<Siva<DrivenHost>>| ended.2.unwrap().regime.map(|it| it.to_string());
+    let mut stuck = 0;
+    for ((job, exact), fast) in jobs.iter().zip(&exact).zip(&fast) {
+        let [a, b] = [exact, fast].map(regime);
+        let periodic = a.as_ref().is_some_and(|a| a.contains(':'));
+        if periodic {
+            assert_eq!(a, b, "{:?}", job.system);
+            stuck += u64::from(exact.0.episodes > 50);
+        }
+    }
+    assert!(stuck > 20, "{stuck} periodic motions with sticks");
+}
+
 /// One period after the start and one period before the end coincide within rounding.
 #[test]
 fn the_energy_after_one_period_is_told_beside_another_stop() {

@@ -170,6 +170,20 @@ fn driven_free_masses_are_the_same_side_by_side() {
     }
 }
 
+/// The middle of the gap is part of the strobes, whoever takes them.
+#[test]
+fn driven_free_masses_in_gaps_off_centre_are_the_same_side_by_side() {
+    let all = SteadyWanted { strobes: false, ..SteadyWanted::ALL };
+    let mut jobs = driven(all);
+    for (i, job) in jobs.iter_mut().enumerate() {
+        let d = job.system.clearance();
+        job.system = job.system.clone().with_offset([0.5, -0.3, 0.9][i % 3] * d).unwrap();
+    }
+    for (job, found) in jobs.iter().zip(&together(&jobs)) {
+        assert_eq!(*found, alone(job), "{:?}", job.system.offset());
+    }
+}
+
 /// The logs of long runs are measured and cleared several times on the way.
 #[test]
 fn long_driven_runs_are_the_same_side_by_side() {

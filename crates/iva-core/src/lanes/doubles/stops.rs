@@ -86,7 +86,7 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
                 // At the end of the run a strobe counts even if rounding puts it later.
                 let due = |instant: Clock| ends || is_due(instant.value, clock);
                 while steady.next_strobe().is_some_and(due) {
-                    let y = at.side * (run.system.clearance() - at.distance);
+                    let y = run.system.offset() + at.side * (run.system.clearance() - at.distance);
                     let gap = GapPoint { y, w: -at.side * at.rate };
                     steady.strobe_at(Point { x: at.x, v: at.v }, gap);
                 }

@@ -268,11 +268,11 @@ fn bounded<const BASE: bool>(
     largest
 }
 
-/// x, ẋ, y and w of flights a time h after their begin.
+/// x, ẋ, y and w of flights a time h after their begin, from the clearance and the middle of the gap.
 #[inline(always)]
 fn placed<const BASE: bool>(
     free: &Driven<Single<BASE>>,
-    clearance: f64,
+    [clearance, offset]: [f64; 2],
     flights: &Flights<BLOCK>,
     h: &[f64; BLOCK],
 ) -> [[f64; BLOCK]; 4] {
@@ -283,7 +283,7 @@ fn placed<const BASE: bool>(
         let state = arrived(&free, &free.course(&from.host), &from, h[i]);
         let gap = state.gap(clearance);
         (x[i], v[i]) = (state.host.primary.x.value, state.host.primary.v.value);
-        (y[i], w[i]) = (gap.y, gap.w);
+        (y[i], w[i]) = (offset + gap.y, gap.w);
     }
     [x, v, y, w]
 }
@@ -291,9 +291,9 @@ fn placed<const BASE: bool>(
 /// [`placed`] with the widest vector instructions of the machine.
 pub(super) fn places<const BASE: bool>(
     free: &Driven<Single<BASE>>,
-    clearance: f64,
+    gap: [f64; 2],
     flights: &Flights<BLOCK>,
     h: &[f64; BLOCK],
 ) -> [[f64; BLOCK]; 4] {
-    dispatched!(placed(free, clearance, flights, h))
+    dispatched!(placed(free, gap, flights, h))
 }

@@ -183,7 +183,8 @@ impl<const BASE: bool> Recorder<BASE> {
                 gathered.set(slot, &log.flight(place.index));
                 h[slot] = place.h;
             }
-            let [x, v, y, w] = answers::places(free, siva.clearance(), gathered, &h);
+            let gap = [siva.clearance(), siva.offset()];
+            let [x, v, y, w] = answers::places(free, gap, gathered, &h);
             for (slot, place) in chunk.iter_mut().enumerate() {
                 place.primary = Point { x: x[slot], v: v[slot] };
                 place.gap = GapPoint { y: y[slot], w: w[slot] };
