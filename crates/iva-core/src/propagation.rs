@@ -56,6 +56,15 @@ pub trait Differentiable: System<Real = f64> {
     fn sharpness(&self, _state: &Self::State) -> f64 {
         1.0
     }
+    /// Sizes of x, ẋ, the distance to a wall and ẏ: a state carried in plain doubles is rounded in proportion
+    /// to these. 0: no tier carries it so.
+    fn plain_state(&self, _state: &Self::State) -> Vector4<f64> {
+        Vector4::zeros()
+    }
+    /// As [`Differentiable::sizes`], for a motion in plain doubles.
+    fn plain_rates(&self, _state: &Self::State) -> Vector4<f64> {
+        Vector4::zeros()
+    }
     /// Rate of the position: |ẏ|, for a pendulum |W|.
     fn turning(&self, state: &Self::State) -> f64 {
         self.rates(state)[2].abs()
@@ -123,6 +132,8 @@ pub struct Errors {
     now: Option<(f64, bool)>,
     /// The error of the rebounds of a summed tail that follow.
     tail: f64,
+    /// True for a run whose states are carried in plain doubles.
+    plain: bool,
     /// True once the estimate has reached [`LOST`].
     lost: bool,
     /// One estimate for each listed impact.
@@ -143,6 +154,7 @@ impl Default for Errors {
             clearance: 1.0,
             now: None,
             tail: 0.0,
+            plain: false,
             lost: false,
             impacts: Vec::new(),
             condition: 0.0,
@@ -152,6 +164,12 @@ impl Default for Errors {
 }
 
 impl Errors {
+    /// Estimates the errors of a free mass in the fast tier, whose states are carried in plain doubles: every
+    /// flight rounds the state itself, not only what it gains.
+    pub fn in_doubles() -> Self {
+        Self { plain: true, ..Self::default() }
+    }
+
     /// −log₁₀ of the largest error over max(τ, 1); 0 once the error has reached 1, `None` without impacts.
     pub fn digits(&self) -> Option<f64> {
         let digits = if self.lost { 0.0 } else { -self.relative.max(UNIT).log10() };
@@ -246,7 +264,7 @@ impl Errors {
 
 impl<S: Differentiable> Observer<S> for Errors {
     fn start(&mut self, system: &S, Instant { state, .. }: &Instant<S::State>, _duration: f64) {
-        *self = Self::default();
+        *self = Self { plain: self.plain, ..Self::default() };
         self.clearance = system.clearance();
         self.wall = (system.distance(state).value == 0.0).then(|| system.wall(state));
         let x = system.primary(state).x.abs();
@@ -274,9 +292,15 @@ impl<S: Differentiable> Observer<S> for Errors {
             (errors[2], errors[3]) = (0.0, 0.0);
         }
         self.add(errors);
+        if self.plain {
+            self.add(UNIT * ROUNDING * system.plain_state(&end));
+        }
         if !M::RIDING {
             let mut wrong = UNIT * ALIKE * h * system.sizes(from);
             wrong[2] = wrong[2].min(UNIT * ALIKE * h * rates[2]);
+            if self.plain {
+                wrong = UNIT * ALIKE * h * system.plain_rates(&end);
+            }
             self.alike[1] += Matrix4::from_diagonal(&wrong);
             // An error of the acceleration displaces as well.
             self.alike[1][(0, 1)] += 0.5 * h * wrong[1];

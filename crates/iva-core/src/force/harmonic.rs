@@ -70,6 +70,13 @@ impl<R: Real> Harmonic<R> {
         }
     }
 
+    /// amplitude · cos and amplitude · sin of its angle at an instant.
+    #[inline(always)]
+    pub(crate) fn turned(&self, time: DoubleDouble<R>) -> [R; 2] {
+        let (s, c) = R::precise_sincos(self.angle(time));
+        [self.amplitude * c.value, self.amplitude * s.value]
+    }
+
     /// Its largest size between two instants: the amplitude if an extremum lies between them.
     pub(super) fn largest_between(&self, [from, to]: [R; 2]) -> R {
         let half_turns = |time: R| (self.frequency * time + self.phase) / (R::TURN.value * 0.5);

@@ -64,7 +64,7 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
     fn structure<H: Host<Real = f64>>(&mut self, i: usize, host: &H) -> Structure {
         let equation = Equation::new(1.0, host.damping_ratio());
         let harmonic = host.force().and_then(|force| force.harmonics().first());
-        let (frequency, amplitude) = harmonic.map_or((0.0, 0.0), |it| (it.frequency, it.amplitude));
+        let frequency = harmonic.map_or(0.0, |it| it.frequency);
         let same = |it: &Responses| it.damping == equation.damping && it.frequency == frequency;
         let responses = match self.latest.filter(same) {
             Some(responses) => responses,
@@ -74,8 +74,8 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
             }
         };
         self.tables.set(i, &responses);
-        let structure = Structure::new(&equation, frequency, amplitude, responses.longest);
-        harmonic.map_or(structure, |harmonic| exceeding(structure, harmonic))
+        let structure = Structure::new(&equation, responses.longest);
+        harmonic.map_or(structure, |harmonic| driven(structure, harmonic))
     }
 
     /// Adds the sums of a lane to the observers of its run, and clears them.
@@ -97,9 +97,9 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
     }
 }
 
-/// A structure with the contribution of a harmonic force to the bounds on its derivatives
+/// A structure with a harmonic force, and the contribution of that to the bounds on its derivatives
 /// ([`crate::host::Driven`]).
-fn exceeding(structure: Structure, harmonic: &Harmonic) -> Structure {
+fn driven(structure: Structure, harmonic: &Harmonic) -> Structure {
     let Structure { growth, longest, .. } = structure;
     let mut drives = [harmonic.amplitude.abs(); 7];
     let mut powers = [1.0; 8];
@@ -113,8 +113,11 @@ fn exceeding(structure: Structure, harmonic: &Harmonic) -> Structure {
         let sum: f64 = (0..=order).map(|i| powers[order - i] * drives[i]).sum();
         powers[order + 1] * (longest * drives[0]) + sum + drives[order]
     };
-    let base = if harmonic.acts == Acts::Base { 1.0 } else { 0.0 };
+    let (base, sign) = if harmonic.acts == Acts::Base { (1.0, -1.0) } else { (0.0, 1.0) };
     Structure {
+        amplitude: sign * harmonic.amplitude,
+        frequency: harmonic.frequency,
+        phase: harmonic.phase,
         excess_3: excess(3),
         excess_4: excess(4),
         excess_5: excess(5),
@@ -187,7 +190,7 @@ where
         if asked.impacts {
             totals::count(rounds, totals);
         }
-        step::commit::<WIDTH>(lanes, rounds);
+        step::commit::<WIDTH, DRIVE>(lanes, rounds);
         let mut requests = 0.0;
         for i in 0..WIDTH {
             requests += lanes.request[i] + lanes.stopped[i] + lanes.full[i];
@@ -227,7 +230,7 @@ where
             return false;
         }
         let structure = self.structure(i, &run.system.host);
-        let stop = self.next_stop(run, run.clock, structure.longest);
+        let stop = self.next_stop(run, run.clock);
         let Some(lane) = Lane::of(run, &structure, stop) else { return false };
         self.lanes.set(i, &lane);
         self.decays.set(i, &Decay::of(&run.observer.0));

@@ -6,7 +6,7 @@ use super::structure::columns;
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::host::{Host, HostState, Structure};
 use crate::siva::Siva;
-use crate::system::{System, Wall};
+use crate::system::{Point, System, Wall};
 
 impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
@@ -16,6 +16,18 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
         let a = self.host.free().acceleration(phase, primary).value;
         let [base, ..] = self.host.free().base(phase);
         Vector4::new(primary.v.value, a - base, state.gap_velocity(), -a)
+    }
+
+    fn plain_state(&self, state: &Self::State) -> Vector4<f64> {
+        let Point { x, v } = self.primary(state);
+        let most = self.clearance() * 2.0;
+        Vector4::new(x.abs(), v.abs(), most, state.gap_velocity().abs())
+    }
+
+    fn plain_rates(&self, state: &Self::State) -> Vector4<f64> {
+        let Point { v, .. } = self.primary(state);
+        let pull = self.host.free().bound::<0>(&state.host.primary);
+        Vector4::new(v.abs(), pull, state.gap_velocity().abs(), pull)
     }
 
     fn flight_tangent(&self, _from: &Self::State, h: f64) -> Matrix4<f64> {

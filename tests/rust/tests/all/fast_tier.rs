@@ -33,14 +33,14 @@ const FLOOR: f64 = 1e-9;
 const MEDIAN_ALLOWED: f64 = 1.0;
 
 /// The results of runs in a tier, in the order of the jobs.
-fn all<S: SideBySide>(jobs: &[Job<S>], wanted: Wanted) -> Vec<Ended<S>> {
+pub(crate) fn all<S: SideBySide>(jobs: &[Job<S>], wanted: Wanted) -> Vec<Ended<S>> {
     let mut found: Vec<Option<Ended<S>>> = vec![None; jobs.len()];
     lanes::run(jobs, wanted, None, &mut |i, ended: &Ended<S>| found[i] = Some(*ended)).unwrap();
     found.into_iter().map(Option::unwrap).collect()
 }
 
 /// Copies of a job that stop at the given numbers of impacts.
-fn stopped_at<S: SideBySide + Clone>(
+pub(crate) fn stopped_at<S: SideBySide + Clone>(
     job: &Job<S>,
     impacts: impl Iterator<Item = u64>,
 ) -> Vec<Job<S>> {
@@ -51,7 +51,8 @@ fn stopped_at<S: SideBySide + Clone>(
     impacts.map(stopped).collect()
 }
 
-const NOTHING: Wanted = Wanted { peaks: false, settling: false, residual: false, ledger: false };
+pub(crate) const NOTHING: Wanted =
+    Wanted { peaks: false, settling: false, residual: false, ledger: false };
 
 /// The errors of all impacts of a reference, in rounding units. A chatter is left to the exact tier, so
 /// scenes with stick episodes are compared by their counts.
@@ -73,7 +74,7 @@ fn judged<S: SideBySide + Clone>(job: &Job<S>, events: &[Expected]) -> Vec<f64> 
 }
 
 /// Fails unless the errors are within their bounds.
-fn small(what: &str, mut errors: Vec<f64>) {
+pub(crate) fn small(what: &str, mut errors: Vec<f64>) {
     if errors.is_empty() {
         return;
     }
@@ -105,7 +106,7 @@ fn references_are_met_to_some_units() {
     small("references", errors);
 }
 
-fn decay(rng: &mut Rng) -> Job<Siva> {
+pub(crate) fn decay(rng: &mut Rng) -> Job<Siva> {
     let clearance = rng.log_range(0.1, 2.0);
     let zeta = rng.pick(&[0.0, 0.001, 0.01, 0.05, 0.3, 1.0, 1.7]);
     let system = Siva::new(rng.log_range(0.01, 0.5), rng.range(0.1, 1.0), clearance, zeta).unwrap();
@@ -121,61 +122,15 @@ fn decay(rng: &mut Rng) -> Job<Siva> {
 }
 
 /// A random harmonic force.
-fn harmonic(rng: &mut Rng, acts: Acts) -> Harmonic {
+pub(crate) fn harmonic(rng: &mut Rng, acts: Acts) -> Harmonic {
     let frequency = rng.log_range(0.2, 4.0);
     Harmonic { amplitude: rng.range(-0.5, 0.5), frequency, phase: rng.range(-3.0, 3.0), acts }
 }
 
-fn driven(rng: &mut Rng, acts: Acts) -> Job<Siva<DrivenHost>> {
+pub(crate) fn driven(rng: &mut Rng, acts: Acts) -> Job<Siva<DrivenHost>> {
     let Job { system, start, limits, tier, .. } = decay(rng);
     let force = Force::new(vec![harmonic(rng, acts)], Vec::new(), &[]).unwrap();
     Job { system: system.under(force), start, begin: 0.0, limits, steady: None, tier }
-}
-
-/// The error of an impact of a random run in rounding units, relative to the exact tier; `None` if no impact
-/// can be compared: without impacts, after a stick, or where the motion has forgotten its start.
-fn by_the_exact_tier<S: SideBySide + Differentiable + Clone + Debug>(
-    job: &Job<S>,
-    share: f64,
-) -> Option<f64> {
-    let Job { system, start, limits, .. } = job;
-    let whole = simulate(system, start, limits, None, &mut ()).unwrap();
-    let number = (share * whole.impacts as f64).ceil() as u64;
-    let stopped = Limits { max_impacts: number, ..*limits };
-    let mut errors = Errors::default();
-    let exact = simulate(system, start, &stopped, None, &mut errors).unwrap();
-    if number == 0 || exact.episodes > 0 || exact.outcome != Outcome::ImpactLimit {
-        return None;
-    }
-    let estimate = errors.impacts.last()?.time?;
-    let condition = errors.condition()?;
-    // The estimate of the exact tier is at least the effect of one rounding of each number.
-    if condition > 1e6 || errors.impacts.iter().any(|impact| impact.grazing) {
-        return None;
-    }
-    let (fast, ..) = all(&stopped_at(job, std::iter::once(number)), NOTHING)[0];
-    assert_eq!(fast.outcome, Outcome::ImpactLimit, "{job:?}");
-    let off = fast.end_time - exact.end_time;
-    Some(off.abs() / (U * (condition.max(1.0) + exact.end_time)).max(estimate))
-}
-
-#[test]
-fn random_runs_are_those_of_the_exact_tier_to_some_units() {
-    let mut rng = Rng::new(20_261_123);
-    for (what, acts) in
-        [("decays", None), ("force", Some(Acts::Primary)), ("base", Some(Acts::Base))]
-    {
-        let errors = (0..3000).filter_map(|_| {
-            let share = rng.unit();
-            match acts {
-                None => by_the_exact_tier(&decay(&mut rng), share),
-                Some(acts) => by_the_exact_tier(&driven(&mut rng, acts), share),
-            }
-        });
-        let errors: Vec<f64> = errors.collect();
-        assert!(errors.len() > 500, "{what}: {}", errors.len());
-        small(what, errors);
-    }
 }
 
 /// The results of a run as a text with all digits.

@@ -13,6 +13,7 @@ mod driven_pendulums;
 mod errors;
 mod every_field;
 mod extremes;
+mod fast_errors;
 mod fast_tier;
 mod flight;
 mod forced;

@@ -2,14 +2,13 @@
 
 use super::motion::{State, States, Structure, Structures};
 use crate::compensated::DoubleDouble;
-use crate::force::Acts;
 use crate::host::{Host, Phase};
 use crate::lanes::arrays::arrays;
 use crate::lanes::counts::{Counts, ManyCounts};
 use crate::oscillator::Primary;
 use crate::simulate::{Phase as Doing, Run, STOPS};
 use crate::siva::{Siva, SivaState};
-use crate::system::{Clock, System};
+use crate::system::System;
 
 arrays! {
     /// The variables of one run.
@@ -90,7 +89,7 @@ impl Lane {
             return None;
         }
         let SivaState { host, side, distance, rate } = &tally.state;
-        let [force, quadrature] = force_at(&siva.host, run.clock);
+        let [force, quadrature] = structure.force_at(run.clock);
         let mut lane = Self {
             time: run.clock.value,
             time_rest: run.clock.rest,
@@ -146,14 +145,4 @@ impl Lane {
             rate: DoubleDouble::new(rate),
         }
     }
-}
-
-/// f = F cos(Ω t + φ) and f̂ = F sin(Ω t + φ) of f/M, or of −a_g where the base moves.
-pub(super) fn force_at<H: Host<Real = f64>>(host: &H, clock: Clock) -> [f64; 2] {
-    let Some(harmonic) = host.force().and_then(|force| force.harmonics().first()) else {
-        return [0.0; 2];
-    };
-    let push = harmonic.push(clock);
-    let sign = if harmonic.acts == Acts::Base { -1.0 } else { 1.0 };
-    [sign * push.value.value, -sign * push.rate.value / harmonic.frequency]
 }

@@ -1,7 +1,7 @@
 //! A free mass on its structure in plain doubles: its state, and the motion from it.
 //!
 //! Let f = F cos(Ω t + φ) be the force on the structure, or −a_g of its base, f̂ = F sin(Ω t + φ),
-//! a = f − x − 2ζv, and P, Q, C, B the responses of [`super::responses`]. Then
+//! a = f − x − 2ζv, and P, Q, C, B, K the responses of [`super::responses`]. Then
 //!
 //! ```text
 //! x(h) = x + v h + a P + v Q + Ω²f C − Ωf̂ B,
@@ -10,13 +10,18 @@
 //! f̂(h) = f̂ (1 − Ω²κ) + f Ωσ,    σ = sin Ωh/Ω = h + Q + (1 − Ω²) B + 2ζΩ²C.
 //! ```
 //!
-//! The distance to the wall gains ∬A, where A = ẍ on a base at rest and A = ẍ + a_g on a moving base, with
-//! ∬f = f κ − f̂ (Ωh − sin Ωh)/Ω².
+//! The distance to the wall gains ∬A, where A = ẍ on a base at rest. On a moving base A = ẍ − f = −x − 2ζv, which
+//! above resonance is small against both ẍ and f, so ∬A is not taken as a difference of theirs:
+//!
+//! ```text
+//! ∬A = (a − f) P + v Q + f (C − 2ζB) − Ωf̂ (K + 2ζC).
+//! ```
 
 use super::responses::Tables;
+use crate::compensated::DoubleDouble;
+use crate::force::{Acts, Harmonic};
 use crate::lanes::arrays::arrays;
 use crate::oscillator::Equation;
-use crate::taylor::unrolled;
 
 /// Kind of drive: none.
 pub(in crate::lanes) const FREE: u8 = 0;
@@ -43,8 +48,8 @@ arrays! {
     Structures:
     /// 2ζ, Λ of [`Equation`], and Ω.
     damping, growth, frequency,
-    /// 1/F² of the force amplitude F; 0 without force.
-    over_square,
+    /// F and φ of the force, or of −a_g where the base moves.
+    amplitude, phase,
     /// The longest flight that the polynomials hold for, and its reciprocal.
     longest, over_longest,
     /// Contribution of the force to the bounds on the derivatives of A of order 3 to 6.
@@ -113,12 +118,19 @@ impl Structure {
         [relative, relative]
     }
 
-    /// The constants, without the contributions of a force to the bounds.
-    pub fn new(equation: &Equation, frequency: f64, amplitude: f64, longest: f64) -> Self {
+    /// The constants of a structure without force.
+    pub fn new(equation: &Equation, longest: f64) -> Self {
         let Equation { damping, growth, .. } = *equation;
-        let over_square = if amplitude == 0.0 { 0.0 } else { 1.0 / (amplitude * amplitude) };
-        let over_longest = 1.0 / longest;
-        Self { damping, growth, frequency, over_square, longest, over_longest, ..Self::default() }
+        Self { damping, growth, longest, over_longest: 1.0 / longest, ..Self::default() }
+    }
+
+    /// f and f̂ at an instant. They are computed anew after every stretch. Turned from stretch to stretch, their
+    /// phase gathers rounding errors, and setting it right now and then leaves the absorber with a velocity
+    /// that belongs to another phase.
+    #[inline(always)]
+    pub fn force_at(&self, clock: DoubleDouble) -> [f64; 2] {
+        let Self { amplitude, frequency, phase, .. } = *self;
+        Harmonic { amplitude, frequency, phase, acts: Acts::Primary }.turned(clock)
     }
 }
 
@@ -132,7 +144,7 @@ impl State {
         i: usize,
         h: f64,
     ) -> Self {
-        let Structure { damping: c, frequency, over_square, over_longest, .. } = *structure;
+        let Structure { damping: c, frequency, over_longest, .. } = *structure;
         let Self { x, v, force: f, quadrature: q, .. } = *self;
         let t = h * over_longest;
         let square = h * h;
@@ -157,19 +169,17 @@ impl State {
         let (less, turn) = (rapid * kappa, frequency * sigma);
         let force = f - f.mul_add(less, q * turn);
         let quadrature = q + f.mul_add(turn, -(q * less));
-        // Rounding errors must not let the force grow or fade: one Newton step back to the circle
-        // f² + f̂² = F².
-        let circle = force.mul_add(force, quadrature * quadrature);
-        let circle = (0.5 * over_square).mul_add(-circle, 1.5);
         let (mut absolute, mut gained) = (apart, faster);
         if DRIVE == BASE {
-            let angle = frequency * h;
-            let lagging = cube * lag(angle * angle);
-            absolute -= f.mul_add(kappa, -(j * lagging));
-            gained -= f.mul_add(sigma, -(j * kappa));
+            let summed = (square * cube) * tables.at::<4>(i, t);
+            let pulled = v.mul_add(-c, -x);
+            let (slow, fast) = (c.mul_add(-sine, cosine), c.mul_add(cosine, summed));
+            let falling = c.mul_add(rapid.mul_add(cosine, p), sine);
+            absolute = pulled.mul_add(p, v * carried) + f.mul_add(slow, -(j * fast));
+            gained = pulled.mul_add(s, -(v * p)) - f.mul_add(falling, j * slow);
         }
         let moved = self.moved([h, apart, faster], [absolute, gained]);
-        Self { force: force * circle, quadrature: quadrature * circle, ..moved }
+        Self { force, quadrature, ..moved }
     }
 
     /// The state after a time h, given the gains of displacement (beyond a uniform motion) and velocity, and
@@ -214,28 +224,4 @@ impl State {
         }
         next
     }
-}
-
-/// (θ − sin θ)/θ³ for θ² ≤ 4.
-#[inline(always)]
-fn lag(square: f64) -> f64 {
-    const TERMS: [f64; 11] = lags();
-    let mut sum = TERMS[10];
-    unrolled!(k < 10 => {
-        sum = sum.mul_add(square, TERMS[9 - k]);
-    });
-    sum
-}
-
-/// The coefficients (−1)ᵏ/(2k + 3)!.
-const fn lags() -> [f64; 11] {
-    let mut terms = [0.0; 11];
-    let mut term = 1.0 / 6.0;
-    let mut k = 0;
-    while k < terms.len() {
-        terms[k] = term;
-        term /= -(((2 * k + 4) * (2 * k + 5)) as f64);
-        k += 1;
-    }
-    terms
 }

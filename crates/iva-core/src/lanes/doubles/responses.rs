@@ -1,19 +1,21 @@
-//! The four responses of the oscillator from rest that every flight is a sum of, as short polynomials.
+//! The responses of the oscillator from rest that every flight is a sum of, as short polynomials.
 //!
 //! P is the response to a constant force of 1 and Q = −∫P ([`crate::oscillator`]); C and B are those to
-//! (cos Ωs − 1)/Ω² and to sin Ωs/Ω, which stay finite for slow forces. With S = h − 2ζP + Q every flight is a
-//! sum of these four:
+//! (cos Ωs − 1)/Ω² and to sin Ωs/Ω, which stay finite for slow forces; K = ∫C is needed on a moving base. With
+//! S = h − 2ζP + Q
 //!
 //! ```text
 //! Ṗ = S,    Ċ = −B,    Ḃ = P + Ω²C.
 //! ```
 //!
-//! P/h², Q/h³, C/h⁴ and B/h³ are power series of [`TAYLOR`] terms, shortened to [`TERMS`] terms: each higher
+//! P/h², Q/h³, C/h⁴, B/h³ and K/h⁵ are power series of [`TAYLOR`] terms, shortened to [`TERMS`] terms: each higher
 //! power of t = h/longest is replaced by its expansion in Chebyshev polynomials on [0, 1] up to that degree
 //! (C. Lanczos, *Applied Analysis*, 1956, "economization"). The error is below 10⁻¹⁷ of the leading term.
 
 use crate::taylor::unrolled;
 
+/// Number of polynomials.
+const RESPONSES: usize = 5;
 /// Terms of each polynomial.
 pub(super) const TERMS: usize = 14;
 /// Terms of the power series before it is shortened.
@@ -87,8 +89,8 @@ pub(super) struct Responses {
     pub frequency: f64,
     /// The longest flight that they hold for.
     pub longest: f64,
-    /// Coefficients of P/h², Q/h³, C/h⁴ and B/h³ in powers of t.
-    pub terms: [[f64; TERMS]; 4],
+    /// Coefficients of P/h², Q/h³, C/h⁴, B/h³ and K/h⁵ in powers of t.
+    pub terms: [[f64; TERMS]; RESPONSES],
 }
 
 impl Responses {
@@ -115,11 +117,14 @@ impl Responses {
             }
             y
         };
-        let step = answer(&drives[0]);
-        let mut impulse = [0.0; TAYLOR + 6];
-        for n in 3..TAYLOR + 6 {
-            impulse[n] = -step[n - 1] * OVER[n];
-        }
+        let integral = |series: &[f64; TAYLOR + 6], sign: f64| {
+            let mut integral = [0.0; TAYLOR + 6];
+            for n in 3..TAYLOR + 6 {
+                integral[n] = sign * series[n - 1] * OVER[n];
+            }
+            integral
+        };
+        let (step, cosine) = (answer(&drives[0]), answer(&drives[1]));
         let shortened = |series: &[f64; TAYLOR + 6], first: usize| {
             let mut terms = [0.0; TERMS];
             let mut scale = 1.0;
@@ -138,9 +143,10 @@ impl Responses {
         };
         let terms = [
             shortened(&step, 2),
-            shortened(&impulse, 3),
-            shortened(&answer(&drives[1]), 4),
+            shortened(&integral(&step, -1.0), 3),
+            shortened(&cosine, 4),
             shortened(&answer(&drives[2]), 3),
+            shortened(&integral(&cosine, 1.0), 5),
         ];
         Self { damping, frequency, longest, terms }
     }
@@ -150,12 +156,12 @@ impl Responses {
 #[derive(Debug)]
 #[repr(align(64))]
 pub(super) struct Tables<const W: usize> {
-    pub terms: [[[f64; W]; TERMS]; 4],
+    pub terms: [[[f64; W]; TERMS]; RESPONSES],
 }
 
 impl<const W: usize> Tables<W> {
     pub fn new() -> Self {
-        Self { terms: [[[0.0; W]; TERMS]; 4] }
+        Self { terms: [[[0.0; W]; TERMS]; RESPONSES] }
     }
 
     /// Loads polynomials into a lane.

@@ -9,7 +9,7 @@
 //! A single loop would have some 600 instructions, more than a processor can reorder.
 
 use super::lane::{Lane, Lanes};
-use super::motion::{State, States};
+use super::motion::{FREE, State, States};
 use super::responses::Tables;
 use crate::lanes::arrays::arrays;
 use crate::lanes::counts::Hit;
@@ -165,7 +165,7 @@ pub(super) fn land<const W: usize, const DRIVE: u8>(
 
 /// Stage 4: applies impact and clock, and chooses the next trial.
 #[inline(always)]
-pub(super) fn commit<const W: usize>(lanes: &mut Lanes<W>, rounds: &Rounds<W>) {
+pub(super) fn commit<const W: usize, const DRIVE: u8>(lanes: &mut Lanes<W>, rounds: &Rounds<W>) {
     for i in 0..W {
         let lane = lanes.get(i);
         let round = rounds.get(i);
@@ -173,6 +173,9 @@ pub(super) fn commit<const W: usize>(lanes: &mut Lanes<W>, rounds: &Rounds<W>) {
         let clock = lane.clock().plus_parts(round.length, round.later);
         let remaining = -clock.minus(lane.stop);
         let mut after = round.end;
+        if DRIVE != FREE {
+            [after.force, after.quadrature] = lane.structure.force_at(clock);
+        }
         let kick = lane.share * (after.side * round.approach);
         after.v += pick(hit, kick, 0.0);
         after.rate = pick(hit, lane.restitution * round.approach, after.rate);

@@ -1,6 +1,5 @@
 //! The stops of a lane: instants that a measure looks at, which no stretch may cross.
 
-use super::lane::force_at;
 use super::{Doubles, FREE, STOPS, Watched};
 use crate::flight::GapPoint;
 use crate::host::{Host, Phase};
@@ -12,8 +11,6 @@ use crate::system::{Clock, Point, System};
 
 /// Relative distance at or below which two instants count as the same.
 const SAME: f64 = 4.0 * f64::EPSILON;
-/// Number of longest flights after which f and f̂ are computed from the clock again.
-const FLIGHTS: f64 = 100.0;
 
 /// True if an instant is not later than the clock, apart from rounding.
 pub(super) fn is_due(instant: f64, clock: Clock) -> bool {
@@ -31,12 +28,7 @@ where
 
 impl<const DRIVE: u8> Doubles<DRIVE> {
     /// The next instant that no stretch may cross.
-    pub(super) fn next_stop<H: Host<Real = f64>>(
-        &self,
-        run: &Watched<'_, H>,
-        clock: Clock,
-        longest: f64,
-    ) -> f64
+    pub(super) fn next_stop<H: Host<Real = f64>>(&self, run: &Watched<'_, H>, clock: Clock) -> f64
     where
         Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
     {
@@ -60,7 +52,6 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
             consider(steady.begin());
             steady.next_strobe().into_iter().for_each(|instant| consider(instant.value));
         }
-        consider(clock.value + FLIGHTS * longest);
         stop
     }
 
@@ -99,13 +90,9 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
             }
             return false;
         }
-        let next = self.next_stop(run, clock, self.lanes.structure.longest[i]);
+        let next = self.next_stop(run, clock);
         let remaining = -clock.minus(next);
         let lanes = &mut self.lanes;
-        if DRIVE != FREE {
-            let [force, quadrature] = force_at(&run.system.host, clock);
-            (lanes.state.force[i], lanes.state.quadrature[i]) = (force, quadrature);
-        }
         lanes.stop[i] = next;
         lanes.length[i] = lanes.structure.longest[i].min(remaining).min(lanes.first[i]);
         lanes.stopped[i] = 0.0;
