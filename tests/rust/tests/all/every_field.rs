@@ -24,7 +24,7 @@ use iva_sweep::sweep::{Control, Tables, Workers, sweep, validate};
 
 /// The excitation of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Drive {
+pub(crate) enum Drive {
     Nothing,
     Harmonic,
     Impulse,
@@ -32,7 +32,7 @@ enum Drive {
 }
 
 /// A structure of 100 kg at 30 rad/s with its absorber, on a level or inclined line of motion.
-fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
+pub(crate) fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
     use FieldId as F;
     let mut spec = Spec::new(Choices { kind, ..Choices::default() });
     let mut fields = vec![
@@ -74,7 +74,7 @@ fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
 }
 
 /// A typical value of a field for these scenes.
-fn usual(field: FieldId) -> f64 {
+pub(crate) fn usual(field: FieldId) -> f64 {
     use FieldId as F;
     match field {
         F::DampingRatio | F::PivotDampingRatio => 0.02,
@@ -135,7 +135,12 @@ fn axis(field: FieldId) -> Axis {
     Axis::new(key, values).unwrap()
 }
 
-fn run(study: &Study, workers: &Workers, chunk: Option<usize>, points: Range<u64>) -> Tables {
+pub(crate) fn run(
+    study: &Study,
+    workers: &Workers,
+    chunk: Option<usize>,
+    points: Range<u64>,
+) -> Tables {
     let never = AtomicBool::new(false);
     sweep(study, points, &Control { workers, chunk, cancel: &never, progress: &|_| {} }).unwrap()
 }

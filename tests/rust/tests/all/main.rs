@@ -2,6 +2,7 @@
 //!
 //! One file alone: `cargo test --release -p iva-tests planted::`.
 
+mod absorber_fields;
 mod alone;
 mod arcs;
 mod bouncing_ball;
