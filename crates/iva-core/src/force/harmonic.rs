@@ -6,7 +6,7 @@ use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::Real;
 use crate::taylor::{ORDER, unrolled};
-use crate::trigonometry::sine_cosine;
+use crate::trigonometry::{plain_sine_cosine, sine_cosine};
 
 /// Largest phase in rad: reduced to one turn in double-double, it still has some 20 digits.
 const LARGEST_PHASE: f64 = 1e9;
@@ -70,11 +70,11 @@ impl<R: Real> Harmonic<R> {
         }
     }
 
-    /// amplitude · cos and amplitude · sin of its angle at an instant.
+    /// amplitude · cos and amplitude · sin of its angle at an instant, in plain numbers.
     #[inline(always)]
     pub(crate) fn turned(&self, time: DoubleDouble<R>) -> [R; 2] {
-        let (s, c) = R::precise_sincos(self.angle(time));
-        [self.amplitude * c.value, self.amplitude * s.value]
+        let (s, c) = plain_sine_cosine(self.angle(time));
+        [self.amplitude * c, self.amplitude * s]
     }
 
     /// Its largest size between two instants: the amplitude if an extremum lies between them.
