@@ -367,9 +367,9 @@ def test_samples_end_with_the_run(tmp_path: Path) -> None:
     assert read_uff(tmp_path / "run.uff")[1][0]["num_pts"] == 17
 
 
-def test_the_end_of_a_run_that_was_cut_short_has_no_sample() -> None:
+def test_a_run_that_was_cut_short_has_samples_up_to_its_end() -> None:
     run = SCENES["cut short"]
     end = run.trajectory(1)["time"][-1]
-    for response in exports.datasets(run, np.array([0.0, end / 2, end]), True):
-        assert response["data"].shape == response["x"].shape == (2,)
+    for response in exports.datasets(run, np.array([0.0, end / 2, end, 1.01 * end]), True):
+        assert response["data"].shape == response["x"].shape == (3,)
         assert np.isfinite(response["data"]).all()

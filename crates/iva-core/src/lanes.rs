@@ -33,7 +33,7 @@ mod watch;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Invalid;
-use crate::host::{Alone, DrivenHost, Host};
+use crate::host::{Alone, DrivenHost, UndrivenHost};
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::Observer;
 use crate::piva::Piva;
@@ -115,6 +115,37 @@ pub trait SideBySide: System<Real = f64> + Sized {
     fn run(group: Group<'_, Self>) {
         group.one_by_one();
     }
+
+    /// [`run`] for this absorber. The absorbers of this crate implement it with the same body, so that it is
+    /// compiled once and here, where the compiler sees all that it calls.
+    ///
+    /// # Errors
+    /// As [`run`].
+    fn run_jobs(
+        jobs: &[Job<Self>],
+        wanted: Wanted,
+        cancel: Option<&AtomicBool>,
+        take: Take<'_, Self>,
+    ) -> Result<(), Invalid> {
+        grouped(jobs, wanted, cancel, take)
+    }
+}
+
+/// The receiver of results: the index of a job, and its result.
+pub type Take<'a, S> = &'a mut dyn FnMut(usize, &Ended<S>);
+
+/// [`SideBySide::run_jobs`] compiled in this crate.
+macro_rules! run_jobs {
+    () => {
+        fn run_jobs(
+            jobs: &[Job<Self>],
+            wanted: Wanted,
+            cancel: Option<&AtomicBool>,
+            take: Take<'_, Self>,
+        ) -> Result<(), Invalid> {
+            grouped(jobs, wanted, cancel, take)
+        }
+    };
 }
 
 /// The tier of a free mass.
@@ -133,6 +164,8 @@ impl SideBySide for Siva {
         tier_of_free_mass(job)
     }
 
+    run_jobs!();
+
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
             return group.run::<doubles::Doubles<{ doubles::FREE }>>();
@@ -146,7 +179,13 @@ impl SideBySide for Siva {
     }
 }
 
-impl<H: Host<Real = f64>> SideBySide for Alone<H> {}
+impl SideBySide for Alone<UndrivenHost> {
+    run_jobs!();
+}
+
+impl SideBySide for Alone<DrivenHost> {
+    run_jobs!();
+}
 
 impl SideBySide for Siva<DrivenHost> {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
@@ -168,6 +207,8 @@ impl SideBySide for Siva<DrivenHost> {
     fn tier(job: &Job<Self>) -> Tier {
         tier_of_free_mass(job)
     }
+
+    run_jobs!();
 
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
@@ -203,6 +244,8 @@ impl SideBySide for Piva {
     fn tier(job: &Job<Self>) -> Tier {
         job.tier
     }
+
+    run_jobs!();
 
     fn run(group: Group<'_, Self>) {
         let Piva { pendulum, accuracy, .. } = group.leader();
@@ -278,7 +321,16 @@ pub fn run<S: SideBySide>(
     jobs: &[Job<S>],
     wanted: Wanted,
     cancel: Option<&AtomicBool>,
-    take: &mut dyn FnMut(usize, &Ended<S>),
+    take: Take<'_, S>,
+) -> Result<(), Invalid> {
+    S::run_jobs(jobs, wanted, cancel, take)
+}
+
+fn grouped<S: SideBySide>(
+    jobs: &[Job<S>],
+    wanted: Wanted,
+    cancel: Option<&AtomicBool>,
+    take: Take<'_, S>,
 ) -> Result<(), Invalid> {
     for Job { system, start, limits, .. } in jobs {
         system.check_start(start)?;
@@ -325,7 +377,7 @@ pub struct Group<'a, S: SideBySide> {
     next: usize,
     wanted: Wanted,
     cancel: Option<&'a AtomicBool>,
-    take: &'a mut dyn FnMut(usize, &Ended<S>),
+    take: Take<'a, S>,
 }
 
 impl<'a, S: SideBySide> Group<'a, S> {
