@@ -28,6 +28,7 @@ pub use undriven::UndrivenHost;
 
 mod alone;
 pub(crate) mod driven;
+pub(crate) mod sinusoid;
 pub(crate) mod turning;
 mod undriven;
 

@@ -37,6 +37,7 @@ use crate::host::{Alone, DrivenHost, UndrivenHost};
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::Observer;
 use crate::piva::Piva;
+use crate::real::pick;
 use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
@@ -148,27 +149,27 @@ macro_rules! run_jobs {
     };
 }
 
-/// The tier of a free mass.
-fn tier_of_free_mass<S: SideBySide>(job: &Job<S>) -> Tier {
-    if S::common(job).is_some() { job.tier } else { Tier::Exact }
+/// True if a run is a free decay that lanes can make.
+fn decays(job: &Job<Siva>) -> bool {
+    job.steady.is_none() && job.begin == 0.0 && job.system.common_law().is_some()
 }
 
 impl SideBySide for Siva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let tier = if job.tier == Tier::Fast { 1.0 } else { 0.0 };
-        let fits = job.steady.is_none() && job.begin == 0.0;
-        (fits && job.system.common_law().is_some()).then(|| [job.system.damping_ratio(), tier])
+        let tier = if Self::tier(job) == Tier::Fast { 1.0 } else { 0.0 };
+        decays(job).then(|| [job.system.damping_ratio(), tier])
     }
 
     fn tier(job: &Job<Self>) -> Tier {
-        tier_of_free_mass(job)
+        let fast = decays(job) && doubles::has_decays_of(&job.system);
+        if fast { job.tier } else { Tier::Exact }
     }
 
     run_jobs!();
 
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
-            return group.run::<doubles::Doubles<{ doubles::FREE }>>();
+            return group.run::<doubles::FreeDecays>();
         }
         match (group.wanted.ledger, group.wanted.decay()) {
             (true, true) => group.run::<siva::FastFlights<true, true>>(),
@@ -205,7 +206,7 @@ impl SideBySide for Siva<DrivenHost> {
     }
 
     fn tier(job: &Job<Self>) -> Tier {
-        tier_of_free_mass(job)
+        if Self::common(job).is_some() { job.tier } else { Tier::Exact }
     }
 
     run_jobs!();
@@ -363,11 +364,6 @@ fn is_set(cancel: Option<&AtomicBool>) -> bool {
     cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
-#[inline(always)]
-fn pick(which: bool, yes: f64, no: f64) -> f64 {
-    if which { yes } else { no }
-}
-
 /// A group of jobs with equal keys.
 pub struct Group<'a, S: SideBySide> {
     jobs: &'a [Job<S>],
@@ -416,7 +412,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
     }
 
     fn tier(&self) -> Tier {
-        self.jobs[self.order[0]].tier
+        S::tier(&self.jobs[self.order[0]])
     }
 
     fn run<L: Lockstep<S>>(self) {

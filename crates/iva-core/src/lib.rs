@@ -81,6 +81,7 @@ pub mod host;
 pub mod impact;
 pub mod lanes;
 mod limits;
+mod log;
 pub mod measures;
 pub mod observe;
 pub mod oscillator;

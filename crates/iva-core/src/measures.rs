@@ -12,6 +12,10 @@ use crate::settling::LastCrossing;
 use crate::simulate::{Instant, Outcome, Tally};
 use crate::system::System;
 
+pub(crate) use decay::Decay;
+
+mod decay;
+
 /// Peaks below this share of A₀ end the least-squares fit.
 const FIT_FLOOR: f64 = 0.05;
 /// Relative distance at or below which two instants count as the same, in parts of their size.
@@ -178,6 +182,20 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         }
     }
 
+    /// Takes the end of a monotonic stretch of x; true if it makes A₀ larger.
+    fn reach(&mut self, time: R, x: R) -> bool {
+        // Before the amplitude is used: the end of half cycle 0 makes A₀ final.
+        if let Some(peak) = self.half_cycles.reach(time, x) {
+            self.peak(&peak, self.half_cycles.ended - 1);
+        }
+        let grows = !self.reference.settled && x.abs() > self.reference.amplitude;
+        if grows {
+            self.reference.amplitude = x.abs();
+            self.settling.iter_mut().for_each(LastCrossing::forget);
+        }
+        grows
+    }
+
     fn stretch<M: Motion<Real = R, State = S::State>>(
         &mut self,
         span: &Span<'_, M>,
@@ -185,14 +203,8 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
     ) {
         let [_, x] = stretch.x;
         let time = span.start.plus(stretch.h[1]).value;
-        // Before the amplitude is used: the end of half cycle 0 makes A₀ final.
-        if let Some(peak) = self.half_cycles.reach(time, x) {
-            self.peak(&peak, self.half_cycles.ended - 1);
-        }
-        if !self.reference.settled && x.abs() > self.reference.amplitude {
-            self.reference.amplitude = x.abs();
-            self.settling.iter_mut().for_each(LastCrossing::forget);
-        } else if self.wanted.settling {
+        let grows = self.reach(time, x);
+        if self.wanted.settling && !grows {
             for crossing in &mut self.settling {
                 crossing.watch(span, stretch, self.reference.amplitude);
             }

@@ -216,6 +216,12 @@ pub trait Real:
     }
 }
 
+/// `yes` if `which`, else `no`, without a branch.
+#[inline(always)]
+pub(crate) fn pick(which: bool, yes: f64, no: f64) -> f64 {
+    if which { yes } else { no }
+}
+
 /// Reciprocals of integers below this are in a table.
 const TABLED: usize = 28;
 

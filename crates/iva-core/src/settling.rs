@@ -14,6 +14,8 @@ use crate::system::{Clock, System};
 pub(crate) struct LastCrossing<S: System> {
     share: S::Real,
     crossing: Option<Crossing<S::State, S::Real>>,
+    /// Its instant, if that is already known.
+    instant: Option<S::Real>,
 }
 
 /// A stretch on which |x| falls below the level once.
@@ -34,7 +36,7 @@ pub(crate) struct Crossing<State, R = f64> {
 impl<R: Real, S: System<Real = R>> LastCrossing<S> {
     /// Watches |x| = share · A₀.
     pub fn new(share: R) -> Self {
-        Self { share, crossing: None }
+        Self { share, crossing: None, instant: None }
     }
 
     /// Keeps a crossing.
@@ -42,8 +44,18 @@ impl<R: Real, S: System<Real = R>> LastCrossing<S> {
         self.crossing = Some(crossing);
     }
 
+    /// Keeps a crossing at this instant.
+    pub fn passed_at(&mut self, instant: S::Real) {
+        self.instant = Some(instant);
+    }
+
+    /// The level for a reference amplitude.
+    pub fn level(&self, amplitude: S::Real) -> S::Real {
+        self.share * amplitude
+    }
+
     pub fn forget(&mut self) {
-        self.crossing = None;
+        (self.crossing, self.instant) = (None, None);
     }
 
     /// Keeps the stretch if |x| falls below the level on it.
@@ -53,7 +65,7 @@ impl<R: Real, S: System<Real = R>> LastCrossing<S> {
         stretch: &Monotone<R>,
         amplitude: R,
     ) {
-        let level = self.share * amplitude;
+        let level = self.level(amplitude);
         let [from, to] = stretch.x;
         // After the last passage |x| is below the level, so only stretches that end below it count.
         if from.abs() <= level || to.abs() > level {
@@ -71,17 +83,18 @@ impl<R: Real, S: System<Real = R>> LastCrossing<S> {
     /// The settling time; `None` if `late`, the largest |x| of the last half period, still exceeds
     /// the level or if |x| never passed it.
     pub fn time(&self, system: &S, late: R, amplitude: R) -> Option<R> {
-        if late > self.share * amplitude {
+        if late > self.level(amplitude) {
             return None;
         }
-        self.crossing.as_ref().map(|crossing| {
+        let solved = self.crossing.as_ref().map(|crossing| {
             let h = if crossing.riding {
                 crossing.solve(&system.ride(&crossing.origin))
             } else {
                 crossing.solve(&system.flight(&crossing.origin))
             };
             crossing.start.plus(h).value
-        })
+        });
+        solved.or(self.instant)
     }
 }
 

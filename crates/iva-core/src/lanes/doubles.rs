@@ -12,6 +12,7 @@
 //! that nearly every round completes a stretch; and a round is divided into stages that a processor can
 //! overlap ([`step`]).
 
+mod decays;
 mod lane;
 mod motion;
 mod responses;
@@ -19,22 +20,20 @@ mod step;
 mod stops;
 mod totals;
 mod turning;
-mod watched;
 
-use super::decay::{Decay, Decays};
-use super::{Job, Lockstep, Observers, ScalarRun, SideBySide};
+use super::{Job, Lockstep, Observers, ScalarRun};
 use crate::force::{Acts, Harmonic};
-use crate::host::{Host, Phase};
+use crate::host::{DrivenHost, Host};
 use crate::measures::Wanted;
 use crate::oscillator::Equation;
 use crate::simulate::STOPS;
-use crate::siva::{Siva, SivaState};
+use crate::siva::Siva;
 use crate::steady::Steady;
-use crate::system::System;
 
+pub(super) use decays::{FreeDecays, has as has_decays_of};
 use lane::{Lane, Lanes};
 use motion::Structure;
-pub(super) use motion::{BASE, FORCE, FREE};
+pub(super) use motion::{BASE, FORCE};
 use responses::{Responses, Tables};
 use step::Rounds;
 use totals::{Asked, Total, Totals};
@@ -49,19 +48,16 @@ pub(super) struct Doubles<const DRIVE: u8> {
     tables: Tables<WIDTH>,
     rounds: Rounds<WIDTH>,
     totals: Totals<WIDTH>,
-    decays: Decays<WIDTH>,
     asked: Asked,
-    /// The measures that are wanted; those of the displacement are only taken in a free decay.
-    wanted: Wanted,
     /// The polynomials computed last, kept because runs that follow each other often have the same.
     latest: Option<Responses>,
 }
 
-type Watched<'a, H> = ScalarRun<'a, Siva<H>, Observers<Siva<H>>>;
+type Watched<'a> = ScalarRun<'a, Siva<DrivenHost>, Observers<Siva<DrivenHost>>>;
 
 impl<const DRIVE: u8> Doubles<DRIVE> {
     /// The structure of a run, whose polynomials are loaded into the tables of a lane.
-    fn structure<H: Host<Real = f64>>(&mut self, i: usize, host: &H) -> Structure {
+    fn structure(&mut self, i: usize, host: &DrivenHost) -> Structure {
         let equation = Equation::new(1.0, host.damping_ratio());
         let harmonic = host.force().and_then(|force| force.harmonics().first());
         let frequency = harmonic.map_or(0.0, |it| it.frequency);
@@ -79,10 +75,7 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
     }
 
     /// Adds the sums of a lane to the observers of its run, and clears them.
-    fn tell<H: Host<Real = f64>>(&mut self, i: usize, run: &mut Watched<'_, H>)
-    where
-        Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
-    {
+    fn tell(&mut self, i: usize, run: &mut Watched<'_>) {
         let total = self.totals.get(i);
         let (measures, steady) = &mut run.observer;
         measures.add([total.lost, total.lost_rest], [total.worked, total.worked_rest]);
@@ -128,14 +121,11 @@ fn driven(structure: Structure, harmonic: &Harmonic) -> Structure {
     }
 }
 
-impl<H: Host<Real = f64>, const DRIVE: u8> Lockstep<Siva<H>> for Doubles<DRIVE>
-where
-    Siva<H>: SideBySide + System<Real = f64, State = SivaState<Phase<H>>>,
-{
+impl<const DRIVE: u8> Lockstep<Siva<DrivenHost>> for Doubles<DRIVE> {
     const WIDTH: usize = WIDTH;
-    type Observer = Observers<Siva<H>>;
+    type Observer = Observers<Siva<DrivenHost>>;
 
-    fn new(job: &Job<Siva<H>>, wanted: Wanted) -> Self {
+    fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
         let steady = job.steady.map(|(steady, _)| steady).unwrap_or_default();
         let asked = Asked {
             ledger: wanted.ledger,
@@ -144,37 +134,27 @@ where
             acceleration: steady.acceleration,
             impacts: job.steady.is_some(),
         };
-        let decay = DRIVE == FREE;
-        let wanted = Wanted {
-            settling: wanted.settling && decay,
-            residual: wanted.residual && decay,
-            peaks: wanted.peaks && decay,
-            ledger: wanted.ledger,
-        };
         Self {
             lanes: Lanes::new(),
             tables: Tables::new(),
             rounds: Rounds::new(),
             totals: Totals::new(),
-            decays: Decays::new(),
             asked,
-            wanted,
             latest: None,
         }
     }
 
-    fn join(leader: &Siva<H>, siva: &Siva<H>) {
+    fn join(leader: &Siva<DrivenHost>, siva: &Siva<DrivenHost>) {
         siva.host.share(&leader.host);
     }
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        let Self { lanes, tables, rounds, totals, decays, asked, wanted, .. } = self;
-        step::reach::<WIDTH, DRIVE>(lanes, tables, rounds);
+        let Self { lanes, tables, rounds, totals, asked, .. } = self;
+        step::reach::<WIDTH, DRIVE>(lanes, rounds, |Lane { state, structure, length, .. }, i| {
+            state.after::<WIDTH, DRIVE>(structure, tables, i, *length)
+        });
         step::land::<WIDTH, DRIVE>(lanes, tables, rounds);
-        if wanted.decay() {
-            watched::watch::<WIDTH>(lanes, tables, rounds, decays);
-        }
         if asked.displacement {
             totals::largest::<WIDTH, DRIVE, false>(lanes, tables, rounds, totals);
         }
@@ -190,26 +170,19 @@ where
         if asked.impacts {
             totals::count(rounds, totals);
         }
-        step::commit::<WIDTH, DRIVE>(lanes, rounds);
+        step::commit::<WIDTH, DRIVE>(lanes, rounds, |_, _| 0.0);
         let mut requests = 0.0;
         for i in 0..WIDTH {
             requests += lanes.request[i] + lanes.stopped[i] + lanes.full[i];
-            requests += decays.watch.peaked[i];
         }
         requests > 0.0
     }
 
     fn requests(&self, i: usize) -> bool {
-        let Self { lanes, decays, .. } = self;
-        lanes.request[i] + lanes.stopped[i] + lanes.full[i] + decays.watch.peaked[i] > 0.0
+        self.lanes.request[i] + self.lanes.stopped[i] + self.lanes.full[i] > 0.0
     }
 
-    fn serve(&mut self, i: usize, run: &mut Watched<'_, H>) -> bool {
-        if self.decays.watch.peaked[i] > 0.0 {
-            let (peak, index) = self.decays.watch.get(i).ended_peak();
-            run.observer.0.peak(&peak, index);
-            self.decays.watch.listen(i, &run.observer.0);
-        }
+    fn serve(&mut self, i: usize, run: &mut Watched<'_>) -> bool {
         let goes_on = self.lanes.stopped[i] == 0.0 || self.pass_stop(i, run);
         if goes_on && self.lanes.request[i] + self.lanes.full[i] == 0.0 {
             return true;
@@ -218,10 +191,8 @@ where
         false
     }
 
-    fn take(&mut self, i: usize, run: &mut Watched<'_, H>) -> bool {
-        let reference = &run.observer.0.reference;
-        let settled = !self.wanted.decay() || reference.settled && reference.amplitude > 0.0;
-        if !settled || run.stopped == STOPS {
+    fn take(&mut self, i: usize, run: &mut Watched<'_>) -> bool {
+        if run.stopped == STOPS {
             return false;
         }
         // A strobe that is due now is left to the event loop.
@@ -233,7 +204,6 @@ where
         let stop = self.next_stop(run, run.clock);
         let Some(lane) = Lane::of(run, &structure, stop) else { return false };
         self.lanes.set(i, &lane);
-        self.decays.set(i, &Decay::of(&run.observer.0));
         let counts = stops::counts(run, run.clock);
         let [displacement, acceleration] =
             run.observer.1.as_ref().map_or([0.0; 2], |steady| steady.largest());
@@ -242,19 +212,14 @@ where
         true
     }
 
-    fn put_back(&mut self, i: usize, run: &mut Watched<'_, H>) {
+    fn put_back(&mut self, i: usize, run: &mut Watched<'_>) {
         let lane = self.lanes.get(i);
         lane.put_back(run);
-        if self.wanted.decay() {
-            let state = run.tally.state;
-            self.decays.get(i).put_back(&mut run.observer.0, &run.system.host, &state);
-        }
         self.tell(i, run);
     }
 
     fn idle(&mut self, i: usize) {
         self.lanes.set(i, &Lane::idle());
-        self.decays.set(i, &Decay::idle());
         self.totals.set(i, &Total::default());
     }
 }

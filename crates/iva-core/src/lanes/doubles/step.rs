@@ -3,7 +3,7 @@
 //! 1. [`reach`]: the state at the end of the trial stretch, and what the quintic through both ends proves
 //!    ([`crate::siva::fast_flight`]): no contact, or one contact with one wall, with an estimate of its time.
 //! 2. [`land`]: the state at the estimate, the contact by its Taylor series, and the decision on the stretch.
-//! 3. The measures of the stretch ([`super::totals`], [`super::decay`]).
+//! 3. The measures of a driven stretch ([`super::totals`]).
 //! 4. [`commit`]: the impact, the clock, and the next trial.
 //!
 //! A single loop would have some 600 instructions, more than a processor can reorder.
@@ -43,17 +43,19 @@ arrays! {
     end: State, States
 }
 
-/// Stage 1: evaluates the end of each trial and decides whether it meets a wall.
+/// Stage 1: evaluates the end of each trial and decides whether it meets a wall. `reached` gives that end. A
+/// trial longer than the polynomials hold for is a leap, known to meet none.
 #[inline(always)]
 pub(super) fn reach<const W: usize, const DRIVE: u8>(
     lanes: &Lanes<W>,
-    tables: &Tables<W>,
     rounds: &mut Rounds<W>,
+    reached: impl Fn(&Lane, usize) -> State,
 ) {
     for i in 0..W {
         let lane = lanes.get(i);
         let Lane { state, structure, length, again, again_far, .. } = lane;
-        let end = state.after::<W, DRIVE>(&structure, tables, i, length);
+        let end = reached(&lane, i);
+        let leaps = length > structure.longest;
         // In units of the clearance, which keeps quotients in single precision in range.
         let over = lane.over_clearance;
         let square = length * length;
@@ -67,11 +69,13 @@ pub(super) fn reach<const W: usize, const DRIVE: u8>(
         let proof = whole.proof();
         let meets_far = proof.meets[1];
         let part = root_by(&whole.meeting(meets_far), about);
-        let looks = again > 0.0;
-        let meets = !proof.free & (proof.meets[0] | meets_far) & (part > 0.0) & (part <= 1.0);
+        let looks = (again > 0.0) & !leaps;
+        let free = (proof.free & !looks) | leaps;
+        let meets =
+            !leaps & !proof.free & (proof.meets[0] | meets_far) & (part > 0.0) & (part <= 1.0);
         let guess = pick(meets, length * part, 0.5 * length);
         let round = Round {
-            free: pick(proof.free & !looks, 1.0, 0.0),
+            free: pick(free, 1.0, 0.0),
             meets: pick(meets | looks, 1.0, 0.0),
             far: pick(looks, again_far, pick(meets_far, 1.0, 0.0)),
             guess: pick(looks, again, guess),
@@ -163,9 +167,14 @@ pub(super) fn land<const W: usize, const DRIVE: u8>(
     }
 }
 
-/// Stage 4: applies impact and clock, and chooses the next trial.
+/// Stage 4: applies impact and clock, and chooses the next trial. `leap` gives the length of a motion from a
+/// state that meets no wall, as far as that is known without a trial.
 #[inline(always)]
-pub(super) fn commit<const W: usize, const DRIVE: u8>(lanes: &mut Lanes<W>, rounds: &Rounds<W>) {
+pub(super) fn commit<const W: usize, const DRIVE: u8>(
+    lanes: &mut Lanes<W>,
+    rounds: &Rounds<W>,
+    leap: impl Fn(&State, f64) -> f64,
+) {
     for i in 0..W {
         let lane = lanes.get(i);
         let round = rounds.get(i);
@@ -196,6 +205,8 @@ pub(super) fn commit<const W: usize, const DRIVE: u8>(lanes: &mut Lanes<W>, roun
             );
         let first = pick(rebounds, ahead, f64::INFINITY);
         let longest = lane.structure.longest;
+        let leap = leap(&next.state, lane.clearance);
+        let longest = pick((leap > longest) & !hit, leap, longest);
         let looks_again = round.guess > 0.0;
         let tried = pick(looks_again, lane.length, 0.5 * lane.length);
         next.first = pick(passed, first, lane.first);

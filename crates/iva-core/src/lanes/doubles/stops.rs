@@ -1,11 +1,7 @@
 //! The stops of a lane: instants that a measure looks at, which no stretch may cross.
 
-use super::{Doubles, FREE, STOPS, Watched};
+use super::{Doubles, STOPS, Watched};
 use crate::flight::GapPoint;
-use crate::host::{Host, Phase};
-use crate::measures::is_one_period;
-use crate::real::Real;
-use crate::siva::{Siva, SivaState};
 use crate::steady::Steady;
 use crate::system::{Clock, Point, System};
 
@@ -18,20 +14,14 @@ pub(super) fn is_due(instant: f64, clock: Clock) -> bool {
 }
 
 /// True if the window of the steady state has begun.
-pub(super) fn counts<H: Host<Real = f64>>(run: &Watched<'_, H>, clock: Clock) -> bool
-where
-    Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
-{
+pub(super) fn counts(run: &Watched<'_>, clock: Clock) -> bool {
     let begin = run.observer.1.as_ref().map(Steady::begin);
     begin.is_some_and(|begin| is_due(begin, clock))
 }
 
 impl<const DRIVE: u8> Doubles<DRIVE> {
     /// The next instant that no stretch may cross.
-    pub(super) fn next_stop<H: Host<Real = f64>>(&self, run: &Watched<'_, H>, clock: Clock) -> f64
-    where
-        Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
-    {
+    pub(super) fn next_stop(&self, run: &Watched<'_>, clock: Clock) -> f64 {
         let duration = run.limits.duration;
         let mut stop = duration;
         let mut consider = |instant: f64| {
@@ -39,15 +29,6 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
                 stop = instant;
             }
         };
-        if DRIVE == FREE {
-            let period = f64::TURN.value;
-            consider(period);
-            if self.wanted.residual || self.wanted.settling {
-                consider(duration - period);
-                consider(duration - 0.5 * period);
-            }
-            return stop;
-        }
         if let Some(steady) = &run.observer.1 {
             consider(steady.begin());
             steady.next_strobe().into_iter().for_each(|instant| consider(instant.value));
@@ -56,20 +37,9 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
     }
 
     /// Handles the measures that are due at a stop; false: the run goes back to the event loop.
-    pub(super) fn pass_stop<H: Host<Real = f64>>(
-        &mut self,
-        i: usize,
-        run: &mut Watched<'_, H>,
-    ) -> bool
-    where
-        Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
-    {
+    pub(super) fn pass_stop(&mut self, i: usize, run: &mut Watched<'_>) -> bool {
         let (stop, clock) = (self.lanes.stop[i], self.lanes.clock(i));
         let ends = stop == run.limits.duration;
-        if DRIVE == FREE && is_one_period(stop) {
-            let state = self.lanes.get(i).state(&run.system.host, clock);
-            run.observer.0.one_period(run.system.energy(&state));
-        }
         if run.observer.1.is_some() {
             self.tell(i, run);
             let at = self.lanes.state.get(i);

@@ -5,7 +5,7 @@
 //! motion over the longest flight is integrated with a relative error of some 10⁻¹⁶.
 
 use super::lane::Lanes;
-use super::motion::{BASE, FREE, State, Structure};
+use super::motion::{BASE, State, Structure};
 use super::responses::{TERMS, Tables};
 use super::step::Rounds;
 use super::turning::{Jets, Turned, turned};
@@ -61,7 +61,7 @@ type Course<const W: usize> = [[f64; W]; LENGTH];
 /// `longest`.
 #[allow(clippy::needless_range_loop, reason = "a lane is an index into every row")]
 #[inline(always)]
-fn combine<const W: usize, const DRIVE: u8>(
+fn combine<const W: usize>(
     tables: &Tables<W>,
     of: impl Fn(usize) -> ([f64; 2], [f64; 4], f64),
 ) -> Course<W> {
@@ -80,11 +80,9 @@ fn combine<const W: usize, const DRIVE: u8>(
             }
             if k > 0 && k <= TERMS {
                 sum = q.mul_add(tables.terms[1][k - 1][i], sum);
-                if DRIVE != FREE {
-                    sum = b.mul_add(tables.terms[3][k - 1][i], sum);
-                }
+                sum = b.mul_add(tables.terms[3][k - 1][i], sum);
             }
-            if k > 1 && DRIVE != FREE {
+            if k > 1 {
                 sum = c.mul_add(tables.terms[2][k - 2][i], sum);
             }
             course[k + 2][i] = sum;
@@ -126,7 +124,7 @@ fn nodes<const W: usize>(group: usize, parts: &[f64; W]) -> [[f64; W]; AT_ONCE] 
 /// The polynomial of ẋ.
 #[inline(always)]
 fn velocity<const W: usize, const DRIVE: u8>(lanes: &Lanes<W>, tables: &Tables<W>) -> Course<W> {
-    combine::<W, DRIVE>(tables, |i| {
+    combine::<W>(tables, |i| {
         let (state, structure) = (lanes.state.get(i), lanes.structure.get(i));
         let Structure { damping, frequency, .. } = structure;
         let [_, [a, ..]] = structure.derivatives::<DRIVE>(&state);
@@ -143,7 +141,7 @@ fn displacement<const W: usize, const DRIVE: u8>(
     lanes: &Lanes<W>,
     tables: &Tables<W>,
 ) -> Course<W> {
-    combine::<W, DRIVE>(tables, |i| {
+    combine::<W>(tables, |i| {
         let (state, structure) = (lanes.state.get(i), lanes.structure.get(i));
         let Structure { frequency, .. } = structure;
         let [_, [a, ..]] = structure.derivatives::<DRIVE>(&state);
@@ -156,7 +154,7 @@ fn displacement<const W: usize, const DRIVE: u8>(
 /// The polynomial of f.
 #[inline(always)]
 fn force<const W: usize, const DRIVE: u8>(lanes: &Lanes<W>, tables: &Tables<W>) -> Course<W> {
-    combine::<W, DRIVE>(tables, |i| {
+    combine::<W>(tables, |i| {
         let (state, structure) = (lanes.state.get(i), lanes.structure.get(i));
         let Structure { damping, frequency, .. } = structure;
         let rapid = frequency * frequency;
@@ -207,20 +205,18 @@ pub(super) fn lose<const W: usize, const DRIVE: u8>(
 ) {
     let (lengths, course) = (lengths(rounds), velocity::<W, DRIVE>(lanes, tables));
     let parts = parts(lanes, &lengths);
-    let push = if DRIVE == FREE { [[0.0; W]; LENGTH] } else { force::<W, DRIVE>(lanes, tables) };
+    let push = force::<W, DRIVE>(lanes, tables);
     let [mut squares, mut works, mut pushed] = [[0.0; W]; 3];
     for group in 0..NODES.len() / AT_ONCE {
         let t = nodes(group, &parts);
         let velocities = at(&course, &t);
-        let forces = if DRIVE == FREE { velocities } else { at(&push, &t) };
+        let forces = at(&push, &t);
         for (n, (velocity, force)) in velocities.iter().zip(&forces).enumerate() {
             let (_, weight) = NODES[AT_ONCE * group + n];
             for i in 0..W {
                 squares[i] = f64::mul_add(weight * velocity[i], velocity[i], squares[i]);
-                if DRIVE != FREE {
-                    works[i] = f64::mul_add(weight * force[i], velocity[i], works[i]);
-                    pushed[i] = f64::mul_add(weight, force[i], pushed[i]);
-                }
+                works[i] = f64::mul_add(weight * force[i], velocity[i], works[i]);
+                pushed[i] = f64::mul_add(weight, force[i], pushed[i]);
             }
         }
     }
@@ -240,9 +236,7 @@ pub(super) fn lose<const W: usize, const DRIVE: u8>(
         }
     }
     add(&mut totals.lost, &mut totals.lost_rest, &squares);
-    if DRIVE != FREE {
-        add(&mut totals.worked, &mut totals.worked_rest, &works);
-    }
+    add(&mut totals.worked, &mut totals.worked_rest, &works);
 }
 
 /// Adds ∫x² of each completed stretch within the window.

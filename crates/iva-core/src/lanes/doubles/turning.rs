@@ -10,10 +10,9 @@ use crate::quintic::root_by;
 /// A function of the state of a structure with its first five derivatives.
 pub(super) type Jets = [f64; 6];
 
-/// An extremum: its time, the value there, and whether both are exact to rounding.
+/// An extremum: the value there, and whether it is exact to rounding.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turned {
-    pub h: f64,
     pub value: f64,
     pub exact: bool,
 }
@@ -51,5 +50,5 @@ pub(super) fn turned<const W: usize, const DRIVE: u8>(
     let left_out = sixth * ((square * square) * (t.abs() * (1.0 / 120.0)));
     let close = left_out <= f64::EPSILON * (bend.abs() * h);
     let exact = close & (h > 0.0) & (h < length) & (bend != 0.0);
-    Turned { h, value, exact }
+    Turned { value, exact }
 }

@@ -1,0 +1,426 @@
+//! The motion of an oscillator without drive in closed form, for less than critical damping.
+//!
+//! With δ = c/2, ω² = k − δ² and s = (v + δx)/ω, every motion of ẍ + cẋ + kx = 0 is a damped sinusoid:
+//!
+//! ```text
+//! x(h) = Re Z e^{λh},    Z = x − i s,    λ = −δ + iω,    |λ|² = k.
+//! ```
+//!
+//! So its turning points follow each other after half a period π/ω, each smaller than the last by the factor
+//! e^{−πδ/ω}, and |Z| bounds |x| at all later times. The series of [`crate::oscillator`] hold for short
+//! flights and any damping; these formulas hold for any length.
+
+use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E, PI};
+
+use crate::real::pick;
+use crate::taylor::unrolled;
+
+/// The largest damping ratio of a structure for which the closed form is used: close to critical damping it
+/// loses digits, as s is a quotient of small numbers.
+pub(crate) const MOST_DAMPED: f64 = 0.8;
+
+/// Low part of π/2.
+const QUARTER_REST: f64 = 6.123_233_995_736_766e-17;
+/// Low part of ln 2.
+const LN_2_REST: f64 = 2.319_046_813_846_299_6e-17;
+/// 1.5 · 2⁵²: a number of moderate size added to it is rounded to an integer, which its low bits hold.
+const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
+/// The bits of an exponent in a double, for a value of 0.
+const BIAS: u64 = 1023;
+
+/// One oscillator: the constants of its sinusoids.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sinusoid {
+    stiffness: f64,
+    /// δ, and its share δ/ω.
+    decay: f64,
+    share: f64,
+    /// ω in double-double, and 1/ω.
+    omega: f64,
+    omega_rest: f64,
+    over_omega: f64,
+    /// Half a period, and the factor by which the size falls in it.
+    pub half: f64,
+    pub shrink: f64,
+}
+
+/// x and ẋ at one instant.
+pub(crate) type Motion = [f64; 2];
+
+/// The responses C to unit displacement and S to unit velocity after a time h.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Responses {
+    /// C and S.
+    displaced: f64,
+    pushed: f64,
+    /// C − 1 and S − h.
+    displaced_beyond: f64,
+    pushed_beyond: f64,
+}
+
+impl Sinusoid {
+    /// The oscillator of mass `mass` (1, or 1 + μ) on a structure of damping ratio ζ ≤ [`MOST_DAMPED`].
+    pub fn new(mass: f64, damping_ratio: f64) -> Self {
+        let (stiffness, decay) = (1.0 / mass, damping_ratio / mass);
+        let square = decay * decay;
+        let complement = stiffness - square;
+        let rest = (stiffness - complement) - square - decay.mul_add(decay, -square);
+        let omega = complement.sqrt();
+        let omega_rest = (rest - omega.mul_add(omega, -complement)) / (2.0 * omega);
+        let over_omega = 1.0 / omega;
+        let half = PI * over_omega;
+        Self {
+            stiffness,
+            decay,
+            share: decay * over_omega,
+            omega,
+            omega_rest,
+            over_omega,
+            half,
+            shrink: libm::exp(-decay * half),
+        }
+    }
+
+    /// s of a state.
+    #[inline(always)]
+    fn side(&self, [x, v]: Motion) -> f64 {
+        self.decay.mul_add(x, v) * self.over_omega
+    }
+
+    /// |Z|: a bound on |x| from a state on.
+    #[inline(always)]
+    pub fn radius(&self, [x, v]: Motion) -> f64 {
+        let s = self.side([x, v]);
+        s.mul_add(s, x * x).sqrt()
+    }
+
+    /// ẍ of a state.
+    #[inline(always)]
+    pub fn acceleration(&self, [x, v]: Motion) -> f64 {
+        -(2.0 * self.decay).mul_add(v, self.stiffness * x)
+    }
+
+    /// The responses to unit displacement and velocity after any time h ≥ 0.
+    #[inline(always)]
+    pub fn responses(&self, h: f64) -> Responses {
+        let Self { decay, share, over_omega, .. } = *self;
+        let Turned { sine, cosine, sine_beyond, versine } = self.turned(h);
+        let Fallen { left, less, beyond } = fallen(-decay * h);
+        let bent = less.mul_add(sine, sine_beyond);
+        Responses {
+            displaced: left * share.mul_add(sine, cosine),
+            pushed: (left * sine) * over_omega,
+            displaced_beyond: share.mul_add(bent, beyond + less.mul_add(versine, versine)),
+            pushed_beyond: bent * over_omega,
+        }
+    }
+
+    /// The state after a time whose responses are given.
+    #[inline(always)]
+    pub fn moved(&self, [x, v]: Motion, by: &Responses) -> Motion {
+        let Responses { displaced, pushed, .. } = *by;
+        let faster = (-2.0 * self.decay).mul_add(pushed, displaced);
+        [x.mul_add(displaced, v * pushed), v.mul_add(faster, -(self.stiffness * x) * pushed)]
+    }
+
+    /// x(h) − x − v h and v(h) − v, without cancellation where h is short.
+    #[inline(always)]
+    pub fn gained(&self, [x, v]: Motion, by: &Responses) -> Motion {
+        let Responses { pushed, displaced_beyond, pushed_beyond, .. } = *by;
+        let faster = (-2.0 * self.decay).mul_add(pushed, displaced_beyond);
+        let further = x.mul_add(displaced_beyond, v * pushed_beyond);
+        [further, v.mul_add(faster, -(self.stiffness * x) * pushed)]
+    }
+
+    /// The state a time h later.
+    #[inline(always)]
+    pub fn after(&self, from: Motion, h: f64) -> Motion {
+        self.moved(from, &self.responses(h))
+    }
+
+    /// Sine and cosine of the angle ωh.
+    #[inline(always)]
+    fn turned(&self, h: f64) -> Turned {
+        /// The coefficients of sin r/r − 1 and cos r − 1 in powers of r² from r² on.
+        const SINE: [f64; 8] = alternating(3);
+        const COSINE: [f64; 8] = alternating(2);
+        let angle = self.omega * h;
+        let angle_rest = self.omega.mul_add(h, -angle) + self.omega_rest * h;
+        let shifted = angle.mul_add(FRAC_2_PI, TO_INTEGER);
+        let (bits, quarters) = (shifted.to_bits(), shifted - TO_INTEGER);
+        let r = (-quarters).mul_add(0.5 * PI, angle);
+        let r = (-quarters).mul_add(QUARTER_REST, r) + angle_rest;
+        let z = r * r;
+        let (mut odd, mut even) = (SINE[7], COSINE[7]);
+        unrolled!(k < 7 => {
+            odd = odd.mul_add(z, SINE[6 - k]);
+            even = even.mul_add(z, COSINE[6 - k]);
+        });
+        let (beyond, versine) = ((r * z) * odd, z * even);
+        let (s, c) = (r + beyond, 1.0 + versine);
+        let sign = |bits: u64| f64::from_bits(((bits & 2) << 62) | 1.0f64.to_bits());
+        let odd = bits & 1 != 0;
+        let sine = pick(odd, c, s) * sign(bits);
+        let cosine = pick(odd, s, c) * sign(bits.wrapping_add(1));
+        let small = quarters == 0.0;
+        Turned {
+            sine,
+            cosine,
+            sine_beyond: pick(small, beyond + angle_rest, sine - angle),
+            versine: pick(small, versine, cosine - 1.0),
+        }
+    }
+
+    /// Time and displacement of the first turning point of x from a state on.
+    #[inline(always)]
+    pub fn first_turn(&self, [x, v]: Motion) -> (f64, f64) {
+        // The turn is where Z e^{λh} λ is real: the angle of the point (δv + kx, ωv) is turned back to 0 or π.
+        let up = v.abs() * self.omega;
+        let right = pick(v < 0.0, -1.0, 1.0) * self.decay.mul_add(v, self.stiffness * x);
+        let steep = up > right.abs();
+        let (less, more) = (pick(steep, right.abs(), up), pick(steep, up, right.abs()));
+        let t = arctangent(less / (more + f64::MIN_POSITIVE));
+        let angle = pick(steep, 0.5 * PI - t, t);
+        let h = pick(right < 0.0, PI - angle, angle) * self.over_omega;
+        // One step of Halley's method on ẋ = 0 makes the five digits of the arctangent fifteen.
+        let [there, speed] = self.after([x, v], h);
+        let a = self.acceleration([there, speed]);
+        let jerk = self.acceleration([speed, a]);
+        let over = 1.0 / pick(a == 0.0, 1.0, a);
+        let step = -speed * over;
+        let step = step * (-0.5 * jerk * over).mul_add(step, 1.0);
+        let h = (h + step).max(0.0);
+        (h, step.mul_add((0.5 * a).mul_add(step, speed), there))
+    }
+
+    /// The energy lost in the structure's damper in a motion of this length between two states: the integral
+    /// of cẋ²/k, of which the part of constant sign is summed by itself.
+    #[inline(always)]
+    pub fn lost(&self, from: Motion, to: Motion, length: f64) -> f64 {
+        let Fallen { less, .. } = fallen(-2.0 * self.decay * length);
+        let turning = |[x, v]: Motion| {
+            let s = self.side([x, v]);
+            (2.0 * self.omega).mul_add(x * s, -(self.decay * (x - s) * (x + s)))
+        };
+        let (x, s) = (from[0], self.side(from));
+        let swing = (0.5 * self.decay / self.stiffness) * (turning(to) - turning(from));
+        (-0.5 * less).mul_add(s.mul_add(s, x * x), swing)
+    }
+
+    /// The instant between two times at which x is `level`; x − level has unlike signs at both.
+    pub fn passage(&self, from: Motion, level: f64, [mut low, mut high]: Motion) -> f64 {
+        let off = |h: f64| {
+            let [x, v] = self.after(from, h);
+            [x - level, v, self.acceleration([x, v])]
+        };
+        let ([first, ..], [last, ..]) = (off(low), off(high));
+        let mut h = low + (high - low) * (first / (first - last)).clamp(0.0, 1.0);
+        for _ in 0..MOST_STEPS {
+            let [value, rate, bend] = off(h);
+            if value == 0.0 {
+                break;
+            }
+            if (value > 0.0) == (first > 0.0) {
+                low = h;
+            } else {
+                high = h;
+            }
+            let next = h - value * rate / rate.mul_add(rate, -0.5 * value * bend);
+            let next = if next > low && next < high { next } else { low.midpoint(high) };
+            let still = (next - h).abs() <= f64::EPSILON * high;
+            h = next;
+            if still {
+                break;
+            }
+        }
+        h
+    }
+}
+
+/// Largest number of steps to a passage: as many as halvings can be told apart.
+const MOST_STEPS: usize = 100;
+
+/// Sine and cosine of an angle, sine less angle, and cosine less 1.
+struct Turned {
+    sine: f64,
+    cosine: f64,
+    sine_beyond: f64,
+    versine: f64,
+}
+
+/// e^w, e^w − 1 and e^w − 1 − w.
+struct Fallen {
+    left: f64,
+    less: f64,
+    beyond: f64,
+}
+
+/// The exponential of w ≤ 0, without branches.
+#[inline(always)]
+fn fallen(w: f64) -> Fallen {
+    /// The coefficients of (e^q − 1 − q)/q² in powers of q.
+    const TERMS: [f64; 12] = {
+        let mut terms = [0.5; 12];
+        let mut k = 1;
+        while k < terms.len() {
+            terms[k] = terms[k - 1] / (k + 2) as f64;
+            k += 1;
+        }
+        terms
+    };
+    // Below this nothing is left.
+    let w = w.max(-700.0);
+    let shifted = w.mul_add(LOG2_E, TO_INTEGER);
+    let (bits, halvings) = (shifted.to_bits(), shifted - TO_INTEGER);
+    let q = (-halvings).mul_add(LN_2, w);
+    let q = (-halvings).mul_add(LN_2_REST, q);
+    let mut sum = TERMS[11];
+    unrolled!(k < 11 => {
+        sum = sum.mul_add(q, TERMS[10 - k]);
+    });
+    let beyond = (q * q) * sum;
+    let less = q + beyond;
+    let scale = f64::from_bits(bits.wrapping_add(BIAS) << 52);
+    let none = halvings == 0.0;
+    let left = scale.mul_add(less, scale);
+    let less = pick(none, less, scale.mul_add(less, scale - 1.0));
+    Fallen { left, less, beyond: pick(none, beyond, less - w) }
+}
+
+/// The arctangent of a number from 0 to 1 to five digits (C. Hastings, *Approximations for Digital Computers*,
+/// 1955).
+#[inline(always)]
+fn arctangent(q: f64) -> f64 {
+    const TERMS: [f64; 6] =
+        [0.999_977_26, -0.332_623_47, 0.193_543_46, -0.116_432_87, 0.052_653_32, -0.011_721_2];
+    let z = q * q;
+    let mut sum = TERMS[5];
+    unrolled!(k < 5 => {
+        sum = sum.mul_add(z, TERMS[4 - k]);
+    });
+    q * sum
+}
+
+/// The coefficients −1/n!, 1/(n+2)!, −1/(n+4)!, ….
+const fn alternating(n: usize) -> [f64; 8] {
+    let mut terms = [0.0; 8];
+    let (mut term, mut i, mut k) = (-1.0, 1, 0);
+    while k < terms.len() {
+        while i <= n + 2 * k {
+            term /= i as f64;
+            i += 1;
+        }
+        terms[k] = term;
+        term = -term;
+        k += 1;
+    }
+    terms
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensated::DoubleDouble;
+    use crate::oscillator::{Oscillator, Primary};
+
+    /// The motion by the power series of the oscillator in double-double, step by step.
+    fn by_series(mass: f64, damping_ratio: f64, from: Motion, h: f64) -> Motion {
+        let oscillator = Oscillator::<f64>::new(mass, damping_ratio);
+        let mut at = Primary { x: DoubleDouble::new(from[0]), v: DoubleDouble::new(from[1]) };
+        // A power of two, so that the length of a step is exact.
+        let steps = ((h / oscillator.reach).ceil().max(1.0) as usize).next_power_of_two();
+        for _ in 0..steps {
+            let a = oscillator.acceleration(&at);
+            (at, _) = at.arrived(&oscillator, a, h / steps as f64);
+        }
+        [at.x.value, at.v.value]
+    }
+
+    fn scenes() -> impl Iterator<Item = (f64, f64, Motion, f64)> {
+        let masses = [1.0, 1.1, 3.7];
+        let ratios = [0.0, 1e-9, 0.0085, 0.3, MOST_DAMPED];
+        let starts = [[1.0, 0.0], [0.0, -1.0], [-0.3, 0.7], [0.5, -0.5 * 0.0085], [0.0, 0.0]];
+        let times = [0.0, 1e-9, 1e-3, 0.1, 0.7, 1.6, 3.1, 6.3, 47.0, 190.0];
+        masses.into_iter().flat_map(move |mass| {
+            ratios.into_iter().flat_map(move |ratio| {
+                starts
+                    .into_iter()
+                    .flat_map(move |from| times.into_iter().map(move |h| (mass, ratio, from, h)))
+            })
+        })
+    }
+
+    #[test]
+    fn motion_is_that_of_the_power_series() {
+        for (mass, ratio, from, h) in scenes() {
+            let sinusoid = Sinusoid::new(mass, ratio);
+            let (found, truth) = (sinusoid.after(from, h), by_series(mass, ratio, from, h));
+            let size = from[0].abs() + from[1].abs();
+            for (found, truth) in found.iter().zip(truth) {
+                let off = (found - truth).abs();
+                assert!(off <= 6e-16 * size * mass, "{mass} {ratio} {from:?} {h}: {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn short_motions_keep_relative_accuracy() {
+        let (sinusoid, oscillator) = (Sinusoid::new(1.0, 0.1), Oscillator::<f64>::new(1.0, 0.1));
+        for k in 0..40 {
+            let (h, from) = (1.3 * 0.5f64.powi(k), [0.3, 0.7]);
+            let a = DoubleDouble::new(sinusoid.acceleration(from));
+            let truth = oscillator.arrive(DoubleDouble::new(from[1]), a, h);
+            let [further, faster] = sinusoid.gained(from, &sinusoid.responses(h));
+            assert!((further / truth.curved.value - 1.0).abs() < 1e-14 + 4e-16 / h, "{h}");
+            assert!((faster / truth.velocity.value - 1.0).abs() < 4e-15, "{h}");
+        }
+    }
+
+    #[test]
+    fn x_turns_where_its_velocity_is_zero_and_not_before() {
+        for (mass, ratio, from, _) in scenes() {
+            let sinusoid = Sinusoid::new(mass, ratio);
+            let (h, x) = sinusoid.first_turn(from);
+            let [there, speed] = by_series(mass, ratio, from, h);
+            let size = from[0].abs() + from[1].abs();
+            assert!(speed.abs() <= 3e-15 * size, "{mass} {ratio} {from:?}: {speed:e}");
+            assert!((x - there).abs() <= 4e-16 * size, "{mass} {ratio} {from:?}");
+            assert!(h <= sinusoid.half * (1.0 + 1e-15));
+            let [next, _] = sinusoid.after(from, h + sinusoid.half);
+            assert!((next + sinusoid.shrink * x).abs() <= 1e-15 * size * mass);
+            assert!(sinusoid.radius(from) >= x.abs() * (1.0 - 1e-15));
+        }
+    }
+
+    #[test]
+    fn losses_are_those_of_the_series_and_close_the_energy() {
+        for (mass, ratio, from, h) in scenes() {
+            let (sinusoid, oscillator) =
+                (Sinusoid::new(mass, ratio), Oscillator::<f64>::new(mass, ratio));
+            let to = sinusoid.after(from, h);
+            let lost = sinusoid.lost(from, to, h);
+            let energy = |[x, v]: Motion| 0.5 * x.mul_add(x, mass * v * v);
+            let size = energy(from);
+            let off = (energy(from) - energy(to) - lost).abs();
+            assert!(off <= 1e-15 * size, "{mass} {ratio} {from:?} {h}: {off:e} of {size}");
+            if h <= oscillator.reach {
+                let series = oscillator.viscous_loss(from[0], from[1], h);
+                let off = (series - lost).abs();
+                assert!(off <= 1e-15 * size, "{mass} {ratio} {from:?} {h}: {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_passage_lies_on_its_level() {
+        let sinusoid = Sinusoid::new(1.0, 0.05);
+        let from = [1.0, 0.2];
+        let (turn, x) = sinusoid.first_turn(from);
+        for share in [0.999_999, 0.9, 0.5, 0.0, -0.7, -0.85] {
+            let level = share * x;
+            let h = sinusoid.passage(from, level, [turn, turn + sinusoid.half]);
+            let [there, _] = by_series(1.0, 0.05, from, h);
+            assert!((there - level).abs() < 4e-16, "{share}: {:e}", there - level);
+        }
+    }
+}
