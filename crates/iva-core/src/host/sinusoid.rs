@@ -207,16 +207,21 @@ impl Sinusoid {
         (-0.5 * less).mul_add(s.mul_add(s, x * x), swing)
     }
 
+    /// x − level, ẋ and ẍ a time h after a state.
+    #[inline(always)]
+    fn above(&self, level: f64, from: Motion, h: f64) -> [f64; 3] {
+        let [x, v] = self.after(from, h);
+        [x - level, v, self.acceleration([x, v])]
+    }
+
     /// The instant between two times at which x is `level`; x − level has unlike signs at both.
+    #[inline(always)]
     pub fn passage(&self, from: Motion, level: f64, [mut low, mut high]: Motion) -> f64 {
-        let off = |h: f64| {
-            let [x, v] = self.after(from, h);
-            [x - level, v, self.acceleration([x, v])]
-        };
-        let ([first, ..], [last, ..]) = (off(low), off(high));
+        let [[first, ..], [last, ..]] =
+            [self.above(level, from, low), self.above(level, from, high)];
         let mut h = low + (high - low) * (first / (first - last)).clamp(0.0, 1.0);
         for _ in 0..MOST_STEPS {
-            let [value, rate, bend] = off(h);
+            let [value, rate, bend] = self.above(level, from, h);
             if value == 0.0 {
                 break;
             }

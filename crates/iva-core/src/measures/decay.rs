@@ -48,6 +48,14 @@ impl Decay {
     /// Takes the motions between these entries, of which the last one is the begin of a motion that is not
     /// taken yet.
     pub fn take<S: System<Real = f64>>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
+        f64::dispatched(
+            #[inline(always)]
+            || self.measure(measures, log),
+        );
+    }
+
+    #[inline(always)]
+    fn measure<S: System<Real = f64>>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
         let Some(last) = log.last() else { return };
         measures.moving |= log.len() > 1;
         if measures.wanted.decay() {
@@ -74,12 +82,14 @@ impl Decay {
     }
 
     /// The structure in a motion.
+    #[inline(always)]
     fn structure(&self, entry: &Entry) -> &Sinusoid {
         let stuck = || Sinusoid::new(1.0 + self.mass_ratio, self.damping_ratio);
         if entry.stuck > 0.0 { self.stuck.get_or_init(stuck) } else { &self.free }
     }
 
     /// Energy of structure and absorber a time h after the begin of a motion.
+    #[inline(always)]
     fn energy(&self, entry: &Entry, h: f64) -> f64 {
         let [x, v] = self.structure(entry).after(entry.from(), h);
         let absorber = if entry.stuck > 0.0 { v } else { entry.absorber };
@@ -87,6 +97,7 @@ impl Decay {
     }
 
     /// Computes the first turning point of x in each motion.
+    #[inline(always)]
     fn turn(&mut self, log: &[Entry]) {
         self.turns.clear();
         let free = self.free;
@@ -95,14 +106,9 @@ impl Decay {
             for (i, entry) in block.iter().enumerate() {
                 (x[i], v[i]) = (entry.x, entry.v);
             }
-            f64::dispatched(
-                #[inline(always)]
-                || {
-                    for i in 0..BLOCK {
-                        (time[i], turned[i]) = free.first_turn([x[i], v[i]]);
-                    }
-                },
-            );
+            for i in 0..BLOCK {
+                (time[i], turned[i]) = free.first_turn([x[i], v[i]]);
+            }
             let turns = time.iter().copied().zip(turned).zip(block);
             for (turn, entry) in turns {
                 let stuck = entry.stuck > 0.0;
@@ -114,12 +120,13 @@ impl Decay {
     }
 
     /// The turning points of x in a motion before a time, each with its time.
+    #[inline(always)]
     fn turns_of(&self, k: usize, entry: &Entry, until: f64) -> impl Iterator<Item = (f64, f64)> {
         let &Sinusoid { half, shrink, .. } = self.structure(entry);
         let (first, mut x) = self.turns[k];
         let mut count = 0.0;
         std::iter::from_fn(move || {
-            let turn = (f64::mul_add(count, half, first), x);
+            let turn = (first + count * half, x);
             count += 1.0;
             x *= -shrink;
             (turn.0 < until).then_some(turn)
@@ -127,6 +134,7 @@ impl Decay {
     }
 
     /// Hands out peaks as long as they change a measure.
+    #[inline(always)]
     fn find_peaks<S: System<Real = f64>>(&self, measures: &mut Measures<S>, log: &[Entry]) {
         for (k, entry) in motions(log).iter().enumerate() {
             if measures.reference.settled && !measures.listens(measures.half_cycles.ended) {
@@ -141,6 +149,7 @@ impl Decay {
     }
 
     /// Finds the last passage of each settling level.
+    #[inline(always)]
     fn settle<S: System<Real = f64>>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
         let amplitude = measures.reference.amplitude;
         let mut levels = measures.settling.each_ref().map(|it| Some(it.level(amplitude)));
@@ -172,6 +181,7 @@ impl Decay {
     }
 
     /// Finds the largest |x| of the last period and half period of the run.
+    #[inline(always)]
     fn look_back<S: System<Real = f64>>(&self, measures: &mut Measures<S>, log: &[Entry]) {
         let duration = measures.duration;
         let windows = [
@@ -198,6 +208,7 @@ impl Decay {
     }
 
     /// Adds the energy lost in the structure's damper.
+    #[inline(always)]
     fn lose<S: System<Real = f64>>(&self, measures: &mut Measures<S>, log: &[Entry]) {
         let free = self.free;
         for (number, block) in motions(log).chunks(BLOCK).enumerate() {
@@ -209,14 +220,9 @@ impl Decay {
                 [to_x[i], to_v[i]] = end.reached();
                 span[i] = length(entry, end);
             }
-            f64::dispatched(
-                #[inline(always)]
-                || {
-                    for i in 0..BLOCK {
-                        lost[i] = free.lost([from_x[i], from_v[i]], [to_x[i], to_v[i]], span[i]);
-                    }
-                },
-            );
+            for i in 0..BLOCK {
+                lost[i] = free.lost([from_x[i], from_v[i]], [to_x[i], to_v[i]], span[i]);
+            }
             for (i, (entry, end)) in block.iter().zip(ends).enumerate() {
                 let lost = match entry.stuck > 0.0 {
                     true => self.structure(entry).lost(entry.from(), end.reached(), span[i]),
@@ -234,6 +240,7 @@ fn motions(log: &[Entry]) -> &[Entry] {
 }
 
 /// The length of a motion that ends where another begins.
+#[inline(always)]
 fn length(entry: &Entry, end: &Entry) -> f64 {
     (end.clock() - entry.clock()).value
 }

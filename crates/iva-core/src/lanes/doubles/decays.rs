@@ -76,11 +76,19 @@ impl Lockstep<Siva> for FreeDecays {
         let Self { lanes, tables, rounds, sinusoid, logs, wanted, .. } = self;
         // By value, so that the compiler knows that no store into a lane changes it.
         let sinusoid = *sinusoid;
-        step::reach::<WIDTH, FREE>(lanes, rounds, |lane, _| reached(&sinusoid, lane));
+        step::reach::<WIDTH, FREE>(
+            lanes,
+            rounds,
+            #[inline(always)]
+            |lane, _| reached(&sinusoid, lane),
+        );
         step::land::<WIDTH, FREE>(lanes, tables, rounds);
-        step::commit::<WIDTH, FREE>(lanes, rounds, |state, clearance| {
-            leap(&sinusoid, state, clearance)
-        });
+        step::commit::<WIDTH, FREE>(
+            lanes,
+            rounds,
+            #[inline(always)]
+            |state, clearance| leap(&sinusoid, state, clearance),
+        );
         for (i, log) in logs.iter_mut().enumerate() {
             if rounds.hit[i] > 0.0 && keeps(*wanted, lanes.time[i]) {
                 let State { x, v, side, rate, .. } = lanes.state.get(i);
