@@ -35,7 +35,8 @@
 //!   copies of the variables that change in simple flights, and hands everything else back to its run. Lanes
 //!   of free decays also hold copies of the variables of their measures (`lanes/watch.rs`); lanes of driven
 //!   runs log their flights, and measures read the log (`lanes/siva/driven/recorder.rs`). Free masses in
-//!   plain doubles, the fast tier, have lanes of their own (`lanes/doubles.rs`).
+//!   plain doubles, the fast tier, have lanes of their own (`lanes/doubles.rs`); their decays are a `log`, from
+//!   which measures are computed afterwards (`measures/decay.rs`).
 //! * [`range`] holds the ranges of numbers that a run accepts.
 //! * [`observe`] is the interface of the observers of a run: [`measures`], [`peaks`], [`sample`], under force
 //!   [`steady`], and [`extremes`], the largest displacements and accelerations.
