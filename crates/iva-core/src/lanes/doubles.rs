@@ -10,7 +10,8 @@
 //! Three things make it fast: flights are sums of four short polynomials whatever the force is
 //! ([`responses`]); one round of a lane evaluates both the end of the trial stretch and the contact in it, so
 //! that nearly every round completes a stretch; and a round is divided into stages that a processor can
-//! overlap ([`step`]).
+//! overlap ([`step`]). Free decays ([`decays`]) log their motion; driven runs take their measures stretch by
+//! stretch ([`totals`]).
 
 mod decays;
 mod lane;
