@@ -387,12 +387,12 @@ mod tests {
             let sinusoid = Sinusoid::new(mass, ratio);
             let (h, x) = sinusoid.first_turn(from);
             let [there, speed] = by_series(mass, ratio, from, h);
-            let size = from[0].abs() + from[1].abs();
+            let size = sinusoid.radius(from);
             assert!(speed.abs() <= 3e-15 * size, "{mass} {ratio} {from:?}: {speed:e}");
             assert!((x - there).abs() <= 4e-16 * size, "{mass} {ratio} {from:?}");
             assert!(h <= sinusoid.half * (1.0 + 1e-15));
             let [next, _] = sinusoid.after(from, h + sinusoid.half);
-            assert!((next + sinusoid.shrink * x).abs() <= 1e-15 * size * mass);
+            assert!((next + sinusoid.shrink * x).abs() <= 1e-15 * size);
             assert!(sinusoid.radius(from) >= x.abs() * (1.0 - 1e-15));
         }
     }
