@@ -188,6 +188,11 @@ pub trait Host: Clone + std::fmt::Debug {
 
     /// The damping ratio ζ.
     fn damping_ratio(&self) -> Self::Real;
+    /// Damping ratio ζ and mass ratio μ of a structure in doubles without drive, if its motion is known in
+    /// closed form ([`sinusoid`]).
+    fn sinusoidal(&self) -> Option<[f64; 2]> {
+        None
+    }
     /// Shares the tables of another structure that has the same ζ, if they are worth sharing.
     fn share(&self, _like: &Self) {}
     /// The structure without absorber, mass 1.

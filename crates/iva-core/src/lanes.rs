@@ -23,12 +23,11 @@
 
 mod arrays;
 mod counts;
-mod decay;
+mod decays;
 mod doubles;
 mod piva;
 mod running;
 mod siva;
-mod watch;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -43,6 +42,7 @@ use crate::siva::Siva;
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::system::System;
 use crate::taylor::{ORDER, with_order};
+use decays::Decays;
 use running::Running;
 
 /// Number of runs side by side.
@@ -149,9 +149,10 @@ macro_rules! run_jobs {
     };
 }
 
-/// True if a run is a free decay that lanes can make.
+/// True if a run is a free decay that lanes can make: they compute no measures but log the motion.
 fn decays(job: &Job<Siva>) -> bool {
-    job.steady.is_none() && job.begin == 0.0 && job.system.common_law().is_some()
+    let logged = job.system.sinusoidal().is_some() && job.steady.is_none();
+    logged && job.begin == 0.0 && job.system.common_law().is_some()
 }
 
 impl SideBySide for Siva {
@@ -161,21 +162,15 @@ impl SideBySide for Siva {
     }
 
     fn tier(job: &Job<Self>) -> Tier {
-        let fast = decays(job) && doubles::has_decays_of(&job.system);
-        if fast { job.tier } else { Tier::Exact }
+        if decays(job) { job.tier } else { Tier::Exact }
     }
 
     run_jobs!();
 
     fn run(group: Group<'_, Self>) {
-        if group.tier() == Tier::Fast {
-            return group.run::<doubles::FreeDecays>();
-        }
-        match (group.wanted.ledger, group.wanted.decay()) {
-            (true, true) => group.run::<siva::FastFlights<true, true>>(),
-            (false, true) => group.run::<siva::FastFlights<false, true>>(),
-            (true, false) => group.run::<siva::FastFlights<true, false>>(),
-            (false, false) => group.run::<siva::FastFlights<false, false>>(),
+        match group.tier() {
+            Tier::Fast => group.run::<Decays<doubles::FreeFlights>>(),
+            Tier::Exact => group.run::<Decays<siva::FastFlights>>(),
         }
     }
 }
@@ -301,9 +296,10 @@ trait Watching<S: SideBySide>: Observer<S> + Sized {
 }
 
 impl<S: SideBySide> Watching<S> for Observers<S> {
-    fn new(job: &Job<S>, wanted: Wanted, _spare: Option<Self>) -> Self {
+    fn new(job: &Job<S>, wanted: Wanted, spare: Option<Self>) -> Self {
         let steady = job.steady.map(|(wanted, window)| Steady::new(window, wanted));
-        (Measures::new(wanted), steady)
+        let spare = spare.map(|(measures, _)| measures);
+        (Measures::new(wanted).in_memory_of(spare), steady)
     }
 
     fn values(&self) -> (MeasureValues, Option<SteadyValues>) {

@@ -32,11 +32,13 @@
 //!   are the laws of what follows.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
 //! * [`lanes`] is the same loop for many runs side by side in the lanes of vector instructions. A lane holds
-//!   copies of the variables that change in simple flights, and hands everything else back to its run. Lanes
-//!   of free decays also hold copies of the variables of their measures (`lanes/watch.rs`); lanes of driven
-//!   runs log their flights, and measures read the log (`lanes/siva/driven/recorder.rs`). Free masses in
-//!   plain doubles, the fast tier, have lanes of their own (`lanes/doubles.rs`); their decays are a `log`, from
-//!   which measures are computed afterwards (`measures/decay.rs`).
+//!   copies of the variables that change in simple flights, and hands everything else back to its run. Free
+//!   masses have lanes of two kinds: the exact tier (`lanes/siva.rs`), and in plain doubles the fast one
+//!   (`lanes/doubles.rs`).
+//! * Measures of free masses are computed from a `log` after the run: those of a decay from the begins of its
+//!   motions (`measures/decay.rs`), whether it ran alone or in lanes of either tier; those of driven runs side
+//!   by side from their flights (`lanes/siva/driven/recorder.rs`). Lanes of pendulums hold copies of the
+//!   variables of their measures (`lanes/piva/watch.rs`).
 //! * [`range`] holds the ranges of numbers that a run accepts.
 //! * [`observe`] is the interface of the observers of a run: [`measures`], [`peaks`], [`sample`], under force
 //!   [`steady`], and [`extremes`], the largest displacements and accelerations.

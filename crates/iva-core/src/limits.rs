@@ -4,9 +4,6 @@ use crate::error::Invalid;
 use crate::range;
 use crate::real::Real;
 
-/// Number of [`Limits::stops`].
-pub const STOPS: usize = 4;
-
 /// The length of a run and its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits<R = f64> {
@@ -39,17 +36,6 @@ impl<R: Real> Limits<R> {
             max_work: Limits::MAX_WORK,
             chatter_floor: clearance * Limits::CHATTER_FLOOR,
         }
-    }
-
-    /// The instants of a free decay that measures look at, in order: one period, one and half a period before
-    /// the end, and the end. Those outside the run are replaced by its end.
-    pub fn stops(&self) -> [R; STOPS] {
-        let end = self.duration;
-        let period = R::TURN.value;
-        let inside = |instant: R| if instant > 0.0 && instant < end { instant } else { end };
-        let mut stops = [inside(period), inside(end - period), inside(end - period * 0.5), end];
-        stops.sort_by(R::total_cmp);
-        stops
     }
 
     /// Checks that duration and chatter floor are in [`crate::range`].

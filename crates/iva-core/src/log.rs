@@ -52,7 +52,7 @@ impl Entry {
 }
 
 /// The motions of a run in order of time, as far as no measure has taken them.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Log {
     entries: Vec<Entry>,
     /// Number of entries of a full log.

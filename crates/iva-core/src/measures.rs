@@ -5,14 +5,14 @@
 
 use crate::compensated::DoubleDouble;
 use crate::flight::{Losses, Motion};
-use crate::observe::{Observer, Span};
+use crate::observe::{Jump, Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
 use crate::real::Real;
 use crate::settling::LastCrossing;
 use crate::simulate::{Instant, Outcome, Tally};
-use crate::system::System;
+use crate::system::{Point, System};
 
-pub(crate) use decay::Decay;
+pub(crate) use decay::{Decay, keeps};
 
 mod decay;
 
@@ -105,6 +105,8 @@ pub struct Measures<S: System> {
     pub(crate) viscous: DoubleDouble<S::Real>,
     pub(crate) pivot: DoubleDouble<S::Real>,
     pub(crate) work: DoubleDouble<S::Real>,
+    /// The log of a decay from which the measures are computed; `None`: they are taken stretch by stretch.
+    pub(crate) decay: Option<Box<Decay>>,
 }
 
 /// A₀, which grows during the first half cycle if x(0) = 0; `settled` once it is final.
@@ -135,7 +137,14 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
             viscous: DoubleDouble::ZERO,
             pivot: DoubleDouble::ZERO,
             work: DoubleDouble::ZERO,
+            decay: None,
         }
+    }
+
+    /// The same measures of the next run, in the memory of those of a run that has ended.
+    pub(crate) fn in_memory_of(mut self, spare: Option<Self>) -> Self {
+        self.decay = spare.and_then(|spare| spare.decay);
+        self
     }
 
     /// The measures; complete once the run has ended.
@@ -239,8 +248,10 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
 impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         let Instant { time, state } = from;
+        let spare = self.decay.take();
         *self = Self::new(self.wanted);
-        let x = system.primary(state).x;
+        let Point { x, v } = system.primary(state);
+        self.log_decay(system, spare, v.double());
         (self.begin, self.duration) = (time.value, duration);
         self.reference = Reference { amplitude: x.abs(), settled: x != 0.0 };
         self.half_cycles = HalfCycles::start(time.value, x);
@@ -250,6 +261,9 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
 
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.moving = true;
+        if self.decay.is_some() {
+            return self.log_span(system, span);
+        }
         let decays = !system.is_driven();
         if decays && self.wanted.decay() {
             monotone::<_, S, M>(span, |stretch| self.stretch(span, stretch));
@@ -272,6 +286,12 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         }
     }
 
+    fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {
+        if let Some(decay) = &mut self.decay {
+            decay.fresh = true;
+        }
+    }
+
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         self.work = self.work.plus(work);
         // After a later impulse the energy lost since the start is not defined.
@@ -280,6 +300,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
 
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         let driven = system.is_driven();
+        self.end_log(system, tally.clock, &tally.state);
         if self.half_cycles.ended == 0 {
             let only = self.half_cycles.current;
             self.peak(&only, 0);
@@ -319,11 +340,6 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
             .plus(-values.energy_final)
             .value;
     }
-}
-
-/// True if an instant is one period after time zero, apart from rounding.
-pub(crate) fn is_one_period(instant: f64) -> bool {
-    (instant - f64::TURN.value).abs() <= f64::TURN.value * CLOSE
 }
 
 /// The instant `before_end` before the end of a run, a little earlier because of rounding.

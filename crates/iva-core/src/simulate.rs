@@ -12,7 +12,7 @@ use crate::observe::{Jump, Observer, Span, StickEpisode};
 use crate::real::Real;
 use crate::system::{Clock, System};
 
-pub use crate::limits::{Limits, Outcome, STOPS};
+pub use crate::limits::{Limits, Outcome};
 use wall::{Streak, presses};
 
 pub(crate) mod wall;
@@ -183,9 +183,8 @@ pub(crate) struct Run<'a, S: System, O> {
     pub riding: Option<StickEpisode<S::Real>>,
     pub tally: Tally<S::State, S::Real>,
     pub losses: Clock<S::Real>,
-    pub stops: [S::Real; STOPS],
-    /// Number of stops that are passed.
-    pub stopped: usize,
+    /// True if the whole duration is run, or nothing of it can be.
+    pub ended: bool,
     /// True if the run starts at a wall.
     touching: bool,
 }
@@ -195,6 +194,14 @@ const CANCEL_EVERY: u64 = 1024;
 /// Largest pressure at a release, in units of 2⁻⁵² of the terms that cancel in it. A state with more is not
 /// at a release, and the run ends as `not_finite`.
 const PRESSURE_ULPS: f64 = 1024.0;
+
+impl<S: System, O> Run<'_, S, O> {
+    /// Ends the run at its whole duration.
+    pub(crate) fn reach_end(&mut self) {
+        self.ended = true;
+        self.clock = Clock::new(self.limits.duration);
+    }
+}
 
 impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// A run that has not begun.
@@ -231,8 +238,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 clock: time,
             },
             losses: Clock::ZERO,
-            stops: system.stops(limits),
-            stopped: 0,
+            ended: false,
         }
     }
 
@@ -243,7 +249,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.observer.start(system, &from, self.limits.duration);
         if !system.energy(&state).is_finite() {
             self.tally.outcome = Outcome::NotFinite;
-            self.stopped = STOPS;
+            self.ended = true;
         } else if self.touching {
             if system.distance(&state).rate < 0.0 {
                 self.apply_impact();
@@ -255,18 +261,14 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
 
     /// Advances by one stretch of motion; false if the run has ended.
     pub(crate) fn step(&mut self) -> bool {
-        let remaining = loop {
-            if self.stopped == STOPS {
-                return false;
-            }
-            let remaining = -self.clock.minus(self.stop());
-            if remaining <= 0.0 {
-                // An impact has come at the instant of the stop.
-                self.pass_stop();
-            } else {
-                break remaining;
-            }
-        };
+        let remaining = -self.clock.minus(self.limits.duration);
+        if remaining <= 0.0 {
+            // An impact has come at the instant of the end.
+            self.reach_end();
+        }
+        if self.ended {
+            return false;
+        }
         let ended = if self.listed() >= self.limits.max_impacts {
             Some(Outcome::ImpactLimit)
         } else if self.tally.work >= self.limits.max_work {
@@ -297,22 +299,6 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         finite
     }
 
-    /// The next stop: an instant that no stretch of motion crosses.
-    pub(crate) fn stop(&self) -> R {
-        self.stops[self.stopped.min(STOPS - 1)]
-    }
-
-    /// Passes the current stop, and those that coincide with it within rounding.
-    pub(crate) fn pass_stop(&mut self) {
-        let here = self.stop() * (R::ONE + R::EPSILON * 4.0);
-        while self.stopped < STOPS && self.stops[self.stopped] <= here {
-            self.stopped += 1;
-        }
-        if self.stopped == STOPS {
-            self.clock = Clock::new(self.limits.duration);
-        }
-    }
-
     pub(super) fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
@@ -323,7 +309,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.tally.impacts - self.streak.as_ref().map_or(0, |streak| streak.low)
     }
 
-    /// One segment of free flight, ended by its length, a contact or the next stop.
+    /// One segment of free flight, ended by its length, a contact or the end of the run.
     fn fly(&mut self, remaining: R, first: R) -> bool {
         let system = self.system;
         let state = self.tally.state;
@@ -366,7 +352,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.apply_impact();
     }
 
-    /// One segment of a stick episode, ended by its length, the release or the next stop.
+    /// One segment of a stick episode, ended by its length, the release or the end of the run.
     fn ride(&mut self, remaining: R) -> bool {
         let system = self.system;
         let state = self.tally.state;
@@ -402,11 +388,11 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     where
         M: Motion<Real = R, State = S::State>,
     {
-        let whole = to_the_end && h >= -self.clock.minus(self.stop());
+        let whole = to_the_end && h >= -self.clock.minus(self.limits.duration);
         self.arrive(motion, [h, R::ZERO], motion.arrival(h), whole);
     }
 
-    /// Ends a motion after the time h + later, high and low part; `whole` if it ends at the next stop.
+    /// Ends a motion after the time h + later, high and low part; `whole` if it ends at the end of the run.
     fn arrive<M>(&mut self, motion: &M, [h, later]: [R; 2], end: S::State, whole: bool)
     where
         M: Motion<Real = R, State = S::State>,
@@ -424,7 +410,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.clock = finish;
         self.tally.state = end;
         if whole {
-            self.pass_stop();
+            self.reach_end();
         }
     }
 

@@ -12,7 +12,6 @@ use crate::flight::{GapPoint, Jet};
 use crate::force::Force;
 use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
 use crate::impact::{self, Impact};
-use crate::limits::{Limits, STOPS};
 use crate::oscillator::Primary;
 use crate::range;
 use crate::real::Real;
@@ -279,10 +278,6 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         self.host.damping_ratio() * 2.0 * self.impact_gain(wall)
     }
 
-    fn stops(&self, limits: &Limits<R>) -> [R; STOPS] {
-        limits.stops()
-    }
-
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
         check_start(self.clearance, self.offset, start)
     }
@@ -407,6 +402,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     fn primary(&self, state: &Self::State) -> Point<R> {
         let Primary { x, v } = state.host.primary;
         Point { x: x.value, v: v.value }
+    }
+
+    fn sinusoidal(&self) -> Option<[f64; 2]> {
+        self.host.sinusoidal()
     }
 
     fn is_driven(&self) -> bool {

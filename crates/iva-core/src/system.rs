@@ -7,7 +7,6 @@ use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
-use crate::limits::{Limits, STOPS};
 use crate::real::Real;
 
 /// A wall of the gap: `Plus` at y = +d, `Minus` at y = −d.
@@ -170,13 +169,14 @@ pub trait System {
     fn walls_reachable(&self) -> bool {
         true
     }
-    /// The instants that no stretch of motion may cross, the end of the run among them.
-    fn stops(&self, limits: &Limits<Self::Real>) -> [Self::Real; STOPS] {
-        [limits.duration; STOPS]
-    }
     /// True if a lasting force or base motion drives the system, not impulses only.
     fn is_driven(&self) -> bool {
         false
+    }
+    /// Damping ratio ζ and mass ratio μ of a system without drive whose structure moves in closed form, in
+    /// doubles ([`crate::host::sinusoid`]). The measures of its decays are computed from a log.
+    fn sinusoidal(&self) -> Option<[f64; 2]> {
+        None
     }
     /// True if the base moves.
     fn moves_base(&self) -> bool {

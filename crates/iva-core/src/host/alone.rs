@@ -267,6 +267,10 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         (x * x + v * v) * 0.5
     }
 
+    fn sinusoidal(&self) -> Option<[f64; 2]> {
+        self.host.sinusoidal()
+    }
+
     fn is_driven(&self) -> bool {
         self.host.force().is_some_and(Force::lasts)
     }

@@ -39,9 +39,8 @@ pub(crate) struct Sinusoid {
     omega: f64,
     omega_rest: f64,
     over_omega: f64,
-    /// Half a period, and the factor by which the size falls in it.
+    /// Half a period.
     pub half: f64,
-    pub shrink: f64,
 }
 
 /// x and ẋ at one instant.
@@ -68,17 +67,8 @@ impl Sinusoid {
         let omega = complement.sqrt();
         let omega_rest = (rest - omega.mul_add(omega, -complement)) / (2.0 * omega);
         let over_omega = 1.0 / omega;
-        let half = PI * over_omega;
-        Self {
-            stiffness,
-            decay,
-            share: decay * over_omega,
-            omega,
-            omega_rest,
-            over_omega,
-            half,
-            shrink: libm::exp(-decay * half),
-        }
+        let (share, half) = (decay * over_omega, PI * over_omega);
+        Self { stiffness, decay, share, omega, omega_rest, over_omega, half }
     }
 
     /// s of a state.
@@ -171,12 +161,14 @@ impl Sinusoid {
         }
     }
 
-    /// Time and displacement of the first turning point of x from a state on.
+    /// Time and displacement of the first turning point of x after a state.
     #[inline(always)]
     pub fn first_turn(&self, [x, v]: Motion) -> (f64, f64) {
         // The turn is where Z e^{λh} λ is real: the angle of the point (δv + kx, ωv) is turned back to 0 or π.
         let up = v.abs() * self.omega;
-        let right = pick(v < 0.0, -1.0, 1.0) * self.decay.mul_add(v, self.stiffness * x);
+        // At rest x has just turned.
+        let falls = (v < 0.0) | ((v == 0.0) & (x > 0.0));
+        let right = pick(falls, -1.0, 1.0) * self.decay.mul_add(v, self.stiffness * x);
         let steep = up > right.abs();
         let (less, more) = (pick(steep, right.abs(), up), pick(steep, up, right.abs()));
         let t = arctangent(less / (more + f64::MIN_POSITIVE));
@@ -191,6 +183,16 @@ impl Sinusoid {
         let step = step * (-0.5 * jerk * over).mul_add(step, 1.0);
         let h = (h + step).max(0.0);
         (h, step.mul_add((0.5 * a).mul_add(step, speed), there))
+    }
+
+    /// x at a turning point `count` half periods after one at which it is `x`.
+    #[inline(always)]
+    pub fn later_turn(&self, x: f64, count: u64) -> f64 {
+        if count == 0 {
+            return x;
+        }
+        let size = x * fallen(-self.decay * (count as f64 * self.half)).left;
+        if count.is_multiple_of(2) { size } else { -size }
     }
 
     /// The energy lost in the structure's damper in a motion of this length between two states: the integral
@@ -392,7 +394,7 @@ mod tests {
             assert!((x - there).abs() <= 4e-16 * size, "{mass} {ratio} {from:?}");
             assert!(h <= sinusoid.half * (1.0 + 1e-15));
             let [next, _] = sinusoid.after(from, h + sinusoid.half);
-            assert!((next + sinusoid.shrink * x).abs() <= 1e-15 * size);
+            assert!((next - sinusoid.later_turn(x, 1)).abs() <= 1e-15 * size);
             assert!(sinusoid.radius(from) >= x.abs() * (1.0 - 1e-15));
         }
     }

@@ -1,7 +1,9 @@
 //! A structure without drive: its motion in closed form ([`crate::oscillator`]).
 
+use std::any::TypeId;
 use std::sync::{Arc, OnceLock};
 
+use super::sinusoid::MOST_DAMPED;
 use super::turning::{Jets, guess, turning};
 use super::{Flown, Host, HostState, Integrated, Structure};
 use crate::compensated::DoubleDouble;
@@ -162,6 +164,12 @@ impl<R: Real> Host for UndrivenHost<R> {
 
     fn damping_ratio(&self) -> R {
         self.damping_ratio
+    }
+
+    fn sinusoidal(&self) -> Option<[f64; 2]> {
+        let in_doubles = TypeId::of::<R>() == TypeId::of::<f64>();
+        (in_doubles && self.damping_ratio <= MOST_DAMPED)
+            .then(|| [self.damping_ratio, self.mass_ratio].map(Real::double))
     }
 
     #[inline(always)]

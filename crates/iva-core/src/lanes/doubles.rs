@@ -27,11 +27,10 @@ use crate::force::{Acts, Harmonic};
 use crate::host::{DrivenHost, Host};
 use crate::measures::Wanted;
 use crate::oscillator::Equation;
-use crate::simulate::STOPS;
 use crate::siva::Siva;
 use crate::steady::Steady;
 
-pub(super) use decays::{FreeDecays, has as has_decays_of};
+pub(super) use decays::FreeFlights;
 use lane::{Lane, Lanes};
 use motion::Structure;
 pub(super) use motion::{BASE, FORCE};
@@ -193,7 +192,7 @@ impl<const DRIVE: u8> Lockstep<Siva<DrivenHost>> for Doubles<DRIVE> {
     }
 
     fn take(&mut self, i: usize, run: &mut Watched<'_>) -> bool {
-        if run.stopped == STOPS {
+        if run.ended {
             return false;
         }
         // A strobe that is due now is left to the event loop.

@@ -10,6 +10,7 @@
 mod lane;
 mod rows;
 mod step;
+mod watch;
 
 use super::{Job, LANES, Lockstep, Observers, ScalarRun};
 use crate::compensated::DoubleDouble;

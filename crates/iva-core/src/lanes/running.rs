@@ -4,7 +4,7 @@ use std::iter::repeat_with;
 
 use super::{Group, IndexedRun, Lockstep, SideBySide, is_set};
 use crate::real::Real;
-use crate::simulate::{STOPS, Tally};
+use crate::simulate::Tally;
 
 /// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u64 = 1024;
@@ -100,7 +100,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
         group.next += 1;
         L::join(group.leader(), &group.jobs[index].system);
         let mut run = group.begun(index, self.spare.take());
-        let taken = run.stopped < STOPS && lanes.take(i, &mut run);
+        let taken = !run.ended && lanes.take(i, &mut run);
         self.runs[i] = Some((index, run));
         self.live += 1;
         if !taken {

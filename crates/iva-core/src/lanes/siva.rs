@@ -1,125 +1,109 @@
-//! Lanes for the fast flights of free masses in free decay; their primary structures have one damping ratio.
+//! Lanes for the fast flights of free masses in the exact tier: free decays, on primary structures of one
+//! damping ratio, and runs under one harmonic force ([`driven`]).
 
 mod driven;
 mod flying;
-mod lane;
 mod look;
-mod step;
 
-use super::{Job, LANES, Lockstep, Observers, ScalarRun};
+use super::LANES;
+use super::arrays::arrays;
+use super::decays::{Decaying, Flights};
+use crate::compensated::DoubleDouble;
 use crate::host::Host;
-use crate::measures::{Wanted, is_one_period};
+use crate::log::Entry;
 use crate::oscillator::Oscillator;
-use crate::simulate::STOPS;
 use crate::siva::Siva;
-use crate::system::System;
 pub(super) use driven::DrivenFastFlights;
 
-use flying::STOP;
-use lane::{Lane, Lanes};
+use flying::{Flying, Flyings};
+use look::look;
 
-/// Eight lanes on one primary structure, with or without viscous losses and measures of the displacement.
+arrays! {
+    /// The impact that an evaluation has found.
+    Struck,
+    /// [`Struck`] of many runs: every field an array over the lanes.
+    Strikes:
+    /// 1 if there is one; ẋ just before.
+    hit, v_before,
+}
+
+/// Eight lanes of free decays on one primary structure.
 #[derive(Debug)]
-pub(super) struct FastFlights<const LEDGER: bool, const DECAY: bool> {
-    lanes: Lanes<LANES>,
+pub(super) struct FastFlights {
+    lanes: Flyings<LANES>,
+    struck: Strikes<LANES>,
     /// The structure without absorber. Held by value, so that the compiler knows that it does not overlap the
     /// arrays.
     free: Oscillator,
 }
 
-impl<const LEDGER: bool, const DECAY: bool> Lockstep<Siva> for FastFlights<LEDGER, DECAY> {
-    type Observer = Observers<Siva>;
+impl Flights for FastFlights {
+    const WIDTH: usize = LANES;
 
-    fn new(Job { system: siva, .. }: &Job<Siva>, _wanted: Wanted) -> Self {
-        Self { lanes: Lanes::new(), free: *siva.host.free() }
-    }
-
-    fn join(leader: &Siva, siva: &Siva) {
-        siva.host.share(&leader.host);
+    fn new(siva: &Siva) -> Self {
+        Self { lanes: Flyings::new(), struck: Strikes::new(), free: *siva.host.free() }
     }
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        evaluate::<LANES, LEDGER, DECAY>(&mut self.lanes, &self.free)
+        let Self { lanes, struck, free } = self;
+        evaluate(lanes, struck, free)
+    }
+
+    #[inline(always)]
+    fn motion(&self, i: usize) -> Option<Entry> {
+        let Struck { hit, v_before } = self.struck.get(i);
+        (hit > 0.0).then(|| {
+            let Flyings { x, v, side, rate, time, time_rest, .. } = &self.lanes;
+            let clock = DoubleDouble { value: time[i], rest: time_rest[i] };
+            Entry::new(clock, [x[i], v[i]], v_before, v[i] - side[i] * rate[i], false)
+        })
     }
 
     fn requests(&self, i: usize) -> bool {
-        let lanes = &self.lanes;
-        lanes.flying.request[i] + lanes.flying.stopped[i] + lanes.decay.watch.peaked[i] > 0.0
+        self.lanes.request[i] + self.lanes.stopped[i] > 0.0
     }
 
-    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Siva>) -> bool {
-        let lanes = &mut self.lanes;
-        if lanes.decay.watch.peaked[i] > 0.0 {
-            let (peak, index) = lanes.decay.watch.get(i).ended_peak();
-            run.observer.0.peak(&peak, index);
-            lanes.decay.watch.listen(i, &run.observer.0);
-        }
-        if lanes.flying.stopped[i] == STOP {
-            let mut lane = lanes.get(i);
-            if pass_stop(run, &mut lane, &self.free) {
-                lanes.set(i, &lane);
-                return true;
-            }
-        }
-        let goes_on = lanes.flying.request[i] + lanes.flying.stopped[i] == 0.0;
-        if !goes_on {
-            lanes.get(i).put_back(run);
-        }
-        goes_on
+    fn request(&mut self, i: usize) {
+        self.lanes.request[i] = 1.0;
     }
 
-    fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Siva>) -> bool {
-        let reference = &run.observer.0.reference;
-        let settled = !DECAY || reference.settled && reference.amplitude > 0.0;
-        let lane = Lane::of(run, self.free.reach).filter(|_| settled);
-        if let Some(lane) = &lane {
-            self.lanes.set(i, lane);
+    fn take(&mut self, i: usize, run: &Decaying<'_>) -> bool {
+        let flying = Flying::of(run, self.free.reach);
+        if let Some(flying) = &flying {
+            self.lanes.set(i, flying);
         }
-        lane.is_some()
+        flying.is_some()
     }
 
-    fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Siva>) {
-        self.lanes.get(i).put_back(run);
+    fn put_back(&self, i: usize, run: &mut Decaying<'_>) -> f64 {
+        let flying = self.lanes.get(i);
+        flying.put_back(run, ());
+        flying.v
     }
 
     fn idle(&mut self, i: usize) {
-        self.lanes.set(i, &Lane::idle());
+        self.lanes.set(i, &Flying::idle());
+        self.struck.set(i, &Struck::default());
     }
 }
 
 /// One evaluation of each lane; true if a lane needs its run.
 #[inline(always)]
-fn evaluate<const W: usize, const LEDGER: bool, const DECAY: bool>(
-    lanes: &mut Lanes<W>,
+fn evaluate<const W: usize>(
+    lanes: &mut Flyings<W>,
+    struck: &mut Strikes<W>,
     free: &Oscillator,
 ) -> bool {
     for i in 0..W {
-        let lane = step::step::<LEDGER, DECAY>(free, &lanes.get(i));
-        lanes.set(i, &lane);
+        let flying = lanes.get(i);
+        let look = look(free, &(), &flying, flying.state(()));
+        lanes.set(i, &look.next(&flying, free.reach));
+        struck.set(i, &look.struck());
     }
     let mut requests = 0.0;
     for i in 0..W {
-        requests += lanes.flying.request[i] + lanes.flying.stopped[i] + lanes.decay.watch.peaked[i];
+        requests += lanes.request[i] + lanes.stopped[i];
     }
     requests > 0.0
-}
-
-/// Handles a stop within the run; false: the run goes back to the event loop.
-fn pass_stop(run: &mut ScalarRun<'_, Siva>, lane: &mut Lane, free: &Oscillator) -> bool {
-    let flying = &mut lane.flying;
-    if is_one_period(flying.stop) {
-        run.observer.0.one_period(run.system.energy(&flying.state(())));
-    }
-    run.pass_stop();
-    if run.stopped == STOPS || flying.counts.full() {
-        return false;
-    }
-    flying.stop = run.stop();
-    let remaining = -flying.clock().minus(flying.stop);
-    flying.length = free.reach.min(remaining).min(flying.first);
-    flying.h = flying.length;
-    flying.stopped = 0.0;
-    lane.decay.watch.peaked = 0.0;
-    remaining > 0.0
 }

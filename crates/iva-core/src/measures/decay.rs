@@ -1,61 +1,161 @@
 //! The measures of a free decay, computed from its log.
 //!
+//! A run only logs where the motions of its structure begin ([`crate::log`]): after the start, an impact, a
+//! stick and a release. What lies between follows from the closed form, so the measures do not depend on the
+//! stretches in which the run was computed.
+//!
 //! Peaks are looked for from the begin on, as long as they change a measure; passages of the settling levels
 //! from the end back, to the first one that is found. Turning points and losses of many motions are computed
 //! side by side in the lanes of vector instructions: one motion does not depend on another.
 
 use std::cell::OnceCell;
 
-use super::{CLOSE, Measures, late};
+use super::{CLOSE, Measures, Wanted, late};
+use crate::flight::Motion;
 use crate::host::sinusoid::Sinusoid;
-use crate::log::Entry;
+use crate::log::{Entry, Log};
+use crate::observe::Span;
 use crate::real::Real;
-use crate::system::System;
+use crate::system::{Clock, System};
 
 /// Number of motions side by side.
 const BLOCK: usize = 16;
+/// More turning points than any motion has.
+const MOST_TURNS: f64 = 1e15;
 
-/// Computes the measures of runs of one kind of structure and absorber; its memory serves one after the other.
-#[derive(Debug)]
+/// The log of a decay and its measures; the memory serves one run after the other.
+#[derive(Debug, Clone)]
 pub(crate) struct Decay {
     damping_ratio: f64,
     mass_ratio: f64,
+    /// The motions so far.
+    pub log: Log,
+    /// True if the motion that begins next is to be logged.
+    pub fresh: bool,
+    /// ẋ at the end of the last stretch.
+    pub v_before: f64,
     /// The structure alone, and with the absorber stuck to it; that is made when it is needed.
     free: Sinusoid,
     stuck: OnceCell<Sinusoid>,
     /// Time and displacement of the first turning point of x in each motion.
     turns: Vec<(f64, f64)>,
-    /// The ends of the monotonic stretches of one motion: time and displacement.
-    ends: Vec<(f64, f64)>,
+}
+
+/// True if the motions that begin at an instant are to be logged: all of them, or those of the first period,
+/// which the energy lost in it depends on.
+#[inline(always)]
+pub(crate) fn keeps(wanted: Wanted, time: f64) -> bool {
+    wanted.decay() || wanted.ledger || time <= f64::TURN.value
+}
+
+impl<S: System> Measures<S> {
+    /// Prepares the log of a run whose decay has a closed form.
+    pub(super) fn log_decay(&mut self, system: &S, spare: Option<Box<Decay>>, v: f64) {
+        self.decay = system.sinusoidal().map(|[damping_ratio, mass_ratio]| {
+            let mut decay = spare.unwrap_or_else(|| Box::new(Decay::new(damping_ratio)));
+            decay.serve(damping_ratio, mass_ratio);
+            decay.v_before = v;
+            decay
+        });
+    }
+
+    /// Logs the motion that begins at a state, if it is new. Lanes log the motions after it themselves.
+    pub(crate) fn begins(
+        &mut self,
+        system: &S,
+        clock: Clock<S::Real>,
+        state: &S::State,
+        stuck: bool,
+    ) {
+        if let Some(decay) = &mut self.decay
+            && std::mem::take(&mut decay.fresh)
+            && keeps(self.wanted, clock.value.double())
+        {
+            self.log_motion(system, clock, state, stuck);
+        }
+    }
+
+    fn log_motion(&mut self, system: &S, clock: Clock<S::Real>, state: &S::State, stuck: bool) {
+        let Some(decay) = &mut self.decay else { return };
+        let (at, gap) = (system.primary(state), system.distance(state).rate);
+        let [x, v, gap] = [at.x, at.v, gap].map(Real::double);
+        let clock = Clock { value: clock.value.double(), rest: clock.rest.double() };
+        let absorber = v - system.wall(state).sign() * gap;
+        let entry = Entry::new(clock, [x, v], decay.v_before, absorber, stuck);
+        decay.log.push(entry);
+        if decay.log.is_full() {
+            // Settling levels are not known before the reference amplitude.
+            if self.reference.settled {
+                self.take_log();
+                let Some(decay) = &mut self.decay else { return };
+                decay.log.clear();
+                decay.log.push(entry);
+            } else {
+                decay.log.grow();
+            }
+        }
+    }
+
+    /// Logs a stretch of motion.
+    pub(super) fn log_span<M>(&mut self, system: &S, span: &Span<'_, M>)
+    where
+        M: Motion<Real = S::Real, State = S::State>,
+    {
+        self.begins(system, span.start, span.motion.origin(), M::RIDING);
+        if let Some(decay) = &mut self.decay {
+            decay.v_before = span.to.v.double();
+        }
+    }
+
+    /// Takes the log of a run that has ended at a state.
+    pub(super) fn end_log(&mut self, system: &S, clock: Clock<S::Real>, state: &S::State) {
+        self.log_motion(system, clock, state, false);
+        self.take_log();
+    }
+
+    /// Computes the measures of the motions in the log.
+    fn take_log(&mut self) {
+        if let Some(mut decay) = self.decay.take() {
+            let log = std::mem::take(&mut decay.log);
+            f64::dispatched(
+                #[inline(always)]
+                || decay.measure(self, log.entries()),
+            );
+            decay.log = log;
+            self.decay = Some(decay);
+        }
+    }
 }
 
 impl Decay {
-    /// For a structure of damping ratio ζ and an absorber of mass ratio μ.
-    pub fn new(damping_ratio: f64, mass_ratio: f64) -> Self {
-        let (turns, ends) = (Vec::new(), Vec::new());
-        let free = Sinusoid::new(1.0, damping_ratio);
-        Self { damping_ratio, mass_ratio, free, stuck: OnceCell::new(), turns, ends }
+    /// For a structure of damping ratio ζ.
+    fn new(damping_ratio: f64) -> Self {
+        Self {
+            damping_ratio,
+            mass_ratio: 0.0,
+            log: Log::default(),
+            fresh: true,
+            v_before: 0.0,
+            free: Sinusoid::new(1.0, damping_ratio),
+            stuck: OnceCell::new(),
+            turns: Vec::new(),
+        }
     }
 
-    /// The same for another absorber, on a structure that is likely to be the same.
-    pub fn serves(self, damping_ratio: f64, mass_ratio: f64) -> Self {
+    /// Prepares for a run of a structure of damping ratio ζ, likely that of the run before, and an absorber of
+    /// mass ratio μ.
+    fn serve(&mut self, damping_ratio: f64, mass_ratio: f64) {
         if damping_ratio != self.damping_ratio {
-            return Self::new(damping_ratio, mass_ratio);
+            (self.damping_ratio, self.free) = (damping_ratio, Sinusoid::new(1.0, damping_ratio));
         }
-        Self { mass_ratio, stuck: OnceCell::new(), ..self }
+        (self.mass_ratio, self.stuck, self.fresh) = (mass_ratio, OnceCell::new(), true);
+        self.log.clear();
     }
 
     /// Takes the motions between these entries, of which the last one is the begin of a motion that is not
     /// taken yet.
-    pub fn take<S: System<Real = f64>>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
-        f64::dispatched(
-            #[inline(always)]
-            || self.measure(measures, log),
-        );
-    }
-
     #[inline(always)]
-    fn measure<S: System<Real = f64>>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
+    fn measure<S: System>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
         let Some(last) = log.last() else { return };
         measures.moving |= log.len() > 1;
         if measures.wanted.decay() {
@@ -77,7 +177,7 @@ impl Decay {
             // If the run ends after one period within rounding, its end counts.
             let at = if k < log.len() { &log[k - 1] } else { last };
             let h = -at.clock().minus(period);
-            measures.one_period(self.energy(at, h.max(0.0)));
+            measures.one_period(self.energy(at, h.max(0.0)).into());
         }
     }
 
@@ -121,38 +221,50 @@ impl Decay {
 
     /// The turning points of x in a motion before a time, each with its time.
     #[inline(always)]
-    fn turns_of(&self, k: usize, entry: &Entry, until: f64) -> impl Iterator<Item = (f64, f64)> {
-        let &Sinusoid { half, shrink, .. } = self.structure(entry);
-        let (first, mut x) = self.turns[k];
-        let mut count = 0.0;
-        std::iter::from_fn(move || {
-            let turn = (first + count * half, x);
-            count += 1.0;
-            x *= -shrink;
-            (turn.0 < until).then_some(turn)
-        })
+    fn turns_of(
+        &self,
+        k: usize,
+        entry: &Entry,
+        until: f64,
+    ) -> impl DoubleEndedIterator<Item = (f64, f64)> + use<> {
+        let structure = *self.structure(entry);
+        let (first, x) = self.turns[k];
+        let at = move |n: u64| (n as f64).mul_add(structure.half, first);
+        let count = ((until - first) / structure.half).ceil();
+        // A run that has overflowed has no turning points.
+        let mut count = if count < MOST_TURNS { count as u64 } else { 0 };
+        if count > 0 && at(count - 1) >= until {
+            count -= 1;
+        }
+        (0..count).map(move |n| (at(n), structure.later_turn(x, n)))
     }
 
     /// Hands out peaks as long as they change a measure.
     #[inline(always)]
-    fn find_peaks<S: System<Real = f64>>(&self, measures: &mut Measures<S>, log: &[Entry]) {
+    fn find_peaks<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
+        let ends = |measures: &Measures<S>| {
+            measures.reference.settled && !measures.listens(measures.half_cycles.ended)
+        };
         for (k, entry) in motions(log).iter().enumerate() {
-            if measures.reference.settled && !measures.listens(measures.half_cycles.ended) {
-                return;
-            }
             let (start, end) = (entry.clock(), &log[k + 1]);
             for (h, x) in self.turns_of(k, entry, length(entry, end)) {
-                measures.reach(start.plus(h).value, x);
+                if ends(measures) {
+                    return;
+                }
+                measures.reach(start.plus(h).value.into(), x.into());
             }
-            measures.reach(end.time, end.x);
+            if ends(measures) {
+                return;
+            }
+            measures.reach(end.time.into(), end.x.into());
         }
     }
 
     /// Finds the last passage of each settling level.
     #[inline(always)]
-    fn settle<S: System<Real = f64>>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
+    fn settle<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
         let amplitude = measures.reference.amplitude;
-        let mut levels = measures.settling.each_ref().map(|it| Some(it.level(amplitude)));
+        let mut levels = measures.settling.each_ref().map(|it| Some(it.level(amplitude).double()));
         for (k, entry) in motions(log).iter().enumerate().rev() {
             let Some(least) = levels.iter().flatten().copied().reduce(f64::min) else { return };
             let structure = *self.structure(entry);
@@ -160,30 +272,26 @@ impl Decay {
                 continue;
             }
             let end = &log[k + 1];
-            let mut ends = std::mem::take(&mut self.ends);
-            ends.clear();
-            ends.push((0.0, entry.x));
-            ends.extend(self.turns_of(k, entry, length(entry, end)));
             let mut right = (length(entry, end), end.x);
-            for left in ends.drain(..).rev() {
+            let turns = self.turns_of(k, entry, right.0);
+            for left in std::iter::once((0.0, entry.x)).chain(turns).rev() {
                 for (level, last) in levels.iter_mut().zip(&mut measures.settling) {
                     let passes = |level: &f64| left.1.abs() > *level && right.1.abs() <= *level;
                     if let Some(size) = level.take_if(|level| passes(level)) {
                         let there = size.copysign(left.1);
                         let h = structure.passage(entry.from(), there, [left.0, right.0]);
-                        last.passed_at(entry.clock().plus(h).value);
+                        last.passed_at(entry.clock().plus(h).value.into());
                     }
                 }
                 right = left;
             }
-            self.ends = ends;
         }
     }
 
     /// Finds the largest |x| of the last period and half period of the run.
     #[inline(always)]
-    fn look_back<S: System<Real = f64>>(&self, measures: &mut Measures<S>, log: &[Entry]) {
-        let duration = measures.duration;
+    fn look_back<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
+        let duration = measures.duration.double();
         let windows = [
             (f64::TURN.value, &mut measures.last_period),
             (0.5 * f64::TURN.value, &mut measures.last_half_period),
@@ -200,16 +308,17 @@ impl Decay {
                     true => self.structure(entry).after(entry.from(), begin)[0],
                     false => entry.x,
                 };
-                let turns = self.turns_of(k, entry, length).filter(|(h, _)| *h > begin);
-                *largest = turns.fold(largest.max(first.abs()), |most, (_, x)| most.max(x.abs()));
-                *largest = largest.max(end.x.abs());
+                let turns = self.turns_of(k, entry, length).rev().take_while(|(h, _)| *h > begin);
+                let ends = first.abs().max(end.x.abs());
+                let most = turns.fold(ends, |most, (_, x)| most.max(x.abs()));
+                *largest = largest.max(most);
             }
         }
     }
 
     /// Adds the energy lost in the structure's damper.
     #[inline(always)]
-    fn lose<S: System<Real = f64>>(&self, measures: &mut Measures<S>, log: &[Entry]) {
+    fn lose<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
         let free = self.free;
         for (number, block) in motions(log).chunks(BLOCK).enumerate() {
             let [mut from_x, mut from_v, mut to_x, mut to_v, mut span, mut lost] =
@@ -228,7 +337,7 @@ impl Decay {
                     true => self.structure(entry).lost(entry.from(), end.reached(), span[i]),
                     false => lost[i],
                 };
-                measures.viscous = measures.viscous.plus(lost);
+                measures.viscous = measures.viscous.plus(S::Real::from(lost));
             }
         }
     }

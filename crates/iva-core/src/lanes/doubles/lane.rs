@@ -6,7 +6,7 @@ use crate::host::{Host, Phase};
 use crate::lanes::arrays::arrays;
 use crate::lanes::counts::{Counts, ManyCounts};
 use crate::oscillator::Primary;
-use crate::simulate::{Phase as Doing, Run, STOPS};
+use crate::simulate::{Phase as Doing, Run};
 use crate::siva::{Siva, SivaState};
 use crate::system::System;
 
@@ -116,8 +116,7 @@ impl Lane {
         };
         let remaining = -run.clock.minus(stop);
         lane.length = structure.longest.min(remaining).min(first);
-        let under_way = run.stopped < STOPS && remaining > 0.0;
-        under_way.then_some(lane)
+        (!run.ended && remaining > 0.0).then_some(lane)
     }
 
     /// Writes the variables back into the run.
@@ -126,7 +125,7 @@ impl Lane {
         Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
     {
         // At the end of the run the clock is already set to the duration.
-        if run.stopped < STOPS {
+        if !run.ended {
             run.clock = self.clock();
         }
         run.tally.state = self.state(&run.system.host, run.clock);

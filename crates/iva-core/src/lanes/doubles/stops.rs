@@ -1,6 +1,6 @@
 //! The stops of a lane: instants that a measure looks at, which no stretch may cross.
 
-use super::{Doubles, STOPS, Watched};
+use super::{Doubles, Watched};
 use crate::flight::GapPoint;
 use crate::steady::Steady;
 use crate::system::{Clock, Point, System};
@@ -55,9 +55,7 @@ impl<const DRIVE: u8> Doubles<DRIVE> {
             self.totals.counts[i] = if counts(run, clock) { 1.0 } else { 0.0 };
         }
         if ends {
-            while run.stopped < STOPS {
-                run.pass_stop();
-            }
+            run.reach_end();
             return false;
         }
         let next = self.next_stop(run, clock);

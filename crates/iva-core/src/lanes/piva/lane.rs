@@ -1,11 +1,11 @@
 //! One lane: a pendulum's run reduced to the numbers that steps of flight change.
 
+use super::watch::{Watch, Watches};
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push};
 use crate::lanes::ScalarRun;
 use crate::lanes::arrays::arrays;
 use crate::lanes::pick;
-use crate::lanes::watch::{Watch, Watches};
 use crate::oscillator::Primary;
 use crate::piva::{Piva, PivaState};
 use crate::simulate::Phase;
@@ -219,7 +219,7 @@ impl Lane {
             moves_base: pick(force.moves_base(), 1.0, 0.0),
             time: run.clock.value,
             time_rest: run.clock.rest,
-            stop: run.stop(),
+            stop: run.limits.duration,
             first,
             live: 1.0,
             work: run.tally.work as f64,

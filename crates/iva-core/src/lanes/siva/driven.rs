@@ -98,11 +98,7 @@ impl<const BASE: bool> Lockstep<Siva<DrivenHost>> for DrivenFastFlights<BASE> {
     }
 
     fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>) {
-        let lane = self.lanes.get(i);
-        lane.put_back(run);
-        if lane.flying.stopped == super::STOP {
-            run.pass_stop();
-        }
+        self.lanes.get(i).put_back(run);
         std::mem::swap(&mut self.logs[i], &mut run.observer.log);
     }
 

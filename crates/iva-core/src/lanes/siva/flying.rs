@@ -5,7 +5,7 @@ use crate::host::{Host, HostState, Phase};
 use crate::lanes::arrays::arrays;
 use crate::lanes::counts::{Counts, ManyCounts};
 use crate::oscillator::Primary;
-use crate::simulate::{Phase as Doing, Run, STOPS};
+use crate::simulate::{Phase as Doing, Run};
 use crate::siva::{Siva, SivaState};
 use crate::system::System;
 
@@ -16,7 +16,7 @@ pub(in crate::lanes) const NEAR: f64 = 1.0;
 /// Aim of an evaluation: an estimate of the contact with the far wall.
 pub(in crate::lanes) const FAR: f64 = 2.0;
 
-/// Reason why a lane has stopped: a stop of the run.
+/// Reason why a lane has stopped: the end of the run.
 pub(in crate::lanes) const STOP: f64 = 1.0;
 /// Reason why a lane has stopped: a limit of the run.
 pub(in crate::lanes) const FULL: f64 = 2.0;
@@ -28,7 +28,7 @@ arrays! {
     Flyings:
     /// The state at the begin of the stretch, in double-double.
     x, x_rest, v, v_rest, a, a_rest, distance, distance_rest, rate, rate_rest, side,
-    /// The clock in double-double, and the instant of the next stop, in 1/ωn.
+    /// The clock in double-double, and the instant at which the run ends, in 1/ωn.
     time, time_rest, stop,
     /// The aim of the next evaluation and its time h, the length of the trial stretch, the number of
     /// evaluations made close to the wall, and the longest first trial after a rebound.
@@ -91,7 +91,7 @@ impl Flying {
         let Doing::Flight { first } = run.phase else { return None };
         let (siva, tally) = (run.system, &run.tally);
         let law = siva.common_law()?;
-        let stop = run.stops[run.stopped.min(STOPS - 1)];
+        let stop = run.limits.duration;
         let mut flying = Self {
             time: run.clock.value,
             time_rest: run.clock.rest,
@@ -109,8 +109,7 @@ impl Flying {
         let remaining = -run.clock.minus(stop);
         flying.length = reach.min(remaining).min(first);
         flying.h = flying.length;
-        let under_way = run.stopped < STOPS && remaining > 0.0;
-        under_way.then_some(flying)
+        (!run.ended && remaining > 0.0).then_some(flying)
     }
 
     /// Writes the variables back into the run, with the given state of the drive.
@@ -119,11 +118,11 @@ impl Flying {
         Siva<H>: System<Real = f64, State = SivaState<Phase<H>>>,
     {
         run.tally.state = self.state(phase);
-        // At the end of the run the clock is already set to the duration.
-        if run.stopped < STOPS {
-            run.clock = self.clock();
-        }
+        run.clock = self.clock();
         self.counts.put_back(run);
         run.phase = Doing::Flight { first: self.first };
+        if self.stopped == STOP {
+            run.reach_end();
+        }
     }
 }

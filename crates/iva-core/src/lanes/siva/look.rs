@@ -3,6 +3,7 @@
 //! The operations and their order are those of the event loop, without branches. Where a lane cannot decide,
 //! it keeps its state and requests its run.
 
+use super::Struck;
 use super::flying::{FAR, FULL, Flying, NEAR, SEARCH, STOP};
 use crate::compensated::DoubleDouble;
 use crate::force::{Push, Pushes};
@@ -95,15 +96,13 @@ pub(super) struct Look<P> {
     pub end: SivaState<P>,
     /// Length of the completed span.
     pub length: f64,
-    /// The root of the caller's quintic, as a share of that span.
-    pub part: f64,
     /// The state after the impact, if `hit`.
     after: SivaState<P>,
     /// The state at the wall, if `hit`.
     touching: SivaState<P>,
     approach: f64,
     pressure: f64,
-    pub hit: bool,
+    hit: bool,
     clock: DoubleDouble,
     remaining: f64,
     /// True if a span is completed.
@@ -115,15 +114,13 @@ pub(super) struct Look<P> {
     looks_again: bool,
 }
 
-/// Evaluates a flight. `quintic` gives a second quintic, whose root in the completed span is found where no
-/// wall is met.
+/// Evaluates a flight.
 #[inline(always)]
 pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
     free: &S,
     course: &S::Course,
     lane: &Flying,
     from: SivaState<S::Phase>,
-    quintic: impl Fn(&SivaState<S::Phase>, &SivaState<S::Phase>, f64) -> [f64; 6],
 ) -> Look<S::Phase> {
     let near = arrived(free, course, &from, lane.h);
     let search = lane.aim == SEARCH;
@@ -158,18 +155,17 @@ pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
     let later = pick(hit, later, 0.0);
     let length = lane.h + later;
     let end = SivaState::pick(hit, &touching, &near);
-    // The root of one quintic: that of the contact, or the caller's. They are never needed together.
-    let (meeting, other) = (whole.meeting(meets_far), quintic(&from, &end, length));
-    let part = root(&std::array::from_fn(|i| pick(meets, meeting[i], other[i])));
+    // Without a contact the quintic is one whose root is found at once.
+    let (meeting, none) = (whole.meeting(meets_far), [1.0, -1.0, 0.0, 0.0, 0.0, 0.0]);
+    let part = root(&std::array::from_fn(|i| pick(meets, meeting[i], none[i])));
     let clock = lane.clock().plus_parts(lane.h, later);
     let remaining = -clock.minus(lane.stop);
-    // An impact at the instant of a stop is left to the event loop.
+    // An impact at the end of the run is left to the event loop.
     let passed = ((search & proof.free) | hit) & (!hit | (remaining > 0.0));
     Look {
         from,
         end,
         length,
-        part,
         after,
         touching,
         approach,
@@ -187,20 +183,22 @@ pub(super) fn look<S: Structure<Real = f64, Phase: Pick>>(
 }
 
 impl<P: Pick> Look<P> {
-    /// The state from which the flight goes on, if the span is taken (`done`).
+    /// The state from which the flight goes on.
     #[inline(always)]
-    pub fn next_state(&self, done: bool) -> SivaState<P> {
-        SivaState::pick(done, &SivaState::pick(self.hit, &self.after, &self.end), &self.from)
+    pub fn next_state(&self) -> SivaState<P> {
+        let end = SivaState::pick(self.hit, &self.after, &self.end);
+        SivaState::pick(self.passed, &end, &self.from)
     }
 
-    /// The flight after this evaluation, if the span is taken (`done`).
+    /// The flight after this evaluation.
     #[inline(always)]
-    pub fn next(&self, lane: &Flying, reach: f64, done: bool) -> Flying {
+    pub fn next(&self, lane: &Flying, reach: f64) -> Flying {
+        let done = self.passed;
         let hit = self.hit & done;
         let good_guess = (self.guess > 0.0) & (self.guess <= lane.h);
         let mut next = *lane;
         next.request = pick(done | (self.meets & good_guess) | self.looks_again, 0.0, 1.0);
-        next.put_state(&self.next_state(done));
+        next.put_state(&self.next_state());
         let remaining_before = -lane.clock().minus(lane.stop);
         let whole = !hit & (lane.h == remaining_before);
         let DoubleDouble { value, rest } = self.clock;
@@ -224,6 +222,13 @@ impl<P: Pick> Look<P> {
         next.looks = pick(done | self.meets, 0.0, lane.looks + 1.0);
         next.stopped = pick(done & whole, STOP, pick(done & next.counts.full(), FULL, 0.0));
         next
+    }
+
+    /// The impact at the end of the completed span, for the log of a decay.
+    #[inline(always)]
+    pub fn struck(&self) -> Struck {
+        let hit = pick(self.hit & self.passed, 1.0, 0.0);
+        Struck { hit, v_before: self.touching.host.primary.v.value }
     }
 
     /// The impact at the end of the completed span: its time, the sign of the wall, and its approach speed

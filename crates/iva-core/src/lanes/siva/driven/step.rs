@@ -18,15 +18,14 @@ pub(super) fn steps<const W: usize, const BASE: bool, const EXTREMES: bool>(
         let from = lane.state::<BASE>();
         let course = free.course(&from.host);
         let flying = &lane.flying;
-        let look = look(&free, &course, flying, from, |_, _, _| [1.0, -1.0, 0.0, 0.0, 0.0, 0.0]);
-        let done = look.passed;
-        let state = look.next_state(done);
+        let look = look(&free, &course, flying, from);
+        let state = look.next_state();
         let mut next = lane;
         next.put_moment::<BASE>(&state.host.phase);
-        next.flying = look.next(flying, lane.reach, done);
+        next.flying = look.next(flying, lane.reach);
         lanes.set(i, &next);
 
-        let length = pick(done, look.length, 0.0);
+        let length = pick(look.passed, look.length, 0.0);
         let begin = End::new(&free, &look.from.host, EXTREMES);
         let end = End::new(&free, &look.end.host, EXTREMES);
         let flight = Flight::new(&look.from, flying.clock(), length, [begin, end]);

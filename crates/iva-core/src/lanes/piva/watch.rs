@@ -1,12 +1,11 @@
 //! The variables of [`Measures`](crate::measures::Measures) that change in every stretch of motion, without
 //! branches.
 
-use super::arrays::arrays;
-use super::pick;
 use crate::compensated::DoubleDouble;
+use crate::lanes::arrays::arrays;
 use crate::measures::{Measures, late};
 use crate::peaks::{HalfCycles, Peak};
-use crate::real::Real;
+use crate::real::{Real, pick};
 use crate::system::System;
 
 arrays! {
