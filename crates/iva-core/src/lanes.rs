@@ -21,7 +21,6 @@
 //! Free masses have lanes of a second kind, in plain doubles: the fast tier (`lanes/doubles.rs`). Their
 //! results do not depend on the other lanes either, but differ from those of the event loop in the last bits.
 
-mod arrays;
 mod counts;
 mod decays;
 mod doubles;
@@ -36,6 +35,7 @@ use crate::host::{Alone, DrivenHost, UndrivenHost};
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::Observer;
 use crate::piva::Piva;
+use crate::plain::{BASE, FORCE};
 use crate::real::pick;
 use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
@@ -209,9 +209,9 @@ impl SideBySide for Siva<DrivenHost> {
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
             if group.leader().moves_base() {
-                group.run::<doubles::Doubles<{ doubles::BASE }>>();
+                group.run::<doubles::Doubles<BASE>>();
             } else {
-                group.run::<doubles::Doubles<{ doubles::FORCE }>>();
+                group.run::<doubles::Doubles<FORCE>>();
             }
         } else if group.leader().moves_base() {
             group.run::<siva::DrivenFastFlights<true>>();

@@ -37,7 +37,8 @@
 //!   (`lanes/doubles.rs`).
 //! * Measures of free masses are computed from a `log` after the run: those of a decay from the begins of its
 //!   motions (`measures/decay.rs`), whether it ran alone or in lanes of either tier; those of driven runs side
-//!   by side from their flights (`lanes/siva/driven/recorder.rs`). Lanes of pendulums hold copies of the
+//!   by side from their flights (`measures/forced.rs` in the fast tier, `lanes/siva/driven/recorder.rs` in the
+//!   exact one). Lanes of pendulums hold copies of the
 //!   variables of their measures (`lanes/piva/watch.rs`).
 //! * [`range`] holds the ranges of numbers that a run accepts.
 //! * [`observe`] is the interface of the observers of a run: [`measures`], [`peaks`], [`sample`], under force
@@ -73,6 +74,7 @@
 //! # Ok::<(), iva_core::error::Invalid>(())
 //! ```
 
+mod arrays;
 pub mod chatter;
 pub mod compensated;
 pub mod contact;
@@ -90,6 +92,7 @@ pub mod observe;
 pub mod oscillator;
 pub mod peaks;
 pub mod piva;
+mod plain;
 pub mod polynomial;
 pub mod propagation;
 mod quintic;
@@ -102,6 +105,7 @@ mod settling;
 pub mod simulate;
 pub mod siva;
 pub mod steady;
+mod summary;
 pub mod system;
 pub mod taylor;
 pub mod theory;

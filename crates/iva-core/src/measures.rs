@@ -15,6 +15,7 @@ use crate::system::{Point, System};
 pub(crate) use decay::{Decay, keeps};
 
 mod decay;
+pub(crate) mod forced;
 
 /// Peaks below this share of A₀ end the least-squares fit.
 const FIT_FLOOR: f64 = 0.05;
@@ -153,10 +154,10 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
     }
 
     /// Adds energy lost and work of many flights, each in double-double.
-    pub(crate) fn add(&mut self, lost: [R; 2], work: [R; 2]) {
+    pub(crate) fn add(&mut self, lost: DoubleDouble<R>, work: DoubleDouble<R>) {
         self.moving = true;
-        self.viscous = self.viscous.plus_parts(lost[0], lost[1]);
-        self.work = self.work.plus_parts(work[0], work[1]);
+        self.viscous = self.viscous.plus_parts(lost.value, lost.rest);
+        self.work = self.work.plus_parts(work.value, work.rest);
     }
 
     /// True as long as peaks after the first `ended` ones change a measure.

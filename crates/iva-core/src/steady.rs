@@ -61,7 +61,7 @@ impl SteadyWanted {
         each.iter().fold(0, |bits, wanted| bits * 2 + u8::from(*wanted))
     }
 
-    fn any(self) -> bool {
+    pub(crate) fn any(self) -> bool {
         self != Self::default()
     }
 }
@@ -193,16 +193,25 @@ impl<R: Real> Steady<R> {
         [self.largest, self.acceleration]
     }
 
-    /// Adds the sums of many flights: ∫x² in double-double, the largest |x| and |ẍ + a_g|, and the number of
-    /// impacts that stay listed in any case, with the sign of the wall of the last one.
-    pub(crate) fn add(&mut self, square: [R; 2], largest: [R; 2], (impacts, wall): (u64, R)) {
-        self.square = self.square.plus_parts(square[0], square[1]);
-        self.largest = self.largest.max(largest[0]);
-        self.acceleration = self.acceleration.max(largest[1]);
-        self.impacts += impacts;
-        if impacts > 0 {
-            self.streak.wall = Some(if wall > 0.0 { Wall::Plus } else { Wall::Minus });
-            self.streak.impacts.clear();
+    /// Sets the largest |x| and |ẍ + a_g| so far.
+    pub(crate) fn set_largest(&mut self, [displacement, acceleration]: [R; 2]) {
+        (self.largest, self.acceleration) = (displacement, acceleration);
+    }
+
+    /// Adds ∫x² of many flights.
+    pub(crate) fn add_square(&mut self, square: DoubleDouble<R>) {
+        self.square = self.square.plus_parts(square.value, square.rest);
+    }
+
+    /// Of the impacts of the current streak, those with an approach speed of at most `floor` are not listed.
+    pub(crate) fn unlist_up_to(&mut self, floor: R) {
+        // From the last impact back, so that the numbers of earlier impacts stay valid.
+        for (number, speed) in std::mem::take(&mut self.streak.impacts).into_iter().rev() {
+            if speed <= floor {
+                self.impacts -= 1;
+                let counts_it = |strobe: &&mut Strobe<R>| strobe.impacts >= number;
+                self.strobes.iter_mut().rev().take_while(counts_it).for_each(|it| it.impacts -= 1);
+            }
         }
     }
 
@@ -351,14 +360,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
     }
 
     fn unlist(&mut self, _first: u64, floor: R) {
-        // From the last impact back, so that the numbers of earlier impacts stay valid.
-        for (number, speed) in std::mem::take(&mut self.streak.impacts).into_iter().rev() {
-            if speed <= floor {
-                self.impacts -= 1;
-                let counts_it = |strobe: &&mut Strobe<R>| strobe.impacts >= number;
-                self.strobes.iter_mut().rev().take_while(counts_it).for_each(|it| it.impacts -= 1);
-            }
-        }
+        self.unlist_up_to(floor);
     }
 
     fn end(&mut self, _system: &S, tally: &Tally<S::State, R>) {

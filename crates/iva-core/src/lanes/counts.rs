@@ -1,8 +1,8 @@
 //! The counts and sums of a run that change in simple flights, for lanes: stretches, impacts, and their
 //! energy losses.
 
-use super::arrays::arrays;
 use super::pick;
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::impact;
 use crate::real::Real;

@@ -6,8 +6,8 @@ mod flying;
 mod look;
 
 use super::LANES;
-use super::arrays::arrays;
 use super::decays::{Decaying, Flights};
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::host::Host;
 use crate::log::Entry;

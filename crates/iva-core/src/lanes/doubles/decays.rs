@@ -4,13 +4,13 @@
 
 use super::WIDTH;
 use super::lane::{Lane, Lanes};
-use super::motion::{FREE, State, Structure};
-use super::responses::{Responses, Tables};
 use super::step::{self, Rounds};
 use crate::host::sinusoid::Sinusoid;
 use crate::lanes::decays::{Decaying, Flights};
 use crate::log::Entry;
 use crate::oscillator::Equation;
+use crate::plain::responses::{Responses, Tables};
+use crate::plain::{FREE, State, Structure};
 use crate::real::pick;
 use crate::siva::Siva;
 

@@ -1,11 +1,12 @@
 //! One lane: the variables of a run that change in its flights, in plain doubles, and arrays of such lanes.
 
-use super::motion::{State, States, Structure, Structures};
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::host::{Host, Phase};
-use crate::lanes::arrays::arrays;
 use crate::lanes::counts::{Counts, ManyCounts};
 use crate::oscillator::Primary;
+use crate::plain::{State, States, Structure, Structures};
+use crate::real::Real;
 use crate::simulate::{Phase as Doing, Run};
 use crate::siva::{Siva, SivaState};
 use crate::system::System;
@@ -89,7 +90,10 @@ impl Lane {
             return None;
         }
         let SivaState { host, side, distance, rate } = &tally.state;
-        let [force, quadrature] = structure.force_at(run.clock);
+        let [force, quadrature] = f64::dispatched(
+            #[inline(always)]
+            || structure.force_at(run.clock),
+        );
         let mut lane = Self {
             time: run.clock.value,
             time_rest: run.clock.rest,

@@ -3,17 +3,16 @@
 //! 1. [`reach`]: the state at the end of the trial stretch, and what the quintic through both ends proves
 //!    ([`crate::siva::fast_flight`]): no contact, or one contact with one wall, with an estimate of its time.
 //! 2. [`land`]: the state at the estimate, the contact by its Taylor series, and the decision on the stretch.
-//! 3. The measures of a driven stretch ([`super::totals`]).
-//! 4. [`commit`]: the impact, the clock, and the next trial.
+//! 3. [`commit`]: the impact, the clock, and the next trial.
 //!
 //! A single loop would have some 600 instructions, more than a processor can reorder.
 
 use super::lane::{Lane, Lanes};
-use super::motion::{FREE, State, States};
-use super::responses::Tables;
-use crate::lanes::arrays::arrays;
+use crate::arrays::arrays;
 use crate::lanes::counts::Hit;
 use crate::lanes::pick;
+use crate::plain::responses::Tables;
+use crate::plain::{FREE, State, States};
 use crate::quintic::root_by;
 use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::fast_flight::Quintic;
@@ -104,7 +103,7 @@ pub(super) fn land<const W: usize, const DRIVE: u8>(
         let Lane { state, structure, clearance, .. } = lane;
         let round = rounds.get(i);
         let (meets, far, guess) = (round.meets > 0.0, round.far > 0.0, round.guess);
-        let near = state.after::<W, DRIVE>(&structure, tables, i, guess);
+        let near = state.after::<DRIVE>(&structure, &tables.of(i), guess);
         let [[a, jerk, snap, ..], _] = structure.derivatives::<DRIVE>(&near);
         let left = near.distance - pick(far, clearance + clearance, 0.0);
         let rate = near.rate;
@@ -167,7 +166,7 @@ pub(super) fn land<const W: usize, const DRIVE: u8>(
     }
 }
 
-/// Stage 4: applies impact and clock, and chooses the next trial. `leap` gives the length of a motion from a
+/// Stage 3: applies impact and clock, and chooses the next trial. `leap` gives the length of a motion from a
 /// state that meets no wall, as far as that is known without a trial.
 #[inline(always)]
 pub(super) fn commit<const W: usize, const DRIVE: u8>(

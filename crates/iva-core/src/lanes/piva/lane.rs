@@ -1,10 +1,10 @@
 //! One lane: a pendulum's run reduced to the numbers that steps of flight change.
 
 use super::watch::{Watch, Watches};
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push};
 use crate::lanes::ScalarRun;
-use crate::lanes::arrays::arrays;
 use crate::lanes::pick;
 use crate::oscillator::Primary;
 use crate::piva::{Piva, PivaState};

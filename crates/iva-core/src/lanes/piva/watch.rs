@@ -1,8 +1,8 @@
 //! The variables of [`Measures`](crate::measures::Measures) that change in every stretch of motion, without
 //! branches.
 
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
-use crate::lanes::arrays::arrays;
 use crate::measures::{Measures, late};
 use crate::peaks::{HalfCycles, Peak};
 use crate::real::{Real, pick};

@@ -1,8 +1,8 @@
 //! The flight of one run: the variables that fast flights change.
 
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::host::{Host, HostState, Phase};
-use crate::lanes::arrays::arrays;
 use crate::lanes::counts::{Counts, ManyCounts};
 use crate::oscillator::Primary;
 use crate::simulate::{Phase as Doing, Run};

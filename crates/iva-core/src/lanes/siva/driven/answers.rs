@@ -5,11 +5,11 @@
 
 use super::lane::Single;
 use super::log::{BLOCK, Flights};
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::flight::{Extreme, Quantity};
 use crate::host::driven::Leading;
 use crate::host::{Driven, DrivenHost, Structure};
-use crate::lanes::arrays::arrays;
 use crate::lanes::{Job, pick};
 use crate::measures::Wanted;
 use crate::oscillator::Primary;

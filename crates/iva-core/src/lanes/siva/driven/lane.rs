@@ -1,11 +1,11 @@
 //! One lane: the variables of a driven run that fast flights change, and arrays of such lanes.
 
 use super::recorder::Recorder;
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
 use crate::host::{Driven, DrivenHost, Host, Moment, Source};
 use crate::lanes::ScalarRun;
-use crate::lanes::arrays::arrays;
 use crate::lanes::siva::flying::{Flying, Flyings};
 use crate::oscillator::Equation;
 use crate::siva::{Siva, SivaState};

@@ -1,11 +1,11 @@
 //! The log of a driven run: its flights, its stick episodes, and the impacts that the event loop has applied.
 
 use super::lane::Single;
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::host::driven::Leading;
 use crate::host::{Driven, HostState, Moment, Source};
 use crate::impact::Impact;
-use crate::lanes::arrays::arrays;
 use crate::oscillator::Primary;
 use crate::siva::SivaState;
 use crate::system::Clock;

@@ -10,7 +10,7 @@ macro_rules! arrays {
     ) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, Default)]
-        pub(in crate::lanes) struct $one {
+        pub(crate) struct $one {
             $($(#[$field_doc])* pub $field: f64,)*
             $($($(#[$part_doc])* pub $part: $part_one,)*)?
         }
@@ -21,7 +21,7 @@ macro_rules! arrays {
             #[inline(always)]
             pub fn if_else(&self, which: bool, other: &Self) -> Self {
                 Self {
-                    $($field: $crate::lanes::pick(which, self.$field, other.$field),)*
+                    $($field: $crate::real::pick(which, self.$field, other.$field),)*
                     $($($part: self.$part.if_else(which, &other.$part),)*)?
                 }
             }
@@ -30,7 +30,7 @@ macro_rules! arrays {
         $(#[$many_doc])*
         #[derive(Debug)]
         #[repr(align(64))]
-        pub(in crate::lanes) struct $many<const W: usize> {
+        pub(crate) struct $many<const W: usize> {
             $(pub $field: [f64; W],)*
             $($(pub $part: $part_many<W>,)*)?
         }
@@ -55,4 +55,4 @@ macro_rules! arrays {
         }
     };
 }
-pub(in crate::lanes) use arrays;
+pub(crate) use arrays;

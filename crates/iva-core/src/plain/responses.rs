@@ -17,7 +17,7 @@ use crate::taylor::unrolled;
 /// Number of polynomials.
 const RESPONSES: usize = 5;
 /// Terms of each polynomial.
-pub(super) const TERMS: usize = 14;
+pub(crate) const TERMS: usize = 14;
 /// Terms of the power series before it is shortened.
 const TAYLOR: usize = 26;
 /// Longest flight in units of 1/(fastest rate of oscillator and force).
@@ -82,7 +82,7 @@ const OVER: [f64; TAYLOR + 6] = {
 
 /// The polynomials for one oscillator and one frequency of the force.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Responses {
+pub(crate) struct Responses {
     /// 2ζ of the oscillator.
     pub damping: f64,
     /// Ω of the force; 0 without force.
@@ -152,10 +152,40 @@ impl Responses {
     }
 }
 
+/// The values of the polynomials of one structure.
+pub(crate) trait Values {
+    /// A polynomial at t.
+    fn at<const WHICH: usize>(&self, t: f64) -> f64;
+}
+
+/// The value of a polynomial, whose coefficients `row` gives, at t.
+#[inline(always)]
+fn value(row: impl Fn(usize) -> f64, t: f64) -> f64 {
+    let z = t * t;
+    let (mut even, mut odd) = (row(TERMS - 2), row(TERMS - 1));
+    unrolled!(k < 6 => {
+        even = even.mul_add(z, row(TERMS - 4 - 2 * k));
+        odd = odd.mul_add(z, row(TERMS - 3 - 2 * k));
+    });
+    odd.mul_add(t, even)
+}
+
+impl Values for Responses {
+    #[inline(always)]
+    fn at<const WHICH: usize>(&self, t: f64) -> f64 {
+        let row = &self.terms[WHICH];
+        value(
+            #[inline(always)]
+            |k| row[k],
+            t,
+        )
+    }
+}
+
 /// The polynomials of all lanes.
 #[derive(Debug)]
 #[repr(align(64))]
-pub(super) struct Tables<const W: usize> {
+pub(crate) struct Tables<const W: usize> {
     pub terms: [[[f64; W]; TERMS]; RESPONSES],
 }
 
@@ -173,16 +203,25 @@ impl<const W: usize> Tables<W> {
         }
     }
 
-    /// A polynomial of a lane at t.
+    /// The polynomials of a lane.
     #[inline(always)]
-    pub fn at<const WHICH: usize>(&self, i: usize, t: f64) -> f64 {
-        let row = &self.terms[WHICH];
-        let z = t * t;
-        let (mut even, mut odd) = (row[TERMS - 2][i], row[TERMS - 1][i]);
-        unrolled!(k < 6 => {
-            even = even.mul_add(z, row[TERMS - 4 - 2 * k][i]);
-            odd = odd.mul_add(z, row[TERMS - 3 - 2 * k][i]);
-        });
-        odd.mul_add(t, even)
+    pub fn of(&self, i: usize) -> OfLane<'_, W> {
+        OfLane(self, i)
+    }
+}
+
+/// The polynomials of one lane.
+pub(crate) struct OfLane<'a, const W: usize>(&'a Tables<W>, usize);
+
+impl<const W: usize> Values for OfLane<'_, W> {
+    #[inline(always)]
+    fn at<const WHICH: usize>(&self, t: f64) -> f64 {
+        let Self(tables, i) = *self;
+        let row = &tables.terms[WHICH];
+        value(
+            #[inline(always)]
+            |k| row[k][i],
+            t,
+        )
     }
 }

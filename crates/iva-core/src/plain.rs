@@ -1,7 +1,7 @@
 //! A free mass on its structure in plain doubles: its state, and the motion from it.
 //!
 //! Let f = F cos(Ω t + φ) be the force on the structure, or −a_g of its base, f̂ = F sin(Ω t + φ),
-//! a = f − x − 2ζv, and P, Q, C, B, K the responses of [`super::responses`]. Then
+//! a = f − x − 2ζv, and P, Q, C, B, K the [`responses`]. Then
 //!
 //! ```text
 //! x(h) = x + v h + a P + v Q + Ω²f C − Ωf̂ B,
@@ -17,18 +17,20 @@
 //! ∬A = (a − f) P + v Q + f (C − 2ζB) − Ωf̂ (K + 2ζC).
 //! ```
 
-use super::responses::Tables;
+use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Harmonic};
-use crate::lanes::arrays::arrays;
 use crate::oscillator::Equation;
+use responses::{Responses, Values};
+
+pub(crate) mod responses;
 
 /// Kind of drive: none.
-pub(in crate::lanes) const FREE: u8 = 0;
+pub(crate) const FREE: u8 = 0;
 /// Kind of drive: a harmonic force on the structure.
-pub(in crate::lanes) const FORCE: u8 = 1;
+pub(crate) const FORCE: u8 = 1;
 /// Kind of drive: a harmonic motion of the base.
-pub(in crate::lanes) const BASE: u8 = 2;
+pub(crate) const BASE: u8 = 2;
 
 arrays! {
     /// The state of structure and absorber at an instant.
@@ -124,6 +126,38 @@ impl Structure {
         Self { damping, growth, longest, over_longest: 1.0 / longest, ..Self::default() }
     }
 
+    /// The constants of a structure under one harmonic force, with the contribution of that to the bounds on
+    /// its derivatives ([`crate::host::Driven`]).
+    pub fn driven(equation: &Equation, responses: &Responses, harmonic: &Harmonic) -> Self {
+        let structure = Self::new(equation, responses.longest);
+        let Self { growth, longest, .. } = structure;
+        let mut drives = [harmonic.amplitude.abs(); 7];
+        let mut powers = [1.0; 8];
+        for n in 1..7 {
+            drives[n] = drives[n - 1] * harmonic.frequency;
+        }
+        for n in 1..8 {
+            powers[n] = powers[n - 1] * growth;
+        }
+        let excess = |order: usize| {
+            let sum: f64 = (0..=order).map(|i| powers[order - i] * drives[i]).sum();
+            powers[order + 1] * (longest * drives[0]) + sum + drives[order]
+        };
+        let (base, sign) = if harmonic.acts == Acts::Base { (1.0, -1.0) } else { (0.0, 1.0) };
+        Self {
+            amplitude: sign * harmonic.amplitude,
+            frequency: harmonic.frequency,
+            phase: harmonic.phase,
+            excess_3: excess(3),
+            excess_4: excess(4),
+            excess_5: excess(5),
+            excess_6: excess(6),
+            base_3: base * drives[3],
+            base_4: base * drives[4],
+            ..structure
+        }
+    }
+
     /// f and f̂ at an instant. They are computed anew after every stretch. Turned from stretch to stretch, their
     /// phase gathers rounding errors, and setting it right now and then leaves the absorber with a velocity
     /// that belongs to another phase.
@@ -135,22 +169,21 @@ impl Structure {
 }
 
 impl State {
-    /// The state after a flight of length h from here, in lane `i`.
+    /// The state after a flight of length h from here.
     #[inline(always)]
-    pub fn after<const W: usize, const DRIVE: u8>(
+    pub fn after<const DRIVE: u8>(
         &self,
         structure: &Structure,
-        tables: &Tables<W>,
-        i: usize,
+        responses: &impl Values,
         h: f64,
     ) -> Self {
         let Structure { damping: c, frequency, over_longest, .. } = *structure;
         let Self { x, v, force: f, quadrature: q, .. } = *self;
         let t = h * over_longest;
         let square = h * h;
-        let p = square * tables.at::<0>(i, t);
+        let p = square * responses.at::<0>(t);
         let cube = square * h;
-        let carried = cube * tables.at::<1>(i, t);
+        let carried = cube * responses.at::<1>(t);
         let s = h + p.mul_add(-c, carried);
         let a = v.mul_add(-c, f - x);
         let mut apart = a.mul_add(p, v * carried);
@@ -158,8 +191,8 @@ impl State {
         if DRIVE == FREE {
             return self.moved([h, apart, faster], [apart, faster]);
         }
-        let cosine = (square * square) * tables.at::<2>(i, t);
-        let sine = cube * tables.at::<3>(i, t);
+        let cosine = (square * square) * responses.at::<2>(t);
+        let sine = cube * responses.at::<3>(t);
         let rapid = frequency * frequency;
         let (k, j) = (rapid * f, frequency * q);
         apart += k.mul_add(cosine, -(j * sine));
@@ -171,7 +204,7 @@ impl State {
         let quadrature = q + f.mul_add(turn, -(q * less));
         let (mut absolute, mut gained) = (apart, faster);
         if DRIVE == BASE {
-            let summed = (square * cube) * tables.at::<4>(i, t);
+            let summed = (square * cube) * responses.at::<4>(t);
             let pulled = v.mul_add(-c, -x);
             let (slow, fast) = (c.mul_add(-sine, cosine), c.mul_add(cosine, summed));
             let falling = c.mul_add(rapid.mul_add(cosine, p), sine);

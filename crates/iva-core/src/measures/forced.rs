@@ -1,0 +1,332 @@
+//! The measures of a free mass under one harmonic force in plain doubles, computed from its log.
+//!
+//! A run logs its flights, each with the states of structure and absorber at both ends and the impact that ends
+//! it, and the events between them that are no flights. When the log is full or the run has ended, measures
+//! take many flights at a time: losses, work and ∫x² by Gauss's quadrature ([`integrals`]), largest sizes by
+//! bounds first ([`extremes`]), strobes and impacts in order of time. A motion with the absorber stuck to its
+//! wall is measured by itself, after the flights before it.
+//!
+//! A flight that crosses the begin of the window of the steady state is logged as two.
+
+use crate::arrays::arrays;
+use crate::compensated::DoubleDouble;
+use crate::flight::GapPoint;
+use crate::force::Harmonic;
+use crate::impact::Impact;
+use crate::measures::Wanted;
+use crate::oscillator::Equation;
+use crate::plain::responses::Responses;
+use crate::plain::{BASE, FORCE, State, States, Structure};
+use crate::real::Real;
+use crate::sample::{SLACK, span_ends};
+use crate::steady::{Steady, SteadyWanted};
+use crate::system::{Clock, Point, Wall};
+
+mod extremes;
+mod integrals;
+
+/// Number of flights side by side.
+const BLOCK: usize = 16;
+/// Number of flights in a full log: 130 kB.
+const FULL: usize = 1024;
+
+arrays! {
+    /// A flight.
+    Flight,
+    /// [`Flight`] of several: every field an array over them.
+    Flights:
+    /// The clock at its begin in double-double, and its length.
+    time, time_rest, length,
+    /// The approach speed of the impact at its end; 0: none.
+    approach;
+    /// The states at its begin and at its end, before the impact.
+    begin: State, States,
+    end: State, States
+}
+
+impl Flight {
+    /// The clock at its begin.
+    #[inline(always)]
+    pub fn clock(&self) -> Clock {
+        DoubleDouble { value: self.time, rest: self.time_rest }
+    }
+}
+
+/// An event that is no flight.
+#[derive(Debug, Clone, Copy)]
+enum Event {
+    /// An impact that no logged flight contains: its instant, wall and approach speed.
+    Impact(f64, Wall, f64),
+    /// Impacts up to this approach speed turned out to belong to a chatter that ended in stick, and are not
+    /// listed.
+    Unlist(f64),
+}
+
+/// A free mass under one harmonic force, or on a base that it moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scene {
+    /// Damping ratio ζ, mass ratio μ, clearance d, and the middle of the gap.
+    pub damping_ratio: f64,
+    /// μ.
+    pub mass_ratio: f64,
+    /// d.
+    pub clearance: f64,
+    /// The middle of the gap, as a value of y.
+    pub offset: f64,
+    /// The force.
+    pub harmonic: Harmonic,
+    /// True if it moves the base.
+    pub moves_base: bool,
+}
+
+/// The log of a run and its measures; the memory serves one run after the other.
+#[derive(Debug)]
+pub(crate) struct Forced {
+    blocks: Vec<Flights<BLOCK>>,
+    /// Number of flights logged.
+    count: usize,
+    /// Number of flights before the window of the steady state.
+    before: usize,
+    /// The events, each with the number of flights before it.
+    events: Vec<(usize, Event)>,
+    scene: Scene,
+    pub structure: Structure,
+    pub responses: Responses,
+    wanted: Wanted,
+    steady: SteadyWanted,
+    /// The begin of the window.
+    from: f64,
+    duration: f64,
+}
+
+impl Forced {
+    /// A log for a run of a scene, in the memory of another one; `None` where the force is too fast for the
+    /// polynomials of a flight.
+    pub fn new(
+        scene: &Scene,
+        spare: Option<Box<Self>>,
+        (wanted, steady): (Wanted, SteadyWanted),
+        [from, duration]: [f64; 2],
+    ) -> Option<Box<Self>> {
+        let equation = Equation::new(1.0, scene.damping_ratio);
+        let frequency = scene.harmonic.frequency;
+        let same = |it: &Responses| it.damping == equation.damping && it.frequency == frequency;
+        let responses = spare.as_ref().map(|spare| spare.responses).filter(same);
+        let responses = responses
+            .unwrap_or_else(|| Responses::new(equation.damping, equation.growth, frequency));
+        let structure = Structure::driven(&equation, &responses, &scene.harmonic);
+        let finite = responses.terms.iter().flatten().all(|term| term.is_finite());
+        if !(finite && structure.excess_6.is_finite()) {
+            return None;
+        }
+        let (blocks, mut events) =
+            spare.map_or_else(Default::default, |spare| (spare.blocks, spare.events));
+        events.clear();
+        let (count, before, scene) = (0, 0, *scene);
+        Some(Box::new(Self {
+            blocks,
+            count,
+            before,
+            events,
+            scene,
+            structure,
+            responses,
+            wanted,
+            steady,
+            from,
+            duration,
+        }))
+    }
+
+    /// True if a measure needs the flights.
+    #[inline(always)]
+    pub fn is_wanted(&self) -> bool {
+        self.wanted.ledger || self.steady.any()
+    }
+
+    /// True if measures are to take the log, so that a long run needs no more memory.
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        self.count + self.events.len() >= FULL
+    }
+
+    /// Logs a flight.
+    #[inline(always)]
+    pub fn push(&mut self, flight: &Flight) {
+        let until = -flight.clock().minus(self.from);
+        if until > 0.0 {
+            if until < flight.length {
+                return self.divide(flight, until);
+            }
+            self.before = self.count + 1;
+        }
+        self.store(flight);
+    }
+
+    #[inline(always)]
+    fn store(&mut self, flight: &Flight) {
+        let (block, slot) = (self.count / BLOCK, self.count % BLOCK);
+        if block == self.blocks.len() {
+            self.blocks.push(Flights::new());
+        }
+        self.blocks[block].set(slot, flight);
+        self.count += 1;
+    }
+
+    /// Logs a flight as two, of which the first has this length.
+    #[inline(never)]
+    fn divide(&mut self, flight: &Flight, first: f64) {
+        let there = f64::dispatched(
+            #[inline(always)]
+            || self.later(&flight.begin, first),
+        );
+        let clock = flight.clock().plus(first);
+        self.store(&Flight { length: first, approach: 0.0, end: there, ..*flight });
+        self.before = self.count;
+        let (time, time_rest) = (clock.value, clock.rest);
+        let length = flight.length - first;
+        self.store(&Flight { time, time_rest, length, begin: there, ..*flight });
+    }
+
+    /// The state a time h after another.
+    #[inline(always)]
+    fn later(&self, state: &State, h: f64) -> State {
+        if self.scene.moves_base {
+            state.after::<BASE>(&self.structure, &self.responses, h)
+        } else {
+            state.after::<FORCE>(&self.structure, &self.responses, h)
+        }
+    }
+
+    /// Logs an impact that no flight contains.
+    pub fn impact(&mut self, impact: &Impact) {
+        let event = Event::Impact(impact.time, impact.wall, impact.approach_speed());
+        self.event(event);
+    }
+
+    /// Logs that impacts up to this approach speed are not listed.
+    pub fn unlist(&mut self, floor: f64) {
+        self.event(Event::Unlist(floor));
+    }
+
+    /// Logs an event, if a measure counts impacts.
+    fn event(&mut self, event: Event) {
+        if self.steady.any() {
+            self.events.push((self.count, event));
+        }
+    }
+
+    /// Takes the log for the measures, and clears it; returns the energy lost and the work.
+    pub fn take(&mut self, steady: Option<&mut Steady>) -> [DoubleDouble; 2] {
+        let taken = if self.scene.moves_base {
+            f64::dispatched(
+                #[inline(always)]
+                || self.measure::<BASE>(steady),
+            )
+        } else {
+            f64::dispatched(
+                #[inline(always)]
+                || self.measure::<FORCE>(steady),
+            )
+        };
+        (self.count, self.before) = (0, 0);
+        self.events.clear();
+        taken
+    }
+
+    #[inline(always)]
+    fn measure<const DRIVE: u8>(&self, steady: Option<&mut Steady>) -> [DoubleDouble; 2] {
+        if let Some(steady) = steady {
+            if self.steady.rms {
+                steady.add_square(self.square::<DRIVE>());
+            }
+            let [mut displacement, mut acceleration] = steady.largest();
+            if self.steady.amplitude || self.steady.regime {
+                displacement = self.largest::<DRIVE, false>(displacement);
+            }
+            if self.steady.acceleration {
+                acceleration = self.largest::<DRIVE, true>(acceleration);
+            }
+            steady.set_largest([displacement, acceleration]);
+            self.show(steady);
+        }
+        if self.wanted.ledger { self.lose::<DRIVE>() } else { [DoubleDouble::ZERO; 2] }
+    }
+
+    /// A flight between two states, whose forces are those of their instants.
+    pub fn flight(&self, clock: Clock, length: f64, ends: [State; 2]) -> Flight {
+        let structure = &self.structure;
+        let [begin, end] = f64::dispatched(
+            #[inline(always)]
+            || {
+                [(ends[0], clock), (ends[1], clock.plus(length))].map(|(state, clock)| {
+                    let [force, quadrature] = structure.force_at(clock);
+                    State { force, quadrature, ..state }
+                })
+            },
+        );
+        let (time, time_rest) = (clock.value, clock.rest);
+        Flight { time, time_rest, length, approach: 0.0, begin, end }
+    }
+
+    /// A flight of the log.
+    fn logged(&self, i: usize) -> Flight {
+        self.blocks[i / BLOCK].get(i % BLOCK)
+    }
+
+    /// Hands out strobes and impacts in order of time.
+    fn show(&self, steady: &mut Steady) {
+        let mut events = &self.events[..];
+        for i in self.before..self.count {
+            while let Some(((_, event), later)) =
+                events.split_first().filter(|((before, _), _)| *before <= i)
+            {
+                event.show(steady);
+                events = later;
+            }
+            let (block, slot) = (&self.blocks[i / BLOCK], i % BLOCK);
+            let clock = DoubleDouble { value: block.time[slot], rest: block.time_rest[slot] };
+            let length = block.length[slot];
+            if steady.next_strobe().is_some_and(|it| (it - clock).value <= length * (1.0 + SLACK)) {
+                self.strobe(steady, i);
+            }
+            let approach = block.approach[slot];
+            if approach > 0.0 {
+                let wall = if block.end.side[slot] > 0.0 { Wall::Plus } else { Wall::Minus };
+                steady.count(clock.plus(length).value, wall, approach);
+            }
+        }
+        events.iter().for_each(|(_, event)| event.show(steady));
+    }
+
+    /// Hands out the strobes in a flight.
+    #[inline(never)]
+    fn strobe(&self, steady: &mut Steady, i: usize) {
+        let flight = self.logged(i);
+        let (clock, Flight { begin, length, .. }) = (flight.clock(), flight);
+        while let Some(instant) = steady.next_strobe() {
+            let beyond = (instant.value - self.duration) / self.duration;
+            let last = beyond.abs() <= SLACK && span_ends(&clock, length, self.duration);
+            let at = (instant - clock).value;
+            // At the instant of an impact the state after it counts.
+            if at >= length && !last {
+                return;
+            }
+            let State { x, v, distance, rate, side, .. } = f64::dispatched(
+                #[inline(always)]
+                || self.later(&begin, at.clamp(0.0, length)),
+            );
+            let y = self.scene.offset + side * (self.scene.clearance - distance);
+            steady.strobe_at(Point { x, v }, GapPoint { y, w: -side * rate });
+        }
+    }
+}
+
+impl Event {
+    fn show(&self, steady: &mut Steady) {
+        match *self {
+            Event::Impact(time, wall, approach) => steady.count(time, wall, approach),
+            Event::Unlist(floor) => steady.unlist_up_to(floor),
+        }
+    }
+}

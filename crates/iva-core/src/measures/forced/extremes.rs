@@ -1,0 +1,184 @@
+//! The largest |x| and |ẍ + a_g| of flights: bounds on all of them first, exact values only where a bound
+//! exceeds the largest size known so far.
+
+use super::{BLOCK, Flight, Flights, Forced};
+use crate::flight::{Arc, Extreme};
+use crate::host::turning::turn;
+use crate::plain::{State, Structure};
+use crate::quintic::root;
+use crate::real::pick;
+
+/// A function of the state of a structure with its first five derivatives.
+type Jets = [f64; 6];
+
+/// Largest number of times that a flight is halved to find the largest size in it.
+const HALVINGS: usize = 24;
+/// A bound that exceeds the size at both ends by no more than this part of the terms of the function may exceed
+/// it by rounding alone.
+const NOISE: f64 = 256.0 * f64::EPSILON;
+
+/// x, or the absolute acceleration, with its first five derivatives.
+#[inline(always)]
+fn jets<const DRIVE: u8, const ACCELERATION: bool>(structure: &Structure, at: &State) -> Jets {
+    let [absolute, [bend, third, fourth, fifth, ..]] = structure.derivatives::<DRIVE>(at);
+    if ACCELERATION { absolute } else { [at.x, at.v, bend, third, fourth, fifth] }
+}
+
+/// A bound on the sixth derivative in every motion from a state.
+#[inline(always)]
+fn sixth<const ACCELERATION: bool>(structure: &Structure, at: &State) -> f64 {
+    if ACCELERATION {
+        structure.bound::<6>(at)
+    } else {
+        structure.bound::<4>(at) + structure.base_4
+    }
+}
+
+/// The size of the terms of the function in a flight from a state.
+#[inline(always)]
+fn size<const ACCELERATION: bool>(structure: &Structure, at: &State) -> f64 {
+    let longest = structure.longest;
+    if ACCELERATION {
+        // A may be a small difference of large terms.
+        structure.bound::<3>(at) * (longest * longest * longest)
+    } else {
+        at.x.abs() + at.v.abs() * longest
+    }
+}
+
+/// The function in a flight of this length between two states, as far as they determine it.
+#[inline(always)]
+fn arc<const DRIVE: u8, const ACCELERATION: bool>(
+    structure: &Structure,
+    [begin, end]: [&State; 2],
+    length: f64,
+) -> Arc {
+    let leading = |at: &State| {
+        let [value, rate, bend, ..] = jets::<DRIVE, ACCELERATION>(structure, at);
+        [value, rate, bend]
+    };
+    let bound = sixth::<ACCELERATION>(structure, begin);
+    let arc = Arc::new(leading(begin), leading(end), bound, length);
+    if ACCELERATION { arc.doubted(size::<ACCELERATION>(structure, begin)) } else { arc }
+}
+
+impl Forced {
+    /// The larger of `least` and the largest |x| or |A| of the flights in the window.
+    #[inline(always)]
+    pub(super) fn largest<const DRIVE: u8, const ACCELERATION: bool>(&self, least: f64) -> f64 {
+        let mut least = least;
+        let blocks = self.blocks.iter().enumerate().take(self.count.div_ceil(BLOCK));
+        for (number, flights) in blocks.skip(self.before / BLOCK) {
+            let [limit, most, known] = self.bounded::<DRIVE, ACCELERATION>(flights);
+            let begin = self.before.saturating_sub(number * BLOCK).min(BLOCK);
+            let end = BLOCK.min(self.count - number * BLOCK);
+            for i in begin..end {
+                least = pick(known[i] > 0.0, least.max(most[i]), least);
+            }
+            for i in begin..end {
+                if known[i] == 0.0 && limit[i] >= least {
+                    least = self.search::<DRIVE, ACCELERATION>(&flights.get(i), least);
+                }
+            }
+        }
+        least
+    }
+
+    /// Bound, largest size, and 1 if that is known, for each flight of a block as far as its ends tell.
+    #[inline(always)]
+    fn bounded<const DRIVE: u8, const ACCELERATION: bool>(
+        &self,
+        flights: &Flights<BLOCK>,
+    ) -> [[f64; BLOCK]; 3] {
+        let structure = self.structure;
+        let [mut limit, mut most, mut known] = [[0.0; BLOCK]; 3];
+        for i in 0..BLOCK {
+            let Flight { begin, end, length, .. } = flights.get(i);
+            let arc = arc::<DRIVE, ACCELERATION>(&structure, [&begin, &end], length);
+            let extreme = Extreme::new(&arc, false, 0.0);
+            limit[i] = extreme.limit;
+            most[i] = extreme.most;
+            known[i] = pick(extreme.known, 1.0, 0.0);
+        }
+        [limit, most, known]
+    }
+
+    /// The larger of `least` and the largest size in a flight, which is halved until it is known.
+    #[inline(always)]
+    fn search<const DRIVE: u8, const ACCELERATION: bool>(
+        &self,
+        flight: &Flight,
+        mut least: f64,
+    ) -> f64 {
+        let structure = &self.structure;
+        // The parts that are still to be looked at, the earliest last.
+        let mut parts = [Flight::default(); HALVINGS + 2];
+        parts[0] = *flight;
+        let mut count = 1;
+        let noise = NOISE * size::<ACCELERATION>(structure, &flight.begin);
+        let shortest = flight.length * 0.5f64.powi(HALVINGS as i32);
+        while count > 0 {
+            let Flight { begin, end, length, .. } = parts[count - 1];
+            let arc = arc::<DRIVE, ACCELERATION>(structure, [&begin, &end], length);
+            let extreme = Extreme::new(&arc, false, 0.0);
+            count -= 1;
+            if extreme.limit < least {
+                continue;
+            }
+            least = least.max(arc.begin[0].abs()).max(arc.end[0].abs());
+            // False as well where nothing is a number.
+            let exceeds = extreme.limit > least + noise;
+            if extreme.known || !exceeds {
+                continue;
+            }
+            let turned = || self.turned::<DRIVE, ACCELERATION>([&begin, &end], length);
+            if let Some(value) = arc.turns_once().then(turned).flatten() {
+                least = least.max(value.abs());
+            } else if length > shortest {
+                let half = 0.5 * length;
+                let middle = begin.after::<DRIVE>(structure, &self.responses, half);
+                parts[count] = Flight { begin: middle, length: half, ..parts[count] };
+                parts[count + 1] = Flight { begin, end: middle, length: half, ..parts[count] };
+                count += 2;
+            }
+        }
+        least
+    }
+
+    /// The value at the only extremum in a flight; `None` if it is not found to rounding.
+    #[inline(always)]
+    fn turned<const DRIVE: u8, const ACCELERATION: bool>(
+        &self,
+        [begin, end]: [&State; 2],
+        length: f64,
+    ) -> Option<f64> {
+        let structure = &self.structure;
+        let rates = |at: &State| {
+            let [_, rate, second, third, ..] = jets::<DRIVE, ACCELERATION>(structure, at);
+            [rate, second, third]
+        };
+        let guess = length * root(&turn(rates(begin), rates(end), length));
+        let guess = if guess > 0.0 && guess < length { guess } else { 0.5 * length };
+        let there = begin.after::<DRIVE>(structure, &self.responses, guess);
+        let [value, rate, bend, third, fourth, fifth] =
+            jets::<DRIVE, ACCELERATION>(structure, &there);
+        let (third, fourth, fifth) = (third * 0.5, fourth * (1.0 / 6.0), fifth * (1.0 / 24.0));
+        let mut t = -rate / bend;
+        for _ in 0..2 {
+            let speed =
+                fifth.mul_add(t, fourth).mul_add(t, third).mul_add(t, bend).mul_add(t, rate);
+            let slope =
+                (fifth * 4.0).mul_add(t, fourth * 3.0).mul_add(t, third * 2.0).mul_add(t, bend);
+            t -= speed / slope;
+        }
+        let h = guess + t;
+        let rise = (fifth * 0.2).mul_add(t, fourth * 0.25).mul_add(t, third * (1.0 / 3.0));
+        let value = rise.mul_add(t, bend * 0.5).mul_add(t, rate).mul_add(t, value);
+        // Compares the next term of the series with rounding.
+        let square = t * t;
+        let left_out =
+            sixth::<ACCELERATION>(structure, begin) * ((square * square) * (t.abs() / 120.0));
+        let close = left_out <= f64::EPSILON * (bend.abs() * h);
+        (close && h > 0.0 && h < length && bend != 0.0).then_some(value)
+    }
+}
