@@ -32,14 +32,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Invalid;
 use crate::host::{Alone, DrivenHost, UndrivenHost};
-use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::observe::Observer;
+use crate::measures::{MeasureValues, Wanted};
 use crate::piva::Piva;
 use crate::plain::{BASE, FORCE};
 use crate::real::pick;
 use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
-use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
+use crate::steady::{SteadyValues, SteadyWanted, Window};
+use crate::summary::Summary;
 use crate::system::System;
 use crate::taylor::{ORDER, with_order};
 use decays::Decays;
@@ -86,9 +86,6 @@ impl Tier {
         }
     }
 }
-
-/// The observers of a run.
-type Observers<S> = (Measures<S>, Option<Steady>);
 
 /// The result of a run: how it ended, its measures, and those of its steady state if they were asked for.
 pub type Ended<S> = (Tally<<S as System>::State>, MeasureValues, Option<SteadyValues>);
@@ -260,8 +257,6 @@ impl SideBySide for Piva {
 trait Lockstep<S: SideBySide>: Sized {
     /// Number of lanes.
     const WIDTH: usize = LANES;
-    /// The observer of the run of a lane.
-    type Observer: Watching<S>;
     /// A set of idle lanes for absorbers like that of a job, and the measures wanted.
     fn new(job: &Job<S>, wanted: Wanted) -> Self;
     /// Makes an absorber share the tables of the first one of its group.
@@ -272,41 +267,20 @@ trait Lockstep<S: SideBySide>: Sized {
     fn requests(&self, lane: usize) -> bool;
     /// Serves the request of a lane; false: its variables are back in its run, and the event loop has to go
     /// on.
-    fn serve(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>) -> bool;
+    fn serve(&mut self, lane: usize, run: &mut ScalarRun<'_, S>) -> bool;
     /// Loads a run into a lane; false if the run is not at a state from which the lane can go on.
-    fn take(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>) -> bool;
+    fn take(&mut self, lane: usize, run: &mut ScalarRun<'_, S>) -> bool;
     /// Writes the variables of a lane back into its run.
-    fn put_back(&mut self, lane: usize, run: &mut ScalarRun<'_, S, Self::Observer>);
+    fn put_back(&mut self, lane: usize, run: &mut ScalarRun<'_, S>);
     /// Makes a lane idle.
     fn idle(&mut self, lane: usize);
 }
 
 /// The run of a lane in the event loop, which goes on where the lane cannot.
-type ScalarRun<'a, S, O = Observers<S>> = Run<'a, S, O>;
+type ScalarRun<'a, S> = Run<'a, S, Summary<S>>;
 
 /// A run and its index among the jobs.
-type IndexedRun<'a, S, O> = (usize, ScalarRun<'a, S, O>);
-
-/// An observer that yields the measures of a run.
-trait Watching<S: SideBySide>: Observer<S> + Sized {
-    /// The observer of a job; it may take over the memory of the observer of a run that has ended.
-    fn new(job: &Job<S>, wanted: Wanted, spare: Option<Self>) -> Self;
-    /// The measures.
-    fn values(&self) -> (MeasureValues, Option<SteadyValues>);
-}
-
-impl<S: SideBySide> Watching<S> for Observers<S> {
-    fn new(job: &Job<S>, wanted: Wanted, spare: Option<Self>) -> Self {
-        let steady = job.steady.map(|(wanted, window)| Steady::new(window, wanted));
-        let spare = spare.map(|(measures, _)| measures);
-        (Measures::new(wanted).in_memory_of(spare), steady)
-    }
-
-    fn values(&self) -> (MeasureValues, Option<SteadyValues>) {
-        let (measures, steady) = self;
-        (*measures.values(), steady.as_ref().map(|it| *it.values()))
-    }
-}
+type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
 
 /// Makes runs and hands out each result with the index of its job, in the order in which they end. In the
 /// exact tier every result is bit for bit that of [`simulate`](crate::simulate::simulate) with the same
@@ -374,10 +348,10 @@ pub struct Group<'a, S: SideBySide> {
 
 impl<'a, S: SideBySide> Group<'a, S> {
     /// The run of a job, begun.
-    fn begun<O: Watching<S>>(&self, index: usize, spare: Option<O>) -> ScalarRun<'a, S, O> {
+    fn begun(&self, index: usize, spare: Option<Summary<S>>) -> ScalarRun<'a, S> {
         let job = &self.jobs[index];
-        let Job { system, start, begin, limits, .. } = job;
-        let observer = O::new(job, self.wanted, spare);
+        let Job { system, start, begin, limits, steady, .. } = job;
+        let observer = Summary::new(self.wanted, *steady).in_memory_of(spare);
         let start = Instant::at(system, start, *begin);
         let mut run = Run::new(system, &start, limits, self.cancel, observer);
         run.begin();
@@ -385,9 +359,9 @@ impl<'a, S: SideBySide> Group<'a, S> {
     }
 
     /// Hands out the result of a run.
-    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, observer: &impl Watching<S>) {
-        let (measures, steady) = observer.values();
-        (self.take)(index, &(tally, measures, steady));
+    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, summary: &Summary<S>) {
+        let steady = summary.steady_values().copied();
+        (self.take)(index, &(tally, *summary.values(), steady));
     }
 
     fn one_by_one(mut self) {
@@ -395,7 +369,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
             if is_set(self.cancel) {
                 break;
             }
-            let mut run = self.begun::<Observers<S>>(*index, None);
+            let mut run = self.begun(*index, None);
             while run.step() {}
             let tally = run.finish();
             self.hand_out(*index, tally, &run.observer);
@@ -412,6 +386,6 @@ impl<'a, S: SideBySide> Group<'a, S> {
     }
 
     fn run<L: Lockstep<S>>(self) {
-        Running::<S, L>::new(self).run();
+        Running::new(self).run::<L>();
     }
 }

@@ -36,9 +36,8 @@
 //!   masses have lanes of two kinds: the exact tier (`lanes/siva.rs`), and in plain doubles the fast one
 //!   (`lanes/doubles.rs`).
 //! * Measures of free masses are computed from a `log` after the run: those of a decay from the begins of its
-//!   motions (`measures/decay.rs`), whether it ran alone or in lanes of either tier; those of driven runs side
-//!   by side from their flights (`measures/forced.rs` in the fast tier, `lanes/siva/driven/recorder.rs` in the
-//!   exact one). Lanes of pendulums hold copies of the
+//!   motions (`measures/decay.rs`), whether it ran alone or in lanes of either tier; those of a run under one
+//!   harmonic force from its flights (`measures/forced.rs`). [`summary`] is the observer that logs. Lanes of pendulums hold copies of the
 //!   variables of their measures (`lanes/piva/watch.rs`).
 //! * [`range`] holds the ranges of numbers that a run accepts.
 //! * [`observe`] is the interface of the observers of a run: [`measures`], [`peaks`], [`sample`], under force
@@ -105,7 +104,7 @@ mod settling;
 pub mod simulate;
 pub mod siva;
 pub mod steady;
-mod summary;
+pub mod summary;
 pub mod system;
 pub mod taylor;
 pub mod theory;

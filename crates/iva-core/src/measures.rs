@@ -41,6 +41,10 @@ impl Wanted {
     /// All groups.
     pub const ALL: Wanted = Wanted { peaks: true, settling: true, residual: true, ledger: true };
 
+    /// No group.
+    pub const NONE: Wanted =
+        Wanted { peaks: false, settling: false, residual: false, ledger: false };
+
     /// True if a measure of the displacement of a decay is wanted.
     pub(crate) fn decay(self) -> bool {
         self.peaks || self.settling || self.residual
@@ -154,10 +158,10 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
     }
 
     /// Adds energy lost and work of many flights, each in double-double.
-    pub(crate) fn add(&mut self, lost: DoubleDouble<R>, work: DoubleDouble<R>) {
+    pub(crate) fn add(&mut self, lost: DoubleDouble, work: DoubleDouble) {
         self.moving = true;
-        self.viscous = self.viscous.plus_parts(lost.value, lost.rest);
-        self.work = self.work.plus_parts(work.value, work.rest);
+        self.viscous = self.viscous.plus_parts(lost.value.into(), lost.rest.into());
+        self.work = self.work.plus_parts(work.value.into(), work.rest.into());
     }
 
     /// True as long as peaks after the first `ended` ones change a measure.

@@ -6,12 +6,15 @@
 //! the wall last touched and D = d − s y the distance to it, D̈ = s A: neither y nor d enters a rebound,
 //! which starts from D = 0.
 
+use std::any::TypeId;
+
 use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
 use crate::flight::{GapPoint, Jet};
 use crate::force::Force;
 use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
 use crate::impact::{self, Impact};
+use crate::measures::forced::Scene;
 use crate::oscillator::Primary;
 use crate::range;
 use crate::real::Real;
@@ -402,6 +405,20 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     fn primary(&self, state: &Self::State) -> Point<R> {
         let Primary { x, v } = state.host.primary;
         Point { x: x.value, v: v.value }
+    }
+
+    fn forced(&self) -> Option<Scene> {
+        let force = self.host.force().filter(|force| force.is_single())?;
+        let harmonic = force.harmonics().first()?.in_doubles();
+        let in_doubles = TypeId::of::<R>() == TypeId::of::<f64>();
+        (in_doubles && self.host.gravity() == 0.0).then(|| Scene {
+            damping_ratio: self.damping_ratio().double(),
+            mass_ratio: self.mass_ratio.double(),
+            clearance: self.clearance.double(),
+            offset: self.offset.double(),
+            harmonic,
+            moves_base: force.moves_base(),
+        })
     }
 
     fn sinusoidal(&self) -> Option<[f64; 2]> {

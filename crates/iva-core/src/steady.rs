@@ -154,15 +154,6 @@ impl<R: Real> Steady<R> {
         self.strobes.iter()
     }
 
-    /// The instants of the strobes that are still to be kept, for a run that has begun.
-    pub(crate) fn kept_strobes(&self) -> impl Iterator<Item = DoubleDouble<R>> + '_ {
-        let strobes = self.wanted.regime || self.wanted.strobes;
-        let indices = if strobes { self.next..u64::MAX } else { 0..0 };
-        let instants = indices.map_while(|index| self.window.instant(index));
-        let within = |instant: &DoubleDouble<R>| instant.value <= self.duration * (R::ONE + SLACK);
-        instants.take_while(within)
-    }
-
     /// The begin of the window.
     pub(crate) fn begin(&self) -> R {
         self.window.from
@@ -199,8 +190,13 @@ impl<R: Real> Steady<R> {
     }
 
     /// Adds ∫x² of many flights.
-    pub(crate) fn add_square(&mut self, square: DoubleDouble<R>) {
-        self.square = self.square.plus_parts(square.value, square.rest);
+    pub(crate) fn add_square(&mut self, square: DoubleDouble) {
+        self.square = self.square.plus_parts(square.value.into(), square.rest.into());
+    }
+
+    /// Largest |x| of the current cycle.
+    pub(crate) fn current(&mut self) -> &mut R {
+        &mut self.current
     }
 
     /// Of the impacts of the current streak, those with an approach speed of at most `floor` are not listed.

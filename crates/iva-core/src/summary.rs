@@ -1,45 +1,62 @@
-//! The observer of a run side by side: its measures and those of its steady state, computed from a log where
-//! that is possible.
+//! The observer of the summary of a run: its measures and those of its steady state.
+//!
+//! In doubles the measures of free masses are computed from a log, whether a run goes alone or in lanes:
+//! those of a decay from the begins of its motions ([`crate::measures`]), those of a run under one harmonic
+//! force from its flights ([`crate::measures::forced`]). All others are taken stretch by stretch.
 
 use crate::flight::Motion;
 use crate::impact::Impact;
-use crate::measures::forced::{Forced, Scene};
-use crate::measures::{Measures, Wanted};
+use crate::measures::forced::Forced;
+use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::{Contact, Jump, Observer, Span};
 use crate::plain::State;
+use crate::real::Real;
 use crate::simulate::{Instant, Tally};
-use crate::steady::{Steady, SteadyWanted, Window};
+use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::system::{Clock, System};
 
-/// The measures of a run in doubles.
+/// An observer of the measures of a run, and of those of its steady state.
 #[derive(Debug)]
-pub(crate) struct Summary<S: System<Real = f64>> {
-    pub measures: Measures<S>,
-    pub steady: Option<Steady>,
-    steady_wanted: SteadyWanted,
-    /// The scene whose driven runs are logged; `None`: measures are taken stretch by stretch.
-    scene: Option<Scene>,
-    /// The log of a driven run.
-    pub forced: Option<Box<Forced>>,
+pub struct Summary<S: System> {
+    pub(crate) measures: Measures<S>,
+    pub(crate) steady: Option<Steady<S::Real>>,
+    /// The measures of the steady state that are wanted.
+    asked: SteadyWanted,
+    /// The log of a driven run; `None`: its measures are taken stretch by stretch.
+    pub(crate) forced: Option<Box<Forced>>,
 }
 
-impl<S: System<Real = f64>> Summary<S> {
-    /// Computes the wanted measures; those of driven runs from a log, if a scene is given.
-    pub fn of(
-        wanted: Wanted,
-        steady: Option<(SteadyWanted, Window)>,
-        scene: Option<Scene>,
-        spare: Option<Self>,
-    ) -> Self {
-        let steady_wanted = steady.map(|(wanted, _)| wanted).unwrap_or_default();
+impl<R: Real, S: System<Real = R>> Summary<S> {
+    /// Computes the wanted measures, and those of the steady state in a window if there is one.
+    pub fn new(wanted: Wanted, steady: Option<(SteadyWanted, Window<R>)>) -> Self {
+        let asked = steady.map(|(wanted, _)| wanted).unwrap_or_default();
         let steady = steady.map(|(wanted, window)| Steady::new(window, wanted));
+        Self { measures: Measures::new(wanted), steady, asked, forced: None }
+    }
+
+    /// The same, in the memory of the observer of a run that has ended.
+    pub(crate) fn in_memory_of(self, spare: Option<Self>) -> Self {
         let (measures, forced) = spare.map_or((None, None), |it| (Some(it.measures), it.forced));
-        let measures = Measures::new(wanted).in_memory_of(measures);
-        Self { measures, steady, steady_wanted, scene, forced }
+        Self { measures: self.measures.in_memory_of(measures), forced, ..self }
+    }
+
+    /// The measures; complete once the run has ended.
+    pub fn values(&self) -> &MeasureValues<R> {
+        self.measures.values()
+    }
+
+    /// The steady state, if it was asked for; complete once the run has ended.
+    pub fn steady(&self) -> Option<&Steady<R>> {
+        self.steady.as_ref()
+    }
+
+    /// The measures of the steady state, if it was asked for; complete once the run has ended.
+    pub fn steady_values(&self) -> Option<&SteadyValues<R>> {
+        self.steady().map(Steady::values)
     }
 
     /// Computes the measures of what is in the log of a driven run.
-    pub fn take_log(&mut self) {
+    pub(crate) fn take_log(&mut self) {
         if let Some(forced) = &mut self.forced {
             let [lost, worked] = forced.take(self.steady.as_mut());
             self.measures.add(lost, worked);
@@ -47,40 +64,40 @@ impl<S: System<Real = f64>> Summary<S> {
     }
 
     /// Logs a flight of a driven run, of this length, between two states.
-    fn push(&mut self, system: &S, clock: Clock, length: f64, ends: [&S::State; 2]) {
+    fn push(&mut self, system: &S, clock: Clock<R>, length: R, ends: [&S::State; 2]) {
         let Some(forced) = &mut self.forced else { return };
+        let clock = Clock { value: clock.value.double(), rest: clock.rest.double() };
         let ends = ends.map(|state| in_doubles(system, state));
-        forced.push(&forced.flight(clock, length, ends));
+        forced.push(clock, length.double(), 0.0, ends);
     }
 }
 
 /// A state in flight in plain doubles, without its force.
-fn in_doubles<S: System<Real = f64>>(system: &S, state: &S::State) -> State {
+fn in_doubles<S: System>(system: &S, state: &S::State) -> State {
     let (primary, gap) = (system.primary(state), system.distance(state));
     State {
-        x: primary.x,
-        v: primary.v,
-        distance: gap.value,
-        rate: gap.rate,
+        x: primary.x.double(),
+        v: primary.v.double(),
+        distance: gap.value.double(),
+        rate: gap.rate.double(),
         side: system.wall(state).sign(),
         ..State::default()
     }
 }
 
-impl<S: System<Real = f64>> Observer<S> for Summary<S> {
-    fn start(&mut self, system: &S, from: &Instant<S::State>, duration: f64) {
+impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
+    fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         self.measures.start(system, from, duration);
         self.steady.start(system, from, duration);
-        let begin = self.steady.as_ref().map_or(0.0, |steady| Steady::begin(steady));
-        let wanted = (self.measures.wanted, self.steady_wanted);
-        let spare = self.forced.take();
-        self.forced =
-            self.scene.and_then(|scene| Forced::new(&scene, spare, wanted, [begin, duration]));
+        let begin = self.steady.as_ref().map_or(R::ZERO, Steady::begin);
+        let (wanted, spare) = ((self.measures.wanted, self.asked), self.forced.take());
+        let times = [begin.double(), duration.double()];
+        self.forced = system.forced().and_then(|scene| Forced::new(&scene, spare, wanted, times));
     }
 
     fn span<M>(&mut self, system: &S, span: &Span<'_, M>)
     where
-        M: Motion<Real = f64, State = S::State>,
+        M: Motion<Real = R, State = S::State>,
     {
         let Some(forced) = &self.forced else {
             self.measures.span(system, span);
@@ -100,7 +117,7 @@ impl<S: System<Real = f64>> Observer<S> for Summary<S> {
         self.push(system, span.start, span.length, [span.motion.origin(), span.end]);
     }
 
-    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
         self.steady.contact(system, contact);
     }
 
@@ -108,25 +125,25 @@ impl<S: System<Real = f64>> Observer<S> for Summary<S> {
         self.measures.jump(system, jump);
     }
 
-    fn impact(&mut self, system: &S, impact: &Impact) {
+    fn impact(&mut self, system: &S, impact: &Impact<R>) {
         match &mut self.forced {
             Some(forced) => forced.impact(impact),
             None => self.steady.impact(system, impact),
         }
     }
 
-    fn impulse(&mut self, system: &S, state: &S::State, work: f64) {
+    fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         self.measures.impulse(system, state, work);
     }
 
-    fn unlist(&mut self, first: u64, floor: f64) {
+    fn unlist(&mut self, first: u64, floor: R) {
         match &mut self.forced {
-            Some(forced) => forced.unlist(floor),
+            Some(forced) => forced.unlist(floor.double()),
             None => Observer::<S>::unlist(&mut self.steady, first, floor),
         }
     }
 
-    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+    fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         self.take_log();
         self.measures.end(system, tally);
         self.steady.end(system, tally);

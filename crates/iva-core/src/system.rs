@@ -7,6 +7,7 @@ use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
+use crate::measures::forced::Scene;
 use crate::real::Real;
 
 /// A wall of the gap: `Plus` at y = +d, `Minus` at y = −d.
@@ -176,6 +177,11 @@ pub trait System {
     /// Damping ratio ζ and mass ratio μ of a system without drive whose structure moves in closed form, in
     /// doubles ([`crate::host::sinusoid`]). The measures of its decays are computed from a log.
     fn sinusoidal(&self) -> Option<[f64; 2]> {
+        None
+    }
+    /// A free mass on a level line under one harmonic force, or on a base that it moves, in doubles. Its measures
+    /// are computed from a log.
+    fn forced(&self) -> Option<Scene> {
         None
     }
     /// True if the base moves.

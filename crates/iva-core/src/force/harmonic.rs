@@ -70,6 +70,13 @@ impl<R: Real> Harmonic<R> {
         }
     }
 
+    /// The same in doubles.
+    pub(crate) fn in_doubles(&self) -> Harmonic {
+        let Self { amplitude, frequency, phase, acts } = *self;
+        let [amplitude, frequency, phase] = [amplitude, frequency, phase].map(R::double);
+        Harmonic { amplitude, frequency, phase, acts }
+    }
+
     /// amplitude · cos and amplitude · sin of its angle at an instant, in plain numbers.
     #[inline(always)]
     pub(crate) fn turned(&self, time: DoubleDouble<R>) -> [R; 2] {

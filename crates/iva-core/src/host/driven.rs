@@ -24,7 +24,6 @@ use bounds::{exceeding, largest};
 use integral::{at_nodes, mean_product, nodes};
 
 pub use host::DrivenHost;
-pub(crate) use measured::Leading;
 pub use source::{Forces, Source};
 pub use weight::Weight;
 

@@ -1,7 +1,7 @@
 //! Free decays: lanes compute motions only and log where the motions of the structure begin ([`crate::log`]),
 //! as the event loop does where it goes on. Measures are computed from the log ([`crate::measures`]).
 
-use super::{Job, Lockstep, Observers, ScalarRun};
+use super::{Job, Lockstep, ScalarRun};
 use crate::host::Host;
 use crate::log::{Entry, Log};
 use crate::measures::{Wanted, keeps};
@@ -43,7 +43,7 @@ pub(super) struct Decays<F> {
 impl<F: Flights> Decays<F> {
     /// Exchanges the log of a lane for that of its run.
     fn swap_logs(&mut self, lane: usize, run: &mut Decaying<'_>) {
-        if let Some(decay) = &mut run.observer.0.decay {
+        if let Some(decay) = &mut run.observer.measures.decay {
             std::mem::swap(&mut self.logs[lane], &mut decay.log);
         }
     }
@@ -51,7 +51,6 @@ impl<F: Flights> Decays<F> {
 
 impl<F: Flights> Lockstep<Siva> for Decays<F> {
     const WIDTH: usize = F::WIDTH;
-    type Observer = Observers<Siva>;
 
     fn new(job: &Job<Siva>, wanted: Wanted) -> Self {
         let logs = (0..F::WIDTH).map(|_| Log::default()).collect();
@@ -92,7 +91,7 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
         let takes = !run.ended && self.flights.take(lane, run);
         if takes {
             let (system, clock, state) = (run.system, run.clock, run.tally.state);
-            run.observer.0.begins(system, clock, &state, false);
+            run.observer.measures.begins(system, clock, &state, false);
             self.swap_logs(lane, run);
         }
         takes
@@ -101,7 +100,7 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
     fn put_back(&mut self, lane: usize, run: &mut Decaying<'_>) {
         let v = self.flights.put_back(lane, run);
         self.swap_logs(lane, run);
-        if let Some(decay) = &mut run.observer.0.decay {
+        if let Some(decay) = &mut run.observer.measures.decay {
             decay.v_before = v;
         }
     }

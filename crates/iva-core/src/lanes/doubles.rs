@@ -17,16 +17,12 @@ mod decays;
 mod lane;
 mod step;
 
-use super::{Job, Lockstep, ScalarRun, Watching};
-use crate::force::Force;
+use super::{Job, Lockstep, ScalarRun};
 use crate::host::{DrivenHost, Host};
-use crate::measures::forced::{Flight, Forced, Scene};
-use crate::measures::{MeasureValues, Wanted};
+use crate::measures::Wanted;
+use crate::measures::forced::Forced;
 use crate::plain::responses::Tables;
 use crate::siva::Siva;
-use crate::steady::SteadyValues;
-use crate::summary::Summary;
-use crate::system::System;
 
 pub(super) use decays::FreeFlights;
 use lane::{Lane, Lanes};
@@ -47,34 +43,10 @@ pub(super) struct Doubles<const DRIVE: u8> {
     logged: bool,
 }
 
-type Watched<'a> = ScalarRun<'a, Siva<DrivenHost>, Summary<Siva<DrivenHost>>>;
-
-/// The scene of a run.
-fn scene(siva: &Siva<DrivenHost>) -> Option<Scene> {
-    let harmonic = siva.force().map(Force::harmonics)?.first()?;
-    Some(Scene {
-        damping_ratio: siva.damping_ratio(),
-        mass_ratio: siva.mass_ratio(),
-        clearance: siva.clearance(),
-        offset: siva.offset(),
-        harmonic: *harmonic,
-        moves_base: siva.moves_base(),
-    })
-}
-
-impl Watching<Siva<DrivenHost>> for Summary<Siva<DrivenHost>> {
-    fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted, spare: Option<Self>) -> Self {
-        Self::of(wanted, job.steady, scene(&job.system), spare)
-    }
-
-    fn values(&self) -> (MeasureValues, Option<SteadyValues>) {
-        (*self.measures.values(), self.steady.as_ref().map(|it| *it.values()))
-    }
-}
+type Watched<'a> = ScalarRun<'a, Siva<DrivenHost>>;
 
 impl<const DRIVE: u8> Lockstep<Siva<DrivenHost>> for Doubles<DRIVE> {
     const WIDTH: usize = WIDTH;
-    type Observer = Summary<Siva<DrivenHost>>;
 
     fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
         let steady = job.steady.map(|(steady, _)| steady).unwrap_or_default();
@@ -109,14 +81,9 @@ impl<const DRIVE: u8> Lockstep<Siva<DrivenHost>> for Doubles<DRIVE> {
                 if rounds.passed[i] > 0.0
                     && let Some(log) = log
                 {
-                    log.push(&Flight {
-                        time: lanes.time[i],
-                        time_rest: lanes.time_rest[i],
-                        length: rounds.length[i] + rounds.later[i],
-                        approach: rounds.approach[i],
-                        begin: lanes.state.get(i),
-                        end: rounds.end.get(i),
-                    });
+                    let length = rounds.length[i] + rounds.later[i];
+                    let ends = [lanes.state.get(i), rounds.end.get(i)];
+                    log.push(lanes.clock(i), length, rounds.approach[i], ends);
                     if log.is_full() {
                         requests = 1.0;
                     }

@@ -12,7 +12,7 @@ mod rows;
 mod step;
 mod watch;
 
-use super::{Job, LANES, Lockstep, Observers, ScalarRun};
+use super::{Job, LANES, Lockstep, ScalarRun};
 use crate::compensated::DoubleDouble;
 use crate::flight::{Losses, Side};
 use crate::measures::Wanted;
@@ -99,8 +99,6 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMA
 impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
     for Steps<N, DRIVEN, SMALL>
 {
-    type Observer = Observers<Piva>;
-
     fn new(Job { system: piva, steady, .. }: &Job<Piva>, wanted: Wanted) -> Self {
         let steady = steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let tells = wanted.ledger || steady != SteadyWanted::default();
@@ -157,8 +155,8 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
         }
         if self.lanes.watch.peaked[i] > 0.0 {
             let (peak, index) = self.lanes.watch.get(i).ended_peak();
-            run.observer.0.peak(&peak, index);
-            self.lanes.watch.listen(i, &run.observer.0);
+            run.observer.measures.peak(&peak, index);
+            self.lanes.watch.listen(i, &run.observer.measures);
         }
         let lanes = &self.lanes;
         let passages = [
@@ -166,7 +164,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
             (lanes.passed_2[i], [lanes.from_2[i], lanes.to_2[i]]),
             (lanes.passed_3[i], [lanes.from_3[i], lanes.to_3[i]]),
         ];
-        for (last, (level, h)) in run.observer.0.settling.iter_mut().zip(passages) {
+        for (last, (level, h)) in run.observer.measures.settling.iter_mut().zip(passages) {
             if level != 0.0 {
                 let origin = lanes.origin.get(i).state();
                 let start =
@@ -179,7 +177,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
 
     fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
         let Phase::Flight { first } = run.phase else { return false };
-        let reference = &run.observer.0.reference;
+        let reference = &run.observer.measures.reference;
         let settled = DRIVEN || (reference.settled && reference.amplitude > 0.0);
         let lane = Lane::of(run, first);
         let fits = settled && lane.work < lane.max_work && run.listed() < run.limits.max_impacts;

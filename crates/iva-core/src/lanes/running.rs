@@ -5,30 +5,31 @@ use std::iter::repeat_with;
 use super::{Group, IndexedRun, Lockstep, SideBySide, is_set};
 use crate::real::Real;
 use crate::simulate::Tally;
+use crate::summary::Summary;
 
 /// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u64 = 1024;
 
 /// A group whose runs are being made.
-pub(super) struct Running<'a, S: SideBySide, L: Lockstep<S>> {
+pub(super) struct Running<'a, S: SideBySide> {
     group: Group<'a, S>,
     /// The run of each lane, and its index.
-    runs: Vec<Option<IndexedRun<'a, S, L::Observer>>>,
+    runs: Vec<Option<IndexedRun<'a, S>>>,
     /// Number of lanes with a run.
     live: usize,
     /// The observer of the run that ended last, whose memory the next run can use.
-    spare: Option<L::Observer>,
+    spare: Option<Summary<S>>,
 }
 
-impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
+impl<'a, S: SideBySide> Running<'a, S> {
     /// A group that has not begun.
     pub fn new(group: Group<'a, S>) -> Self {
-        let runs = repeat_with(|| None).take(L::WIDTH).collect();
-        Self { group, runs, live: 0, spare: None }
+        Self { group, runs: Vec::new(), live: 0, spare: None }
     }
 
     /// Makes its runs.
-    pub fn run(mut self) {
+    pub fn run<L: Lockstep<S>>(mut self) {
+        self.runs = repeat_with(|| None).take(L::WIDTH).collect();
         f64::dispatched(
             #[inline(always)]
             || {
@@ -58,7 +59,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
 
     /// Serves the requests of the lanes.
     #[inline(never)]
-    fn serve(&mut self, lanes: &mut L) {
+    fn serve<L: Lockstep<S>>(&mut self, lanes: &mut L) {
         for i in 0..L::WIDTH {
             let Some((_, run)) = &mut self.runs[i] else { continue };
             if lanes.requests(i) && !lanes.serve(i, run) {
@@ -68,7 +69,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
     }
 
     /// Lets the event loop go on with a run until the lane can take it, or the run ends.
-    fn go_on(&mut self, lanes: &mut L, i: usize) {
+    fn go_on<L: Lockstep<S>>(&mut self, lanes: &mut L, i: usize) {
         let Some((_, run)) = &mut self.runs[i] else { return };
         while run.step() {
             if lanes.take(i, run) {
@@ -91,7 +92,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
 
     /// Gives a lane the next run, if there is one.
     #[inline(never)]
-    fn refill(&mut self, lanes: &mut L, i: usize) {
+    fn refill<L: Lockstep<S>>(&mut self, lanes: &mut L, i: usize) {
         let group = &mut self.group;
         let index = match group.order.get(group.next) {
             Some(index) if !is_set(group.cancel) => *index,
@@ -109,7 +110,7 @@ impl<'a, S: SideBySide, L: Lockstep<S>> Running<'a, S, L> {
     }
 
     /// Ends every run where it is; runs that have not begun are not made.
-    fn cancel(&mut self, lanes: &mut L) {
+    fn cancel<L: Lockstep<S>>(&mut self, lanes: &mut L) {
         self.group.next = self.group.order.len();
         for i in 0..L::WIDTH {
             if let Some((_, run)) = &mut self.runs[i] {

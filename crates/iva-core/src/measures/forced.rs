@@ -150,17 +150,20 @@ impl Forced {
         self.count + self.events.len() >= FULL
     }
 
-    /// Logs a flight.
+    /// Logs a flight between two states, with the approach speed of the impact at its end; 0: none. The forces
+    /// of the states are computed when the log is taken.
     #[inline(always)]
-    pub fn push(&mut self, flight: &Flight) {
-        let until = -flight.clock().minus(self.from);
+    pub fn push(&mut self, clock: Clock, length: f64, approach: f64, [begin, end]: [State; 2]) {
+        let (time, time_rest) = (clock.value, clock.rest);
+        let flight = Flight { time, time_rest, length, approach, begin, end };
+        let until = -clock.minus(self.from);
         if until > 0.0 {
-            if until < flight.length {
-                return self.divide(flight, until);
+            if until < length {
+                return self.divide(&flight, until);
             }
             self.before = self.count + 1;
         }
-        self.store(flight);
+        self.store(&flight);
     }
 
     #[inline(always)]
@@ -178,7 +181,7 @@ impl Forced {
     fn divide(&mut self, flight: &Flight, first: f64) {
         let there = f64::dispatched(
             #[inline(always)]
-            || self.later(&flight.begin, first),
+            || self.later(&self.structure.forced(&flight.begin, flight.clock()), first),
         );
         let clock = flight.clock().plus(first);
         self.store(&Flight { length: first, approach: 0.0, end: there, ..*flight });
@@ -199,8 +202,9 @@ impl Forced {
     }
 
     /// Logs an impact that no flight contains.
-    pub fn impact(&mut self, impact: &Impact) {
-        let event = Event::Impact(impact.time, impact.wall, impact.approach_speed());
+    pub fn impact<R: Real>(&mut self, impact: &Impact<R>) {
+        let [time, approach] = [impact.time, impact.approach_speed()].map(R::double);
+        let event = Event::Impact(time, impact.wall, approach);
         self.event(event);
     }
 
@@ -217,16 +221,16 @@ impl Forced {
     }
 
     /// Takes the log for the measures, and clears it; returns the energy lost and the work.
-    pub fn take(&mut self, steady: Option<&mut Steady>) -> [DoubleDouble; 2] {
+    pub fn take<R: Real>(&mut self, steady: Option<&mut Steady<R>>) -> [DoubleDouble; 2] {
         let taken = if self.scene.moves_base {
             f64::dispatched(
                 #[inline(always)]
-                || self.measure::<BASE>(steady),
+                || self.measure::<R, BASE>(steady),
             )
         } else {
             f64::dispatched(
                 #[inline(always)]
-                || self.measure::<FORCE>(steady),
+                || self.measure::<R, FORCE>(steady),
             )
         };
         (self.count, self.before) = (0, 0);
@@ -235,47 +239,45 @@ impl Forced {
     }
 
     #[inline(always)]
-    fn measure<const DRIVE: u8>(&self, steady: Option<&mut Steady>) -> [DoubleDouble; 2] {
+    fn measure<R: Real, const DRIVE: u8>(
+        &mut self,
+        steady: Option<&mut Steady<R>>,
+    ) -> [DoubleDouble; 2] {
+        self.put_forces();
         if let Some(steady) = steady {
             if self.steady.rms {
                 steady.add_square(self.square::<DRIVE>());
             }
-            let [mut displacement, mut acceleration] = steady.largest();
+            let [mut displacement, mut acceleration] = steady.largest().map(R::double);
             if self.steady.amplitude || self.steady.regime {
                 displacement = self.largest::<DRIVE, false>(displacement);
             }
             if self.steady.acceleration {
                 acceleration = self.largest::<DRIVE, true>(acceleration);
             }
-            steady.set_largest([displacement, acceleration]);
-            self.show(steady);
+            steady.set_largest([displacement, acceleration].map(R::from));
+            self.show::<R, DRIVE>(steady);
         }
         if self.wanted.ledger { self.lose::<DRIVE>() } else { [DoubleDouble::ZERO; 2] }
     }
 
-    /// A flight between two states, whose forces are those of their instants.
-    pub fn flight(&self, clock: Clock, length: f64, ends: [State; 2]) -> Flight {
-        let structure = &self.structure;
-        let [begin, end] = f64::dispatched(
-            #[inline(always)]
-            || {
-                [(ends[0], clock), (ends[1], clock.plus(length))].map(|(state, clock)| {
-                    let [force, quadrature] = structure.force_at(clock);
-                    State { force, quadrature, ..state }
-                })
-            },
-        );
-        let (time, time_rest) = (clock.value, clock.rest);
-        Flight { time, time_rest, length, approach: 0.0, begin, end }
-    }
-
-    /// A flight of the log.
-    fn logged(&self, i: usize) -> Flight {
-        self.blocks[i / BLOCK].get(i % BLOCK)
+    /// Computes the forces at both ends of the flights.
+    #[inline(always)]
+    fn put_forces(&mut self) {
+        let structure = self.structure;
+        for flights in &mut self.blocks[..self.count.div_ceil(BLOCK)] {
+            let Flights { time, time_rest, length, begin, end, .. } = flights;
+            for i in 0..BLOCK {
+                let clock = DoubleDouble { value: time[i], rest: time_rest[i] };
+                [begin.force[i], begin.quadrature[i]] = structure.force_at(clock);
+                [end.force[i], end.quadrature[i]] = structure.force_at(clock.plus(length[i]));
+            }
+        }
     }
 
     /// Hands out strobes and impacts in order of time.
-    fn show(&self, steady: &mut Steady) {
+    #[inline(always)]
+    fn show<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>) {
         let mut events = &self.events[..];
         for i in self.before..self.count {
             while let Some(((_, event), later)) =
@@ -287,46 +289,67 @@ impl Forced {
             let (block, slot) = (&self.blocks[i / BLOCK], i % BLOCK);
             let clock = DoubleDouble { value: block.time[slot], rest: block.time_rest[slot] };
             let length = block.length[slot];
-            if steady.next_strobe().is_some_and(|it| (it - clock).value <= length * (1.0 + SLACK)) {
-                self.strobe(steady, i);
+            let until = |it: Clock<R>| it.value.double() - clock.value - length;
+            let slack = 4.0 * SLACK * (clock.value + length);
+            if self.steady.strobes || steady.next_strobe().is_some_and(|it| until(it) <= slack) {
+                self.strobe::<R, DRIVE>(steady, &block.get(slot));
             }
             let approach = block.approach[slot];
             if approach > 0.0 {
                 let wall = if block.end.side[slot] > 0.0 { Wall::Plus } else { Wall::Minus };
-                steady.count(clock.plus(length).value, wall, approach);
+                steady.count(clock.plus(length).value.into(), wall, approach.into());
             }
         }
         events.iter().for_each(|(_, event)| event.show(steady));
     }
 
-    /// Hands out the strobes in a flight.
-    #[inline(never)]
-    fn strobe(&self, steady: &mut Steady, i: usize) {
-        let flight = self.logged(i);
-        let (clock, Flight { begin, length, .. }) = (flight.clock(), flight);
+    /// Hands out the strobes in a flight, and the largest |x| of each cycle if all strobes are wanted.
+    #[inline(always)]
+    fn strobe<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>, flight: &Flight) {
+        let (clock, &Flight { begin, end, length, .. }) = (flight.clock(), flight);
+        let later = |h: f64| match h {
+            _ if h == 0.0 => begin,
+            _ if h == length => end,
+            _ => begin.after::<DRIVE>(&self.structure, &self.responses, h),
+        };
+        let until = |steady: &mut Steady<R>, [from, to]: [f64; 2]| {
+            if self.steady.strobes && from < to {
+                let [begin, end] = [from, to].map(later);
+                let part = Flight { begin, end, length: to - from, ..*flight };
+                let largest = self.search::<DRIVE, false>(&part, steady.current().double());
+                *steady.current() = largest.into();
+            }
+        };
+        let mut h = 0.0;
         while let Some(instant) = steady.next_strobe() {
+            let instant = Clock { value: instant.value.double(), rest: instant.rest.double() };
             let beyond = (instant.value - self.duration) / self.duration;
             let last = beyond.abs() <= SLACK && span_ends(&clock, length, self.duration);
             let at = (instant - clock).value;
             // At the instant of an impact the state after it counts.
             if at >= length && !last {
-                return;
+                break;
             }
-            let State { x, v, distance, rate, side, .. } = f64::dispatched(
-                #[inline(always)]
-                || self.later(&begin, at.clamp(0.0, length)),
-            );
+            let at = at.clamp(0.0, length);
+            until(steady, [h, at]);
+            h = h.max(at);
+            let State { x, v, distance, rate, side, .. } = later(at);
             let y = self.scene.offset + side * (self.scene.clearance - distance);
-            steady.strobe_at(Point { x, v }, GapPoint { y, w: -side * rate });
+            let (primary, gap) = ([x, v].map(R::from), [y, -side * rate].map(R::from));
+            steady.strobe_at(
+                Point { x: primary[0], v: primary[1] },
+                GapPoint { y: gap[0], w: gap[1] },
+            );
         }
+        until(steady, [h, length]);
     }
 }
 
 impl Event {
-    fn show(&self, steady: &mut Steady) {
+    fn show<R: Real>(&self, steady: &mut Steady<R>) {
         match *self {
-            Event::Impact(time, wall, approach) => steady.count(time, wall, approach),
-            Event::Unlist(floor) => steady.unlist_up_to(floor),
+            Event::Impact(time, wall, approach) => steady.count(time.into(), wall, approach.into()),
+            Event::Unlist(floor) => steady.unlist_up_to(floor.into()),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::extremes::Extremes;
 use iva_core::host::{Alone, DrivenHost, UndrivenHost};
-use iva_core::measures::{Measures, Wanted};
+use iva_core::measures::Wanted;
 use iva_core::observe::{Events, Observer};
 use iva_core::peaks::Envelope;
 use iva_core::piva::Piva;
@@ -12,6 +12,7 @@ use iva_core::real::Real;
 use iva_core::simulate::{Tally, simulate_from};
 use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyValues, SteadyWanted};
+use iva_core::summary::Summary;
 use iva_core::system::System;
 
 use super::design::Design;
@@ -163,8 +164,7 @@ struct Seen<S: System, E> {
     tally: Tally<S::State, S::Real>,
     events: Option<Events<S::Real>>,
     envelope: Option<Envelope<S::Real>>,
-    measures: Option<Measures<S>>,
-    steady: Option<Steady<S::Real>>,
+    summary: Option<Summary<S>>,
     extremes: Option<Extremes<S::Real>>,
     estimates: E,
 }
@@ -181,24 +181,22 @@ impl<R: Real> Point<'_, R> {
         // In free decay extremes count from the begin of the run.
         let from = if system.is_driven() { design.window.from } else { design.begin };
         let extremes = request.summary && request.wants_extremes(system);
+        let steady = request.steady_of(system).map(|wanted| (wanted, design.window));
+        let wanted = if request.summary { request.wanted } else { Wanted::NONE };
+        let asked = request.summary || steady.is_some();
+        let summary = asked.then(|| Summary::<S>::new(wanted, steady));
         let mut observers = (
             (request.impacts || request.episodes).then(Events::default),
             (
                 request.envelope.then(Envelope::default),
-                (
-                    request.summary.then(|| Measures::<S>::new(request.wanted)),
-                    (
-                        request.steady_of(system).map(|wanted| Steady::new(design.window, wanted)),
-                        (extremes.then(|| Extremes::new(from)), estimates),
-                    ),
-                ),
+                (summary, (extremes.then(|| Extremes::new(from)), estimates)),
             ),
         );
         let (begin, limits) = (design.begin, &design.limits);
         let tally = simulate_from(system, start, begin, limits, Some(cancel), &mut observers)?;
         let done = Done::run(tally.outcome.name(), tally.work);
-        let (events, (envelope, (measures, (steady, (extremes, estimates))))) = observers;
-        let seen = Seen { tally, events, envelope, measures, steady, extremes, estimates };
+        let (events, (envelope, (summary, (extremes, estimates)))) = observers;
+        let seen = Seen { tally, events, envelope, summary, extremes, estimates };
         for table in &study.tables {
             self.rows(*table, system, &seen, take)?;
         }
@@ -247,7 +245,8 @@ impl<R: Real> Point<'_, R> {
             Table::Stroboscope => {
                 let mut before = None;
                 let has_absorber = design.scene.absorber().is_some();
-                for strobe in seen.steady.iter().flat_map(Steady::strobes) {
+                let steady = seen.summary.as_ref().and_then(Summary::steady);
+                for strobe in steady.into_iter().flat_map(Steady::strobes) {
                     row(&mut self.numbered(&StrobeRow { strobe, before, has_absorber, scale }));
                     before = Some(strobe);
                 }
@@ -268,11 +267,13 @@ impl<R: Real> Point<'_, R> {
         seen: &'a Seen<S, E>,
     ) -> Result<Option<RunRow<'a, R>>, Invalid> {
         let Self { design, request, cancel, .. } = *self;
-        let Some(measures) = &seen.measures else { return Ok(None) };
-        let settled = request.settled(design, seen.steady.as_ref().map(Steady::values), cancel)?;
+        let Some(summary) = seen.summary.as_ref().filter(|_| request.summary) else {
+            return Ok(None);
+        };
+        let settled = request.settled(design, summary.steady_values(), cancel)?;
         let [condition, digits] = seen.estimates.of_run();
         let extremes = seen.extremes.as_ref().map(Extremes::values);
-        let run = RunRow::new(design, seen.tally.without_state(), measures.values());
+        let run = RunRow::new(design, seen.tally.without_state(), summary.values());
         Ok(Some(RunRow { settled, extremes, condition, digits, ..run }))
     }
 }

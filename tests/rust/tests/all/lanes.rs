@@ -10,11 +10,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
 use iva_core::lanes::{self, Ended, Job, LANES, SideBySide, Tier};
-use iva_core::measures::{Measures, Wanted};
+use iva_core::measures::Wanted;
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, Outcome, simulate};
 use iva_core::siva::Siva;
-use iva_core::steady::{Steady, SteadyWanted, Window};
+use iva_core::steady::{SteadyWanted, Window};
+use iva_core::summary::Summary;
 use iva_core::system::{Start, System};
 use iva_tests::case::{any_case, compound};
 use iva_tests::cases;
@@ -25,10 +26,9 @@ fn alone<S: SideBySide>(decay: &Job<S>) -> String {
 }
 
 pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
-    let steady = decay.steady.map(|(wanted, window)| Steady::new(window, wanted));
-    let mut watch = (Measures::<S>::new(wanted), steady);
+    let mut watch = Summary::<S>::new(wanted, decay.steady);
     let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut watch).unwrap();
-    format!("{:?}", (tally, *watch.0.values(), watch.1.as_ref().map(|it| *it.values())))
+    format!("{:?}", (tally, *watch.values(), watch.steady_values().copied()))
 }
 
 fn together<S: SideBySide>(scenes: &[Job<S>]) -> Vec<String> {

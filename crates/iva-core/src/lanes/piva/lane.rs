@@ -224,12 +224,12 @@ impl Lane {
             live: 1.0,
             work: run.tally.work as f64,
             max_work: run.limits.max_work as f64,
-            viscous: run.observer.0.viscous.value,
-            viscous_rest: run.observer.0.viscous.rest,
-            pivot: run.observer.0.pivot.value,
-            pivot_rest: run.observer.0.pivot.rest,
+            viscous: run.observer.measures.viscous.value,
+            viscous_rest: run.observer.measures.viscous.rest,
+            pivot: run.observer.measures.pivot.value,
+            pivot_rest: run.observer.measures.pivot.rest,
             pose: Pose::new(&run.tally.state),
-            watch: Watch::of(&run.observer.0),
+            watch: Watch::of(&run.observer.measures),
             ..Self::default()
         }
     }
@@ -243,8 +243,9 @@ impl Lane {
         if DRIVEN {
             return;
         }
-        self.watch.put_back(&mut run.observer.0);
-        run.observer.0.viscous = DoubleDouble { value: self.viscous, rest: self.viscous_rest };
-        run.observer.0.pivot = DoubleDouble { value: self.pivot, rest: self.pivot_rest };
+        self.watch.put_back(&mut run.observer.measures);
+        run.observer.measures.viscous =
+            DoubleDouble { value: self.viscous, rest: self.viscous_rest };
+        run.observer.measures.pivot = DoubleDouble { value: self.pivot, rest: self.pivot_rest };
     }
 }

@@ -231,11 +231,9 @@ impl<P: Pick> Look<P> {
         Struck { hit, v_before: self.touching.host.primary.v.value }
     }
 
-    /// The impact at the end of the completed span: its time, the sign of the wall, and its approach speed
-    /// (0: none).
+    /// The approach speed of the impact at the end of the completed span; 0: none.
     #[inline(always)]
-    pub fn impact(&self, next: &Flying) -> (f64, f64, f64) {
-        let approach = pick(self.hit & self.passed, self.approach, 0.0);
-        (next.time, self.touching.side, approach)
+    pub fn approach_speed(&self) -> f64 {
+        pick(self.hit & self.passed, self.approach, 0.0)
     }
 }

@@ -105,7 +105,7 @@ impl Forced {
 
     /// The larger of `least` and the largest size in a flight, which is halved until it is known.
     #[inline(always)]
-    fn search<const DRIVE: u8, const ACCELERATION: bool>(
+    pub(super) fn search<const DRIVE: u8, const ACCELERATION: bool>(
         &self,
         flight: &Flight,
         mut least: f64,

@@ -214,8 +214,8 @@ impl Forced {
                     }
                 }
             }
-            for i in 0..BLOCK {
-                squares[i] *= flights.length[i];
+            for (square, length) in squares.iter_mut().zip(&flights.length) {
+                *square *= length;
             }
             let begin = self.before.saturating_sub(number * BLOCK).min(BLOCK);
             let end = BLOCK.min(self.count - number * BLOCK);
@@ -230,9 +230,5 @@ impl Forced {
 /// Lengths of flights in units of the longest one.
 #[inline(always)]
 fn parts(structure: &Structure, flights: &Flights<BLOCK>) -> [f64; BLOCK] {
-    let mut parts = [0.0; BLOCK];
-    for i in 0..BLOCK {
-        parts[i] = flights.length[i] * structure.over_longest;
-    }
-    parts
+    std::array::from_fn(|i| flights.length[i] * structure.over_longest)
 }

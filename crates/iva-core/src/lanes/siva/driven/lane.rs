@@ -1,6 +1,5 @@
 //! One lane: the variables of a driven run that fast flights change, and arrays of such lanes.
 
-use super::recorder::Recorder;
 use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
@@ -135,9 +134,7 @@ impl Lane {
     }
 
     /// The lane of a run in flight; `None` if the event loop has to go on with the run.
-    pub fn of<const BASE: bool>(
-        run: &ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>,
-    ) -> Option<Self> {
+    pub fn of<const BASE: bool>(run: &ScalarRun<'_, Siva<DrivenHost>>) -> Option<Self> {
         let Driven { equation, reach, step, excess, .. } = run.system.host.free();
         let harmonic = run.system.force().map(Force::harmonics)?.first()?;
         let flying = Flying::of(run, *reach)?;
@@ -164,10 +161,7 @@ impl Lane {
     }
 
     /// Writes the variables back into the run.
-    pub fn put_back<const BASE: bool>(
-        &self,
-        run: &mut ScalarRun<'_, Siva<DrivenHost>, Recorder<BASE>>,
-    ) {
+    pub fn put_back<const BASE: bool>(&self, run: &mut ScalarRun<'_, Siva<DrivenHost>>) {
         let phase = self.state::<BASE>().host.phase;
         self.flying.put_back(run, phase);
     }
