@@ -306,21 +306,8 @@ impl Forced {
     /// Hands out the strobes in a flight, and the largest |x| of each cycle if all strobes are wanted.
     #[inline(always)]
     fn strobe<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>, flight: &Flight) {
-        let (clock, &Flight { begin, end, length, .. }) = (flight.clock(), flight);
-        let later = |h: f64| match h {
-            _ if h == 0.0 => begin,
-            _ if h == length => end,
-            _ => begin.after::<DRIVE>(&self.structure, &self.responses, h),
-        };
-        let until = |steady: &mut Steady<R>, [from, to]: [f64; 2]| {
-            if self.steady.strobes && from < to {
-                let [begin, end] = [from, to].map(later);
-                let part = Flight { begin, end, length: to - from, ..*flight };
-                let largest = self.search::<DRIVE, false>(&part, steady.current().double());
-                *steady.current() = largest.into();
-            }
-        };
-        let mut h = 0.0;
+        let (clock, length) = (flight.clock(), flight.length);
+        let mut rest = *flight;
         while let Some(instant) = steady.next_strobe() {
             let instant = Clock { value: instant.value.double(), rest: instant.rest.double() };
             let beyond = (instant.value - self.duration) / self.duration;
@@ -331,17 +318,37 @@ impl Forced {
                 break;
             }
             let at = at.clamp(0.0, length);
-            until(steady, [h, at]);
-            h = h.max(at);
-            let State { x, v, distance, rate, side, .. } = later(at);
+            let there = self.within::<DRIVE>(flight, at);
+            let done = length - rest.length;
+            self.cycle::<R, DRIVE>(steady, &Flight { length: at - done, end: there, ..rest });
+            rest = Flight { length: length - at, begin: there, ..rest };
+            let State { x, v, distance, rate, side, .. } = there;
             let y = self.scene.offset + side * (self.scene.clearance - distance);
-            let (primary, gap) = ([x, v].map(R::from), [y, -side * rate].map(R::from));
-            steady.strobe_at(
-                Point { x: primary[0], v: primary[1] },
-                GapPoint { y: gap[0], w: gap[1] },
-            );
+            let primary = Point { x: R::from(x), v: R::from(v) };
+            steady.strobe_at(primary, GapPoint { y: R::from(y), w: R::from(-side * rate) });
         }
-        until(steady, [h, length]);
+        self.cycle::<R, DRIVE>(steady, &rest);
+    }
+
+    /// The state a time h after the begin of a flight.
+    #[inline(always)]
+    fn within<const DRIVE: u8>(&self, flight: &Flight, h: f64) -> State {
+        if h == 0.0 {
+            flight.begin
+        } else if h == flight.length {
+            flight.end
+        } else {
+            flight.begin.after::<DRIVE>(&self.structure, &self.responses, h)
+        }
+    }
+
+    /// Updates the largest |x| of the current cycle by a part of a flight, if all strobes are wanted.
+    #[inline(always)]
+    fn cycle<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>, part: &Flight) {
+        if self.steady.strobes && part.length > 0.0 {
+            let largest = self.search::<DRIVE, false>(part, steady.current().double());
+            *steady.current() = largest.into();
+        }
     }
 }
 

@@ -53,12 +53,10 @@ fn arc<const DRIVE: u8, const ACCELERATION: bool>(
     [begin, end]: [&State; 2],
     length: f64,
 ) -> Arc {
-    let leading = |at: &State| {
-        let [value, rate, bend, ..] = jets::<DRIVE, ACCELERATION>(structure, at);
-        [value, rate, bend]
-    };
+    let [a, b, c, ..] = jets::<DRIVE, ACCELERATION>(structure, begin);
+    let [d, e, f, ..] = jets::<DRIVE, ACCELERATION>(structure, end);
     let bound = sixth::<ACCELERATION>(structure, begin);
-    let arc = Arc::new(leading(begin), leading(end), bound, length);
+    let arc = Arc::new([a, b, c], [d, e, f], bound, length);
     if ACCELERATION { arc.doubted(size::<ACCELERATION>(structure, begin)) } else { arc }
 }
 
@@ -108,38 +106,69 @@ impl Forced {
     pub(super) fn search<const DRIVE: u8, const ACCELERATION: bool>(
         &self,
         flight: &Flight,
+        least: f64,
+    ) -> f64 {
+        let noise = NOISE * size::<ACCELERATION>(&self.structure, &flight.begin);
+        match self.look::<DRIVE, ACCELERATION>(flight, noise, least) {
+            Ok(least) => least,
+            Err(least) => self.halve::<DRIVE, ACCELERATION>(flight, noise, least),
+        }
+    }
+
+    /// The larger of `least` and the largest size in a flight; an error if only a lower bound of that is known.
+    #[inline(always)]
+    fn look<const DRIVE: u8, const ACCELERATION: bool>(
+        &self,
+        flight: &Flight,
+        noise: f64,
+        least: f64,
+    ) -> Result<f64, f64> {
+        let Flight { begin, end, length, .. } = flight;
+        let arc = arc::<DRIVE, ACCELERATION>(&self.structure, [begin, end], *length);
+        let extreme = Extreme::new(&arc, false, 0.0);
+        if extreme.limit < least {
+            return Ok(least);
+        }
+        let least = least.max(arc.begin[0].abs()).max(arc.end[0].abs());
+        // False as well where nothing is a number.
+        let exceeds = extreme.limit > least + noise;
+        if extreme.known || !exceeds {
+            return Ok(least);
+        }
+        let turns = arc.turns_once();
+        let turned =
+            if turns { self.turned::<DRIVE, ACCELERATION>([begin, end], *length) } else { None };
+        turned.map(|value| least.max(value.abs())).ok_or(least)
+    }
+
+    /// [`Forced::search`] in a flight whose largest size is not known at once.
+    #[inline(always)]
+    fn halve<const DRIVE: u8, const ACCELERATION: bool>(
+        &self,
+        flight: &Flight,
+        noise: f64,
         mut least: f64,
     ) -> f64 {
-        let structure = &self.structure;
         // The parts that are still to be looked at, the earliest last.
-        let mut parts = [Flight::default(); HALVINGS + 2];
-        parts[0] = *flight;
+        let mut parts = [*flight; HALVINGS + 2];
         let mut count = 1;
-        let noise = NOISE * size::<ACCELERATION>(structure, &flight.begin);
         let shortest = flight.length * 0.5f64.powi(HALVINGS as i32);
         while count > 0 {
-            let Flight { begin, end, length, .. } = parts[count - 1];
-            let arc = arc::<DRIVE, ACCELERATION>(structure, [&begin, &end], length);
-            let extreme = Extreme::new(&arc, false, 0.0);
             count -= 1;
-            if extreme.limit < least {
-                continue;
-            }
-            least = least.max(arc.begin[0].abs()).max(arc.end[0].abs());
-            // False as well where nothing is a number.
-            let exceeds = extreme.limit > least + noise;
-            if extreme.known || !exceeds {
-                continue;
-            }
-            let turned = || self.turned::<DRIVE, ACCELERATION>([&begin, &end], length);
-            if let Some(value) = arc.turns_once().then(turned).flatten() {
-                least = least.max(value.abs());
-            } else if length > shortest {
-                let half = 0.5 * length;
-                let middle = begin.after::<DRIVE>(structure, &self.responses, half);
-                parts[count] = Flight { begin: middle, length: half, ..parts[count] };
-                parts[count + 1] = Flight { begin, end: middle, length: half, ..parts[count] };
-                count += 2;
+            let part = parts[count];
+            match self.look::<DRIVE, ACCELERATION>(&part, noise, least) {
+                Ok(most) => least = most,
+                Err(most) => {
+                    least = most;
+                    if part.length > shortest {
+                        let length = 0.5 * part.length;
+                        let middle =
+                            part.begin.after::<DRIVE>(&self.structure, &self.responses, length);
+                        parts[count] = Flight { begin: middle, length, ..part };
+                        parts[count + 1] = Flight { end: middle, length, ..part };
+                        count += 2;
+                    }
+                }
             }
         }
         least
@@ -153,11 +182,9 @@ impl Forced {
         length: f64,
     ) -> Option<f64> {
         let structure = &self.structure;
-        let rates = |at: &State| {
-            let [_, rate, second, third, ..] = jets::<DRIVE, ACCELERATION>(structure, at);
-            [rate, second, third]
-        };
-        let guess = length * root(&turn(rates(begin), rates(end), length));
+        let [_, a, b, c, ..] = jets::<DRIVE, ACCELERATION>(structure, begin);
+        let [_, d, e, f, ..] = jets::<DRIVE, ACCELERATION>(structure, end);
+        let guess = length * root(&turn([a, b, c], [d, e, f], length));
         let guess = if guess > 0.0 && guess < length { guess } else { 0.5 * length };
         let there = begin.after::<DRIVE>(structure, &self.responses, guess);
         let [value, rate, bend, third, fourth, fifth] =
