@@ -58,7 +58,7 @@ bench: $(VENV)/.tools ## measure nanoseconds per impact
 	$(CARGO) bench --locked -p iva-benches
 
 stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts
-	$(CARGO) test --locked --release -p iva-tests stress -- --ignored --nocapture
+	$(CARGO) test --locked --release --test all stress -- --ignored --nocapture
 	$(MAKE) count
 	$(MAKE) fuzz
 
