@@ -31,7 +31,7 @@ demo: wheel ## build, then sweep clearance and mass ratio of the paper's absorbe
 test: test-rust test-python ## prove that the code is right
 
 test-rust: $(VENV)/.tools ## the Rust half of `make test`
-	$(CARGO) test --locked --release --workspace --exclude iva-py --exclude iva-benches
+	$(CARGO) test --locked --release
 
 test-python: wheel ## the Python half of `make test`
 	$(BIN)/python -m pytest --numprocesses $(PYTEST_WORKERS) --dist loadfile
@@ -58,7 +58,7 @@ bench: $(VENV)/.tools ## measure nanoseconds per impact
 	$(CARGO) bench --locked -p iva-benches
 
 stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts
-	$(CARGO) test --locked --release -p iva-tests stress -- --ignored --nocapture
+	$(CARGO) test --locked --release --test all stress -- --ignored --nocapture
 	$(MAKE) count
 	$(MAKE) fuzz
 

@@ -3,9 +3,9 @@
 Usage: sdist.py MATURIN
 
 What is installed is built as a user's is, by the back end that pyproject.toml names and with the
-kept versions, but in the profile of development: without optimisation it is built in a fraction of
-the time, and how fast it runs is not the question here. In the profile of release it is built by
-the workflow in .github/workflows/wheels.yml.
+kept versions, but its crates are not optimised: so they are built in a fraction of the time, and
+how fast they run is not the question here. Dependencies are those that the wheel was built with, if
+it was. All of it is built from nothing by the workflow in .github/workflows/wheels.yml.
 """
 
 import os
@@ -99,11 +99,16 @@ def main() -> None:
     pip = (sys.executable, "-m", "pip", "--python", python, "--disable-pip-version-check")
     needs = tomllib.loads(files["pyproject.toml"].decode())["build-system"]["requires"]
     run(*pip, "install", "--quiet", *needs)
+    lock = tomllib.loads((source / "Cargo.lock").read_text())
+    own = [package["name"] for package in lock["package"] if "source" not in package]
+    plain = " ".join(f"--config profile.release.package.{name}.opt-level=0" for name in own)
+    # The library of the wheel has the same name: without this Cargo could take one for the other.
+    target = {"CARGO_TARGET_DIR": str(ROOT / "target")}
+    run("cargo", "clean", "--quiet", "--release", "--package", "iva-py", **target)
     run(
         *(*pip, "install", "--quiet", "--no-build-isolation", source),
-        CARGO_TARGET_DIR=str(FOLDER / "build"),
-        CARGO_PROFILE_DEV_DEBUG="false",
-        MATURIN_PEP517_ARGS="--profile dev",
+        **target,
+        MATURIN_PEP517_ARGS=plain,
         PATH=f"{programs}{os.pathsep}{os.environ['PATH']}",
     )
     # Cargo takes the tests, which are left out, off the list of kept versions; it must change none.

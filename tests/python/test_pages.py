@@ -174,8 +174,8 @@ def test_the_rust_example_prints_what_its_page_says() -> None:
     cargo = shutil.which("cargo")
     if cargo is None:
         pytest.skip("no cargo")
-    words = [cargo, "run", "--quiet", "--locked", "--release", "--package", "iva-core"]
-    words += ["--example", example.stem]
+    # Of the whole workspace, of which `make test` has built it.
+    words = [cargo, "run", "--quiet", "--locked", "--release", "--example", example.stem]
     ran = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout == told
