@@ -1,4 +1,4 @@
-//! A macro for structs of numbers and structs of arrays.
+//! A macro for structs of numbers and structs of arrays over lanes.
 
 /// Declares a struct of numbers for one lane, and a struct with an array over the lanes for each of its
 /// fields. A part is a field that is itself a struct declared by this macro.
@@ -56,3 +56,10 @@ macro_rules! arrays {
     };
 }
 pub(crate) use arrays;
+
+/// True if a mark is set in any lane: a number other than 0.
+#[inline(always)]
+pub(crate) fn any<const W: usize>(marks: &[f64; W]) -> bool {
+    // Bits are combined in any order, which a sum of doubles is not.
+    marks.iter().fold(0, |bits, mark| bits | mark.to_bits()) != 0
+}

@@ -158,13 +158,6 @@ impl Structure {
         }
     }
 
-    /// A state with the force of an instant.
-    #[inline(always)]
-    pub fn forced(&self, state: &State, clock: DoubleDouble) -> State {
-        let [force, quadrature] = self.force_at(clock);
-        State { force, quadrature, ..*state }
-    }
-
     /// f and f̂ at an instant. They are computed anew after every stretch. Turned from stretch to stretch, their
     /// phase gathers rounding errors, and setting it right now and then leaves the absorber with a velocity
     /// that belongs to another phase.

@@ -15,6 +15,10 @@ pub(super) trait Flights: Sized {
     fn new(siva: &Siva) -> Self;
     /// Advances each lane by one evaluation; true if a lane needs its run.
     fn evaluate(&mut self) -> bool;
+    /// The clock of each lane.
+    fn times(&self) -> &[f64];
+    /// True if this evaluation has found an impact in any lane.
+    fn hits(&self) -> bool;
     /// The begin of the motion after the impact that this evaluation of a lane has found, if it has.
     fn motion(&self, lane: usize) -> Option<Entry>;
     /// True if this lane needs its run.
@@ -38,6 +42,8 @@ pub(super) struct Decays<F> {
     flights: F,
     logs: Vec<Log>,
     wanted: Wanted,
+    /// False if no motion of any lane is to be logged any more.
+    logging: bool,
 }
 
 impl<F: Flights> Decays<F> {
@@ -54,7 +60,7 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
 
     fn new(job: &Job<Siva>, wanted: Wanted) -> Self {
         let logs = (0..F::WIDTH).map(|_| Log::default()).collect();
-        Self { flights: F::new(&job.system), logs, wanted }
+        Self { flights: F::new(&job.system), logs, wanted, logging: true }
     }
 
     fn join(leader: &Siva, siva: &Siva) {
@@ -63,8 +69,12 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        let Self { flights, logs, wanted } = self;
+        let Self { flights, logs, wanted, logging } = self;
         let mut requests = flights.evaluate();
+        if !(*logging && flights.hits()) {
+            return requests;
+        }
+        *logging = flights.times().iter().any(|time| keeps(*wanted, *time));
         for (lane, log) in logs.iter_mut().enumerate() {
             if let Some(entry) = flights.motion(lane).filter(|entry| keeps(*wanted, entry.time)) {
                 log.push(entry);
@@ -92,6 +102,7 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
         if takes {
             let (system, clock, state) = (run.system, run.clock, run.tally.state);
             run.observer.measures.begins(system, clock, &state, false);
+            self.logging = true;
             self.swap_logs(lane, run);
         }
         takes

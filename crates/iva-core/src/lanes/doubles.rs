@@ -18,6 +18,7 @@ mod lane;
 mod step;
 
 use super::{Job, Lockstep, ScalarRun};
+use crate::arrays::any;
 use crate::host::{DrivenHost, Host};
 use crate::measures::Wanted;
 use crate::measures::forced::Forced;
@@ -75,18 +76,16 @@ impl<const DRIVE: u8> Lockstep<Siva<DrivenHost>> for Doubles<DRIVE> {
             },
         );
         step::land::<WIDTH, DRIVE>(lanes, tables, rounds);
-        let mut requests = 0.0;
+        let mut full = false;
         if *logged {
             for (i, log) in logs.iter_mut().enumerate() {
                 if rounds.passed[i] > 0.0
                     && let Some(log) = log
                 {
                     let length = rounds.length[i] + rounds.later[i];
-                    let ends = [lanes.state.get(i), rounds.end.get(i)];
+                    let ends = [&lanes.state.get(i), &rounds.end.get(i)];
                     log.push(lanes.clock(i), length, rounds.approach[i], ends);
-                    if log.is_full() {
-                        requests = 1.0;
-                    }
+                    full |= log.is_full();
                 }
             }
         }
@@ -96,10 +95,7 @@ impl<const DRIVE: u8> Lockstep<Siva<DrivenHost>> for Doubles<DRIVE> {
             #[inline(always)]
             |_, _| 0.0,
         );
-        for i in 0..WIDTH {
-            requests += lanes.request[i] + lanes.stopped[i] + lanes.full[i];
-        }
-        requests > 0.0
+        full | any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full)
     }
 
     fn requests(&self, i: usize) -> bool {

@@ -7,7 +7,7 @@ mod look;
 
 use super::LANES;
 use super::decays::{Decaying, Flights};
-use crate::arrays::arrays;
+use crate::arrays::{any, arrays};
 use crate::compensated::DoubleDouble;
 use crate::host::Host;
 use crate::log::Entry;
@@ -48,6 +48,16 @@ impl Flights for FastFlights {
     fn evaluate(&mut self) -> bool {
         let Self { lanes, struck, free } = self;
         evaluate(lanes, struck, free)
+    }
+
+    #[inline(always)]
+    fn times(&self) -> &[f64] {
+        &self.lanes.time
+    }
+
+    #[inline(always)]
+    fn hits(&self) -> bool {
+        any(&self.struck.hit)
     }
 
     #[inline(always)]
@@ -101,9 +111,5 @@ fn evaluate<const W: usize>(
         lanes.set(i, &look.next(&flying, free.reach));
         struck.set(i, &look.struck());
     }
-    let mut requests = 0.0;
-    for i in 0..W {
-        requests += lanes.request[i] + lanes.stopped[i];
-    }
-    requests > 0.0
+    any(&lanes.request) | any(&lanes.stopped)
 }

@@ -16,7 +16,7 @@ use crate::impact::Impact;
 use crate::measures::Wanted;
 use crate::oscillator::Equation;
 use crate::plain::responses::Responses;
-use crate::plain::{BASE, FORCE, State, States, Structure};
+use crate::plain::{BASE, FORCE, State, Structure};
 use crate::real::Real;
 use crate::sample::{SLACK, span_ends};
 use crate::steady::{Steady, SteadyWanted};
@@ -37,11 +37,12 @@ arrays! {
     Flights:
     /// The clock at its begin in double-double, and its length.
     time, time_rest, length,
-    /// The approach speed of the impact at its end; 0: none.
-    approach;
-    /// The states at its begin and at its end, before the impact.
-    begin: State, States,
-    end: State, States
+    /// The state at its begin: x and ẋ; distance to the wall last touched, its rate, and the sign of that wall.
+    x, v, distance, rate, side,
+    /// x and ẋ at its end, before the impact.
+    end_x, end_v,
+    /// The impact at its end: approach speed (0: none), and sign of the wall.
+    approach, wall,
 }
 
 impl Flight {
@@ -50,6 +51,58 @@ impl Flight {
     pub fn clock(&self) -> Clock {
         DoubleDouble { value: self.time, rest: self.time_rest }
     }
+
+    /// The state at its begin, under this force.
+    #[inline(always)]
+    fn begin(&self, [force, quadrature]: [f64; 2]) -> State {
+        let Self { x, v, distance, rate, side, .. } = *self;
+        State { x, v, force, quadrature, distance, rate, side }
+    }
+}
+
+/// Flights side by side, with their forces.
+#[derive(Debug)]
+#[repr(align(64))]
+struct Block {
+    flights: Flights<BLOCK>,
+    /// f and f̂ at their begins, and at their ends; computed when the log is taken.
+    forces: [[[f64; BLOCK]; 2]; 2],
+}
+
+impl Block {
+    const fn new() -> Self {
+        Self { flights: Flights::new(), forces: [[[0.0; BLOCK]; 2]; 2] }
+    }
+
+    /// The state at the begin of a flight.
+    #[inline(always)]
+    fn begin(&self, i: usize) -> State {
+        let [[force, quadrature], _] = &self.forces;
+        self.flights.get(i).begin([force[i], quadrature[i]])
+    }
+
+    /// The structure and its force at the end of a flight.
+    #[inline(always)]
+    fn end(&self, i: usize) -> State {
+        let [_, [force, quadrature]] = &self.forces;
+        let [x, v] = [self.flights.end_x[i], self.flights.end_v[i]];
+        State { x, v, force: force[i], quadrature: quadrature[i], ..State::default() }
+    }
+
+    /// A flight as a part of itself.
+    #[inline(always)]
+    fn part(&self, i: usize) -> Part {
+        Part { begin: self.begin(i), end: self.end(i), length: self.flights.length[i] }
+    }
+}
+
+/// A part of a flight.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    begin: State,
+    /// The structure and its force at the end.
+    end: State,
+    length: f64,
 }
 
 /// An event that is no flight.
@@ -82,7 +135,7 @@ pub struct Scene {
 /// The log of a run and its measures; the memory serves one run after the other.
 #[derive(Debug)]
 pub(crate) struct Forced {
-    blocks: Vec<Flights<BLOCK>>,
+    blocks: Vec<Block>,
     /// Number of flights logged.
     count: usize,
     /// Number of flights before the window of the steady state.
@@ -153,9 +206,22 @@ impl Forced {
     /// Logs a flight between two states, with the approach speed of the impact at its end; 0: none. The forces
     /// of the states are computed when the log is taken.
     #[inline(always)]
-    pub fn push(&mut self, clock: Clock, length: f64, approach: f64, [begin, end]: [State; 2]) {
-        let (time, time_rest) = (clock.value, clock.rest);
-        let flight = Flight { time, time_rest, length, approach, begin, end };
+    pub fn push(&mut self, clock: Clock, length: f64, approach: f64, [begin, end]: [&State; 2]) {
+        let State { x, v, distance, rate, side, .. } = *begin;
+        let flight = Flight {
+            time: clock.value,
+            time_rest: clock.rest,
+            length,
+            x,
+            v,
+            distance,
+            rate,
+            side,
+            end_x: end.x,
+            end_v: end.v,
+            approach,
+            wall: end.side,
+        };
         let until = -clock.minus(self.from);
         if until > 0.0 {
             if until < length {
@@ -170,9 +236,9 @@ impl Forced {
     fn store(&mut self, flight: &Flight) {
         let (block, slot) = (self.count / BLOCK, self.count % BLOCK);
         if block == self.blocks.len() {
-            self.blocks.push(Flights::new());
+            self.blocks.push(Block::new());
         }
-        self.blocks[block].set(slot, flight);
+        self.blocks[block].flights.set(slot, flight);
         self.count += 1;
     }
 
@@ -181,14 +247,17 @@ impl Forced {
     fn divide(&mut self, flight: &Flight, first: f64) {
         let there = f64::dispatched(
             #[inline(always)]
-            || self.later(&self.structure.forced(&flight.begin, flight.clock()), first),
+            || {
+                let force = self.structure.force_at(flight.clock());
+                self.later(&flight.begin(force), first)
+            },
         );
-        let clock = flight.clock().plus(first);
-        self.store(&Flight { length: first, approach: 0.0, end: there, ..*flight });
+        let State { x, v, distance, rate, side, .. } = there;
+        self.store(&Flight { length: first, end_x: x, end_v: v, approach: 0.0, ..*flight });
         self.before = self.count;
-        let (time, time_rest) = (clock.value, clock.rest);
-        let length = flight.length - first;
-        self.store(&Flight { time, time_rest, length, begin: there, ..*flight });
+        let clock = flight.clock().plus(first);
+        let (time, time_rest, length) = (clock.value, clock.rest, flight.length - first);
+        self.store(&Flight { time, time_rest, length, x, v, distance, rate, side, ..*flight });
     }
 
     /// The state a time h after another.
@@ -265,12 +334,13 @@ impl Forced {
     #[inline(always)]
     fn put_forces(&mut self) {
         let structure = self.structure;
-        for flights in &mut self.blocks[..self.count.div_ceil(BLOCK)] {
-            let Flights { time, time_rest, length, begin, end, .. } = flights;
+        for block in &mut self.blocks[..self.count.div_ceil(BLOCK)] {
+            let Flights { time, time_rest, length, .. } = &block.flights;
+            let [begin, end] = &mut block.forces;
             for i in 0..BLOCK {
                 let clock = DoubleDouble { value: time[i], rest: time_rest[i] };
-                [begin.force[i], begin.quadrature[i]] = structure.force_at(clock);
-                [end.force[i], end.quadrature[i]] = structure.force_at(clock.plus(length[i]));
+                [begin[0][i], begin[1][i]] = structure.force_at(clock);
+                [end[0][i], end[1][i]] = structure.force_at(clock.plus(length[i]));
             }
         }
     }
@@ -278,36 +348,39 @@ impl Forced {
     /// Hands out strobes and impacts in order of time.
     #[inline(always)]
     fn show<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>) {
-        let mut events = &self.events[..];
+        let mut events = self.events.iter().peekable();
+        let mut strobe = steady.next_strobe().map(|it| it.value.double());
         for i in self.before..self.count {
-            while let Some(((_, event), later)) =
-                events.split_first().filter(|((before, _), _)| *before <= i)
-            {
+            while let Some((_, event)) = events.next_if(|(before, _)| *before <= i) {
                 event.show(steady);
-                events = later;
             }
             let (block, slot) = (&self.blocks[i / BLOCK], i % BLOCK);
-            let clock = DoubleDouble { value: block.time[slot], rest: block.time_rest[slot] };
-            let length = block.length[slot];
-            let until = |it: Clock<R>| it.value.double() - clock.value - length;
-            let slack = 4.0 * SLACK * (clock.value + length);
-            if self.steady.strobes || steady.next_strobe().is_some_and(|it| until(it) <= slack) {
-                self.strobe::<R, DRIVE>(steady, &block.get(slot));
+            let Flights { time, length, approach, wall, .. } = &block.flights;
+            let end = time[slot] + length[slot];
+            let due = |strobe: f64| strobe <= end * (1.0 + 4.0 * SLACK);
+            if self.steady.strobes || strobe.is_some_and(due) {
+                self.strobe::<R, DRIVE>(steady, &block.flights.get(slot), block.part(slot));
+                strobe = steady.next_strobe().map(|it| it.value.double());
             }
-            let approach = block.approach[slot];
+            let approach = approach[slot];
             if approach > 0.0 {
-                let wall = if block.end.side[slot] > 0.0 { Wall::Plus } else { Wall::Minus };
-                steady.count(clock.plus(length).value.into(), wall, approach.into());
+                let wall = if wall[slot] > 0.0 { Wall::Plus } else { Wall::Minus };
+                steady.count(end.into(), wall, approach.into());
             }
         }
-        events.iter().for_each(|(_, event)| event.show(steady));
+        events.for_each(|(_, event)| event.show(steady));
     }
 
     /// Hands out the strobes in a flight, and the largest |x| of each cycle if all strobes are wanted.
     #[inline(always)]
-    fn strobe<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>, flight: &Flight) {
+    fn strobe<R: Real, const DRIVE: u8>(
+        &self,
+        steady: &mut Steady<R>,
+        flight: &Flight,
+        whole: Part,
+    ) {
         let (clock, length) = (flight.clock(), flight.length);
-        let mut rest = *flight;
+        let mut rest = whole;
         while let Some(instant) = steady.next_strobe() {
             let instant = Clock { value: instant.value.double(), rest: instant.rest.double() };
             let beyond = (instant.value - self.duration) / self.duration;
@@ -318,10 +391,13 @@ impl Forced {
                 break;
             }
             let at = at.clamp(0.0, length);
-            let there = self.within::<DRIVE>(flight, at);
+            let there = match at == 0.0 {
+                true => whole.begin,
+                false => whole.begin.after::<DRIVE>(&self.structure, &self.responses, at),
+            };
             let done = length - rest.length;
-            self.cycle::<R, DRIVE>(steady, &Flight { length: at - done, end: there, ..rest });
-            rest = Flight { length: length - at, begin: there, ..rest };
+            self.cycle::<R, DRIVE>(steady, &Part { length: at - done, end: there, ..rest });
+            rest = Part { length: length - at, begin: there, ..rest };
             let State { x, v, distance, rate, side, .. } = there;
             let y = self.scene.offset + side * (self.scene.clearance - distance);
             let primary = Point { x: R::from(x), v: R::from(v) };
@@ -330,21 +406,9 @@ impl Forced {
         self.cycle::<R, DRIVE>(steady, &rest);
     }
 
-    /// The state a time h after the begin of a flight.
-    #[inline(always)]
-    fn within<const DRIVE: u8>(&self, flight: &Flight, h: f64) -> State {
-        if h == 0.0 {
-            flight.begin
-        } else if h == flight.length {
-            flight.end
-        } else {
-            flight.begin.after::<DRIVE>(&self.structure, &self.responses, h)
-        }
-    }
-
     /// Updates the largest |x| of the current cycle by a part of a flight, if all strobes are wanted.
     #[inline(always)]
-    fn cycle<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>, part: &Flight) {
+    fn cycle<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>, part: &Part) {
         if self.steady.strobes && part.length > 0.0 {
             let largest = self.search::<DRIVE, false>(part, steady.current().double());
             *steady.current() = largest.into();

@@ -5,6 +5,7 @@
 use super::WIDTH;
 use super::lane::{Lane, Lanes};
 use super::step::{self, Rounds};
+use crate::arrays::any;
 use crate::host::sinusoid::Sinusoid;
 use crate::lanes::decays::{Decaying, Flights};
 use crate::log::Entry;
@@ -63,11 +64,17 @@ impl Flights for FreeFlights {
             #[inline(always)]
             |state, clearance| leap(&sinusoid, state, clearance),
         );
-        let mut requests = 0.0;
-        for i in 0..WIDTH {
-            requests += lanes.request[i] + lanes.stopped[i] + lanes.full[i];
-        }
-        requests > 0.0
+        any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full)
+    }
+
+    #[inline(always)]
+    fn times(&self) -> &[f64] {
+        &self.lanes.time
+    }
+
+    #[inline(always)]
+    fn hits(&self) -> bool {
+        any(&self.rounds.hit)
     }
 
     #[inline(always)]

@@ -7,6 +7,7 @@
 mod lane;
 mod step;
 
+use crate::arrays::any;
 use crate::compensated::DoubleDouble;
 use crate::host::DrivenHost;
 use crate::lanes::{Job, LANES, Lockstep, ScalarRun};
@@ -53,7 +54,7 @@ impl<const BASE: bool> Lockstep<Siva<DrivenHost>> for DrivenFastFlights<BASE> {
                 {
                     let Ended { time, time_rest, length, approach, begin, end } = ended.get(i);
                     let clock = DoubleDouble { value: time, rest: time_rest };
-                    log.push(clock, length, approach, [begin, end]);
+                    log.push(clock, length, approach, [&begin, &end]);
                     // The event loop hands a full log to the measures.
                     if log.is_full() {
                         lanes.flying.request[i] = 1.0;
@@ -61,11 +62,7 @@ impl<const BASE: bool> Lockstep<Siva<DrivenHost>> for DrivenFastFlights<BASE> {
                 }
             }
         }
-        let mut requests = 0.0;
-        for i in 0..LANES {
-            requests += lanes.flying.request[i] + lanes.flying.stopped[i];
-        }
-        requests > 0.0
+        any(&lanes.flying.request) | any(&lanes.flying.stopped)
     }
 
     fn requests(&self, i: usize) -> bool {

@@ -1,9 +1,10 @@
 //! The largest |x| and |ẍ + a_g| of flights: bounds on all of them first, exact values only where a bound
 //! exceeds the largest size known so far.
 
-use super::{BLOCK, Flight, Flights, Forced};
+use super::{BLOCK, Block, Forced, Part};
 use crate::flight::{Arc, Extreme};
 use crate::host::turning::turn;
+use crate::plain::responses::Responses;
 use crate::plain::{State, Structure};
 use crate::quintic::root;
 use crate::real::pick;
@@ -66,16 +67,24 @@ impl Forced {
     pub(super) fn largest<const DRIVE: u8, const ACCELERATION: bool>(&self, least: f64) -> f64 {
         let mut least = least;
         let blocks = self.blocks.iter().enumerate().take(self.count.div_ceil(BLOCK));
-        for (number, flights) in blocks.skip(self.before / BLOCK) {
-            let [limit, most, known] = self.bounded::<DRIVE, ACCELERATION>(flights);
+        for (number, block) in blocks.skip(self.before / BLOCK) {
+            let [limit, most, known] = self.bounded::<DRIVE, ACCELERATION>(block);
             let begin = self.before.saturating_sub(number * BLOCK).min(BLOCK);
             let end = BLOCK.min(self.count - number * BLOCK);
             for i in begin..end {
                 least = pick(known[i] > 0.0, least.max(most[i]), least);
             }
+            let asks = |i: usize, least: f64| known[i] == 0.0 && limit[i] >= least;
+            if !(begin..end).any(|i| asks(i, least)) {
+                continue;
+            }
+            let [turned, once] = self.turned::<DRIVE, ACCELERATION>(block);
+            for i in (begin..end).filter(|i| once[*i] > 0.0) {
+                least = least.max(most[i]).max(turned[i].abs());
+            }
             for i in begin..end {
-                if known[i] == 0.0 && limit[i] >= least {
-                    least = self.search::<DRIVE, ACCELERATION>(&flights.get(i), least);
+                if once[i] == 0.0 && asks(i, least) {
+                    least = self.search::<DRIVE, ACCELERATION>(&block.part(i), least);
                 }
             }
         }
@@ -86,12 +95,12 @@ impl Forced {
     #[inline(always)]
     fn bounded<const DRIVE: u8, const ACCELERATION: bool>(
         &self,
-        flights: &Flights<BLOCK>,
+        block: &Block,
     ) -> [[f64; BLOCK]; 3] {
         let structure = self.structure;
         let [mut limit, mut most, mut known] = [[0.0; BLOCK]; 3];
         for i in 0..BLOCK {
-            let Flight { begin, end, length, .. } = flights.get(i);
+            let Part { begin, end, length } = block.part(i);
             let arc = arc::<DRIVE, ACCELERATION>(&structure, [&begin, &end], length);
             let extreme = Extreme::new(&arc, false, 0.0);
             limit[i] = extreme.limit;
@@ -101,17 +110,37 @@ impl Forced {
         [limit, most, known]
     }
 
+    /// The value at the extremum in each flight of a block, and 1 if it is found to rounding and proved to be
+    /// the only one.
+    #[inline(always)]
+    fn turned<const DRIVE: u8, const ACCELERATION: bool>(
+        &self,
+        block: &Block,
+    ) -> [[f64; BLOCK]; 2] {
+        let (structure, responses) = (self.structure, self.responses);
+        let [mut value, mut once] = [[0.0; BLOCK]; 2];
+        for i in 0..BLOCK {
+            let Part { begin, end, length } = block.part(i);
+            let arc = arc::<DRIVE, ACCELERATION>(&structure, [&begin, &end], length);
+            let (turned, exact) =
+                extremum::<DRIVE, ACCELERATION>((&structure, &responses), [&begin, &end], length);
+            value[i] = turned;
+            once[i] = pick(exact & arc.turns_once(), 1.0, 0.0);
+        }
+        [value, once]
+    }
+
     /// The larger of `least` and the largest size in a flight, which is halved until it is known.
     #[inline(always)]
     pub(super) fn search<const DRIVE: u8, const ACCELERATION: bool>(
         &self,
-        flight: &Flight,
+        part: &Part,
         least: f64,
     ) -> f64 {
-        let noise = NOISE * size::<ACCELERATION>(&self.structure, &flight.begin);
-        match self.look::<DRIVE, ACCELERATION>(flight, noise, least) {
+        let noise = NOISE * size::<ACCELERATION>(&self.structure, &part.begin);
+        match self.look::<DRIVE, ACCELERATION>(part, noise, least) {
             Ok(least) => least,
-            Err(least) => self.halve::<DRIVE, ACCELERATION>(flight, noise, least),
+            Err(least) => self.halve::<DRIVE, ACCELERATION>(part, noise, least),
         }
     }
 
@@ -119,11 +148,11 @@ impl Forced {
     #[inline(always)]
     fn look<const DRIVE: u8, const ACCELERATION: bool>(
         &self,
-        flight: &Flight,
+        part: &Part,
         noise: f64,
         least: f64,
     ) -> Result<f64, f64> {
-        let Flight { begin, end, length, .. } = flight;
+        let Part { begin, end, length } = part;
         let arc = arc::<DRIVE, ACCELERATION>(&self.structure, [begin, end], *length);
         let extreme = Extreme::new(&arc, false, 0.0);
         if extreme.limit < least {
@@ -135,24 +164,23 @@ impl Forced {
         if extreme.known || !exceeds {
             return Ok(least);
         }
-        let turns = arc.turns_once();
-        let turned =
-            if turns { self.turned::<DRIVE, ACCELERATION>([begin, end], *length) } else { None };
-        turned.map(|value| least.max(value.abs())).ok_or(least)
+        let shared = (&self.structure, &self.responses);
+        let (value, exact) = extremum::<DRIVE, ACCELERATION>(shared, [begin, end], *length);
+        if exact && arc.turns_once() { Ok(least.max(value.abs())) } else { Err(least) }
     }
 
     /// [`Forced::search`] in a flight whose largest size is not known at once.
     #[inline(always)]
     fn halve<const DRIVE: u8, const ACCELERATION: bool>(
         &self,
-        flight: &Flight,
+        part: &Part,
         noise: f64,
         mut least: f64,
     ) -> f64 {
         // The parts that are still to be looked at, the earliest last.
-        let mut parts = [*flight; HALVINGS + 2];
+        let mut parts = [*part; HALVINGS + 2];
         let mut count = 1;
-        let shortest = flight.length * 0.5f64.powi(HALVINGS as i32);
+        let shortest = part.length * 0.5f64.powi(HALVINGS as i32);
         while count > 0 {
             count -= 1;
             let part = parts[count];
@@ -164,8 +192,8 @@ impl Forced {
                         let length = 0.5 * part.length;
                         let middle =
                             part.begin.after::<DRIVE>(&self.structure, &self.responses, length);
-                        parts[count] = Flight { begin: middle, length, ..part };
-                        parts[count + 1] = Flight { end: middle, length, ..part };
+                        parts[count] = Part { begin: middle, length, ..part };
+                        parts[count + 1] = Part { end: middle, length, ..part };
                         count += 2;
                     }
                 }
@@ -173,39 +201,36 @@ impl Forced {
         }
         least
     }
+}
 
-    /// The value at the only extremum in a flight; `None` if it is not found to rounding.
-    #[inline(always)]
-    fn turned<const DRIVE: u8, const ACCELERATION: bool>(
-        &self,
-        [begin, end]: [&State; 2],
-        length: f64,
-    ) -> Option<f64> {
-        let structure = &self.structure;
-        let [_, a, b, c, ..] = jets::<DRIVE, ACCELERATION>(structure, begin);
-        let [_, d, e, f, ..] = jets::<DRIVE, ACCELERATION>(structure, end);
-        let guess = length * root(&turn([a, b, c], [d, e, f], length));
-        let guess = if guess > 0.0 && guess < length { guess } else { 0.5 * length };
-        let there = begin.after::<DRIVE>(structure, &self.responses, guess);
-        let [value, rate, bend, third, fourth, fifth] =
-            jets::<DRIVE, ACCELERATION>(structure, &there);
-        let (third, fourth, fifth) = (third * 0.5, fourth * (1.0 / 6.0), fifth * (1.0 / 24.0));
-        let mut t = -rate / bend;
-        for _ in 0..2 {
-            let speed =
-                fifth.mul_add(t, fourth).mul_add(t, third).mul_add(t, bend).mul_add(t, rate);
-            let slope =
-                (fifth * 4.0).mul_add(t, fourth * 3.0).mul_add(t, third * 2.0).mul_add(t, bend);
-            t -= speed / slope;
-        }
-        let h = guess + t;
-        let rise = (fifth * 0.2).mul_add(t, fourth * 0.25).mul_add(t, third * (1.0 / 3.0));
-        let value = rise.mul_add(t, bend * 0.5).mul_add(t, rate).mul_add(t, value);
-        // Compares the next term of the series with rounding.
-        let square = t * t;
-        let left_out =
-            sixth::<ACCELERATION>(structure, begin) * ((square * square) * (t.abs() / 120.0));
-        let close = left_out <= f64::EPSILON * (bend.abs() * h);
-        (close && h > 0.0 && h < length && bend != 0.0).then_some(value)
+/// The value at an extremum in a flight, and whether it is found to rounding. If there is none, or more than
+/// one, it is meaningless.
+#[inline(always)]
+fn extremum<const DRIVE: u8, const ACCELERATION: bool>(
+    (structure, responses): (&Structure, &Responses),
+    [begin, end]: [&State; 2],
+    length: f64,
+) -> (f64, bool) {
+    let [_, a, b, c, ..] = jets::<DRIVE, ACCELERATION>(structure, begin);
+    let [_, d, e, f, ..] = jets::<DRIVE, ACCELERATION>(structure, end);
+    let guess = length * root(&turn([a, b, c], [d, e, f], length));
+    let guess = pick((guess > 0.0) & (guess < length), guess, 0.5 * length);
+    let there = begin.after::<DRIVE>(structure, responses, guess);
+    let [value, rate, bend, third, fourth, fifth] = jets::<DRIVE, ACCELERATION>(structure, &there);
+    let (third, fourth, fifth) = (third * 0.5, fourth * (1.0 / 6.0), fifth * (1.0 / 24.0));
+    let mut t = -rate / bend;
+    for _ in 0..2 {
+        let speed = fifth.mul_add(t, fourth).mul_add(t, third).mul_add(t, bend).mul_add(t, rate);
+        let slope = (fifth * 4.0).mul_add(t, fourth * 3.0).mul_add(t, third * 2.0).mul_add(t, bend);
+        t -= speed / slope;
     }
+    let h = guess + t;
+    let rise = (fifth * 0.2).mul_add(t, fourth * 0.25).mul_add(t, third * (1.0 / 3.0));
+    let value = rise.mul_add(t, bend * 0.5).mul_add(t, rate).mul_add(t, value);
+    // Compares the next term of the series with rounding.
+    let square = t * t;
+    let left_out =
+        sixth::<ACCELERATION>(structure, begin) * ((square * square) * (t.abs() * (1.0 / 120.0)));
+    let close = left_out <= f64::EPSILON * (bend.abs() * h);
+    (value, close & (h > 0.0) & (h < length) & (bend != 0.0))
 }

@@ -4,7 +4,7 @@
 //! differences of energies, so that the energy ledger is an independent check. With [`NODES`] the square of a
 //! motion over the longest flight is integrated with a relative error of some 10⁻¹⁶.
 
-use super::{BLOCK, Flights, Forced};
+use super::{BLOCK, Block, Forced};
 use crate::compensated::DoubleDouble;
 use crate::plain::responses::{Responses, TERMS};
 use crate::plain::{BASE, Structure};
@@ -95,14 +95,14 @@ fn nodes(group: usize, parts: &[f64; BLOCK]) -> [[f64; BLOCK]; AT_ONCE] {
 fn velocity<const DRIVE: u8>(
     structure: &Structure,
     responses: &Responses,
-    flights: &Flights<BLOCK>,
+    block: &Block,
 ) -> Course {
     let Structure { damping, frequency, .. } = *structure;
     combine(
         responses,
         #[inline(always)]
         |i| {
-            let state = flights.begin.get(i);
+            let state = block.begin(i);
             let a = state.v.mul_add(-damping, state.force - state.x);
             let rapid = frequency * frequency;
             let (k, j) = (rapid * state.force, frequency * state.quadrature);
@@ -114,13 +114,13 @@ fn velocity<const DRIVE: u8>(
 
 /// The polynomial of x.
 #[inline(always)]
-fn displacement(structure: &Structure, responses: &Responses, flights: &Flights<BLOCK>) -> Course {
+fn displacement(structure: &Structure, responses: &Responses, block: &Block) -> Course {
     let Structure { damping, frequency, .. } = *structure;
     combine(
         responses,
         #[inline(always)]
         |i| {
-            let state = flights.begin.get(i);
+            let state = block.begin(i);
             let a = state.v.mul_add(-damping, state.force - state.x);
             let rapid = frequency * frequency;
             let (k, j) = (rapid * state.force, frequency * state.quadrature);
@@ -131,13 +131,13 @@ fn displacement(structure: &Structure, responses: &Responses, flights: &Flights<
 
 /// The polynomial of f.
 #[inline(always)]
-fn force(structure: &Structure, responses: &Responses, flights: &Flights<BLOCK>) -> Course {
+fn force(structure: &Structure, responses: &Responses, block: &Block) -> Course {
     let Structure { damping, frequency, .. } = *structure;
     combine(
         responses,
         #[inline(always)]
         |i| {
-            let state = flights.begin.get(i);
+            let state = block.begin(i);
             let rapid = frequency * frequency;
             let (k, j) = (rapid * state.force, frequency * state.quadrature);
             let c = k.mul_add(1.0 - rapid, -(j * (damping * rapid)));
@@ -155,10 +155,10 @@ impl Forced {
         let (structure, responses, mass_ratio) =
             (self.structure, self.responses, self.scene.mass_ratio);
         let [mut lost, mut worked] = [DoubleDouble::ZERO; 2];
-        for (number, flights) in self.blocks[..self.count.div_ceil(BLOCK)].iter().enumerate() {
-            let parts = parts(&structure, flights);
-            let course = velocity::<DRIVE>(&structure, &responses, flights);
-            let push = force(&structure, &responses, flights);
+        for (number, block) in self.blocks[..self.count.div_ceil(BLOCK)].iter().enumerate() {
+            let parts = parts(&structure, block);
+            let course = velocity::<DRIVE>(&structure, &responses, block);
+            let push = force(&structure, &responses, block);
             let [mut squares, mut works, mut pushed] = [[0.0; BLOCK]; 3];
             for group in 0..NODES.len() / AT_ONCE {
                 let t = nodes(group, &parts);
@@ -174,13 +174,13 @@ impl Forced {
                 }
             }
             for i in 0..BLOCK {
-                let length = flights.length[i];
+                let length = block.flights.length[i];
                 squares[i] *= structure.damping * length;
                 works[i] *= length;
                 if DRIVE == BASE {
                     // ∫ f (ẋ + μ (ẋ + w)) with f = −a_g: the absorber is in free flight, so its velocity
                     // ẋ + w is the one at the begin + ∫f.
-                    let state = flights.begin.get(i);
+                    let state = block.begin(i);
                     let absorber = state.v - state.side * state.rate;
                     let pushed = pushed[i] * length;
                     works[i] += mass_ratio * (pushed * (0.5 * pushed + absorber));
@@ -201,9 +201,9 @@ impl Forced {
         let mut sum = DoubleDouble::ZERO;
         let first = self.before / BLOCK;
         let blocks = self.blocks.iter().enumerate().take(self.count.div_ceil(BLOCK));
-        for (number, flights) in blocks.skip(first) {
-            let parts = parts(&structure, flights);
-            let course = displacement(&structure, &responses, flights);
+        for (number, block) in blocks.skip(first) {
+            let parts = parts(&structure, block);
+            let course = displacement(&structure, &responses, block);
             let mut squares = [0.0; BLOCK];
             for group in 0..NODES.len() / AT_ONCE {
                 let places = at(&course, &nodes(group, &parts));
@@ -214,7 +214,7 @@ impl Forced {
                     }
                 }
             }
-            for (square, length) in squares.iter_mut().zip(&flights.length) {
+            for (square, length) in squares.iter_mut().zip(&block.flights.length) {
                 *square *= length;
             }
             let begin = self.before.saturating_sub(number * BLOCK).min(BLOCK);
@@ -229,6 +229,6 @@ impl Forced {
 
 /// Lengths of flights in units of the longest one.
 #[inline(always)]
-fn parts(structure: &Structure, flights: &Flights<BLOCK>) -> [f64; BLOCK] {
-    std::array::from_fn(|i| flights.length[i] * structure.over_longest)
+fn parts(structure: &Structure, block: &Block) -> [f64; BLOCK] {
+    std::array::from_fn(|i| block.flights.length[i] * structure.over_longest)
 }
