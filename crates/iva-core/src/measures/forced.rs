@@ -8,7 +8,6 @@
 //!
 //! A flight that crosses the begin of the window of the steady state is logged as two.
 
-use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::flight::GapPoint;
 use crate::force::Harmonic;
@@ -23,106 +22,22 @@ use crate::steady::{Steady, SteadyWanted};
 use crate::system::{Clock, Point, Wall};
 
 mod extremes;
+mod flights;
 mod integrals;
 
-/// Number of flights side by side.
-const BLOCK: usize = 16;
+use flights::{BLOCK, Block, Event, Flight, Flights, Part};
+
 /// Number of flights in a full log: 130 kB.
 const FULL: usize = 1024;
-
-arrays! {
-    /// A flight.
-    Flight,
-    /// [`Flight`] of several: every field an array over them.
-    Flights:
-    /// The clock at its begin in double-double, and its length.
-    time, time_rest, length,
-    /// The state at its begin: x and ẋ; distance to the wall last touched, its rate, and the sign of that wall.
-    x, v, distance, rate, side,
-    /// x and ẋ at its end, before the impact.
-    end_x, end_v,
-    /// The impact at its end: approach speed (0: none), and sign of the wall.
-    approach, wall,
-}
-
-impl Flight {
-    /// The clock at its begin.
-    #[inline(always)]
-    pub fn clock(&self) -> Clock {
-        DoubleDouble { value: self.time, rest: self.time_rest }
-    }
-
-    /// The state at its begin, under this force.
-    #[inline(always)]
-    fn begin(&self, [force, quadrature]: [f64; 2]) -> State {
-        let Self { x, v, distance, rate, side, .. } = *self;
-        State { x, v, force, quadrature, distance, rate, side }
-    }
-}
-
-/// Flights side by side, with their forces.
-#[derive(Debug)]
-#[repr(align(64))]
-struct Block {
-    flights: Flights<BLOCK>,
-    /// f and f̂ at their begins, and at their ends; computed when the log is taken.
-    forces: [[[f64; BLOCK]; 2]; 2],
-}
-
-impl Block {
-    const fn new() -> Self {
-        Self { flights: Flights::new(), forces: [[[0.0; BLOCK]; 2]; 2] }
-    }
-
-    /// The state at the begin of a flight.
-    #[inline(always)]
-    fn begin(&self, i: usize) -> State {
-        let [[force, quadrature], _] = &self.forces;
-        self.flights.get(i).begin([force[i], quadrature[i]])
-    }
-
-    /// The structure and its force at the end of a flight.
-    #[inline(always)]
-    fn end(&self, i: usize) -> State {
-        let [_, [force, quadrature]] = &self.forces;
-        let [x, v] = [self.flights.end_x[i], self.flights.end_v[i]];
-        State { x, v, force: force[i], quadrature: quadrature[i], ..State::default() }
-    }
-
-    /// A flight as a part of itself.
-    #[inline(always)]
-    fn part(&self, i: usize) -> Part {
-        Part { begin: self.begin(i), end: self.end(i), length: self.flights.length[i] }
-    }
-}
-
-/// A part of a flight.
-#[derive(Debug, Clone, Copy)]
-struct Part {
-    begin: State,
-    /// The structure and its force at the end.
-    end: State,
-    length: f64,
-}
-
-/// An event that is no flight.
-#[derive(Debug, Clone, Copy)]
-enum Event {
-    /// An impact that no logged flight contains: its instant, wall and approach speed.
-    Impact(f64, Wall, f64),
-    /// Impacts up to this approach speed turned out to belong to a chatter that ended in stick, and are not
-    /// listed.
-    Unlist(f64),
-}
 
 /// A free mass under one harmonic force, or on a base that it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scene {
-    /// Damping ratio ζ, mass ratio μ, clearance d, and the middle of the gap.
+    /// Damping ratio ζ.
     pub damping_ratio: f64,
-    /// μ.
+    /// Mass ratio μ.
     pub mass_ratio: f64,
-    /// d.
+    /// One-sided clearance d.
     pub clearance: f64,
     /// The middle of the gap, as a value of y.
     pub offset: f64,
@@ -315,7 +230,7 @@ impl Forced {
         self.put_forces();
         if let Some(steady) = steady {
             if self.steady.rms {
-                steady.add_square(self.square::<DRIVE>());
+                steady.add_square(self.square());
             }
             let [mut displacement, mut acceleration] = steady.largest().map(R::double);
             if self.steady.amplitude || self.steady.regime {
@@ -412,15 +327,6 @@ impl Forced {
         if self.steady.strobes && part.length > 0.0 {
             let largest = self.search::<DRIVE, false>(part, steady.current().double());
             *steady.current() = largest.into();
-        }
-    }
-}
-
-impl Event {
-    fn show<R: Real>(&self, steady: &mut Steady<R>) {
-        match *self {
-            Event::Impact(time, wall, approach) => steady.count(time.into(), wall, approach.into()),
-            Event::Unlist(floor) => steady.unlist_up_to(floor.into()),
         }
     }
 }

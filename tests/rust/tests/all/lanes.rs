@@ -10,11 +10,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
 use iva_core::lanes::{self, Ended, Job, LANES, SideBySide, Tier};
-use iva_core::measures::Wanted;
+use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, Outcome, simulate};
 use iva_core::siva::Siva;
-use iva_core::steady::{SteadyWanted, Window};
+use iva_core::steady::{Steady, SteadyWanted, Window};
 use iva_core::summary::Summary;
 use iva_core::system::{Start, System};
 use iva_tests::case::{any_case, compound};
@@ -128,6 +128,46 @@ fn driven(steady: SteadyWanted) -> Vec<Job<Siva<DrivenHost>>> {
         }
     }
     jobs
+}
+
+/// The log of a driven run tells the measures that are taken stretch by stretch in the same run, to rounding:
+/// both are computed from the same flights, by other formulas.
+#[test]
+fn measures_from_the_log_are_those_of_every_stretch() {
+    let close = |log: f64, stretches: f64, size: f64, what: &str, i: usize| {
+        let off = (log - stretches).abs();
+        assert!(off <= 2e-13 * size, "scene {i}: {what} {log:e} {stretches:e}");
+    };
+    for (i, job) in driven(SteadyWanted::ALL).iter().enumerate() {
+        let (wanted, window) = job.steady.unwrap();
+        let stretches = (Measures::new(Wanted::ALL), Steady::new(window, wanted));
+        let mut watch = (Summary::new(Wanted::ALL, job.steady), stretches);
+        simulate(&job.system, &job.start, &job.limits, None, &mut watch).unwrap();
+        let (summary, (measures, steady)) = watch;
+        let (a, b) = (summary.values(), measures.values());
+        let energy = b.energy_viscous + b.energy_work.abs() + b.energy_initial;
+        close(a.energy_viscous, b.energy_viscous, energy, "loss", i);
+        close(a.energy_work, b.energy_work, energy, "work", i);
+        let (a, b) = (summary.steady_values().unwrap(), steady.values());
+        let size = b.amplitude_max.unwrap();
+        close(a.amplitude_max.unwrap(), size, size, "amplitude", i);
+        close(a.amplitude_rms.unwrap(), b.amplitude_rms.unwrap(), size, "rms", i);
+        let [shaken, truth] = [a, b].map(|it| it.acceleration_max.unwrap());
+        close(shaken, truth, truth + size, "acceleration", i);
+        assert_eq!((a.regime, a.impacts_per_cycle), (b.regime, b.impacts_per_cycle), "scene {i}");
+        let found: Vec<_> = summary.steady().unwrap().strobes().collect();
+        let truth: Vec<_> = steady.strobes().collect();
+        assert_eq!(found.len(), truth.len(), "scene {i}");
+        for (a, b) in found.into_iter().zip(truth) {
+            assert_eq!((a.cycle, a.time, a.impacts), (b.cycle, b.time, b.impacts), "scene {i}");
+            let size = 1.0 + size + job.system.clearance();
+            close(a.displacement, b.displacement, size, "x", i);
+            close(a.velocity, b.velocity, size, "v", i);
+            close(a.gap_displacement, b.gap_displacement, size, "y", i);
+            close(a.gap_velocity, b.gap_velocity, size, "w", i);
+            close(a.amplitude, b.amplitude, size, "amplitude of the cycle", i);
+        }
+    }
 }
 
 #[test]

@@ -16,7 +16,7 @@ arrays! {
     Lane,
     /// [`Lane`] of many runs: every field an array over the lanes.
     Lanes:
-    /// The clock in double-double, and the instant of the next stop, in 1/ωn.
+    /// The clock in double-double, and the instant at which the run ends, in 1/ωn.
     time, time_rest, stop,
     /// The length of the next trial stretch, and the longest first trial after a rebound.
     length, first,
@@ -27,7 +27,7 @@ arrays! {
     mass_ratio, share, restitution, clearance, over_clearance,
     /// Chatter floor: impacts with an approach speed at or below it are left to the event loop.
     floor,
-    /// 1 for each reason why the event loop is needed: a stretch that is not simple; the next stop; a limit
+    /// 1 for each reason why the event loop is needed: a stretch that is not simple; the end of the run; a limit
     /// reached.
     request, stopped, full;
     /// The state at the begin of the stretch.

@@ -35,7 +35,7 @@ arrays! {
     free, meets, far, guess,
     /// 1 if the contact is found and its impact simple; the approach speed; the pressure after the impact.
     hit, approach, pressure,
-    /// 1 if a stretch is completed; its length, the low part of that, and 1 if it ends at the next stop.
+    /// 1 if a stretch is completed; its length, the low part of that, and 1 if the run ends with it.
     passed, length, later, whole;
     /// After [`reach`] the state at the end of the trial; after [`land`] that at the end of the stretch,
     /// before an impact.

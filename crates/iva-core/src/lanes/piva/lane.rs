@@ -40,7 +40,7 @@ arrays! {
     fastest,
     /// Harmonic force: amplitude, frequency, phase, and 1 if it moves the base.
     amplitude, frequency, angle, moves_base,
-    /// Clock, instant of the next stop, and longest first stretch.
+    /// Clock, instant at which the run ends, and longest first stretch.
     time, time_rest, stop, first,
     work, max_work,
     /// 1 for a lane with a run, 0 for one without.

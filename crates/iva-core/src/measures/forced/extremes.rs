@@ -82,8 +82,8 @@ impl Forced {
             for i in (begin..end).filter(|i| once[*i] > 0.0) {
                 least = least.max(most[i]).max(turned[i].abs());
             }
-            for i in begin..end {
-                if once[i] == 0.0 && asks(i, least) {
+            for i in (begin..end).filter(|i| once[*i] == 0.0) {
+                if asks(i, least) {
                     least = self.search::<DRIVE, ACCELERATION>(&block.part(i), least);
                 }
             }

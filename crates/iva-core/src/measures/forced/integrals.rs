@@ -7,7 +7,7 @@
 use super::{BLOCK, Block, Forced};
 use crate::compensated::DoubleDouble;
 use crate::plain::responses::{Responses, TERMS};
-use crate::plain::{BASE, Structure};
+use crate::plain::{BASE, State, Structure};
 use crate::taylor::unrolled;
 
 /// Nodes and weights on [0, 1] (zeros of the Legendre polynomial of degree 9).
@@ -90,24 +90,26 @@ fn nodes(group: usize, parts: &[f64; BLOCK]) -> [[f64; BLOCK]; AT_ONCE] {
     t
 }
 
+/// ẍ, Ω²f and Ωf̂ of a state, from which motion and force follow ([`crate::plain`]).
+#[inline(always)]
+fn drives(structure: &Structure, state: &State) -> [f64; 3] {
+    let Structure { damping, frequency, .. } = *structure;
+    let a = state.v.mul_add(-damping, state.force - state.x);
+    [a, (frequency * frequency) * state.force, frequency * state.quadrature]
+}
+
 /// The polynomial of ẋ.
 #[inline(always)]
-fn velocity<const DRIVE: u8>(
-    structure: &Structure,
-    responses: &Responses,
-    block: &Block,
-) -> Course {
+fn velocity(structure: &Structure, responses: &Responses, block: &Block) -> Course {
     let Structure { damping, frequency, .. } = *structure;
     combine(
         responses,
         #[inline(always)]
         |i| {
             let state = block.begin(i);
-            let a = state.v.mul_add(-damping, state.force - state.x);
-            let rapid = frequency * frequency;
-            let (k, j) = (rapid * state.force, frequency * state.quadrature);
+            let [a, k, j] = drives(structure, &state);
             let p = a.mul_add(-damping, -(state.v + j));
-            ([state.v, a], [p, a, -(j * rapid), -k])
+            ([state.v, a], [p, a, -(j * (frequency * frequency)), -k])
         },
     )
 }
@@ -115,15 +117,12 @@ fn velocity<const DRIVE: u8>(
 /// The polynomial of x.
 #[inline(always)]
 fn displacement(structure: &Structure, responses: &Responses, block: &Block) -> Course {
-    let Structure { damping, frequency, .. } = *structure;
     combine(
         responses,
         #[inline(always)]
         |i| {
             let state = block.begin(i);
-            let a = state.v.mul_add(-damping, state.force - state.x);
-            let rapid = frequency * frequency;
-            let (k, j) = (rapid * state.force, frequency * state.quadrature);
+            let [a, k, j] = drives(structure, &state);
             ([state.x, state.v], [a, state.v, k, -j])
         },
     )
@@ -133,13 +132,13 @@ fn displacement(structure: &Structure, responses: &Responses, block: &Block) -> 
 #[inline(always)]
 fn force(structure: &Structure, responses: &Responses, block: &Block) -> Course {
     let Structure { damping, frequency, .. } = *structure;
+    let rapid = frequency * frequency;
     combine(
         responses,
         #[inline(always)]
         |i| {
             let state = block.begin(i);
-            let rapid = frequency * frequency;
-            let (k, j) = (rapid * state.force, frequency * state.quadrature);
+            let [_, k, j] = drives(structure, &state);
             let c = k.mul_add(1.0 - rapid, -(j * (damping * rapid)));
             let b = -k.mul_add(damping, j * (1.0 - rapid));
             ([state.force, -j], [-k, -j, c, b])
@@ -157,7 +156,7 @@ impl Forced {
         let [mut lost, mut worked] = [DoubleDouble::ZERO; 2];
         for (number, block) in self.blocks[..self.count.div_ceil(BLOCK)].iter().enumerate() {
             let parts = parts(&structure, block);
-            let course = velocity::<DRIVE>(&structure, &responses, block);
+            let course = velocity(&structure, &responses, block);
             let push = force(&structure, &responses, block);
             let [mut squares, mut works, mut pushed] = [[0.0; BLOCK]; 3];
             for group in 0..NODES.len() / AT_ONCE {
@@ -196,7 +195,7 @@ impl Forced {
 
     /// ∫x² of the flights in the window.
     #[inline(always)]
-    pub(super) fn square<const DRIVE: u8>(&self) -> DoubleDouble {
+    pub(super) fn square(&self) -> DoubleDouble {
         let (structure, responses) = (self.structure, self.responses);
         let mut sum = DoubleDouble::ZERO;
         let first = self.before / BLOCK;
