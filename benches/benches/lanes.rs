@@ -43,7 +43,7 @@ fn driven<S: SideBySide + Clone>(criterion: &mut Criterion, name: &str, jobs: &[
     group.throughput(Throughput::Elements(jobs.len() as u64));
     group.sample_size(20);
     let few: Vec<_> = jobs.iter().map(|job| Job { steady: None, ..Job::clone(job) }).collect();
-    let none = Wanted { peaks: false, settling: false, residual: false, ledger: false };
+    let none = Wanted::NONE;
     // Fewer than three jobs go one by one.
     for (way, jobs, wanted, size) in [
         ("one by one", jobs, Wanted::ALL, 1),
@@ -90,7 +90,7 @@ fn side_by_side<S: SideBySide>(criterion: &mut Criterion, name: &str, scenes: &[
 }
 
 fn beside<S: SideBySide>(group: &mut BenchmarkGroup<'_, WallTime>, scenes: &[Job<S>]) {
-    let none = Wanted { peaks: false, settling: false, residual: false, ledger: false };
+    let none = Wanted::NONE;
     for (way, wanted) in [
         ("side by side", Wanted::ALL),
         ("side by side, no losses", Wanted { ledger: false, ..Wanted::ALL }),

@@ -52,7 +52,7 @@ const SCENES: [(&str, Run); 17] = [
 ];
 
 /// Counts of impacts only, without measures.
-const IMPACTS: Wanted = Wanted { peaks: false, settling: false, residual: false, ledger: false };
+const IMPACTS: Wanted = Wanted::NONE;
 
 /// Runs jobs side by side.
 fn count<S: SideBySide>(jobs: &[Job<S>], wanted: Wanted) -> Result<(), Invalid> {

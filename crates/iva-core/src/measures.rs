@@ -35,15 +35,23 @@ pub struct Wanted {
     pub residual: bool,
     /// Viscous loss, an integral along every flight.
     pub ledger: bool,
+    /// The energy lost in the first period.
+    pub first_period: bool,
 }
 
 impl Wanted {
     /// All groups.
-    pub const ALL: Wanted = Wanted { peaks: true, settling: true, residual: true, ledger: true };
+    pub const ALL: Wanted =
+        Wanted { peaks: true, settling: true, residual: true, ledger: true, first_period: true };
 
     /// No group.
-    pub const NONE: Wanted =
-        Wanted { peaks: false, settling: false, residual: false, ledger: false };
+    pub const NONE: Wanted = Wanted {
+        peaks: false,
+        settling: false,
+        residual: false,
+        ledger: false,
+        first_period: false,
+    };
 
     /// True if a measure of the displacement of a decay is wanted.
     pub(crate) fn decay(self) -> bool {
@@ -280,7 +288,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
             self.work = self.work.plus(work);
         }
         // The energy loss of the first period counts from time zero.
-        if !decays || self.begin != 0.0 {
+        if !decays || !self.wanted.first_period || self.begin != 0.0 {
             return;
         }
         let to_period = -span.start.minus(R::TURN.value);

@@ -37,6 +37,8 @@ pub enum Group {
     Residual,
     /// Energies that are integrals along the motion.
     Ledger,
+    /// The energy lost in the first period.
+    FirstPeriod,
     /// Largest displacement under force.
     Amplitude,
     /// Root mean square of the displacement under force.

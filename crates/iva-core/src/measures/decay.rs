@@ -41,17 +41,17 @@ pub(crate) struct Decay {
     turns: Vec<(f64, f64)>,
 }
 
-/// True if the motions that begin at an instant are to be logged: all of them, or those of the first period,
-/// which the energy lost in it depends on.
+/// True if the motions that begin at an instant are to be logged.
 #[inline(always)]
 pub(crate) fn keeps(wanted: Wanted, time: f64) -> bool {
-    wanted.decay() || wanted.ledger || time <= f64::TURN.value
+    wanted.decay() || wanted.ledger || (wanted.first_period && time <= f64::TURN.value)
 }
 
 impl<S: System> Measures<S> {
-    /// Prepares the log of a run whose decay has a closed form.
+    /// Prepares the log of a run whose decay has a closed form, if a measure needs one.
     pub(super) fn log_decay(&mut self, system: &S, spare: Option<Box<Decay>>, v: f64) {
-        self.decay = system.sinusoidal().map(|[damping_ratio, mass_ratio]| {
+        let needs = keeps(self.wanted, 0.0);
+        self.decay = system.sinusoidal().filter(|_| needs).map(|[damping_ratio, mass_ratio]| {
             let mut decay = spare.unwrap_or_else(|| Box::new(Decay::new(damping_ratio)));
             decay.serve(damping_ratio, mass_ratio);
             decay.v_before = v;
@@ -172,7 +172,11 @@ impl Decay {
             self.lose(measures, log);
         }
         let period = f64::TURN.value;
-        if measures.begin == 0.0 && log[0].time <= period && last.time >= period * (1.0 - CLOSE) {
+        if measures.wanted.first_period
+            && measures.begin == 0.0
+            && log[0].time <= period
+            && last.time >= period * (1.0 - CLOSE)
+        {
             let k = log.partition_point(|entry| entry.time <= period);
             // If the run ends after one period within rounding, its end counts.
             let at = if k < log.len() { &log[k - 1] } else { last };

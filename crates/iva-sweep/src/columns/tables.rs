@@ -32,7 +32,7 @@ macro_rules! summary {
                 "from the logarithmic decrement over 10 cycles";
             "damping_ratio_fit" Ratio [Peaks Larger] |run| run.values.damping_ratio_fit,
                 "from the least-squares line of ln peak over time, down to 5 %";
-            "damping_ratio_energy" Ratio [Run Larger] |run| run.values.damping_ratio_energy,
+            "damping_ratio_energy" Ratio [FirstPeriod Larger] |run| run.values.damping_ratio_energy,
                 "from the energy lost in the first period";
             "settling_time_10" Time [Settling Smaller] |run| run.values.settling_time_10,
                 "last instant at which |x| is 10 % of the reference amplitude";

@@ -59,6 +59,7 @@ impl Request {
                 settling: needs(Group::Settling),
                 residual: needs(Group::Residual),
                 ledger: needs(Group::Ledger),
+                first_period: needs(Group::FirstPeriod),
             },
             steady: SteadyWanted {
                 amplitude: needs(Group::Amplitude) || needs(Group::Reduction),

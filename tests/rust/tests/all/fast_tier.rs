@@ -51,8 +51,7 @@ pub(crate) fn stopped_at<S: SideBySide + Clone>(
     impacts.map(stopped).collect()
 }
 
-pub(crate) const NOTHING: Wanted =
-    Wanted { peaks: false, settling: false, residual: false, ledger: false };
+pub(crate) const NOTHING: Wanted = Wanted::NONE;
 
 /// The errors of all impacts of a reference, in rounding units. A chatter is left to the exact tier, so
 /// scenes with stick episodes are compared by their counts.

@@ -337,8 +337,8 @@ fn losses_not_asked_for_change_nothing_else() {
 /// Lanes of free decays without measures of the displacement, with losses and without; some start at x = 0.
 #[test]
 fn decays_of_which_little_is_asked_are_the_same() {
-    for ledger in [true, false] {
-        let wanted = Wanted { peaks: false, settling: false, residual: false, ledger };
+    for (ledger, first_period) in [(true, true), (true, false), (false, true), (false, false)] {
+        let wanted = Wanted { ledger, first_period, ..Wanted::NONE };
         let mut scenes = grid();
         for scene in scenes.iter_mut().step_by(3) {
             scene.start = Start { velocity: 1.0, ..Start::default() };
