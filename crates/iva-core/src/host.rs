@@ -189,7 +189,7 @@ pub trait Host: Clone + std::fmt::Debug {
     /// The damping ratio ζ.
     fn damping_ratio(&self) -> Self::Real;
     /// Damping ratio ζ and mass ratio μ of a structure in doubles without drive, if its motion is known in
-    /// closed form ([`sinusoid`]).
+    /// closed form (`host/sinusoid.rs`).
     fn sinusoidal(&self) -> Option<[f64; 2]> {
         None
     }

@@ -2,7 +2,7 @@
 //!
 //! In doubles the measures of free masses are computed from a log, whether a run goes alone or in lanes:
 //! those of a decay from the begins of its motions ([`crate::measures`]), those of a run under one harmonic
-//! force from its flights ([`crate::measures::forced`]). All others are taken stretch by stretch.
+//! force from its flights (`measures/forced.rs`). All others are taken stretch by stretch.
 
 use crate::flight::Motion;
 use crate::impact::Impact;

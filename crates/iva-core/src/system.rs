@@ -175,7 +175,7 @@ pub trait System {
         false
     }
     /// Damping ratio ζ and mass ratio μ of a system without drive whose structure moves in closed form, in
-    /// doubles ([`crate::host::sinusoid`]). The measures of its decays are computed from a log.
+    /// doubles (`host/sinusoid.rs`). The measures of its decays are computed from a log.
     fn sinusoidal(&self) -> Option<[f64; 2]> {
         None
     }
