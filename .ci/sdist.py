@@ -105,12 +105,16 @@ def main() -> None:
     # The library of the wheel has the same name: without this Cargo could take one for the other.
     target = {"CARGO_TARGET_DIR": str(ROOT / "target")}
     run("cargo", "clean", "--quiet", "--release", "--package", "iva-py", **target)
+    wheels = set((ROOT / "target" / "wheels").glob("*.whl"))
     run(
         *(*pip, "install", "--quiet", "--no-build-isolation", source),
         **target,
         MATURIN_PEP517_ARGS=plain,
         PATH=f"{programs}{os.pathsep}{os.environ['PATH']}",
     )
+    # The wheel without optimisation must not be taken for the one that `make wheel` has built.
+    for wheel in set((ROOT / "target" / "wheels").glob("*.whl")) - wheels:
+        wheel.unlink()
     # Cargo takes the tests, which are left out, off the list of kept versions; it must change none.
     if other := versions((source / "Cargo.lock").read_text()) - versions(
         (ROOT / "Cargo.lock").read_text()
