@@ -68,7 +68,7 @@ impl<R: Real, S: System<Real = R>> Summary<S> {
         let Some(forced) = &mut self.forced else { return };
         let clock = Clock { value: clock.value.double(), rest: clock.rest.double() };
         let ends = ends.map(|state| in_doubles(system, state));
-        forced.push(clock, length.double(), 0.0, ends.each_ref());
+        forced.push(clock, length.double(), [0.0; 2], ends.each_ref());
     }
 }
 

@@ -84,7 +84,9 @@ impl<const DRIVE: u8> Lockstep<Siva<DrivenHost>> for Doubles<DRIVE> {
                 {
                     let length = rounds.length[i] + rounds.later[i];
                     let ends = [&lanes.state.get(i), &rounds.end.get(i)];
-                    log.push(lanes.clock(i), length, rounds.approach[i], ends);
+                    let clock = lanes.clock(i);
+                    let at = clock.plus_parts(rounds.length[i], rounds.later[i]).value;
+                    log.push(clock, length, [at, rounds.approach[i]], ends);
                     full |= log.is_full();
                 }
             }

@@ -118,10 +118,16 @@ impl Forced {
         self.count + self.events.len() >= FULL
     }
 
-    /// Logs a flight between two states, with the approach speed of the impact at its end; 0: none. The forces
-    /// of the states are computed when the log is taken.
+    /// Logs a flight between two states, with the instant and approach speed of the impact at its end; 0: there
+    /// is none. The forces of the states are computed when the log is taken.
     #[inline(always)]
-    pub fn push(&mut self, clock: Clock, length: f64, approach: f64, [begin, end]: [&State; 2]) {
+    pub fn push(
+        &mut self,
+        clock: Clock,
+        length: f64,
+        [impact_time, approach]: [f64; 2],
+        [begin, end]: [&State; 2],
+    ) {
         let State { x, v, distance, rate, side, .. } = *begin;
         let flight = Flight {
             time: clock.value,
@@ -134,6 +140,7 @@ impl Forced {
             side,
             end_x: end.x,
             end_v: end.v,
+            impact_time,
             approach,
             wall: end.side,
         };
@@ -142,7 +149,13 @@ impl Forced {
             if until < length {
                 return self.divide(&flight, until);
             }
-            self.before = self.count + 1;
+            self.store(&flight);
+            self.before = self.count;
+            if approach > 0.0 && impact_time >= self.from {
+                // At the very begin of the window, which no flight before it is in.
+                self.event(Event::Impact(impact_time, wall_of(end.side), approach));
+            }
+            return;
         }
         self.store(&flight);
     }
@@ -270,7 +283,7 @@ impl Forced {
                 event.show(steady);
             }
             let (block, slot) = (&self.blocks[i / BLOCK], i % BLOCK);
-            let Flights { time, length, approach, wall, .. } = &block.flights;
+            let Flights { time, length, impact_time, approach, wall, .. } = &block.flights;
             let end = time[slot] + length[slot];
             let due = |strobe: f64| strobe <= end * (1.0 + 4.0 * SLACK);
             if self.steady.strobes || strobe.is_some_and(due) {
@@ -279,8 +292,7 @@ impl Forced {
             }
             let approach = approach[slot];
             if approach > 0.0 {
-                let wall = if wall[slot] > 0.0 { Wall::Plus } else { Wall::Minus };
-                steady.count(end.into(), wall, approach.into());
+                steady.count(impact_time[slot].into(), wall_of(wall[slot]), approach.into());
             }
         }
         events.for_each(|(_, event)| event.show(steady));
@@ -329,4 +341,9 @@ impl Forced {
             *steady.current() = largest.into();
         }
     }
+}
+
+/// The wall of this sign.
+fn wall_of(side: f64) -> Wall {
+    if side > 0.0 { Wall::Plus } else { Wall::Minus }
 }

@@ -11,6 +11,7 @@ use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
 use iva_core::lanes::{self, Ended, Job, LANES, SideBySide, Tier};
 use iva_core::measures::{Measures, Wanted};
+use iva_core::observe::Events;
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, Outcome, simulate};
 use iva_core::siva::Siva;
@@ -168,6 +169,35 @@ fn measures_from_the_log_are_those_of_every_stretch() {
             close(a.amplitude, b.amplitude, size, "amplitude of the cycle", i);
         }
     }
+}
+
+/// An impact at the very begin of the window counts, whoever has found it: the window is put at impacts of the
+/// same run.
+#[test]
+fn an_impact_at_the_begin_of_the_window_counts() {
+    let impacts = SteadyWanted { impacts: true, ..SteadyWanted::default() };
+    let mut counted = 0;
+    for job in driven(impacts) {
+        let (wanted, window) = job.steady.unwrap();
+        let mut events = Events::default();
+        simulate(&job.system, &job.start, &job.limits, None, &mut events).unwrap();
+        let at = events.impacts.iter().map(|impact| impact.time).step_by(7).take(4);
+        let jobs: Vec<_> = at
+            .map(|from| Job { steady: Some((wanted, Window { from, ..window })), ..job.clone() })
+            .collect();
+        for (job, found) in jobs.iter().zip(together(&jobs)) {
+            let (wanted, window) = job.steady.unwrap();
+            assert_eq!(found, alone(job), "{window:?}");
+            let mut stretches = Steady::new(window, wanted);
+            let mut summary = Summary::new(Wanted::NONE, job.steady);
+            let mut watch = (&mut stretches, &mut summary);
+            simulate(&job.system, &job.start, &job.limits, None, &mut watch).unwrap();
+            let truth = stretches.values().impacts_per_cycle;
+            assert_eq!(summary.steady_values().unwrap().impacts_per_cycle, truth, "{window:?}");
+            counted += 1;
+        }
+    }
+    assert!(counted > 100, "{counted}");
 }
 
 #[test]

@@ -54,7 +54,7 @@ impl<const BASE: bool> Lockstep<Siva<DrivenHost>> for DrivenFastFlights<BASE> {
                 {
                     let Ended { time, time_rest, length, approach, begin, end } = ended.get(i);
                     let clock = DoubleDouble { value: time, rest: time_rest };
-                    log.push(clock, length, approach, [&begin, &end]);
+                    log.push(clock, length, [lanes.flying.time[i], approach], [&begin, &end]);
                     // The event loop hands a full log to the measures.
                     if log.is_full() {
                         lanes.flying.request[i] = 1.0;

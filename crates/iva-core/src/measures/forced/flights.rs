@@ -21,8 +21,8 @@ arrays! {
     x, v, distance, rate, side,
     /// x and ẋ at its end, before the impact.
     end_x, end_v,
-    /// The impact at its end: approach speed (0: none), and sign of the wall.
-    approach, wall,
+    /// The impact at its end: its instant, approach speed (0: there is none), and sign of the wall.
+    impact_time, approach, wall,
 }
 
 impl Flight {
