@@ -60,6 +60,23 @@ arrays! {
     base_3, base_4,
 }
 
+/// A free mass under one harmonic force, or on a base that it moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scene {
+    /// Damping ratio ζ.
+    pub damping_ratio: f64,
+    /// Mass ratio μ.
+    pub mass_ratio: f64,
+    /// One-sided clearance d.
+    pub clearance: f64,
+    /// The middle of the gap, as a value of y.
+    pub offset: f64,
+    /// The force.
+    pub harmonic: Harmonic,
+    /// True if it moves the base.
+    pub moves_base: bool,
+}
+
 impl Structure {
     /// A bound on √(x² + v²) at every later time in free motion.
     #[inline(always)]

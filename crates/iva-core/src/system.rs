@@ -7,7 +7,7 @@ use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
-use crate::measures::forced::Scene;
+use crate::plain::Scene;
 use crate::real::Real;
 
 /// A wall of the gap: `Plus` at y = +d, `Minus` at y = −d.

@@ -10,12 +10,11 @@
 
 use crate::compensated::DoubleDouble;
 use crate::flight::GapPoint;
-use crate::force::Harmonic;
 use crate::impact::Impact;
 use crate::measures::Wanted;
 use crate::oscillator::Equation;
 use crate::plain::responses::Responses;
-use crate::plain::{BASE, FORCE, State, Structure};
+use crate::plain::{BASE, FORCE, Scene, State, Structure};
 use crate::real::Real;
 use crate::sample::{SLACK, span_ends};
 use crate::steady::{Steady, SteadyWanted};
@@ -29,23 +28,6 @@ use flights::{BLOCK, Block, Event, Flight, Flights, Part};
 
 /// Number of flights in a full log: 130 kB.
 const FULL: usize = 1024;
-
-/// A free mass under one harmonic force, or on a base that it moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scene {
-    /// Damping ratio ζ.
-    pub damping_ratio: f64,
-    /// Mass ratio μ.
-    pub mass_ratio: f64,
-    /// One-sided clearance d.
-    pub clearance: f64,
-    /// The middle of the gap, as a value of y.
-    pub offset: f64,
-    /// The force.
-    pub harmonic: Harmonic,
-    /// True if it moves the base.
-    pub moves_base: bool,
-}
 
 /// The log of a run and its measures; the memory serves one run after the other.
 #[derive(Debug)]
