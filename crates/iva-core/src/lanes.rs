@@ -277,7 +277,7 @@ trait Lockstep<S: SideBySide>: Sized {
 }
 
 /// The run of a lane in the event loop, which goes on where the lane cannot.
-type ScalarRun<'a, S> = Run<'a, S, Summary<S>>;
+type ScalarRun<'a, S> = Run<'a, S, Box<Summary<S>>>;
 
 /// A run and its index among the jobs.
 type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
@@ -348,10 +348,16 @@ pub struct Group<'a, S: SideBySide> {
 
 impl<'a, S: SideBySide> Group<'a, S> {
     /// The run of a job, begun.
-    fn begun(&self, index: usize, spare: Option<Summary<S>>) -> ScalarRun<'a, S> {
+    fn begun(&self, index: usize, spare: Option<Box<Summary<S>>>) -> ScalarRun<'a, S> {
         let job = &self.jobs[index];
         let Job { system, start, begin, limits, steady, .. } = job;
-        let observer = Summary::new(self.wanted, *steady).in_memory_of(spare);
+        let observer = match spare {
+            Some(mut spare) => {
+                spare.again(self.wanted, *steady);
+                spare
+            }
+            None => Box::new(Summary::new(self.wanted, *steady)),
+        };
         let start = Instant::at(system, start, *begin);
         let mut run = Run::new(system, &start, limits, self.cancel, observer);
         run.begin();

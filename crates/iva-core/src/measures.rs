@@ -154,12 +154,6 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         }
     }
 
-    /// The same measures of the next run, in the memory of those of a run that has ended.
-    pub(crate) fn in_memory_of(mut self, spare: Option<Self>) -> Self {
-        self.decay = spare.and_then(|spare| spare.decay);
-        self
-    }
-
     /// The measures; complete once the run has ended.
     pub fn values(&self) -> &MeasureValues<R> {
         &self.values

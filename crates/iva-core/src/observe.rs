@@ -119,38 +119,44 @@ pub trait Observer<S: System> {
 
 impl<R: Real, S: System<Real = R>> Observer<S> for () {}
 
-impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for &mut O {
-    fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
-        (**self).start(system, from, duration);
-    }
-    fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
-        (**self).span(system, span);
-    }
-    fn impact(&mut self, system: &S, impact: &Impact<R>) {
-        (**self).impact(system, impact);
-    }
-    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
-        (**self).contact(system, contact);
-    }
-    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
-        (**self).jump(system, jump);
-    }
-    fn impulse(&mut self, system: &S, state: &S::State, work: R) {
-        (**self).impulse(system, state, work);
-    }
-    fn unlist(&mut self, first: u64, floor: R) {
-        (**self).unlist(first, floor);
-    }
-    fn episode(&mut self, episode: &StickEpisode<R>) {
-        (**self).episode(episode);
-    }
-    fn is_done(&self) -> bool {
-        (**self).is_done()
-    }
-    fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
-        (**self).end(system, tally);
-    }
+/// An observer behind a pointer is one.
+macro_rules! pointed_to {
+    ($($pointer:ty),*) => {$(
+        impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for $pointer {
+            fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
+                (**self).start(system, from, duration);
+            }
+            fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+                (**self).span(system, span);
+            }
+            fn impact(&mut self, system: &S, impact: &Impact<R>) {
+                (**self).impact(system, impact);
+            }
+            fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+                (**self).contact(system, contact);
+            }
+            fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
+                (**self).jump(system, jump);
+            }
+            fn impulse(&mut self, system: &S, state: &S::State, work: R) {
+                (**self).impulse(system, state, work);
+            }
+            fn unlist(&mut self, first: u64, floor: R) {
+                (**self).unlist(first, floor);
+            }
+            fn episode(&mut self, episode: &StickEpisode<R>) {
+                (**self).episode(episode);
+            }
+            fn is_done(&self) -> bool {
+                (**self).is_done()
+            }
+            fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
+                (**self).end(system, tally);
+            }
+        }
+    )*};
 }
+pointed_to!(&mut O, Box<O>);
 
 impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {

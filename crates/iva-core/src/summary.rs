@@ -34,10 +34,11 @@ impl<R: Real, S: System<Real = R>> Summary<S> {
         Self { measures: Measures::new(wanted), steady, asked, forced: None }
     }
 
-    /// The same, in the memory of the observer of a run that has ended.
-    pub(crate) fn in_memory_of(self, spare: Option<Self>) -> Self {
-        let (measures, forced) = spare.map_or((None, None), |it| (Some(it.measures), it.forced));
-        Self { measures: self.measures.in_memory_of(measures), forced, ..self }
+    /// The observer of the next run, in its memory.
+    pub(crate) fn again(&mut self, wanted: Wanted, steady: Option<(SteadyWanted, Window<R>)>) {
+        let (decay, forced) = (self.measures.decay.take(), self.forced.take());
+        *self = Self { forced, ..Self::new(wanted, steady) };
+        self.measures.decay = decay;
     }
 
     /// The measures; complete once the run has ended.

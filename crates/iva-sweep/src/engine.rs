@@ -2,11 +2,12 @@
 //! of its rows.
 //!
 //! [`given`] (fields as numbers) → [`design`] (alternatives resolved, natural units; the system to run is a
-//! [`scene`]) → `point` (the run) → `rows` (its rows, in the user's units by [`scale`]). Results are computed
+//! [`scene`]) → `point` (the run; `ended` is its result) → `rows` (its rows, in the user's units by [`scale`]). Results are computed
 //! in doubles, by [`crate::verify`] in numbers of twice the precision, and by [`crate::gradients`] in numbers
 //! with derivatives.
 
 pub mod design;
+pub(crate) mod ended;
 pub(crate) mod forces;
 pub(crate) mod free_mass;
 pub mod given;

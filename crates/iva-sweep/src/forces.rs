@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 pub use iva_core::force::History;
 
-use crate::fields::{FieldId, Part};
+use crate::fields::FieldId;
 
 /// Index of the first field of a force; these fields are contiguous in the table.
 const FIRST: usize = FieldId::Amplitude as usize;
@@ -105,9 +105,8 @@ impl ForceSpec {
     }
 
     pub(crate) fn given(&self) -> impl Iterator<Item = (FieldId, f64)> + '_ {
-        FieldId::all()
-            .filter(|field| field.info().part == Part::Force)
-            .filter_map(|field| self.get(field).map(|value| (field, value)))
+        let given = |field| self.get(field).map(|value| (field, value));
+        FieldId::all().skip(FIRST).take(COUNT).filter_map(given)
     }
 
     pub(crate) fn nature(&self) -> Nature {
@@ -132,6 +131,7 @@ impl ForceSpec {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fields::Part;
 
     #[test]
     fn the_fields_of_a_force_stand_together() {

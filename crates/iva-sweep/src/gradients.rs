@@ -24,7 +24,7 @@ use crate::columns::columns;
 use crate::design::{Design, Spec};
 use crate::engine::given::Given;
 use crate::engine::point::{Estimates, Request, run};
-use crate::engine::rows::Estimate;
+use crate::engine::rows::{Estimate, summary_row};
 use crate::engine::scene::with_system;
 use crate::error::Invalid;
 use crate::fields::{FieldId, Part, Quantity};
@@ -76,7 +76,7 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
     for &table in study.tables.iter().filter(|table| Table::SWEEP.contains(table)) {
         builders.push((table, TableBuilder::new(schema_of(study, table, &content)?, 1)));
     }
-    run(study, 0, &design, &request, cancel, grazings, &mut |table, cells| {
+    let mut take = |table, cells: &mut dyn Iterator<Item = Cell<Dual>>| {
         if let Some((_, builder)) = builders.iter_mut().find(|it| it.0 == table) {
             let cells: Vec<Cell<Dual>> = cells.collect();
             let known = |index: usize| {
@@ -89,7 +89,10 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
             let last = (table == Table::Summary).then(|| Cell::number(sensitive, |time| time));
             builder.row(derivatives.chain(last));
         }
-    })?;
+    };
+    let ended = run(study, 0, &design, &request, cancel, grazings, &mut take)?;
+    let row = summary_row(study, 0, &design, &ended, &request.columns);
+    take(Table::Summary, &mut row.into_iter());
     builders.into_iter().map(|(table, builder)| Ok((table, builder.finish()?))).collect()
 }
 

@@ -136,12 +136,11 @@ impl Sample {
         &self.variables
     }
 
-    fn values(&self, point: u64) -> Vec<f64> {
+    fn values(&self, point: u64) -> impl Iterator<Item = f64> {
         let variables = self.variables.iter().enumerate();
-        let value = |(axis, variable): (usize, &Variable)| {
+        variables.map(move |(axis, variable)| {
             variable.distribution.quantile(self.cube.coordinate(point, axis))
-        };
-        variables.map(value).collect()
+        })
     }
 }
 
@@ -244,13 +243,20 @@ impl Sampling {
 
     /// The swept values of a point, in the order of [`Sampling::keys`].
     pub fn values(&self, point: u64) -> Vec<f64> {
+        let mut values = Vec::new();
+        self.push_values(point, &mut values);
+        values
+    }
+
+    /// Appends the swept values of a point, in the order of [`Sampling::keys`].
+    pub(crate) fn push_values(&self, point: u64, values: &mut Vec<f64>) {
         match self {
-            Sampling::Grid(axes) => combination(axes, point),
+            Sampling::Grid(axes) => push_combination(axes, point, values),
             Sampling::Rows(rows) => {
                 let row = (point - rows.first) as usize;
-                rows.axes.iter().map(|axis| axis.values[row]).collect()
+                values.extend(rows.axes.iter().map(|axis| axis.values[row]));
             }
-            Sampling::Sample(sample) => sample.values(point),
+            Sampling::Sample(sample) => values.extend(sample.values(point)),
         }
     }
 
@@ -298,14 +304,13 @@ impl fmt::Display for Sampling {
     }
 }
 
-/// The values of a point of a grid; the last axis varies fastest.
-fn combination(axes: &[Axis], point: u64) -> Vec<f64> {
-    let mut rest = point;
-    let mut values = vec![0.0; axes.len()];
-    for (value, axis) in values.iter_mut().zip(axes).rev() {
+/// Appends the values of a point of a grid; the last axis varies fastest.
+fn push_combination(axes: &[Axis], point: u64, values: &mut Vec<f64>) {
+    let (mut rest, first) = (point, values.len());
+    values.resize(first + axes.len(), 0.0);
+    for (value, axis) in values[first..].iter_mut().zip(axes).rev() {
         let length = axis.values.len() as u64;
         *value = axis.values[(rest % length) as usize];
         rest /= length;
     }
-    values
 }

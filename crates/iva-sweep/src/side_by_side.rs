@@ -6,53 +6,14 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::lanes::{self, Job, SideBySide, Tier};
-use iva_core::measures::MeasureValues;
-use iva_core::simulate::Tally;
-use iva_core::steady::SteadyValues;
+use iva_core::lanes::{self, Job, SideBySide};
+use iva_core::piva::Piva;
 
-use crate::done::Done;
 use crate::engine::design::Design;
+use crate::engine::ended::Ended;
 use crate::engine::point::Request;
-use crate::engine::rows::{Cell, RunRow};
 use crate::engine::scene::Scene;
 use crate::error::Invalid;
-use crate::study::Study;
-
-/// The result of a run, for any kind of scene.
-#[derive(Debug, Clone)]
-pub(crate) struct Ended {
-    /// How it ended, and its counts.
-    pub tally: Tally<()>,
-    /// Its measures.
-    pub measures: MeasureValues,
-    /// Those of its steady state; `None` where they were not asked for.
-    pub steady: Option<SteadyValues>,
-    /// The tier that made it.
-    pub tier: Tier,
-}
-
-impl Ended {
-    /// Hands out the row of `summary`; returns the counts of the run.
-    ///
-    /// # Errors
-    /// As [`Request::settled`].
-    pub fn summarise(
-        &self,
-        study: &Study,
-        point: u64,
-        design: &Design,
-        request: &Request,
-        cancel: &AtomicBool,
-        take: &mut dyn FnMut(&mut dyn Iterator<Item = Cell>),
-    ) -> Result<Done, Invalid> {
-        let Self { tally, measures, steady, tier } = self;
-        let settled = request.settled(design, steady.as_ref(), cancel)?;
-        let row = RunRow { settled, tier: *tier, ..RunRow::new(design, *tally, measures) };
-        take(&mut row.cells(&request.columns, &study.swept(point), point));
-        Ok(Done::run(tally.outcome.name(), tally.work))
-    }
-}
 
 /// Runs those of the designs that can go side by side. The results are in the order of the designs; `None`:
 /// the design has to be run by itself, or had not begun when the sweep was cancelled.
@@ -64,7 +25,8 @@ pub(crate) fn run(
     request: &Request,
     cancel: &AtomicBool,
 ) -> Result<Vec<Option<Ended>>, Invalid> {
-    let mut part = Part { designs, request, cancel, ended: vec![None; designs.len()] };
+    let ended = designs.iter().map(|_| None).collect();
+    let mut part = Part { designs, request, cancel, ended };
     if request.summary_alone() {
         part.run(|scene| match scene {
             Scene::Siva { system, start } => Some((system.clone(), *start)),
@@ -75,7 +37,7 @@ pub(crate) fn run(
             _ => None,
         })?;
         part.run(|scene| match scene {
-            Scene::Piva { system, start, .. } => Some((system.clone(), *start)),
+            Scene::Piva { system, start, .. } => Some((Piva::clone(system), *start)),
             _ => None,
         })?;
         part.run(|scene| match scene {
@@ -119,10 +81,20 @@ impl Part<'_> {
         if jobs.is_empty() {
             return Ok(());
         }
-        lanes::run(&jobs, request.wanted, Some(cancel), &mut |index, (tally, measures, steady)| {
-            let (tally, measures, steady) = (tally.without_state(), *measures, *steady);
-            let tier = S::tier(&jobs[index]);
-            ended[places[index]] = Some(Ended { tally, measures, steady, tier });
-        })
+        let mut refused = None;
+        lanes::run(
+            &jobs,
+            request.wanted,
+            Some(cancel),
+            &mut |index, (tally, measures, steady)| {
+                let (place, tier) = (places[index], S::tier(&jobs[index]));
+                let found = (tally.without_state(), *measures, *steady);
+                match Ended::new(&designs[place], found, tier, request.reduction, cancel) {
+                    Ok(run) => ended[place] = Some(run),
+                    Err(error) => refused = Some(error),
+                }
+            },
+        )?;
+        refused.map_or(Ok(()), Err)
     }
 }

@@ -93,12 +93,18 @@ impl Spec {
         }
     }
 
-    /// Sets a field for a sweep axis, and removes the alternatives of its group.
+    /// Sets a field in place of it and its alternatives.
     ///
     /// # Errors
-    /// [`Invalid`] with field, value and range.
+    /// As [`Spec::set`].
     pub fn replace(&mut self, slot: impl Into<Slot>, value: f64) -> Result<(), Invalid> {
         let slot = slot.into();
+        self.clear(slot);
+        self.set(slot, value)
+    }
+
+    /// Removes a field and its alternatives.
+    pub(crate) fn clear(&mut self, slot: Slot) {
         for other in FieldId::all().filter(|other| other.same_quantity(slot.field)) {
             if other.info().part != Part::Force {
                 self.values[other as usize] = None;
@@ -106,7 +112,6 @@ impl Spec {
                 force.put(other, None);
             }
         }
-        self.set(slot, value)
     }
 
     /// The value given for a field that does not belong to a force.

@@ -84,8 +84,10 @@ pub struct Study {
 #[derive(Debug)]
 pub struct Designer<'a> {
     study: &'a Study,
-    /// The fields of the previous point.
+    /// The fields of the previous point; no others set a quantity that is swept.
     spec: Spec,
+    /// The swept values of the previous point.
+    swept: Vec<f64>,
 }
 
 impl Designer<'_> {
@@ -94,21 +96,23 @@ impl Designer<'_> {
     /// # Errors
     /// As [`Study::design`].
     pub fn design(&mut self, point: u64) -> Result<Design, Invalid> {
-        let sampling = &self.study.sampling;
-        self.place(point).and_then(|()| self.spec.design()).map_err(|error| {
+        let mut design = self.place(point).and_then(|()| self.spec.design());
+        if let Err(error) = &mut design {
             // A missing field is missing at every point, so no point is named.
-            if sampling.is_empty() || error.value.is_empty() {
-                error
-            } else {
-                Invalid { allowed: format!("{} (point {point})", error.allowed), ..error }
+            if !(self.study.sampling.is_empty() || error.value.is_empty()) {
+                error.allowed = format!("{} (point {point})", error.allowed);
             }
-        })
+        }
+        design
     }
 
     /// Sets the swept values of a point.
     fn place(&mut self, point: u64) -> Result<(), Invalid> {
-        let mut swept = self.study.sampling.keys().zip(self.study.swept(point));
-        swept.try_for_each(|(swept, value)| self.spec.replace(swept.slot, value))
+        let sampling = &self.study.sampling;
+        self.swept.clear();
+        sampling.push_values(point, &mut self.swept);
+        let mut swept = sampling.keys().zip(&self.swept);
+        swept.try_for_each(|(swept, value)| self.spec.set(swept.slot, *value))
     }
 }
 
@@ -147,11 +151,9 @@ impl Study {
     /// # Errors
     /// [`Invalid`] for a swept value out of range.
     pub fn spec(&self, point: u64) -> Result<Spec, Invalid> {
-        let mut spec = self.spec.clone();
-        for (swept, value) in self.sampling.keys().zip(self.swept(point)) {
-            spec.replace(swept.slot, value)?;
-        }
-        Ok(spec)
+        let mut designer = self.designer();
+        designer.place(point)?;
+        Ok(designer.spec)
     }
 
     /// The design of a point.
@@ -164,7 +166,9 @@ impl Study {
 
     /// A [`Designer`] for the designs of many points.
     pub fn designer(&self) -> Designer<'_> {
-        Designer { study: self, spec: self.spec.clone() }
+        let mut spec = self.spec.clone();
+        self.sampling.keys().for_each(|swept| spec.clear(swept.slot));
+        Designer { study: self, spec, swept: Vec::new() }
     }
 
     /// The default of a field; `None` if it is not the same number at all points, or depends on units that

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arrow_array::{Array, RecordBatch, StringArray};
+use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
@@ -17,8 +17,9 @@ use iva_core::simulate::Outcome;
 
 use crate::done::Done;
 use crate::engine::design::Design;
+use crate::engine::ended::Ended;
 use crate::engine::point::{Estimates, Request, run};
-use crate::engine::rows::Estimate;
+use crate::engine::rows::{Estimate, RunRow, write_summary};
 use crate::side_by_side;
 use crate::study::{Study, Table};
 use crate::tables::{TableBuilder, schema_in};
@@ -59,8 +60,10 @@ impl Control<'_> {
     }
 }
 
-/// Largest default number of points that a worker takes at once.
+/// Largest number of points that are designed and run at once.
 const CHUNK: u64 = 256;
+/// Largest default number of points that one of several workers takes at once.
+const SHARE: u64 = 4096;
 /// Number of points that a worker checks at once, some hundred microseconds of work.
 const CHECKED: u64 = 4096;
 
@@ -112,16 +115,15 @@ pub fn sweep(
 ) -> Result<Tables, SweepError> {
     let schemas = schemas(study)?;
     let length = points.end.saturating_sub(points.start);
-    // Several chunks per worker, so that a small grid keeps all workers busy. Lanes become idle at the end of
-    // each chunk.
+    // Several shares per worker, so that all workers stay busy.
     let share = match control.workers.count() as u64 {
         1 => length,
-        workers => length.div_ceil(8 * workers),
+        workers => length.div_ceil(8 * workers).min(SHARE),
     };
-    let chunk = control.chunk.map_or(CHUNK.min(share), |chunk| chunk as u64).max(1);
-    let parts = control.workers.map(length.div_ceil(chunk), |index| {
-        let first = points.start + index * chunk;
-        run_chunk(study, first..points.end.min(first + chunk), &schemas, control)
+    let share = control.chunk.map_or(share, |chunk| chunk as u64).max(1);
+    let parts = control.workers.map(length.div_ceil(share), |index| {
+        let first = points.start + index * share;
+        run_share(study, first..points.end.min(first + share), &schemas, control)
     });
     join(&schemas, parts)
 }
@@ -148,34 +150,53 @@ fn join(schemas: &Schemas, parts: Vec<Result<Tables, SweepError>>) -> Result<Tab
     Ok(tables)
 }
 
-fn run_chunk(
+/// Runs some points, chunk by chunk, and builds their tables.
+fn run_share(
     study: &Study,
     points: Range<u64>,
     schemas: &Schemas,
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
-    let (request, cancel) = (Request::new(study), control.cancel);
+    let request = Request::new(study);
     let mut builders = builders(schemas, (points.end - points.start) as usize);
     let mut designer = study.designer();
-    let designs: Vec<Design> =
-        points.clone().map(|point| designer.design(point)).collect::<Result<_, _>>()?;
-    let ended = side_by_side::run(&designs, &request, cancel)?;
-    let mut done = Done::default();
-    for (point, (design, ended)) in points.zip(designs.iter().zip(&ended)) {
-        done += match ended {
-            Some(ended) => {
-                ended.summarise(study, point, design, &request, cancel, &mut |cells| {
-                    if let Some(builder) = builders.get_mut(&Table::Summary) {
-                        builder.row(cells);
-                    }
-                })?
-            }
-            None if control.cancelled() => break,
-            None => run_point(study, point, design, &request, cancel, &mut builders)?,
-        };
+    let mut first = points.start;
+    while first < points.end && !control.cancelled() {
+        let chunk = first..points.end.min(first + CHUNK);
+        first = chunk.end;
+        let designs = chunk.clone().map(|point| designer.design(point));
+        let designs = designs.collect::<Result<Vec<_>, _>>()?;
+        let done = run_chunk(study, chunk, &designs, &request, control, &mut builders)?;
+        (control.progress)(done);
     }
-    (control.progress)(done);
     finish(builders)
+}
+
+fn run_chunk(
+    study: &Study,
+    points: Range<u64>,
+    designs: &[Design],
+    request: &Request,
+    control: &Control<'_>,
+    builders: &mut Builders,
+) -> Result<Done, SweepError> {
+    let cancel = control.cancel;
+    let mut ended = side_by_side::run(designs, request, cancel)?;
+    let mut done = Done::default();
+    let mut rows = Vec::with_capacity(designs.len());
+    for (point, (design, ended)) in points.clone().zip(designs.iter().zip(&mut ended)) {
+        let ended = match ended {
+            Some(ended) => ended,
+            None if control.cancelled() => break,
+            None => ended.insert(run_point(study, point, design, request, cancel, builders)?),
+        };
+        done += ended.done();
+        rows.push(RunRow::new(design, ended));
+    }
+    if let Some(table) = builders.get_mut(&Table::Summary) {
+        write_summary(table, study, &request.columns, points.start, &rows);
+    }
+    Ok(done)
 }
 
 type Builders = BTreeMap<Table, TableBuilder>;
@@ -207,15 +228,17 @@ pub fn run_inline(study: &Study, work: u64) -> Result<Option<Tables>, SweepError
     design.limits.max_work = design.limits.max_work.min(work);
     let mut builders = builders(&schemas(study)?, 1);
     let request = Request::new(study);
-    run_point(study, 0, &design, &request, &AtomicBool::new(false), &mut builders)?;
-    let tables = finish(builders)?;
-    let outcome = tables.get(&Table::Summary).and_then(|table| table.column_by_name("outcome"));
-    let words = outcome.and_then(|column| column.as_any().downcast_ref::<StringArray>());
-    let ended = words.is_some_and(|words| words.value(0) != Outcome::WorkLimit.name());
-    Ok((ended || !cut).then_some(tables))
+    let ended = run_point(study, 0, &design, &request, &AtomicBool::new(false), &mut builders)?;
+    if cut && ended.tally.outcome == Outcome::WorkLimit {
+        return Ok(None);
+    }
+    if let Some(table) = builders.get_mut(&Table::Summary) {
+        write_summary(table, study, &request.columns, 0, &[RunRow::new(&design, &ended)]);
+    }
+    finish(builders).map(Some)
 }
 
-/// Runs a point and hands its rows to the builders.
+/// Runs a point and hands the rows of its events to the builders.
 fn run_point(
     study: &Study,
     point: u64,
@@ -223,7 +246,7 @@ fn run_point(
     request: &Request,
     cancel: &AtomicBool,
     builders: &mut Builders,
-) -> Result<Done, SweepError> {
+) -> Result<Ended, SweepError> {
     let estimates = study.errors.then(Errors::default);
     Ok(run(study, point, design, request, cancel, estimates, &mut |table, cells| {
         if let Some(builder) = builders.get_mut(&table) {

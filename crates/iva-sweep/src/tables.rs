@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use arrow_array::builder::{
     BooleanBuilder, Float64Builder, Int8Builder, Int64Builder, StringBuilder, UInt32Builder,
 };
-use arrow_array::{ArrayRef, RecordBatch};
+use arrow_array::{ArrayRef, RecordBatch, new_null_array};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema, SchemaRef};
 use iva_core::error::Invalid;
 
@@ -210,6 +210,11 @@ impl Word for Option<String> {
 
 /// Cells from values that may be missing.
 impl<R> Cell<R> {
+    /// The number of a point, which [`Study::points`] ensures to be below 2³².
+    pub fn point(point: u64) -> Self {
+        Self::Point(point as u32)
+    }
+
     pub fn number(value: impl Into<Option<R>>, scaled: impl Fn(R) -> R) -> Self {
         value.into().map_or(Self::Null, |value| Self::Number(scaled(value)))
     }
@@ -278,6 +283,8 @@ enum Builder {
     Side(Int8Builder),
     Text(StringBuilder),
     Flag(BooleanBuilder),
+    /// A column of nulls, with their number.
+    Nulls(DataType, usize),
 }
 
 impl Builder {
@@ -295,6 +302,7 @@ impl Builder {
     /// Appends a cell; `Err` if its type is not that of the column.
     fn push(&mut self, cell: Cell) -> Result<(), Cell> {
         match (self, cell) {
+            (Self::Nulls(_, count), Cell::Null) => *count += 1,
             (Self::Point(column), Cell::Point(value)) => column.append_value(value),
             // Adding +0 leaves every value unchanged except −0, which becomes 0 and so prints without a sign.
             (Self::Number(column), Cell::Number(value)) => column.append_value(value + 0.0),
@@ -322,11 +330,12 @@ impl Builder {
             Self::Side(column) => Arc::new(column.finish()),
             Self::Text(column) => Arc::new(column.finish()),
             Self::Flag(column) => Arc::new(column.finish()),
+            Self::Nulls(data_type, count) => new_null_array(data_type, *count),
         }
     }
 }
 
-/// Builds one table row by row.
+/// Builds one table, row by row or column by column.
 pub(crate) struct TableBuilder {
     schema: SchemaRef,
     builders: Vec<Builder>,
@@ -364,10 +373,32 @@ impl TableBuilder {
         self.rows += 1;
     }
 
+    /// Adds cells to one column; all columns have to be given as many.
+    pub fn column(&mut self, index: usize, cells: impl IntoIterator<Item = Cell>) {
+        let builder = &mut self.builders[index];
+        for (row, cell) in cells.into_iter().enumerate() {
+            if let (Err(cell), None) = (builder.push(cell), &self.fault) {
+                let name = self.schema.field(index).name();
+                self.fault = Some(format!("row {row} has {cell:?} in the column {name}"));
+            }
+        }
+    }
+
+    /// Adds so many nulls to a column that has nothing else.
+    pub fn nulls(&mut self, index: usize, count: usize) {
+        let builder = &mut self.builders[index];
+        if !matches!(builder, Builder::Nulls(..)) {
+            *builder = Builder::Nulls(self.schema.field(index).data_type().clone(), 0);
+        }
+        if let Builder::Nulls(_, all) = builder {
+            *all += count;
+        }
+    }
+
     /// The table.
     ///
     /// # Errors
-    /// [`ArrowError`] if a row did not fit the columns.
+    /// [`ArrowError`] if a row did not fit the columns, or they are of different lengths.
     pub fn finish(mut self) -> Result<RecordBatch, ArrowError> {
         if let Some(fault) = self.fault {
             return Err(ArrowError::InvalidArgumentError(fault));

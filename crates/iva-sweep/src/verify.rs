@@ -12,6 +12,7 @@ use crate::columns::columns;
 use crate::engine::design::Design;
 use crate::engine::given::Given;
 use crate::engine::point::{Estimates, Request, run};
+use crate::engine::rows::summary_row;
 use crate::error::Invalid;
 use crate::fields::FieldId;
 use crate::side_by_side;
@@ -131,11 +132,7 @@ fn in_doubles(study: &Study, cancel: &AtomicBool) -> Result<Rows<f64>, Invalid> 
     let Some(ended) = side_by_side::run(designs, &request, cancel)?.pop().flatten() else {
         return rows(study, &design, cancel);
     };
-    let mut found = Rows::new();
-    ended.summarise(study, 0, &design, &request, cancel, &mut |cells| {
-        found.push((Table::Summary, cells.collect()));
-    })?;
-    Ok(found)
+    Ok(vec![(Table::Summary, summary_row(study, 0, &design, &ended, &request.columns))])
 }
 
 fn in_twofold(study: &Study, cancel: &AtomicBool) -> Result<Rows<Twofold>, Invalid> {
@@ -151,10 +148,13 @@ fn rows<R: Real>(
     design: &Design<R>,
     cancel: &AtomicBool,
 ) -> Result<Rows<R>, Invalid> {
-    let mut rows = Vec::new();
-    run(study, 0, design, &Request::new(study), cancel, (), &mut |table, cells| {
+    let (mut rows, request) = (Vec::new(), Request::new(study));
+    let ended = run(study, 0, design, &request, cancel, (), &mut |table, cells| {
         rows.push((table, cells.collect()));
     })?;
+    if request.summary {
+        rows.push((Table::Summary, summary_row(study, 0, design, &ended, &request.columns)));
+    }
     Ok(rows)
 }
 

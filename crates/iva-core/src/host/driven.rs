@@ -20,7 +20,7 @@ use crate::real::Real;
 use crate::system::Clock;
 use crate::taylor::{Number, ORDER, Row, unrolled};
 
-use bounds::{exceeding, largest};
+use bounds::bounds;
 use integral::{at_nodes, mean_product, nodes};
 
 pub use host::DrivenHost;
@@ -83,14 +83,7 @@ impl<R: Real> Driven<Forces<R>> {
         let equation = Equation::new(mass, damping_ratio);
         let force = &source.force;
         let reach = R::from(LONGEST) / equation.growth.max(force.fastest());
-        let mut excess = [R::ZERO; 7];
-        let mut base = [R::ZERO; 5];
-        for (order, excess) in (0..).zip(&mut excess) {
-            *excess = exceeding(&equation, source, reach, order);
-        }
-        for (order, base) in (0..).zip(&mut base) {
-            *base = largest(source, order)[1];
-        }
+        let (base, excess) = bounds(&equation, source, reach);
         let step = R::power_of_two(reach);
         Self { equation, source: source.clone(), base, reach, step, excess }
     }

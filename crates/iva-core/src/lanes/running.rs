@@ -18,7 +18,7 @@ pub(super) struct Running<'a, S: SideBySide> {
     /// Number of lanes with a run.
     live: usize,
     /// The observer of the run that ended last, whose memory the next run can use.
-    spare: Option<Summary<S>>,
+    spare: Option<Box<Summary<S>>>,
 }
 
 impl<'a, S: SideBySide> Running<'a, S> {

@@ -12,71 +12,71 @@
 macro_rules! summary {
     ($build:ident) => {
         $build! {
-            "outcome" Text [Run] |run| run.tally.outcome.name(),
+            "outcome" Text [Run] |run| run.ended.tally.outcome.name(),
                 "finished, impact_limit, work_limit, not_finite or cancelled";
-            "impacts" Count [Run] |run| run.tally.impacts,
+            "impacts" Count [Run] |run| run.ended.tally.impacts,
                 "listed impacts";
-            "effective_impacts" Count [Run] |run| run.tally.effective_impacts,
+            "effective_impacts" Count [Run] |run| run.ended.tally.effective_impacts,
                 "listed impacts at which the masses moved towards each other";
-            "episodes" Count [Run] |run| run.tally.episodes,
+            "episodes" Count [Run] |run| run.ended.tally.episodes,
                 "chatters that ended in stick, plastic sticks, starts at rest on a pressed wall";
-            "undecided" Count [Run] |run| run.tally.undecided,
+            "undecided" Count [Run] |run| run.ended.tally.undecided,
                 "extrema of the gap within rounding of a wall, counted as no contact";
-            "time_stuck" Time [Run] |run| run.tally.time_stuck,
+            "time_stuck" Time [Run] |run| run.ended.tally.time_stuck,
                 "total time on a wall";
-            "damping_ratio_1" Ratio [Peaks Larger] |run| run.values.damping_ratio_1,
+            "damping_ratio_1" Ratio [Peaks Larger] |run| run.ended.measures.damping_ratio_1,
                 "from the logarithmic decrement over 1 cycle";
-            "damping_ratio_3" Ratio [Peaks Larger] |run| run.values.damping_ratio_3,
+            "damping_ratio_3" Ratio [Peaks Larger] |run| run.ended.measures.damping_ratio_3,
                 "from the logarithmic decrement over 3 cycles";
-            "damping_ratio_10" Ratio [Peaks Larger] |run| run.values.damping_ratio_10,
+            "damping_ratio_10" Ratio [Peaks Larger] |run| run.ended.measures.damping_ratio_10,
                 "from the logarithmic decrement over 10 cycles";
-            "damping_ratio_fit" Ratio [Peaks Larger] |run| run.values.damping_ratio_fit,
+            "damping_ratio_fit" Ratio [Peaks Larger] |run| run.ended.measures.damping_ratio_fit,
                 "from the least-squares line of ln peak over time, down to 5 %";
-            "damping_ratio_energy" Ratio [FirstPeriod Larger] |run| run.values.damping_ratio_energy,
+            "damping_ratio_energy" Ratio [FirstPeriod Larger] |run| run.ended.measures.damping_ratio_energy,
                 "from the energy lost in the first period";
-            "settling_time_10" Time [Settling Smaller] |run| run.values.settling_time_10,
+            "settling_time_10" Time [Settling Smaller] |run| run.ended.measures.settling_time_10,
                 "last instant at which |x| is 10 % of the reference amplitude";
-            "settling_time_5" Time [Settling Smaller] |run| run.values.settling_time_5,
+            "settling_time_5" Time [Settling Smaller] |run| run.ended.measures.settling_time_5,
                 "last instant at which |x| is 5 % of the reference amplitude";
-            "settling_time_2" Time [Settling Smaller] |run| run.values.settling_time_2,
+            "settling_time_2" Time [Settling Smaller] |run| run.ended.measures.settling_time_2,
                 "last instant at which |x| is 2 % of the reference amplitude";
-            "residual_amplitude" Ratio [Residual Smaller] |run| run.values.residual_amplitude,
+            "residual_amplitude" Ratio [Residual Smaller] |run| run.ended.measures.residual_amplitude,
                 "largest |x| of the last period over the reference amplitude";
-            "energy_initial" Energy [Run] |run| run.values.energy_initial,
+            "energy_initial" Energy [Run] |run| run.ended.measures.energy_initial,
                 "total energy at time zero";
-            "energy_impacts" Energy [Run] |run| run.tally.energy_impacts,
+            "energy_impacts" Energy [Run] |run| run.ended.tally.energy_impacts,
                 "energy lost in impacts";
-            "energy_viscous" Energy [Ledger] |run| run.values.energy_viscous,
+            "energy_viscous" Energy [Ledger] |run| run.ended.measures.energy_viscous,
                 "energy lost in the damper, integrated along the flights";
-            "energy_final" Energy [Run] |run| run.values.energy_final,
+            "energy_final" Energy [Run] |run| run.ended.measures.energy_final,
                 "total energy at the end";
-            "energy_residual" Energy [Ledger] |run| run.values.energy_residual,
+            "energy_residual" Energy [Ledger] |run| run.ended.measures.energy_residual,
                 "initial + work − impacts − viscous − pivot − final";
-            "energy_pivot" Energy [Ledger] |run| run.values.energy_pivot,
+            "energy_pivot" Energy [Ledger] |run| run.ended.measures.energy_pivot,
                 "energy lost in the pivot of a pendulum, integrated along the flights; else 0";
             "stop_reachable" Flag [Run] |run| run.scene.stop_reachable(),
                 "the absorber can reach its stops at all; null without absorber";
             "gravity" Acceleration [Run] |run| run.scene.gravity(),
                 "acceleration of gravity: on a pendulum, given or following from frequency and length; on a free mass whose line of motion rises";
-            "energy_work" Energy [Ledger] |run| run.values.energy_work,
+            "energy_work" Energy [Ledger] |run| run.ended.measures.energy_work,
                 "work of force and base, integrated along the motion; 0 in free decay";
-            "amplitude_max" Length [Amplitude Smaller] |run| run.settled(|it| it.values.amplitude_max),
+            "amplitude_max" Length [Amplitude Smaller] |run| run.steady(|it| it.amplitude_max),
                 "largest |x| under force, after the discarded cycles";
-            "amplitude_rms" Length [Rms Smaller] |run| run.settled(|it| it.values.amplitude_rms),
+            "amplitude_rms" Length [Rms Smaller] |run| run.steady(|it| it.amplitude_rms),
                 "root mean square of x under force, after the discarded cycles";
-            "reduction" Ratio [Reduction Larger] |run| run.settled(Settled::reduction),
+            "reduction" Ratio [Reduction Larger] |run| run.reduction(),
                 "1 - amplitude_max over that without absorber, under the same force; null without absorber";
-            "transmissibility" Ratio [Acceleration Smaller] |run| run.settled(Settled::transmissibility),
+            "transmissibility" Ratio [Acceleration Smaller] |run| run.transmissibility(),
                 "largest absolute acceleration between impacts over the largest of the base";
-            "impacts_per_cycle" Ratio [ImpactsPerCycle] |run| run.settled(|it| it.values.impacts_per_cycle),
+            "impacts_per_cycle" Ratio [ImpactsPerCycle] |run| run.steady(|it| it.impacts_per_cycle),
                 "listed impacts over cycles of the harmonic force, after the discarded ones";
-            "regime" Text [Regime] |run| run.settled(|it| it.values.regime.map(|regime| regime.to_string())),
+            "regime" Text [Regime] |run| run.steady(|it| it.regime.map(|regime| regime.to_string())),
                 "n:m, n impacts in m cycles if the state comes back; no_impacts or modulated";
-            "condition" Ratio [Errors] |run| run.condition,
+            "condition" Ratio [Errors] |run| run.ended.condition,
                 "largest change of an impact time per unit change of the start (errors asked for)";
-            "digits" Ratio [Errors] |run| run.digits,
+            "digits" Ratio [Errors] |run| run.ended.digits,
                 "-log10 of the largest time_error over the time or 1/ωn (errors asked for)";
-            "tier" Text [Run] |run| run.tier.name(),
+            "tier" Text [Run] |run| run.ended.tier.name(),
                 "exact, or fast where a tolerance was given and the fast tier made the row";
             "approach_speed_max" Velocity [Run Smaller] |run| run.approach_speed(),
                 "largest approach speed of all impacts, 0 without any; null without absorber";
@@ -84,7 +84,7 @@ macro_rules! summary {
                 "largest impulse of an impact on the structure, 0 without any; null without absorber";
             "peak_force_estimate" Force [Run Smaller] |run| run.peak_force(),
                 "largest force of an impact as a half sine of the contact time given; null without one";
-            "reduction_rms" Ratio [RmsReduction Larger] |run| run.settled(Settled::reduction_rms),
+            "reduction_rms" Ratio [RmsReduction Larger] |run| run.reduction_rms(),
                 "1 - amplitude_rms over that without absorber, under the same force; null without absorber";
             "acceleration_max" Acceleration [Shaking Smaller] |run| run.acceleration(),
                 "largest absolute acceleration of the structure between impacts, under force after the discarded cycles (asked for by name)";

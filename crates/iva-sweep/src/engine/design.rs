@@ -62,6 +62,11 @@ impl<R: Real> Design<R> {
         let from = (scene.primary(), self.begin);
         steady::without_absorber(force, zeta, from, window, limits, Some(cancel))
     }
+
+    /// The tier of a run that goes by itself: free masses have a fast one in lanes only.
+    pub(crate) fn tier_alone(&self) -> Tier {
+        self.scene.pendulum().map_or(Tier::Exact, |_| self.tier)
+    }
 }
 
 impl<R: Real> Given<'_, R> {
@@ -194,7 +199,7 @@ impl<R: Real> Given<'_, R> {
                 }
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
-                Ok(Scene::Piva { system, start, gravity })
+                Ok(Scene::Piva { system: Box::new(system), start, gravity })
             }
             Kind::None => {
                 let system = Alone::new(self.damping_ratio(scale, units)?)?;

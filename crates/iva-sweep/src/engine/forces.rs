@@ -33,6 +33,9 @@ pub(crate) fn force<R: Real>(
     units: UnitSystem,
 ) -> Result<Force<R>, Invalid> {
     let forces = given.spec.forces();
+    if forces.is_empty() {
+        return Ok(Force::default());
+    }
     let (mut harmonics, mut records, mut impulses) = (Vec::new(), Vec::new(), Vec::new());
     for (number, spec) in forces.iter().enumerate() {
         let reader = Reader { given, spec, number, count: forces.len(), scale, units };

@@ -9,19 +9,17 @@ use iva_core::observe::{Events, Observer};
 use iva_core::peaks::Envelope;
 use iva_core::piva::Piva;
 use iva_core::real::Real;
-use iva_core::simulate::{Tally, simulate_from};
+use iva_core::simulate::simulate_from;
 use iva_core::siva::Siva;
-use iva_core::steady::{Steady, SteadyValues, SteadyWanted};
+use iva_core::steady::{Steady, SteadyWanted};
 use iva_core::summary::Summary;
 use iva_core::system::System;
 
 use super::design::Design;
-use super::rows::{
-    Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, RunRow, Settled, StrobeRow, SummaryColumn,
-};
+use super::ended::Ended;
+use super::rows::{Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, StrobeRow, SummaryColumn};
 use super::scene::with_system;
 use crate::columns::Group;
-use crate::done::Done;
 use crate::error::Invalid;
 use crate::study::{Study, Table};
 
@@ -78,24 +76,6 @@ impl Request {
 }
 
 impl Request {
-    /// The steady state of a driven run, with the motion without absorber; `None` if none of it is wanted.
-    ///
-    /// # Errors
-    /// As [`Design::without_absorber`].
-    pub fn settled<'a, R: Real>(
-        &self,
-        design: &Design<R>,
-        values: Option<&'a SteadyValues<R>>,
-        cancel: &AtomicBool,
-    ) -> Result<Option<Settled<'a, R>>, Invalid> {
-        let Some(values) = values else { return Ok(None) };
-        let bare = match self.reduction && design.scene.absorber().is_some() {
-            true => design.without_absorber(cancel)?,
-            false => None,
-        };
-        Ok(Some(Settled { values, bare, moves_base: design.scene.moves_base() }))
-    }
-
     /// True if the summary is wanted, and nothing else of a run: no other table, no strobes, no errors.
     pub fn summary_alone(&self) -> bool {
         let Self { summary, impacts, episodes, envelope, errors, steady, .. } = self;
@@ -128,7 +108,7 @@ pub(crate) trait Estimates<S: System>: Observer<S> {
 /// The receiver of the rows of each table.
 pub(crate) type Take<'a, R> = dyn FnMut(Table, &mut dyn Iterator<Item = Cell<R>>) + 'a;
 
-/// Runs a point and hands out its rows, table by table; returns its outcome and work as counts.
+/// Runs a point and hands out the rows of its events, table by table; returns its result.
 ///
 /// # Errors
 /// [`Invalid`] if the core refuses the design.
@@ -140,7 +120,7 @@ pub(crate) fn run<R: Real, E>(
     cancel: &AtomicBool,
     estimates: E,
     take: &mut Take<'_, R>,
-) -> Result<Done, Invalid>
+) -> Result<Ended<R>, Invalid>
 where
     E: Estimates<Siva<UndrivenHost<R>>>
         + Estimates<Siva<DrivenHost<R>>>
@@ -160,14 +140,12 @@ struct Point<'a, R: Real> {
     cancel: &'a AtomicBool,
 }
 
-/// The observers of a run, after the run.
-struct Seen<S: System, E> {
-    tally: Tally<S::State, S::Real>,
-    events: Option<Events<S::Real>>,
-    envelope: Option<Envelope<S::Real>>,
-    summary: Option<Summary<S>>,
-    extremes: Option<Extremes<S::Real>>,
-    estimates: E,
+/// The events that a run has shown to its observers.
+struct Seen<'a, R, E> {
+    events: Option<Events<R>>,
+    envelope: Option<Envelope<R>>,
+    steady: Option<&'a Steady<R>>,
+    estimates: &'a E,
 }
 
 impl<R: Real> Point<'_, R> {
@@ -177,7 +155,7 @@ impl<R: Real> Point<'_, R> {
         start: &S::Start,
         estimates: E,
         take: &mut Take<'_, R>,
-    ) -> Result<Done, Invalid> {
+    ) -> Result<Ended<R>, Invalid> {
         let Self { study, design, request, cancel, .. } = *self;
         // In free decay extremes count from the begin of the run.
         let from = if system.is_driven() { design.window.from } else { design.begin };
@@ -195,31 +173,32 @@ impl<R: Real> Point<'_, R> {
         );
         let (begin, limits) = (design.begin, &design.limits);
         let tally = simulate_from(system, start, begin, limits, Some(cancel), &mut observers)?;
-        let done = Done::run(tally.outcome.name(), tally.work);
         let (events, (envelope, (summary, (extremes, estimates)))) = observers;
-        let seen = Seen { tally, events, envelope, summary, extremes, estimates };
+        let steady = summary.as_ref().and_then(Summary::steady);
+        let found = Seen { events, envelope, steady, estimates: &estimates };
         for table in &study.tables {
-            self.rows(*table, system, &seen, take)?;
+            self.rows(*table, system, &found, take);
         }
-        Ok(done)
+        let measures = summary.as_ref().map(Summary::values).copied().unwrap_or_default();
+        let values = (tally.without_state(), measures, steady.map(Steady::values).copied());
+        let tier = design.tier_alone();
+        let ended = Ended::new(design, values, tier, request.reduction, cancel)?;
+        let [condition, digits] = estimates.of_run();
+        let extremes = extremes.as_ref().map(Extremes::values).copied();
+        Ok(Ended { extremes, condition, digits, ..ended })
     }
 
     fn rows<S: System<Real = R>, E: Estimates<S>>(
         &self,
         table: Table,
         system: &S,
-        seen: &Seen<S, E>,
+        seen: &Seen<'_, R, E>,
         take: &mut Take<'_, R>,
-    ) -> Result<(), Invalid> {
-        let Self { study, point, design, .. } = *self;
+    ) {
+        let design = self.design;
         let (scale, events) = (&design.scale, seen.events.iter());
         let mut row = |cells: &mut dyn Iterator<Item = Cell<R>>| take(table, cells);
         match table {
-            Table::Summary => {
-                if let Some(run) = self.summary(seen)? {
-                    row(&mut run.cells(&self.request.columns, &study.swept(point), point));
-                }
-            }
             Table::Impacts => {
                 let impacts = events.flat_map(|events| &events.impacts).enumerate();
                 for (index, impact) in impacts {
@@ -246,35 +225,17 @@ impl<R: Real> Point<'_, R> {
             Table::Stroboscope => {
                 let mut before = None;
                 let has_absorber = design.scene.absorber().is_some();
-                let steady = seen.summary.as_ref().and_then(Summary::steady);
-                for strobe in steady.into_iter().flat_map(Steady::strobes) {
+                for strobe in seen.steady.into_iter().flat_map(Steady::strobes) {
                     row(&mut self.numbered(&StrobeRow { strobe, before, has_absorber, scale }));
                     before = Some(strobe);
                 }
             }
-            Table::Trajectory => {}
+            Table::Summary | Table::Trajectory => {}
         }
-        Ok(())
     }
 
     /// The cells of a row, after the number of the point.
     fn numbered(&self, row: &impl Row<R>) -> impl Iterator<Item = Cell<R>> {
-        // `Study::points` ensures that points are below 2^32.
-        std::iter::once(Cell::Point(self.point as u32)).chain(row.cells())
-    }
-
-    fn summary<'a, S: System<Real = R>, E: Estimates<S>>(
-        &'a self,
-        seen: &'a Seen<S, E>,
-    ) -> Result<Option<RunRow<'a, R>>, Invalid> {
-        let Self { design, request, cancel, .. } = *self;
-        let Some(summary) = seen.summary.as_ref().filter(|_| request.summary) else {
-            return Ok(None);
-        };
-        let settled = request.settled(design, summary.steady_values(), cancel)?;
-        let [condition, digits] = seen.estimates.of_run();
-        let extremes = seen.extremes.as_ref().map(Extremes::values);
-        let run = RunRow::new(design, seen.tally.without_state(), summary.values());
-        Ok(Some(RunRow { settled, extremes, condition, digits, ..run }))
+        std::iter::once(Cell::point(self.point)).chain(row.cells())
     }
 }

@@ -1,24 +1,24 @@
 //! Rows of the result tables, in the user's units. Their columns and cells are defined in
 //! [`crate::columns::tables`].
 
+use std::iter;
+
 use super::design::Design;
+use super::ended::Ended;
 use super::scale::Scale;
 use super::scene::Scene;
 use iva_core::extremes::ExtremeValues;
 use iva_core::impact::Impact;
-use iva_core::lanes::Tier;
-use iva_core::measures::MeasureValues;
 use iva_core::observe::StickEpisode;
 use iva_core::peaks::Peak;
 use iva_core::real::Real;
-use iva_core::simulate::Tally;
-use iva_core::steady::{Bare, SteadyValues, Strobe};
+use iva_core::steady::{SteadyValues, Strobe};
 use iva_core::system::{Angle, Wall};
 
 use crate::columns::SUMMARY;
 use crate::columns::tables as entries;
 use crate::study::Study;
-use crate::tables::{self, cells};
+use crate::tables::{self, TableBuilder, cells};
 
 /// One value of a row.
 pub(crate) type Cell<R = f64> = tables::Cell<R>;
@@ -32,55 +32,83 @@ pub(crate) struct SummaryColumn {
     asked: bool,
 }
 
+/// The row of one point in the table `summary`: the point, the swept parameters, then the columns.
+pub(crate) fn summary_row<R: Real>(
+    study: &Study,
+    point: u64,
+    design: &Design<R>,
+    ended: &Ended<R>,
+    columns: &[SummaryColumn],
+) -> Vec<Cell<R>> {
+    let row = RunRow::new(design, ended);
+    let swept = study.swept(point).into_iter().map(|value| Cell::Number(R::given(value, false)));
+    let cells = columns.iter().map(|column| column.cell(&row));
+    iter::once(Cell::point(point)).chain(swept).chain(cells).collect()
+}
+
+/// Writes the rows of some points, the first of which has this number, to the table `summary`.
+pub(crate) fn write_summary(
+    table: &mut TableBuilder,
+    study: &Study,
+    columns: &[SummaryColumn],
+    first: u64,
+    rows: &[RunRow<'_>],
+) {
+    let mut swept = Vec::new();
+    let points = first..first + rows.len() as u64;
+    points.clone().for_each(|point| study.sampling.push_values(point, &mut swept));
+    table.column(0, points.map(Cell::point));
+    let keys = study.sampling.keys().count();
+    for key in 0..keys {
+        let values = swept.iter().skip(key).step_by(keys);
+        table.column(1 + key, values.map(|value| Cell::Number(*value)));
+    }
+    for (index, column) in (1 + keys..).zip(columns) {
+        if column.asked {
+            table.column(index, rows.iter().map(|row| column.cell(row)));
+        } else {
+            table.nulls(index, rows.len());
+        }
+    }
+}
+
 impl SummaryColumn {
     /// All columns except those of swept parameters.
     pub fn of(study: &Study) -> Vec<Self> {
         let kept = SUMMARY.iter().enumerate().filter(|(_, column)| !study.sweeps(column.name));
         kept.map(|(entry, _)| Self { entry, asked: study.measures.has(entry) }).collect()
     }
+
+    /// Its cell in a row.
+    pub fn cell<R: Real>(self, row: &RunRow<'_, R>) -> Cell<R> {
+        if self.asked { row.cell(self.entry) } else { Cell::Null }
+    }
 }
 
-/// The data of a row of `summary`.
+/// A row of `summary`.
 pub(crate) struct RunRow<'a, R: Real = f64> {
-    pub tally: Tally<(), R>,
-    pub values: &'a MeasureValues<R>,
-    pub settled: Option<Settled<'a, R>>,
-    pub extremes: Option<&'a ExtremeValues<R>>,
-    pub condition: Option<R>,
-    pub digits: Option<R>,
-    pub tier: Tier,
+    pub ended: &'a Ended<R>,
     pub contact_rate: Option<R>,
     pub scene: &'a Scene<R>,
     pub scale: &'a Scale<R>,
 }
 
 impl<'a, R: Real> RunRow<'a, R> {
-    /// A run in free decay, without extremes and estimates of errors.
-    pub fn new(design: &'a Design<R>, tally: Tally<(), R>, values: &'a MeasureValues<R>) -> Self {
+    /// The row of a run.
+    pub fn new(design: &'a Design<R>, ended: &'a Ended<R>) -> Self {
         let Design { scene, scale, contact_rate, .. } = design;
-        let contact_rate = *contact_rate;
-        let tier = match scene {
-            Scene::Piva { .. } => design.tier,
-            _ => Tier::Exact,
-        };
-        let (settled, extremes, condition, digits) = (None, None, None, None);
-        Self {
-            tally,
-            values,
-            settled,
-            extremes,
-            condition,
-            digits,
-            tier,
-            contact_rate,
-            scene,
-            scale,
-        }
+        Self { ended, contact_rate: *contact_rate, scene, scale }
+    }
+
+    /// The cell of an entry of the table.
+    fn cell(&self, entry: usize) -> Cell<R> {
+        let cells: &[fn(&Self) -> Cell<R>] = &entries::summary!(cells);
+        cells[entry](self)
     }
 
     /// Largest approach speed; `None` without absorber.
     fn approach_speed(&self) -> Option<R> {
-        let [plus, minus] = self.tally.approach_speeds;
+        let [plus, minus] = self.ended.tally.approach_speeds;
         self.scene.absorber().map(|_| R::larger(plus, minus))
     }
 
@@ -99,7 +127,7 @@ impl<'a, R: Real> RunRow<'a, R> {
     fn gained(&self) -> Option<R> {
         self.scene.absorber()?;
         let gained = [Wall::Plus, Wall::Minus].map(|wall| {
-            let speed = self.tally.approach_speeds[wall.index()];
+            let speed = self.ended.tally.approach_speeds[wall.index()];
             // A pendulum that cannot reach its stops has no impact law.
             if speed > 0.0 { self.scene.impact_gain(wall).abs() * speed } else { R::ZERO }
         });
@@ -108,60 +136,36 @@ impl<'a, R: Real> RunRow<'a, R> {
 
     /// Largest acceleration: in the steady state under force, otherwise in the whole decay.
     fn acceleration(&self) -> Option<R> {
-        let driven = self.settled(|it| it.values.acceleration_max);
-        let found = driven.or_else(|| self.extremes.and_then(|it| it.acceleration));
+        let driven = self.steady(|it| it.acceleration_max);
+        let found = driven.or_else(|| self.ended.extremes.and_then(|it| it.acceleration));
         found.map(|acceleration| self.scale.acceleration(acceleration))
     }
 
     /// An extreme of the absorber; `None` without absorber.
     fn extreme(&self, read: fn(&ExtremeValues<R>) -> Option<R>) -> Option<R> {
-        self.scene.absorber().and(self.extremes).and_then(read)
+        self.scene.absorber()?;
+        self.ended.extremes.as_ref().and_then(read)
     }
 
-    fn settled<T>(&self, read: impl Fn(&Settled<'a, R>) -> Option<T>) -> Option<T> {
-        self.settled.as_ref().and_then(read)
+    /// A measure of the steady state; `None` where there is none.
+    fn steady<T>(&self, read: impl Fn(&SteadyValues<R>) -> Option<T>) -> Option<T> {
+        self.ended.steady.as_ref().and_then(read)
     }
 
-    /// The row: the point, the swept parameters, then the columns.
-    pub fn cells(
-        &self,
-        columns: &[SummaryColumn],
-        swept: &[f64],
-        point: u64,
-    ) -> impl Iterator<Item = Cell<R>> {
-        let cells: &[fn(&Self) -> Cell<R>] = &entries::summary!(cells);
-        let asked_for = columns.iter().map(|column| match column.asked {
-            true => cells[column.entry](self),
-            false => Cell::Null,
-        });
-        let swept = swept.iter().map(|value| Cell::Number(R::given(*value, false)));
-        // `Study::points` ensures that points are below 2^32.
-        std::iter::once(Cell::Point(point as u32)).chain(swept).chain(asked_for)
-    }
-}
-
-/// The steady state of a driven run.
-pub(crate) struct Settled<'a, R = f64> {
-    pub values: &'a SteadyValues<R>,
-    /// Amplitudes of the structure without absorber.
-    pub bare: Option<Bare<R>>,
-    pub moves_base: bool,
-}
-
-impl<R: Real> Settled<'_, R> {
     /// 1 − amplitude over that without absorber; null if the latter is 0 or unbounded.
     fn reduction(&self) -> Option<R> {
-        reduced(self.values.amplitude_max?, self.bare?.amplitude)
+        reduced(self.steady(|it| it.amplitude_max)?, self.ended.bare?.amplitude)
     }
 
     /// 1 − root mean square over that without absorber.
     fn reduction_rms(&self) -> Option<R> {
-        reduced(self.values.amplitude_rms?, self.bare?.rms)
+        reduced(self.steady(|it| it.amplitude_rms)?, self.ended.bare?.rms)
     }
 
     fn transmissibility(&self) -> Option<R> {
-        let base = self.values.base_max.filter(|base| self.moves_base && *base > 0.0)?;
-        Some(self.values.acceleration_max? / base)
+        let base = self.steady(|it| it.base_max);
+        let base = base.filter(|base| self.scene.moves_base() && *base > 0.0)?;
+        Some(self.steady(|it| it.acceleration_max)? / base)
     }
 }
 

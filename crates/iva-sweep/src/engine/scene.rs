@@ -8,8 +8,7 @@ use iva_core::real::Real;
 use iva_core::siva::Siva;
 use iva_core::system::{Point, Start, System, Wall};
 
-/// The system of the core that a run simulates, with its start. It is created once per run, on the stack.
-#[allow(clippy::large_enum_variant)]
+/// The system of the core that a run simulates, with its start.
 #[derive(Debug, Clone)]
 pub enum Scene<R: Real = f64> {
     /// A free mass in free decay.
@@ -44,8 +43,8 @@ pub enum Scene<R: Real = f64> {
     },
     /// A pendulum.
     Piva {
-        /// The absorber.
-        system: Piva<R>,
+        /// The absorber, which is much larger than all others.
+        system: Box<Piva<R>>,
         /// State at time zero.
         start: PivaStart<R>,
         /// Acceleration of gravity in the user's unit; `None` for small angles without a length: then the
@@ -64,7 +63,10 @@ macro_rules! with_system {
             }
             $crate::engine::scene::Scene::Alone { system: $system, start: $start } => $body,
             $crate::engine::scene::Scene::DrivenAlone { system: $system, start: $start } => $body,
-            $crate::engine::scene::Scene::Piva { system: $system, start: $start, .. } => $body,
+            $crate::engine::scene::Scene::Piva { system, start: $start, .. } => {
+                let $system = &**system;
+                $body
+            }
         }
     };
 }

@@ -334,7 +334,7 @@ fn work_of(study: &Study) -> u64 {
         Scene::DrivenSiva { system, start, .. } => tally(&system, &start, &design.limits),
         Scene::Alone { system, start } => tally(&system, &start, &design.limits),
         Scene::DrivenAlone { system, start } => tally(&system, &start, &design.limits),
-        Scene::Piva { system, start, .. } => tally(&system, &start, &design.limits),
+        Scene::Piva { system, start, .. } => tally(&*system, &start, &design.limits),
     }
 }
 
