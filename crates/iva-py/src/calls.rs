@@ -218,7 +218,6 @@ pub(crate) fn named(tables: engine::Tables) -> Tables {
 fn run(py: Python<'_>, study: Study) -> PyResult<Tables> {
     let tables = worker::run(py, None, move |shared| {
         let workers = engine::Workers::caller();
-        engine::validate(&study, &workers, &shared.cancel, &|_| {})?;
         let control = engine::Control {
             workers: &workers,
             chunk: None,

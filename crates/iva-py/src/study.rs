@@ -16,7 +16,9 @@ use iva_sweep::identity::Identity;
 use iva_sweep::plan::{MAX_PART_POINTS, Plan, Trial, memory};
 use iva_sweep::sampling::Sampling;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::sweep::{Control, MAX_THREADS, SweepError, Workers, sweep, validate};
+use iva_sweep::sweep::{
+    Control, DESIGNED_FIRST, MAX_THREADS, SweepError, Workers, sweep, validate,
+};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 
@@ -27,7 +29,7 @@ use crate::errors::{internal, invalid, refused};
 use crate::worker::{self, Progress, Shared};
 
 /// Number of points whose tables always fit into memory.
-const FEW: u64 = 4096;
+const FEW: u64 = DESIGNED_FIRST;
 /// Size of the tables that are joined in one batch, in bytes.
 const BATCH_BYTES: f64 = 1e8;
 
@@ -110,7 +112,9 @@ impl PyStudy {
                 refuse_too_large(&study, limit, &workers, &shared.cancel)?;
             }
             // An invalid point is reported before any point is run.
-            validate(&study, &workers, &shared.cancel, &|_| {})?;
+            if points > DESIGNED_FIRST {
+                validate(&study, &workers, &shared.cancel, &|_| {})?;
+            }
             let batch = batch_points(&study, &workers, &shared.cancel)?;
             let progress = |done| shared.add(done);
             let (chunk, cancel) = (None, &shared.cancel);

@@ -1,6 +1,7 @@
 //! A study: one spec, the points swept over it, and the tables to write.
 
 use std::fmt;
+use std::ops::Range;
 
 use iva_core::error::Invalid;
 
@@ -154,6 +155,15 @@ impl Study {
         let mut designer = self.designer();
         designer.place(point)?;
         Ok(designer.spec)
+    }
+
+    /// The designs of some points.
+    ///
+    /// # Errors
+    /// As [`Study::design`].
+    pub(crate) fn designs(&self, points: Range<u64>) -> Result<Vec<Design>, Invalid> {
+        let mut designer = self.designer();
+        points.map(|point| designer.design(point)).collect()
     }
 
     /// The design of a point.

@@ -3,6 +3,7 @@
 //! Each worker takes a chunk of consecutive points and builds its rows; the chunks are joined in order. So
 //! the tables do not depend on the number of threads or the size of the chunks.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -62,6 +63,8 @@ impl Control<'_> {
 
 /// Largest number of points that are designed and run at once.
 const CHUNK: u64 = 256;
+/// Largest number of points that are all designed before the first of them is run: some megabytes.
+pub const DESIGNED_FIRST: u64 = 4096;
 /// Largest default number of points that one of several workers takes at once.
 const SHARE: u64 = 4096;
 /// Number of points that a worker checks at once, some hundred microseconds of work.
@@ -104,15 +107,17 @@ fn checked(study: &Study) -> Result<(), Invalid> {
     study.sampling.check(study.spec.choices().kind)
 }
 
-/// Runs a range of points and builds the tables of the study over them.
+/// Runs a range of points and builds the tables of the study over them. An invalid point among at most
+/// [`DESIGNED_FIRST`] of them is reported before any point is run.
 ///
 /// # Errors
-/// [`SweepError`] for an invalid point.
+/// [`SweepError`] for an invalid point, or a study that is invalid as a whole.
 pub fn sweep(
     study: &Study,
     points: Range<u64>,
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
+    checked(study)?;
     let schemas = schemas(study)?;
     let length = points.end.saturating_sub(points.start);
     // Several shares per worker, so that all workers stay busy.
@@ -121,10 +126,22 @@ pub fn sweep(
         workers => length.div_ceil(8 * workers).min(SHARE),
     };
     let share = control.chunk.map_or(share, |chunk| chunk as u64).max(1);
-    let parts = control.workers.map(length.div_ceil(share), |index| {
+    let shares = length.div_ceil(share);
+    let points_of = |index: u64| {
         let first = points.start + index * share;
-        run_share(study, first..points.end.min(first + share), &schemas, control)
-    });
+        first..points.end.min(first + share)
+    };
+    let workers = control.workers;
+    let parts = if length <= DESIGNED_FIRST {
+        let designed = workers.map(shares, |index| study.designs(points_of(index)));
+        let designed = designed.into_iter().collect::<Result<Vec<_>, _>>()?;
+        workers.map(shares, |index| {
+            let designs = Some(designed[index as usize].as_slice());
+            run_share(study, points_of(index), designs, &schemas, control)
+        })
+    } else {
+        workers.map(shares, |index| run_share(study, points_of(index), None, &schemas, control))
+    };
     join(&schemas, parts)
 }
 
@@ -154,18 +171,21 @@ fn join(schemas: &Schemas, parts: Vec<Result<Tables, SweepError>>) -> Result<Tab
 fn run_share(
     study: &Study,
     points: Range<u64>,
+    designed: Option<&[Design]>,
     schemas: &Schemas,
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
     let request = Request::new(study);
     let mut builders = builders(schemas, (points.end - points.start) as usize);
-    let mut designer = study.designer();
     let mut first = points.start;
     while first < points.end && !control.cancelled() {
         let chunk = first..points.end.min(first + CHUNK);
+        let place = |point: u64| (point - points.start) as usize;
+        let designs = match designed {
+            Some(all) => Cow::Borrowed(&all[place(first)..place(chunk.end)]),
+            None => Cow::Owned(study.designs(chunk.clone())?),
+        };
         first = chunk.end;
-        let designs = chunk.clone().map(|point| designer.design(point));
-        let designs = designs.collect::<Result<Vec<_>, _>>()?;
         let done = run_chunk(study, chunk, &designs, &request, control, &mut builders)?;
         (control.progress)(done);
     }

@@ -15,6 +15,10 @@ use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E, PI};
 use crate::real::pick;
 use crate::taylor::unrolled;
 
+pub(crate) use passage::Passage;
+
+mod passage;
+
 /// The largest damping ratio of a structure for which the closed form is used: close to critical damping it
 /// loses digits, as s is a quotient of small numbers.
 pub(crate) const MOST_DAMPED: f64 = 0.8;
@@ -208,44 +212,7 @@ impl Sinusoid {
         let swing = (0.5 * self.decay / self.stiffness) * (turning(to) - turning(from));
         (-0.5 * less).mul_add(s.mul_add(s, x * x), swing)
     }
-
-    /// x − level, ẋ and ẍ a time h after a state.
-    #[inline(always)]
-    fn above(&self, level: f64, from: Motion, h: f64) -> [f64; 3] {
-        let [x, v] = self.after(from, h);
-        [x - level, v, self.acceleration([x, v])]
-    }
-
-    /// The instant between two times at which x is `level`; x − level has unlike signs at both.
-    #[inline(always)]
-    pub fn passage(&self, from: Motion, level: f64, [mut low, mut high]: Motion) -> f64 {
-        let [[first, ..], [last, ..]] =
-            [self.above(level, from, low), self.above(level, from, high)];
-        let mut h = low + (high - low) * (first / (first - last)).clamp(0.0, 1.0);
-        for _ in 0..MOST_STEPS {
-            let [value, rate, bend] = self.above(level, from, h);
-            if value == 0.0 {
-                break;
-            }
-            if (value > 0.0) == (first > 0.0) {
-                low = h;
-            } else {
-                high = h;
-            }
-            let next = h - value * rate / rate.mul_add(rate, -0.5 * value * bend);
-            let next = if next > low && next < high { next } else { low.midpoint(high) };
-            let still = (next - h).abs() <= f64::EPSILON * high;
-            h = next;
-            if still {
-                break;
-            }
-        }
-        h
-    }
 }
-
-/// Largest number of steps to a passage: as many as halvings can be told apart.
-const MOST_STEPS: usize = 100;
 
 /// Sine and cosine of an angle, sine less angle, and cosine less 1.
 struct Turned {
@@ -419,15 +386,27 @@ mod tests {
     }
 
     #[test]
-    fn a_passage_lies_on_its_level() {
-        let sinusoid = Sinusoid::new(1.0, 0.05);
-        let from = [1.0, 0.2];
-        let (turn, x) = sinusoid.first_turn(from);
-        for share in [0.999_999, 0.9, 0.5, 0.0, -0.7, -0.85] {
-            let level = share * x;
-            let h = sinusoid.passage(from, level, [turn, turn + sinusoid.half]);
-            let [there, _] = by_series(1.0, 0.05, from, h);
-            assert!((there - level).abs() < 4e-16, "{share}: {:e}", there - level);
+    fn passages_lie_on_their_levels() {
+        for (ratio, from) in [(0.0, [1.0, 0.2]), (0.05, [1.0, 0.2]), (0.8, [-0.3, 0.7])] {
+            let sinusoid = Sinusoid::new(1.0, ratio);
+            let turn = sinusoid.first_turn(from);
+            // Between the first turn and the next 0, and after some turns more.
+            for later in [0, 1, 6] {
+                let (before, x) =
+                    (turn.0 + later as f64 * sinusoid.half, sinusoid.later_turn(turn.1, later));
+                for share in [0.999_999, 0.9, 0.5, 1e-3, 1e-9, 0.1] {
+                    let between = [before, before + sinusoid.half];
+                    let passage = Passage { from, level: share * x, between, turn };
+                    let [h, same] = sinusoid.passages(&[passage; 2]);
+                    let [there, _] = by_series(1.0, ratio, from, h);
+                    let off = (there - share * x).abs();
+                    assert!(off < 4e-16 * (1.0 + x.abs() * h), "{ratio} {later} {share}: {off:e}");
+                    assert!(
+                        h == same && between[0] < h && h < between[1],
+                        "{ratio} {later} {share}"
+                    );
+                }
+            }
         }
     }
 }

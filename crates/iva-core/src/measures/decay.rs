@@ -18,6 +18,8 @@ use crate::observe::Span;
 use crate::real::Real;
 use crate::system::{Clock, System};
 
+mod settle;
+
 /// Number of motions side by side.
 const BLOCK: usize = 16;
 /// More turning points than any motion has.
@@ -261,34 +263,6 @@ impl Decay {
                 return;
             }
             measures.reach(end.time.into(), end.x.into());
-        }
-    }
-
-    /// Finds the last passage of each settling level.
-    #[inline(always)]
-    fn settle<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
-        let amplitude = measures.reference.amplitude;
-        let mut levels = measures.settling.each_ref().map(|it| Some(it.level(amplitude).double()));
-        for (k, entry) in motions(log).iter().enumerate().rev() {
-            let Some(least) = levels.iter().flatten().copied().reduce(f64::min) else { return };
-            let structure = *self.structure(entry);
-            if structure.radius(entry.from()) <= least {
-                continue;
-            }
-            let end = &log[k + 1];
-            let mut right = (length(entry, end), end.x);
-            let turns = self.turns_of(k, entry, right.0);
-            for left in std::iter::once((0.0, entry.x)).chain(turns).rev() {
-                for (level, last) in levels.iter_mut().zip(&mut measures.settling) {
-                    let passes = |level: &f64| left.1.abs() > *level && right.1.abs() <= *level;
-                    if let Some(size) = level.take_if(|level| passes(level)) {
-                        let there = size.copysign(left.1);
-                        let h = structure.passage(entry.from(), there, [left.0, right.0]);
-                        last.passed_at(entry.clock().plus(h).value.into());
-                    }
-                }
-                right = left;
-            }
         }
     }
 

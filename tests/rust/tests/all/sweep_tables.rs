@@ -13,13 +13,14 @@ use iva_sweep::axis::Axis;
 use iva_sweep::choices::{Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection, columns};
 use iva_sweep::design::Spec;
+use iva_sweep::done::Done;
 use iva_sweep::fields::FieldId;
 use iva_sweep::forces::ForceSpec;
 use iva_sweep::sampling::Sampling;
 use iva_sweep::scene::Scene;
 use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::sweep::{Control, Tables, Workers, run_inline, sweep, validate};
+use iva_sweep::sweep::{Control, DESIGNED_FIRST, Tables, Workers, run_inline, sweep, validate};
 
 fn spec() -> Spec {
     with_scene(Spec::default())
@@ -90,7 +91,20 @@ fn run(study: &Study, threads: usize, chunk: Option<usize>, cancel: bool) -> (Ta
 
 fn refusal(study: &Study) -> String {
     let workers = Workers::new(Some(2)).unwrap();
-    validate(study, &workers, &AtomicBool::new(false), &|_| {}).unwrap_err().to_string()
+    let cancel = AtomicBool::new(false);
+    let refused = validate(study, &workers, &cancel, &|_| {}).unwrap_err().to_string();
+    // A sweep of few points says the same before it runs any of them.
+    if let Some(points) = study.points().ok().filter(|points| *points <= DESIGNED_FIRST) {
+        let ran = AtomicU64::new(0);
+        let progress = |more: Done| _ = ran.fetch_add(more.points, Ordering::Relaxed);
+        for chunk in [None, Some(1), Some(3)] {
+            let control =
+                Control { workers: &workers, chunk, cancel: &cancel, progress: &progress };
+            assert_eq!(sweep(study, 0..points, &control).unwrap_err().to_string(), refused);
+        }
+        assert_eq!(ran.into_inner(), 0);
+    }
+    refused
 }
 
 fn numbers(table: &RecordBatch, name: &str) -> Vec<Option<f64>> {
