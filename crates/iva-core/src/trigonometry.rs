@@ -58,7 +58,7 @@ pub fn plain_sine_cosine<R: Real>(angle: DoubleDouble<R>) -> (R, R) {
     (if down { -s } else { s }, if left { -c } else { c })
 }
 
-const fn negated<const K: usize>(mut terms: [f64; K]) -> [f64; K] {
+pub(crate) const fn negated<const K: usize>(mut terms: [f64; K]) -> [f64; K] {
     let mut k = 0;
     while k < K {
         terms[k] = -terms[k];
@@ -74,7 +74,7 @@ fn pick<R: Real>(which: bool, yes: DoubleDouble<R>, no: DoubleDouble<R>) -> Doub
 }
 
 /// The coefficients 1/n!, −1/(n+2)!, 1/(n+4)!, ….
-const fn factorials<const K: usize>(n: usize) -> [f64; K] {
+pub(crate) const fn factorials<const K: usize>(n: usize) -> [f64; K] {
     let mut terms = [0.0; K];
     let (mut k, mut factorial, mut i) = (0, 1.0, 1);
     while k < K {

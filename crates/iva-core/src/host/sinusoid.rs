@@ -14,6 +14,7 @@ use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E, PI};
 
 use crate::real::pick;
 use crate::taylor::unrolled;
+use crate::trigonometry::{factorials, negated};
 
 pub(crate) use passage::Passage;
 
@@ -136,8 +137,8 @@ impl Sinusoid {
     #[inline(always)]
     fn turned(&self, h: f64) -> Turned {
         /// The coefficients of sin r/r − 1 and cos r − 1 in powers of r² from r² on.
-        const SINE: [f64; 8] = alternating(3);
-        const COSINE: [f64; 8] = alternating(2);
+        const SINE: [f64; 8] = negated(factorials(3));
+        const COSINE: [f64; 8] = negated(factorials(2));
         let angle = self.omega * h;
         let angle_rest = self.omega.mul_add(h, -angle) + self.omega_rest * h;
         let shifted = angle.mul_add(FRAC_2_PI, TO_INTEGER);
@@ -273,22 +274,6 @@ fn arctangent(q: f64) -> f64 {
         sum = sum.mul_add(z, TERMS[4 - k]);
     });
     q * sum
-}
-
-/// The coefficients −1/n!, 1/(n+2)!, −1/(n+4)!, ….
-const fn alternating(n: usize) -> [f64; 8] {
-    let mut terms = [0.0; 8];
-    let (mut term, mut i, mut k) = (-1.0, 1, 0);
-    while k < terms.len() {
-        while i <= n + 2 * k {
-            term /= i as f64;
-            i += 1;
-        }
-        terms[k] = term;
-        term = -term;
-        k += 1;
-    }
-    terms
 }
 
 #[cfg(test)]

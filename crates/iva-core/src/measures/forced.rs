@@ -25,6 +25,7 @@ mod flights;
 mod integrals;
 
 use flights::{BLOCK, Block, Event, Flight, Flights, Part};
+use integrals::Integrals;
 
 /// Number of flights in a full log: 130 kB.
 const FULL: usize = 1024;
@@ -222,11 +223,13 @@ impl Forced {
         &mut self,
         steady: Option<&mut Steady<R>>,
     ) -> [DoubleDouble; 2] {
-        self.put_forces();
+        let structure = self.structure;
+        for block in &mut self.blocks[..self.count.div_ceil(BLOCK)] {
+            block.put_forces(&structure);
+        }
+        let Integrals { lost, worked, square } = self.integrate::<DRIVE>();
         if let Some(steady) = steady {
-            if self.steady.rms {
-                steady.add_square(self.square());
-            }
+            steady.add_square(square);
             let [mut displacement, mut acceleration] = steady.largest().map(R::double);
             if self.steady.amplitude || self.steady.regime {
                 displacement = self.largest::<DRIVE, false>(displacement);
@@ -237,22 +240,7 @@ impl Forced {
             steady.set_largest([displacement, acceleration].map(R::from));
             self.show::<R, DRIVE>(steady);
         }
-        if self.wanted.ledger { self.lose::<DRIVE>() } else { [DoubleDouble::ZERO; 2] }
-    }
-
-    /// Computes the forces at both ends of the flights.
-    #[inline(always)]
-    fn put_forces(&mut self) {
-        let structure = self.structure;
-        for block in &mut self.blocks[..self.count.div_ceil(BLOCK)] {
-            let Flights { time, time_rest, length, .. } = &block.flights;
-            let [begin, end] = &mut block.forces;
-            for i in 0..BLOCK {
-                let clock = DoubleDouble { value: time[i], rest: time_rest[i] };
-                [begin[0][i], begin[1][i]] = structure.force_at(clock);
-                [end[0][i], end[1][i]] = structure.force_at(clock.plus(length[i]));
-            }
-        }
+        [lost, worked]
     }
 
     /// Hands out strobes and impacts in order of time.

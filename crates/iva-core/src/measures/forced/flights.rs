@@ -2,10 +2,12 @@
 
 use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
-use crate::plain::State;
+use crate::plain::{State, Structure};
 use crate::real::Real;
 use crate::steady::Steady;
 use crate::system::{Clock, Wall};
+use crate::taylor::unrolled;
+use crate::trigonometry::factorials;
 
 /// Number of flights side by side.
 pub(super) const BLOCK: usize = 16;
@@ -45,26 +47,51 @@ impl Flight {
 #[repr(align(64))]
 pub(super) struct Block {
     pub flights: Flights<BLOCK>,
-    /// f and f̂ at their begins, and at their ends; computed when the log is taken.
-    pub forces: [[[f64; BLOCK]; 2]; 2],
+    /// f and f̂ at their begins, in their middles and at their ends; computed when the log is taken.
+    begin: [[f64; BLOCK]; 2],
+    pub middle: [[f64; BLOCK]; 2],
+    end: [[f64; BLOCK]; 2],
 }
 
 impl Block {
     pub const fn new() -> Self {
-        Self { flights: Flights::new(), forces: [[[0.0; BLOCK]; 2]; 2] }
+        let [begin, middle, end] = [[[0.0; BLOCK]; 2]; 3];
+        Self { flights: Flights::new(), begin, middle, end }
+    }
+
+    /// Computes the forces: at the begins from the clock, and from there on by turning.
+    #[inline(always)]
+    pub fn put_forces(&mut self, structure: &Structure) {
+        let Flights { time, time_rest, length, .. } = self.flights;
+        let [mut begin, mut middle, mut end] = [[[0.0; BLOCK]; 2]; 3];
+        for i in 0..BLOCK {
+            let clock = DoubleDouble { value: time[i], rest: time_rest[i] };
+            [begin[0][i], begin[1][i]] = structure.force_at(clock);
+        }
+        let half = 0.5 * structure.frequency;
+        for i in 0..BLOCK {
+            let [sine, cosine] = turned(half * length[i]);
+            let [twice, versine] = [2.0 * sine * cosine, 2.0 * sine * sine];
+            let (force, quadrature) = (begin[0][i], begin[1][i]);
+            middle[0][i] = force.mul_add(cosine, -(quadrature * sine));
+            middle[1][i] = quadrature.mul_add(cosine, force * sine);
+            end[0][i] = force - force.mul_add(versine, quadrature * twice);
+            end[1][i] = quadrature - quadrature.mul_add(versine, -(force * twice));
+        }
+        (self.begin, self.middle, self.end) = (begin, middle, end);
     }
 
     /// The state at the begin of a flight.
     #[inline(always)]
     pub fn begin(&self, i: usize) -> State {
-        let [[force, quadrature], _] = &self.forces;
+        let [force, quadrature] = &self.begin;
         self.flights.get(i).begin([force[i], quadrature[i]])
     }
 
     /// The structure and its force at the end of a flight.
     #[inline(always)]
     fn end(&self, i: usize) -> State {
-        let [_, [force, quadrature]] = &self.forces;
+        let [force, quadrature] = &self.end;
         let [x, v] = [self.flights.end_x[i], self.flights.end_v[i]];
         State { x, v, force: force[i], quadrature: quadrature[i], ..State::default() }
     }
@@ -74,6 +101,21 @@ impl Block {
     pub fn part(&self, i: usize) -> Part {
         Part { begin: self.begin(i), end: self.end(i), length: self.flights.length[i] }
     }
+}
+
+/// Sine and cosine of an angle from 0 to 1: that of a force in half of a flight.
+#[inline(always)]
+pub(super) fn turned(angle: f64) -> [f64; 2] {
+    /// The coefficients of sin r/r and cos r in powers of r².
+    const SINE: [f64; 10] = factorials(1);
+    const COSINE: [f64; 10] = factorials(0);
+    let z = angle * angle;
+    let (mut sine, mut cosine) = (SINE[9], COSINE[9]);
+    unrolled!(k < 9 => {
+        sine = sine.mul_add(z, SINE[8 - k]);
+        cosine = cosine.mul_add(z, COSINE[8 - k]);
+    });
+    [angle * sine, cosine]
 }
 
 /// A part of a flight.

@@ -1,13 +1,14 @@
 //! Losses, work and ∫x² of flights as integrals.
 //!
-//! The integrals are Gaussian quadratures of the four polynomials that the motion consists of, never
-//! differences of energies, so that the energy ledger is an independent check. With [`NODES`] the square of a
-//! motion over the longest flight is integrated with a relative error of some 10⁻¹⁶.
+//! The integrals are Gaussian quadratures of the polynomial of ẋ ([`crate::plain`]), of its integral x, and of
+//! the force, never differences of energies, so that the energy ledger is an independent check. With [`NODES`]
+//! the square of a motion over the longest flight is integrated with a relative error of some 10⁻¹⁶.
 
+use super::flights::turned;
 use super::{BLOCK, Block, Forced};
 use crate::compensated::DoubleDouble;
 use crate::plain::responses::{Responses, TERMS};
-use crate::plain::{BASE, State, Structure};
+use crate::plain::{BASE, Structure};
 use crate::taylor::unrolled;
 
 /// Nodes and weights on [0, 1] (zeros of the Legendre polynomial of degree 9).
@@ -26,25 +27,29 @@ const NODES: [(f64, f64); 9] = [
 /// Number of coefficients of a sum of P, Q, C, B and a linear function, in powers of t = h/longest.
 const LENGTH: usize = TERMS + 4;
 
-/// A polynomial for each flight of a block: coefficients in powers of t = h/longest.
-type Course = [[f64; BLOCK]; LENGTH];
+/// A polynomial for each flight of a block: its coefficients in powers of t = h/longest.
+type Course<const N: usize = LENGTH> = [[f64; BLOCK]; N];
 
 /// Nodes evaluated together: enough independent sums to hide the latency of each.
 const AT_ONCE: usize = 3;
 
-/// The polynomial first + second h + p P + q Q + c C + b B of each flight; `of` gives these coefficients.
+/// The polynomial of ẋ: the sum of ẋ + ẍ h and of P, Q, C and B with coefficients from the state at the begin.
 #[allow(clippy::needless_range_loop, reason = "a flight is an index into every row")]
 #[inline(always)]
-fn combine(responses: &Responses, of: impl Fn(usize) -> ([f64; 2], [f64; 4])) -> Course {
+fn velocity(structure: &Structure, responses: &Responses, block: &Block) -> Course {
     let &Responses { longest, terms, .. } = responses;
-    let square = longest * longest;
+    let Structure { damping, frequency, .. } = *structure;
+    let (rapid, square) = (frequency * frequency, longest * longest);
     let [cube, fourth] = [square * longest, square * square];
     let mut course = [[0.0; BLOCK]; LENGTH];
     for i in 0..BLOCK {
-        let ([first, second], [p, q, c, b]) = of(i);
-        let (p, q, c, b) = (p * square, q * cube, c * fourth, b * cube);
-        course[0][i] = first;
-        course[1][i] = second * longest;
+        let state = block.begin(i);
+        let a = state.v.mul_add(-damping, state.force - state.x);
+        let (k, j) = (rapid * state.force, frequency * state.quadrature);
+        let (p, q) = (a.mul_add(-damping, -(state.v + j)) * square, a * cube);
+        let (c, b) = (-(j * rapid) * fourth, -k * cube);
+        course[0][i] = state.v;
+        course[1][i] = a * longest;
         unrolled!(k < TERMS + 2 => {
             let mut sum = 0.0;
             if k < TERMS {
@@ -63,11 +68,42 @@ fn combine(responses: &Responses, of: impl Fn(usize) -> ([f64; 2], [f64; 4])) ->
     course
 }
 
+/// The polynomial of x: the integral of that of ẋ.
+#[inline(always)]
+fn displacement(velocity: &Course, longest: f64, block: &Block) -> Course<{ LENGTH + 1 }> {
+    let mut course = [[0.0; BLOCK]; LENGTH + 1];
+    for i in 0..BLOCK {
+        course[0][i] = block.flights.x[i];
+        unrolled!(k < LENGTH => {
+            course[k + 1][i] = velocity[k][i] * (longest * (1.0 / (k + 1) as f64));
+        });
+    }
+    course
+}
+
+/// f at the nodes of each flight: turned back and on from the middle by the same angles.
+#[inline(always)]
+fn forces(structure: &Structure, block: &Block) -> [[f64; BLOCK]; NODES.len()] {
+    let last = NODES.len() - 1;
+    let [force, quadrature] = &block.middle;
+    let mut forces = [*force; NODES.len()];
+    for (n, (node, _)) in NODES.iter().enumerate().take(NODES.len() / 2) {
+        let rate = structure.frequency * (0.5 - node);
+        for i in 0..BLOCK {
+            let [sine, cosine] = turned(rate * block.flights.length[i]);
+            let (along, across) = (force[i] * cosine, quadrature[i] * sine);
+            forces[n][i] = along + across;
+            forces[last - n][i] = along - across;
+        }
+    }
+    forces
+}
+
 /// The values of a polynomial at some points of each flight.
 #[inline(always)]
-fn at(course: &Course, t: &[[f64; BLOCK]; AT_ONCE]) -> [[f64; BLOCK]; AT_ONCE] {
-    let [mut first, mut second, mut third] = [course[LENGTH - 1]; AT_ONCE];
-    for k in (0..LENGTH - 1).rev() {
+fn at<const N: usize>(course: &Course<N>, t: &[[f64; BLOCK]; AT_ONCE]) -> [[f64; BLOCK]; AT_ONCE] {
+    let [mut first, mut second, mut third] = [course[N - 1]; AT_ONCE];
+    for k in (0..N - 1).rev() {
         for i in 0..BLOCK {
             first[i] = f64::mul_add(first[i], t[0][i], course[k][i]);
             second[i] = f64::mul_add(second[i], t[1][i], course[k][i]);
@@ -90,144 +126,109 @@ fn nodes(group: usize, parts: &[f64; BLOCK]) -> [[f64; BLOCK]; AT_ONCE] {
     t
 }
 
-/// ẍ, Ω²f and Ωf̂ of a state, from which motion and force follow ([`crate::plain`]).
-#[inline(always)]
-fn drives(structure: &Structure, state: &State) -> [f64; 3] {
-    let Structure { damping, frequency, .. } = *structure;
-    let a = state.v.mul_add(-damping, state.force - state.x);
-    [a, (frequency * frequency) * state.force, frequency * state.quadrature]
-}
-
-/// The polynomial of ẋ.
-#[inline(always)]
-fn velocity(structure: &Structure, responses: &Responses, block: &Block) -> Course {
-    let Structure { damping, frequency, .. } = *structure;
-    combine(
-        responses,
-        #[inline(always)]
-        |i| {
-            let state = block.begin(i);
-            let [a, k, j] = drives(structure, &state);
-            let p = a.mul_add(-damping, -(state.v + j));
-            ([state.v, a], [p, a, -(j * (frequency * frequency)), -k])
-        },
-    )
-}
-
-/// The polynomial of x.
-#[inline(always)]
-fn displacement(structure: &Structure, responses: &Responses, block: &Block) -> Course {
-    combine(
-        responses,
-        #[inline(always)]
-        |i| {
-            let state = block.begin(i);
-            let [a, k, j] = drives(structure, &state);
-            ([state.x, state.v], [a, state.v, k, -j])
-        },
-    )
-}
-
-/// The polynomial of f.
-#[inline(always)]
-fn force(structure: &Structure, responses: &Responses, block: &Block) -> Course {
-    let Structure { damping, frequency, .. } = *structure;
-    let rapid = frequency * frequency;
-    combine(
-        responses,
-        #[inline(always)]
-        |i| {
-            let state = block.begin(i);
-            let [_, k, j] = drives(structure, &state);
-            let c = k.mul_add(1.0 - rapid, -(j * (damping * rapid)));
-            let b = -k.mul_add(damping, j * (1.0 - rapid));
-            ([state.force, -j], [-k, -j, c, b])
-        },
-    )
+/// Integrals over many flights.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Integrals {
+    /// The energy lost in the damper.
+    pub lost: DoubleDouble,
+    /// The work of the force or base.
+    pub worked: DoubleDouble,
+    /// ∫x² of the flights in the window.
+    pub square: DoubleDouble,
 }
 
 impl Forced {
-    /// The energy lost in the damper, and the work of the force or base.
+    /// The integrals that are wanted.
     #[inline(always)]
-    pub(super) fn lose<const DRIVE: u8>(&self) -> [DoubleDouble; 2] {
+    pub(super) fn integrate<const DRIVE: u8>(&self) -> Integrals {
         // By value, so that the compiler knows that no store changes them.
-        let (structure, responses, mass_ratio) =
-            (self.structure, self.responses, self.scene.mass_ratio);
-        let [mut lost, mut worked] = [DoubleDouble::ZERO; 2];
-        for (number, block) in self.blocks[..self.count.div_ceil(BLOCK)].iter().enumerate() {
-            let parts = parts(&structure, block);
-            let course = velocity(&structure, &responses, block);
-            let push = force(&structure, &responses, block);
-            let [mut squares, mut works, mut pushed] = [[0.0; BLOCK]; 3];
-            for group in 0..NODES.len() / AT_ONCE {
-                let t = nodes(group, &parts);
-                let velocities = at(&course, &t);
-                let forces = at(&push, &t);
-                for (n, (velocity, force)) in velocities.iter().zip(&forces).enumerate() {
-                    let (_, weight) = NODES[AT_ONCE * group + n];
-                    for i in 0..BLOCK {
-                        squares[i] = f64::mul_add(weight * velocity[i], velocity[i], squares[i]);
-                        works[i] = f64::mul_add(weight * force[i], velocity[i], works[i]);
-                        pushed[i] = f64::mul_add(weight, force[i], pushed[i]);
-                    }
-                }
-            }
-            for i in 0..BLOCK {
-                let length = block.flights.length[i];
-                squares[i] *= structure.damping * length;
-                works[i] *= length;
-                if DRIVE == BASE {
-                    // ∫ f (ẋ + μ (ẋ + w)) with f = −a_g: the absorber is in free flight, so its velocity
-                    // ẋ + w is the one at the begin + ∫f.
-                    let state = block.begin(i);
-                    let absorber = state.v - state.side * state.rate;
-                    let pushed = pushed[i] * length;
-                    works[i] += mass_ratio * (pushed * (0.5 * pushed + absorber));
-                }
-            }
-            for i in 0..BLOCK.min(self.count - number * BLOCK) {
-                lost = lost.plus(squares[i]);
-                worked = worked.plus(works[i]);
-            }
-        }
-        [lost, worked]
-    }
-
-    /// ∫x² of the flights in the window.
-    #[inline(always)]
-    pub(super) fn square(&self) -> DoubleDouble {
         let (structure, responses) = (self.structure, self.responses);
-        let mut sum = DoubleDouble::ZERO;
-        let first = self.before / BLOCK;
+        let zero = DoubleDouble::ZERO;
+        let mut sums = Integrals { lost: zero, worked: zero, square: zero };
+        let (ledger, rms) = (self.wanted.ledger, self.steady.rms);
+        if !(ledger || rms) {
+            return sums;
+        }
+        let first = if ledger { 0 } else { self.before / BLOCK };
         let blocks = self.blocks.iter().enumerate().take(self.count.div_ceil(BLOCK));
         for (number, block) in blocks.skip(first) {
-            let parts = parts(&structure, block);
-            let course = displacement(&structure, &responses, block);
-            let mut squares = [0.0; BLOCK];
-            for group in 0..NODES.len() / AT_ONCE {
-                let places = at(&course, &nodes(group, &parts));
-                for (n, place) in places.iter().enumerate() {
-                    let (_, weight) = NODES[AT_ONCE * group + n];
-                    for i in 0..BLOCK {
-                        squares[i] = f64::mul_add(weight * place[i], place[i], squares[i]);
-                    }
+            let parts = block.flights.length.map(|length| length * structure.over_longest);
+            let course = velocity(&structure, &responses, block);
+            let end = BLOCK.min(self.count - number * BLOCK);
+            if ledger {
+                let [lost, worked] = self.lose::<DRIVE>(block, &course, &parts);
+                for i in 0..end {
+                    sums.lost = sums.lost.plus(lost[i]);
+                    sums.worked = sums.worked.plus(worked[i]);
                 }
             }
-            for (square, length) in squares.iter_mut().zip(&block.flights.length) {
-                *square *= length;
-            }
-            let begin = self.before.saturating_sub(number * BLOCK).min(BLOCK);
-            let end = BLOCK.min(self.count - number * BLOCK);
-            for square in &squares[begin..end.max(begin)] {
-                sum = sum.plus(*square);
+            let begin = self.before.saturating_sub(number * BLOCK);
+            if rms && begin < end {
+                let squares = self.square(block, &course, &parts);
+                for square in &squares[begin..end] {
+                    sums.square = sums.square.plus(*square);
+                }
             }
         }
-        sum
+        sums
     }
-}
 
-/// Lengths of flights in units of the longest one.
-#[inline(always)]
-fn parts(structure: &Structure, block: &Block) -> [f64; BLOCK] {
-    std::array::from_fn(|i| block.flights.length[i] * structure.over_longest)
+    /// The energy lost in the damper, and the work of the force or base, of each flight.
+    #[inline(always)]
+    fn lose<const DRIVE: u8>(
+        &self,
+        block: &Block,
+        course: &Course,
+        parts: &[f64; BLOCK],
+    ) -> [[f64; BLOCK]; 2] {
+        let (structure, mass_ratio) = (self.structure, self.scene.mass_ratio);
+        let forces = forces(&structure, block);
+        let [mut squares, mut works, mut pushed] = [[0.0; BLOCK]; 3];
+        for group in 0..NODES.len() / AT_ONCE {
+            let velocities = at(course, &nodes(group, parts));
+            for (n, velocity) in velocities.iter().enumerate() {
+                let (_, weight) = NODES[AT_ONCE * group + n];
+                let force = &forces[AT_ONCE * group + n];
+                for i in 0..BLOCK {
+                    squares[i] = f64::mul_add(weight * velocity[i], velocity[i], squares[i]);
+                    works[i] = f64::mul_add(weight * force[i], velocity[i], works[i]);
+                    pushed[i] = f64::mul_add(weight, force[i], pushed[i]);
+                }
+            }
+        }
+        for i in 0..BLOCK {
+            let length = block.flights.length[i];
+            squares[i] *= structure.damping * length;
+            works[i] *= length;
+            if DRIVE == BASE {
+                // ∫ f (ẋ + μ (ẋ + w)) with f = −a_g: the absorber is in free flight, so its velocity ẋ + w is
+                // the one at the begin + ∫f.
+                let state = block.begin(i);
+                let absorber = state.v - state.side * state.rate;
+                let pushed = pushed[i] * length;
+                works[i] += mass_ratio * (pushed * (0.5 * pushed + absorber));
+            }
+        }
+        [squares, works]
+    }
+
+    /// ∫x² of each flight.
+    #[inline(always)]
+    fn square(&self, block: &Block, velocity: &Course, parts: &[f64; BLOCK]) -> [f64; BLOCK] {
+        let course = displacement(velocity, self.structure.longest, block);
+        let mut squares = [0.0; BLOCK];
+        for group in 0..NODES.len() / AT_ONCE {
+            let places = at(&course, &nodes(group, parts));
+            for (n, place) in places.iter().enumerate() {
+                let (_, weight) = NODES[AT_ONCE * group + n];
+                for i in 0..BLOCK {
+                    squares[i] = f64::mul_add(weight * place[i], place[i], squares[i]);
+                }
+            }
+        }
+        for i in 0..BLOCK {
+            squares[i] *= block.flights.length[i];
+        }
+        squares
+    }
 }
