@@ -63,3 +63,11 @@ pub(crate) fn any<const W: usize>(marks: &[f64; W]) -> bool {
     // Bits are combined in any order, which a sum of doubles is not.
     marks.iter().fold(0, |bits, mark| bits | mark.to_bits()) != 0
 }
+
+/// The largest of some sizes, of which those that are not positive do not count.
+#[inline(always)]
+pub(crate) fn largest<const W: usize>(sizes: &[f64; W]) -> f64 {
+    // The bits of positive numbers are in order; their largest is found in any order, which that of doubles is not.
+    let bits = sizes.iter().map(|size| if *size > 0.0 { size.to_bits() } else { 0 });
+    f64::from_bits(bits.fold(0, u64::max))
+}

@@ -2,12 +2,13 @@
 //! exceeds the largest size known so far.
 
 use super::{BLOCK, Block, Forced, Part};
+use crate::arrays::{self, any};
 use crate::flight::{Arc, Extreme};
 use crate::host::turning::turn;
 use crate::plain::responses::Responses;
 use crate::plain::{State, Structure};
 use crate::quintic::root;
-use crate::real::pick;
+use crate::real::{Real, pick};
 
 /// A function of the state of a structure with its first five derivatives.
 type Jets = [f64; 6];
@@ -68,22 +69,30 @@ impl Forced {
         let mut least = least;
         let blocks = self.blocks.iter().enumerate().take(self.count.div_ceil(BLOCK));
         for (number, block) in blocks.skip(self.before / BLOCK) {
-            let [limit, most, known] = self.bounded::<DRIVE, ACCELERATION>(block);
             let begin = self.before.saturating_sub(number * BLOCK).min(BLOCK);
             let end = BLOCK.min(self.count - number * BLOCK);
-            for i in begin..end {
-                least = pick(known[i] > 0.0, least.max(most[i]), least);
+            let [limit, most, known] = self.bounded::<DRIVE, ACCELERATION>(block);
+            let [mut sizes, mut asks] = [[0.0; BLOCK]; 2];
+            for i in 0..BLOCK {
+                sizes[i] = pick((known[i] > 0.0) & (i >= begin) & (i < end), most[i], 0.0);
             }
-            let asks = |i: usize, least: f64| known[i] == 0.0 && limit[i] >= least;
-            if !(begin..end).any(|i| asks(i, least)) {
+            least = least.max(arrays::largest(&sizes));
+            for i in 0..BLOCK {
+                let unknown = (known[i] == 0.0) & (i >= begin) & (i < end);
+                asks[i] = pick(unknown & (limit[i] >= least), 1.0, 0.0);
+            }
+            if !any(&asks) {
                 continue;
             }
             let [turned, once] = self.turned::<DRIVE, ACCELERATION>(block);
-            for i in (begin..end).filter(|i| once[*i] > 0.0) {
-                least = least.max(most[i]).max(turned[i].abs());
+            for i in 0..BLOCK {
+                let found = (asks[i] > 0.0) & (once[i] > 0.0);
+                sizes[i] = pick(found, f64::larger(most[i], turned[i].abs()), 0.0);
+                asks[i] = pick(found, 0.0, asks[i]);
             }
-            for i in (begin..end).filter(|i| once[*i] == 0.0) {
-                if asks(i, least) {
+            least = least.max(arrays::largest(&sizes));
+            if any(&asks) {
+                for i in (begin..end).filter(|i| asks[*i] > 0.0) {
                     least = self.search::<DRIVE, ACCELERATION>(&block.part(i), least);
                 }
             }
