@@ -24,6 +24,7 @@
 mod counts;
 mod decays;
 mod doubles;
+mod forced;
 mod piva;
 mod running;
 mod siva;
@@ -43,6 +44,7 @@ use crate::summary::Summary;
 use crate::system::System;
 use crate::taylor::{ORDER, with_order};
 use decays::Decays;
+use forced::ForcedRuns;
 use running::Running;
 
 /// Number of runs side by side.
@@ -206,14 +208,14 @@ impl SideBySide for Siva<DrivenHost> {
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
             if group.leader().moves_base() {
-                group.run::<doubles::Doubles<BASE>>();
+                group.run::<ForcedRuns<doubles::DrivenFlights<BASE>>>();
             } else {
-                group.run::<doubles::Doubles<FORCE>>();
+                group.run::<ForcedRuns<doubles::DrivenFlights<FORCE>>>();
             }
         } else if group.leader().moves_base() {
-            group.run::<siva::DrivenFastFlights<true>>();
+            group.run::<ForcedRuns<siva::DrivenFastFlights<true>>>();
         } else {
-            group.run::<siva::DrivenFastFlights<false>>();
+            group.run::<ForcedRuns<siva::DrivenFastFlights<false>>>();
         }
     }
 }
