@@ -1,7 +1,7 @@
 //! Runs the points of a study in parallel; rows are in the order of `point`.
 //!
-//! Each worker takes a chunk of consecutive points and builds its rows; the chunks are joined in order. So
-//! the tables do not depend on the number of threads or the size of the chunks.
+//! Each worker takes a share of consecutive points, runs them chunk by chunk and builds their rows; the shares
+//! are joined in order. So the tables do not depend on the number of threads, nor on the size of a share.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
