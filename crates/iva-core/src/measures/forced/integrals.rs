@@ -226,8 +226,8 @@ impl Forced {
                 }
             }
         }
-        for i in 0..BLOCK {
-            squares[i] *= block.flights.length[i];
+        for (square, length) in squares.iter_mut().zip(&block.flights.length) {
+            *square *= length;
         }
         squares
     }
