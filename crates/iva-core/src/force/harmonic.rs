@@ -56,6 +56,19 @@ impl<R: Real> Harmonic<R> {
         (ORDER + 1..LENGTH).for_each(term);
     }
 
+    /// Its Taylor coefficients about an instant, in powers of t/h, from value and rate there.
+    #[inline(always)]
+    pub(crate) fn onwards(&self, push: &Push<R>, h: R) -> [R; ORDER + 1] {
+        let turn = self.frequency * h;
+        let square = -(turn * turn);
+        let mut row = [R::ZERO; ORDER + 1];
+        (row[0], row[1]) = (push.value.value, push.rate.value * h);
+        unrolled!(k < ORDER - 1 => {
+            row[k + 2] = row[k] * (square * (R::reciprocal(k + 1) * R::reciprocal(k + 2)));
+        });
+        row
+    }
+
     /// Its value and derivatives at an instant.
     #[inline(always)]
     pub(crate) fn push(&self, time: DoubleDouble<R>) -> Push<R> {

@@ -197,7 +197,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// The coefficients of f/M and a_g in a motion.
     #[inline(always)]
     fn drive(&self, from: &HostState<Moment<R>, R>) -> Drive<R> {
-        self.source.drive(from.phase.time, self.step)
+        self.source.drive(&from.phase, self.step)
     }
 
     /// The state of the drive at `time`, with the piece that acts from `from` on.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Moment, Weight};
 use crate::compensated::DoubleDouble;
-use crate::force::{Drive, Force, Pushes};
+use crate::force::{Acts, Drive, Force, Pushes};
 use crate::real::Real;
 use crate::system::Clock;
 
@@ -14,8 +14,8 @@ pub trait Source: Clone + std::fmt::Debug {
     type Real: Real;
     /// f/M, and a_g plus gravity along the motion, at `time`, of the smooth piece that acts from `from` on.
     fn pushes(&self, from: Clock<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real>;
-    /// The Taylor coefficients of f/M and a_g about an instant, in powers of t/h, without gravity.
-    fn drive(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<Self::Real>;
+    /// The Taylor coefficients of f/M and a_g about a moment, in powers of t/h, without gravity.
+    fn drive(&self, moment: &Moment<Self::Real>, h: Self::Real) -> Drive<Self::Real>;
     /// The Taylor coefficients of f/M, and of a_g plus gravity along the motion, in double-double.
     fn precise(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<DoubleDouble<Self::Real>>;
     /// The longest smooth motion that is no longer than `reach`: its length, and the instant at which the
@@ -69,8 +69,17 @@ impl<R: Real> Source for Forces<R> {
     }
 
     #[inline(always)]
-    fn drive(&self, time: Clock<R>, h: R) -> Drive<R> {
-        self.force.drive(time, time, h)
+    fn drive(&self, moment: &Moment<R>, h: R) -> Drive<R> {
+        let Moment { time, pushes, .. } = moment;
+        match self.force.harmonics() {
+            [harmonic] if self.weight.is_none() && self.force.is_single() => match harmonic.acts {
+                Acts::Primary => {
+                    Drive { primary: harmonic.onwards(&pushes.primary, h), ..Drive::NONE }
+                }
+                Acts::Base => Drive { base: harmonic.onwards(&pushes.base, h), ..Drive::NONE },
+            },
+            _ => self.force.drive(*time, *time, h),
+        }
     }
 
     fn precise(&self, time: Clock<R>, h: R) -> Drive<DoubleDouble<R>> {

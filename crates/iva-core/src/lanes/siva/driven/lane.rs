@@ -50,10 +50,13 @@ impl<const BASE: bool> Source for Single<BASE> {
     }
 
     #[inline(always)]
-    fn drive(&self, time: Clock, h: f64) -> Drive<f64> {
-        let mut drive = Drive::NONE;
-        self.0.add(if BASE { &mut drive.base } else { &mut drive.primary }, time, h);
-        drive
+    fn drive(&self, moment: &Moment, h: f64) -> Drive<f64> {
+        let Pushes { primary, base } = &moment.pushes;
+        if BASE {
+            Drive { base: self.0.onwards(base, h), ..Drive::NONE }
+        } else {
+            Drive { primary: self.0.onwards(primary, h), ..Drive::NONE }
+        }
     }
 
     fn precise(&self, time: Clock, h: f64) -> Drive<DoubleDouble> {
