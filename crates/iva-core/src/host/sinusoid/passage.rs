@@ -7,8 +7,8 @@ use crate::real::pick;
 
 /// Largest number of steps to a passage: as many as halvings can be told apart.
 const MOST_STEPS: usize = 100;
-/// A step of Halley's method that is shorter than this, and turns the curve by less, leaves an error of its
-/// cube.
+/// After a step of Halley's method that is shorter than this, and along which the velocity changes by a smaller
+/// part than this, the error is of the size of the step's cube, which is below rounding.
 const SHORT: f64 = 1e-6;
 
 /// A passage that is to be found: x is monotonic between two times, and falls from above the level to below it
