@@ -157,6 +157,22 @@ mod tests {
     }
 
     #[test]
+    fn the_series_from_value_and_rate_is_that_of_the_angle() {
+        for (frequency, phase, time) in [(1.3, 0.0, 0.0), (0.05, 2.0, 40.0), (7.0, -9.1, 0.3)] {
+            let acts = Acts::Primary;
+            let harmonic = Harmonic { amplitude: -0.3, frequency, phase, acts };
+            let (time, h) = (DoubleDouble::new(time), 2.0 / frequency);
+            let mut row = [0.0; ORDER + 1];
+            harmonic.add(&mut row, time, h);
+            let onwards = harmonic.onwards(&harmonic.push(time), h);
+            for (k, (found, expected)) in onwards.iter().zip(row).enumerate() {
+                assert!((found - expected).abs() < 4e-16 * 0.3 * 2.0, "{frequency} {k}");
+                assert!((found / expected - 1.0).abs() < 1e-14 || expected.abs() < 1e-17, "{k}");
+            }
+        }
+    }
+
+    #[test]
     fn the_largest_size_is_that_of_a_crest_or_of_an_end() {
         // Samples fall short of an extremum by less than (0.005 · 1.3)²/2 of the amplitude.
         for (phase, amplitude) in [(0.0, 1.0), (-7.0, 0.3), (2.0, -0.5), (9.1, 2.0)] {

@@ -67,7 +67,8 @@ impl Request {
                 impacts: needs(Group::ImpactsPerCycle),
                 strobes: asked(Table::Stroboscope),
             },
-            reduction: needs(Group::Reduction) || needs(Group::RmsReduction),
+            reduction: asked(Table::Summary)
+                && (needs(Group::Reduction) || needs(Group::RmsReduction)),
             extremes: needs(Group::Travel),
             extremes_of_decays: needs(Group::Shaking),
             columns: SummaryColumn::of(study),
