@@ -52,7 +52,7 @@ impl Entry {
 }
 
 /// The motions of a run in order of time, as far as no measure has taken them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Log {
     entries: Vec<Entry>,
     /// Number of entries of a full log.
@@ -62,11 +62,24 @@ pub(crate) struct Log {
 /// Number of entries after which measures take them, so that a long run needs no more memory: 200 kB.
 const FULL: usize = 4096;
 
+impl Default for Log {
+    fn default() -> Self {
+        Self { entries: Vec::new(), full: FULL }
+    }
+}
+
 impl Log {
     /// Removes all entries and keeps their memory.
     pub fn clear(&mut self) {
         self.entries.clear();
         self.full = FULL;
+    }
+
+    /// Removes all entries but the last, with which the motion begins that measures have not taken.
+    pub fn restart(&mut self) {
+        let last = self.entries.pop();
+        self.clear();
+        self.entries.extend(last);
     }
 
     /// Lets the log grow, where measures cannot take its entries yet.

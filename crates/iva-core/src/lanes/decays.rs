@@ -23,8 +23,6 @@ pub(super) trait Flights: Sized {
     fn motion(&self, lane: usize) -> Option<Entry>;
     /// True if this lane needs its run.
     fn requests(&self, lane: usize) -> bool;
-    /// Makes a lane ask for its run.
-    fn request(&mut self, lane: usize);
     /// Loads a run into a lane; false if the run is not at a state from which the lane can go on.
     fn take(&mut self, lane: usize, run: &Decaying<'_>) -> bool;
     /// Writes the variables of a lane back into its run; returns ẋ there.
@@ -78,23 +76,28 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
         for (lane, log) in logs.iter_mut().enumerate() {
             if let Some(entry) = flights.motion(lane).filter(|entry| keeps(*wanted, entry.time)) {
                 log.push(entry);
-                // The event loop hands a full log to the measures.
-                if log.is_full() {
-                    flights.request(lane);
-                    requests = true;
-                }
+                requests |= log.is_full();
             }
         }
         requests
     }
 
     fn requests(&self, lane: usize) -> bool {
-        self.flights.requests(lane)
+        self.flights.requests(lane) || self.logs[lane].is_full()
     }
 
     fn serve(&mut self, lane: usize, run: &mut Decaying<'_>) -> bool {
-        self.put_back(lane, run);
-        false
+        // The lane keeps its run, so that the motion does not depend on what is logged.
+        if self.logs[lane].is_full() {
+            self.swap_logs(lane, run);
+            run.observer.measures.make_room();
+            self.swap_logs(lane, run);
+        }
+        if self.flights.requests(lane) {
+            self.put_back(lane, run);
+            return false;
+        }
+        true
     }
 
     fn take(&mut self, lane: usize, run: &mut Decaying<'_>) -> bool {

@@ -74,10 +74,6 @@ impl Flights for FastFlights {
         self.lanes.request[i] + self.lanes.stopped[i] > 0.0
     }
 
-    fn request(&mut self, i: usize) {
-        self.lanes.request[i] = 1.0;
-    }
-
     fn take(&mut self, i: usize, run: &Decaying<'_>) -> bool {
         let flying = Flying::of(run, self.free.reach);
         if let Some(flying) = &flying {

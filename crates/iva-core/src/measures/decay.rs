@@ -86,15 +86,19 @@ impl<S: System> Measures<S> {
         let entry = Entry::new(clock, [x, v], decay.v_before, absorber, stuck);
         decay.log.push(entry);
         if decay.log.is_full() {
-            // Settling levels are not known before the reference amplitude.
-            if self.reference.settled {
-                self.take_log();
-                let Some(decay) = &mut self.decay else { return };
-                decay.log.clear();
-                decay.log.push(entry);
-            } else {
-                decay.log.grow();
-            }
+            self.make_room();
+        }
+    }
+
+    /// Takes the motions of a full log, so that a long run needs no more memory.
+    pub(crate) fn make_room(&mut self) {
+        // Settling levels are not known before the reference amplitude.
+        let settled = self.reference.settled;
+        if settled {
+            self.take_log();
+        }
+        if let Some(decay) = &mut self.decay {
+            if settled { decay.log.restart() } else { decay.log.grow() }
         }
     }
 

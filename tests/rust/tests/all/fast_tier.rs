@@ -367,6 +367,48 @@ fn the_energy_after_one_period_is_told_beside_another_stop() {
     }
 }
 
+/// The motion does not depend on what is measured, not even where a run has so many motions that its log is taken
+/// on the way.
+#[test]
+fn measures_do_not_move_a_run() {
+    let groups = [
+        Wanted { peaks: true, ..Wanted::NONE },
+        Wanted { settling: true, ..Wanted::NONE },
+        Wanted { residual: true, ..Wanted::NONE },
+        Wanted { ledger: true, ..Wanted::NONE },
+        Wanted { first_period: true, ..Wanted::NONE },
+        Wanted::ALL,
+    ];
+    let mut rng = Rng::new(20_261_125);
+    let mut full = 0;
+    for scene in 0..40 {
+        let clearance = rng.range(0.05, 0.4);
+        let siva = Siva::new(rng.range(0.01, 0.05), rng.range(0.97, 1.0), clearance, 1e-4).unwrap();
+        let start = Start { displacement: 1.0, gap_velocity: 0.3, ..Start::default() };
+        let limits = Limits::new(3000.0, clearance);
+        let tier = Tier::Fast;
+        let job = Job { system: siva.clone(), start, begin: 0.0, limits, steady: None, tier };
+        let [plain] = all(std::slice::from_ref(&job), Wanted::NONE).try_into().unwrap();
+        full += u32::from(plain.0.impacts > 4096);
+        for wanted in groups {
+            let [found] = all(std::slice::from_ref(&job), wanted).try_into().unwrap();
+            assert_eq!(format!("{:?}", found.0), format!("{:?}", plain.0), "{scene} {wanted:?}");
+        }
+        let harmonic = harmonic(&mut rng, Acts::Primary);
+        let force = Force::new(vec![harmonic], vec![], &[]).unwrap();
+        let job = Job { system: siva.under(force), start, begin: 0.0, limits, steady: None, tier };
+        let [plain] = all(std::slice::from_ref(&job), Wanted::NONE).try_into().unwrap();
+        full += u32::from(plain.0.impacts > 1024);
+        for wanted in [Wanted::NONE, Wanted::ALL] {
+            let window = Window { from: 100.0, cycle: Some(harmonic) };
+            let job = Job { steady: Some((STEADY, window)), ..job.clone() };
+            let [found] = all(std::slice::from_ref(&job), wanted).try_into().unwrap();
+            assert_eq!(format!("{:?}", found.0), format!("{:?}", plain.0), "{scene} {wanted:?}");
+        }
+    }
+    assert!(full > 20, "{full} full logs");
+}
+
 /// Where the polynomials of a force overflow the event loop does everything, and no measure is lost.
 #[test]
 fn forces_too_fast_for_the_lanes_leave_no_trace() {

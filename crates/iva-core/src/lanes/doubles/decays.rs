@@ -90,10 +90,6 @@ impl Flights for FreeFlights {
         self.lanes.request[i] + self.lanes.stopped[i] + self.lanes.full[i] > 0.0
     }
 
-    fn request(&mut self, i: usize) {
-        self.lanes.full[i] = 1.0;
-    }
-
     fn take(&mut self, i: usize, run: &Decaying<'_>) -> bool {
         let lane = Lane::of(run, &self.structure, run.limits.duration);
         if let Some(lane) = &lane {
