@@ -20,6 +20,7 @@ use crate::flight::{Jet, Quantity, Rows, Turns};
 use crate::force::Force;
 use crate::oscillator::{Arrival, Equation, Primary};
 use crate::real::Real;
+use crate::siva::coasts::Coasts;
 use crate::system::Clock;
 
 pub use alone::{Alone, AloneFlight};
@@ -86,6 +87,13 @@ pub trait Structure: std::fmt::Debug {
         course: &Self::Course,
         h: Self::Real,
     ) -> Flown<Self::Phase, Self::Real>;
+    /// ∬A, ∫A and A after a motion of length h, with the accuracy of plain numbers.
+    fn ahead(
+        &self,
+        from: &HostState<Self::Phase, Self::Real>,
+        course: &Self::Course,
+        h: Self::Real,
+    ) -> [Self::Real; 3];
     /// Prepares the state at the end of a motion for the next one: evaluates the drive with the piece that
     /// acts from there on.
     #[inline(always)]
@@ -197,6 +205,11 @@ pub trait Host: Clone + std::fmt::Debug {
     fn share(&self, _like: &Self) {}
     /// The structure without absorber, mass 1.
     fn free(&self) -> &Self::Structure;
+    /// The motion in which an absorber meets no wall for a number of steps, of a structure without drive, where
+    /// flights are decided in closed form.
+    fn coasts(&self) -> Option<&Coasts<Self::Real>> {
+        None
+    }
     /// The structure with the absorber stuck to it, mass 1 + μ.
     fn loaded(&self) -> &Self::Structure;
     /// The state of the drive at the instant at which a run begins.

@@ -23,11 +23,10 @@
 
 mod counts;
 mod decays;
-mod doubles;
 mod forced;
+mod free_mass;
 mod piva;
 mod running;
-mod siva;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -45,6 +44,7 @@ use crate::system::System;
 use crate::taylor::{ORDER, with_order};
 use decays::Decays;
 use forced::ForcedRuns;
+use free_mass::{ExactDecays, ExactDriven, FastDecays, FastDriven, FreeMasses};
 use running::Running;
 
 /// Number of runs side by side.
@@ -168,8 +168,8 @@ impl SideBySide for Siva {
 
     fn run(group: Group<'_, Self>) {
         match group.tier() {
-            Tier::Fast => group.run::<Decays<doubles::FreeFlights>>(),
-            Tier::Exact => group.run::<Decays<siva::FastFlights>>(),
+            Tier::Fast => group.run::<Decays<FreeMasses<FastDecays<16>, 16>>>(),
+            Tier::Exact => group.run::<Decays<FreeMasses<ExactDecays<LANES>, LANES>>>(),
         }
     }
 }
@@ -208,14 +208,14 @@ impl SideBySide for Siva<DrivenHost> {
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
             if group.leader().moves_base() {
-                group.run::<ForcedRuns<doubles::DrivenFlights<BASE>>>();
+                group.run::<ForcedRuns<FreeMasses<FastDriven<BASE, 16>, 16>>>();
             } else {
-                group.run::<ForcedRuns<doubles::DrivenFlights<FORCE>>>();
+                group.run::<ForcedRuns<FreeMasses<FastDriven<FORCE, 16>, 16>>>();
             }
         } else if group.leader().moves_base() {
-            group.run::<ForcedRuns<siva::DrivenFastFlights<true>>>();
+            group.run::<ForcedRuns<FreeMasses<ExactDriven<true, LANES>, LANES>>>();
         } else {
-            group.run::<ForcedRuns<siva::DrivenFastFlights<false>>>();
+            group.run::<ForcedRuns<FreeMasses<ExactDriven<false, LANES>, LANES>>>();
         }
     }
 }

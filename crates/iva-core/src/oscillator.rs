@@ -222,14 +222,20 @@ impl<R: Real> Oscillator<R> {
     /// place.
     #[inline(always)]
     pub(crate) fn jet(&self, x: R, v: R, a: R, h: R) -> Jet<R> {
+        let [curved, gained, curvature] = self.ahead(v, a, h);
+        let (value, rate) = (x + (v * h + curved), v + gained);
+        Jet { value, rate, curvature, jerk: self.equation.next_derivative(rate, curvature) }
+    }
+
+    /// x(h) − x − v h, v(h) − v and a(h), with errors of some units in the last place.
+    #[inline(always)]
+    pub(crate) fn ahead(&self, v: R, a: R, h: R) -> [R; 3] {
         let z = h * h;
         let [p, q] = even_and_odd(&self.responses, h).map(|sum| z * sum);
         let Equation { stiffness: k, damping, .. } = self.equation;
         let s = h + (q - damping * p);
-        let value = x + (v * h + (a * p + v * q));
-        let rate = v + (a * s - k * (v * p));
         let curvature = a + (self.equation.next_derivative(v, a) * s - k * (a * p));
-        Jet { value, rate, curvature, jerk: self.equation.next_derivative(rate, curvature) }
+        [a * p + v * q, a * s - k * (v * p), curvature]
     }
 
     /// Energy lost in the damper over a flight of length h ≤ `reach`: ∫ 2ζ v² dt, summed from the

@@ -23,6 +23,7 @@ use crate::force::{Acts, Harmonic};
 use crate::oscillator::Equation;
 use responses::{Responses, Values};
 
+pub(crate) mod mass;
 pub(crate) mod responses;
 
 /// Kind of drive: none.

@@ -180,6 +180,13 @@ pub trait Real:
         if a > b { a } else { b }
     }
 
+    /// A quotient of which seven digits suffice, in a range from 1e−38 to 1e38: in single precision it takes a
+    /// third of the time.
+    #[inline(always)]
+    fn about(a: Self, b: Self) -> Self {
+        a / b
+    }
+
     /// The largest integer not above a number ≥ 0.
     #[inline(always)]
     fn whole(self) -> usize {
@@ -218,7 +225,7 @@ pub trait Real:
 
 /// `yes` if `which`, else `no`, without a branch.
 #[inline(always)]
-pub(crate) fn pick(which: bool, yes: f64, no: f64) -> f64 {
+pub(crate) fn pick<T>(which: bool, yes: T, no: T) -> T {
     if which { yes } else { no }
 }
 
@@ -284,6 +291,11 @@ impl Real for f64 {
     #[inline(always)]
     fn ln(self) -> f64 {
         f64::ln(self)
+    }
+
+    #[inline(always)]
+    fn about(a: f64, b: f64) -> f64 {
+        f64::from(a as f32 / b as f32)
     }
 
     #[inline(always)]

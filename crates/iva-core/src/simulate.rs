@@ -256,6 +256,8 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             } else {
                 self.leave_or_stick();
             }
+        } else {
+            self.coast();
         }
     }
 
@@ -317,9 +319,9 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let length = flight.reach().min(remaining).min(first);
         if let Some(FastFlight { length: h, later, end, meets }) = flight.fast_path(length) {
             self.phase = Phase::Flight { first: R::INFINITY };
-            self.arrive(&flight, [h, later], end, length == remaining && meets == Meets::Nothing);
+            self.arrive(&flight, [h, later], end, h == remaining && meets == Meets::Nothing);
             match meets {
-                Meets::Nothing => {}
+                Meets::Nothing => self.coast(),
                 Meets::Wall => self.apply_impact(),
                 Meets::Near(side) => self.meet(side),
             }
@@ -336,10 +338,28 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.phase = Phase::Flight { first: R::INFINITY };
         self.tally.undecided += stretch.undecided;
         self.advance(&flight, stretch.end.h, length == remaining);
-        if let Some(side) = stretch.contact {
-            self.meet(side);
+        match stretch.contact {
+            Some(side) => self.meet(side),
+            None => self.coast(),
         }
         true
+    }
+
+    /// Lets an absorber that is too far from its walls to meet one fly on. Observers see one step after the other,
+    /// each from a state that is computed from the first one.
+    fn coast(&mut self) {
+        let (system, clock, from) = (self.system, self.clock, self.tally.state);
+        let remaining = -clock.minus(self.limits.duration);
+        for steps in 1..=system.coasts(&from, remaining) {
+            let (end, [time, rest]) = system.coasted(&from, steps);
+            let flight = system.flight(&self.tally.state);
+            let finish = clock.plus_parts(time, rest);
+            let (start, to) = (self.clock, system.primary(&end));
+            let (length, from) = ((finish - start).value, system.primary(&self.tally.state));
+            let span = Span { motion: &flight, start, length, from, to, end: &end };
+            self.observer.span(system, &span);
+            (self.clock, self.tally.state) = (finish, end);
+        }
     }
 
     /// Applies the contact with a wall that the state has reached within rounding.

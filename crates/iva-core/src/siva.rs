@@ -17,17 +17,20 @@ use crate::impact::{self, Impact};
 use crate::oscillator::Primary;
 use crate::plain::Scene;
 use crate::range;
-use crate::real::Real;
+use crate::real::{Real, pick};
 use crate::system::{Clock, Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
 pub use parameters::Parameters;
 pub use ride::SivaRide;
 
-pub(crate) mod fast_flight;
+pub(crate) mod coasts;
+pub(crate) mod exact;
 pub(crate) mod motion;
 mod parameters;
+pub(crate) mod proof;
 mod ride;
+pub(crate) mod trial;
 
 /// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
 const ON_WALL_ULPS: f64 = 4.0;
@@ -232,20 +235,24 @@ impl<R: Real, P> SivaState<P, R> {
     }
 }
 
-/// The state after an impact.
+/// The state after an impact; with A computed anew only, if there is none.
 #[inline(always)]
 pub(crate) fn collided<R: Real, S: Structure<Real = R>>(
     free: &S,
     state: &SivaState<S::Phase, R>,
+    hit: bool,
     law: &Law<R>,
 ) -> SivaState<S::Phase, R> {
-    let primary = state.host.primary.jumped(-state.side, state.rate, law.share);
+    let DoubleDouble { value, rest } = state.rate;
+    let closing = DoubleDouble { value: pick(hit, value, R::ZERO), rest: pick(hit, rest, R::ZERO) };
+    let primary = state.host.primary.jumped(-state.side, closing, law.share);
     let acceleration = free.acceleration(&state.host.phase, &primary);
-    SivaState {
-        host: HostState { primary, acceleration, ..state.host },
-        rate: state.rate.product(DoubleDouble::new(-law.restitution)),
-        ..*state
-    }
+    let rebound = closing.product(DoubleDouble::new(-law.restitution));
+    let rate = DoubleDouble {
+        value: pick(hit, rebound.value, value),
+        rest: pick(hit, rebound.rest, rest),
+    };
+    SivaState { host: HostState { primary, acceleration, ..state.host }, rate, ..*state }
 }
 
 impl<R: Real, H: Host<Real = R>> System for Siva<H> {
@@ -322,6 +329,24 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         SivaRide::new(self, *state)
     }
 
+    fn coasts(&self, state: &Self::State, remaining: R) -> usize {
+        let Some(coasts) = self.host.coasts() else { return 0 };
+        let (state, clearance, remaining) =
+            (state.in_doubles(), self.clearance.double(), remaining.double());
+        f64::dispatched(
+            #[inline(always)]
+            || coasts.count(&state, clearance, remaining) as usize,
+        )
+    }
+
+    fn coasted(&self, state: &Self::State, steps: usize) -> (Self::State, [R; 2]) {
+        let Some(coasts) = self.host.coasts() else { return (*state, [R::ZERO; 2]) };
+        R::dispatched(
+            #[inline(always)]
+            || (coasts.after(state, steps), coasts.time(steps as f64)),
+        )
+    }
+
     fn wall(&self, state: &Self::State) -> Wall {
         if state.side > 0.0 { Wall::Plus } else { Wall::Minus }
     }
@@ -361,7 +386,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         let s = state.side;
         let approach = -state.rate.value;
         let law = self.law(s);
-        let after = collided(self.host.free(), state, law);
+        let after = collided(self.host.free(), state, true, law);
         let impact = Impact {
             time,
             wall: self.wall(state),

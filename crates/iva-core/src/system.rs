@@ -147,6 +147,15 @@ pub trait System {
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
     /// The stick episode on the wall that the state touches.
     fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
+    /// The number of steps of a flight in which certainly no wall is met, at most those that the time
+    /// `remaining` has.
+    fn coasts(&self, _state: &Self::State, _remaining: Self::Real) -> usize {
+        0
+    }
+    /// The state after some of these steps, and the time that they take, high and low part.
+    fn coasted(&self, state: &Self::State, _steps: usize) -> (Self::State, [Self::Real; 2]) {
+        (*state, [Self::Real::ZERO; 2])
+    }
     /// The wall that distances are measured from.
     fn wall(&self, state: &Self::State) -> Wall;
     /// Distance to that wall and its derivatives in free motion.

@@ -268,6 +268,28 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     }
 
     #[inline(always)]
+    fn ahead(&self, _from: &HostState<Moment<R>, R>, course: &Course<R>, h: R) -> [R; 3] {
+        let t = h / self.step;
+        let series = &course.pulled;
+        // ∬A, its derivative, and half the second one, in powers of t.
+        let (mut sum, mut slope, mut bend) = (R::ZERO, R::ZERO, R::ZERO);
+        unrolled!(k < ORDER - 1 => {
+            bend = bend.mul_add(t, slope);
+            slope = slope.mul_add(t, sum);
+            sum = sum.mul_add(t, series[ORDER - k]);
+        });
+        // Of series = t² sum.
+        let (twice, square) = (t + t, t * t);
+        let rate = square.mul_add(slope, twice * sum);
+        let second = square.mul_add(bend + bend, (twice + twice).mul_add(slope, sum + sum));
+        let over = R::ONE / self.step;
+        let gravity = self.source.weight().map_or(R::ZERO, |weight| weight.gravity);
+        let fallen = gravity * h;
+        let curved = (fallen * 0.5).mul_add(h, square * sum);
+        [curved, rate.mul_add(over, fallen), second.mul_add(over * over, gravity)]
+    }
+
+    #[inline(always)]
     fn refresh(&self, state: &mut HostState<Moment<R>, R>) {
         if self.source.bends() {
             let Moment { time, kicks, .. } = state.phase;

@@ -10,6 +10,7 @@ use crate::compensated::DoubleDouble;
 use crate::flight::{Jet, Rows, Turns};
 use crate::oscillator::{Equation, Oscillator, Primary};
 use crate::real::Real;
+use crate::siva::coasts::Coasts;
 use crate::system::Clock;
 use crate::taylor::ORDER;
 
@@ -40,6 +41,11 @@ impl<R: Real> Structure for Oscillator<R> {
         let (primary, gained) = from.primary.arrived(self, from.acceleration, h);
         let acceleration = Oscillator::acceleration(self, &primary);
         Flown { to: HostState { primary, acceleration, phase: () }, gained }
+    }
+
+    #[inline(always)]
+    fn ahead(&self, from: &HostState<(), R>, _course: &(), h: R) -> [R; 3] {
+        Oscillator::ahead(self, from.primary.v.value, from.acceleration.value, h)
     }
 
     #[inline(always)]
@@ -137,6 +143,8 @@ pub struct UndrivenHost<R = f64> {
     /// The structure without absorber; made by the first flight, and shared between scenes that run side by
     /// side.
     free: OnceLock<Arc<Oscillator<R>>>,
+    /// Its steps of coasting; `None` if it has none.
+    coasts: OnceLock<Option<Arc<Coasts<R>>>>,
     /// The structure of mass 1 + μ; made when the absorber first sticks.
     loaded: OnceLock<Box<Oscillator<R>>>,
 }
@@ -144,7 +152,16 @@ pub struct UndrivenHost<R = f64> {
 impl<R: Real> UndrivenHost<R> {
     /// A structure of damping ratio ζ, for an absorber of mass ratio μ.
     pub(crate) fn new(damping_ratio: R, mass_ratio: R) -> Self {
-        Self { damping_ratio, mass_ratio, free: OnceLock::new(), loaded: OnceLock::new() }
+        let (free, coasts) = (OnceLock::new(), OnceLock::new());
+        Self { damping_ratio, mass_ratio, free, coasts, loaded: OnceLock::new() }
+    }
+
+    fn shared_coasts(&self) -> &Option<Arc<Coasts<R>>> {
+        let coasts = || {
+            let has = R::FAST_PATHS && self.damping_ratio <= MOST_DAMPED;
+            has.then(|| Arc::new(Coasts::new(self.shared())))
+        };
+        self.coasts.get_or_init(coasts)
     }
 
     fn shared(&self) -> &Arc<Oscillator<R>> {
@@ -158,8 +175,9 @@ impl<R: Real> Host for UndrivenHost<R> {
 
     fn share(&self, like: &Self) {
         // Made before the cell is initialised: a host may share with itself.
-        let free = Arc::clone(like.shared());
+        let (free, coasts) = (Arc::clone(like.shared()), like.shared_coasts().clone());
         self.free.get_or_init(|| free);
+        self.coasts.get_or_init(|| coasts);
     }
 
     fn damping_ratio(&self) -> R {
@@ -175,6 +193,10 @@ impl<R: Real> Host for UndrivenHost<R> {
     #[inline(always)]
     fn free(&self) -> &Oscillator<R> {
         self.shared()
+    }
+
+    fn coasts(&self) -> Option<&Coasts<R>> {
+        self.shared_coasts().as_deref()
     }
 
     fn loaded(&self) -> &Oscillator<R> {

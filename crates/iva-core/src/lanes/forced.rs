@@ -13,8 +13,8 @@ use crate::system::Clock;
 pub(super) trait Flights: Sized {
     /// Number of lanes.
     const WIDTH: usize;
-    /// Idle lanes.
-    fn new() -> Self;
+    /// Idle lanes for absorbers like this one.
+    fn new(siva: &Siva<DrivenHost>) -> Self;
     /// Advances each lane by one evaluation, and hands out the flights that it completes, if they are wanted:
     /// the lane, the clock at the begin and the length, instant and approach speed of the impact at the end (0:
     /// none), and the states at both ends. True if a lane needs its run.
@@ -51,7 +51,7 @@ impl<F: Flights> Lockstep<Siva<DrivenHost>> for ForcedRuns<F> {
     fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
         let steady = job.steady.map(|(steady, _)| steady).unwrap_or_default();
         let logs = (0..F::WIDTH).map(|_| None).collect();
-        Self { flights: F::new(), logs, logged: wanted.ledger || steady.any() }
+        Self { flights: F::new(&job.system), logs, logged: wanted.ledger || steady.any() }
     }
 
     #[inline(always)]

@@ -95,6 +95,11 @@ impl<const N: usize> Real for Dual<N> {
         self.through(self.value.ln(), 1.0 / self.value)
     }
 
+    fn about(a: Self, b: Self) -> Self {
+        let quotient = a.value / b.value;
+        a.with(b, f64::about(a.value, b.value), |da, db| (da - quotient * db) / b.value)
+    }
+
     fn sincos(self) -> (Self, Self) {
         let (s, c) = libm::sincos(self.value);
         (self.through(s, c), self.through(c, -s))

@@ -33,7 +33,7 @@ impl Sinusoid {
         let Passage { level, between: [low, high], turn: (time, x), .. } = *passage;
         let middle = low.midpoint(high);
         let halves = ((middle - time) / self.half).floor();
-        let less = fallen(-self.decay * self.half * halves.abs()).left;
+        let less = fallen(-self.decay * self.half * halves.abs())[0];
         let size = x.abs() * pick(halves < 0.0, 1.0 / less, less);
         let cosine = (level.abs() / size).min(1.0);
         let sine = (1.0 - cosine * cosine).sqrt();

@@ -1,0 +1,191 @@
+//! Free masses of the fast tier: states in plain doubles.
+
+use super::{States as StatesOf, Tier, TierRun};
+use crate::compensated::DoubleDouble;
+use crate::host::{DrivenHost, Host, Phase, UndrivenHost};
+use crate::oscillator::{Equation, Primary};
+use crate::plain::mass::Mass;
+use crate::plain::responses::{OfLane, Responses, Tables};
+use crate::plain::{FREE, State, States, Structure, Structures};
+use crate::real::Real;
+use crate::simulate::wall::REBOUND_LOOK;
+use crate::siva::SivaState;
+use crate::siva::coasts::{Coast, Coasts};
+use crate::system::Clock;
+
+impl<const W: usize> StatesOf<State> for States<W> {
+    fn new() -> Self {
+        States::new()
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> State {
+        States::get(self, i)
+    }
+
+    #[inline(always)]
+    fn put(&mut self, i: usize, which: bool, state: &State) {
+        self.set(i, &state.if_else(which, &States::get(self, i)));
+    }
+}
+
+/// A state at rest in the middle of the gap.
+const AT_REST: State =
+    State { x: 0.0, v: 0.0, force: 0.0, quadrature: 0.0, distance: 1.0, rate: 0.0, side: 1.0 };
+
+/// Free masses on one structure without drive.
+#[derive(Debug)]
+pub(in crate::lanes) struct FastDecays<const W: usize> {
+    structure: Structure,
+    tables: Tables<W>,
+    coasts: Coasts,
+}
+
+impl<const W: usize> Tier for FastDecays<W> {
+    type Host = UndrivenHost;
+    type State = State;
+    type States = States<W>;
+    type Mass<'a> = Mass<OfLane<'a, W>, FREE>;
+    const STAGED: bool = true;
+
+    fn new(host: &UndrivenHost) -> Self {
+        let equation = Equation::new(1.0, host.damping_ratio());
+        let responses = Responses::new(equation.damping, equation.growth, 0.0);
+        let mut tables = Tables::new();
+        (0..W).for_each(|i| tables.set(i, &responses));
+        let structure = Structure::new(&equation, responses.longest);
+        Self { structure, tables, coasts: Coasts::new(host.free()) }
+    }
+
+    #[inline(always)]
+    fn with<T>(&self, i: usize, _from: &State, act: impl FnOnce(&Self::Mass<'_>) -> T) -> T {
+        act(&Mass { structure: self.structure, responses: self.tables.of(i) })
+    }
+
+    #[inline(always)]
+    fn longest(&self, _i: usize) -> f64 {
+        self.structure.longest
+    }
+
+    #[inline(always)]
+    fn rebound(rate: f64, pressure: f64, over: f64) -> f64 {
+        rebound(rate, pressure, over)
+    }
+
+    #[inline(always)]
+    fn coasts(&self) -> Option<&Coasts> {
+        Some(&self.coasts)
+    }
+
+    #[inline(always)]
+    fn coasted(coasts: &Coasts, state: &State, by: &Coast) -> State {
+        coasts.plainly_coasted(state, by)
+    }
+
+    fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<State> {
+        Some(run.tally.state.in_doubles())
+    }
+
+    #[inline(always)]
+    fn in_doubles(state: &State) -> State {
+        *state
+    }
+
+    fn unload(&self, state: &State, host: &UndrivenHost, clock: Clock) -> SivaState {
+        unload(state, host, clock)
+    }
+
+    fn idle(&mut self, _i: usize) -> State {
+        AT_REST
+    }
+}
+
+/// Free masses under one harmonic force each, on the structure or on its base.
+#[derive(Debug)]
+pub(in crate::lanes) struct FastDriven<const DRIVE: u8, const W: usize> {
+    structures: Structures<W>,
+    tables: Tables<W>,
+}
+
+impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
+    type Host = DrivenHost;
+    type State = State;
+    type States = States<W>;
+    type Mass<'a> = Mass<OfLane<'a, W>, DRIVE>;
+    const STAGED: bool = true;
+
+    fn new(_host: &DrivenHost) -> Self {
+        Self { structures: Structures::new(), tables: Tables::new() }
+    }
+
+    #[inline(always)]
+    fn with<T>(&self, i: usize, _from: &State, act: impl FnOnce(&Self::Mass<'_>) -> T) -> T {
+        act(&Mass { structure: self.structures.get(i), responses: self.tables.of(i) })
+    }
+
+    #[inline(always)]
+    fn longest(&self, i: usize) -> f64 {
+        self.structures.longest[i]
+    }
+
+    #[inline(always)]
+    fn rebound(rate: f64, pressure: f64, over: f64) -> f64 {
+        rebound(rate, pressure, over)
+    }
+
+    #[inline(always)]
+    fn refreshed(&self, i: usize, state: &State, clock: Clock) -> State {
+        let [force, quadrature] = self.structures.get(i).force_at(clock);
+        State { force, quadrature, ..*state }
+    }
+
+    fn load(&mut self, i: usize, run: &TierRun<'_, Self>) -> Option<State> {
+        let log = run.observer.forced.as_ref()?;
+        self.tables.set(i, &log.responses);
+        self.structures.set(i, &log.structure);
+        let state = run.tally.state.in_doubles();
+        let [force, quadrature] = f64::dispatched(
+            #[inline(always)]
+            || log.structure.force_at(run.clock),
+        );
+        Some(State { force, quadrature, ..state })
+    }
+
+    #[inline(always)]
+    fn in_doubles(state: &State) -> State {
+        *state
+    }
+
+    fn unload(
+        &self,
+        state: &State,
+        host: &DrivenHost,
+        clock: Clock,
+    ) -> SivaState<Phase<DrivenHost>> {
+        unload(state, host, clock)
+    }
+
+    fn idle(&mut self, i: usize) -> State {
+        let structure = Structure { longest: 1.0, over_longest: 1.0, ..Structure::default() };
+        self.structures.set(i, &structure);
+        AT_REST
+    }
+}
+
+/// The longest first trial after a rebound.
+#[inline(always)]
+fn rebound(rate: f64, pressure: f64, over: f64) -> f64 {
+    REBOUND_LOOK * f64::about(over * rate, over * pressure)
+}
+
+/// A state in the form of the event loop.
+fn unload<H: Host<Real = f64>>(state: &State, host: &H, clock: Clock) -> SivaState<Phase<H>> {
+    let State { x, v, distance, rate, side, .. } = *state;
+    let primary = Primary { x: DoubleDouble::new(x), v: DoubleDouble::new(v) };
+    SivaState {
+        host: host.state(host.begin_at(clock), primary),
+        side,
+        distance: DoubleDouble::new(distance),
+        rate: DoubleDouble::new(rate),
+    }
+}

@@ -1,0 +1,261 @@
+//! Coasting: motion of a free mass that is too far inside its gap to meet a wall.
+//!
+//! Without drive |x| never exceeds the radius |Z| of the structure's motion ([`crate::host::sinusoid`]), and a
+//! free mass in uniform motion meets no wall while its displacement is within d − |Z|. So for a number of steps of
+//! one length no wall has to be searched for, and the structure moves by a matrix that is computed once.
+
+use super::SivaState;
+use crate::arrays::arrays;
+use crate::compensated::{DoubleDouble, two_product};
+use crate::host::HostState;
+use crate::oscillator::{Oscillator, Primary};
+use crate::plain::State;
+use crate::real::Real;
+
+/// Largest number of steps at once: all bits of an index.
+const MOST: usize = 31;
+/// Length of a step in units of the longest flight of the structure.
+const STEP: f64 = 0.5;
+/// The part of the time to the reach of a wall that is coasted, so that rounding leaves the absorber out of it.
+const SAFE: f64 = 1.0 - 1e-12;
+/// 1.5 · 2⁵²: a number of moderate size added to it is rounded to an integer.
+const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
+
+/// The steps of a structure without drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coasts<R = f64> {
+    /// Length of a step.
+    length: R,
+    over_length: f64,
+    /// ζ, 2ζ, and 1/ω.
+    decay: f64,
+    damping: R,
+    over_omega: f64,
+    /// The responses after 0, 1, … steps.
+    by: [Responses<R>; MOST + 1],
+}
+
+/// The responses C to unit displacement and S to unit velocity, and Ṡ.
+type Responses<R> = [DoubleDouble<R>; 3];
+
+arrays! {
+    /// The responses that a lane coasts by.
+    Coast,
+    /// [`Coast`] of many runs: every field an array over the lanes.
+    ManyCoasts:
+    /// Number of steps.
+    steps,
+    /// C, S and Ṡ in double-double.
+    displaced, displaced_rest, pushed, pushed_rest, rate, rate_rest,
+}
+
+impl Coast {
+    #[inline(always)]
+    fn responses(&self) -> Responses<f64> {
+        let Self { displaced, displaced_rest, pushed, pushed_rest, rate, rate_rest, .. } = *self;
+        [[displaced, displaced_rest], [pushed, pushed_rest], [rate, rate_rest]].map(
+            #[inline(always)]
+            |[value, rest]| DoubleDouble { value, rest },
+        )
+    }
+}
+
+impl Coasts {
+    /// The responses after a number of steps.
+    #[inline(always)]
+    pub(crate) fn coast(&self, steps: f64) -> Coast {
+        let [c, s, rate] = self.by[steps as usize & MOST];
+        Coast {
+            steps,
+            displaced: c.value,
+            displaced_rest: c.rest,
+            pushed: s.value,
+            pushed_rest: s.rest,
+            rate: rate.value,
+            rate_rest: rate.rest,
+        }
+    }
+
+    /// The state of a lane after a coast.
+    #[inline(always)]
+    pub(crate) fn coasted(&self, from: &SivaState, by: &Coast) -> SivaState {
+        self.after_by(from, by.steps, by.responses())
+    }
+
+    /// [`Coasts::coasted`] in plain numbers.
+    #[inline(always)]
+    pub(crate) fn plainly_coasted(&self, from: &State, by: &Coast) -> State {
+        let State { x, v, distance, side, .. } = *from;
+        let absorber = side.mul_add(-from.rate, v);
+        let time = self.length * by.steps;
+        let there = by.displaced.mul_add(x, by.pushed * v);
+        let faster = by.rate.mul_add(v, -(by.pushed * x));
+        State {
+            x: there,
+            v: faster,
+            distance: distance + side * absorber.mul_add(-time, there - x),
+            rate: side * (faster - absorber),
+            ..*from
+        }
+    }
+}
+
+impl<R: Real> Coasts<R> {
+    /// The steps of a structure of mass 1 that is not overdamped.
+    pub fn new(oscillator: &Oscillator<R>) -> Self {
+        let (one, length) = (DoubleDouble::new(R::ONE), oscillator.reach * STEP);
+        let damping = oscillator.equation.damping;
+        let slope = |[c, s]: [DoubleDouble<R>; 2]| [c, s, c - s.times(damping)];
+        let pushed = oscillator.precise(one, DoubleDouble::new(-damping), length);
+        let first = [
+            one + oscillator.precise(DoubleDouble::ZERO, -one, length),
+            DoubleDouble::new(length) + pushed,
+        ];
+        let mut by = [slope([one, DoubleDouble::ZERO]); MOST + 1];
+        for k in 1..=MOST {
+            let [c, s, rate] = by[k - 1];
+            by[k] = slope([first[0] * c - first[1] * s, first[0] * s + first[1] * rate]);
+        }
+        let decay = 0.5 * damping.double();
+        let over_omega = 1.0 / (1.0 - decay * decay).sqrt();
+        Self { length, over_length: 1.0 / length.double(), decay, damping, over_omega, by }
+    }
+
+    /// The number of steps from a state in which certainly no wall is met, at most those that the time `remaining`
+    /// has.
+    #[inline(always)]
+    pub(crate) fn count(&self, at: &State, clearance: f64, remaining: f64) -> f64 {
+        let State { x, v, distance, rate, side, .. } = *at;
+        let turned = self.decay.mul_add(x, v) * self.over_omega;
+        let window = clearance - turned.mul_add(turned, x * x).sqrt();
+        let place = side.mul_add(clearance - distance, x);
+        let speed = side.mul_add(-rate, v);
+        let way = window - if speed < 0.0 { -place } else { place };
+        let time = (way / (speed.abs() + f64::MIN_POSITIVE)).min(remaining);
+        let steps = (time * (SAFE * self.over_length)).min(MOST as f64);
+        let steps = if place.abs() < window { steps } else { 0.0 };
+        ((steps - 0.5) + TO_INTEGER) - TO_INTEGER
+    }
+
+    /// The time that a number of steps takes, high and low part.
+    #[inline(always)]
+    pub fn time(&self, steps: f64) -> [R; 2] {
+        let (time, rest) = two_product(self.length, R::from(steps));
+        [time, rest]
+    }
+
+    /// The state after some steps.
+    #[inline(always)]
+    pub fn after<P: Copy>(&self, from: &SivaState<P, R>, steps: usize) -> SivaState<P, R> {
+        self.after_by(from, steps as f64, self.by[steps])
+    }
+
+    #[inline(always)]
+    fn after_by<P: Copy>(
+        &self,
+        from: &SivaState<P, R>,
+        steps: f64,
+        [c, s, rate]: Responses<R>,
+    ) -> SivaState<P, R> {
+        let SivaState { host, side, distance, .. } = *from;
+        let HostState { primary: Primary { x, v }, phase, .. } = host;
+        let seen =
+            |sum: DoubleDouble<R>| DoubleDouble { value: side * sum.value, rest: side * sum.rest };
+        // The velocity of the absorber.
+        let absorber = v - seen(from.rate);
+        let [time, rest] = self.time(steps);
+        let primary = Primary { x: c.product(x) + s.product(v), v: rate.product(v) - s.product(x) };
+        let moved = (primary.x - x) - absorber.product(DoubleDouble { value: time, rest });
+        let acceleration = -(primary.x + primary.v.product(DoubleDouble::new(self.damping)));
+        SivaState {
+            host: HostState { primary, acceleration, phase },
+            side,
+            distance: distance + seen(moved),
+            rate: seen(primary.v - absorber),
+        }
+    }
+}
+
+/// A state in plain doubles, without its force.
+impl<P, R: Real> SivaState<P, R> {
+    #[inline(always)]
+    pub(crate) fn in_doubles(&self) -> State {
+        let Primary { x, v } = &self.host.primary;
+        State {
+            x: x.value.double(),
+            v: v.value.double(),
+            distance: self.distance.value.double(),
+            rate: self.rate.value.double(),
+            side: self.side.double(),
+            ..State::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::host::Host;
+    use crate::siva::Siva;
+    use crate::siva::motion::arrived;
+    use crate::system::{Start, System};
+
+    /// The fractional parts of multiples of an irrational number.
+    fn spread(i: u32, k: u32) -> f64 {
+        (f64::from(i) * f64::from(2 * k + 3).sqrt()).fract()
+    }
+
+    /// A free mass on a structure without drive, and a state in the gap, of which the structure moves by 0.3 at
+    /// most.
+    fn planted(i: u32) -> (Siva, SivaState) {
+        let u = |k| spread(i, k);
+        let damping_ratio = [0.0, 0.0085, 0.3, 0.8][(4.0 * u(0)) as usize];
+        let siva = Siva::new(0.1, 0.5, 1.0, damping_ratio).unwrap();
+        let start = Start {
+            displacement: 0.2 * u(1),
+            velocity: 0.2 * u(2),
+            gap_displacement: 1.8 * u(3) - 0.9,
+            gap_velocity: (2.0 * u(4) - 1.0) * 10f64.powf(-3.0 * u(5)),
+        };
+        let state = siva.begin(&start);
+        (siva, state)
+    }
+
+    /// The motion by the power series, step by step: the reference is independent of the matrices.
+    #[test]
+    fn steps_are_those_of_the_series_and_meet_no_wall() {
+        let (mut coasting, mut stopped) = (0, 0);
+        for i in 1..2000 {
+            let (siva, from) = planted(i);
+            let coasts = Coasts::new(siva.host.free());
+            let remaining = 12.0 * spread(i, 6);
+            let steps = coasts.count(&from.in_doubles(), siva.clearance(), remaining);
+            assert!(coasts.length * steps <= remaining);
+            let mut at = from;
+            for k in 1..=steps as usize {
+                for part in 1..=8 {
+                    let h = coasts.length * f64::from(part) / 8.0;
+                    let there = arrived(siva.host.free(), &(), &at, h);
+                    let inside = 0.0 < there.distance.value && there.distance.minus(2.0) < 0.0;
+                    assert!(inside, "{i}: {there:?}");
+                }
+                at = arrived(siva.host.free(), &(), &at, coasts.length);
+                let jump = coasts.after(&from, k);
+                let off = |a: DoubleDouble, b: DoubleDouble| (a - b).value.abs();
+                let worst = off(jump.host.primary.x, at.host.primary.x)
+                    .max(off(jump.host.primary.v, at.host.primary.v))
+                    .max(off(jump.host.acceleration, at.host.acceleration))
+                    .max(off(jump.distance, at.distance))
+                    .max(off(jump.rate, at.rate));
+                assert!(worst < 3e-17 * k as f64, "{i} {k}: {worst:e}");
+                let plain = coasts.plainly_coasted(&from.in_doubles(), &coasts.coast(k as f64));
+                assert!((plain.x - at.host.primary.x.value).abs() < 1e-15);
+                assert!((plain.rate - at.rate.value).abs() < 1e-15);
+                assert!((plain.distance - at.distance.value).abs() < 1e-14);
+            }
+            coasting += u32::from(steps > 0.0);
+            stopped += u32::from(steps < (remaining / coasts.length).floor());
+        }
+        assert!(coasting > 500 && stopped > 500, "{coasting} {stopped}");
+    }
+}
