@@ -1,58 +1,199 @@
-//! A macro for structs of numbers and structs of arrays over lanes.
+//! Values of many runs side by side: structs of arrays over the lanes.
+//!
+//! [`Laned`] says how a type is held over W lanes: a number as an array, a mark as an array of ones and zeros, which
+//! vector instructions select by, a struct as a struct of such arrays ([`laned!`]). So what is written for one run
+//! can be done for all lanes in a loop.
 
-/// Declares a struct of numbers for one lane, and a struct with an array over the lanes for each of its
-/// fields. A part is a field that is itself a struct declared by this macro.
+use std::fmt::Debug;
+
+use crate::real::pick;
+
+/// A value that can be held over lanes.
+pub(crate) trait Laned: Copy + Debug {
+    /// The values of W lanes.
+    type Lanes<const W: usize>: Lanes<Self>;
+    /// `yes` if `which`, else `no`, without a branch.
+    fn pick(which: bool, yes: &Self, no: &Self) -> Self;
+}
+
+/// The values of all lanes.
+pub(crate) trait Lanes<T>: Debug {
+    fn new() -> Self;
+    fn get(&self, i: usize) -> T;
+    fn set(&mut self, i: usize, one: &T);
+}
+
+impl Laned for f64 {
+    type Lanes<const W: usize> = [f64; W];
+
+    #[inline(always)]
+    fn pick(which: bool, yes: &f64, no: &f64) -> f64 {
+        pick(which, *yes, *no)
+    }
+}
+
+impl<const W: usize> Lanes<f64> for [f64; W] {
+    fn new() -> Self {
+        [0.0; W]
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> f64 {
+        self[i]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, one: &f64) {
+        self[i] = *one;
+    }
+}
+
+impl Laned for bool {
+    type Lanes<const W: usize> = [f64; W];
+
+    #[inline(always)]
+    fn pick(which: bool, yes: &bool, no: &bool) -> bool {
+        (which & *yes) | (!which & *no)
+    }
+}
+
+impl<const W: usize> Lanes<bool> for [f64; W] {
+    fn new() -> Self {
+        [0.0; W]
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> bool {
+        self[i] > 0.0
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, one: &bool) {
+        self[i] = pick(*one, 1.0, 0.0);
+    }
+}
+
+impl<T: Laned, const N: usize> Laned for [T; N] {
+    type Lanes<const W: usize> = Several<T, N, W>;
+
+    #[inline(always)]
+    fn pick(which: bool, yes: &[T; N], no: &[T; N]) -> [T; N] {
+        std::array::from_fn(
+            #[inline(always)]
+            |n| T::pick(which, &yes[n], &no[n]),
+        )
+    }
+}
+
+/// N values over lanes.
+#[derive(Debug)]
+pub(crate) struct Several<T: Laned, const N: usize, const W: usize>([T::Lanes<W>; N]);
+
+impl<T: Laned, const N: usize, const W: usize> Lanes<[T; N]> for Several<T, N, W> {
+    fn new() -> Self {
+        Self(std::array::from_fn(|_| Lanes::new()))
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> [T; N] {
+        std::array::from_fn(
+            #[inline(always)]
+            |n| self.0[n].get(i),
+        )
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, one: &[T; N]) {
+        for (lanes, one) in self.0.iter_mut().zip(one) {
+            lanes.set(i, one);
+        }
+    }
+}
+
+impl Laned for () {
+    type Lanes<const W: usize> = ();
+
+    #[inline(always)]
+    fn pick(_which: bool, _yes: &(), _no: &()) {}
+}
+
+impl Lanes<()> for () {
+    fn new() {}
+
+    #[inline(always)]
+    fn get(&self, _i: usize) {}
+
+    #[inline(always)]
+    fn set(&mut self, _i: usize, _one: &()) {}
+}
+
+/// Declares how a struct is held over lanes: a struct of the lanes of its fields. A field with a value is the same
+/// in all lanes.
+macro_rules! laned {
+    (
+        $one:ident $(<$part:ident>)?,
+        $many:ident { $($field:ident: $type:ty),* $(,)? } $($fixed:ident = $value:expr)?
+    ) => {
+        #[doc = concat!("[`", stringify!($one), "`] over lanes.")]
+        #[derive(Debug)]
+        #[repr(align(64))]
+        pub(crate) struct $many<$($part: $crate::arrays::Laned,)? const W: usize> {
+            $(pub $field: <$type as $crate::arrays::Laned>::Lanes<W>,)*
+        }
+
+        impl<$($part: $crate::arrays::Laned,)? const W: usize>
+            $crate::arrays::Lanes<$one $(<$part>)?> for $many<$($part,)? W>
+        {
+            fn new() -> Self {
+                Self { $($field: $crate::arrays::Lanes::<$type>::new(),)* }
+            }
+
+            #[inline(always)]
+            fn get(&self, i: usize) -> $one $(<$part>)? {
+                $one {
+                    $($field: $crate::arrays::Lanes::<$type>::get(&self.$field, i),)*
+                    $($fixed: $value,)?
+                }
+            }
+
+            #[inline(always)]
+            fn set(&mut self, i: usize, one: &$one $(<$part>)?) {
+                $($crate::arrays::Lanes::<$type>::set(&mut self.$field, i, &one.$field);)*
+            }
+        }
+
+        impl $(<$part: $crate::arrays::Laned>)? $crate::arrays::Laned
+            for $one $(<$part>)?
+        {
+            type Lanes<const W: usize> = $many<$($part,)? W>;
+
+            #[inline(always)]
+            fn pick(which: bool, yes: &Self, no: &Self) -> Self {
+                Self {
+                    $($field: $crate::arrays::Laned::pick(which, &yes.$field, &no.$field),)*
+                    $($fixed: $value,)?
+                }
+            }
+        }
+    };
+}
+pub(crate) use laned;
+
+/// Declares a struct of numbers, and of other values that can be held over lanes, and how it is held over lanes.
 macro_rules! arrays {
     (
-        $(#[$doc:meta])* $one:ident, $(#[$many_doc:meta])* $many:ident:
+        $(#[$doc:meta])* $one:ident, $many:ident:
         $($(#[$field_doc:meta])* $field:ident),* $(,)?
-        $(; $($(#[$part_doc:meta])* $part:ident: $part_one:ident, $part_many:ident),*)?
+        $(; $($(#[$part_doc:meta])* $part:ident: $type:ty),* $(,)?)?
     ) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy, Default)]
         pub(crate) struct $one {
             $($(#[$field_doc])* pub $field: f64,)*
-            $($($(#[$part_doc])* pub $part: $part_one,)*)?
+            $($($(#[$part_doc])* pub $part: $type,)*)?
         }
 
-        impl $one {
-            /// `self` if `which`, else `other`.
-            #[allow(dead_code)]
-            #[inline(always)]
-            pub fn if_else(&self, which: bool, other: &Self) -> Self {
-                Self {
-                    $($field: $crate::real::pick(which, self.$field, other.$field),)*
-                    $($($part: self.$part.if_else(which, &other.$part),)*)?
-                }
-            }
-        }
-
-        $(#[$many_doc])*
-        #[derive(Debug)]
-        #[repr(align(64))]
-        pub(crate) struct $many<const W: usize> {
-            $(pub $field: [f64; W],)*
-            $($(pub $part: $part_many<W>,)*)?
-        }
-
-        impl<const W: usize> $many<W> {
-            pub const fn new() -> Self {
-                Self { $($field: [0.0; W],)* $($($part: $part_many::new(),)*)? }
-            }
-
-            #[allow(dead_code)]
-            #[inline(always)]
-            pub fn get(&self, i: usize) -> $one {
-                $one { $($field: self.$field[i],)* $($($part: self.$part.get(i),)*)? }
-            }
-
-            #[allow(dead_code)]
-            #[inline(always)]
-            pub fn set(&mut self, i: usize, one: &$one) {
-                $(self.$field[i] = one.$field;)*
-                $($(self.$part.set(i, &one.$part);)*)?
-            }
-        }
+        $crate::arrays::laned!($one, $many { $($field: f64,)* $($($part: $type,)*)? });
     };
 }
 pub(crate) use arrays;

@@ -1,5 +1,6 @@
 //! Double-doubles: numbers held as the unevaluated sum of a high and a low part.
 
+use crate::arrays::laned;
 use crate::real::Real;
 
 /// A double-double: a number held as its rounded value and the rounding error of that value (T. J. Dekker,
@@ -14,6 +15,8 @@ pub struct DoubleDouble<R = f64> {
     /// Low part: the number minus `value`; at most half a unit in the last place of `value`.
     pub rest: R,
 }
+
+laned!(DoubleDouble, DoubleDoubles { value: f64, rest: f64 });
 
 impl<R: Real> DoubleDouble<R> {
     /// Zero.

@@ -13,6 +13,7 @@
 //! An impulse is an event ([`Force::due`]) that changes velocities only. Where a record jumps, at an end
 //! whose value is not 0, an impulse of size 0 is placed, so that the test for sticking is made anew there.
 
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::range;
@@ -89,6 +90,13 @@ pub struct Pushes<R = f64> {
     /// a_g.
     pub base: Push<R>,
 }
+
+laned!(
+    Push,
+    ManyPushes { value: DoubleDouble, rate: DoubleDouble, second: DoubleDouble, third: f64 }
+);
+
+laned!(Pushes, AllPushes { primary: Push, base: Push });
 
 impl<R: Real> Push<R> {
     /// No force.

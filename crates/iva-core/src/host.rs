@@ -15,6 +15,7 @@
 //! [`Host`] has the structures for both masses, and the instants at which the drive bends, jumps or has an
 //! impulse. Absorbers are generic over the host.
 
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::flight::{Jet, Quantity, Rows, Turns};
 use crate::force::Force;
@@ -43,6 +44,8 @@ pub struct HostState<Phase, R = f64> {
     /// The state of the drive.
     pub(crate) phase: Phase,
 }
+
+laned!(HostState<P>, HostStates { primary: Primary, acceleration: DoubleDouble, phase: P });
 
 /// The result of a motion of the structure.
 #[derive(Debug, Clone, Copy)]

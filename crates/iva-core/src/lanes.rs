@@ -5,7 +5,7 @@
 //! [`LANES`] runs advance in lockstep, one per lane, and every operation is done for all of them by vector
 //! instructions. Three things make that possible:
 //!
-//! * **A stretch has no branches.** The fast flights of a free mass (`lanes/siva.rs`) and the steps of a
+//! * **A stretch has no branches.** The trials of a free mass (`lanes/free_mass.rs`) and the steps of a
 //!   pendulum (`lanes/piva.rs`) are written for one lane and one number type. The compiler turns a loop over
 //!   arrays of lanes into vector code for AVX-512, AVX2 or the baseline, chosen at run time. Every lane
 //!   computes all cases and selects its own.
@@ -18,8 +18,8 @@
 //!
 //! A lane whose run has ended is given the next one.
 //!
-//! Free masses have lanes of a second kind, in plain doubles: the fast tier (`lanes/doubles.rs`). Their
-//! results do not depend on the other lanes either, but differ from those of the event loop in the last bits.
+//! In the fast tier the lanes of free masses hold plain doubles. Their results do not depend on the other lanes
+//! either, but differ from those of the event loop in the last bits.
 
 mod counts;
 mod decays;
@@ -49,6 +49,9 @@ use running::Running;
 
 /// Number of runs side by side.
 pub const LANES: usize = 8;
+/// Number of free masses side by side, where their rounds are in stages: enough to hide the latency of operations
+/// on a processor with wide vectors.
+const WIDE: usize = 16;
 /// Groups of fewer runs than this go one by one.
 const WORTHWHILE: usize = 3;
 /// A run to be made.
@@ -74,7 +77,7 @@ pub enum Tier {
     /// Full accuracy: states in double-double where that matters.
     #[default]
     Exact,
-    /// Less accurate by some rounding units: free masses in plain doubles (`lanes/doubles.rs`), pendulums
+    /// Less accurate by some rounding units: free masses in plain doubles (`lanes/free_mass.rs`), pendulums
     /// with steps of a larger tolerance.
     Fast,
 }
@@ -168,8 +171,8 @@ impl SideBySide for Siva {
 
     fn run(group: Group<'_, Self>) {
         match group.tier() {
-            Tier::Fast => group.run::<Decays<FreeMasses<FastDecays<16>, 16>>>(),
-            Tier::Exact => group.run::<Decays<FreeMasses<ExactDecays<LANES>, LANES>>>(),
+            Tier::Fast => group.run::<Decays<FreeMasses<FastDecays, WIDE>>>(),
+            Tier::Exact => group.run::<Decays<FreeMasses<ExactDecays, WIDE>>>(),
         }
     }
 }
@@ -208,9 +211,9 @@ impl SideBySide for Siva<DrivenHost> {
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
             if group.leader().moves_base() {
-                group.run::<ForcedRuns<FreeMasses<FastDriven<BASE, 16>, 16>>>();
+                group.run::<ForcedRuns<FreeMasses<FastDriven<BASE, WIDE>, WIDE>>>();
             } else {
-                group.run::<ForcedRuns<FreeMasses<FastDriven<FORCE, 16>, 16>>>();
+                group.run::<ForcedRuns<FreeMasses<FastDriven<FORCE, WIDE>, WIDE>>>();
             }
         } else if group.leader().moves_base() {
             group.run::<ForcedRuns<FreeMasses<ExactDriven<true, LANES>, LANES>>>();

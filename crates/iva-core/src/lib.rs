@@ -32,9 +32,9 @@
 //!   are the laws of what follows.
 //! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
 //! * [`lanes`] is the same loop for many runs side by side in the lanes of vector instructions. A lane holds
-//!   copies of the variables that change in simple flights, and hands everything else back to its run. Free
-//!   masses have lanes of two kinds: the exact tier (`lanes/siva.rs`), and in plain doubles the fast one
-//!   (`lanes/doubles.rs`).
+//!   copies of the variables that change in simple flights, and hands everything else back to its run. The flights
+//!   of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier
+//!   (`siva/trial.rs`, `lanes/free_mass.rs`).
 //! * Measures of free masses are computed from a `log` after the run: those of a decay from the begins of its
 //!   motions (`measures/decay.rs`), whether it ran alone or in lanes of either tier; those of a run under one
 //!   harmonic force from its flights (`measures/forced.rs`). [`summary`] is the observer that logs. Lanes of pendulums hold copies of the

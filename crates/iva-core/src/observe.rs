@@ -95,6 +95,10 @@ pub trait Observer<S: System> {
         _span: &Span<'_, M>,
     ) {
     }
+    /// True if the observer evaluates the motion within spans; if not, a span may be longer than its motion is exact.
+    fn looks_within(&self) -> bool {
+        true
+    }
     /// An impact.
     fn impact(&mut self, _system: &S, _impact: &Impact<S::Real>) {}
     /// The states around an impact, notified before [`Observer::impact`]. A summed tail is preceded by a
@@ -117,7 +121,11 @@ pub trait Observer<S: System> {
     fn end(&mut self, _system: &S, _tally: &Tally<S::State, S::Real>) {}
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for () {}
+impl<R: Real, S: System<Real = R>> Observer<S> for () {
+    fn looks_within(&self) -> bool {
+        false
+    }
+}
 
 /// An observer behind a pointer is one.
 macro_rules! pointed_to {
@@ -146,6 +154,9 @@ macro_rules! pointed_to {
             }
             fn episode(&mut self, episode: &StickEpisode<R>) {
                 (**self).episode(episode);
+            }
+            fn looks_within(&self) -> bool {
+                (**self).looks_within()
             }
             fn is_done(&self) -> bool {
                 (**self).is_done()
@@ -199,6 +210,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
             observer.episode(episode);
         }
     }
+    fn looks_within(&self) -> bool {
+        self.as_ref().is_some_and(|observer| observer.looks_within())
+    }
     fn is_done(&self) -> bool {
         self.as_ref().is_some_and(|observer| observer.is_done())
     }
@@ -242,6 +256,9 @@ impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> f
         self.0.episode(episode);
         self.1.episode(episode);
     }
+    fn looks_within(&self) -> bool {
+        self.0.looks_within() || self.1.looks_within()
+    }
     fn is_done(&self) -> bool {
         self.0.is_done() || self.1.is_done()
     }
@@ -261,6 +278,9 @@ pub struct Events<R = f64> {
 }
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Events<R> {
+    fn looks_within(&self) -> bool {
+        false
+    }
     fn impact(&mut self, _system: &S, impact: &Impact<R>) {
         self.impacts.push(*impact);
     }

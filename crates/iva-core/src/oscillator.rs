@@ -19,6 +19,7 @@
 //! (√k x, v) obeys a linear system of norm Λ = c/2 + √(c²/4 + k), and so do its derivatives. Hence
 //! |x⁽ⁿ⁾| ≤ Λⁿ⁻¹ ρ for n ≥ 1 at every later time, for any ζ: no singularity at ζ = 1.
 
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::flight::Jet;
 use crate::real::Real;
@@ -273,6 +274,8 @@ pub struct Primary<R = f64> {
     /// Velocity.
     pub v: DoubleDouble<R>,
 }
+
+laned!(Primary, Primaries { x: DoubleDouble, v: DoubleDouble });
 
 impl<R: Real> Primary<R> {
     /// The state after its velocity has increased.

@@ -35,9 +35,7 @@ pub(crate) const BASE: u8 = 2;
 
 arrays! {
     /// The state of structure and absorber at an instant.
-    State,
-    /// [`State`] of many runs: every field an array over the lanes.
-    States:
+    State, States:
     /// x and ẋ, f and f̂.
     x, v, force, quadrature,
     /// Distance to the wall last touched, its rate, and the sign of that wall.
@@ -46,9 +44,7 @@ arrays! {
 
 arrays! {
     /// The constants of a structure.
-    Structure,
-    /// [`Structure`] of many runs: every field an array over the lanes.
-    Structures:
+    Structure, Structures:
     /// 2ζ, Λ of [`Equation`], and Ω.
     damping, growth, frequency,
     /// F and φ of the force, or of −a_g where the base moves.

@@ -345,12 +345,14 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         true
     }
 
-    /// Lets an absorber that is too far from its walls to meet one fly on. Observers see one step after the other,
-    /// each from a state that is computed from the first one.
+    /// Lets an absorber that is too far from its walls to meet one fly on. Observers that look within motions see one
+    /// step after the other, each from a state that is computed from the first one.
     fn coast(&mut self) {
         let (system, clock, from) = (self.system, self.clock, self.tally.state);
         let remaining = -clock.minus(self.limits.duration);
-        for steps in 1..=system.coasts(&from, remaining) {
+        let all = system.coasts(&from, remaining);
+        let first = if self.observer.looks_within() { 1 } else { all.max(1) };
+        for steps in first..=all {
             let (end, [time, rest]) = system.coasted(&from, steps);
             let flight = system.flight(&self.tally.state);
             let finish = clock.plus_parts(time, rest);

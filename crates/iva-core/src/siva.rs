@@ -8,6 +8,7 @@
 
 use std::any::TypeId;
 
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
 use crate::flight::{GapPoint, Jet};
@@ -50,13 +51,15 @@ pub struct Siva<H: Host = UndrivenHost> {
 }
 
 /// The impact law at one wall.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Law<R = f64> {
     /// Newton's coefficient e on the gap velocity.
     pub restitution: R,
     /// Share of the gap velocity that the primary gains.
     pub share: DoubleDouble<R>,
 }
+
+laned!(Law, Laws { restitution: f64, share: DoubleDouble });
 
 impl<R: Real> Law<R> {
     fn new(mass_ratio: R, restitution: R) -> Self {
@@ -218,6 +221,13 @@ pub struct SivaState<P = (), R = f64> {
     pub(crate) rate: DoubleDouble<R>,
 }
 
+laned!(SivaState<P>, SivaStates {
+    host: HostState<P>,
+    side: f64,
+    distance: DoubleDouble,
+    rate: DoubleDouble,
+});
+
 impl<R: Real, P> SivaState<P, R> {
     /// Gap displacement from the middle of a gap of one-sided clearance d, and gap velocity.
     #[inline(always)]
@@ -331,11 +341,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
 
     fn coasts(&self, state: &Self::State, remaining: R) -> usize {
         let Some(coasts) = self.host.coasts() else { return 0 };
-        let (state, clearance, remaining) =
-            (state.in_doubles(), self.clearance.double(), remaining.double());
+        let within = [1.0 / self.clearance.double(), remaining.double()];
         f64::dispatched(
             #[inline(always)]
-            || coasts.count(&state, clearance, remaining) as usize,
+            || coasts.count(&state.in_doubles(), within) as usize,
         )
     }
 
@@ -343,7 +352,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         let Some(coasts) = self.host.coasts() else { return (*state, [R::ZERO; 2]) };
         R::dispatched(
             #[inline(always)]
-            || (coasts.after(state, steps), coasts.time(steps as f64)),
+            || {
+                let (count, responses) = (steps as f64, coasts.responses(steps));
+                (coasts.after(state, count, responses), coasts.time(count))
+            },
         )
     }
 

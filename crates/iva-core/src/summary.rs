@@ -96,6 +96,9 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
         self.forced = system.forced().and_then(|scene| Forced::new(&scene, spare, wanted, times));
     }
 
+    fn looks_within(&self) -> bool {
+        self.measures.decay.is_none() || self.steady.is_some()
+    }
     fn span<M>(&mut self, system: &S, span: &Span<'_, M>)
     where
         M: Motion<Real = R, State = S::State>,

@@ -12,6 +12,7 @@
 //! exact. Terms up to h³ are computed in double-double, as in [`crate::oscillator`].
 
 use super::{Flown, HostState, Integrated, Structure};
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::flight::{Jet, Quantity, Rows, Turns};
 use crate::force::{Drive, Pushes};
@@ -62,6 +63,8 @@ pub struct Moment<R = f64> {
     /// f/M, and a_g plus gravity along the motion.
     pub(crate) pushes: Pushes<R>,
 }
+
+laned!(Moment, Moments { time: Clock, pushes: Pushes } kicks = 0);
 
 /// The power series of a motion, in powers of t/`step`.
 #[derive(Debug, Clone, Copy)]

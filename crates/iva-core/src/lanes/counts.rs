@@ -12,9 +12,7 @@ use crate::system::{System, Wall};
 
 arrays! {
     /// The counts and sums of one run.
-    Counts,
-    /// [`Counts`] of many runs: every field an array over the lanes.
-    ManyCounts:
+    Counts, ManyCounts:
     /// Impacts and their limit, effective impacts, stretches of motion (`work`) and their limit.
     impacts, max_impacts, effective, work, max_work,
     /// The largest approach speed on each wall.

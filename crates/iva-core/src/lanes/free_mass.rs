@@ -21,36 +21,28 @@ mod round;
 use super::decays::{self, Decaying};
 use super::forced::{self, Driven};
 use super::{ScalarRun, SideBySide, pick};
-use crate::arrays::any;
+use crate::arrays::{Laned, Lanes, any};
 use crate::host::{DrivenHost, Host, Phase, UndrivenHost};
 use crate::log::Entry;
 use crate::plain::State;
-use crate::siva::coasts::{Coast, Coasts, ManyCoasts};
-use crate::siva::trial::{FreeMass, land, search};
+use crate::siva::coasts::Coasts;
+use crate::siva::trial::{FreeMass, Sight, search};
 use crate::siva::{Siva, SivaState};
 use crate::system::Clock;
 
 pub(super) use exact::{ExactDecays, ExactDriven};
 pub(super) use fast::{FastDecays, FastDriven};
-use lane::{Lane, Lanes};
+use lane::Lane;
 use round::{Round, Rounds, commit, decide};
-
-/// The states of all lanes.
-pub(super) trait States<State> {
-    fn new() -> Self;
-    fn get(&self, i: usize) -> State;
-    /// Stores the state of a lane, if `which`.
-    fn put(&mut self, i: usize, which: bool, state: &State);
-}
 
 /// Free masses of one tier and one kind of drive: what the motions of all lanes depend on.
 pub(super) trait Tier: Sized {
     /// The structure that they are on.
     type Host: Host<Real = f64>;
     /// The state of a lane.
-    type State: Copy;
-    /// The states of all lanes.
-    type States: States<Self::State>;
+    type State: Laned;
+    /// The responses that a lane coasts by.
+    type Responses: Laned + Default;
     /// The motion of a lane.
     type Mass<'a>: FreeMass<Real = f64, State = Self::State>
     where
@@ -62,7 +54,12 @@ pub(super) trait Tier: Sized {
     /// Idle lanes for absorbers on a structure like this one.
     fn new(host: &Self::Host) -> Self;
     /// Uses the motion of a lane from a state.
-    fn with<T>(&self, i: usize, from: &Self::State, act: impl FnOnce(&Self::Mass<'_>) -> T) -> T;
+    fn with<T>(
+        &self,
+        i: usize,
+        from: &Self::State,
+        act: impl FnOnce(&Self::Mass<'_>, &Self::State) -> T,
+    ) -> T;
     /// The longest stretch of a lane.
     fn longest(&self, i: usize) -> f64;
     /// The longest first stretch after a rebound from a pressing wall; `over` is 1/clearance.
@@ -77,9 +74,14 @@ pub(super) trait Tier: Sized {
     fn coasts(&self) -> Option<&Coasts> {
         None
     }
-    /// The state after a coast.
+    /// The responses of the structure after a number of steps of coasting.
     #[inline(always)]
-    fn coasted(_coasts: &Coasts, state: &Self::State, _by: &Coast) -> Self::State {
+    fn responses(&self, _steps: usize) -> Self::Responses {
+        Self::Responses::default()
+    }
+    /// The state after these steps.
+    #[inline(always)]
+    fn coasted(&self, state: &Self::State, _steps: f64, _by: Self::Responses) -> Self::State {
         *state
     }
     /// Loads the motion of a run into a lane; its state.
@@ -105,26 +107,28 @@ type TierRun<'a, T> = ScalarRun<'a, Siva<<T as Tier>::Host>>;
 /// Lanes of free masses.
 #[derive(Debug)]
 pub(super) struct FreeMasses<T: Tier, const W: usize> {
-    lanes: Lanes<W>,
+    lanes: lane::Lanes<W>,
     rounds: Rounds<W>,
     tier: T,
     /// The states at the begin of each trial.
-    states: T::States,
+    states: <T::State as Laned>::Lanes<W>,
     /// The states at the end of each trial, after an impact.
-    ends: T::States,
-    /// What the lanes coast by.
-    coasting: ManyCoasts<W>,
+    ends: <T::State as Laned>::Lanes<W>,
+    /// The numbers of steps that the lanes coast, and the responses after them.
+    steps: [f64; W],
+    responses: <T::Responses as Laned>::Lanes<W>,
 }
 
 impl<T: Tier, const W: usize> FreeMasses<T, W> {
     fn new(host: &T::Host) -> Self {
         Self {
             lanes: Lanes::new(),
-            rounds: Rounds::new(),
+            rounds: Lanes::new(),
             tier: T::new(host),
-            states: T::States::new(),
-            ends: T::States::new(),
-            coasting: ManyCoasts::new(),
+            states: Lanes::new(),
+            ends: Lanes::new(),
+            steps: [0.0; W],
+            responses: Lanes::new(),
         }
     }
 
@@ -138,73 +142,68 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
                 i,
                 &from,
                 #[inline(always)]
-                |mass| {
-                    let sight = search(mass, &from, &lane.trial(), lane.over_clearance);
-                    let mut round = Round::of(&sight);
+                |mass, from| {
+                    let sight = search(mass, from, &lane.trial, lane.over_clearance);
+                    let mut round = Round { sight, ..Round::default() };
                     if !T::STAGED {
-                        let size = [lane.clearance, lane.over_clearance];
-                        let landing = land(mass, &from, &sight, lane.length, size);
                         let after;
-                        (round, after) = decide(mass, &lane, &sight, &landing);
-                        ends.put(i, true, &after);
+                        (round, after) = decide(mass, &lane, from, &sight);
+                        ends.set(i, &after);
                     }
                     rounds.set(i, &round);
                 },
             );
         }
-        if T::STAGED {
-            for i in 0..W {
-                let (lane, from, sight) = (lanes.get(i), states.get(i), rounds.get(i).sight());
-                tier.with(
-                    i,
-                    &from,
-                    #[inline(always)]
-                    |mass| {
-                        let size = [lane.clearance, lane.over_clearance];
-                        let landing = land(mass, &from, &sight, lane.length, size);
-                        let (round, after) = decide(mass, &lane, &sight, &landing);
-                        ends.put(i, true, &after);
-                        rounds.set(i, &round);
-                    },
-                );
-            }
+        for i in 0..if T::STAGED { W } else { 0 } {
+            let (lane, from, sight) = (lanes.get(i), states.get(i), rounds.get(i).sight);
+            tier.with(
+                i,
+                &from,
+                #[inline(always)]
+                |mass, from| {
+                    let (round, after) = decide(mass, &lane, from, &sight);
+                    ends.set(i, &after);
+                    rounds.set(i, &round);
+                },
+            );
         }
     }
 
     /// Applies what the trials have found; true if a lane needs its run.
     #[inline(always)]
     fn advance(&mut self) -> bool {
-        let Self { lanes, rounds, tier, states, ends, coasting } = self;
+        let Self { lanes, rounds, tier, states, ends, steps, responses } = self;
         for i in 0..W {
             let (lane, round) = (lanes.get(i), rounds.get(i));
-            let clock = lane.clock().plus_parts(round.h, round.later);
+            let clock = lane.clock.plus_parts(round.sight.h, round.later);
             let after = tier.refreshed(i, &ends.get(i), clock);
-            states.put(i, round.passed > 0.0, &after);
+            let next = Laned::pick(round.passed, &after, &states.get(i));
+            states.set(i, &next);
             let first = T::rebound(round.rebound, round.pressure, lane.over_clearance);
-            lanes.set(i, &commit(&lane, &round, clock, [tier.longest(i), first]));
+            let lane = commit(&lane, &round, clock, [tier.longest(i), first]);
+            lanes.set(i, &lane);
+            if let Some(coasts) = tier.coasts() {
+                let within = [lane.over_clearance, lane.remaining()];
+                let count = coasts.count(&T::in_doubles(&next), within);
+                steps.set(i, &pick(round.passed & !round.hit, count, 0.0));
+            }
         }
-        if let Some(coasts) = tier.coasts() {
+        let requests = any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full);
+        let Some(coasts) = tier.coasts() else { return requests };
+        if any(steps) {
             for i in 0..W {
-                let (lane, round) = (lanes.get(i), rounds.get(i));
-                let state = T::in_doubles(&states.get(i));
-                let steps = coasts.count(&state, lane.clearance, lane.remaining());
-                let flies = (round.passed > 0.0) & (round.hit == 0.0);
-                coasting.steps[i] = pick(flies, steps, 0.0);
+                let count: f64 = steps.get(i);
+                responses.set(i, &tier.responses(count as usize));
             }
-            if any(&coasting.steps) {
-                for i in 0..W {
-                    coasting.set(i, &coasts.coast(coasting.steps[i]));
-                }
-                for i in 0..W {
-                    let (lane, state, by) = (lanes.get(i), states.get(i), coasting.get(i));
-                    let coasts_now = by.steps > 0.0;
-                    states.put(i, coasts_now, &T::coasted(coasts, &state, &by));
-                    let later = lane.later(coasts.time(by.steps), tier.longest(i));
-                    lanes.set(i, &later.if_else(coasts_now, &lane));
-                }
+            for i in 0..W {
+                let (lane, state, count) = (lanes.get(i), states.get(i), steps.get(i));
+                let coasted = tier.coasted(&state, count, responses.get(i));
+                states.set(i, &Laned::pick(count > 0.0, &coasted, &state));
+                let later = lane.later(coasts.time(count), tier.longest(i));
+                lanes.set(i, &Laned::pick(count > 0.0, &later, &lane));
             }
         }
-        any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full)
+        requests
     }
 
     /// The state at the end of the stretch that a lane has just completed, before an impact.
@@ -220,7 +219,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
 
     fn idle(&mut self, i: usize) {
         let state = self.tier.idle(i);
-        self.states.put(i, true, &state);
+        self.states.set(i, &state);
         self.lanes.set(i, &Lane::idle());
     }
 }
@@ -233,7 +232,7 @@ where
         let Some(state) = self.tier.load(i, run) else { return false };
         let lane = Lane::of(run, self.tier.longest(i));
         if let Some(lane) = &lane {
-            self.states.put(i, true, &state);
+            self.states.set(i, &state);
             self.lanes.set(i, lane);
         }
         lane.is_some()
@@ -261,7 +260,7 @@ impl<T: Tier<Host = UndrivenHost>, const W: usize> decays::Flights for FreeMasse
 
     #[inline(always)]
     fn times(&self) -> &[f64] {
-        &self.lanes.time
+        &self.lanes.clock.value
     }
 
     #[inline(always)]
@@ -271,10 +270,10 @@ impl<T: Tier<Host = UndrivenHost>, const W: usize> decays::Flights for FreeMasse
 
     #[inline(always)]
     fn motion(&self, i: usize) -> Option<Entry> {
-        (self.rounds.hit[i] > 0.0).then(|| {
+        (self.rounds.get(i).hit).then(|| {
             let State { x, v, side, rate, .. } = T::in_doubles(&self.states.get(i));
             let v_before = self.rounds.v[i];
-            Entry::new(self.lanes.get(i).clock(), [x, v], v_before, v - side * rate, false)
+            Entry::new(self.lanes.clock.get(i), [x, v], v_before, v - side * rate, false)
         })
     }
 
@@ -312,10 +311,11 @@ impl<T: Tier<Host = DrivenHost>, const W: usize> forced::Flights for FreeMasses<
         self.attempt();
         if wanted {
             for i in 0..W {
-                let Round { passed, h, later, hit, rate, .. } = self.rounds.get(i);
-                if passed > 0.0 {
-                    let clock = self.lanes.get(i).clock();
-                    let approach = if hit > 0.0 { -rate } else { 0.0 };
+                let Round { passed, sight: Sight { h, .. }, later, hit, rate, .. } =
+                    self.rounds.get(i);
+                if passed {
+                    let clock = self.lanes.clock.get(i);
+                    let approach = if hit { -rate } else { 0.0 };
                     let impact = [clock.plus_parts(h, later).value, approach];
                     let begin = T::in_doubles(&self.states.get(i));
                     take(i, clock, h + later, impact, [&begin, &self.end(i)]);

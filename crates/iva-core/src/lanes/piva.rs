@@ -13,6 +13,7 @@ mod step;
 mod watch;
 
 use super::{Job, LANES, Lockstep, ScalarRun};
+use crate::arrays::Lanes as _;
 use crate::compensated::DoubleDouble;
 use crate::flight::{Losses, Side};
 use crate::measures::Wanted;

@@ -8,6 +8,7 @@
 //!
 //! A flight that crosses the begin of the window of the steady state is logged as two.
 
+use crate::arrays::Lanes as _;
 use crate::compensated::DoubleDouble;
 use crate::flight::GapPoint;
 use crate::impact::Impact;

@@ -182,6 +182,13 @@ impl Values for Responses {
     }
 }
 
+impl<V: Values> Values for &V {
+    #[inline(always)]
+    fn at<const WHICH: usize>(&self, t: f64) -> f64 {
+        (**self).at::<WHICH>(t)
+    }
+}
+
 /// The polynomials of all lanes.
 #[derive(Debug)]
 #[repr(align(64))]

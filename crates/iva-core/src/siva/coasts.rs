@@ -5,19 +5,22 @@
 //! one length no wall has to be searched for, and the structure moves by a matrix that is computed once.
 
 use super::SivaState;
-use crate::arrays::arrays;
 use crate::compensated::{DoubleDouble, two_product};
 use crate::host::HostState;
 use crate::oscillator::{Oscillator, Primary};
 use crate::plain::State;
-use crate::real::Real;
+use crate::real::{Real, pick};
 
 /// Largest number of steps at once: all bits of an index.
 const MOST: usize = 31;
 /// Length of a step in units of the longest flight of the structure.
-const STEP: f64 = 0.5;
-/// The part of the time to the reach of a wall that is coasted, so that rounding leaves the absorber out of it.
-const SAFE: f64 = 1.0 - 1e-12;
+const STEP: f64 = 0.4;
+/// The part of the time to the reach of a wall that is coasted, and the factor to |Z|: so rounding to single
+/// precision leaves the absorber out of that reach.
+const SAFE: f64 = 1.0 - 1e-6;
+const ABOVE: f64 = 1.0 + 1e-6;
+/// Added to the speed over the clearance, so that it is not 0.
+const SLOWEST: f64 = 1e-30;
 /// 1.5 · 2⁵²: a number of moderate size added to it is rounded to an integer.
 const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 
@@ -36,69 +39,7 @@ pub struct Coasts<R = f64> {
 }
 
 /// The responses C to unit displacement and S to unit velocity, and Ṡ.
-type Responses<R> = [DoubleDouble<R>; 3];
-
-arrays! {
-    /// The responses that a lane coasts by.
-    Coast,
-    /// [`Coast`] of many runs: every field an array over the lanes.
-    ManyCoasts:
-    /// Number of steps.
-    steps,
-    /// C, S and Ṡ in double-double.
-    displaced, displaced_rest, pushed, pushed_rest, rate, rate_rest,
-}
-
-impl Coast {
-    #[inline(always)]
-    fn responses(&self) -> Responses<f64> {
-        let Self { displaced, displaced_rest, pushed, pushed_rest, rate, rate_rest, .. } = *self;
-        [[displaced, displaced_rest], [pushed, pushed_rest], [rate, rate_rest]].map(
-            #[inline(always)]
-            |[value, rest]| DoubleDouble { value, rest },
-        )
-    }
-}
-
-impl Coasts {
-    /// The responses after a number of steps.
-    #[inline(always)]
-    pub(crate) fn coast(&self, steps: f64) -> Coast {
-        let [c, s, rate] = self.by[steps as usize & MOST];
-        Coast {
-            steps,
-            displaced: c.value,
-            displaced_rest: c.rest,
-            pushed: s.value,
-            pushed_rest: s.rest,
-            rate: rate.value,
-            rate_rest: rate.rest,
-        }
-    }
-
-    /// The state of a lane after a coast.
-    #[inline(always)]
-    pub(crate) fn coasted(&self, from: &SivaState, by: &Coast) -> SivaState {
-        self.after_by(from, by.steps, by.responses())
-    }
-
-    /// [`Coasts::coasted`] in plain numbers.
-    #[inline(always)]
-    pub(crate) fn plainly_coasted(&self, from: &State, by: &Coast) -> State {
-        let State { x, v, distance, side, .. } = *from;
-        let absorber = side.mul_add(-from.rate, v);
-        let time = self.length * by.steps;
-        let there = by.displaced.mul_add(x, by.pushed * v);
-        let faster = by.rate.mul_add(v, -(by.pushed * x));
-        State {
-            x: there,
-            v: faster,
-            distance: distance + side * absorber.mul_add(-time, there - x),
-            rate: side * (faster - absorber),
-            ..*from
-        }
-    }
-}
+pub(crate) type Responses<R = f64> = [DoubleDouble<R>; 3];
 
 impl<R: Real> Coasts<R> {
     /// The steps of a structure of mass 1 that is not overdamped.
@@ -122,19 +63,27 @@ impl<R: Real> Coasts<R> {
     }
 
     /// The number of steps from a state in which certainly no wall is met, at most those that the time `remaining`
-    /// has.
+    /// has. `over` is 1/clearance, in units of which single precision will do.
     #[inline(always)]
-    pub(crate) fn count(&self, at: &State, clearance: f64, remaining: f64) -> f64 {
+    pub(crate) fn count(&self, at: &State, [over, remaining]: [f64; 2]) -> f64 {
         let State { x, v, distance, rate, side, .. } = *at;
-        let turned = self.decay.mul_add(x, v) * self.over_omega;
-        let window = clearance - turned.mul_add(turned, x * x).sqrt();
-        let place = side.mul_add(clearance - distance, x);
-        let speed = side.mul_add(-rate, v);
-        let way = window - if speed < 0.0 { -place } else { place };
-        let time = (way / (speed.abs() + f64::MIN_POSITIVE)).min(remaining);
+        let turned = self.decay.mul_add(x, v) * (self.over_omega * over);
+        let displaced = x * over;
+        let radius = turned.mul_add(turned, displaced * displaced) as f32;
+        let window = f64::from(radius.sqrt()).mul_add(-ABOVE, 1.0);
+        let place = side.mul_add(distance.mul_add(-over, 1.0), displaced);
+        let speed = side.mul_add(-rate, v) * over;
+        let way = window - pick(speed < 0.0, -place, place);
+        let time = f64::about(way, speed.abs() + SLOWEST).min(remaining);
         let steps = (time * (SAFE * self.over_length)).min(MOST as f64);
-        let steps = if place.abs() < window { steps } else { 0.0 };
+        let steps = pick(place.abs() < window, steps, 0.0);
         ((steps - 0.5) + TO_INTEGER) - TO_INTEGER
+    }
+
+    /// The responses after a number of steps.
+    #[inline(always)]
+    pub(crate) fn responses(&self, steps: usize) -> Responses<R> {
+        self.by[steps & MOST]
     }
 
     /// The time that a number of steps takes, high and low part.
@@ -144,14 +93,9 @@ impl<R: Real> Coasts<R> {
         [time, rest]
     }
 
-    /// The state after some steps.
+    /// The state after a number of steps with these responses.
     #[inline(always)]
-    pub fn after<P: Copy>(&self, from: &SivaState<P, R>, steps: usize) -> SivaState<P, R> {
-        self.after_by(from, steps as f64, self.by[steps])
-    }
-
-    #[inline(always)]
-    fn after_by<P: Copy>(
+    pub(crate) fn after<P: Copy>(
         &self,
         from: &SivaState<P, R>,
         steps: f64,
@@ -172,6 +116,22 @@ impl<R: Real> Coasts<R> {
             side,
             distance: distance + seen(moved),
             rate: seen(primary.v - absorber),
+        }
+    }
+
+    /// [`Coasts::after`] in plain numbers.
+    #[inline(always)]
+    pub(crate) fn plainly_after(&self, from: &State, steps: f64, [c, s, slope]: [f64; 3]) -> State {
+        let State { x, v, distance, rate, side, .. } = *from;
+        let absorber = side.mul_add(-rate, v);
+        let time = self.length.double() * steps;
+        let (there, faster) = (c.mul_add(x, s * v), slope.mul_add(v, -(s * x)));
+        State {
+            x: there,
+            v: faster,
+            distance: distance + side * absorber.mul_add(-time, there - x),
+            rate: side * (faster - absorber),
+            ..*from
         }
     }
 }
@@ -229,7 +189,7 @@ mod tests {
             let (siva, from) = planted(i);
             let coasts = Coasts::new(siva.host.free());
             let remaining = 12.0 * spread(i, 6);
-            let steps = coasts.count(&from.in_doubles(), siva.clearance(), remaining);
+            let steps = coasts.count(&from.in_doubles(), [1.0, remaining]);
             assert!(coasts.length * steps <= remaining);
             let mut at = from;
             for k in 1..=steps as usize {
@@ -240,7 +200,8 @@ mod tests {
                     assert!(inside, "{i}: {there:?}");
                 }
                 at = arrived(siva.host.free(), &(), &at, coasts.length);
-                let jump = coasts.after(&from, k);
+                let responses = coasts.responses(k);
+                let jump = coasts.after(&from, k as f64, responses);
                 let off = |a: DoubleDouble, b: DoubleDouble| (a - b).value.abs();
                 let worst = off(jump.host.primary.x, at.host.primary.x)
                     .max(off(jump.host.primary.v, at.host.primary.v))
@@ -248,7 +209,11 @@ mod tests {
                     .max(off(jump.distance, at.distance))
                     .max(off(jump.rate, at.rate));
                 assert!(worst < 3e-17 * k as f64, "{i} {k}: {worst:e}");
-                let plain = coasts.plainly_coasted(&from.in_doubles(), &coasts.coast(k as f64));
+                let plain = coasts.plainly_after(
+                    &from.in_doubles(),
+                    k as f64,
+                    responses.map(|it| it.value),
+                );
                 assert!((plain.x - at.host.primary.x.value).abs() < 1e-15);
                 assert!((plain.rate - at.rate.value).abs() < 1e-15);
                 assert!((plain.distance - at.distance.value).abs() < 1e-14);

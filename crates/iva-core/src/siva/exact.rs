@@ -109,16 +109,22 @@ impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
         let mut trial = Trial::new(length);
         for _ in 0..=TRIES {
             let sight = search(&mass, &self.from, &trial, over);
+            if sight.free {
+                let mut end = mass.after(&self.from, sight.h);
+                mass.free.refresh(&mut end.host);
+                let (length, later, meets) = (sight.h, R::ZERO, Meets::Nothing);
+                return Some(FastFlight { length, later, end, meets });
+            }
+            if !sight.meets {
+                trial = trial.next(R::ZERO, false);
+                continue;
+            }
             let landing = land(&mass, &self.from, &sight, trial.length, [clearance, over]);
-            let Landing { hit, h, later, mut end, again } = landing;
+            let Landing { hit, h, later, end, again } = landing;
             if hit {
                 return Some(FastFlight { length: h, later, end, meets: Meets::Wall });
             }
-            if sight.free {
-                mass.free.refresh(&mut end.host);
-                return Some(FastFlight { length: h, later, end, meets: Meets::Nothing });
-            }
-            if sight.meets && again == 0.0 {
+            if again == 0.0 {
                 return None;
             }
             trial = trial.next(again, sight.far);

@@ -14,6 +14,7 @@
 
 use super::Law;
 use super::proof::Quintic;
+use crate::arrays::laned;
 use crate::quintic::root_by;
 use crate::real::{Real, pick};
 
@@ -51,7 +52,7 @@ pub(crate) trait FreeMass {
 }
 
 /// What is tried: a stretch of this length.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Trial<R = f64> {
     pub length: R,
     /// The time at which a wall is looked for again, known to be met once; 0: both walls are searched for.
@@ -60,8 +61,10 @@ pub(crate) struct Trial<R = f64> {
     pub far: bool,
 }
 
+laned!(Trial, Trials { length: f64, again: f64, far: bool });
+
 /// What is proved about a trial.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sight<R = f64> {
     /// True if no wall is met.
     pub free: bool,
@@ -72,6 +75,8 @@ pub(crate) struct Sight<R = f64> {
     /// The end of the trial, or the estimated time of the contact.
     pub h: R,
 }
+
+laned!(Sight, Sights { free: bool, meets: bool, far: bool, h: f64 });
 
 /// The end of a trial.
 #[derive(Debug, Clone, Copy)]

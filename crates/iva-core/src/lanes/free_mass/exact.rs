@@ -1,7 +1,7 @@
 //! Free masses of the exact tier: states in double-double.
 
-use super::{States, Tier, TierRun};
-use crate::arrays::arrays;
+use super::{Tier, TierRun};
+use crate::arrays::{Lanes as _, arrays};
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
 use crate::host::{self, DrivenHost, Host, HostState, Moment, Source, Structure, UndrivenHost};
@@ -9,89 +9,33 @@ use crate::oscillator::{Equation, Oscillator, Primary};
 use crate::plain::State;
 use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::SivaState;
-use crate::siva::coasts::{Coast, Coasts};
+use crate::siva::coasts::{Coasts, Responses};
 use crate::siva::exact::InFlight;
 use crate::system::Clock;
 
-arrays! {
-    /// The state of one lane.
-    Held,
-    /// [`Held`] of many runs: every field an array over the lanes.
-    Helds:
-    /// x, ẋ, A, distance to the wall last touched and its rate, in double-double, and the sign of that wall.
-    x, x_rest, v, v_rest, a, a_rest, distance, distance_rest, rate, rate_rest, side,
-}
-
-impl Held {
-    #[inline(always)]
-    fn of<P>(state: &SivaState<P>) -> Self {
-        let SivaState { host: HostState { primary, acceleration, .. }, side, distance, rate } =
-            state;
-        let Primary { x, v } = primary;
-        Self {
-            x: x.value,
-            x_rest: x.rest,
-            v: v.value,
-            v_rest: v.rest,
-            a: acceleration.value,
-            a_rest: acceleration.rest,
-            distance: distance.value,
-            distance_rest: distance.rest,
-            rate: rate.value,
-            rate_rest: rate.rest,
-            side: *side,
-        }
-    }
-
-    #[inline(always)]
-    fn state<P>(&self, phase: P) -> SivaState<P> {
-        let sum = |value, rest| DoubleDouble { value, rest };
-        SivaState {
-            host: HostState {
-                primary: Primary { x: sum(self.x, self.x_rest), v: sum(self.v, self.v_rest) },
-                acceleration: sum(self.a, self.a_rest),
-                phase,
-            },
-            side: self.side,
-            distance: sum(self.distance, self.distance_rest),
-            rate: sum(self.rate, self.rate_rest),
-        }
-    }
-}
-
-impl<const W: usize> States<SivaState> for Helds<W> {
-    fn new() -> Self {
-        Helds::new()
-    }
-
-    #[inline(always)]
-    fn get(&self, i: usize) -> SivaState {
-        Helds::get(self, i).state(())
-    }
-
-    #[inline(always)]
-    fn put(&mut self, i: usize, which: bool, state: &SivaState) {
-        self.set(i, &Held::of(state).if_else(which, &Helds::get(self, i)));
-    }
-}
-
 /// A state at rest in the middle of the gap.
 fn at_rest<P>(phase: P) -> SivaState<P> {
-    Held { distance: 1.0, side: 1.0, ..Held::default() }.state(phase)
+    let zero = DoubleDouble::ZERO;
+    SivaState {
+        host: HostState { primary: Primary::default(), acceleration: zero, phase },
+        side: 1.0,
+        distance: DoubleDouble::new(1.0),
+        rate: zero,
+    }
 }
 
 /// Free masses on one structure without drive.
 #[derive(Debug)]
-pub(in crate::lanes) struct ExactDecays<const W: usize> {
+pub(in crate::lanes) struct ExactDecays {
     /// Held by value, so that the compiler knows that no store into a lane changes it.
     free: Oscillator,
     coasts: Coasts,
 }
 
-impl<const W: usize> Tier for ExactDecays<W> {
+impl Tier for ExactDecays {
     type Host = UndrivenHost;
     type State = SivaState;
-    type States = Helds<W>;
+    type Responses = Responses;
     type Mass<'a> = InFlight<'a, Oscillator>;
     const STAGED: bool = true;
 
@@ -100,8 +44,13 @@ impl<const W: usize> Tier for ExactDecays<W> {
     }
 
     #[inline(always)]
-    fn with<T>(&self, _i: usize, _from: &SivaState, act: impl FnOnce(&Self::Mass<'_>) -> T) -> T {
-        act(&InFlight { free: &self.free, course: &() })
+    fn with<T>(
+        &self,
+        _i: usize,
+        from: &SivaState,
+        act: impl FnOnce(&Self::Mass<'_>, &SivaState) -> T,
+    ) -> T {
+        act(&InFlight { free: &self.free, course: &() }, from)
     }
 
     #[inline(always)]
@@ -120,8 +69,13 @@ impl<const W: usize> Tier for ExactDecays<W> {
     }
 
     #[inline(always)]
-    fn coasted(coasts: &Coasts, state: &SivaState, by: &Coast) -> SivaState {
-        coasts.coasted(state, by)
+    fn responses(&self, steps: usize) -> Responses {
+        self.coasts.responses(steps)
+    }
+
+    #[inline(always)]
+    fn coasted(&self, state: &SivaState, steps: f64, by: Responses) -> SivaState {
+        self.coasts.after(state, steps, by)
     }
 
     fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<SivaState> {
@@ -143,69 +97,13 @@ impl<const W: usize> Tier for ExactDecays<W> {
 }
 
 arrays! {
-    /// The state of one driven lane.
-    Moved,
-    /// [`Moved`] of many runs: every field an array over the lanes.
-    Moveds:
-    /// The instant of the drive, and f/M or a_g there with its first three derivatives.
-    instant, instant_rest, push, push_rest, slope, slope_rest, second, second_rest, third;
-    /// Structure and absorber.
-    held: Held, Helds
-}
-
-/// The states of all lanes under a force on the structure, or on its base.
-#[derive(Debug)]
-pub(in crate::lanes) struct Driven<const BASE: bool, const W: usize>(Moveds<W>);
-
-impl<const BASE: bool, const W: usize> States<SivaState<Moment>> for Driven<BASE, W> {
-    fn new() -> Self {
-        Self(Moveds::new())
-    }
-
-    #[inline(always)]
-    fn get(&self, i: usize) -> SivaState<Moment> {
-        let Moved { instant, instant_rest, held, third, .. } = self.0.get(i);
-        let Moved { push, push_rest, slope, slope_rest, second, second_rest, .. } = self.0.get(i);
-        let sum = |value, rest| DoubleDouble { value, rest };
-        let push = Push {
-            value: sum(push, push_rest),
-            rate: sum(slope, slope_rest),
-            second: sum(second, second_rest),
-            third,
-        };
-        let pushes = Single::<BASE>::pushes_of(push);
-        held.state(Moment { time: sum(instant, instant_rest), kicks: 0, pushes })
-    }
-
-    #[inline(always)]
-    fn put(&mut self, i: usize, which: bool, state: &SivaState<Moment>) {
-        let Moment { time, pushes: Pushes { primary, base }, .. } = state.host.phase;
-        let Push { value, rate, second, third } = if BASE { base } else { primary };
-        let moved = Moved {
-            instant: time.value,
-            instant_rest: time.rest,
-            push: value.value,
-            push_rest: value.rest,
-            slope: rate.value,
-            slope_rest: rate.rest,
-            second: second.value,
-            second_rest: second.rest,
-            third,
-            held: Held::of(state),
-        };
-        self.0.set(i, &moved.if_else(which, &self.0.get(i)));
-    }
-}
-
-arrays! {
     /// The structure of one driven lane.
-    Scene,
-    /// [`Scene`] of many runs: every field an array over the lanes.
-    Scenes:
+    Scene, Scenes:
     /// The force: f/M or a_g = amplitude · cos(frequency · t + angle).
     amplitude, frequency, angle,
     /// The constants of the structure ([`host::Driven`]).
-    damping, growth, reach, step, excess_0, excess_1, excess_2, excess_3, excess_4, excess_5, excess_6,
+    damping, growth, reach, step;
+    excess: [f64; 7],
 }
 
 /// The force of a lane: one harmonic force, on the structure or its base.
@@ -270,7 +168,7 @@ pub(in crate::lanes) struct ExactDriven<const BASE: bool, const W: usize>(Scenes
 impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
     type Host = DrivenHost;
     type State = SivaState<Moment>;
-    type States = Driven<BASE, W>;
+    type Responses = ();
     type Mass<'a> = InFlight<'a, host::Driven<Single<BASE>>>;
     const STAGED: bool = false;
 
@@ -279,11 +177,14 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
     }
 
     #[inline(always)]
-    fn with<T>(&self, i: usize, from: &Self::State, act: impl FnOnce(&Self::Mass<'_>) -> T) -> T {
-        let Scene { amplitude, frequency, angle: phase, damping, growth, .. } = self.0.get(i);
-        let Scene { reach, step, .. } = self.0.get(i);
-        let Scene { excess_0, excess_1, excess_2, excess_3, .. } = self.0.get(i);
-        let Scene { excess_4, excess_5, excess_6, .. } = self.0.get(i);
+    fn with<T>(
+        &self,
+        i: usize,
+        from: &Self::State,
+        act: impl FnOnce(&Self::Mass<'_>, &Self::State) -> T,
+    ) -> T {
+        let Scene { amplitude, frequency, angle: phase, damping, growth, reach, step, excess } =
+            self.0.get(i);
         let third = DoubleDouble::new(1.0).over(3.0);
         let free = host::Driven {
             equation: Equation { stiffness: 1.0, frequency: 1.0, damping, growth, third },
@@ -291,10 +192,14 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
             base: [0.0; 5],
             reach,
             step,
-            excess: [excess_0, excess_1, excess_2, excess_3, excess_4, excess_5, excess_6],
+            excess,
         };
+        // The compiler leaves out what is computed with the other force, which is 0.
+        let mut from = *from;
+        let pushes = &mut from.host.phase.pushes;
+        *pushes = Single::<BASE>::pushes_of(if BASE { pushes.base } else { pushes.primary });
         let course = free.course(&from.host);
-        act(&InFlight { free: &free, course: &course })
+        act(&InFlight { free: &free, course: &course }, &from)
     }
 
     #[inline(always)]
@@ -318,13 +223,7 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
             growth: equation.growth,
             reach: *reach,
             step: *step,
-            excess_0: excess[0],
-            excess_1: excess[1],
-            excess_2: excess[2],
-            excess_3: excess[3],
-            excess_4: excess[4],
-            excess_5: excess[5],
-            excess_6: excess[6],
+            excess: *excess,
         };
         self.0.set(i, &scene);
         Some(run.tally.state)

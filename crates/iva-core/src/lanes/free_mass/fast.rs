@@ -1,33 +1,18 @@
 //! Free masses of the fast tier: states in plain doubles.
 
-use super::{States as StatesOf, Tier, TierRun};
+use super::{Tier, TierRun};
+use crate::arrays::Lanes as _;
 use crate::compensated::DoubleDouble;
 use crate::host::{DrivenHost, Host, Phase, UndrivenHost};
 use crate::oscillator::{Equation, Primary};
 use crate::plain::mass::Mass;
 use crate::plain::responses::{OfLane, Responses, Tables};
-use crate::plain::{FREE, State, States, Structure, Structures};
+use crate::plain::{FREE, State, Structure, Structures};
 use crate::real::Real;
 use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::SivaState;
-use crate::siva::coasts::{Coast, Coasts};
+use crate::siva::coasts::Coasts;
 use crate::system::Clock;
-
-impl<const W: usize> StatesOf<State> for States<W> {
-    fn new() -> Self {
-        States::new()
-    }
-
-    #[inline(always)]
-    fn get(&self, i: usize) -> State {
-        States::get(self, i)
-    }
-
-    #[inline(always)]
-    fn put(&mut self, i: usize, which: bool, state: &State) {
-        self.set(i, &state.if_else(which, &States::get(self, i)));
-    }
-}
 
 /// A state at rest in the middle of the gap.
 const AT_REST: State =
@@ -35,31 +20,34 @@ const AT_REST: State =
 
 /// Free masses on one structure without drive.
 #[derive(Debug)]
-pub(in crate::lanes) struct FastDecays<const W: usize> {
+pub(in crate::lanes) struct FastDecays {
     structure: Structure,
-    tables: Tables<W>,
+    responses: Responses,
     coasts: Coasts,
 }
 
-impl<const W: usize> Tier for FastDecays<W> {
+impl Tier for FastDecays {
     type Host = UndrivenHost;
     type State = State;
-    type States = States<W>;
-    type Mass<'a> = Mass<OfLane<'a, W>, FREE>;
+    type Responses = [f64; 3];
+    type Mass<'a> = Mass<&'a Responses, FREE>;
     const STAGED: bool = true;
 
     fn new(host: &UndrivenHost) -> Self {
         let equation = Equation::new(1.0, host.damping_ratio());
         let responses = Responses::new(equation.damping, equation.growth, 0.0);
-        let mut tables = Tables::new();
-        (0..W).for_each(|i| tables.set(i, &responses));
         let structure = Structure::new(&equation, responses.longest);
-        Self { structure, tables, coasts: Coasts::new(host.free()) }
+        Self { structure, responses, coasts: Coasts::new(host.free()) }
     }
 
     #[inline(always)]
-    fn with<T>(&self, i: usize, _from: &State, act: impl FnOnce(&Self::Mass<'_>) -> T) -> T {
-        act(&Mass { structure: self.structure, responses: self.tables.of(i) })
+    fn with<T>(
+        &self,
+        _i: usize,
+        from: &State,
+        act: impl FnOnce(&Self::Mass<'_>, &State) -> T,
+    ) -> T {
+        act(&Mass { structure: self.structure, responses: &self.responses }, from)
     }
 
     #[inline(always)]
@@ -78,8 +66,16 @@ impl<const W: usize> Tier for FastDecays<W> {
     }
 
     #[inline(always)]
-    fn coasted(coasts: &Coasts, state: &State, by: &Coast) -> State {
-        coasts.plainly_coasted(state, by)
+    fn responses(&self, steps: usize) -> [f64; 3] {
+        self.coasts.responses(steps).map(
+            #[inline(always)]
+            |response| response.value,
+        )
+    }
+
+    #[inline(always)]
+    fn coasted(&self, state: &State, steps: f64, by: [f64; 3]) -> State {
+        self.coasts.plainly_after(state, steps, by)
     }
 
     fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<State> {
@@ -110,7 +106,7 @@ pub(in crate::lanes) struct FastDriven<const DRIVE: u8, const W: usize> {
 impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
     type Host = DrivenHost;
     type State = State;
-    type States = States<W>;
+    type Responses = ();
     type Mass<'a> = Mass<OfLane<'a, W>, DRIVE>;
     const STAGED: bool = true;
 
@@ -119,8 +115,8 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
     }
 
     #[inline(always)]
-    fn with<T>(&self, i: usize, _from: &State, act: impl FnOnce(&Self::Mass<'_>) -> T) -> T {
-        act(&Mass { structure: self.structures.get(i), responses: self.tables.of(i) })
+    fn with<T>(&self, i: usize, from: &State, act: impl FnOnce(&Self::Mass<'_>, &State) -> T) -> T {
+        act(&Mass { structure: self.structures.get(i), responses: self.tables.of(i) }, from)
     }
 
     #[inline(always)]

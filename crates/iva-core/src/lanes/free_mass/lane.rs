@@ -1,9 +1,8 @@
 //! One lane: the variables of a run that change in its flights, beside its state, and arrays of such lanes.
 
 use crate::arrays::arrays;
-use crate::compensated::DoubleDouble;
 use crate::host::Host;
-use crate::lanes::counts::{Counts, ManyCounts};
+use crate::lanes::counts::Counts;
 use crate::lanes::{ScalarRun, SideBySide};
 use crate::simulate::Phase as Doing;
 use crate::siva::trial::Trial;
@@ -12,25 +11,25 @@ use crate::system::{Clock, System};
 
 arrays! {
     /// The variables of one run.
-    Lane,
-    /// [`Lane`] of many runs: every field an array over the lanes.
-    Lanes:
-    /// The clock in double-double, and the instant at which the run ends, in 1/ωn.
-    time, time_rest, stop,
-    /// The length of the next trial, and the longest first trial after a rebound.
-    length, first,
-    /// Time after the begin of the stretch at which the wall is looked for again (0: it is not), 1 if that is
-    /// the far wall, and the number of looks and halvings so far.
-    again, again_far, tries,
-    /// The absorber: share of the impact in double-double ([`crate::impact::primary_share`]), e, d, 1/d.
-    share, share_rest, restitution, clearance, over_clearance,
+    Lane, Lanes:
+    /// The instant at which the run ends, in 1/ωn.
+    stop,
+    /// The longest first trial after a rebound, and the number of trials of the stretch that were not decided.
+    first, tries,
+    /// The absorber: d, 1/d.
+    clearance, over_clearance,
     /// Chatter floor: impacts with an approach speed at or below it are left to the event loop.
-    floor,
-    /// 1 for each reason why the event loop is needed: a stretch that is not simple; the end of the run; a limit
-    /// reached.
-    request, stopped, full;
+    floor;
+    /// The clock, in 1/ωn.
+    clock: Clock,
+    /// The next trial.
+    trial: Trial,
+    /// The impact law at both walls.
+    law: Law,
+    /// The reasons why the event loop is needed: a stretch that is not simple; the end of the run; a limit reached.
+    request: bool, stopped: bool, full: bool,
     /// Counts and sums.
-    counts: Counts, ManyCounts
+    counts: Counts,
 }
 
 /// A run that leaves a wall with a smaller rate than this, over |x| + |ẋ|, is left to the event loop: whether the
@@ -41,42 +40,23 @@ impl Lane {
     /// A lane without a run.
     pub fn idle() -> Self {
         let never = f64::INFINITY;
-        let at_rest = Self { clearance: 1.0, over_clearance: 1.0, length: 1.0, ..Self::default() };
-        Self { stop: never, first: never, counts: Counts::idle(), ..at_rest }
-    }
-
-    /// The clock.
-    #[inline(always)]
-    pub fn clock(&self) -> Clock {
-        DoubleDouble { value: self.time, rest: self.time_rest }
+        let (trial, counts) = (Trial::new(1.0), Counts::idle());
+        let at_rest = Self { clearance: 1.0, over_clearance: 1.0, ..Self::default() };
+        Self { stop: never, first: never, trial, counts, ..at_rest }
     }
 
     /// The time to the end of the run.
     #[inline(always)]
     pub fn remaining(&self) -> f64 {
-        -self.clock().minus(self.stop)
+        -self.clock.minus(self.stop)
     }
 
     /// The lane after coasting for a time, high and low part, with the next trial from there.
     #[inline(always)]
     pub fn later(&self, [time, rest]: [f64; 2], longest: f64) -> Self {
-        let DoubleDouble { value, rest } = self.clock().plus_parts(time, rest);
-        let mut later = Self { time: value, time_rest: rest, ..*self };
-        later.length = longest.min(later.remaining()).min(self.first);
+        let mut later = Self { clock: self.clock.plus_parts(time, rest), ..*self };
+        later.trial.length = longest.min(later.remaining()).min(self.first);
         later
-    }
-
-    /// The next trial.
-    #[inline(always)]
-    pub fn trial(&self) -> Trial {
-        Trial { length: self.length, again: self.again, far: self.again_far > 0.0 }
-    }
-
-    /// The impact law.
-    #[inline(always)]
-    pub fn law(&self) -> Law {
-        let share = DoubleDouble { value: self.share, rest: self.share_rest };
-        Law { restitution: self.restitution, share }
     }
 
     /// The lane of a run in flight, in trials up to `longest`; `None` if the event loop has to go on with the
@@ -93,12 +73,9 @@ impl Lane {
             return None;
         }
         let mut lane = Self {
-            time: run.clock.value,
-            time_rest: run.clock.rest,
+            clock: run.clock,
             stop: limits.duration,
-            share: law.share.value,
-            share_rest: law.share.rest,
-            restitution: law.restitution,
+            law: *law,
             clearance: siva.clearance(),
             over_clearance: 1.0 / siva.clearance(),
             floor: limits.chatter_floor,
@@ -107,7 +84,7 @@ impl Lane {
             ..Self::default()
         };
         let remaining = lane.remaining();
-        lane.length = longest.min(remaining).min(first);
+        lane.trial.length = longest.min(remaining).min(first);
         (!run.ended && remaining > 0.0).then_some(lane)
     }
 
@@ -116,10 +93,10 @@ impl Lane {
     where
         Siva<H>: SideBySide<State = SivaState<crate::host::Phase<H>>>,
     {
-        run.clock = self.clock();
+        run.clock = self.clock;
         self.counts.put_back(run);
         run.phase = Doing::Flight { first: self.first };
-        if self.stopped > 0.0 {
+        if self.stopped {
             run.reach_end();
         }
     }

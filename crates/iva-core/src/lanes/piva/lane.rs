@@ -1,6 +1,6 @@
 //! One lane: a pendulum's run reduced to the numbers that steps of flight change.
 
-use super::watch::{Watch, Watches};
+use super::watch::Watch;
 use crate::arrays::arrays;
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push};
@@ -21,18 +21,14 @@ pub(super) const FAR: f64 = 2.0;
 
 arrays! {
     /// A state in flight.
-    Pose,
-    /// States in flight side by side: an array for each number.
-    Poses:
+    Pose, Poses:
     x, x_rest, v, v_rest, side, clearance, distance, distance_rest, w, w_rest, cosine, cosine_rest,
     released, age, age_rest,
 }
 
 arrays! {
     /// The numbers of one run.
-    Lane,
-    /// Lanes side by side: an array for each number.
-    Lanes:
+    Lane, Lanes:
     /// Constants of the pendulum, and the length that the tolerance on its gap is relative to.
     mass_ratio, damping_ratio, contact_distance, inertia_ratio, lever, coupling, frequency_squared,
     pivot_damping, gap_size,
@@ -65,10 +61,10 @@ arrays! {
     /// Requests that call the run: those for impact or event loop, and those of any kind.
     request, requests;
     /// State of the run, and state at the beginning of the step.
-    pose: Pose, Poses,
-    origin: Pose, Poses,
+    pose: Pose,
+    origin: Pose,
     /// Measures of a decay.
-    watch: Watch, Watches
+    watch: Watch,
 }
 
 impl Pose {

@@ -8,6 +8,7 @@ use super::any;
 use super::lane::{FAR, Lane, Lanes, NEAR, NONE, Pose};
 use super::rows::Rows;
 use super::watch::{Passage, Stretch};
+use crate::arrays::{Laned, Lanes as _};
 use crate::compensated::DoubleDouble;
 use crate::flight::{Arc, Losses};
 use crate::lanes::pick;
@@ -131,7 +132,7 @@ pub(super) fn arrive<
         next.origin = lane.pose;
         (next.start_time, next.start_time_rest) = (lane.time, lane.time_rest);
         let arrived = Pose::new(&end);
-        next.pose = arrived.if_else(done, &lane.pose);
+        next.pose = Laned::pick(done, &arrived, &lane.pose);
         let later = clock.plus_parts(length, 0.0);
         next.time = pick(done, later.value, lane.time);
         next.time_rest = pick(done, later.rest, lane.time_rest);

@@ -10,9 +10,7 @@ use crate::system::System;
 
 arrays! {
     /// The measures of one run, as far as every stretch of motion changes them.
-    Watch,
-    /// [`Watch`] of many runs: every field an array over the lanes.
-    Watches:
+    Watch, Watches:
     /// The energy lost in the primary's damper, in double-double.
     viscous, viscous_rest,
     /// The current half cycle: time and displacement of its largest |x|, and the sign of x; the number of

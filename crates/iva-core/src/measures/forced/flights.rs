@@ -1,6 +1,6 @@
 //! The entries of the log of a driven run.
 
-use crate::arrays::arrays;
+use crate::arrays::{Lanes as _, arrays};
 use crate::compensated::DoubleDouble;
 use crate::plain::{State, Structure};
 use crate::real::Real;
@@ -14,9 +14,7 @@ pub(super) const BLOCK: usize = 16;
 
 arrays! {
     /// A flight.
-    Flight,
-    /// [`Flight`] of several: every field an array over them.
-    Flights:
+    Flight, Flights:
     /// The clock at its begin in double-double, and its length.
     time, time_rest, length,
     /// The state at its begin: x and ẋ; distance to the wall last touched, its rate, and the sign of that wall.
@@ -54,7 +52,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub const fn new() -> Self {
+    pub fn new() -> Self {
         let [begin, middle, end] = [[[0.0; BLOCK]; 2]; 3];
         Self { flights: Flights::new(), begin, middle, end }
     }
