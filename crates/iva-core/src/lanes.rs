@@ -21,7 +21,6 @@
 //! In the fast tier the lanes of free masses hold plain doubles. Their results do not depend on the other lanes
 //! either, but differ from those of the event loop in the last bits.
 
-mod counts;
 mod decays;
 mod forced;
 mod free_mass;

@@ -13,8 +13,10 @@ use crate::real::Real;
 use crate::system::{Clock, System};
 
 pub use crate::limits::{Limits, Outcome};
-use wall::{Streak, presses};
+use counts::Counts;
+use wall::presses;
 
+pub(crate) mod counts;
 pub(crate) mod wall;
 
 /// Counts and sums of a run, in natural units.
@@ -179,10 +181,9 @@ pub(crate) struct Run<'a, S: System, O> {
     pub observer: O,
     pub clock: Clock<S::Real>,
     pub phase: Phase<S::Real>,
-    pub streak: Option<Streak<S::Real>>,
     pub riding: Option<StickEpisode<S::Real>>,
     pub tally: Tally<S::State, S::Real>,
-    pub losses: Clock<S::Real>,
+    pub counts: Counts<S::Real>,
     /// True if the whole duration is run, or nothing of it can be.
     pub ended: bool,
     /// True if the run starts at a wall.
@@ -221,7 +222,6 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             touching: system.distance(&state).value == 0.0,
             clock: time,
             phase: Phase::Flight { first: R::INFINITY },
-            streak: None,
             riding: None,
             tally: Tally {
                 outcome: Outcome::Finished,
@@ -237,7 +237,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 state,
                 clock: time,
             },
-            losses: Clock::ZERO,
+            counts: Counts::default(),
             ended: false,
         }
     }
@@ -271,11 +271,12 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         if self.ended {
             return false;
         }
-        let ended = if self.listed() >= self.limits.max_impacts {
+        let Counts { work, .. } = self.counts;
+        let ended = if self.counts.listed() >= self.limits.max_impacts as f64 {
             Some(Outcome::ImpactLimit)
-        } else if self.tally.work >= self.limits.max_work {
+        } else if work >= self.limits.max_work as f64 {
             Some(Outcome::WorkLimit)
-        } else if self.tally.work.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
+        } else if (work as u64).is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
             Some(Outcome::Cancelled)
         } else if self.observer.is_done() {
             Some(Outcome::Stopped)
@@ -286,7 +287,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             self.tally.outcome = outcome;
             return false;
         }
-        self.tally.work += 1;
+        self.counts.work += 1.0;
         if let Some(velocity) = self.system.due(&self.tally.state) {
             self.impulse(velocity);
             return true;
@@ -303,12 +304,6 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
 
     pub(super) fn is_cancelled(&self) -> bool {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
-    }
-
-    /// Number of impacts that stay listed in any case: without the low rebounds of the current chatter, which
-    /// are removed if it ends in stick.
-    pub(super) fn listed(&self) -> u64 {
-        self.tally.impacts - self.streak.as_ref().map_or(0, |streak| streak.low)
     }
 
     /// One segment of free flight, ended by its length, a contact or the end of the run.
@@ -473,7 +468,10 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     pub(crate) fn finish(&mut self) -> Tally<S::State, R> {
         self.end_episode(false);
         (self.tally.end_time, self.tally.clock) = (self.clock.value, self.clock);
-        self.tally.energy_impacts = self.losses.value;
+        let Counts { impacts, effective, work, approach_speeds, losses, .. } = self.counts;
+        let whole = [impacts, effective, work].map(|count| count as u64);
+        [self.tally.impacts, self.tally.effective_impacts, self.tally.work] = whole;
+        (self.tally.approach_speeds, self.tally.energy_impacts) = (approach_speeds, losses.value);
         self.observer.end(self.system, &self.tally);
         self.tally
     }

@@ -181,7 +181,9 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
         let reference = &run.observer.measures.reference;
         let settled = DRIVEN || (reference.settled && reference.amplitude > 0.0);
         let lane = Lane::of(run, first);
-        let fits = settled && lane.work < lane.max_work && run.listed() < run.limits.max_impacts;
+        let fits = settled
+            && lane.work < lane.max_work
+            && run.counts.listed() < run.limits.max_impacts as f64;
         if fits {
             self.lanes.set(i, &lane);
         }

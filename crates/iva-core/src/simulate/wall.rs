@@ -1,5 +1,6 @@
 //! Events at a wall: impact, chatter, stick, and leaving the wall.
 
+use super::counts::Counted;
 use super::{CANCEL_EVERY, Phase, Run, is_finite};
 use crate::chatter::Rebound;
 use crate::contact::first_contact;
@@ -8,18 +9,7 @@ use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
 use crate::observe::{Contact, Jump, Observer, StickEpisode};
 use crate::real::Real;
-use crate::system::{Clock, System, Wall};
-
-/// Consecutive impacts on one wall, which become part of a stick episode if they end in stick.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Streak<R = f64> {
-    pub wall: Wall,
-    pub start_time: R,
-    pub listed_before: u64,
-    pub low: u64,
-    pub low_effective: u64,
-    pub energy_loss: R,
-}
+use crate::system::{Clock, System};
 
 /// Length of the first search after a rebound in units of u/A: the return comes after 2u/A in the limit of
 /// low rebounds; a higher rebound needs further segments.
@@ -30,27 +20,18 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     pub(super) fn apply_impact(&mut self) {
         let wall = self.system.wall(&self.tally.state);
         let (after, impact) = self.system.impact(&self.tally.state, self.clock.value);
-        self.losses = self.losses.plus(impact.energy_loss);
-        let fastest = &mut self.tally.approach_speeds[wall.index()];
-        *fastest = R::larger(*fastest, impact.approach_speed());
-        let streak = match &mut self.streak {
-            Some(streak) if streak.wall == wall => streak,
-            other => other.insert(Streak {
-                wall,
-                start_time: impact.time,
-                listed_before: self.tally.impacts,
-                low: 0,
-                low_effective: 0,
-                energy_loss: R::ZERO,
-            }),
-        };
-        streak.energy_loss += impact.energy_loss;
+        let approach = impact.approach_speed();
         // With e = 1 no chatter dies out, so low impacts are listed immediately.
-        let dies_out = self.system.rebound_ratio(wall) < 1.0 || impact.approach_speed() == 0.0;
-        if dies_out && impact.approach_speed() <= self.limits.chatter_floor {
-            streak.low += 1;
-            streak.low_effective += u64::from(impact.effective());
-        }
+        let dies_out = self.system.rebound_ratio(wall) < 1.0 || approach == 0.0;
+        let counted = Counted {
+            time: impact.time,
+            side: wall.sign(),
+            approach,
+            energy_loss: impact.energy_loss,
+            effective: impact.effective(),
+            low: dies_out && approach <= self.limits.chatter_floor,
+        };
+        self.counts = self.counts.after(true, &counted);
         let before = std::mem::replace(&mut self.tally.state, after);
         self.observer.jump(self.system, &Jump::Impact { before: &before, after: &after });
         self.list(&impact, [&before, &after], false);
@@ -58,8 +39,6 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     }
 
     fn list(&mut self, impact: &Impact<R>, states: [&S::State; 2], summed: bool) {
-        self.tally.impacts += 1;
-        self.tally.effective_impacts += u64::from(impact.effective());
         self.observer.contact(self.system, &Contact { time: impact.time, states, summed });
         self.observer.impact(self.system, impact);
     }
@@ -115,9 +94,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         self.observer.contact(self.system, &begin);
         let ratio = self.system.rebound_ratio(self.system.wall(&state));
         while ratio * self.system.distance(&state).rate > 0.0
-            && self.listed() < self.limits.max_impacts
+            && self.counts.listed() < self.limits.max_impacts as f64
         {
-            if self.tally.impacts.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
+            if (self.counts.impacts as u64).is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
                 return;
             }
             let leave = self.system.distance(&state);
@@ -138,6 +117,8 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             if impact.approach_speed() <= self.limits.chatter_floor {
                 return;
             }
+            self.counts.impacts += 1.0;
+            self.counts.effective += if impact.effective() { 1.0 } else { 0.0 };
             self.list(&impact, [&touching, &after], true);
             state = after;
         }
@@ -147,7 +128,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     fn stick(&mut self, stick_clock: Clock<R>) {
         let wall = self.system.wall(&self.tally.state);
         let (state, loss) = self.system.stick(&self.tally.state);
-        self.losses = self.losses.plus(loss);
+        self.counts.losses = self.counts.losses.plus(loss);
         self.observer.jump(self.system, &Jump::Stick { after: &state });
         self.tally.state = state;
         let mut episode = StickEpisode {
@@ -158,14 +139,15 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             impacts: 0,
             energy_loss: loss,
         };
-        if let Some(streak) = self.streak.take() {
-            self.tally.impacts -= streak.low;
-            self.tally.effective_impacts -= streak.low_effective;
-            if streak.low > 0 {
-                self.observer.unlist(streak.listed_before, self.limits.chatter_floor);
+        let streak = std::mem::take(&mut self.counts.streak);
+        if streak.side != 0.0 {
+            self.counts.impacts -= streak.low;
+            self.counts.effective -= streak.low_effective;
+            if streak.low > 0.0 {
+                self.observer.unlist(streak.listed_before as u64, self.limits.chatter_floor);
             }
             episode.start_time = streak.start_time;
-            episode.impacts = self.tally.impacts - streak.listed_before;
+            episode.impacts = (self.counts.impacts - streak.listed_before) as u64;
             episode.energy_loss += streak.energy_loss;
         }
         self.tally.episodes += 1;

@@ -2,9 +2,10 @@
 
 use crate::arrays::arrays;
 use crate::host::Host;
-use crate::lanes::counts::Counts;
+use crate::impact;
 use crate::lanes::{ScalarRun, SideBySide};
 use crate::simulate::Phase as Doing;
+use crate::simulate::counts::Counts;
 use crate::siva::trial::Trial;
 use crate::siva::{Law, Siva, SivaState};
 use crate::system::{Clock, System};
@@ -16,8 +17,10 @@ arrays! {
     stop,
     /// The longest first trial after a rebound, and the number of trials of the stretch that were not decided.
     first, tries,
-    /// The absorber: d, 1/d.
-    clearance, over_clearance,
+    /// Limits on the numbers of impacts and of stretches of motion.
+    max_impacts, max_work,
+    /// The absorber: d, 1/d, and the loss of one impact over the square of its approach speed.
+    clearance, over_clearance, loss_factor,
     /// Chatter floor: impacts with an approach speed at or below it are left to the event loop.
     floor;
     /// The clock, in 1/ωn.
@@ -40,15 +43,21 @@ impl Lane {
     /// A lane without a run.
     pub fn idle() -> Self {
         let never = f64::INFINITY;
-        let (trial, counts) = (Trial::new(1.0), Counts::idle());
+        let trial = Trial::new(1.0);
         let at_rest = Self { clearance: 1.0, over_clearance: 1.0, ..Self::default() };
-        Self { stop: never, first: never, trial, counts, ..at_rest }
+        Self { stop: never, first: never, max_impacts: never, max_work: never, trial, ..at_rest }
     }
 
     /// The time to the end of the run.
     #[inline(always)]
     pub fn remaining(&self) -> f64 {
         -self.clock.minus(self.stop)
+    }
+
+    /// True if the run has reached a limit.
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        (self.counts.impacts >= self.max_impacts) | (self.counts.work >= self.max_work)
     }
 
     /// The lane after coasting for a time, high and low part, with the next trial from there.
@@ -79,13 +88,18 @@ impl Lane {
             clearance: siva.clearance(),
             over_clearance: 1.0 / siva.clearance(),
             floor: limits.chatter_floor,
-            counts: Counts::of(run, [siva.mass_ratio(), law.restitution])?,
+            max_impacts: limits.max_impacts as f64,
+            max_work: limits.max_work as f64,
+            loss_factor: impact::energy_loss(siva.mass_ratio(), law.restitution, 1.0),
+            counts: run.counts,
             first,
             ..Self::default()
         };
         let remaining = lane.remaining();
         lane.trial.length = longest.min(remaining).min(first);
-        (!run.ended && remaining > 0.0).then_some(lane)
+        // Low impacts of a streak wait for the decision whether they are listed.
+        let goes_on = !run.ended && remaining > 0.0 && lane.counts.streak.low == 0.0;
+        (goes_on && !lane.is_full()).then_some(lane)
     }
 
     /// Writes the variables back into the run.
@@ -94,7 +108,7 @@ impl Lane {
         Siva<H>: SideBySide<State = SivaState<crate::host::Phase<H>>>,
     {
         run.clock = self.clock;
-        self.counts.put_back(run);
+        run.counts = self.counts;
         run.phase = Doing::Flight { first: self.first };
         if self.stopped {
             run.reach_end();

@@ -3,8 +3,8 @@
 
 use super::lane::Lane;
 use crate::arrays::{Laned, arrays};
-use crate::lanes::counts::Hit;
 use crate::lanes::pick;
+use crate::simulate::counts::{Counted, Counts};
 use crate::siva::trial::{FreeMass, Landing, Sight, TRIES, Trial, land};
 use crate::system::Clock;
 
@@ -70,22 +70,31 @@ pub(super) fn decide<M: FreeMass<Real = f64>>(
 #[inline(always)]
 pub(super) fn commit(lane: &Lane, round: &Round, clock: Clock, [longest, first]: [f64; 2]) -> Lane {
     let Round { passed, hit, v, rate, side, again, sight, .. } = *round;
-    let impact = Hit { time: clock.value, v, side, approach: -rate };
+    let approach = -rate;
+    let impact = Counted {
+        time: clock.value,
+        side,
+        approach,
+        energy_loss: lane.loss_factor * (approach * approach),
+        effective: v * (v + side * approach) < 0.0,
+        low: false,
+    };
     let remaining = -clock.minus(lane.stop);
     let first = pick(hit & (round.pressure > 0.0), first, f64::INFINITY);
-    let next = Trial::new(longest.min(remaining).min(first));
-    let counts = lane.counts.after(passed, hit, &impact);
+    let trial = Trial::new(longest.min(remaining).min(first));
+    let work = lane.counts.work + pick(passed, 1.0, 0.0);
+    let counts = Counts { work, ..lane.counts.after(hit, &impact) };
     let tries = pick(passed, 0.0, lane.tries + 1.0);
     let stuck = sight.meets & (again == 0.0);
-    Lane {
+    let next = Lane {
         clock: Laned::pick(passed, &clock, &lane.clock),
-        trial: Laned::pick(passed, &next, &lane.trial.next(again, sight.far)),
+        trial: Laned::pick(passed, &trial, &lane.trial.next(again, sight.far)),
         first: pick(passed, first, lane.first),
         tries,
         request: !passed & (stuck | (tries > TRIES as f64)),
         stopped: passed & round.whole,
-        full: passed & counts.full(),
         counts,
         ..*lane
-    }
+    };
+    Lane { full: passed & next.is_full(), ..next }
 }

@@ -218,7 +218,7 @@ impl Lane {
             stop: run.limits.duration,
             first,
             live: 1.0,
-            work: run.tally.work as f64,
+            work: run.counts.work,
             max_work: run.limits.max_work as f64,
             viscous: run.observer.measures.viscous.value,
             viscous_rest: run.observer.measures.viscous.rest,
@@ -233,7 +233,7 @@ impl Lane {
     /// Puts the numbers back into the run; the measures of a driven run have had every step shown already.
     pub fn put_back<const DRIVEN: bool>(&self, run: &mut ScalarRun<'_, Piva>) {
         run.tally.state = self.pose.state();
-        run.tally.work = self.work as u64;
+        run.counts.work = self.work;
         run.clock = self.clock();
         run.phase = Phase::Flight { first: self.first };
         if DRIVEN {
