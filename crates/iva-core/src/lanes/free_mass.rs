@@ -182,14 +182,15 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             let first = T::rebound(round.rebound, round.pressure, lane.over_clearance);
             let lane = commit(&lane, &round, clock, [tier.longest(i), first]);
             lanes.set(i, &lane);
-            if let Some(coasts) = tier.coasts() {
-                let within = [lane.over_clearance, lane.remaining()];
-                let count = coasts.count(&T::in_doubles(&next), within);
-                steps.set(i, &pick(round.passed & !round.hit, count, 0.0));
-            }
         }
         let requests = any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full);
         let Some(coasts) = tier.coasts() else { return requests };
+        for i in 0..W {
+            let (lane, round) = (lanes.get(i), rounds.get(i));
+            let within = [lane.over_clearance, lane.remaining()];
+            let count = coasts.count(&T::in_doubles(&states.get(i)), within);
+            steps.set(i, &pick(round.passed & !round.hit, count, 0.0));
+        }
         if any(steps) {
             for i in 0..W {
                 let count: f64 = steps.get(i);
@@ -200,7 +201,9 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
                 let coasted = tier.coasted(&state, count, responses.get(i));
                 states.set(i, &Laned::pick(count > 0.0, &coasted, &state));
                 let later = lane.later(coasts.time(count), tier.longest(i));
-                lanes.set(i, &Laned::pick(count > 0.0, &later, &lane));
+                lanes.clock.set(i, &Laned::pick(count > 0.0, &later.clock, &lane.clock));
+                let length = pick(count > 0.0, later.trial.length, lane.trial.length);
+                lanes.trial.length.set(i, &length);
             }
         }
         requests
