@@ -32,6 +32,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::error::Invalid;
 use crate::host::{Alone, DrivenHost, UndrivenHost};
 use crate::measures::{MeasureValues, Wanted};
+use crate::observe::Events;
 use crate::piva::Piva;
 use crate::plain::{BASE, FORCE};
 use crate::real::pick;
@@ -43,7 +44,7 @@ use crate::system::System;
 use crate::taylor::{ORDER, with_order};
 use decays::Decays;
 use forced::ForcedRuns;
-use free_mass::{ExactDecays, ExactDriven, FastDecays, FastDriven, FreeMasses};
+use free_mass::{ExactDecays, ExactDriven, FastDecays, FastDriven};
 use running::Running;
 
 /// Number of runs side by side.
@@ -118,16 +119,19 @@ pub trait SideBySide: System<Real = f64> + Sized {
         group.one_by_one();
     }
 
-    /// [`run`] for this absorber. The absorbers of this crate implement it with the same body, so that it is
+    /// True if its lanes list impacts; if not, runs of which they are wanted go one by one.
+    const LISTS: bool = false;
+
+    /// [`run`] and [`run_listed`] for this absorber, with measures wanted, and whether impacts and stick episodes are. The absorbers of this crate implement it with the same body, so that it is
     /// compiled once and here, where the compiler sees all that it calls.
     ///
     /// # Errors
     /// As [`run`].
     fn run_jobs(
         jobs: &[Job<Self>],
-        wanted: Wanted,
+        wanted: (Wanted, bool),
         cancel: Option<&AtomicBool>,
-        take: Take<'_, Self>,
+        take: TakeListed<'_, Self>,
     ) -> Result<(), Invalid> {
         grouped(jobs, wanted, cancel, take)
     }
@@ -136,14 +140,17 @@ pub trait SideBySide: System<Real = f64> + Sized {
 /// The receiver of results: the index of a job, and its result.
 pub type Take<'a, S> = &'a mut dyn FnMut(usize, &Ended<S>);
 
+/// The receiver of results with the impacts and stick episodes of the run.
+pub type TakeListed<'a, S> = &'a mut dyn FnMut(usize, &Ended<S>, Events);
+
 /// [`SideBySide::run_jobs`] compiled in this crate.
 macro_rules! run_jobs {
     () => {
         fn run_jobs(
             jobs: &[Job<Self>],
-            wanted: Wanted,
+            wanted: (Wanted, bool),
             cancel: Option<&AtomicBool>,
-            take: Take<'_, Self>,
+            take: TakeListed<'_, Self>,
         ) -> Result<(), Invalid> {
             grouped(jobs, wanted, cancel, take)
         }
@@ -157,6 +164,8 @@ fn decays(job: &Job<Siva>) -> bool {
 }
 
 impl SideBySide for Siva {
+    const LISTS: bool = true;
+
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let tier = if Self::tier(job) == Tier::Fast { 1.0 } else { 0.0 };
         decays(job).then(|| [job.system.damping_ratio(), tier])
@@ -170,8 +179,8 @@ impl SideBySide for Siva {
 
     fn run(group: Group<'_, Self>) {
         match group.tier() {
-            Tier::Fast => group.run::<Decays<FreeMasses<FastDecays, WIDE>>>(),
-            Tier::Exact => group.run::<Decays<FreeMasses<ExactDecays, WIDE>>>(),
+            Tier::Fast => group.run::<Decays<FastDecays, WIDE>>(),
+            Tier::Exact => group.run::<Decays<ExactDecays, WIDE>>(),
         }
     }
 }
@@ -185,6 +194,8 @@ impl SideBySide for Alone<DrivenHost> {
 }
 
 impl SideBySide for Siva<DrivenHost> {
+    const LISTS: bool = true;
+
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let force = job.system.force()?;
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
@@ -210,14 +221,14 @@ impl SideBySide for Siva<DrivenHost> {
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
             if group.leader().moves_base() {
-                group.run::<ForcedRuns<FreeMasses<FastDriven<BASE, WIDE>, WIDE>>>();
+                group.run::<ForcedRuns<FastDriven<BASE, WIDE>, WIDE>>();
             } else {
-                group.run::<ForcedRuns<FreeMasses<FastDriven<FORCE, WIDE>, WIDE>>>();
+                group.run::<ForcedRuns<FastDriven<FORCE, WIDE>, WIDE>>();
             }
         } else if group.leader().moves_base() {
-            group.run::<ForcedRuns<FreeMasses<ExactDriven<true, LANES>, LANES>>>();
+            group.run::<ForcedRuns<ExactDriven<true, LANES>, LANES>>();
         } else {
-            group.run::<ForcedRuns<FreeMasses<ExactDriven<false, LANES>, LANES>>>();
+            group.run::<ForcedRuns<ExactDriven<false, LANES>, LANES>>();
         }
     }
 }
@@ -298,20 +309,33 @@ pub fn run<S: SideBySide>(
     cancel: Option<&AtomicBool>,
     take: Take<'_, S>,
 ) -> Result<(), Invalid> {
-    S::run_jobs(jobs, wanted, cancel, take)
+    S::run_jobs(jobs, (wanted, false), cancel, &mut |index, ended, _| take(index, ended))
+}
+
+/// As [`run`], and hands out the impacts and stick episodes of each run.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_listed<S: SideBySide>(
+    jobs: &[Job<S>],
+    wanted: Wanted,
+    cancel: Option<&AtomicBool>,
+    take: TakeListed<'_, S>,
+) -> Result<(), Invalid> {
+    S::run_jobs(jobs, (wanted, true), cancel, take)
 }
 
 fn grouped<S: SideBySide>(
     jobs: &[Job<S>],
-    wanted: Wanted,
+    (wanted, listed): (Wanted, bool),
     cancel: Option<&AtomicBool>,
-    take: Take<'_, S>,
+    take: TakeListed<'_, S>,
 ) -> Result<(), Invalid> {
     for Job { system, start, limits, .. } in jobs {
         system.check_start(start)?;
         limits.check()?;
     }
-    let common = |index: &usize| S::common(&jobs[*index]);
+    let common = |index: &usize| S::common(&jobs[*index]).filter(|_| S::LISTS || !listed);
     let mut order: Vec<usize> = (0..jobs.len()).collect();
     // Jobs for the event loop come first, with the key −∞.
     let key = |index: &usize| common(index).unwrap_or([-f64::INFINITY; 2]);
@@ -321,7 +345,7 @@ fn grouped<S: SideBySide>(
         a.total_cmp(&c).then(b.total_cmp(&d)).then(shared(*x).total_cmp(&shared(*y)))
     });
     for same in order.chunk_by(|a, b| key(a) == key(b)) {
-        let group = Group { jobs, order: same, next: 0, wanted, cancel, take };
+        let group = Group { jobs, order: same, next: 0, wanted, listed, cancel, take };
         // A group of the fast tier goes in lanes even if it has one run: so a result does not depend on the
         // other jobs.
         let few = same.len() < WORTHWHILE && group.tier() == Tier::Exact;
@@ -346,8 +370,10 @@ pub struct Group<'a, S: SideBySide> {
     /// The position in `order` of the first job that has not begun.
     next: usize,
     wanted: Wanted,
+    /// True if impacts and stick episodes are wanted.
+    listed: bool,
     cancel: Option<&'a AtomicBool>,
-    take: Take<'a, S>,
+    take: TakeListed<'a, S>,
 }
 
 impl<'a, S: SideBySide> Group<'a, S> {
@@ -355,13 +381,14 @@ impl<'a, S: SideBySide> Group<'a, S> {
     fn begun(&self, index: usize, spare: Option<Box<Summary<S>>>) -> ScalarRun<'a, S> {
         let job = &self.jobs[index];
         let Job { system, start, begin, limits, steady, .. } = job;
-        let observer = match spare {
+        let mut observer = match spare {
             Some(mut spare) => {
                 spare.again(self.wanted, *steady);
                 spare
             }
             None => Box::new(Summary::new(self.wanted, *steady)),
         };
+        observer.events = self.listed.then(Events::default);
         let start = Instant::at(system, start, *begin);
         let mut run = Run::new(system, &start, limits, self.cancel, observer);
         run.begin();
@@ -369,9 +396,10 @@ impl<'a, S: SideBySide> Group<'a, S> {
     }
 
     /// Hands out the result of a run.
-    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, summary: &Summary<S>) {
+    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, summary: &mut Summary<S>) {
         let steady = summary.steady_values().copied();
-        (self.take)(index, &(tally, *summary.values(), steady));
+        let events = summary.events.take().unwrap_or_default();
+        (self.take)(index, &(tally, *summary.values(), steady), events);
     }
 
     fn one_by_one(mut self) {
@@ -382,7 +410,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
             let mut run = self.begun(*index, None);
             while run.step() {}
             let tally = run.finish();
-            self.hand_out(*index, tally, &run.observer);
+            self.hand_out(*index, tally, &mut run.observer);
         }
     }
 

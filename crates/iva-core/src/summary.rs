@@ -8,7 +8,7 @@ use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::measures::forced::Forced;
 use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::observe::{Contact, Jump, Observer, Span};
+use crate::observe::{Contact, Events, Jump, Observer, Span, StickEpisode};
 use crate::plain::State;
 use crate::real::Real;
 use crate::simulate::{Instant, Tally};
@@ -24,6 +24,8 @@ pub struct Summary<S: System> {
     asked: SteadyWanted,
     /// The log of a driven run; `None`: its measures are taken stretch by stretch.
     pub(crate) forced: Option<Box<Forced>>,
+    /// Impacts and stick episodes, if they are listed.
+    pub(crate) events: Option<Events<S::Real>>,
 }
 
 impl<R: Real, S: System<Real = R>> Summary<S> {
@@ -31,7 +33,7 @@ impl<R: Real, S: System<Real = R>> Summary<S> {
     pub fn new(wanted: Wanted, steady: Option<(SteadyWanted, Window<R>)>) -> Self {
         let asked = steady.map(|(wanted, _)| wanted).unwrap_or_default();
         let steady = steady.map(|(wanted, window)| Steady::new(window, wanted));
-        Self { measures: Measures::new(wanted), steady, asked, forced: None }
+        Self { measures: Measures::new(wanted), steady, asked, forced: None, events: None }
     }
 
     /// The observer of the next run, in its memory.
@@ -130,6 +132,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
     }
 
     fn impact(&mut self, system: &S, impact: &Impact<R>) {
+        self.events.impact(system, impact);
         match &mut self.forced {
             Some(forced) => forced.impact(impact),
             None => self.steady.impact(system, impact),
@@ -140,7 +143,12 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
         self.measures.impulse(system, state, work);
     }
 
+    fn episode(&mut self, episode: &StickEpisode<R>) {
+        Observer::<S>::episode(&mut self.events, episode);
+    }
+
     fn unlist(&mut self, first: u64, floor: R) {
+        Observer::<S>::unlist(&mut self.events, first, floor);
         match &mut self.forced {
             Some(forced) => forced.unlist(floor.double()),
             None => Observer::<S>::unlist(&mut self.steady, first, floor),

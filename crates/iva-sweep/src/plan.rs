@@ -30,7 +30,7 @@ const SAMPLES: u64 = 16;
 /// Assumed time of a segment of motion, in seconds.
 fn segment_seconds(study: &Study) -> f64 {
     let plain = match study.spec.choices().kind {
-        Kind::Siva if !study.spec.is_driven() => 0.2e-6,
+        Kind::Siva if !study.spec.is_driven() => 0.4e-6,
         _ => 1e-6,
     };
     if study.errors { 10.0 * plain } else { plain }

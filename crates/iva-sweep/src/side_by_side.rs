@@ -1,4 +1,4 @@
-//! Points that are run side by side: those of a study that wants the summary only.
+//! Points that are run side by side: those of a study that wants the summary, and impacts and stick episodes at most.
 //!
 //! Whether a point goes side by side, and in which tier, is decided by the study and by the point alone. The
 //! points of a part are grouped after that, one group for each kind of scene, so that no row depends on what
@@ -7,6 +7,7 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::lanes::{self, Job, SideBySide};
+use iva_core::observe::Events;
 use iva_core::piva::Piva;
 
 use crate::engine::design::Design;
@@ -24,10 +25,10 @@ pub(crate) fn run(
     designs: &[Design],
     request: &Request,
     cancel: &AtomicBool,
-) -> Result<Vec<Option<Ended>>, Invalid> {
+) -> Result<Vec<Option<(Ended, Events)>>, Invalid> {
     let ended = designs.iter().map(|_| None).collect();
     let mut part = Part { designs, request, cancel, ended };
-    if request.summary_alone() {
+    if request.goes_side_by_side() {
         part.run(|scene| match scene {
             Scene::Siva { system, start } => Some((system.clone(), *start)),
             _ => None,
@@ -57,7 +58,7 @@ struct Part<'a> {
     designs: &'a [Design],
     request: &'a Request,
     cancel: &'a AtomicBool,
-    ended: Vec<Option<Ended>>,
+    ended: Vec<Option<(Ended, Events)>>,
 }
 
 impl Part<'_> {
@@ -75,6 +76,8 @@ impl Part<'_> {
             }
             let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
             let Design { begin, limits, tier, .. } = *design;
+            // Events are those of the exact tier, where there are two.
+            let tier = if request.lists() { design.tier_alone() } else { tier };
             jobs.push(Job { system, start, begin, limits, steady, tier });
             places.push(place);
         }
@@ -82,19 +85,21 @@ impl Part<'_> {
             return Ok(());
         }
         let mut refused = None;
-        lanes::run(
-            &jobs,
-            request.wanted,
-            Some(cancel),
-            &mut |index, (tally, measures, steady)| {
+        let mut take =
+            |index: usize, (tally, measures, steady): &lanes::Ended<S>, events: Events| {
                 let (place, tier) = (places[index], S::tier(&jobs[index]));
                 let found = (tally.without_state(), *measures, *steady);
                 match Ended::new(&designs[place], found, tier, request.reduction, cancel) {
-                    Ok(run) => ended[place] = Some(run),
+                    Ok(run) => ended[place] = Some((run, events)),
                     Err(error) => refused = Some(error),
                 }
-            },
-        )?;
+            };
+        if request.lists() {
+            lanes::run_listed(&jobs, request.wanted, Some(cancel), &mut take)?;
+        } else {
+            let mut take = |index: usize, ended: &_| take(index, ended, Events::default());
+            lanes::run(&jobs, request.wanted, Some(cancel), &mut take)?;
+        }
         refused.map_or(Ok(()), Err)
     }
 }

@@ -19,8 +19,8 @@ use iva_core::simulate::Outcome;
 use crate::done::Done;
 use crate::engine::design::Design;
 use crate::engine::ended::Ended;
-use crate::engine::point::{Estimates, Request, run};
-use crate::engine::rows::{Estimate, RunRow, write_summary};
+use crate::engine::point::{Estimates, Request, list, run};
+use crate::engine::rows::{Cell, Estimate, RunRow, write_summary};
 use crate::side_by_side;
 use crate::study::{Study, Table};
 use crate::tables::{TableBuilder, schema_in};
@@ -201,18 +201,25 @@ fn run_chunk(
     builders: &mut Builders,
 ) -> Result<Done, SweepError> {
     let cancel = control.cancel;
-    let mut ended = side_by_side::run(designs, request, cancel)?;
     let mut done = Done::default();
-    let mut rows = Vec::with_capacity(designs.len());
-    for (point, (design, ended)) in points.clone().zip(designs.iter().zip(&mut ended)) {
+    let mut all = Vec::with_capacity(designs.len());
+    let ended = side_by_side::run(designs, request, cancel)?;
+    for (point, (design, ended)) in points.clone().zip(designs.iter().zip(ended)) {
         let ended = match ended {
-            Some(ended) => ended,
+            Some((ended, events)) if request.lists() => {
+                let events = (events, &None::<Errors>);
+                list(study, point, design, request, events, &mut into(builders));
+                ended
+            }
+            Some((ended, _)) => ended,
             None if control.cancelled() => break,
-            None => ended.insert(run_point(study, point, design, request, cancel, builders)?),
+            None => run_point(study, point, design, request, cancel, builders)?,
         };
         done += ended.done();
-        rows.push(RunRow::new(design, ended));
+        all.push(ended);
     }
+    let rows: Vec<_> =
+        designs.iter().zip(&all).map(|(design, ended)| RunRow::new(design, ended)).collect();
     if let Some(table) = builders.get_mut(&Table::Summary) {
         write_summary(table, study, &request.columns, points.start, &rows);
     }
@@ -268,11 +275,16 @@ fn run_point(
     builders: &mut Builders,
 ) -> Result<Ended, SweepError> {
     let estimates = study.errors.then(Errors::default);
-    Ok(run(study, point, design, request, cancel, estimates, &mut |table, cells| {
+    Ok(run(study, point, design, request, cancel, estimates, &mut into(builders))?)
+}
+
+/// Takes the rows of events into the tables.
+fn into(builders: &mut Builders) -> impl FnMut(Table, &mut dyn Iterator<Item = Cell>) {
+    |table, cells| {
         if let Some(builder) = builders.get_mut(&table) {
             builder.row(cells);
         }
-    })?)
+    }
 }
 
 impl<S: Differentiable> Estimates<S> for Option<Errors> {

@@ -127,9 +127,9 @@ type Rows<R> = Vec<(Table, Vec<Cell<R>>)>;
 
 fn in_doubles(study: &Study, cancel: &AtomicBool) -> Result<Rows<f64>, Invalid> {
     let (design, request) = (study.design(0)?, Request::new(study));
-    let fast = design.tier == Tier::Fast;
+    let fast = design.tier == Tier::Fast && !request.lists();
     let designs = if fast { std::slice::from_ref(&design) } else { &[] };
-    let Some(ended) = side_by_side::run(designs, &request, cancel)?.pop().flatten() else {
+    let Some((ended, _)) = side_by_side::run(designs, &request, cancel)?.pop().flatten() else {
         return rows(study, &design, cancel);
     };
     Ok(vec![(Table::Summary, summary_row(study, 0, &design, &ended, &request.columns))])

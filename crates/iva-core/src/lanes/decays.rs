@@ -1,50 +1,27 @@
 //! Free decays: lanes compute motions only and log where the motions of the structure begin ([`crate::log`]),
 //! as the event loop does where it goes on. Measures are computed from the log ([`crate::measures`]).
 
+use super::free_mass::{FreeMasses, Tier};
 use super::{Job, Lockstep, ScalarRun};
-use crate::host::Host;
-use crate::log::{Entry, Log};
+use crate::host::{Host, UndrivenHost};
+use crate::log::Log;
 use crate::measures::{Wanted, keeps};
 use crate::siva::Siva;
-
-/// Flights of free masses in lanes, on one structure without drive.
-pub(super) trait Flights: Sized {
-    /// Number of lanes.
-    const WIDTH: usize;
-    /// Idle lanes for absorbers on the structure of this one.
-    fn new(siva: &Siva) -> Self;
-    /// Advances each lane by one evaluation; true if a lane needs its run.
-    fn evaluate(&mut self) -> bool;
-    /// The clock of each lane.
-    fn times(&self) -> &[f64];
-    /// True if this evaluation has found an impact in any lane.
-    fn hits(&self) -> bool;
-    /// The begin of the motion after the impact that this evaluation of a lane has found, if it has.
-    fn motion(&self, lane: usize) -> Option<Entry>;
-    /// True if this lane needs its run.
-    fn requests(&self, lane: usize) -> bool;
-    /// Loads a run into a lane; false if the run is not at a state from which the lane can go on.
-    fn take(&mut self, lane: usize, run: &Decaying<'_>) -> bool;
-    /// Writes the variables of a lane back into its run; returns ẋ there.
-    fn put_back(&self, lane: usize, run: &mut Decaying<'_>) -> f64;
-    /// Makes a lane idle.
-    fn idle(&mut self, lane: usize);
-}
 
 /// The run of a lane.
 pub(super) type Decaying<'a> = ScalarRun<'a, Siva>;
 
 /// Lanes of free decays, and the log of the run of each lane.
 #[derive(Debug)]
-pub(super) struct Decays<F> {
-    flights: F,
+pub(super) struct Decays<T: Tier, const W: usize> {
+    masses: FreeMasses<T, W>,
     logs: Vec<Log>,
     wanted: Wanted,
     /// False if no motion of any lane is to be logged any more.
     logging: bool,
 }
 
-impl<F: Flights> Decays<F> {
+impl<T: Tier, const W: usize> Decays<T, W> {
     /// Exchanges the log of a lane for that of its run.
     fn swap_logs(&mut self, lane: usize, run: &mut Decaying<'_>) {
         if let Some(decay) = &mut run.observer.measures.decay {
@@ -53,12 +30,13 @@ impl<F: Flights> Decays<F> {
     }
 }
 
-impl<F: Flights> Lockstep<Siva> for Decays<F> {
-    const WIDTH: usize = F::WIDTH;
+impl<T: Tier<Host = UndrivenHost>, const W: usize> Lockstep<Siva> for Decays<T, W> {
+    const WIDTH: usize = W;
 
     fn new(job: &Job<Siva>, wanted: Wanted) -> Self {
-        let logs = (0..F::WIDTH).map(|_| Log::default()).collect();
-        Self { flights: F::new(&job.system), logs, wanted, logging: true }
+        let logs = (0..W).map(|_| Log::default()).collect();
+        let masses = FreeMasses::new(&job.system.host);
+        Self { masses, logs, wanted, logging: true }
     }
 
     fn join(leader: &Siva, siva: &Siva) {
@@ -67,14 +45,15 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        let Self { flights, logs, wanted, logging } = self;
-        let mut requests = flights.evaluate();
-        if !(*logging && flights.hits()) {
+        let Self { masses, logs, wanted, logging } = self;
+        masses.attempt();
+        let mut requests = masses.advance();
+        if !(*logging && masses.hits()) {
             return requests;
         }
-        *logging = flights.times().iter().any(|time| keeps(*wanted, *time));
+        *logging = masses.times().iter().any(|time| keeps(*wanted, *time));
         for (lane, log) in logs.iter_mut().enumerate() {
-            if let Some(entry) = flights.motion(lane).filter(|entry| keeps(*wanted, entry.time)) {
+            if let Some(entry) = masses.motion(lane).filter(|entry| keeps(*wanted, entry.time)) {
                 log.push(entry);
                 requests |= log.is_full();
             }
@@ -83,7 +62,7 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
     }
 
     fn requests(&self, lane: usize) -> bool {
-        self.flights.requests(lane) || self.logs[lane].is_full()
+        self.masses.requests(lane) || self.logs[lane].is_full()
     }
 
     fn serve(&mut self, lane: usize, run: &mut Decaying<'_>) -> bool {
@@ -93,7 +72,7 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
             run.observer.measures.make_room();
             self.swap_logs(lane, run);
         }
-        if self.flights.requests(lane) {
+        if self.masses.requests(lane) {
             self.put_back(lane, run);
             return false;
         }
@@ -101,7 +80,7 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
     }
 
     fn take(&mut self, lane: usize, run: &mut Decaying<'_>) -> bool {
-        let takes = !run.ended && self.flights.take(lane, run);
+        let takes = !run.ended && self.masses.take(lane, run);
         if takes {
             let (system, clock, state) = (run.system, run.clock, run.tally.state);
             run.observer.measures.begins(system, clock, &state, false);
@@ -112,14 +91,14 @@ impl<F: Flights> Lockstep<Siva> for Decays<F> {
     }
 
     fn put_back(&mut self, lane: usize, run: &mut Decaying<'_>) {
-        let v = self.flights.put_back(lane, run);
+        self.masses.put_back(lane, run);
         self.swap_logs(lane, run);
         if let Some(decay) = &mut run.observer.measures.decay {
-            decay.v_before = v;
+            decay.v_before = run.tally.state.host.primary.v.value;
         }
     }
 
     fn idle(&mut self, lane: usize) {
-        self.flights.idle(lane);
+        self.masses.idle(lane);
     }
 }

@@ -18,17 +18,16 @@ mod fast;
 mod lane;
 mod round;
 
-use super::decays::{self, Decaying};
-use super::forced::{self, Driven};
 use super::{ScalarRun, SideBySide, pick};
 use crate::arrays::{Laned, Lanes, any};
-use crate::host::{DrivenHost, Host, Phase, UndrivenHost};
+use crate::host::{Host, Phase};
+use crate::impact::Impact;
 use crate::log::Entry;
 use crate::plain::State;
 use crate::siva::coasts::Coasts;
 use crate::siva::trial::{FreeMass, Sight, search};
 use crate::siva::{Siva, SivaState};
-use crate::system::Clock;
+use crate::system::{Clock, Wall};
 
 pub(super) use exact::{ExactDecays, ExactDriven};
 pub(super) use fast::{FastDecays, FastDriven};
@@ -62,8 +61,6 @@ pub(super) trait Tier: Sized {
     ) -> T;
     /// The longest stretch of a lane.
     fn longest(&self, i: usize) -> f64;
-    /// The longest first stretch after a rebound from a pressing wall; `over` is 1/clearance.
-    fn rebound(rate: f64, pressure: f64, over: f64) -> f64;
     /// The state at an instant, its force evaluated anew where the tier needs that.
     #[inline(always)]
     fn refreshed(&self, _i: usize, state: &Self::State, _clock: Clock) -> Self::State {
@@ -88,8 +85,6 @@ pub(super) trait Tier: Sized {
     fn load(&mut self, i: usize, run: &TierRun<'_, Self>) -> Option<Self::State>
     where
         Siva<Self::Host>: SideBySide<State = SivaState<Phase<Self::Host>>>;
-    /// The state in plain doubles.
-    fn in_doubles(state: &Self::State) -> State;
     /// The state in the form of the event loop.
     fn unload(
         &self,
@@ -117,10 +112,13 @@ pub(super) struct FreeMasses<T: Tier, const W: usize> {
     /// The numbers of steps that the lanes coast, and the responses after them.
     steps: [f64; W],
     responses: <T::Responses as Laned>::Lanes<W>,
+    /// The impacts of each lane that its run has not listed yet; empty if none are to be listed.
+    impacts: Vec<Vec<Impact>>,
 }
 
 impl<T: Tier, const W: usize> FreeMasses<T, W> {
-    fn new(host: &T::Host) -> Self {
+    /// Idle lanes for absorbers on a structure like this one.
+    pub fn new(host: &T::Host) -> Self {
         Self {
             lanes: Lanes::new(),
             rounds: Lanes::new(),
@@ -129,12 +127,13 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             ends: Lanes::new(),
             steps: [0.0; W],
             responses: Lanes::new(),
+            impacts: Vec::new(),
         }
     }
 
     /// One trial of each lane.
     #[inline(always)]
-    fn attempt(&mut self) {
+    pub fn attempt(&mut self) {
         let Self { lanes, rounds, tier, states, ends, .. } = self;
         for i in 0..W {
             let (lane, from) = (lanes.get(i), states.get(i));
@@ -171,24 +170,25 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
 
     /// Applies what the trials have found; true if a lane needs its run.
     #[inline(always)]
-    fn advance(&mut self) -> bool {
-        let Self { lanes, rounds, tier, states, ends, steps, responses } = self;
+    pub fn advance(&mut self) -> bool {
+        let Self { lanes, rounds, tier, states, ends, .. } = self;
         for i in 0..W {
             let (lane, round) = (lanes.get(i), rounds.get(i));
             let clock = lane.clock.plus_parts(round.sight.h, round.later);
             let after = tier.refreshed(i, &ends.get(i), clock);
-            let next = Laned::pick(round.passed, &after, &states.get(i));
-            states.set(i, &next);
-            let first = T::rebound(round.rebound, round.pressure, lane.over_clearance);
-            let lane = commit(&lane, &round, clock, [tier.longest(i), first]);
-            lanes.set(i, &lane);
+            states.set(i, &Laned::pick(round.passed, &after, &states.get(i)));
+            lanes.set(i, &commit(&lane, &round, clock, tier.longest(i)));
         }
+        if !self.impacts.is_empty() {
+            self.list();
+        }
+        let Self { lanes, rounds, tier, states, steps, responses, .. } = self;
         let requests = any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full);
         let Some(coasts) = tier.coasts() else { return requests };
         for i in 0..W {
             let (lane, round) = (lanes.get(i), rounds.get(i));
             let within = [lane.over_clearance, lane.remaining()];
-            let count = coasts.count(&T::in_doubles(&states.get(i)), within);
+            let count = coasts.count(&T::Mass::in_doubles(&states.get(i)), within);
             steps.set(i, &pick(round.passed & !round.hit, count, 0.0));
         }
         if any(steps) {
@@ -209,18 +209,73 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         requests
     }
 
-    /// The state at the end of the stretch that a lane has just completed, before an impact.
-    #[inline(always)]
-    fn end(&self, i: usize) -> State {
-        let Round { v, rate, .. } = self.rounds.get(i);
-        State { v, rate, ..T::in_doubles(&self.ends.get(i)) }
+    /// Lists the impacts that the trials have found.
+    #[inline(never)]
+    fn list(&mut self) {
+        for (i, impacts) in self.impacts.iter_mut().enumerate() {
+            let (round, lane) = (self.rounds.get(i), self.lanes.get(i));
+            if round.hit {
+                let State { x, v, side, rate, .. } = T::Mass::in_doubles(&self.states.get(i));
+                impacts.push(Impact {
+                    time: lane.clock.value,
+                    wall: if side > 0.0 { Wall::Plus } else { Wall::Minus },
+                    displacement: x,
+                    velocity_before: round.v,
+                    velocity_after: v,
+                    gap_velocity_before: side * -round.rate,
+                    gap_velocity_after: -side * rate,
+                    lever: 1.0,
+                    energy_loss: lane.loss_factor * (round.rate * round.rate),
+                });
+            }
+        }
     }
 
-    fn requests(&self, i: usize) -> bool {
+    /// The flight that the trial of a lane has completed: the clock at its begin, its length, instant and approach
+    /// speed of the impact at its end (0: none), and the states at both ends, the latter before the impact. To be
+    /// asked for before [`FreeMasses::advance`].
+    #[inline(always)]
+    pub fn flight(&self, i: usize) -> Option<(Clock, f64, [f64; 2], [State; 2])> {
+        let Round { passed, sight: Sight { h, .. }, later, hit, v, rate, .. } = self.rounds.get(i);
+        passed.then(|| {
+            let clock = self.lanes.clock.get(i);
+            let impact = [clock.plus_parts(h, later).value, if hit { -rate } else { 0.0 }];
+            let begin = T::Mass::in_doubles(&self.states.get(i));
+            let end = State { v, rate, ..T::Mass::in_doubles(&self.ends.get(i)) };
+            (clock, h + later, impact, [begin, end])
+        })
+    }
+
+    /// The clock of each lane.
+    #[inline(always)]
+    pub fn times(&self) -> &[f64; W] {
+        &self.lanes.clock.value
+    }
+
+    /// True if a trial has found an impact in any lane.
+    #[inline(always)]
+    pub fn hits(&self) -> bool {
+        any(&self.rounds.hit)
+    }
+
+    /// The begin of the motion after the impact that the trial of a lane has found, if it has. To be asked for after
+    /// [`FreeMasses::advance`].
+    #[inline(always)]
+    pub fn motion(&self, i: usize) -> Option<Entry> {
+        let Round { hit, v: v_before, .. } = self.rounds.get(i);
+        hit.then(|| {
+            let State { x, v, side, rate, .. } = T::Mass::in_doubles(&self.states.get(i));
+            Entry::new(self.lanes.clock.get(i), [x, v], v_before, v - side * rate, false)
+        })
+    }
+
+    /// True if a lane needs its run.
+    pub fn requests(&self, i: usize) -> bool {
         self.lanes.request[i] + self.lanes.stopped[i] + self.lanes.full[i] > 0.0
     }
 
-    fn idle(&mut self, i: usize) {
+    /// Makes a lane idle.
+    pub fn idle(&mut self, i: usize) {
         let state = self.tier.idle(i);
         self.states.set(i, &state);
         self.lanes.set(i, &Lane::idle());
@@ -231,116 +286,27 @@ impl<T: Tier, const W: usize> FreeMasses<T, W>
 where
     Siva<T::Host>: SideBySide<State = SivaState<Phase<T::Host>>>,
 {
-    fn take(&mut self, i: usize, run: &TierRun<'_, T>) -> bool {
+    /// Loads a run into a lane; false if the run is not at a state from which the lane can go on.
+    pub fn take(&mut self, i: usize, run: &TierRun<'_, T>) -> bool {
         let Some(state) = self.tier.load(i, run) else { return false };
         let lane = Lane::of(run, self.tier.longest(i));
         if let Some(lane) = &lane {
             self.states.set(i, &state);
             self.lanes.set(i, lane);
+            if run.observer.events.is_some() {
+                self.impacts.resize(W, Vec::new());
+            }
         }
         lane.is_some()
     }
 
-    fn put_back(&self, i: usize, run: &mut TierRun<'_, T>) {
+    /// Writes the variables of a lane back into its run.
+    pub fn put_back(&mut self, i: usize, run: &mut TierRun<'_, T>) {
+        if let (Some(events), Some(more)) = (&mut run.observer.events, self.impacts.get_mut(i)) {
+            events.impacts.append(more);
+        }
         let lane = self.lanes.get(i);
         lane.put_back(run);
         run.tally.state = self.tier.unload(&self.states.get(i), &run.system.host, run.clock);
-    }
-}
-
-impl<T: Tier<Host = UndrivenHost>, const W: usize> decays::Flights for FreeMasses<T, W> {
-    const WIDTH: usize = W;
-
-    fn new(siva: &Siva) -> Self {
-        Self::new(&siva.host)
-    }
-
-    #[inline(always)]
-    fn evaluate(&mut self) -> bool {
-        self.attempt();
-        self.advance()
-    }
-
-    #[inline(always)]
-    fn times(&self) -> &[f64] {
-        &self.lanes.clock.value
-    }
-
-    #[inline(always)]
-    fn hits(&self) -> bool {
-        any(&self.rounds.hit)
-    }
-
-    #[inline(always)]
-    fn motion(&self, i: usize) -> Option<Entry> {
-        (self.rounds.get(i).hit).then(|| {
-            let State { x, v, side, rate, .. } = T::in_doubles(&self.states.get(i));
-            let v_before = self.rounds.v[i];
-            Entry::new(self.lanes.clock.get(i), [x, v], v_before, v - side * rate, false)
-        })
-    }
-
-    fn requests(&self, i: usize) -> bool {
-        self.requests(i)
-    }
-
-    fn take(&mut self, i: usize, run: &Decaying<'_>) -> bool {
-        self.take(i, run)
-    }
-
-    fn put_back(&self, i: usize, run: &mut Decaying<'_>) -> f64 {
-        self.put_back(i, run);
-        run.tally.state.in_doubles().v
-    }
-
-    fn idle(&mut self, i: usize) {
-        self.idle(i);
-    }
-}
-
-impl<T: Tier<Host = DrivenHost>, const W: usize> forced::Flights for FreeMasses<T, W> {
-    const WIDTH: usize = W;
-
-    fn new(siva: &Siva<DrivenHost>) -> Self {
-        Self::new(&siva.host)
-    }
-
-    #[inline(always)]
-    fn evaluate(
-        &mut self,
-        wanted: bool,
-        mut take: impl FnMut(usize, Clock, f64, [f64; 2], [&State; 2]),
-    ) -> bool {
-        self.attempt();
-        if wanted {
-            for i in 0..W {
-                let Round { passed, sight: Sight { h, .. }, later, hit, rate, .. } =
-                    self.rounds.get(i);
-                if passed {
-                    let clock = self.lanes.clock.get(i);
-                    let approach = if hit { -rate } else { 0.0 };
-                    let impact = [clock.plus_parts(h, later).value, approach];
-                    let begin = T::in_doubles(&self.states.get(i));
-                    take(i, clock, h + later, impact, [&begin, &self.end(i)]);
-                }
-            }
-        }
-        self.advance()
-    }
-
-    fn requests(&self, i: usize) -> bool {
-        self.requests(i)
-    }
-
-    fn take(&mut self, i: usize, run: &Driven<'_>) -> bool {
-        self.take(i, run)
-    }
-
-    fn put_back(&self, i: usize, run: &mut Driven<'_>) {
-        self.put_back(i, run);
-    }
-
-    fn idle(&mut self, i: usize) {
-        self.idle(i);
     }
 }

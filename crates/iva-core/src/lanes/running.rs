@@ -83,8 +83,8 @@ impl<'a, S: SideBySide> Running<'a, S> {
 
     /// Hands out the result of a lane's run, which has ended.
     fn leave(&mut self, i: usize, tally: Tally<S::State>) {
-        if let Some((index, run)) = self.runs[i].take() {
-            self.group.hand_out(index, tally, &run.observer);
+        if let Some((index, mut run)) = self.runs[i].take() {
+            self.group.hand_out(index, tally, &mut run.observer);
             self.spare = Some(run.observer);
             self.live -= 1;
         }

@@ -2,7 +2,8 @@
 
 use super::responses::Values;
 use super::{State, Structure};
-use crate::real::pick;
+use crate::real::{Real, pick};
+use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::Law;
 use crate::siva::trial::FreeMass;
 
@@ -31,8 +32,13 @@ impl<V: Values, const DRIVE: u8> FreeMass for Mass<V, DRIVE> {
     }
 
     #[inline(always)]
-    fn beside(&self, at: &State) -> [f64; 2] {
-        [at.v, at.side]
+    fn in_doubles(at: &State) -> State {
+        *at
+    }
+
+    #[inline(always)]
+    fn rebound(rate: f64, pressure: f64, over: f64) -> f64 {
+        REBOUND_LOOK * f64::about(over * rate, over * pressure)
     }
 
     #[inline(always)]

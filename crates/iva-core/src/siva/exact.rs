@@ -7,7 +7,9 @@ use crate::compensated::DoubleDouble;
 use crate::flight::{FastFlight, Meets};
 use crate::host::{Host, HostState, Phase, Structure};
 use crate::oscillator::Primary;
+use crate::plain::State;
 use crate::real::{Real, pick};
+use crate::simulate::wall::REBOUND_LOOK;
 
 /// A free mass on a structure, and the course of the structure from the begin of the flight.
 #[derive(Debug)]
@@ -36,8 +38,13 @@ impl<R: Real, S: Structure<Real = R>> FreeMass for InFlight<'_, S> {
     }
 
     #[inline(always)]
-    fn beside(&self, at: &Self::State) -> [R; 2] {
-        [at.host.primary.v.value, at.side]
+    fn in_doubles(at: &Self::State) -> State {
+        at.in_doubles()
+    }
+
+    #[inline(always)]
+    fn rebound(rate: R, pressure: R, _over: R) -> R {
+        rate * REBOUND_LOOK / pressure
     }
 
     #[inline(always)]

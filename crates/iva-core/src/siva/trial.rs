@@ -15,6 +15,7 @@
 use super::Law;
 use super::proof::Quintic;
 use crate::arrays::laned;
+use crate::plain::State;
 use crate::quintic::root_by;
 use crate::real::{Real, pick};
 
@@ -36,8 +37,10 @@ pub(crate) trait FreeMass {
     fn curve(&self, at: &Self::State) -> [Self::Real; 3];
     /// [`FreeMass::curve`] a time h later, with the accuracy of plain numbers.
     fn ahead(&self, from: &Self::State, h: Self::Real) -> [Self::Real; 3];
-    /// ẋ, and the sign of the wall last touched.
-    fn beside(&self, at: &Self::State) -> [Self::Real; 2];
+    /// The state in plain doubles.
+    fn in_doubles(at: &Self::State) -> State;
+    /// The longest first trial after a rebound with this rate from a wall with this pressure; `over` is 1/clearance.
+    fn rebound(rate: Self::Real, pressure: Self::Real, over: Self::Real) -> Self::Real;
     /// Bounds on the fifth and sixth derivative of the distance from a state on.
     fn bounds(&self, from: &Self::State) -> [Self::Real; 2];
     /// The state a time h later.

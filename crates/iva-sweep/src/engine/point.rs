@@ -77,10 +77,15 @@ impl Request {
 }
 
 impl Request {
-    /// True if the summary is wanted, and nothing else of a run: no other table, no strobes, no errors.
-    pub fn summary_alone(&self) -> bool {
-        let Self { summary, impacts, episodes, envelope, errors, steady, .. } = self;
-        *summary && !(*impacts || *episodes || *envelope || *errors || steady.strobes)
+    /// True if the summary is wanted, and nothing else of a run but its events: no envelope, no strobes, no errors.
+    pub fn goes_side_by_side(&self) -> bool {
+        let Self { summary, envelope, errors, steady, .. } = self;
+        *summary && !(*envelope || *errors || steady.strobes)
+    }
+
+    /// True if impacts or stick episodes are wanted.
+    pub fn lists(&self) -> bool {
+        self.impacts || self.episodes
     }
 
     /// True if the extremes of a run are wanted.
@@ -133,6 +138,28 @@ where
     with_system!(&design.scene, |system, start| point.run(system, start, estimates, take))
 }
 
+/// Hands out the rows of the events of a run, table by table.
+pub(crate) fn list<R: Real, E>(
+    study: &Study,
+    point: u64,
+    design: &Design<R>,
+    request: &Request,
+    (events, estimates): (Events<R>, &E),
+    take: &mut Take<'_, R>,
+) where
+    E: Estimates<Siva<UndrivenHost<R>>>
+        + Estimates<Siva<DrivenHost<R>>>
+        + Estimates<Alone<UndrivenHost<R>>>
+        + Estimates<Alone<DrivenHost<R>>>
+        + Estimates<Piva<R>>,
+{
+    let point = Point { study, point, design, request, cancel: &AtomicBool::new(false) };
+    let found = Seen { events: Some(events), envelope: None, steady: None, estimates };
+    for table in &study.tables {
+        with_system!(&design.scene, |system, _start| point.rows(*table, system, &found, take));
+    }
+}
+
 struct Point<'a, R: Real> {
     study: &'a Study,
     point: u64,
@@ -166,7 +193,7 @@ impl<R: Real> Point<'_, R> {
         let asked = request.summary || steady.is_some();
         let summary = asked.then(|| Summary::<S>::new(wanted, steady));
         let mut observers = (
-            (request.impacts || request.episodes).then(Events::default),
+            request.lists().then(Events::default),
             (
                 request.envelope.then(Envelope::default),
                 (summary, (extremes.then(|| Extremes::new(from)), estimates)),

@@ -6,8 +6,6 @@ use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
 use crate::host::{self, DrivenHost, Host, HostState, Moment, Source, Structure, UndrivenHost};
 use crate::oscillator::{Equation, Oscillator, Primary};
-use crate::plain::State;
-use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::SivaState;
 use crate::siva::coasts::{Coasts, Responses};
 use crate::siva::exact::InFlight;
@@ -59,11 +57,6 @@ impl Tier for ExactDecays {
     }
 
     #[inline(always)]
-    fn rebound(rate: f64, pressure: f64, _over: f64) -> f64 {
-        rate * REBOUND_LOOK / pressure
-    }
-
-    #[inline(always)]
     fn coasts(&self) -> Option<&Coasts> {
         Some(&self.coasts)
     }
@@ -80,11 +73,6 @@ impl Tier for ExactDecays {
 
     fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<SivaState> {
         Some(run.tally.state)
-    }
-
-    #[inline(always)]
-    fn in_doubles(state: &SivaState) -> State {
-        state.in_doubles()
     }
 
     fn unload(&self, state: &SivaState, _host: &UndrivenHost, _clock: Clock) -> SivaState {
@@ -207,11 +195,6 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
         self.0.reach[i]
     }
 
-    #[inline(always)]
-    fn rebound(rate: f64, pressure: f64, _over: f64) -> f64 {
-        rate * REBOUND_LOOK / pressure
-    }
-
     fn load(&mut self, i: usize, run: &TierRun<'_, Self>) -> Option<Self::State> {
         let host::Driven { equation, reach, step, excess, .. } = run.system.host.free();
         let harmonic = run.system.force().map(Force::harmonics)?.first()?;
@@ -227,11 +210,6 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
         };
         self.0.set(i, &scene);
         Some(run.tally.state)
-    }
-
-    #[inline(always)]
-    fn in_doubles(state: &Self::State) -> State {
-        state.in_doubles()
     }
 
     fn unload(&self, state: &Self::State, _host: &DrivenHost, _clock: Clock) -> Self::State {

@@ -9,7 +9,6 @@ use crate::plain::mass::Mass;
 use crate::plain::responses::{OfLane, Responses, Tables};
 use crate::plain::{FREE, State, Structure, Structures};
 use crate::real::Real;
-use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::SivaState;
 use crate::siva::coasts::Coasts;
 use crate::system::Clock;
@@ -56,11 +55,6 @@ impl Tier for FastDecays {
     }
 
     #[inline(always)]
-    fn rebound(rate: f64, pressure: f64, over: f64) -> f64 {
-        rebound(rate, pressure, over)
-    }
-
-    #[inline(always)]
     fn coasts(&self) -> Option<&Coasts> {
         Some(&self.coasts)
     }
@@ -80,11 +74,6 @@ impl Tier for FastDecays {
 
     fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<State> {
         Some(run.tally.state.in_doubles())
-    }
-
-    #[inline(always)]
-    fn in_doubles(state: &State) -> State {
-        *state
     }
 
     fn unload(&self, state: &State, host: &UndrivenHost, clock: Clock) -> SivaState {
@@ -125,11 +114,6 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
     }
 
     #[inline(always)]
-    fn rebound(rate: f64, pressure: f64, over: f64) -> f64 {
-        rebound(rate, pressure, over)
-    }
-
-    #[inline(always)]
     fn refreshed(&self, i: usize, state: &State, clock: Clock) -> State {
         let [force, quadrature] = self.structures.get(i).force_at(clock);
         State { force, quadrature, ..*state }
@@ -147,11 +131,6 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
         Some(State { force, quadrature, ..state })
     }
 
-    #[inline(always)]
-    fn in_doubles(state: &State) -> State {
-        *state
-    }
-
     fn unload(
         &self,
         state: &State,
@@ -166,12 +145,6 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
         self.structures.set(i, &structure);
         AT_REST
     }
-}
-
-/// The longest first trial after a rebound.
-#[inline(always)]
-fn rebound(rate: f64, pressure: f64, over: f64) -> f64 {
-    REBOUND_LOOK * f64::about(over * rate, over * pressure)
 }
 
 /// A state in the form of the event loop.

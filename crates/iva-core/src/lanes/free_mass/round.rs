@@ -4,6 +4,7 @@
 use super::lane::Lane;
 use crate::arrays::{Laned, arrays};
 use crate::lanes::pick;
+use crate::plain::State;
 use crate::simulate::counts::{Counted, Counts};
 use crate::siva::trial::{FreeMass, Landing, Sight, TRIES, Trial, land};
 use crate::system::Clock;
@@ -18,9 +19,9 @@ arrays! {
     Round, Rounds:
     /// The low part of the length of the stretch.
     later,
-    /// ẋ, the rate of the distance at its end, before an impact, and the sign of the wall; the rate and the pressure
-    /// after the impact.
-    v, rate, side, rebound, pressure,
+    /// ẋ, the rate of the distance at its end, before an impact, and the sign of the wall; the pressure after the
+    /// impact, and the longest first trial if that is positive.
+    v, rate, side, pressure, first,
     /// The time at which the wall is looked for again (0: it is not).
     again;
     /// What is proved about the trial.
@@ -41,7 +42,7 @@ pub(super) fn decide<M: FreeMass<Real = f64>>(
     let size = [lane.clearance, lane.over_clearance];
     let Landing { hit, h, later, end, again } = land(mass, from, sight, lane.trial.length, size);
     let after = mass.struck(&end, hit, &lane.law);
-    let ([v, side], [_, rate, _]) = (mass.beside(&end), mass.curve(&end));
+    let State { v, side, rate, .. } = M::in_doubles(&end);
     let [_, rebound, bend] = mass.curve(&after);
     let pressure = -bend;
     let low = ((pressure > 0.0) & (rebound < pressure * (LOW * (1.0 - lane.law.restitution))))
@@ -58,17 +59,16 @@ pub(super) fn decide<M: FreeMass<Real = f64>>(
         v,
         rate,
         side,
-        rebound,
         pressure,
+        first: M::rebound(rebound, pressure, lane.over_clearance),
         again,
     };
     (round, after)
 }
 
-/// Applies impact and clock, and chooses the next trial. `longest` limits its length, `first` that after a rebound
-/// from a pressing wall.
+/// Applies impact and clock, and chooses the next trial. `longest` limits its length.
 #[inline(always)]
-pub(super) fn commit(lane: &Lane, round: &Round, clock: Clock, [longest, first]: [f64; 2]) -> Lane {
+pub(super) fn commit(lane: &Lane, round: &Round, clock: Clock, longest: f64) -> Lane {
     let Round { passed, hit, v, rate, side, again, sight, .. } = *round;
     let approach = -rate;
     let impact = Counted {
@@ -80,7 +80,7 @@ pub(super) fn commit(lane: &Lane, round: &Round, clock: Clock, [longest, first]:
         low: false,
     };
     let remaining = -clock.minus(lane.stop);
-    let first = pick(hit & (round.pressure > 0.0), first, f64::INFINITY);
+    let first = pick(hit & (round.pressure > 0.0), round.first, f64::INFINITY);
     let trial = Trial::new(longest.min(remaining).min(first));
     let work = lane.counts.work + pick(passed, 1.0, 0.0);
     let counts = Counts { work, ..lane.counts.after(hit, &impact) };
