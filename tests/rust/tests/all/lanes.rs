@@ -27,9 +27,11 @@ fn alone<S: SideBySide>(decay: &Job<S>) -> String {
 }
 
 pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
-    let mut watch = Summary::<S>::new(wanted, decay.steady);
+    let mut watch = (Summary::<S>::new(wanted, decay.steady), Events::default());
     let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut watch).unwrap();
-    format!("{:?}", (tally, *watch.values(), watch.steady_values().copied()))
+    let (summary, events) = watch;
+    let ended = (tally, *summary.values(), summary.steady_values().copied());
+    format!("{ended:?} {events:?}")
 }
 
 fn together<S: SideBySide>(scenes: &[Job<S>]) -> Vec<String> {
@@ -41,6 +43,12 @@ pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted)
     lanes::run(scenes, wanted, None, &mut |i, decayed: &Ended<S>| {
         assert!(found[i].is_empty(), "scene {i} came twice");
         found[i] = format!("{decayed:?}");
+    })
+    .unwrap();
+    // The same runs with their impacts and stick episodes.
+    lanes::run_listed(scenes, wanted, None, &mut |i, decayed: &Ended<S>, events| {
+        assert_eq!(found[i], format!("{decayed:?}"), "scene {i} is another one where it is listed");
+        found[i] = format!("{} {events:?}", found[i]);
     })
     .unwrap();
     found
