@@ -344,7 +344,7 @@ impl<R: Real> Pushes<R> {
     pub(crate) const NONE: Self = Self { primary: Push::NONE, base: Push::NONE };
 
     #[inline(always)]
-    fn on(&mut self, acts: Acts) -> &mut Push<R> {
+    pub(crate) fn on(&mut self, acts: Acts) -> &mut Push<R> {
         match acts {
             Acts::Primary => &mut self.primary,
             Acts::Base => &mut self.base,

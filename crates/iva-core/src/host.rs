@@ -90,6 +90,16 @@ pub trait Structure: std::fmt::Debug {
         course: &Self::Course,
         h: Self::Real,
     ) -> Flown<Self::Phase, Self::Real>;
+    /// [`Structure::flown`] with the drive, and so A at its end, to the accuracy of plain numbers.
+    #[inline(always)]
+    fn nearly_flown(
+        &self,
+        from: &HostState<Self::Phase, Self::Real>,
+        course: &Self::Course,
+        h: Self::Real,
+    ) -> Flown<Self::Phase, Self::Real> {
+        self.flown(from, course, h)
+    }
     /// ∬A, ∫A and A after a motion of length h, with the accuracy of plain numbers.
     fn ahead(
         &self,

@@ -83,6 +83,19 @@ impl<R: Real> Harmonic<R> {
         }
     }
 
+    /// [`Harmonic::push`] with the accuracy of plain numbers.
+    #[inline(always)]
+    pub(crate) fn plain_push(&self, time: DoubleDouble<R>) -> Push<R> {
+        let ([value, quadrature], omega) = (self.turned(time), self.frequency);
+        let square = omega * omega;
+        Push {
+            value: DoubleDouble::new(value),
+            rate: DoubleDouble::new(-omega * quadrature),
+            second: DoubleDouble::new(-square * value),
+            third: square * (omega * quadrature),
+        }
+    }
+
     /// The same in doubles.
     pub(crate) fn in_doubles(&self) -> Harmonic {
         let Self { amplitude, frequency, phase, acts } = *self;
@@ -169,6 +182,22 @@ mod tests {
                 assert!((found - expected).abs() < 4e-16 * 0.3 * 2.0, "{frequency} {k}");
                 assert!((found / expected - 1.0).abs() < 1e-14 || expected.abs() < 1e-17, "{k}");
             }
+        }
+    }
+
+    #[test]
+    fn plain_pushes_are_pushes_rounded() {
+        let harmonic = Harmonic { amplitude: -0.3, frequency: 1.3, phase: 2.0, acts: Acts::Base };
+        for k in -300..300 {
+            let time = DoubleDouble::new(f64::from(k) * 0.37);
+            let (plain, push) = (harmonic.plain_push(time), harmonic.push(time));
+            let off = [
+                plain.value.value - push.value.value,
+                plain.rate.value - push.rate.value,
+                plain.second.value - push.second.value,
+                plain.third - push.third,
+            ];
+            assert!(off.iter().all(|off| off.abs() < 3e-16), "{k}: {off:?}");
         }
     }
 

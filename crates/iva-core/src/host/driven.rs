@@ -177,6 +177,32 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
+    /// A motion of length h, with the drive at its end by `pushes`.
+    #[inline(always)]
+    fn moved(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        course: &Course<R>,
+        h: R,
+        pushes: impl Fn(Clock<R>, Clock<R>) -> Pushes<R>,
+    ) -> Flown<Moment<R>, R> {
+        let gained = self.gained(self.leading(from), &course.pulled, h);
+        let Primary { x, v } = from.primary;
+        let travelled = x.plus_both(v.product(DoubleDouble::new(h)), gained.curved);
+        let mut primary = Primary { x: travelled, v: v + gained.velocity };
+        if self.source.moves_base() {
+            let base = from.phase.pushes.base;
+            let carried = self.gained([base.value, base.rate, base.second], &course.carried, h);
+            primary = Primary { x: primary.x - carried.curved, v: primary.v - carried.velocity };
+        }
+        let time = course.bend.filter(|_| h == course.reach);
+        let time = time.unwrap_or(from.phase.time.plus(h));
+        let Moment { time: begin, kicks, .. } = from.phase;
+        let phase = Moment { time, kicks, pushes: pushes(begin, time) };
+        let acceleration = self.acceleration(&phase, &primary);
+        Flown { to: HostState { primary, acceleration, phase }, gained }
+    }
+
     /// The absolute acceleration that belongs to A: A without gravity along the motion.
     #[inline(always)]
     pub(crate) fn without_gravity(&self, a: DoubleDouble<R>) -> DoubleDouble<R> {
@@ -254,20 +280,17 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         course: &Course<R>,
         h: R,
     ) -> Flown<Moment<R>, R> {
-        let gained = self.gained(self.leading(from), &course.pulled, h);
-        let Primary { x, v } = from.primary;
-        let travelled = x.plus_both(v.product(DoubleDouble::new(h)), gained.curved);
-        let mut primary = Primary { x: travelled, v: v + gained.velocity };
-        if self.source.moves_base() {
-            let base = from.phase.pushes.base;
-            let carried = self.gained([base.value, base.rate, base.second], &course.carried, h);
-            primary = Primary { x: primary.x - carried.curved, v: primary.v - carried.velocity };
-        }
-        let time = course.bend.filter(|_| h == course.reach);
-        let time = time.unwrap_or(from.phase.time.plus(h));
-        let phase = self.moment(from.phase.time, time, from.phase.kicks);
-        let acceleration = self.acceleration(&phase, &primary);
-        Flown { to: HostState { primary, acceleration, phase }, gained }
+        self.moved(from, course, h, |from, time| self.source.pushes(from, time))
+    }
+
+    #[inline(always)]
+    fn nearly_flown(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        course: &Course<R>,
+        h: R,
+    ) -> Flown<Moment<R>, R> {
+        self.moved(from, course, h, |from, time| self.source.plain_pushes(from, time))
     }
 
     #[inline(always)]

@@ -28,7 +28,7 @@ impl<V: Values, const DRIVE: u8> FreeMass for Mass<V, DRIVE> {
 
     #[inline(always)]
     fn ahead(&self, from: &State, h: f64) -> [f64; 3] {
-        self.curve(&self.after(from, h))
+        self.curve(&self.nearly(from, h))
     }
 
     #[inline(always)]
@@ -47,7 +47,7 @@ impl<V: Values, const DRIVE: u8> FreeMass for Mass<V, DRIVE> {
     }
 
     #[inline(always)]
-    fn after(&self, from: &State, h: f64) -> State {
+    fn nearly(&self, from: &State, h: f64) -> State {
         from.after::<DRIVE>(&self.structure, &self.responses, h)
     }
 

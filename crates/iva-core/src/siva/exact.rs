@@ -1,6 +1,6 @@
 //! A free mass in flight in the exact tier: its state in double-double.
 
-use super::motion::{SivaFlight, arrived};
+use super::motion::{SivaFlight, after, arrived};
 use super::trial::{FreeMass, Landing, TRIES, Trial, land, search};
 use super::{Law, SivaState, collided};
 use crate::compensated::DoubleDouble;
@@ -54,8 +54,8 @@ impl<R: Real, S: Structure<Real = R>> FreeMass for InFlight<'_, S> {
     }
 
     #[inline(always)]
-    fn after(&self, from: &Self::State, h: R) -> Self::State {
-        arrived(self.free, self.course, from, h)
+    fn nearly(&self, from: &Self::State, h: R) -> Self::State {
+        after(from, &self.free.nearly_flown(&from.host, self.course, h), h)
     }
 
     #[inline(always)]
@@ -86,11 +86,13 @@ impl<R: Real, S: Structure<Real = R>> FreeMass for InFlight<'_, S> {
             moved = raised([v.value, a - base, jerk - rate, snap - second]);
         }
         let primary = Primary { x: x.plus(moved), v: v.plus(faster) };
+        let phase = self.free.later(&phase, t);
+        let acceleration = self.free.acceleration(&phase, &primary);
         let turn = pick(hit & far, -R::ONE, R::ONE);
         let rate = at.rate.plus(at.side * gained);
         let DoubleDouble { value, rest } = at.distance;
         SivaState {
-            host: HostState { primary, acceleration, phase: self.free.later(&phase, t) },
+            host: HostState { primary, acceleration, phase },
             side: turn * at.side,
             distance: DoubleDouble {
                 value: pick(hit, R::ZERO, value),
@@ -117,7 +119,7 @@ impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
         for _ in 0..=TRIES {
             let sight = search(&mass, &self.from, &trial, over);
             if sight.free {
-                let mut end = mass.after(&self.from, sight.h);
+                let mut end = arrived(mass.free, mass.course, &self.from, sight.h);
                 mass.free.refresh(&mut end.host);
                 let (length, later, meets) = (sight.h, R::ZERO, Meets::Nothing);
                 return Some(FastFlight { length, later, end, meets });

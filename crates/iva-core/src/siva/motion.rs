@@ -38,7 +38,17 @@ pub(crate) fn arrived<R: Real, S: Structure<Real = R>>(
     from: &SivaState<S::Phase, R>,
     h: R,
 ) -> SivaState<S::Phase, R> {
-    let Flown { to, gained } = free.flown(&from.host, course, h);
+    after(from, &free.flown(&from.host, course, h), h)
+}
+
+/// The state after a flight of length h in which the structure moves like this.
+#[inline(always)]
+pub(super) fn after<P: Copy, R: Real>(
+    from: &SivaState<P, R>,
+    flown: &Flown<P, R>,
+    h: R,
+) -> SivaState<P, R> {
+    let Flown { to, gained } = *flown;
     let side = |sum: DoubleDouble<R>| DoubleDouble {
         value: from.side * sum.value,
         rest: from.side * sum.rest,

@@ -43,12 +43,13 @@ pub(crate) trait FreeMass {
     fn rebound(rate: Self::Real, pressure: Self::Real, over: Self::Real) -> Self::Real;
     /// Bounds on the fifth and sixth derivative of the distance from a state on.
     fn bounds(&self, from: &Self::State) -> [Self::Real; 2];
-    /// The state a time h later.
-    fn after(&self, from: &Self::State, h: Self::Real) -> Self::State;
+    /// The state a time h later, but that what drives it, and A, may have the accuracy of plain numbers:
+    /// [`FreeMass::touching`] computes them anew.
+    fn nearly(&self, from: &Self::State, h: Self::Real) -> Self::State;
     /// Distance to the wall at `beyond` from the wall last touched, and its first four derivatives.
     fn near(&self, at: &Self::State, beyond: Self::Real) -> [Self::Real; 5];
     /// The state in contact with the near or far wall a short time t later; the same state if not `hit`, with
-    /// t = 0.
+    /// t = 0, and what drives it at that instant.
     fn touching(&self, at: &Self::State, hit: bool, far: bool, t: Self::Real) -> Self::State;
     /// The state after an impact with this approach speed; the same state if not `hit`.
     fn struck(&self, touching: &Self::State, hit: bool, law: &Law<Self::Real>) -> Self::State;
@@ -151,7 +152,7 @@ pub(crate) fn land<M: FreeMass>(
     [clearance, over]: [M::Real; 2],
 ) -> Landing<M::State, M::Real> {
     let Sight { meets, far, h, .. } = *sight;
-    let at = mass.after(from, h);
+    let at = mass.nearly(from, h);
     let beyond = pick(far, clearance + clearance, M::Real::ZERO);
     let [left, rate, bend, jerk, snap] = mass.near(&at, beyond);
     // Solves left + rate t + ½ bend t² + … = 0 by reversion of the series and one step of Newton's method, for

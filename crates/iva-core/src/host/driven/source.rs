@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Moment, Weight};
 use crate::compensated::DoubleDouble;
-use crate::force::{Acts, Drive, Force, Pushes};
+use crate::force::{Acts, Drive, Force, Harmonic, Pushes};
 use crate::real::Real;
 use crate::system::Clock;
 
@@ -14,6 +14,11 @@ pub trait Source: Clone + std::fmt::Debug {
     type Real: Real;
     /// f/M, and a_g plus gravity along the motion, at `time`, of the smooth piece that acts from `from` on.
     fn pushes(&self, from: Clock<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real>;
+    /// [`Source::pushes`] with the accuracy of plain numbers at least.
+    #[inline(always)]
+    fn plain_pushes(&self, from: Clock<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real> {
+        self.pushes(from, time)
+    }
     /// The Taylor coefficients of f/M and a_g about a moment, in powers of t/h, without gravity.
     fn drive(&self, moment: &Moment<Self::Real>, h: Self::Real) -> Drive<Self::Real>;
     /// The Taylor coefficients of f/M, and of a_g plus gravity along the motion, in double-double.
@@ -51,6 +56,15 @@ impl<R: Real> Forces<R> {
         Self { force: Arc::new(force), moves_base, weight }
     }
 
+    /// The only force, if it is harmonic and nothing else acts along the motion.
+    #[inline(always)]
+    fn single(&self) -> Option<&Harmonic<R>> {
+        match self.force.harmonics() {
+            [harmonic] if self.weight.is_none() && self.force.is_single() => Some(harmonic),
+            _ => None,
+        }
+    }
+
     /// The force on a structure with the absorber stuck to it.
     pub(super) fn loaded(&self) -> Self {
         Self { weight: self.weight.map(Weight::loaded), ..self.clone() }
@@ -69,16 +83,20 @@ impl<R: Real> Source for Forces<R> {
     }
 
     #[inline(always)]
+    fn plain_pushes(&self, from: Clock<R>, time: Clock<R>) -> Pushes<R> {
+        let Some(harmonic) = self.single() else { return self.pushes(from, time) };
+        let mut pushes = Pushes::NONE;
+        *pushes.on(harmonic.acts) = harmonic.plain_push(time);
+        pushes
+    }
+
+    #[inline(always)]
     fn drive(&self, moment: &Moment<R>, h: R) -> Drive<R> {
         let Moment { time, pushes, .. } = moment;
-        match self.force.harmonics() {
-            [harmonic] if self.weight.is_none() && self.force.is_single() => match harmonic.acts {
-                Acts::Primary => {
-                    Drive { primary: harmonic.onwards(&pushes.primary, h), ..Drive::NONE }
-                }
-                Acts::Base => Drive { base: harmonic.onwards(&pushes.base, h), ..Drive::NONE },
-            },
-            _ => self.force.drive(*time, *time, h),
+        let Some(harmonic) = self.single() else { return self.force.drive(*time, *time, h) };
+        match harmonic.acts {
+            Acts::Primary => Drive { primary: harmonic.onwards(&pushes.primary, h), ..Drive::NONE },
+            Acts::Base => Drive { base: harmonic.onwards(&pushes.base, h), ..Drive::NONE },
         }
     }
 

@@ -118,6 +118,11 @@ impl<const BASE: bool> Source for Single<BASE> {
     }
 
     #[inline(always)]
+    fn plain_pushes(&self, _from: Clock, time: Clock) -> Pushes {
+        Self::pushes_of(self.0.plain_push(time))
+    }
+
+    #[inline(always)]
     fn drive(&self, moment: &Moment, h: f64) -> Drive<f64> {
         let Pushes { primary, base } = &moment.pushes;
         if BASE {

@@ -5,7 +5,7 @@ use super::*;
 use crate::compensated::DoubleDouble;
 use crate::flight::Meets;
 use crate::force::{Acts, Force, Harmonic};
-use crate::host::{DrivenHost, Host, Phase, Structure};
+use crate::host::{DrivenHost, Host, HostState, Phase, Structure};
 use crate::oscillator::Primary;
 use crate::siva::exact::InFlight;
 use crate::siva::motion::{SivaFlight, arrived};
@@ -171,6 +171,8 @@ fn contacts_are_on_the_wall<H: Host<Real = f64>>(siva: impl Fn(u32) -> Siva<H>) 
         let fast = stretch.flight().fast_flight(*length);
         let Some(fast) = fast.filter(|fast| fast.meets == Meets::Wall) else { continue };
         contacts += 1;
+        let HostState { primary, acceleration, phase } = &fast.end.host;
+        assert_eq!(*acceleration, siva.host.free().acceleration(phase, primary), "stretch {i}");
         let there = flown(siva, from, fast.length + fast.later);
         let far = fast.end.side != from.side;
         let left =
