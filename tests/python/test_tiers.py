@@ -158,3 +158,20 @@ def test_other_tables_are_those_of_the_exact_tier() -> None:
     exact = iva.simulate(SIVA, PRIMARY, **given)
     assert fast.impacts.equals(exact.impacts)
     assert fast.summary.equals(exact.summary)
+
+
+@pytest.mark.parametrize("force", [None, FORCE, BASE], ids=["decay", "force", "base"])
+@pytest.mark.parametrize("absorber", [SIVA, PENDULUM], ids=["siva", "piva"])
+def test_events_of_a_sweep_are_those_of_runs_alone(absorber: Any, force: Any) -> None:
+    scene = {"force": force, "start": START, "periods": 20}
+    over = {"clearance": [0.05, 0.6, 0.9, 30.0], "restitution": [0.0, 0.3, 0.8]}
+    tables = ("summary", "impacts", "episodes")
+    swept = iva.sweep(absorber, PRIMARY, over=over, tables=tables, **scene)
+    for row in swept.summary.iter_rows(named=True):
+        values = {name: row[name] for name in over}
+        alone = iva.simulate(absorber.replace(**values), PRIMARY, **scene)
+        at = pl.col("point") == row["point"]
+        assert swept.impacts.filter(at).drop("point").equals(alone.impacts)
+        assert swept.episodes.filter(at).drop("point").equals(alone.episodes)
+    assert swept.impacts.height > 500
+    assert swept.episodes.height > 0

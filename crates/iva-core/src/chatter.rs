@@ -23,6 +23,10 @@ use crate::real::Real;
 /// Safety factor of the estimated third-order terms, whose coefficients are of order 1.
 const SAFETY: f64 = 4.0;
 
+/// Length of the first search after a rebound in units of u/A: the return comes after 2u/A in the limit of
+/// low rebounds; a higher rebound needs further segments.
+pub(crate) const REBOUND_LOOK: f64 = 2.5;
+
 /// A rebound from a pressing wall, at the instant after the impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rebound<R = f64> {

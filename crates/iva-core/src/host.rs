@@ -21,16 +21,17 @@ use crate::flight::{Jet, Quantity, Rows, Turns};
 use crate::force::Force;
 use crate::oscillator::{Arrival, Equation, Primary};
 use crate::real::Real;
-use crate::siva::coasts::Coasts;
 use crate::system::Clock;
 
 pub use alone::{Alone, AloneFlight};
 pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Source, Weight};
+pub use steps::Steps;
 pub use undriven::UndrivenHost;
 
 mod alone;
 pub(crate) mod driven;
 pub(crate) mod sinusoid;
+pub(crate) mod steps;
 pub(crate) mod turning;
 mod undriven;
 
@@ -218,9 +219,8 @@ pub trait Host: Clone + std::fmt::Debug {
     fn share(&self, _like: &Self) {}
     /// The structure without absorber, mass 1.
     fn free(&self) -> &Self::Structure;
-    /// The motion in which an absorber meets no wall for a number of steps, of a structure without drive, where
-    /// flights are decided in closed form.
-    fn coasts(&self) -> Option<&Coasts<Self::Real>> {
+    /// The motion over whole steps of a structure without drive, where flights are decided in closed form.
+    fn steps(&self) -> Option<&Steps<Self::Real>> {
         None
     }
     /// The structure with the absorber stuck to it, mass 1 + μ.

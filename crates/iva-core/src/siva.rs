@@ -18,12 +18,14 @@ use crate::impact::{self, Impact};
 use crate::oscillator::Primary;
 use crate::plain::Scene;
 use crate::range;
-use crate::real::{Real, pick};
+use crate::real::Real;
 use crate::system::{Clock, Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
 pub use parameters::Parameters;
 pub use ride::SivaRide;
+pub use state::SivaState;
+pub(crate) use state::collided;
 
 pub(crate) mod coasts;
 pub(crate) mod exact;
@@ -31,6 +33,7 @@ pub(crate) mod motion;
 mod parameters;
 pub(crate) mod proof;
 mod ride;
+mod state;
 pub(crate) mod trial;
 
 /// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
@@ -211,60 +214,6 @@ pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result
     Ok(())
 }
 
-/// The state of structure and gap between events.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SivaState<P = (), R = f64> {
-    pub(crate) host: HostState<P, R>,
-    /// Sign of the wall that distances are measured from: +1 for y = +d, −1 for y = −d.
-    pub(crate) side: R,
-    pub(crate) distance: DoubleDouble<R>,
-    pub(crate) rate: DoubleDouble<R>,
-}
-
-laned!(SivaState<P>, SivaStates {
-    host: HostState<P>,
-    side: f64,
-    distance: DoubleDouble,
-    rate: DoubleDouble,
-});
-
-impl<R: Real, P> SivaState<P, R> {
-    /// Gap displacement from the middle of a gap of one-sided clearance d, and gap velocity.
-    #[inline(always)]
-    pub(crate) fn gap(&self, clearance: R) -> GapPoint<R> {
-        let d = clearance;
-        // The flight is proved to stay in the gap; rounding errors could exceed the far wall.
-        let y = self.side * (d - self.distance.value);
-        GapPoint { y: y.clamp(-d, d), w: self.gap_velocity() }
-    }
-
-    /// Gap velocity w = −s Ḋ.
-    #[inline(always)]
-    pub(crate) fn gap_velocity(&self) -> R {
-        -self.side * self.rate.value
-    }
-}
-
-/// The state after an impact; with A computed anew only, if there is none.
-#[inline(always)]
-pub(crate) fn collided<R: Real, S: Structure<Real = R>>(
-    free: &S,
-    state: &SivaState<S::Phase, R>,
-    hit: bool,
-    law: &Law<R>,
-) -> SivaState<S::Phase, R> {
-    let DoubleDouble { value, rest } = state.rate;
-    let closing = DoubleDouble { value: pick(hit, value, R::ZERO), rest: pick(hit, rest, R::ZERO) };
-    let primary = state.host.primary.jumped(-state.side, closing, law.share);
-    let acceleration = free.acceleration(&state.host.phase, &primary);
-    let rebound = closing.product(DoubleDouble::new(-law.restitution));
-    let rate = DoubleDouble {
-        value: pick(hit, rebound.value, value),
-        rest: pick(hit, rebound.rest, rest),
-    };
-    SivaState { host: HostState { primary, acceleration, ..state.host }, rate, ..*state }
-}
-
 impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     type Real = R;
     type State = SivaState<Phase<H>, R>;
@@ -340,21 +289,21 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     }
 
     fn coasts(&self, state: &Self::State, remaining: R) -> usize {
-        let Some(coasts) = self.host.coasts() else { return 0 };
+        let Some(steps) = self.host.steps() else { return 0 };
         let within = [1.0 / self.clearance.double(), remaining.double()];
         f64::dispatched(
             #[inline(always)]
-            || coasts.count(&state.in_doubles(), within) as usize,
+            || coasts::count(steps, &state.in_doubles(), within) as usize,
         )
     }
 
-    fn coasted(&self, state: &Self::State, steps: usize) -> (Self::State, [R; 2]) {
-        let Some(coasts) = self.host.coasts() else { return (*state, [R::ZERO; 2]) };
+    fn coasted(&self, state: &Self::State, count: usize) -> (Self::State, Clock<R>) {
+        let Some(steps) = self.host.steps() else { return (*state, Clock::ZERO) };
         R::dispatched(
             #[inline(always)]
             || {
-                let (count, responses) = (steps as f64, coasts.responses(steps));
-                (coasts.after(state, count, responses), coasts.time(count))
+                let by = steps.responses(count);
+                (coasts::after(steps, state, count as f64, by), steps.time(count as f64))
             },
         )
     }

@@ -152,9 +152,9 @@ pub trait System {
     fn coasts(&self, _state: &Self::State, _remaining: Self::Real) -> usize {
         0
     }
-    /// The state after some of these steps, and the time that they take, high and low part.
-    fn coasted(&self, state: &Self::State, _steps: usize) -> (Self::State, [Self::Real; 2]) {
-        (*state, [Self::Real::ZERO; 2])
+    /// The state after some of these steps, and the time that they take.
+    fn coasted(&self, state: &Self::State, _steps: usize) -> (Self::State, Clock<Self::Real>) {
+        (*state, Clock::ZERO)
     }
     /// The wall that distances are measured from.
     fn wall(&self, state: &Self::State) -> Wall;

@@ -4,13 +4,13 @@ use std::any::TypeId;
 use std::sync::{Arc, OnceLock};
 
 use super::sinusoid::MOST_DAMPED;
+use super::steps::Steps;
 use super::turning::{Jets, guess, turning};
 use super::{Flown, Host, HostState, Integrated, Structure};
 use crate::compensated::DoubleDouble;
 use crate::flight::{Jet, Rows, Turns};
 use crate::oscillator::{Equation, Oscillator, Primary};
 use crate::real::Real;
-use crate::siva::coasts::Coasts;
 use crate::system::Clock;
 use crate::taylor::ORDER;
 
@@ -143,8 +143,8 @@ pub struct UndrivenHost<R = f64> {
     /// The structure without absorber; made by the first flight, and shared between scenes that run side by
     /// side.
     free: OnceLock<Arc<Oscillator<R>>>,
-    /// Its steps of coasting; `None` if it has none.
-    coasts: OnceLock<Option<Arc<Coasts<R>>>>,
+    /// Its motion over whole steps; `None` if it has none.
+    steps: OnceLock<Option<Arc<Steps<R>>>>,
     /// The structure of mass 1 + μ; made when the absorber first sticks.
     loaded: OnceLock<Box<Oscillator<R>>>,
 }
@@ -152,16 +152,16 @@ pub struct UndrivenHost<R = f64> {
 impl<R: Real> UndrivenHost<R> {
     /// A structure of damping ratio ζ, for an absorber of mass ratio μ.
     pub(crate) fn new(damping_ratio: R, mass_ratio: R) -> Self {
-        let (free, coasts) = (OnceLock::new(), OnceLock::new());
-        Self { damping_ratio, mass_ratio, free, coasts, loaded: OnceLock::new() }
+        let (free, steps) = (OnceLock::new(), OnceLock::new());
+        Self { damping_ratio, mass_ratio, free, steps, loaded: OnceLock::new() }
     }
 
-    fn shared_coasts(&self) -> &Option<Arc<Coasts<R>>> {
-        let coasts = || {
+    fn shared_steps(&self) -> &Option<Arc<Steps<R>>> {
+        let steps = || {
             let has = R::FAST_PATHS && self.damping_ratio <= MOST_DAMPED;
-            has.then(|| Arc::new(Coasts::new(self.shared())))
+            has.then(|| Arc::new(Steps::new(self.shared())))
         };
-        self.coasts.get_or_init(coasts)
+        self.steps.get_or_init(steps)
     }
 
     fn shared(&self) -> &Arc<Oscillator<R>> {
@@ -175,9 +175,9 @@ impl<R: Real> Host for UndrivenHost<R> {
 
     fn share(&self, like: &Self) {
         // Made before the cell is initialised: a host may share with itself.
-        let (free, coasts) = (Arc::clone(like.shared()), like.shared_coasts().clone());
+        let (free, steps) = (Arc::clone(like.shared()), like.shared_steps().clone());
         self.free.get_or_init(|| free);
-        self.coasts.get_or_init(|| coasts);
+        self.steps.get_or_init(|| steps);
     }
 
     fn damping_ratio(&self) -> R {
@@ -195,8 +195,8 @@ impl<R: Real> Host for UndrivenHost<R> {
         self.shared()
     }
 
-    fn coasts(&self) -> Option<&Coasts<R>> {
-        self.shared_coasts().as_deref()
+    fn steps(&self) -> Option<&Steps<R>> {
+        self.shared_steps().as_deref()
     }
 
     fn loaded(&self) -> &Oscillator<R> {

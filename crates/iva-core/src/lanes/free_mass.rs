@@ -20,11 +20,11 @@ mod round;
 
 use super::{ScalarRun, SideBySide, pick};
 use crate::arrays::{Laned, Lanes, any};
-use crate::host::{Host, Phase};
+use crate::host::{Host, Phase, Steps};
 use crate::impact::Impact;
 use crate::log::Entry;
 use crate::plain::State;
-use crate::siva::coasts::Coasts;
+use crate::siva::coasts;
 use crate::siva::trial::{FreeMass, Sight, search};
 use crate::siva::{Siva, SivaState};
 use crate::system::{Clock, Wall};
@@ -66,19 +66,24 @@ pub(super) trait Tier: Sized {
     fn refreshed(&self, _i: usize, state: &Self::State, _clock: Clock) -> Self::State {
         *state
     }
-    /// The motion in which no wall is met, on a structure without drive.
+    /// The motion of a structure without drive over whole steps.
     #[inline(always)]
-    fn coasts(&self) -> Option<&Coasts> {
+    fn steps(&self) -> Option<&Steps> {
         None
     }
-    /// The responses of the structure after a number of steps of coasting.
+    /// The responses of the structure after a number of steps.
     #[inline(always)]
-    fn responses(&self, _steps: usize) -> Self::Responses {
+    fn responses(_steps: &Steps, _count: usize) -> Self::Responses {
         Self::Responses::default()
     }
     /// The state after these steps.
     #[inline(always)]
-    fn coasted(&self, state: &Self::State, _steps: f64, _by: Self::Responses) -> Self::State {
+    fn coasted(
+        _steps: &Steps,
+        state: &Self::State,
+        _count: f64,
+        _by: Self::Responses,
+    ) -> Self::State {
         *state
     }
     /// Loads the motion of a run into a lane; its state.
@@ -110,7 +115,7 @@ pub(super) struct FreeMasses<T: Tier, const W: usize> {
     /// The states at the end of each trial, after an impact.
     ends: <T::State as Laned>::Lanes<W>,
     /// The numbers of steps that the lanes coast, and the responses after them.
-    steps: [f64; W],
+    counts: [f64; W],
     responses: <T::Responses as Laned>::Lanes<W>,
     /// The impacts of each lane that its run has not listed yet; empty if none are to be listed.
     impacts: Vec<Vec<Impact>>,
@@ -125,7 +130,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             tier: T::new(host),
             states: Lanes::new(),
             ends: Lanes::new(),
-            steps: [0.0; W],
+            counts: [0.0; W],
             responses: Lanes::new(),
             impacts: Vec::new(),
         }
@@ -182,25 +187,25 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         if !self.impacts.is_empty() {
             self.list();
         }
-        let Self { lanes, rounds, tier, states, steps, responses, .. } = self;
+        let Self { lanes, rounds, tier, states, counts, responses, .. } = self;
         let requests = any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full);
-        let Some(coasts) = tier.coasts() else { return requests };
+        let Some(steps) = tier.steps() else { return requests };
         for i in 0..W {
             let (lane, round) = (lanes.get(i), rounds.get(i));
             let within = [lane.over_clearance, lane.remaining()];
-            let count = coasts.count(&T::Mass::in_doubles(&states.get(i)), within);
-            steps.set(i, &pick(round.passed & !round.hit, count, 0.0));
+            let count = coasts::count(steps, &T::Mass::in_doubles(&states.get(i)), within);
+            counts.set(i, &pick(round.passed & !round.hit, count, 0.0));
         }
-        if any(steps) {
+        if any(counts) {
             for i in 0..W {
-                let count: f64 = steps.get(i);
-                responses.set(i, &tier.responses(count as usize));
+                let count: f64 = counts.get(i);
+                responses.set(i, &T::responses(steps, count as usize));
             }
             for i in 0..W {
-                let (lane, state, count) = (lanes.get(i), states.get(i), steps.get(i));
-                let coasted = tier.coasted(&state, count, responses.get(i));
+                let (lane, state, count) = (lanes.get(i), states.get(i), counts.get(i));
+                let coasted = T::coasted(steps, &state, count, responses.get(i));
                 states.set(i, &Laned::pick(count > 0.0, &coasted, &state));
-                let later = lane.later(coasts.time(count), tier.longest(i));
+                let later = lane.later(steps.time(count), tier.longest(i));
                 lanes.clock.set(i, &Laned::pick(count > 0.0, &later.clock, &lane.clock));
                 let length = pick(count > 0.0, later.trial.length, lane.trial.length);
                 lanes.trial.length.set(i, &length);

@@ -2,8 +2,8 @@
 
 use super::responses::Values;
 use super::{State, Structure};
+use crate::chatter::REBOUND_LOOK;
 use crate::real::{Real, pick};
-use crate::simulate::wall::REBOUND_LOOK;
 use crate::siva::Law;
 use crate::siva::trial::FreeMass;
 

@@ -2,7 +2,7 @@
 
 use super::counts::Counted;
 use super::{CANCEL_EVERY, Phase, Run, is_finite};
-use crate::chatter::Rebound;
+use crate::chatter::{REBOUND_LOOK, Rebound};
 use crate::contact::first_contact;
 use crate::flight::Side;
 use crate::flight::{Curve, Jet, Motion};
@@ -10,10 +10,6 @@ use crate::impact::Impact;
 use crate::observe::{Contact, Jump, Observer, StickEpisode};
 use crate::real::Real;
 use crate::system::{Clock, System};
-
-/// Length of the first search after a rebound in units of u/A: the return comes after 2u/A in the limit of
-/// low rebounds; a higher rebound needs further segments.
-pub(crate) const REBOUND_LOOK: f64 = 2.5;
 
 impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Applies the impact law to the state in contact, and decides what follows.

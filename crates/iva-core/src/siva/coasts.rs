@@ -1,20 +1,16 @@
 //! Coasting: motion of a free mass that is too far inside its gap to meet a wall.
 //!
-//! Without drive |x| never exceeds the radius |Z| of the structure's motion ([`crate::host::sinusoid`]), and a
-//! free mass in uniform motion meets no wall while its displacement is within d − |Z|. So for a number of steps of
-//! one length no wall has to be searched for, and the structure moves by a matrix that is computed once.
+//! Without drive |x| never exceeds the radius |Z| of the structure's motion, and a free mass in uniform motion
+//! meets no wall while its displacement is within d − |Z|. So for a number of [`Steps`] no wall has to be searched
+//! for.
 
 use super::SivaState;
-use crate::compensated::{DoubleDouble, two_product};
+use crate::compensated::DoubleDouble;
 use crate::host::HostState;
-use crate::oscillator::{Oscillator, Primary};
+use crate::host::steps::{MOST, Responses, Steps};
 use crate::plain::State;
 use crate::real::{Real, pick};
 
-/// Largest number of steps at once: all bits of an index.
-const MOST: usize = 31;
-/// Length of a step in units of the longest flight of the structure.
-const STEP: f64 = 0.4;
 /// The part of the time to the reach of a wall that is coasted, and the factor to |Z|: so rounding to single
 /// precision leaves the absorber out of that reach.
 const SAFE: f64 = 1.0 - 1e-6;
@@ -24,131 +20,64 @@ const SLOWEST: f64 = 1e-30;
 /// 1.5 · 2⁵²: a number of moderate size added to it is rounded to an integer.
 const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 
-/// The steps of a structure without drive.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Coasts<R = f64> {
-    /// Length of a step.
-    length: R,
-    over_length: f64,
-    /// ζ, 2ζ, and 1/ω.
-    decay: f64,
-    damping: R,
-    over_omega: f64,
-    /// The responses after 0, 1, … steps.
-    by: [Responses<R>; MOST + 1],
+/// The number of steps from a state in which certainly no wall is met, at most those that the time `remaining` has.
+/// `over` is 1/clearance, in units of which single precision will do.
+#[inline(always)]
+pub(crate) fn count<R: Real>(steps: &Steps<R>, at: &State, [over, remaining]: [f64; 2]) -> f64 {
+    let State { x, v, distance, rate, side, .. } = *at;
+    let (displaced, turned) = (x * over, steps.turned(x, v) * over);
+    let radius = turned.mul_add(turned, displaced * displaced) as f32;
+    let window = f64::from(radius.sqrt()).mul_add(-ABOVE, 1.0);
+    let place = side.mul_add(distance.mul_add(-over, 1.0), displaced);
+    let speed = side.mul_add(-rate, v) * over;
+    let way = window - pick(speed < 0.0, -place, place);
+    let time = f64::about(way, speed.abs() + SLOWEST).min(remaining);
+    let count = (time * (SAFE * steps.over_length)).min(MOST as f64);
+    let count = pick(place.abs() < window, count, 0.0);
+    ((count - 0.5) + TO_INTEGER) - TO_INTEGER
 }
 
-/// The responses C to unit displacement and S to unit velocity, and Ṡ.
-pub(crate) type Responses<R = f64> = [DoubleDouble<R>; 3];
-
-impl<R: Real> Coasts<R> {
-    /// The steps of a structure of mass 1 that is not overdamped.
-    pub fn new(oscillator: &Oscillator<R>) -> Self {
-        let (one, length) = (DoubleDouble::new(R::ONE), oscillator.reach * STEP);
-        let damping = oscillator.equation.damping;
-        let slope = |[c, s]: [DoubleDouble<R>; 2]| [c, s, c - s.times(damping)];
-        let pushed = oscillator.precise(one, DoubleDouble::new(-damping), length);
-        let first = [
-            one + oscillator.precise(DoubleDouble::ZERO, -one, length),
-            DoubleDouble::new(length) + pushed,
-        ];
-        let mut by = [slope([one, DoubleDouble::ZERO]); MOST + 1];
-        for k in 1..=MOST {
-            let [c, s, rate] = by[k - 1];
-            by[k] = slope([first[0] * c - first[1] * s, first[0] * s + first[1] * rate]);
-        }
-        let decay = 0.5 * damping.double();
-        let over_omega = 1.0 / (1.0 - decay * decay).sqrt();
-        Self { length, over_length: 1.0 / length.double(), decay, damping, over_omega, by }
-    }
-
-    /// The number of steps from a state in which certainly no wall is met, at most those that the time `remaining`
-    /// has. `over` is 1/clearance, in units of which single precision will do.
-    #[inline(always)]
-    pub(crate) fn count(&self, at: &State, [over, remaining]: [f64; 2]) -> f64 {
-        let State { x, v, distance, rate, side, .. } = *at;
-        let turned = self.decay.mul_add(x, v) * (self.over_omega * over);
-        let displaced = x * over;
-        let radius = turned.mul_add(turned, displaced * displaced) as f32;
-        let window = f64::from(radius.sqrt()).mul_add(-ABOVE, 1.0);
-        let place = side.mul_add(distance.mul_add(-over, 1.0), displaced);
-        let speed = side.mul_add(-rate, v) * over;
-        let way = window - pick(speed < 0.0, -place, place);
-        let time = f64::about(way, speed.abs() + SLOWEST).min(remaining);
-        let steps = (time * (SAFE * self.over_length)).min(MOST as f64);
-        let steps = pick(place.abs() < window, steps, 0.0);
-        ((steps - 0.5) + TO_INTEGER) - TO_INTEGER
-    }
-
-    /// The responses after a number of steps.
-    #[inline(always)]
-    pub(crate) fn responses(&self, steps: usize) -> Responses<R> {
-        self.by[steps & MOST]
-    }
-
-    /// The time that a number of steps takes, high and low part.
-    #[inline(always)]
-    pub fn time(&self, steps: f64) -> [R; 2] {
-        let (time, rest) = two_product(self.length, R::from(steps));
-        [time, rest]
-    }
-
-    /// The state after a number of steps with these responses.
-    #[inline(always)]
-    pub(crate) fn after<P: Copy>(
-        &self,
-        from: &SivaState<P, R>,
-        steps: f64,
-        [c, s, rate]: Responses<R>,
-    ) -> SivaState<P, R> {
-        let SivaState { host, side, distance, .. } = *from;
-        let HostState { primary: Primary { x, v }, phase, .. } = host;
-        let seen =
-            |sum: DoubleDouble<R>| DoubleDouble { value: side * sum.value, rest: side * sum.rest };
-        // The velocity of the absorber.
-        let absorber = v - seen(from.rate);
-        let [time, rest] = self.time(steps);
-        let primary = Primary { x: c.product(x) + s.product(v), v: rate.product(v) - s.product(x) };
-        let moved = (primary.x - x) - absorber.product(DoubleDouble { value: time, rest });
-        let acceleration = -(primary.x + primary.v.product(DoubleDouble::new(self.damping)));
-        SivaState {
-            host: HostState { primary, acceleration, phase },
-            side,
-            distance: distance + seen(moved),
-            rate: seen(primary.v - absorber),
-        }
-    }
-
-    /// [`Coasts::after`] in plain numbers.
-    #[inline(always)]
-    pub(crate) fn plainly_after(&self, from: &State, steps: f64, [c, s, slope]: [f64; 3]) -> State {
-        let State { x, v, distance, rate, side, .. } = *from;
-        let absorber = side.mul_add(-rate, v);
-        let time = self.length.double() * steps;
-        let (there, faster) = (c.mul_add(x, s * v), slope.mul_add(v, -(s * x)));
-        State {
-            x: there,
-            v: faster,
-            distance: distance + side * absorber.mul_add(-time, there - x),
-            rate: side * (faster - absorber),
-            ..*from
-        }
+/// The state after a number of steps with these responses.
+#[inline(always)]
+pub(crate) fn after<P: Copy, R: Real>(
+    steps: &Steps<R>,
+    from: &SivaState<P, R>,
+    count: f64,
+    responses: Responses<R>,
+) -> SivaState<P, R> {
+    let SivaState { host: HostState { primary, phase, .. }, side, distance, rate } = *from;
+    let seen =
+        |sum: DoubleDouble<R>| DoubleDouble { value: side * sum.value, rest: side * sum.rest };
+    // The velocity of the absorber.
+    let absorber = primary.v - seen(rate);
+    let (to, acceleration) = steps.after(&primary, responses);
+    let moved = (to.x - primary.x) - absorber.product(steps.time(count));
+    SivaState {
+        host: HostState { primary: to, acceleration, phase },
+        side,
+        distance: distance + seen(moved),
+        rate: seen(to.v - absorber),
     }
 }
 
-/// A state in plain doubles, without its force.
-impl<P, R: Real> SivaState<P, R> {
-    #[inline(always)]
-    pub(crate) fn in_doubles(&self) -> State {
-        let Primary { x, v } = &self.host.primary;
-        State {
-            x: x.value.double(),
-            v: v.value.double(),
-            distance: self.distance.value.double(),
-            rate: self.rate.value.double(),
-            side: self.side.double(),
-            ..State::default()
-        }
+/// [`after`] in plain numbers.
+#[inline(always)]
+pub(crate) fn plainly_after(
+    steps: &Steps,
+    from: &State,
+    count: f64,
+    [c, s, slope]: [f64; 3],
+) -> State {
+    let State { x, v, distance, rate, side, .. } = *from;
+    let absorber = side.mul_add(-rate, v);
+    let time = steps.time(count).value;
+    let (there, faster) = (c.mul_add(x, s * v), slope.mul_add(v, -(s * x)));
+    State {
+        x: there,
+        v: faster,
+        distance: distance + side * absorber.mul_add(-time, there - x),
+        rate: side * (faster - absorber),
+        ..*from
     }
 }
 
@@ -187,21 +116,22 @@ mod tests {
         let (mut coasting, mut stopped) = (0, 0);
         for i in 1..2000 {
             let (siva, from) = planted(i);
-            let coasts = Coasts::new(siva.host.free());
+            let all = Steps::new(siva.host.free());
+            let length = all.time(1.0).value;
             let remaining = 12.0 * spread(i, 6);
-            let steps = coasts.count(&from.in_doubles(), [1.0, remaining]);
-            assert!(coasts.length * steps <= remaining);
+            let steps = count(&all, &from.in_doubles(), [1.0, remaining]);
+            assert!(length * steps <= remaining);
             let mut at = from;
             for k in 1..=steps as usize {
                 for part in 1..=8 {
-                    let h = coasts.length * f64::from(part) / 8.0;
+                    let h = length * f64::from(part) / 8.0;
                     let there = arrived(siva.host.free(), &(), &at, h);
                     let inside = 0.0 < there.distance.value && there.distance.minus(2.0) < 0.0;
                     assert!(inside, "{i}: {there:?}");
                 }
-                at = arrived(siva.host.free(), &(), &at, coasts.length);
-                let responses = coasts.responses(k);
-                let jump = coasts.after(&from, k as f64, responses);
+                at = arrived(siva.host.free(), &(), &at, length);
+                let responses = all.responses(k);
+                let jump = after(&all, &from, k as f64, responses);
                 let off = |a: DoubleDouble, b: DoubleDouble| (a - b).value.abs();
                 let worst = off(jump.host.primary.x, at.host.primary.x)
                     .max(off(jump.host.primary.v, at.host.primary.v))
@@ -209,17 +139,14 @@ mod tests {
                     .max(off(jump.distance, at.distance))
                     .max(off(jump.rate, at.rate));
                 assert!(worst < 3e-17 * k as f64, "{i} {k}: {worst:e}");
-                let plain = coasts.plainly_after(
-                    &from.in_doubles(),
-                    k as f64,
-                    responses.map(|it| it.value),
-                );
+                let plain =
+                    plainly_after(&all, &from.in_doubles(), k as f64, responses.map(|it| it.value));
                 assert!((plain.x - at.host.primary.x.value).abs() < 1e-15);
                 assert!((plain.rate - at.rate.value).abs() < 1e-15);
                 assert!((plain.distance - at.distance.value).abs() < 1e-14);
             }
             coasting += u32::from(steps > 0.0);
-            stopped += u32::from(steps < (remaining / coasts.length).floor());
+            stopped += u32::from(steps < (remaining / length).floor());
         }
         assert!(coasting > 500 && stopped > 500, "{coasting} {stopped}");
     }

@@ -3,13 +3,13 @@
 use super::motion::{SivaFlight, after, arrived};
 use super::trial::{FreeMass, Landing, TRIES, Trial, land, search};
 use super::{Law, SivaState, collided};
+use crate::chatter::REBOUND_LOOK;
 use crate::compensated::DoubleDouble;
 use crate::flight::{FastFlight, Meets};
 use crate::host::{Host, HostState, Phase, Structure};
 use crate::oscillator::Primary;
 use crate::plain::State;
 use crate::real::{Real, pick};
-use crate::simulate::wall::REBOUND_LOOK;
 
 /// A free mass on a structure, and the course of the structure from the begin of the flight.
 #[derive(Debug)]

@@ -4,10 +4,13 @@ use super::{Tier, TierRun};
 use crate::arrays::{Lanes as _, arrays};
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
-use crate::host::{self, DrivenHost, Host, HostState, Moment, Source, Structure, UndrivenHost};
+use crate::host::steps::Responses;
+use crate::host::{
+    self, DrivenHost, Host, HostState, Moment, Source, Steps, Structure, UndrivenHost,
+};
 use crate::oscillator::{Equation, Oscillator, Primary};
 use crate::siva::SivaState;
-use crate::siva::coasts::{Coasts, Responses};
+use crate::siva::coasts;
 use crate::siva::exact::InFlight;
 use crate::system::Clock;
 
@@ -27,7 +30,7 @@ fn at_rest<P>(phase: P) -> SivaState<P> {
 pub(in crate::lanes) struct ExactDecays {
     /// Held by value, so that the compiler knows that no store into a lane changes it.
     free: Oscillator,
-    coasts: Coasts,
+    steps: Steps,
 }
 
 impl Tier for ExactDecays {
@@ -38,7 +41,7 @@ impl Tier for ExactDecays {
     const STAGED: bool = true;
 
     fn new(host: &UndrivenHost) -> Self {
-        Self { free: *host.free(), coasts: Coasts::new(host.free()) }
+        Self { free: *host.free(), steps: Steps::new(host.free()) }
     }
 
     #[inline(always)]
@@ -57,18 +60,18 @@ impl Tier for ExactDecays {
     }
 
     #[inline(always)]
-    fn coasts(&self) -> Option<&Coasts> {
-        Some(&self.coasts)
+    fn steps(&self) -> Option<&Steps> {
+        Some(&self.steps)
     }
 
     #[inline(always)]
-    fn responses(&self, steps: usize) -> Responses {
-        self.coasts.responses(steps)
+    fn responses(steps: &Steps, count: usize) -> Responses {
+        steps.responses(count)
     }
 
     #[inline(always)]
-    fn coasted(&self, state: &SivaState, steps: f64, by: Responses) -> SivaState {
-        self.coasts.after(state, steps, by)
+    fn coasted(steps: &Steps, state: &SivaState, count: f64, by: Responses) -> SivaState {
+        coasts::after(steps, state, count, by)
     }
 
     fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<SivaState> {

@@ -3,14 +3,14 @@
 use super::{Tier, TierRun};
 use crate::arrays::Lanes as _;
 use crate::compensated::DoubleDouble;
-use crate::host::{DrivenHost, Host, Phase, UndrivenHost};
+use crate::host::{DrivenHost, Host, Phase, Steps, UndrivenHost};
 use crate::oscillator::{Equation, Primary};
 use crate::plain::mass::Mass;
 use crate::plain::responses::{OfLane, Responses, Tables};
 use crate::plain::{FREE, State, Structure, Structures};
 use crate::real::Real;
 use crate::siva::SivaState;
-use crate::siva::coasts::Coasts;
+use crate::siva::coasts;
 use crate::system::Clock;
 
 /// A state at rest in the middle of the gap.
@@ -22,7 +22,7 @@ const AT_REST: State =
 pub(in crate::lanes) struct FastDecays {
     structure: Structure,
     responses: Responses,
-    coasts: Coasts,
+    steps: Steps,
 }
 
 impl Tier for FastDecays {
@@ -36,7 +36,7 @@ impl Tier for FastDecays {
         let equation = Equation::new(1.0, host.damping_ratio());
         let responses = Responses::new(equation.damping, equation.growth, 0.0);
         let structure = Structure::new(&equation, responses.longest);
-        Self { structure, responses, coasts: Coasts::new(host.free()) }
+        Self { structure, responses, steps: Steps::new(host.free()) }
     }
 
     #[inline(always)]
@@ -55,21 +55,21 @@ impl Tier for FastDecays {
     }
 
     #[inline(always)]
-    fn coasts(&self) -> Option<&Coasts> {
-        Some(&self.coasts)
+    fn steps(&self) -> Option<&Steps> {
+        Some(&self.steps)
     }
 
     #[inline(always)]
-    fn responses(&self, steps: usize) -> [f64; 3] {
-        self.coasts.responses(steps).map(
+    fn responses(steps: &Steps, count: usize) -> [f64; 3] {
+        steps.responses(count).map(
             #[inline(always)]
             |response| response.value,
         )
     }
 
     #[inline(always)]
-    fn coasted(&self, state: &State, steps: f64, by: [f64; 3]) -> State {
-        self.coasts.plainly_after(state, steps, by)
+    fn coasted(steps: &Steps, state: &State, count: f64, by: [f64; 3]) -> State {
+        coasts::plainly_after(steps, state, count, by)
     }
 
     fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<State> {

@@ -60,10 +60,10 @@ impl Lane {
         (self.counts.impacts >= self.max_impacts) | (self.counts.work >= self.max_work)
     }
 
-    /// The lane after coasting for a time, high and low part, with the next trial from there.
+    /// The lane after coasting for a time, with the next trial from there.
     #[inline(always)]
-    pub fn later(&self, [time, rest]: [f64; 2], longest: f64) -> Self {
-        let mut later = Self { clock: self.clock.plus_parts(time, rest), ..*self };
+    pub fn later(&self, time: Clock, longest: f64) -> Self {
+        let mut later = Self { clock: self.clock.plus_parts(time.value, time.rest), ..*self };
         later.trial.length = longest.min(later.remaining()).min(self.first);
         later
     }
