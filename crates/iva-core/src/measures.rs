@@ -5,7 +5,7 @@
 
 use crate::compensated::DoubleDouble;
 use crate::flight::{Losses, Motion};
-use crate::observe::{Jump, Observer, Span};
+use crate::observe::{Contact, Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
 use crate::real::Real;
 use crate::settling::LastCrossing;
@@ -293,10 +293,16 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         }
     }
 
-    fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {
-        if let Some(decay) = &mut self.decay {
-            decay.fresh = true;
-        }
+    fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State, R>) {
+        self.log_next();
+    }
+
+    fn stick(&mut self, _system: &S, _from: &Instant<S::State, R>) {
+        self.log_next();
+    }
+
+    fn release(&mut self, _system: &S, _from: &Instant<S::State, R>) {
+        self.log_next();
     }
 
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {

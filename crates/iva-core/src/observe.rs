@@ -41,25 +41,6 @@ pub struct StickEpisode<R = f64> {
     pub energy_loss: R,
 }
 
-/// A change of state at one instant.
-#[derive(Debug)]
-pub enum Jump<'a, State> {
-    /// An impact, with the states in contact just before and just after it.
-    Impact {
-        /// The state before.
-        before: &'a State,
-        /// The state after.
-        after: &'a State,
-    },
-    /// The absorber sticks, at the end of a summed chatter or at once.
-    Stick {
-        /// The state stuck to the wall.
-        after: &'a State,
-    },
-    /// The release of a stuck absorber.
-    Release,
-}
-
 /// The contact at which an impact happens.
 #[derive(Debug)]
 pub struct Contact<'a, State, R = f64> {
@@ -104,8 +85,10 @@ pub trait Observer<S: System> {
     /// The states around an impact, notified before [`Observer::impact`]. A summed tail is preceded by a
     /// contact with the state that it begins with.
     fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State, S::Real>) {}
-    /// A change of state at one instant; that of an impact is notified before [`Observer::impact`].
-    fn jump(&mut self, _system: &S, _jump: &Jump<'_, S::State>) {}
+    /// The absorber sticks to its wall from an instant on, at the end of a summed chatter or at once.
+    fn stick(&mut self, _system: &S, _from: &Instant<S::State, S::Real>) {}
+    /// A stuck absorber is released and flies from an instant on.
+    fn release(&mut self, _system: &S, _from: &Instant<S::State, S::Real>) {}
     /// An impulse from outside: the state after it, and its work (0 at a jump of the force).
     fn impulse(&mut self, _system: &S, _state: &S::State, _work: S::Real) {}
     /// Of the impacts from index `first` on, those with an approach speed of at most `floor` are not to be
@@ -143,8 +126,11 @@ macro_rules! pointed_to {
             fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
                 (**self).contact(system, contact);
             }
-            fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
-                (**self).jump(system, jump);
+            fn stick(&mut self, system: &S, from: &Instant<S::State, R>) {
+                (**self).stick(system, from);
+            }
+            fn release(&mut self, system: &S, from: &Instant<S::State, R>) {
+                (**self).release(system, from);
             }
             fn impulse(&mut self, system: &S, state: &S::State, work: R) {
                 (**self).impulse(system, state, work);
@@ -190,9 +176,14 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
             observer.contact(system, contact);
         }
     }
-    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
+    fn stick(&mut self, system: &S, from: &Instant<S::State, R>) {
         if let Some(observer) = self {
-            observer.jump(system, jump);
+            observer.stick(system, from);
+        }
+    }
+    fn release(&mut self, system: &S, from: &Instant<S::State, R>) {
+        if let Some(observer) = self {
+            observer.release(system, from);
         }
     }
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
@@ -240,9 +231,13 @@ impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> f
         self.0.contact(system, contact);
         self.1.contact(system, contact);
     }
-    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
-        self.0.jump(system, jump);
-        self.1.jump(system, jump);
+    fn stick(&mut self, system: &S, from: &Instant<S::State, R>) {
+        self.0.stick(system, from);
+        self.1.stick(system, from);
+    }
+    fn release(&mut self, system: &S, from: &Instant<S::State, R>) {
+        self.0.release(system, from);
+        self.1.release(system, from);
     }
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
         self.0.impulse(system, state, work);

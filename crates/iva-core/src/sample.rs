@@ -2,7 +2,7 @@
 
 use crate::flight::Motion;
 use crate::impact::Impact;
-use crate::observe::{Contact, Jump, Observer, Span};
+use crate::observe::{Contact, Observer, Span};
 use crate::real::Real;
 use crate::simulate::wall::presses;
 use crate::simulate::{Instant, Outcome, Tally};
@@ -136,8 +136,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
     }
 
     /// The second row of an impact that sticks at once is a state on the wall.
-    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
-        let Jump::Stick { after } = jump else { return };
+    fn stick(&mut self, system: &S, Instant { state: after, .. }: &Instant<S::State, R>) {
         let row = self.states.last_mut().filter(|row| self.landed && row.gap_velocity == 0.0);
         if let Some(row) = row {
             let ride = system.ride(after);

@@ -8,7 +8,7 @@ use crate::contact::{first_contact, first_release, free_stretch};
 use crate::error::{Invalid, number};
 use crate::flight::Side;
 use crate::flight::{Curve, FastFlight, Jet, Meets, Motion};
-use crate::observe::{Jump, Observer, Span, StickEpisode};
+use crate::observe::{Observer, Span, StickEpisode};
 use crate::real::Real;
 use crate::system::{Clock, System};
 
@@ -395,7 +395,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
         self.tally.state = state;
         self.clock = self.clock.plus(later);
-        self.observer.jump(system, &Jump::Release);
+        self.observer.release(system, &Instant { time: self.clock, state });
         self.end_episode(true);
         self.phase = Phase::Flight { first: R::INFINITY };
         true

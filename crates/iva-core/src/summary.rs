@@ -8,7 +8,7 @@ use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::measures::forced::Forced;
 use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::observe::{Contact, Events, Jump, Observer, Span, StickEpisode};
+use crate::observe::{Contact, Events, Observer, Span, StickEpisode};
 use crate::plain::State;
 use crate::real::Real;
 use crate::simulate::{Instant, Tally};
@@ -124,11 +124,16 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+        self.measures.contact(system, contact);
         self.steady.contact(system, contact);
     }
 
-    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
-        self.measures.jump(system, jump);
+    fn stick(&mut self, system: &S, from: &Instant<S::State, R>) {
+        self.measures.stick(system, from);
+    }
+
+    fn release(&mut self, system: &S, from: &Instant<S::State, R>) {
+        self.measures.release(system, from);
     }
 
     fn impact(&mut self, system: &S, impact: &Impact<R>) {

@@ -13,7 +13,7 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::impact::Impact;
-use iva_core::observe::{Events, Jump, Observer};
+use iva_core::observe::{Contact, Events, Observer};
 use iva_core::propagation::Errors;
 use iva_core::real::dual::Dual;
 use iva_core::simulate::simulate_from;
@@ -195,8 +195,9 @@ impl Grazings {
 }
 
 impl<S: System<Real = Dual>> Observer<S> for Grazings {
-    fn jump(&mut self, system: &S, jump: &Jump<'_, S::State>) {
-        if let Jump::Impact { before, .. } = jump {
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, Dual>) {
+        let Contact { states: [before, _], summed, .. } = contact;
+        if !summed {
             self.curvature = Some(system.distance(before).curvature.value.max(0.0));
         }
     }

@@ -61,6 +61,13 @@ impl<S: System> Measures<S> {
         });
     }
 
+    /// The motion that begins next is a new one.
+    pub(super) fn log_next(&mut self) {
+        if let Some(decay) = &mut self.decay {
+            decay.fresh = true;
+        }
+    }
+
     /// Logs the motion that begins at a state, if it is new. Lanes log the motions after it themselves.
     pub(crate) fn begins(
         &mut self,

@@ -15,7 +15,7 @@ impl Differentiable for Piva {
         Vector4::new(series.x[1], series.u[1], series.y[1], series.w[1])
     }
 
-    fn sizes(&self, state: &PivaState) -> Vector4<f64> {
+    fn sizes(&self, state: &PivaState) -> Option<Vector4<f64>> {
         let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, .. } = self.pendulum;
         let Pendulum { coupling, frequency_squared, pivot_damping, .. } = self.pendulum;
         let cosine = state.cosine.value.abs().min(1.0);
@@ -31,7 +31,7 @@ impl Differentiable for Piva {
         let sine = y / b;
         let follows = sine < STEEP && !self.pendulum.small_angles;
         let steep = if follows { 1.0 / (1.0 - sine * sine) } else { 1.0 };
-        Vector4::new(u, primary, cosine * w, coupling * primary * steep + swing)
+        Some(Vector4::new(u, primary, cosine * w, coupling * primary * steep + swing))
     }
 
     fn sharpness(&self, state: &PivaState) -> f64 {

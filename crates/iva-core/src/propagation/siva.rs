@@ -4,18 +4,26 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::structure::columns;
 use super::{Differentiable, free_mass_impact, free_mass_stick};
+use crate::compensated::DoubleDouble;
 use crate::host::{Host, HostState, Structure};
+use crate::oscillator::Primary;
 use crate::siva::Siva;
 use crate::system::{Point, System, Wall};
 
 impl<H: Host<Real = f64>> Differentiable for Siva<H> {
+    const LINEAR: bool = true;
+
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
-        // Computed anew: a state in contact holds the acceleration of the state close by that it was found
-        // from.
-        let HostState { primary, phase, .. } = &state.host;
-        let a = self.host.free().acceleration(phase, primary).value;
+        // Computed from x and ẋ in doubles: that is all that is known of a state before an impact from its row.
+        let HostState { primary: Primary { x, v }, phase, .. } = &state.host;
+        let [x, v] = [x.value, v.value].map(DoubleDouble::new);
+        let a = self.host.free().acceleration(phase, &Primary { x, v }).value;
         let [base, ..] = self.host.free().base(phase);
-        Vector4::new(primary.v.value, a - base, state.gap_velocity(), -a)
+        Vector4::new(v.value, a - base, state.gap_velocity(), -a)
+    }
+
+    fn bend(&self, before: &Self::State) -> f64 {
+        self.rates(before)[3].abs()
     }
 
     fn plain_state(&self, state: &Self::State) -> Vector4<f64> {

@@ -1,13 +1,13 @@
 //! Events at a wall: impact, chatter, stick, and leaving the wall.
 
 use super::counts::Counted;
-use super::{CANCEL_EVERY, Phase, Run, is_finite};
+use super::{CANCEL_EVERY, Instant, Phase, Run, is_finite};
 use crate::chatter::{REBOUND_LOOK, Rebound};
 use crate::contact::first_contact;
 use crate::flight::Side;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
-use crate::observe::{Contact, Jump, Observer, StickEpisode};
+use crate::observe::{Contact, Observer, StickEpisode};
 use crate::real::Real;
 use crate::system::{Clock, System};
 
@@ -29,7 +29,6 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         };
         self.counts = self.counts.after(true, &counted);
         let before = std::mem::replace(&mut self.tally.state, after);
-        self.observer.jump(self.system, &Jump::Impact { before: &before, after: &after });
         self.list(&impact, [&before, &after], false);
         self.leave_or_stick();
     }
@@ -125,7 +124,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let wall = self.system.wall(&self.tally.state);
         let (state, loss) = self.system.stick(&self.tally.state);
         self.counts.losses = self.counts.losses.plus(loss);
-        self.observer.jump(self.system, &Jump::Stick { after: &state });
+        self.observer.stick(self.system, &Instant { time: stick_clock, state });
         self.tally.state = state;
         let mut episode = StickEpisode {
             wall,
