@@ -35,6 +35,7 @@ use crate::measures::{MeasureValues, Wanted};
 use crate::observe::Events;
 use crate::piva::Piva;
 use crate::plain::{BASE, FORCE};
+use crate::propagation::{Differentiable, Errors};
 use crate::real::pick;
 use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
@@ -96,7 +97,7 @@ impl Tier {
 pub type Ended<S> = (Tally<<S as System>::State>, MeasureValues, Option<SteadyValues>);
 
 /// An absorber whose runs can go side by side. By default they go one by one.
-pub trait SideBySide: System<Real = f64> + Sized {
+pub trait SideBySide: Differentiable + Sized {
     /// The key of a job: jobs with equal keys form a group whose lanes run side by side. `None`: the job is
     /// run by the event loop; jobs that begin later than time zero always are.
     fn common(_job: &Job<Self>) -> Option<[f64; 2]> {
@@ -119,17 +120,18 @@ pub trait SideBySide: System<Real = f64> + Sized {
         group.one_by_one();
     }
 
-    /// True if its lanes list impacts; if not, runs of which they are wanted go one by one.
+    /// True if its lanes tell the event loop of their impacts; if not, runs of which more than measures is wanted
+    /// go one by one.
     const LISTS: bool = false;
 
-    /// [`run`] and [`run_listed`] for this absorber, with measures wanted, and whether impacts and stick episodes are. The absorbers of this crate implement it with the same body, so that it is
-    /// compiled once and here, where the compiler sees all that it calls.
+    /// [`run`] and [`run_listed`] for this absorber. The absorbers of this crate implement it with the same body,
+    /// so that it is compiled once and here, where the compiler sees all that it calls.
     ///
     /// # Errors
     /// As [`run`].
     fn run_jobs(
         jobs: &[Job<Self>],
-        wanted: (Wanted, bool),
+        wanted: (Wanted, Listing),
         cancel: Option<&AtomicBool>,
         take: TakeListed<'_, Self>,
     ) -> Result<(), Invalid> {
@@ -137,18 +139,30 @@ pub trait SideBySide: System<Real = f64> + Sized {
     }
 }
 
+/// What is wanted of a run beside its measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Listing {
+    /// Its impacts and stick episodes.
+    pub events: bool,
+    /// The estimated errors of its impacts.
+    pub errors: bool,
+}
+
+/// What is wanted of a run beside its measures: its events, and the estimated errors of its impacts.
+pub type Listed = (Option<Events>, Option<Box<Errors>>);
+
 /// The receiver of results: the index of a job, and its result.
 pub type Take<'a, S> = &'a mut dyn FnMut(usize, &Ended<S>);
 
-/// The receiver of results with the impacts and stick episodes of the run.
-pub type TakeListed<'a, S> = &'a mut dyn FnMut(usize, &Ended<S>, Events);
+/// The receiver of results with what is listed of the run.
+pub type TakeListed<'a, S> = &'a mut dyn FnMut(usize, &Ended<S>, Listed);
 
 /// [`SideBySide::run_jobs`] compiled in this crate.
 macro_rules! run_jobs {
     () => {
         fn run_jobs(
             jobs: &[Job<Self>],
-            wanted: (Wanted, bool),
+            wanted: (Wanted, Listing),
             cancel: Option<&AtomicBool>,
             take: TakeListed<'_, Self>,
         ) -> Result<(), Invalid> {
@@ -292,7 +306,10 @@ trait Lockstep<S: SideBySide>: Sized {
 }
 
 /// The run of a lane in the event loop, which goes on where the lane cannot.
-type ScalarRun<'a, S> = Run<'a, S, Box<Summary<S>>>;
+type ScalarRun<'a, S> = Run<'a, S, Watch<S>>;
+
+/// The observer of such a run.
+type Watch<S> = Box<Summary<S, Listed>>;
 
 /// A run and its index among the jobs.
 type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
@@ -309,25 +326,26 @@ pub fn run<S: SideBySide>(
     cancel: Option<&AtomicBool>,
     take: Take<'_, S>,
 ) -> Result<(), Invalid> {
-    S::run_jobs(jobs, (wanted, false), cancel, &mut |index, ended, _| take(index, ended))
+    let nothing = Listing::default();
+    S::run_jobs(jobs, (wanted, nothing), cancel, &mut |index, ended, _| take(index, ended))
 }
 
-/// As [`run`], and hands out the impacts and stick episodes of each run.
+/// As [`run`], and hands out more of each run. The errors are those of the tier of the run.
 ///
 /// # Errors
 /// As [`run`].
 pub fn run_listed<S: SideBySide>(
     jobs: &[Job<S>],
-    wanted: Wanted,
+    wanted: (Wanted, Listing),
     cancel: Option<&AtomicBool>,
     take: TakeListed<'_, S>,
 ) -> Result<(), Invalid> {
-    S::run_jobs(jobs, (wanted, true), cancel, take)
+    S::run_jobs(jobs, wanted, cancel, take)
 }
 
 fn grouped<S: SideBySide>(
     jobs: &[Job<S>],
-    (wanted, listed): (Wanted, bool),
+    (wanted, listing): (Wanted, Listing),
     cancel: Option<&AtomicBool>,
     take: TakeListed<'_, S>,
 ) -> Result<(), Invalid> {
@@ -335,7 +353,8 @@ fn grouped<S: SideBySide>(
         system.check_start(start)?;
         limits.check()?;
     }
-    let common = |index: &usize| S::common(&jobs[*index]).filter(|_| S::LISTS || !listed);
+    let lists = S::LISTS || listing == Listing::default();
+    let common = |index: &usize| S::common(&jobs[*index]).filter(|_| lists);
     let mut order: Vec<usize> = (0..jobs.len()).collect();
     // Jobs for the event loop come first, with the key −∞.
     let key = |index: &usize| common(index).unwrap_or([-f64::INFINITY; 2]);
@@ -345,7 +364,7 @@ fn grouped<S: SideBySide>(
         a.total_cmp(&c).then(b.total_cmp(&d)).then(shared(*x).total_cmp(&shared(*y)))
     });
     for same in order.chunk_by(|a, b| key(a) == key(b)) {
-        let group = Group { jobs, order: same, next: 0, wanted, listed, cancel, take };
+        let group = Group { jobs, order: same, next: 0, wanted, listing, cancel, take };
         // A group of the fast tier goes in lanes even if it has one run: so a result does not depend on the
         // other jobs.
         let few = same.len() < WORTHWHILE && group.tier() == Tier::Exact;
@@ -370,25 +389,29 @@ pub struct Group<'a, S: SideBySide> {
     /// The position in `order` of the first job that has not begun.
     next: usize,
     wanted: Wanted,
-    /// True if impacts and stick episodes are wanted.
-    listed: bool,
+    listing: Listing,
     cancel: Option<&'a AtomicBool>,
     take: TakeListed<'a, S>,
 }
 
 impl<'a, S: SideBySide> Group<'a, S> {
     /// The run of a job, begun.
-    fn begun(&self, index: usize, spare: Option<Box<Summary<S>>>) -> ScalarRun<'a, S> {
+    fn begun(&self, index: usize, spare: Option<Watch<S>>) -> ScalarRun<'a, S> {
         let job = &self.jobs[index];
         let Job { system, start, begin, limits, steady, .. } = job;
-        let mut observer = match spare {
+        let Listing { events, errors } = self.listing;
+        let estimate = || match S::tier(job) {
+            Tier::Fast => Errors::in_doubles(),
+            Tier::Exact => Errors::default(),
+        };
+        let listed = (events.then(Events::default), errors.then(|| Box::new(estimate())));
+        let observer = match spare {
             Some(mut spare) => {
-                spare.again(self.wanted, *steady);
+                spare.again(self.wanted, *steady, listed);
                 spare
             }
-            None => Box::new(Summary::new(self.wanted, *steady)),
+            None => Box::new(Summary::with(self.wanted, *steady, listed)),
         };
-        observer.events = self.listed.then(Events::default);
         let start = Instant::at(system, start, *begin);
         let mut run = Run::new(system, &start, limits, self.cancel, observer);
         run.begin();
@@ -396,10 +419,10 @@ impl<'a, S: SideBySide> Group<'a, S> {
     }
 
     /// Hands out the result of a run.
-    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, summary: &mut Summary<S>) {
+    fn hand_out(&mut self, index: usize, tally: Tally<S::State>, summary: &mut Watch<S>) {
         let steady = summary.steady_values().copied();
-        let events = summary.events.take().unwrap_or_default();
-        (self.take)(index, &(tally, *summary.values(), steady), events);
+        let listed = std::mem::take(&mut summary.beside);
+        (self.take)(index, &(tally, *summary.values(), steady), listed);
     }
 
     fn one_by_one(mut self) {

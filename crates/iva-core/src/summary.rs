@@ -8,38 +8,55 @@ use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::measures::forced::Forced;
 use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::observe::{Contact, Events, Observer, Span, StickEpisode};
+use crate::observe::{Contact, Observer, Span, StickEpisode};
 use crate::plain::State;
 use crate::real::Real;
 use crate::simulate::{Instant, Tally};
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::system::{Clock, System};
 
-/// An observer of the measures of a run, and of those of its steady state.
+/// An observer of the measures of a run, and of those of its steady state; beside it another one.
 #[derive(Debug)]
-pub struct Summary<S: System> {
+pub struct Summary<S: System, O = ()> {
     pub(crate) measures: Measures<S>,
     pub(crate) steady: Option<Steady<S::Real>>,
     /// The measures of the steady state that are wanted.
     asked: SteadyWanted,
     /// The log of a driven run; `None`: its measures are taken stretch by stretch.
     pub(crate) forced: Option<Box<Forced>>,
-    /// Impacts and stick episodes, if they are listed.
-    pub(crate) events: Option<Events<S::Real>>,
+    /// The observer beside it.
+    pub(crate) beside: O,
 }
 
 impl<R: Real, S: System<Real = R>> Summary<S> {
     /// Computes the wanted measures, and those of the steady state in a window if there is one.
     pub fn new(wanted: Wanted, steady: Option<(SteadyWanted, Window<R>)>) -> Self {
+        Self::with(wanted, steady, ())
+    }
+}
+
+impl<R: Real, S: System<Real = R>, O> Summary<S, O> {
+    /// Computes the wanted measures, with another observer beside it.
+    pub(crate) fn with(
+        wanted: Wanted,
+        steady: Option<(SteadyWanted, Window<R>)>,
+        beside: O,
+    ) -> Self {
         let asked = steady.map(|(wanted, _)| wanted).unwrap_or_default();
         let steady = steady.map(|(wanted, window)| Steady::new(window, wanted));
-        Self { measures: Measures::new(wanted), steady, asked, forced: None, events: None }
+        let measures = Measures::new(wanted);
+        Self { measures, steady, asked, forced: None, beside }
     }
 
     /// The observer of the next run, in its memory.
-    pub(crate) fn again(&mut self, wanted: Wanted, steady: Option<(SteadyWanted, Window<R>)>) {
+    pub(crate) fn again(
+        &mut self,
+        wanted: Wanted,
+        steady: Option<(SteadyWanted, Window<R>)>,
+        beside: O,
+    ) {
         let (decay, forced) = (self.measures.decay.take(), self.forced.take());
-        *self = Self { forced, ..Self::new(wanted, steady) };
+        *self = Self { forced, ..Self::with(wanted, steady, beside) };
         self.measures.decay = decay;
     }
 
@@ -88,8 +105,9 @@ fn in_doubles<S: System>(system: &S, state: &S::State) -> State {
     }
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
+impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Summary<S, O> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
+        self.beside.start(system, from, duration);
         self.measures.start(system, from, duration);
         self.steady.start(system, from, duration);
         let begin = self.steady.as_ref().map_or(R::ZERO, Steady::begin);
@@ -99,12 +117,14 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
     }
 
     fn looks_within(&self) -> bool {
-        self.measures.decay.is_none() || self.steady.is_some()
+        self.measures.decay.is_none() || self.steady.is_some() || self.beside.looks_within()
     }
+
     fn span<M>(&mut self, system: &S, span: &Span<'_, M>)
     where
         M: Motion<Real = R, State = S::State>,
     {
+        self.beside.span(system, span);
         let Some(forced) = &self.forced else {
             self.measures.span(system, span);
             return self.steady.span(system, span);
@@ -124,20 +144,23 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+        self.beside.contact(system, contact);
         self.measures.contact(system, contact);
         self.steady.contact(system, contact);
     }
 
     fn stick(&mut self, system: &S, from: &Instant<S::State, R>) {
+        self.beside.stick(system, from);
         self.measures.stick(system, from);
     }
 
     fn release(&mut self, system: &S, from: &Instant<S::State, R>) {
+        self.beside.release(system, from);
         self.measures.release(system, from);
     }
 
     fn impact(&mut self, system: &S, impact: &Impact<R>) {
-        self.events.impact(system, impact);
+        self.beside.impact(system, impact);
         match &mut self.forced {
             Some(forced) => forced.impact(impact),
             None => self.steady.impact(system, impact),
@@ -145,15 +168,16 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
     }
 
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
+        self.beside.impulse(system, state, work);
         self.measures.impulse(system, state, work);
     }
 
     fn episode(&mut self, episode: &StickEpisode<R>) {
-        Observer::<S>::episode(&mut self.events, episode);
+        self.beside.episode(episode);
     }
 
     fn unlist(&mut self, first: u64, floor: R) {
-        Observer::<S>::unlist(&mut self.events, first, floor);
+        self.beside.unlist(first, floor);
         match &mut self.forced {
             Some(forced) => forced.unlist(floor.double()),
             None => Observer::<S>::unlist(&mut self.steady, first, floor),
@@ -162,6 +186,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Summary<S> {
 
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         self.take_log();
+        self.beside.end(system, tally);
         self.measures.end(system, tally);
         self.steady.end(system, tally);
     }

@@ -1,4 +1,5 @@
-//! Points that are run side by side: those of a study that wants the summary, and impacts and stick episodes at most.
+//! Points that are run side by side: those of a study that wants the summary, and impacts with their errors and
+//! stick episodes at most.
 //!
 //! Whether a point goes side by side, and in which tier, is decided by the study and by the point alone. The
 //! points of a part are grouped after that, one group for each kind of scene, so that no row depends on what
@@ -6,13 +7,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::lanes::{self, Job, SideBySide};
-use iva_core::observe::Events;
+use iva_core::lanes::{self, Job, Listed, Listing, SideBySide};
 use iva_core::piva::Piva;
 
 use crate::engine::design::Design;
 use crate::engine::ended::Ended;
-use crate::engine::point::Request;
+use crate::engine::point::{Estimates, Request};
 use crate::engine::scene::Scene;
 use crate::error::Invalid;
 
@@ -25,7 +25,7 @@ pub(crate) fn run(
     designs: &[Design],
     request: &Request,
     cancel: &AtomicBool,
-) -> Result<Vec<Option<(Ended, Events)>>, Invalid> {
+) -> Result<Vec<Option<(Ended, Listed)>>, Invalid> {
     let ended = designs.iter().map(|_| None).collect();
     let mut part = Part { designs, request, cancel, ended };
     if request.goes_side_by_side() {
@@ -58,7 +58,7 @@ struct Part<'a> {
     designs: &'a [Design],
     request: &'a Request,
     cancel: &'a AtomicBool,
-    ended: Vec<Option<(Ended, Events)>>,
+    ended: Vec<Option<(Ended, Listed)>>,
 }
 
 impl Part<'_> {
@@ -68,7 +68,7 @@ impl Part<'_> {
         scene: impl Fn(&Scene) -> Option<(S, S::Start)>,
     ) -> Result<(), Invalid> {
         let Self { designs, request, cancel, ended } = self;
-        let (mut jobs, mut places) = (Vec::new(), Vec::new());
+        let (mut jobs, mut places, listing) = (Vec::new(), Vec::new(), request.listing());
         for (place, design) in designs.iter().enumerate() {
             let Some((system, start)) = scene(&design.scene) else { continue };
             if request.wants_extremes(&system) {
@@ -76,8 +76,8 @@ impl Part<'_> {
             }
             let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
             let Design { begin, limits, tier, .. } = *design;
-            // Events are those of the exact tier, where there are two.
-            let tier = if request.lists() { design.tier_alone() } else { tier };
+            // Events and errors are those of the exact tier, where there are two.
+            let tier = if listing == Listing::default() { tier } else { design.tier_alone() };
             jobs.push(Job { system, start, begin, limits, steady, tier });
             places.push(place);
         }
@@ -86,20 +86,18 @@ impl Part<'_> {
         }
         let mut refused = None;
         let mut take =
-            |index: usize, (tally, measures, steady): &lanes::Ended<S>, events: Events| {
+            |index: usize, (tally, measures, steady): &lanes::Ended<S>, listed: Listed| {
                 let (place, tier) = (places[index], S::tier(&jobs[index]));
                 let found = (tally.without_state(), *measures, *steady);
                 match Ended::new(&designs[place], found, tier, request.reduction, cancel) {
-                    Ok(run) => ended[place] = Some((run, events)),
+                    Ok(run) => {
+                        let [condition, digits] = Estimates::<S>::of_run(&listed.1);
+                        ended[place] = Some((Ended { condition, digits, ..run }, listed));
+                    }
                     Err(error) => refused = Some(error),
                 }
             };
-        if request.lists() {
-            lanes::run_listed(&jobs, request.wanted, Some(cancel), &mut take)?;
-        } else {
-            let mut take = |index: usize, ended: &_| take(index, ended, Events::default());
-            lanes::run(&jobs, request.wanted, Some(cancel), &mut take)?;
-        }
+        lanes::run_listed(&jobs, (request.wanted, listing), Some(cancel), &mut take)?;
         refused.map_or(Ok(()), Err)
     }
 }

@@ -206,9 +206,8 @@ fn run_chunk(
     let ended = side_by_side::run(designs, request, cancel)?;
     for (point, (design, ended)) in points.clone().zip(designs.iter().zip(ended)) {
         let ended = match ended {
-            Some((ended, events)) if request.lists() => {
-                let events = (events, &None::<Errors>);
-                list(study, point, design, request, events, &mut into(builders));
+            Some((ended, (Some(events), errors))) => {
+                list(study, point, design, request, (events, &errors), &mut into(builders));
                 ended
             }
             Some((ended, _)) => ended,
@@ -274,7 +273,7 @@ fn run_point(
     cancel: &AtomicBool,
     builders: &mut Builders,
 ) -> Result<Ended, SweepError> {
-    let estimates = study.errors.then(Errors::default);
+    let estimates = study.errors.then(Box::<Errors>::default);
     Ok(run(study, point, design, request, cancel, estimates, &mut into(builders))?)
 }
 
@@ -287,7 +286,7 @@ fn into(builders: &mut Builders) -> impl FnMut(Table, &mut dyn Iterator<Item = C
     }
 }
 
-impl<S: Differentiable> Estimates<S> for Option<Errors> {
+impl<S: Differentiable> Estimates<S> for Option<Box<Errors>> {
     fn of_impact(&self, index: usize) -> Estimate {
         let error = self.as_ref().and_then(|errors| errors.impacts.get(index));
         let time = error.and_then(|error| error.time);
@@ -296,6 +295,6 @@ impl<S: Differentiable> Estimates<S> for Option<Errors> {
 
     fn of_run(&self) -> [Option<f64>; 2] {
         let errors = self.as_ref();
-        [errors.and_then(Errors::condition), errors.and_then(Errors::digits)]
+        [errors.and_then(|it| it.condition()), errors.and_then(|it| it.digits())]
     }
 }

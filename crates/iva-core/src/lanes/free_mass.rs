@@ -117,8 +117,26 @@ pub(super) struct FreeMasses<T: Tier, const W: usize> {
     /// The numbers of steps that the lanes coast, and the responses after them.
     counts: [f64; W],
     responses: <T::Responses as Laned>::Lanes<W>,
-    /// The impacts of each lane that its run has not listed yet; empty if none are to be listed.
-    impacts: Vec<Vec<Impact>>,
+    /// What of each lane its run has not listed yet; empty if nothing is to be listed.
+    struck: Vec<Struck<T::State>>,
+}
+
+/// The impacts of a lane that its run has not listed yet.
+#[derive(Debug)]
+struct Struck<State> {
+    impacts: Vec<Impact>,
+    /// The states after them, if the errors of the run are estimated.
+    after: Option<Vec<State>>,
+}
+
+/// Number of states after which the errors of a run are estimated, so that a long run needs no more memory.
+const MOST_STATES: usize = 512;
+
+impl<State> Struck<State> {
+    /// True if the states are to be taken.
+    fn is_full(&self) -> bool {
+        self.after.as_ref().is_some_and(|after| after.len() >= MOST_STATES)
+    }
 }
 
 impl<T: Tier, const W: usize> FreeMasses<T, W> {
@@ -132,7 +150,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             ends: Lanes::new(),
             counts: [0.0; W],
             responses: Lanes::new(),
-            impacts: Vec::new(),
+            struck: Vec::new(),
         }
     }
 
@@ -184,11 +202,9 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             states.set(i, &Laned::pick(round.passed, &after, &states.get(i)));
             lanes.set(i, &commit(&lane, &round, clock, tier.longest(i)));
         }
-        if !self.impacts.is_empty() {
-            self.list();
-        }
+        let full = !self.struck.is_empty() && self.list();
         let Self { lanes, rounds, tier, states, counts, responses, .. } = self;
-        let requests = any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full);
+        let requests = full | any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full);
         let Some(steps) = tier.steps() else { return requests };
         for i in 0..W {
             let (lane, round) = (lanes.get(i), rounds.get(i));
@@ -214,14 +230,20 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         requests
     }
 
-    /// Lists the impacts that the trials have found.
+    /// Lists the impacts that the trials have found; true if a list is full.
     #[inline(never)]
-    fn list(&mut self) {
-        for (i, impacts) in self.impacts.iter_mut().enumerate() {
+    fn list(&mut self) -> bool {
+        let mut full = false;
+        for (i, struck) in self.struck.iter_mut().enumerate() {
             let (round, lane) = (self.rounds.get(i), self.lanes.get(i));
             if round.hit {
-                let State { x, v, side, rate, .. } = T::Mass::in_doubles(&self.states.get(i));
-                impacts.push(Impact {
+                let after = self.states.get(i);
+                let State { x, v, side, rate, .. } = T::Mass::in_doubles(&after);
+                if let Some(states) = &mut struck.after {
+                    states.push(after);
+                }
+                full |= struck.is_full();
+                struck.impacts.push(Impact {
                     time: lane.clock.value,
                     wall: if side > 0.0 { Wall::Plus } else { Wall::Minus },
                     displacement: x,
@@ -234,6 +256,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
                 });
             }
         }
+        full
     }
 
     /// The flight that the trial of a lane has completed: the clock at its begin, its length, instant and approach
@@ -276,7 +299,8 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
 
     /// True if a lane needs its run.
     pub fn requests(&self, i: usize) -> bool {
-        self.lanes.request[i] + self.lanes.stopped[i] + self.lanes.full[i] > 0.0
+        let full = self.struck.get(i).is_some_and(Struck::is_full);
+        full || self.lanes.request[i] + self.lanes.stopped[i] + self.lanes.full[i] > 0.0
     }
 
     /// Makes a lane idle.
@@ -298,8 +322,10 @@ where
         if let Some(lane) = &lane {
             self.states.set(i, &state);
             self.lanes.set(i, lane);
-            if run.observer.events.is_some() {
-                self.impacts.resize(W, Vec::new());
+            let (events, errors) = &run.observer.beside;
+            if events.is_some() || errors.is_some() {
+                self.struck.resize_with(W, || Struck { impacts: Vec::new(), after: None });
+                self.struck[i].after = errors.is_some().then(Vec::new);
             }
         }
         lane.is_some()
@@ -307,8 +333,21 @@ where
 
     /// Writes the variables of a lane back into its run.
     pub fn put_back(&mut self, i: usize, run: &mut TierRun<'_, T>) {
-        if let (Some(events), Some(more)) = (&mut run.observer.events, self.impacts.get_mut(i)) {
-            events.impacts.append(more);
+        if let Some(struck) = self.struck.get_mut(i) {
+            let (events, errors) = &mut run.observer.beside;
+            if let (Some(errors), Some(after)) = (errors, &mut struck.after) {
+                for (impact, after) in struck.impacts.iter().zip(after.drain(..)) {
+                    let clock = Clock::new(impact.time);
+                    let after = self.tier.unload(&after, &run.system.host, clock);
+                    let before = after.before(impact);
+                    errors.struck(run.system, impact.time, [&before, &after]);
+                    errors.list(impact);
+                }
+            }
+            match events {
+                Some(events) => events.impacts.append(&mut struck.impacts),
+                None => struck.impacts.clear(),
+            }
         }
         let lane = self.lanes.get(i);
         lane.put_back(run);

@@ -2,10 +2,9 @@
 
 use std::iter::repeat_with;
 
-use super::{Group, IndexedRun, Lockstep, SideBySide, is_set};
+use super::{Group, IndexedRun, Lockstep, SideBySide, Watch, is_set};
 use crate::real::Real;
 use crate::simulate::Tally;
-use crate::summary::Summary;
 
 /// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u64 = 1024;
@@ -18,7 +17,7 @@ pub(super) struct Running<'a, S: SideBySide> {
     /// Number of lanes with a run.
     live: usize,
     /// The observer of the run that ended last, whose memory the next run can use.
-    spare: Option<Box<Summary<S>>>,
+    spare: Option<Watch<S>>,
 }
 
 impl<'a, S: SideBySide> Running<'a, S> {

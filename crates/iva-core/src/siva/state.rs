@@ -5,6 +5,7 @@ use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::flight::GapPoint;
 use crate::host::{HostState, Structure};
+use crate::impact::Impact;
 use crate::oscillator::Primary;
 use crate::plain::State;
 use crate::real::{Real, pick};
@@ -54,6 +55,16 @@ impl<R: Real, P> SivaState<P, R> {
     #[inline(always)]
     pub(crate) fn gap_velocity(&self) -> R {
         -self.side * self.rate.value
+    }
+}
+
+impl<P: Copy> SivaState<P> {
+    /// The state just before the impact that it follows, as exactly as a row of the table tells it.
+    pub(crate) fn before(&self, impact: &Impact) -> Self {
+        let Primary { x, .. } = self.host.primary;
+        let primary = Primary { x, v: DoubleDouble::new(impact.velocity_before) };
+        let rate = DoubleDouble::new(-self.side * impact.gap_velocity_before);
+        Self { host: HostState { primary, ..self.host }, rate, ..*self }
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::extremes::Extremes;
 use iva_core::host::{Alone, DrivenHost, UndrivenHost};
+use iva_core::lanes::Listing;
 use iva_core::measures::Wanted;
 use iva_core::observe::{Events, Observer};
 use iva_core::peaks::Envelope;
@@ -77,10 +78,16 @@ impl Request {
 }
 
 impl Request {
-    /// True if the summary is wanted, and nothing else of a run but its events: no envelope, no strobes, no errors.
+    /// True if the summary is wanted, and nothing else of a run but its events and their errors: no envelope, no
+    /// strobes.
     pub fn goes_side_by_side(&self) -> bool {
-        let Self { summary, envelope, errors, steady, .. } = self;
-        *summary && !(*envelope || *errors || steady.strobes)
+        let Self { summary, envelope, steady, .. } = self;
+        *summary && !(*envelope || steady.strobes)
+    }
+
+    /// What is wanted of a run that goes side by side, beside its measures.
+    pub fn listing(&self) -> Listing {
+        Listing { events: self.lists(), errors: self.errors }
     }
 
     /// True if impacts or stick episodes are wanted.

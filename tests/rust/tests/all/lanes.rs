@@ -9,10 +9,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
-use iva_core::lanes::{self, Ended, Job, LANES, SideBySide, Tier};
+use iva_core::lanes::{self, Ended, Job, LANES, Listing, SideBySide, Tier};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::observe::Events;
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
+use iva_core::propagation::Errors;
 use iva_core::simulate::{Limits, Outcome, simulate};
 use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyWanted, Window};
@@ -27,11 +28,18 @@ fn alone<S: SideBySide>(decay: &Job<S>) -> String {
 }
 
 pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
-    let mut watch = (Summary::<S>::new(wanted, decay.steady), Events::default());
+    let observers = (Events::default(), S::LISTS.then(Errors::default));
+    let mut watch = (Summary::<S>::new(wanted, decay.steady), observers);
     let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut watch).unwrap();
-    let (summary, events) = watch;
+    let (summary, (events, errors)) = watch;
     let ended = (tally, *summary.values(), summary.steady_values().copied());
-    format!("{ended:?} {events:?}")
+    format!("{ended:?} {events:?} {}", told(errors.as_ref()))
+}
+
+/// What users are told of errors, where lanes know their impacts.
+fn told(errors: Option<&Errors>) -> String {
+    let told = |it: &Errors| format!("{:?} {:?} {:?}", it.impacts, it.condition(), it.digits());
+    errors.map_or_else(String::new, told)
 }
 
 fn together<S: SideBySide>(scenes: &[Job<S>]) -> Vec<String> {
@@ -45,12 +53,34 @@ pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted)
         found[i] = format!("{decayed:?}");
     })
     .unwrap();
-    // The same runs with their impacts and stick episodes.
-    lanes::run_listed(scenes, wanted, None, &mut |i, decayed: &Ended<S>, events| {
-        assert_eq!(found[i], format!("{decayed:?}"), "scene {i} is another one where it is listed");
-        found[i] = format!("{} {events:?}", found[i]);
-    })
-    .unwrap();
+    // The same runs with their impacts, their errors and stick episodes.
+    let mut listed =
+        [Listing { events: true, errors: S::LISTS }, Listing { events: true, errors: false }].map(
+            |listing| {
+                let mut listed = vec![(None, None); scenes.len()];
+                lanes::run_listed(
+                    scenes,
+                    (wanted, listing),
+                    None,
+                    &mut |i, ended: &Ended<S>, more| {
+                        assert_eq!(
+                            found[i],
+                            format!("{ended:?}"),
+                            "scene {i} is another one where it is listed"
+                        );
+                        listed[i] = more;
+                    },
+                )
+                .unwrap();
+                listed
+            },
+        );
+    for i in 0..scenes.len() {
+        let [(events, errors), (same, _)] =
+            listed.each_mut().map(|listed| std::mem::take(&mut listed[i]));
+        assert_eq!(events, same, "scene {i}");
+        found[i] = format!("{} {:?} {}", found[i], events.unwrap(), told(errors.as_deref()));
+    }
     found
 }
 
