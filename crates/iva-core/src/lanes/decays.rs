@@ -3,7 +3,7 @@
 
 use super::free_mass::{FreeMasses, Tier};
 use super::{Job, Lockstep, ScalarRun};
-use crate::host::{Host, UndrivenHost};
+use crate::host::Host;
 use crate::log::Log;
 use crate::measures::{Wanted, keeps};
 use crate::siva::Siva;
@@ -30,12 +30,12 @@ impl<T: Tier, const W: usize> Decays<T, W> {
     }
 }
 
-impl<T: Tier<Host = UndrivenHost>, const W: usize> Lockstep<Siva> for Decays<T, W> {
+impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
     const WIDTH: usize = W;
 
     fn new(job: &Job<Siva>, wanted: Wanted) -> Self {
         let logs = (0..W).map(|_| Log::default()).collect();
-        let masses = FreeMasses::new(&job.system.host);
+        let masses = FreeMasses::new(&job.system);
         Self { masses, logs, wanted, logging: true }
     }
 
@@ -82,6 +82,7 @@ impl<T: Tier<Host = UndrivenHost>, const W: usize> Lockstep<Siva> for Decays<T, 
     fn take(&mut self, lane: usize, run: &mut Decaying<'_>) -> bool {
         let takes = !run.ended && self.masses.take(lane, run);
         if takes {
+            self.masses.listen(lane, run);
             let (system, clock, state) = (run.system, run.clock, run.tally.state);
             run.observer.measures.begins(system, clock, &state, false);
             self.logging = true;
@@ -91,6 +92,7 @@ impl<T: Tier<Host = UndrivenHost>, const W: usize> Lockstep<Siva> for Decays<T, 
     }
 
     fn put_back(&mut self, lane: usize, run: &mut Decaying<'_>) {
+        self.masses.tell(lane, run);
         self.masses.put_back(lane, run);
         self.swap_logs(lane, run);
         if let Some(decay) = &mut run.observer.measures.decay {

@@ -20,13 +20,15 @@ pub(super) struct ForcedRuns<T: Tier, const W: usize> {
     logged: bool,
 }
 
-impl<T: Tier<Host = DrivenHost>, const W: usize> Lockstep<Siva<DrivenHost>> for ForcedRuns<T, W> {
+impl<T: Tier<System = Siva<DrivenHost>>, const W: usize> Lockstep<Siva<DrivenHost>>
+    for ForcedRuns<T, W>
+{
     const WIDTH: usize = W;
 
     fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
         let steady = job.steady.map(|(steady, _)| steady).unwrap_or_default();
         let logs = (0..W).map(|_| None).collect();
-        let masses = FreeMasses::new(&job.system.host);
+        let masses = FreeMasses::new(&job.system);
         Self { masses, logs, logged: wanted.ledger || steady.any() }
     }
 
@@ -65,12 +67,14 @@ impl<T: Tier<Host = DrivenHost>, const W: usize> Lockstep<Siva<DrivenHost>> for 
         let fits = !run.ended && (!self.logged || run.observer.forced.is_some());
         let takes = fits && self.masses.take(lane, run);
         if takes {
+            self.masses.listen(lane, run);
             self.logs[lane] = run.observer.forced.take();
         }
         takes
     }
 
     fn put_back(&mut self, lane: usize, run: &mut Driven<'_>) {
+        self.masses.tell(lane, run);
         self.masses.put_back(lane, run);
         run.observer.forced = self.logs[lane].take();
     }

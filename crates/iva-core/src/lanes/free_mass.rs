@@ -16,28 +16,28 @@
 mod exact;
 mod fast;
 mod lane;
+mod listing;
 mod round;
 
 use super::{ScalarRun, SideBySide, pick};
 use crate::arrays::{Laned, Lanes, any};
-use crate::host::{Host, Phase, Steps};
-use crate::impact::Impact;
+use crate::host::Steps;
 use crate::log::Entry;
 use crate::plain::State;
-use crate::siva::coasts;
 use crate::siva::trial::{FreeMass, Sight, search};
-use crate::siva::{Siva, SivaState};
-use crate::system::{Clock, Wall};
+use crate::siva::{Law, coasts};
+use crate::system::{Clock, System};
 
 pub(super) use exact::{ExactDecays, ExactDriven};
 pub(super) use fast::{FastDecays, FastDriven};
 use lane::Lane;
+use listing::Struck;
 use round::{Round, Rounds, commit, decide};
 
 /// Free masses of one tier and one kind of drive: what the motions of all lanes depend on.
 pub(super) trait Tier: Sized {
-    /// The structure that they are on.
-    type Host: Host<Real = f64>;
+    /// A free mass on its structure.
+    type System: SideBySide;
     /// The state of a lane.
     type State: Laned;
     /// The responses that a lane coasts by.
@@ -50,8 +50,12 @@ pub(super) trait Tier: Sized {
     /// them; false if too much would have to be stored in between.
     const STAGED: bool;
 
-    /// Idle lanes for absorbers on a structure like this one.
-    fn new(host: &Self::Host) -> Self;
+    /// Idle lanes for absorbers on a structure like that of this one.
+    fn new(system: &Self::System) -> Self;
+    /// The impact law, if it is the same at both walls, and the loss of an impact of unit speed.
+    fn law(system: &Self::System) -> Option<(Law, f64)>;
+    /// A state in plain doubles.
+    fn in_doubles(state: &<Self::System as System>::State) -> State;
     /// Uses the motion of a lane from a state.
     fn with<T>(
         &self,
@@ -87,22 +91,38 @@ pub(super) trait Tier: Sized {
         *state
     }
     /// Loads the motion of a run into a lane; its state.
-    fn load(&mut self, i: usize, run: &TierRun<'_, Self>) -> Option<Self::State>
-    where
-        Siva<Self::Host>: SideBySide<State = SivaState<Phase<Self::Host>>>;
+    fn load(&mut self, i: usize, run: &TierRun<'_, Self>) -> Option<Self::State>;
     /// The state in the form of the event loop.
     fn unload(
         &self,
         state: &Self::State,
-        host: &Self::Host,
+        system: &Self::System,
         clock: Clock,
-    ) -> SivaState<Phase<Self::Host>>;
+    ) -> <Self::System as System>::State;
     /// Makes a lane idle; its state.
     fn idle(&mut self, i: usize) -> Self::State;
 }
 
 /// The run of a lane in the event loop.
-type TierRun<'a, T> = ScalarRun<'a, Siva<<T as Tier>::Host>>;
+type TierRun<'a, T> = ScalarRun<'a, <T as Tier>::System>;
+
+/// What every [`Tier`] of [`Siva`](crate::siva::Siva) has.
+macro_rules! of_siva {
+    () => {
+        fn law(system: &Self::System) -> Option<($crate::siva::Law, f64)> {
+            let law = system.common_law()?;
+            let loss = $crate::impact::energy_loss(system.mass_ratio(), law.restitution, 1.0);
+            Some((*law, loss))
+        }
+
+        fn in_doubles(
+            state: &<Self::System as $crate::system::System>::State,
+        ) -> $crate::plain::State {
+            state.in_doubles()
+        }
+    };
+}
+use of_siva;
 
 /// Lanes of free masses.
 #[derive(Debug)]
@@ -121,31 +141,13 @@ pub(super) struct FreeMasses<T: Tier, const W: usize> {
     struck: Vec<Struck<T::State>>,
 }
 
-/// The impacts of a lane that its run has not listed yet.
-#[derive(Debug)]
-struct Struck<State> {
-    impacts: Vec<Impact>,
-    /// The states after them, if the errors of the run are estimated.
-    after: Option<Vec<State>>,
-}
-
-/// Number of states after which the errors of a run are estimated, so that a long run needs no more memory.
-const MOST_STATES: usize = 512;
-
-impl<State> Struck<State> {
-    /// True if the states are to be taken.
-    fn is_full(&self) -> bool {
-        self.after.as_ref().is_some_and(|after| after.len() >= MOST_STATES)
-    }
-}
-
 impl<T: Tier, const W: usize> FreeMasses<T, W> {
-    /// Idle lanes for absorbers on a structure like this one.
-    pub fn new(host: &T::Host) -> Self {
+    /// Idle lanes for absorbers on a structure like that of this one.
+    pub fn new(system: &T::System) -> Self {
         Self {
             lanes: Lanes::new(),
             rounds: Lanes::new(),
-            tier: T::new(host),
+            tier: T::new(system),
             states: Lanes::new(),
             ends: Lanes::new(),
             counts: [0.0; W],
@@ -230,35 +232,6 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         requests
     }
 
-    /// Lists the impacts that the trials have found; true if a list is full.
-    #[inline(never)]
-    fn list(&mut self) -> bool {
-        let mut full = false;
-        for (i, struck) in self.struck.iter_mut().enumerate() {
-            let (round, lane) = (self.rounds.get(i), self.lanes.get(i));
-            if round.hit {
-                let after = self.states.get(i);
-                let State { x, v, side, rate, .. } = T::Mass::in_doubles(&after);
-                if let Some(states) = &mut struck.after {
-                    states.push(after);
-                }
-                full |= struck.is_full();
-                struck.impacts.push(Impact {
-                    time: lane.clock.value,
-                    wall: if side > 0.0 { Wall::Plus } else { Wall::Minus },
-                    displacement: x,
-                    velocity_before: round.v,
-                    velocity_after: v,
-                    gap_velocity_before: side * -round.rate,
-                    gap_velocity_after: -side * rate,
-                    lever: 1.0,
-                    energy_loss: lane.loss_factor * (round.rate * round.rate),
-                });
-            }
-        }
-        full
-    }
-
     /// The flight that the trial of a lane has completed: the clock at its begin, its length, instant and approach
     /// speed of the impact at its end (0: none), and the states at both ends, the latter before the impact. To be
     /// asked for before [`FreeMasses::advance`].
@@ -309,48 +282,22 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         self.states.set(i, &state);
         self.lanes.set(i, &Lane::idle());
     }
-}
 
-impl<T: Tier, const W: usize> FreeMasses<T, W>
-where
-    Siva<T::Host>: SideBySide<State = SivaState<Phase<T::Host>>>,
-{
     /// Loads a run into a lane; false if the run is not at a state from which the lane can go on.
     pub fn take(&mut self, i: usize, run: &TierRun<'_, T>) -> bool {
         let Some(state) = self.tier.load(i, run) else { return false };
-        let lane = Lane::of(run, self.tier.longest(i));
+        let lane = Lane::of::<T>(run, self.tier.longest(i));
         if let Some(lane) = &lane {
             self.states.set(i, &state);
             self.lanes.set(i, lane);
-            let (events, errors) = &run.observer.beside;
-            if events.is_some() || errors.is_some() {
-                self.struck.resize_with(W, || Struck { impacts: Vec::new(), after: None });
-                self.struck[i].after = errors.is_some().then(Vec::new);
-            }
         }
         lane.is_some()
     }
 
     /// Writes the variables of a lane back into its run.
     pub fn put_back(&mut self, i: usize, run: &mut TierRun<'_, T>) {
-        if let Some(struck) = self.struck.get_mut(i) {
-            let (events, errors) = &mut run.observer.beside;
-            if let (Some(errors), Some(after)) = (errors, &mut struck.after) {
-                for (impact, after) in struck.impacts.iter().zip(after.drain(..)) {
-                    let clock = Clock::new(impact.time);
-                    let after = self.tier.unload(&after, &run.system.host, clock);
-                    let before = after.before(impact);
-                    errors.struck(run.system, impact.time, [&before, &after]);
-                    errors.list(impact);
-                }
-            }
-            match events {
-                Some(events) => events.impacts.append(&mut struck.impacts),
-                None => struck.impacts.clear(),
-            }
-        }
         let lane = self.lanes.get(i);
         lane.put_back(run);
-        run.tally.state = self.tier.unload(&self.states.get(i), &run.system.host, run.clock);
+        run.tally.state = self.tier.unload(&self.states.get(i), run.system, run.clock);
     }
 }

@@ -1,17 +1,14 @@
 //! Free masses of the exact tier: states in double-double.
 
-use super::{Tier, TierRun};
+use super::{Tier, TierRun, of_siva};
 use crate::arrays::{Lanes as _, arrays};
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
 use crate::host::steps::Responses;
-use crate::host::{
-    self, DrivenHost, Host, HostState, Moment, Source, Steps, Structure, UndrivenHost,
-};
+use crate::host::{self, DrivenHost, Host as _, HostState, Moment, Source, Steps, Structure};
 use crate::oscillator::{Equation, Oscillator, Primary};
-use crate::siva::SivaState;
-use crate::siva::coasts;
 use crate::siva::exact::InFlight;
+use crate::siva::{Siva, SivaState, coasts};
 use crate::system::Clock;
 
 /// A state at rest in the middle of the gap.
@@ -34,15 +31,18 @@ pub(in crate::lanes) struct ExactDecays {
 }
 
 impl Tier for ExactDecays {
-    type Host = UndrivenHost;
+    type System = Siva;
     type State = SivaState;
     type Responses = Responses;
     type Mass<'a> = InFlight<'a, Oscillator>;
     const STAGED: bool = true;
 
-    fn new(host: &UndrivenHost) -> Self {
-        Self { free: *host.free(), steps: Steps::new(host.free()) }
+    fn new(system: &Siva) -> Self {
+        let free = system.host.free();
+        Self { free: *free, steps: Steps::new(free) }
     }
+
+    of_siva!();
 
     #[inline(always)]
     fn with<T>(
@@ -78,7 +78,7 @@ impl Tier for ExactDecays {
         Some(run.tally.state)
     }
 
-    fn unload(&self, state: &SivaState, _host: &UndrivenHost, _clock: Clock) -> SivaState {
+    fn unload(&self, state: &SivaState, _system: &Siva, _clock: Clock) -> SivaState {
         *state
     }
 
@@ -162,15 +162,17 @@ impl<const BASE: bool> Source for Single<BASE> {
 pub(in crate::lanes) struct ExactDriven<const BASE: bool, const W: usize>(Scenes<W>);
 
 impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
-    type Host = DrivenHost;
+    type System = Siva<DrivenHost>;
     type State = SivaState<Moment>;
     type Responses = ();
     type Mass<'a> = InFlight<'a, host::Driven<Single<BASE>>>;
     const STAGED: bool = false;
 
-    fn new(_host: &DrivenHost) -> Self {
+    fn new(_system: &Siva<DrivenHost>) -> Self {
         Self(Scenes::new())
     }
+
+    of_siva!();
 
     #[inline(always)]
     fn with<T>(
@@ -220,7 +222,12 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
         Some(run.tally.state)
     }
 
-    fn unload(&self, state: &Self::State, _host: &DrivenHost, _clock: Clock) -> Self::State {
+    fn unload(
+        &self,
+        state: &Self::State,
+        _system: &Siva<DrivenHost>,
+        _clock: Clock,
+    ) -> Self::State {
         *state
     }
 

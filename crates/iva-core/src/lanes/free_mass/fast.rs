@@ -1,16 +1,15 @@
 //! Free masses of the fast tier: states in plain doubles.
 
-use super::{Tier, TierRun};
+use super::{Tier, TierRun, of_siva};
 use crate::arrays::Lanes as _;
 use crate::compensated::DoubleDouble;
-use crate::host::{DrivenHost, Host, Phase, Steps, UndrivenHost};
+use crate::host::{DrivenHost, Host, Phase, Steps};
 use crate::oscillator::{Equation, Primary};
 use crate::plain::mass::Mass;
 use crate::plain::responses::{OfLane, Responses, Tables};
 use crate::plain::{FREE, State, Structure, Structures};
 use crate::real::Real;
-use crate::siva::SivaState;
-use crate::siva::coasts;
+use crate::siva::{Siva, SivaState, coasts};
 use crate::system::Clock;
 
 /// A state at rest in the middle of the gap.
@@ -26,13 +25,16 @@ pub(in crate::lanes) struct FastDecays {
 }
 
 impl Tier for FastDecays {
-    type Host = UndrivenHost;
+    type System = Siva;
     type State = State;
     type Responses = [f64; 3];
     type Mass<'a> = Mass<&'a Responses, FREE>;
     const STAGED: bool = true;
 
-    fn new(host: &UndrivenHost) -> Self {
+    of_siva!();
+
+    fn new(system: &Siva) -> Self {
+        let host = &system.host;
         let equation = Equation::new(1.0, host.damping_ratio());
         let responses = Responses::new(equation.damping, equation.growth, 0.0);
         let structure = Structure::new(&equation, responses.longest);
@@ -76,8 +78,8 @@ impl Tier for FastDecays {
         Some(run.tally.state.in_doubles())
     }
 
-    fn unload(&self, state: &State, host: &UndrivenHost, clock: Clock) -> SivaState {
-        unload(state, host, clock)
+    fn unload(&self, state: &State, system: &Siva, clock: Clock) -> SivaState {
+        unload(state, &system.host, clock)
     }
 
     fn idle(&mut self, _i: usize) -> State {
@@ -93,13 +95,15 @@ pub(in crate::lanes) struct FastDriven<const DRIVE: u8, const W: usize> {
 }
 
 impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
-    type Host = DrivenHost;
+    type System = Siva<DrivenHost>;
     type State = State;
     type Responses = ();
     type Mass<'a> = Mass<OfLane<'a, W>, DRIVE>;
     const STAGED: bool = true;
 
-    fn new(_host: &DrivenHost) -> Self {
+    of_siva!();
+
+    fn new(_system: &Siva<DrivenHost>) -> Self {
         Self { structures: Structures::new(), tables: Tables::new() }
     }
 
@@ -134,10 +138,10 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
     fn unload(
         &self,
         state: &State,
-        host: &DrivenHost,
+        system: &Siva<DrivenHost>,
         clock: Clock,
     ) -> SivaState<Phase<DrivenHost>> {
-        unload(state, host, clock)
+        unload(state, &system.host, clock)
     }
 
     fn idle(&mut self, i: usize) -> State {

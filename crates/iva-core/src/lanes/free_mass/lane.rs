@@ -1,14 +1,13 @@
 //! One lane: the variables of a run that change in its flights, beside its state, and arrays of such lanes.
 
+use super::{Tier, TierRun};
 use crate::arrays::arrays;
-use crate::host::Host;
-use crate::impact;
 use crate::lanes::{ScalarRun, SideBySide};
 use crate::simulate::Phase as Doing;
 use crate::simulate::counts::Counts;
+use crate::siva::Law;
 use crate::siva::trial::Trial;
-use crate::siva::{Law, Siva, SivaState};
-use crate::system::{Clock, System};
+use crate::system::{Clock, System as _};
 
 arrays! {
     /// The variables of one run.
@@ -70,27 +69,24 @@ impl Lane {
 
     /// The lane of a run in flight, in trials up to `longest`; `None` if the event loop has to go on with the
     /// run.
-    pub fn of<H: Host<Real = f64>>(run: &ScalarRun<'_, Siva<H>>, longest: f64) -> Option<Self>
-    where
-        Siva<H>: SideBySide<State = SivaState<crate::host::Phase<H>>>,
-    {
+    pub fn of<T: Tier>(run: &TierRun<'_, T>, longest: f64) -> Option<Self> {
         let Doing::Flight { first } = run.phase else { return None };
-        let (siva, limits) = (run.system, run.limits);
-        let law = siva.common_law()?;
-        let state = run.tally.state.in_doubles();
+        let (system, limits) = (run.system, run.limits);
+        let (law, loss_factor) = T::law(system)?;
+        let state = T::in_doubles(&run.tally.state);
         if state.distance == 0.0 && state.rate <= SLOW * (state.x.abs() + state.v.abs()) {
             return None;
         }
         let mut lane = Self {
             clock: run.clock,
             stop: limits.duration,
-            law: *law,
-            clearance: siva.clearance(),
-            over_clearance: 1.0 / siva.clearance(),
+            law,
+            clearance: system.clearance(),
+            over_clearance: 1.0 / system.clearance(),
             floor: limits.chatter_floor,
             max_impacts: limits.max_impacts as f64,
             max_work: limits.max_work as f64,
-            loss_factor: impact::energy_loss(siva.mass_ratio(), law.restitution, 1.0),
+            loss_factor,
             counts: run.counts,
             first,
             ..Self::default()
@@ -103,10 +99,7 @@ impl Lane {
     }
 
     /// Writes the variables back into the run.
-    pub fn put_back<H: Host<Real = f64>>(&self, run: &mut ScalarRun<'_, Siva<H>>)
-    where
-        Siva<H>: SideBySide<State = SivaState<crate::host::Phase<H>>>,
-    {
+    pub fn put_back<S: SideBySide>(&self, run: &mut ScalarRun<'_, S>) {
         run.clock = self.clock;
         run.counts = self.counts;
         run.phase = Doing::Flight { first: self.first };

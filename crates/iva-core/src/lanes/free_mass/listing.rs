@@ -1,0 +1,87 @@
+//! The impacts of lanes, and the states after them, until their runs take them.
+
+use super::{FreeMasses, Tier, TierRun};
+use crate::arrays::Lanes as _;
+use crate::host::Host;
+use crate::impact::Impact;
+use crate::plain::State;
+use crate::siva::Siva;
+use crate::siva::trial::FreeMass as _;
+use crate::system::{Clock, Wall};
+
+/// The impacts of a lane that its run has not taken yet.
+#[derive(Debug)]
+pub(super) struct Struck<State> {
+    impacts: Vec<Impact>,
+    /// The states after them, if the errors of the run are estimated.
+    after: Option<Vec<State>>,
+}
+
+/// Number of states after which the errors of a run are estimated, so that a long run needs no more memory.
+const MOST_STATES: usize = 512;
+
+impl<State> Struck<State> {
+    /// True if the states are to be taken.
+    pub fn is_full(&self) -> bool {
+        self.after.as_ref().is_some_and(|after| after.len() >= MOST_STATES)
+    }
+}
+
+impl<T: Tier, const W: usize> FreeMasses<T, W> {
+    /// Lists the impacts that the trials have found; true if a list is full.
+    #[inline(never)]
+    pub(super) fn list(&mut self) -> bool {
+        let mut full = false;
+        for (i, struck) in self.struck.iter_mut().enumerate() {
+            let (round, lane) = (self.rounds.get(i), self.lanes.get(i));
+            if round.hit {
+                let after = self.states.get(i);
+                let State { x, v, side, rate, .. } = T::Mass::in_doubles(&after);
+                if let Some(states) = &mut struck.after {
+                    states.push(after);
+                }
+                full |= struck.is_full();
+                struck.impacts.push(Impact {
+                    time: lane.clock.value,
+                    wall: if side > 0.0 { Wall::Plus } else { Wall::Minus },
+                    displacement: x,
+                    velocity_before: round.v,
+                    velocity_after: v,
+                    gap_velocity_before: side * -round.rate,
+                    gap_velocity_after: -side * rate,
+                    lever: 1.0,
+                    energy_loss: lane.loss_factor * (round.rate * round.rate),
+                });
+            }
+        }
+        full
+    }
+}
+
+impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> FreeMasses<T, W> {
+    /// Lists the impacts of a lane from now on, if its run wants them.
+    pub fn listen(&mut self, i: usize, run: &TierRun<'_, T>) {
+        let (events, errors) = &run.observer.beside;
+        if events.is_some() || errors.is_some() {
+            self.struck.resize_with(W, || Struck { impacts: Vec::new(), after: None });
+            self.struck[i].after = errors.is_some().then(Vec::new);
+        }
+    }
+
+    /// Hands the impacts of a lane to its run.
+    pub fn tell(&mut self, i: usize, run: &mut TierRun<'_, T>) {
+        let Some(struck) = self.struck.get_mut(i) else { return };
+        let (events, errors) = &mut run.observer.beside;
+        if let (Some(errors), Some(after)) = (errors, &mut struck.after) {
+            for (impact, after) in struck.impacts.iter().zip(after.drain(..)) {
+                let after = self.tier.unload(&after, run.system, Clock::new(impact.time));
+                errors.struck(run.system, impact.time, [&after.before(impact), &after]);
+                errors.list(impact);
+            }
+        }
+        match events {
+            Some(events) => events.impacts.append(&mut struck.impacts),
+            None => struck.impacts.clear(),
+        }
+    }
+}
