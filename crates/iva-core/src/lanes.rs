@@ -23,7 +23,8 @@
 
 mod decays;
 mod forced;
-mod free_mass;
+pub(crate) mod free_mass;
+mod logged;
 mod piva;
 mod running;
 
@@ -45,6 +46,8 @@ use crate::system::System;
 use crate::taylor::{ORDER, with_order};
 use decays::Decays;
 use forced::ForcedRuns;
+pub(crate) use logged::Logged;
+
 use free_mass::{ExactDecays, ExactDriven, FastDecays, FastDriven};
 use running::Running;
 
@@ -283,7 +286,7 @@ impl SideBySide for Piva {
 }
 
 /// A set of lanes in which runs of one kind of absorber advance in lockstep.
-trait Lockstep<S: SideBySide>: Sized {
+pub(crate) trait Lockstep<S: SideBySide>: Sized {
     /// Number of lanes.
     const WIDTH: usize = LANES;
     /// A set of idle lanes for absorbers like that of a job, and the measures wanted.
@@ -306,10 +309,10 @@ trait Lockstep<S: SideBySide>: Sized {
 }
 
 /// The run of a lane in the event loop, which goes on where the lane cannot.
-type ScalarRun<'a, S> = Run<'a, S, Watch<S>>;
+pub(crate) type ScalarRun<'a, S> = Run<'a, S, Watch<S>>;
 
 /// The observer of such a run.
-type Watch<S> = Box<Summary<S, Listed>>;
+pub(crate) type Watch<S> = Box<Summary<S, Listed>>;
 
 /// A run and its index among the jobs.
 type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
@@ -446,7 +449,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
         S::tier(&self.jobs[self.order[0]])
     }
 
-    fn run<L: Lockstep<S>>(self) {
+    pub(crate) fn run<L: Lockstep<S>>(self) {
         Running::new(self).run::<L>();
     }
 }

@@ -77,6 +77,7 @@ mod arrays;
 pub mod chatter;
 pub mod compensated;
 pub mod contact;
+pub mod coupled;
 pub mod error;
 pub mod extremes;
 pub mod flight;

@@ -28,6 +28,7 @@ use crate::system::{System, Wall};
 
 pub use errors::{Errors, TimeError};
 
+mod coupled;
 mod errors;
 mod piva;
 mod siva;

@@ -24,6 +24,7 @@ use crate::arrays::{Laned, Lanes, any};
 use crate::host::Steps;
 use crate::log::Entry;
 use crate::plain::State;
+use crate::real::Real;
 use crate::siva::trial::{FreeMass, Sight, search};
 use crate::siva::{Law, coasts};
 use crate::system::{Clock, System};
@@ -35,7 +36,7 @@ use listing::Struck;
 use round::{Round, Rounds, commit, decide};
 
 /// Free masses of one tier and one kind of drive: what the motions of all lanes depend on.
-pub(super) trait Tier: Sized {
+pub(crate) trait Tier: Sized {
     /// A free mass on its structure.
     type System: SideBySide;
     /// The state of a lane.
@@ -101,6 +102,18 @@ pub(super) trait Tier: Sized {
     ) -> <Self::System as System>::State;
     /// Makes a lane idle; its state.
     fn idle(&mut self, i: usize) -> Self::State;
+}
+
+/// A flight of a lane: the instant and the state of its begin, its length, high and low part, whether it ends with
+/// an impact, and whether that is on the far wall.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stretch<State> {
+    pub clock: Clock,
+    pub from: State,
+    pub h: f64,
+    pub later: f64,
+    pub hit: bool,
+    pub far: bool,
 }
 
 /// The run of a lane in the event loop.
@@ -245,6 +258,37 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             let end = State { v, rate, ..T::Mass::in_doubles(&self.ends.get(i)) };
             (clock, h + later, impact, [begin, end])
         })
+    }
+
+    /// The flight that the trial of a lane has completed. To be asked for before [`FreeMasses::advance`].
+    #[inline(always)]
+    pub fn stretch(&self, i: usize) -> Option<Stretch<T::State>> {
+        let Round { passed, sight: Sight { h, far, .. }, later, hit, .. } = self.rounds.get(i);
+        let (clock, from) = (self.lanes.clock.get(i), self.states.get(i));
+        passed.then_some(Stretch { clock, from, h, later, hit, far })
+    }
+
+    /// The states at both ends of a flight, the latter before an impact.
+    pub fn ends(
+        &self,
+        i: usize,
+        stretch: &Stretch<T::State>,
+        system: &T::System,
+    ) -> [<T::System as System>::State; 2] {
+        let Stretch { clock, from, h, later, hit, far } = stretch;
+        let end = f64::dispatched(
+            #[inline(always)]
+            || {
+                self.tier.with(
+                    i,
+                    from,
+                    #[inline(always)]
+                    |mass, from| mass.touching(&mass.nearly(from, *h), *hit, *far, *later),
+                )
+            },
+        );
+        let finish = clock.plus_parts(*h, *later);
+        [self.tier.unload(from, system, *clock), self.tier.unload(&end, system, finish)]
     }
 
     /// The clock of each lane.

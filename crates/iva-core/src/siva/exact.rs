@@ -1,11 +1,11 @@
 //! A free mass in flight in the exact tier: its state in double-double.
 
 use super::motion::{SivaFlight, after, arrived};
-use super::trial::{FreeMass, Landing, TRIES, Trial, land, search};
+use super::trial::{FreeMass, fast_flight};
 use super::{Law, SivaState, collided};
 use crate::chatter::REBOUND_LOOK;
 use crate::compensated::DoubleDouble;
-use crate::flight::{FastFlight, Meets};
+use crate::flight::FastFlight;
 use crate::host::{Host, HostState, Phase, Structure};
 use crate::oscillator::Primary;
 use crate::plain::State;
@@ -103,6 +103,13 @@ impl<R: Real, S: Structure<Real = R>> FreeMass for InFlight<'_, S> {
     }
 
     #[inline(always)]
+    fn arrived(&self, from: &Self::State, h: R) -> Self::State {
+        let mut end = arrived(self.free, self.course, from, h);
+        self.free.refresh(&mut end.host);
+        end
+    }
+
+    #[inline(always)]
     fn struck(&self, touching: &Self::State, hit: bool, law: &Law<R>) -> Self::State {
         collided(self.free, touching, hit, law)
     }
@@ -113,31 +120,6 @@ impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
     #[inline(always)]
     pub(super) fn fast_flight(&self, length: R) -> Option<FastFlight<SivaState<Phase<H>, R>, R>> {
         let mass = InFlight { free: self.structure(), course: &self.course };
-        let clearance = self.siva.clearance;
-        let over = R::ONE / clearance;
-        let mut trial = Trial::new(length);
-        for _ in 0..=TRIES {
-            let sight = search(&mass, &self.from, &trial, over);
-            if sight.free {
-                let mut end = arrived(mass.free, mass.course, &self.from, sight.h);
-                mass.free.refresh(&mut end.host);
-                let (length, later, meets) = (sight.h, R::ZERO, Meets::Nothing);
-                return Some(FastFlight { length, later, end, meets });
-            }
-            if !sight.meets {
-                trial = trial.next(R::ZERO, false);
-                continue;
-            }
-            let landing = land(&mass, &self.from, &sight, trial.length, [clearance, over]);
-            let Landing { hit, h, later, end, again } = landing;
-            if hit {
-                return Some(FastFlight { length: h, later, end, meets: Meets::Wall });
-            }
-            if again == 0.0 {
-                return None;
-            }
-            trial = trial.next(again, sight.far);
-        }
-        None
+        fast_flight(&mass, &self.from, length, self.siva.clearance)
     }
 }

@@ -15,6 +15,7 @@
 use super::Law;
 use super::proof::Quintic;
 use crate::arrays::laned;
+use crate::flight::{FastFlight, Meets};
 use crate::plain::State;
 use crate::quintic::root_by;
 use crate::real::{Real, pick};
@@ -51,6 +52,10 @@ pub(crate) trait FreeMass {
     /// The state in contact with the near or far wall a short time t later; the same state if not `hit`, with
     /// t = 0, and what drives it at that instant.
     fn touching(&self, at: &Self::State, hit: bool, far: bool, t: Self::Real) -> Self::State;
+    /// The state a time h later, no wall being met.
+    fn arrived(&self, from: &Self::State, h: Self::Real) -> Self::State {
+        self.touching(&self.nearly(from, h), false, false, Self::Real::ZERO)
+    }
     /// The state after an impact with this approach speed; the same state if not `hit`.
     fn struck(&self, touching: &Self::State, hit: bool, law: &Law<Self::Real>) -> Self::State;
 }
@@ -181,4 +186,38 @@ pub(crate) fn land<M: FreeMass>(
     let later = pick(hit, t, M::Real::ZERO);
     let end = mass.touching(&at, hit, far, later);
     Landing { hit, h, later, end, again: pick(looks_again, h + t, M::Real::ZERO) }
+}
+
+/// The end of a flight of this length, or of a part of it, if that is decided in closed form.
+#[inline(always)]
+pub(crate) fn fast_flight<M: FreeMass>(
+    mass: &M,
+    from: &M::State,
+    length: M::Real,
+    clearance: M::Real,
+) -> Option<FastFlight<M::State, M::Real>> {
+    let over = M::Real::ONE / clearance;
+    let mut trial = Trial::new(length);
+    for _ in 0..=TRIES {
+        let sight = search(mass, from, &trial, over);
+        if sight.free {
+            let end = mass.arrived(from, sight.h);
+            let (length, later, meets) = (sight.h, M::Real::ZERO, Meets::Nothing);
+            return Some(FastFlight { length, later, end, meets });
+        }
+        if !sight.meets {
+            trial = trial.next(M::Real::ZERO, false);
+            continue;
+        }
+        let landing = land(mass, from, &sight, trial.length, [clearance, over]);
+        let Landing { hit, h, later, end, again } = landing;
+        if hit {
+            return Some(FastFlight { length: h, later, end, meets: Meets::Wall });
+        }
+        if again == 0.0 {
+            return None;
+        }
+        trial = trial.next(again, sight.far);
+    }
+    None
 }

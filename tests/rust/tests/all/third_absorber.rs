@@ -5,7 +5,8 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
-    lanes::{self, Job, Tier},
+    coupled::{Coupled, CoupledState},
+    lanes::{self, Job, Listing, Tier},
     measures::Wanted,
     observe::Events,
     propagation::Errors,
@@ -13,13 +14,9 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
-    system::Start,
+    system::{Start, System},
 };
-use iva_tests::{
-    U,
-    dashpot::{Dashpot, State},
-    rng::Rng,
-};
+use iva_tests::{U, dashpot::Dashpot, rng::Rng};
 
 /// μ, e, d, ζ and the constant γ of the dashpot.
 const NUMBERS: [f64; 5] = [0.15, 0.6, 0.4, 0.02, 0.3];
@@ -28,9 +25,9 @@ fn start<R: Real>() -> Start<R> {
     Start { displacement: R::ONE, ..Start::default() }
 }
 
-fn decay<R: Real>(numbers: [R; 5], duration: f64) -> Run<State<R>, R> {
+fn decay<R: Real>(numbers: [R; 5], duration: f64) -> Run<CoupledState<R>, R> {
     let limits = Limits::new(R::from(duration), numbers[2]);
-    run(&Dashpot(numbers), &start(), &limits).unwrap()
+    run(&Dashpot(numbers).mounted(), &start(), &limits).unwrap()
 }
 
 #[test]
@@ -82,7 +79,7 @@ fn its_errors_are_what_is_estimated() {
     let exact = decay(NUMBERS.map(Twofold::from), 6.0 * TAU);
     let mut errors = Errors::default();
     let limits = Limits::new(6.0 * TAU, NUMBERS[2]);
-    simulate(&Dashpot(NUMBERS), &start(), &limits, None, &mut errors).unwrap();
+    simulate(&Dashpot(NUMBERS).mounted(), &start(), &limits, None, &mut errors).unwrap();
     assert_eq!(plain.impacts.len(), exact.impacts.len());
     assert!(plain.impacts.len() > 10);
     for ((a, b), error) in plain.impacts.iter().zip(&exact.impacts).zip(&errors.impacts) {
@@ -112,26 +109,40 @@ fn its_derivatives_are_those_of_differences() {
     }
 }
 
-#[test]
-fn sweeps_of_it_are_its_runs() {
-    let system = |k: u32| Dashpot([0.15, 0.6, 0.2 + 0.02 * f64::from(k), 0.02, 0.3]);
-    let job = |k| {
-        let system = system(k);
+/// Dashpots from weak to strong, in gaps from narrow to wide, with and without chatter and sticking.
+fn jobs() -> Vec<Job<Coupled<Dashpot>>> {
+    let job = |k: u32| {
+        let k = f64::from(k);
+        let e = [0.0, 0.4, 0.6, 0.9, 1.0][k as usize % 5];
+        let system = Dashpot([0.15, e, 0.1 + 0.02 * k, 0.02, 0.01 * k]).mounted();
         Job {
             begin: 0.0,
             system,
             start: start(),
-            limits: Limits::new(10.0 * TAU, system.0[2]),
+            limits: Limits::new(10.0 * TAU, system.clearance()),
             steady: None,
             tier: Tier::Exact,
         }
     };
-    let jobs: Vec<Job<Dashpot>> = (0..40).map(job).collect();
+    (0..45).map(job).collect()
+}
+
+/// Tally, measures, events and errors have the bits of a run alone.
+#[test]
+fn sweeps_of_it_are_its_runs() {
+    let jobs = jobs();
     let mut seen = vec![false; jobs.len()];
-    lanes::run(&jobs, Wanted::ALL, None, &mut |i, (tally, measures, _)| {
+    let all = (Wanted::ALL, Listing { events: true, errors: true });
+    lanes::run_listed(&jobs, all, None, &mut |i, (tally, measures, _), (events, errors)| {
         let Job { system, start, limits, .. } = &jobs[i];
         let alone = run(system, start, limits).unwrap();
-        assert_eq!((*tally, *measures), (alone.tally, alone.measures));
+        assert_eq!((*tally, *measures), (alone.tally, alone.measures), "{i}");
+        let events = events.unwrap();
+        assert_eq!((events.impacts, events.episodes), (alone.impacts, alone.episodes), "{i}");
+        let mut truth = Errors::default();
+        simulate(system, start, limits, None, &mut truth).unwrap();
+        let told = |it: &Errors| format!("{:?} {:?}", it.impacts, it.condition());
+        assert_eq!(told(&errors.unwrap()), told(&truth), "{i}");
         seen[i] = true;
     })
     .unwrap();
