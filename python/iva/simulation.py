@@ -325,7 +325,7 @@ def simulate(
     measures : iterable of str, optional
         Summary columns to compute, the others are null. By default all but those that take more
         time and are computed only if named: ``acceleration_max``, ``gap_displacement_max``,
-        ``stroke`` and ``absorber_displacement_max``.
+        ``stroke``, ``absorber_displacement_max`` and ``time_near_wall``.
     tables : iterable of str, optional
         Tables to make beside the summary: ``impacts``, ``episodes``, ``envelope``,
         ``stroboscope``; all by default. A long run without tables takes no memory.

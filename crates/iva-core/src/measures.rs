@@ -16,6 +16,8 @@ pub(crate) use decay::{Decay, keeps};
 
 mod decay;
 pub(crate) mod forced;
+pub mod near_wall;
+pub mod pass;
 
 /// Peaks below this share of A₀ end the least-squares fit.
 const FIT_FLOOR: f64 = 0.05;

@@ -59,6 +59,8 @@ pub enum Group {
     Regime,
     /// Estimated errors.
     Errors,
+    /// A measure with a pass of its own. Computed only if asked for by name.
+    Named,
 }
 
 /// Whether a smaller or a larger value of a measure is better.
@@ -72,7 +74,7 @@ pub enum Better {
 
 /// The descriptions of the entries of a table.
 macro_rules! described {
-    ($($name:literal $quantity:ident $([$group:ident $($better:ident)?])? |$row:ident| $value:expr, $help:literal;)*) => {
+    ($($name:literal $quantity:ident $([$group:ident $($better:ident)?])? $(|$row:ident| $value:expr)? $(=> $pass:ident)?, $help:literal;)*) => {
         &[$(Column {
             name: $name,
             quantity: Quantity::$quantity,
@@ -132,7 +134,7 @@ pub struct Selection(u64);
 impl Group {
     /// True if the group is so expensive that it is computed only if one of its columns is asked for by name.
     const fn by_name(self) -> bool {
-        matches!(self, Self::Shaking | Self::Travel)
+        matches!(self, Self::Shaking | Self::Travel | Self::Named)
     }
 }
 
@@ -171,7 +173,13 @@ impl Selection {
 
     /// True if a column of that group is to be computed.
     pub(crate) fn needs(self, group: Group) -> bool {
-        SUMMARY.iter().enumerate().any(|(index, column)| column.group == group && self.has(index))
+        self.of(group).next().is_some()
+    }
+
+    /// The columns of a group to compute.
+    pub(crate) fn of(self, group: Group) -> impl Iterator<Item = &'static Column> {
+        let all = SUMMARY.iter().enumerate();
+        all.filter(move |(index, column)| column.group == group && self.has(*index)).map(|it| it.1)
     }
 
     /// True if the column with this index is to be computed.

@@ -270,11 +270,28 @@ macro_rules! cell {
 
 /// The functions that compute the cells of a row, one for each entry of a table.
 macro_rules! cells {
-    ($($name:literal $quantity:ident $([$($group:ident)*])? |$row:ident| $value:expr, $help:literal;)*) => {
-        [$(|$row| $crate::tables::cell!($quantity, $row.scale, $value)),*]
+    ($($name:literal $quantity:ident $([$($group:ident)*])? $(|$row:ident| $value:expr)? $(=> $pass:ident)?, $help:literal;)*) => {
+        [$(
+            $(|$row| $crate::tables::cell!($quantity, $row.scale, $value))?
+            $($crate::tables::named!($pass, $name, $quantity))?
+        ),*]
     };
 }
-pub(crate) use {cell, cells};
+
+/// The function that computes the cell of a measure with a pass of its own.
+macro_rules! named {
+    ($pass:ident, $name:literal, $quantity:ident) => {
+        |run| $crate::tables::cell!($quantity, run.scale, run.named($name))
+    };
+}
+
+/// What makes the passes of a table, one for each entry that has one.
+macro_rules! passes {
+    ($($name:literal $quantity:ident $([$($group:ident)*])? $(|$row:ident| $value:expr)? $(=> $pass:ident)?, $help:literal;)*) => {
+        [$($(($name, || Box::new($pass::default())),)?)*]
+    };
+}
+pub(crate) use {cell, cells, named, passes};
 
 enum Builder {
     Point(UInt32Builder),

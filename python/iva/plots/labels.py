@@ -41,6 +41,7 @@ NAMES = {
     "gap_displacement_max": ("largest gap displacement", "max |y|"),
     "stroke": ("stroke", ""),
     "absorber_displacement_max": ("largest displacement of the absorber", "max |x₁|"),
+    "time_near_wall": ("time close to a wall", ""),
     "condition": ("condition", ""),
     "digits": ("digits", ""),
     "mass_ratio": ("mass ratio", "μ = m/M"),

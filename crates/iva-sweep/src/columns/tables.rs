@@ -3,7 +3,8 @@
 //! A new column is one entry here, at the end of its table. The first word after the name is the
 //! [`Quantity`](crate::fields::Quantity), which determines the type of the cell, its unit and the conversion
 //! from natural units. In `summary` follow the [`Group`](super::Group) that it is computed with and, for a
-//! measure that points can be ranked by, whether smaller or larger is [`Better`](super::Better).
+//! measure that points can be ranked by, whether smaller or larger is [`Better`](super::Better). The value is that
+//! of a row, or `=>` names the pass over the motion that computes it ([`iva_core::measures::pass`]).
 //!
 //! Each table is a macro that passes its entries to another macro: `described!` makes their descriptions,
 //! `cells!` the functions that compute the cells of a row ([`crate::engine::rows`]), for any number type.
@@ -94,6 +95,8 @@ macro_rules! summary {
                 "largest minus least y, under force after the discarded cycles (asked for by name)";
             "absorber_displacement_max" Length [Travel Smaller] |run| run.extreme(|it| it.absorber_displacement),
                 "largest displacement of the absorber's centre of mass, measured as x is, under force after the discarded cycles (asked for by name)";
+            "time_near_wall" Time [Named Smaller] => NearWall,
+                "time within 1 % of the clearance of a wall, under force after the discarded cycles (asked for by name)";
         }
     };
 }

@@ -26,6 +26,8 @@ pub(crate) struct Ended<R: Real = f64> {
     pub bare: Option<Bare<R>>,
     /// Its extremes; `None` where they were not asked for.
     pub extremes: Option<ExtremeValues<R>>,
+    /// The measures with passes of their own that were asked for.
+    pub named: Vec<(&'static str, Option<R>)>,
     /// Condition number of the run, where errors were asked for.
     pub condition: Option<R>,
     /// Correct digits of the run, where errors were asked for.
@@ -52,8 +54,8 @@ impl<R: Real> Ended<R> {
     ) -> Result<Self, Invalid> {
         let compared = reduction && steady.is_some() && design.scene.absorber().is_some();
         let bare = if compared { design.without_absorber(cancel)? } else { None };
-        let (extremes, condition, digits) = (None, None, None);
-        Ok(Self { tally, measures, steady, bare, extremes, condition, digits, tier })
+        let (extremes, named, condition, digits) = (None, Vec::new(), None, None);
+        Ok(Self { tally, measures, steady, bare, extremes, named, condition, digits, tier })
     }
 
     /// The counts of the run.

@@ -6,6 +6,8 @@ use iva_core::extremes::Extremes;
 use iva_core::host::{Alone, DrivenHost, UndrivenHost};
 use iva_core::lanes::Listing;
 use iva_core::measures::Wanted;
+use iva_core::measures::near_wall::NearWall;
+use iva_core::measures::pass::{Pass, Passes};
 use iva_core::observe::{Events, Observer};
 use iva_core::peaks::Envelope;
 use iva_core::piva::Piva;
@@ -20,9 +22,10 @@ use super::design::Design;
 use super::ended::Ended;
 use super::rows::{Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, StrobeRow, SummaryColumn};
 use super::scene::with_system;
-use crate::columns::Group;
+use crate::columns::{Group, tables as entries};
 use crate::error::Invalid;
 use crate::study::{Study, Table};
+use crate::tables::passes;
 
 /// The tables and measures that a study wants from each run.
 #[derive(Debug)]
@@ -40,6 +43,8 @@ pub(crate) struct Request {
     pub extremes: bool,
     /// True if the extremes of runs in free decay are wanted.
     pub extremes_of_decays: bool,
+    /// The measures with passes of their own that are wanted.
+    pub named: Vec<&'static str>,
     pub columns: Vec<SummaryColumn>,
 }
 
@@ -72,6 +77,7 @@ impl Request {
                 && (needs(Group::Reduction) || needs(Group::RmsReduction)),
             extremes: needs(Group::Travel),
             extremes_of_decays: needs(Group::Shaking),
+            named: study.measures.of(Group::Named).map(|column| column.name).collect(),
             columns: SummaryColumn::of(study),
         }
     }
@@ -79,10 +85,17 @@ impl Request {
 
 impl Request {
     /// True if the summary is wanted, and nothing else of a run but its events and their errors: no envelope, no
-    /// strobes.
+    /// strobes, no measure with a pass of its own.
     pub fn goes_side_by_side(&self) -> bool {
-        let Self { summary, envelope, steady, .. } = self;
-        *summary && !(*envelope || steady.strobes)
+        let Self { summary, envelope, steady, named, .. } = self;
+        *summary && !(*envelope || steady.strobes) && named.is_empty()
+    }
+
+    /// The measures with passes of their own, in order of their names in `named`.
+    fn passes<R: Real>(&self) -> Vec<Box<dyn Pass<R>>> {
+        let all: &[(&str, fn() -> Box<dyn Pass<R>>)] = &entries::summary!(passes);
+        let made = |name: &&str| all.iter().find(|it| it.0 == *name).map(|it| it.1());
+        self.named.iter().filter_map(made).collect()
     }
 
     /// What is wanted of a run that goes side by side, beside its measures.
@@ -197,18 +210,19 @@ impl<R: Real> Point<'_, R> {
         let extremes = request.summary && request.wants_extremes(system);
         let steady = request.steady_of(system).map(|wanted| (wanted, design.window));
         let wanted = if request.summary { request.wanted } else { Wanted::NONE };
+        let passes = Passes::new(from, request.passes());
         let asked = request.summary || steady.is_some();
         let summary = asked.then(|| Summary::<S>::new(wanted, steady));
         let mut observers = (
             request.lists().then(Events::default),
             (
                 request.envelope.then(Envelope::default),
-                (summary, (extremes.then(|| Extremes::new(from)), estimates)),
+                (summary, ((extremes.then(|| Extremes::new(from)), passes), estimates)),
             ),
         );
         let (begin, limits) = (design.begin, &design.limits);
         let tally = simulate_from(system, start, begin, limits, Some(cancel), &mut observers)?;
-        let (events, (envelope, (summary, (extremes, estimates)))) = observers;
+        let (events, (envelope, (summary, ((extremes, passes), estimates)))) = observers;
         let steady = summary.as_ref().and_then(Summary::steady);
         let found = Seen { events, envelope, steady, estimates: &estimates };
         for table in &study.tables {
@@ -220,7 +234,8 @@ impl<R: Real> Point<'_, R> {
         let ended = Ended::new(design, values, tier, request.reduction, cancel)?;
         let [condition, digits] = estimates.of_run();
         let extremes = extremes.as_ref().map(Extremes::values).copied();
-        Ok(Ended { extremes, condition, digits, ..ended })
+        let named = request.named.iter().copied().zip(passes.values()).collect();
+        Ok(Ended { extremes, named, condition, digits, ..ended })
     }
 
     fn rows<S: System<Real = R>, E: Estimates<S>>(

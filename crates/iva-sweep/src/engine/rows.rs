@@ -147,6 +147,12 @@ impl<'a, R: Real> RunRow<'a, R> {
         self.ended.extremes.as_ref().and_then(read)
     }
 
+    /// A measure with a pass of its own; `None` without absorber.
+    fn named(&self, name: &str) -> Option<R> {
+        self.scene.absorber()?;
+        self.ended.named.iter().find(|it| it.0 == name)?.1
+    }
+
     /// A measure of the steady state; `None` where there is none.
     fn steady<T>(&self, read: impl Fn(&SteadyValues<R>) -> Option<T>) -> Option<T> {
         self.ended.steady.as_ref().and_then(read)

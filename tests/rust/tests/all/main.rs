@@ -25,6 +25,7 @@ mod invariants;
 mod lanes;
 mod limits;
 mod measures;
+mod near_wall;
 mod neighbours;
 mod piva;
 mod piva_flight;

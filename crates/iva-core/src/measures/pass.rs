@@ -1,0 +1,71 @@
+//! Measures that are computed from the motion stretch by stretch, if they are asked for by name.
+//!
+//! A [`Pass`] sees the polynomials of each stretch, whatever the absorber and the numbers; [`Passes`] shows them to
+//! it. A column of the table that names a pass is all that makes it a measure of the product.
+
+use crate::flight::{Motion, Travel};
+use crate::observe::{Observer, Span};
+use crate::real::Real;
+use crate::simulate::{Instant, Outcome, Tally};
+use crate::system::System;
+
+/// A measure of a run, in natural units.
+pub trait Pass<R: Real>: std::fmt::Debug {
+    /// The run begins, with wall − and wall + at these values of y.
+    fn begin(&mut self, walls: [R; 2]);
+    /// A stretch of motion, between two values of h.
+    fn stretch(&mut self, travel: &Travel<R>, h: [R; 2]);
+    /// The measure of all stretches so far.
+    fn value(&self) -> R;
+}
+
+/// An observer that shows a run to passes, from a given instant on.
+#[derive(Debug)]
+pub struct Passes<R: Real> {
+    from: R,
+    passes: Vec<Box<dyn Pass<R>>>,
+    /// False if the motion had no known polynomials, or did not last to its end.
+    known: bool,
+}
+
+impl<R: Real> Passes<R> {
+    /// Shows the run from an instant on, in 1/ωn.
+    pub fn new(from: R, passes: Vec<Box<dyn Pass<R>>>) -> Self {
+        Self { from, passes, known: true }
+    }
+
+    /// The measures, in the order of the passes; `None` where the run does not define them.
+    pub fn values(&self) -> impl Iterator<Item = Option<R>> {
+        self.passes.iter().map(|pass| self.known.then(|| pass.value()))
+    }
+}
+
+impl<R: Real, S: System<Real = R>> Observer<S> for Passes<R> {
+    fn start(&mut self, system: &S, _from: &Instant<S::State, R>, _duration: R) {
+        let (middle, d) = (system.offset(), system.clearance());
+        self.known = true;
+        self.passes.iter_mut().for_each(|pass| pass.begin([middle - d, middle + d]));
+    }
+
+    fn looks_within(&self) -> bool {
+        !self.passes.is_empty()
+    }
+
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
+        let begin = (-span.start.minus(self.from)).max(0.0);
+        if self.passes.is_empty() || begin > span.length {
+            return;
+        }
+        match span.motion.travel() {
+            Some(travel) => {
+                let h = [begin, span.length];
+                self.passes.iter_mut().for_each(|pass| pass.stretch(&travel, h));
+            }
+            None => self.known = false,
+        }
+    }
+
+    fn end(&mut self, _system: &S, tally: &Tally<S::State, R>) {
+        self.known &= tally.outcome == Outcome::Finished;
+    }
+}
