@@ -403,10 +403,9 @@ impl<'a, S: SideBySide> Group<'a, S> {
         let job = &self.jobs[index];
         let Job { system, start, begin, limits, steady, .. } = job;
         let Listing { events, errors } = self.listing;
-        let estimate = || match S::tier(job) {
-            Tier::Fast => Errors::in_doubles(),
-            Tier::Exact => Errors::default(),
-        };
+        // In the fast tier states of free masses are plain doubles; those of pendulums are as in the exact tier.
+        let plain = S::LINEAR && S::tier(job) == Tier::Fast;
+        let estimate = || if plain { Errors::in_doubles() } else { Errors::default() };
         let listed = (events.then(Events::default), errors.then(|| Box::new(estimate())));
         let observer = match spare {
             Some(mut spare) => {

@@ -1,6 +1,7 @@
-//! Sweeps over every field, of every kind of scene: each row equals a run of that point alone, and the
-//! summary has the same bits whatever else is computed, on any number of threads, and with any neighbours. A
-//! sweep with only the summary runs its points side by side where it can.
+//! Sweeps over every field, of every kind of scene: each row equals a run of that point alone, and all tables have
+//! the same bits by every [`Path`]: whatever else is computed, on any number of threads, in any order, and with any
+//! neighbours. Points run side by side where they can. `tests/python/test_paths.py` does the same for the paths of the
+//! command and of Python.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -12,15 +13,16 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
+use arrow_select::concat::concat_batches;
 use iva_sweep::axis::Axis;
 use iva_sweep::choices::{Choices, Kind};
-use iva_sweep::columns::{SUMMARY, Selection};
+use iva_sweep::columns::{SUMMARY, Selection, columns};
 use iva_sweep::design::Spec;
 use iva_sweep::fields::{FieldId, Part};
 use iva_sweep::forces::{ForceSpec, History, RecordKind, Recorded};
 use iva_sweep::sampling::Sampling;
 use iva_sweep::study::{Study, Table};
-use iva_sweep::sweep::{Control, Tables, Workers, sweep, validate};
+use iva_sweep::sweep::{Control, Tables, Workers, run_inline, sweep, validate};
 
 /// The excitation of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,7 +144,9 @@ pub(crate) fn run(
     points: Range<u64>,
 ) -> Tables {
     let never = AtomicBool::new(false);
-    sweep(study, points, &Control { workers, chunk, cancel: &never, progress: &|_| {} }).unwrap()
+    let control = Control { workers, chunk, cancel: &never, progress: &|_| {} };
+    assert_all_is_told(study, &control);
+    sweep(study, points, &control).unwrap()
 }
 
 /// Checks that the columns of a run of one point alone equal a row of a sweep over `key`, by their names.
@@ -159,43 +163,151 @@ fn is_tier_of_free_mass(study: &Study, field: FieldId) -> bool {
     field == FieldId::Tolerance && study.spec.choices().kind == Kind::Siva
 }
 
-/// Checks that the summary of a sweep over a field is the same beside other tables and when run in different
-/// ways.
+/// A way in which the points of a study can be run. No row depends on it.
+#[derive(Debug, Clone, Copy)]
+enum Path {
+    /// Other tables beside the summary, as a set of bits.
+    Beside(u32),
+    /// With estimated errors, and these tables beside it.
+    Errors(u32),
+    /// On some threads, in chunks of some points.
+    Threads(usize, Option<usize>),
+    /// Point by point, in sweeps of their own.
+    PointByPoint,
+    /// In reversed order.
+    Reversed,
+    /// Each on the calling thread.
+    Inline,
+}
+
+const BESIDE: [Table; 4] = [Table::Impacts, Table::Episodes, Table::Envelope, Table::Stroboscope];
+
+impl Path {
+    /// All of them. For a scene that only the summary is of the fast tier of, those that make only the summary.
+    fn all(summary_only: bool) -> Vec<Self> {
+        let beside = if summary_only { 1..1 } else { 1..1u32 << BESIDE.len() };
+        let errors = if summary_only { vec![] } else { vec![0, 1, 3, 15] };
+        let chunks = [(1, Some(1)), (2, None), (2, Some(2))];
+        let others = [Self::PointByPoint, Self::Reversed, Self::Inline];
+        let tables = beside.map(Self::Beside).chain(errors.into_iter().map(Self::Errors));
+        tables
+            .chain(chunks.map(|(threads, chunk)| Self::Threads(threads, chunk)))
+            .chain(others)
+            .collect()
+    }
+
+    /// The tables of a study over one axis by this path, the points in their order.
+    fn tables(self, study: &Study, workers: &[Workers; 2]) -> Tables {
+        let points = study.points().unwrap();
+        let beside = |set: u32| {
+            let more = BESIDE.iter().enumerate().filter(|(bit, _)| set & (1 << bit) != 0);
+            [Table::Summary].into_iter().chain(more.map(|(_, table)| *table)).collect()
+        };
+        let joined = |parts: Vec<Tables>| {
+            let of = |table| parts.iter().map(|part| &part[&table]).collect::<Vec<_>>();
+            let join = |table| {
+                let parts = of(table);
+                (table, concat_batches(&parts[0].schema(), parts).unwrap())
+            };
+            study.tables.iter().map(|table| join(*table)).collect()
+        };
+        match self {
+            Self::Beside(set) => {
+                run(&Study { tables: beside(set), ..study.clone() }, &workers[0], None, 0..points)
+            }
+            Self::Errors(set) => {
+                let study = Study { tables: beside(set), errors: true, ..study.clone() };
+                run(&study, &workers[0], None, 0..points)
+            }
+            Self::Threads(threads, chunk) => run(study, &workers[threads - 1], chunk, 0..points),
+            Self::PointByPoint => {
+                joined((0..points).map(|k| run(study, &workers[0], None, k..k + 1)).collect())
+            }
+            Self::Reversed => {
+                let mut reversed = study.clone();
+                let Sampling::Grid(axes) = &mut reversed.sampling else { panic!() };
+                axes[0].values.reverse();
+                let whole = run(&reversed, &workers[0], None, 0..points);
+                let row = |k: u64| whole[&Table::Summary].slice(k as usize, 1);
+                let rows: Vec<_> = (0..points).rev().map(row).collect();
+                let summary = concat_batches(&rows[0].schema(), &rows).unwrap();
+                [(Table::Summary, summary)].into()
+            }
+            Self::Inline => joined(
+                (0..points)
+                    .map(|point| {
+                        let single = Study { sampling: Sampling::Grid(vec![]), ..study.clone() };
+                        let single = Study { spec: study.spec(point).unwrap(), ..single };
+                        let inline = run_inline(&single, u64::MAX).unwrap();
+                        // What it leaves to workers is a sweep of one point.
+                        inline.unwrap_or_else(|| run(&single, &workers[0], None, 0..1))
+                    })
+                    .collect(),
+            ),
+        }
+    }
+}
+
+/// Names all that a sweep is told. What comes to it has to become a path, or a part of the scenes, before this
+/// compiles.
+fn assert_all_is_told(study: &Study, control: &Control<'_>) {
+    // Scenes and fields; paths.
+    let Study { spec: _, sampling: _, tables: _, measures: _, errors: _ } = study;
+    let Control { workers: _, chunk: _, cancel: _, progress: _ } = control;
+}
+
+/// Checks that the tables of a sweep over a field are the same by every path.
 fn assert_same_bits(study: &Study, field: FieldId, workers: &[Workers; 2]) {
-    let beside = [Table::Impacts, Table::Episodes, Table::Envelope, Table::Stroboscope];
-    let summary = |study: &Study, workers, chunk| {
-        run(study, workers, chunk, 0..3).remove(&Table::Summary).unwrap()
-    };
+    let summary_only = is_tier_of_free_mass(study, field);
+    let of = |study: &Study, path: Path| path.tables(study, workers);
     let alone = Study { tables: vec![Table::Summary], ..study.clone() };
-    let reference = summary(&alone, &workers[0], None);
-    let subsets = if is_tier_of_free_mass(study, field) { 1 } else { 1u32 << beside.len() };
-    for subset in 0..subsets {
-        let more = beside.iter().enumerate().filter(|(bit, _)| subset & (1 << bit) != 0);
-        let tables = [Table::Summary].into_iter().chain(more.map(|(_, table)| *table)).collect();
-        let study = Study { tables, ..study.clone() };
-        assert_eq!(summary(&study, &workers[0], None), reference, "beside {:?}", study.tables);
+    let reference = of(&alone, Path::Beside(if summary_only { 0 } else { 15 }));
+    let estimated = (!summary_only).then(|| of(&alone, Path::Errors(15)));
+    for path in Path::all(summary_only) {
+        let truth = match path {
+            Path::Errors(_) => estimated.as_ref().unwrap(),
+            _ => &reference,
+        };
+        for (table, found) in of(&alone, path) {
+            // Swept columns and numbers of points are those of the path.
+            for column in columns(table) {
+                let [found, truth] =
+                    [&found, &truth[&table]].map(|it| it.column_by_name(column.name));
+                assert!(
+                    found.is_none() || found == truth,
+                    "{} by {path:?} of {}: {found:?} {truth:?}",
+                    column.name,
+                    field.path()
+                );
+            }
+        }
     }
-    for (workers, chunk) in [(&workers[0], Some(1)), (&workers[1], None), (&workers[1], Some(2))] {
-        assert_eq!(summary(&alone, workers, chunk), reference, "chunks of {chunk:?}");
-    }
-    for point in 0..3 {
-        let one = run(&alone, &workers[0], None, point..point + 1);
-        assert_eq!(one[&Table::Summary], reference.slice(point as usize, 1), "point {point}");
+    if let Some(estimated) = &estimated {
+        for (table, truth) in &reference {
+            let of_errors = ["condition", "digits", "time_error", "near_grazing"];
+            for column in columns(*table).iter().filter(|it| !of_errors.contains(&it.name)) {
+                let [found, truth] =
+                    [&estimated[table], truth].map(|it| it.column_by_name(column.name));
+                assert_eq!(found, truth, "{} beside errors", column.name);
+            }
+        }
     }
     // Measures computed one at a time have the bits that they have together, including those that are
     // computed only if asked for by name. With these a free mass is not of the fast tier.
+    let summary = |study: &Study| of(study, Path::Beside(0)).remove(&Table::Summary).unwrap();
+    let reference = &reference[&Table::Summary];
     let usual = Selection::default();
-    let (all, columns) = match is_tier_of_free_mass(study, field) {
+    let (all, columns) = match summary_only {
         true => (usual, SUMMARY.iter().filter(|column| usual.contains(column.name)).collect()),
         false => (Selection::all(), Vec::from_iter(SUMMARY)),
     };
-    let everything = summary(&Study { measures: all, ..alone.clone() }, &workers[0], None);
+    let everything = summary(&Study { measures: all, ..alone.clone() });
     for column in columns {
         if usual.contains(column.name) {
             assert_eq!(&everything[column.name], &reference[column.name], "{} of all", column.name);
         }
         let measures = Selection::from_names([column.name]).unwrap();
-        let found = summary(&Study { measures, ..alone.clone() }, &workers[0], None);
+        let found = summary(&Study { measures, ..alone.clone() });
         assert_eq!(&found[column.name], &everything[column.name], "{} alone", column.name);
     }
 }
