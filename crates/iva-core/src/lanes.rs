@@ -34,6 +34,7 @@ use crate::error::Invalid;
 use crate::host::{Alone, DrivenHost, UndrivenHost};
 use crate::measures::{MeasureValues, Wanted};
 use crate::observe::Events;
+use crate::peaks::Peak;
 use crate::piva::Piva;
 use crate::plain::{BASE, FORCE};
 use crate::propagation::{Differentiable, Errors};
@@ -149,10 +150,20 @@ pub struct Listing {
     pub events: bool,
     /// The estimated errors of its impacts.
     pub errors: bool,
+    /// The peaks of its displacement.
+    pub envelope: bool,
 }
 
-/// What is wanted of a run beside its measures: its events, and the estimated errors of its impacts.
-pub type Listed = (Option<Events>, Option<Box<Errors>>);
+/// What was wanted of a run beside its measures.
+#[derive(Debug, Clone, Default)]
+pub struct Listed {
+    /// Its impacts and stick episodes.
+    pub events: Option<Events>,
+    /// The estimated errors of its impacts.
+    pub errors: Option<Box<Errors>>,
+    /// The peaks of its displacement.
+    pub envelope: Option<Vec<Peak>>,
+}
 
 /// The receiver of results: the index of a job, and its result.
 pub type Take<'a, S> = &'a mut dyn FnMut(usize, &Ended<S>);
@@ -312,7 +323,7 @@ pub(crate) trait Lockstep<S: SideBySide>: Sized {
 pub(crate) type ScalarRun<'a, S> = Run<'a, S, Watch<S>>;
 
 /// The observer of such a run.
-pub(crate) type Watch<S> = Box<Summary<S, Listed>>;
+pub(crate) type Watch<S> = Box<Summary<S, (Option<Events>, Option<Box<Errors>>)>>;
 
 /// A run and its index among the jobs.
 type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
@@ -352,12 +363,18 @@ fn grouped<S: SideBySide>(
     cancel: Option<&AtomicBool>,
     take: TakeListed<'_, S>,
 ) -> Result<(), Invalid> {
+    let wanted = Wanted { envelope: listing.envelope, ..wanted };
     for Job { system, start, limits, .. } in jobs {
         system.check_start(start)?;
         limits.check()?;
     }
     let lists = S::LISTS || listing == Listing::default();
-    let common = |index: &usize| S::common(&jobs[*index]).filter(|_| lists);
+    // The peaks of a run under a lasting force are found in the event loop.
+    let lists = |system: &S| lists && !(listing.envelope && system.is_driven());
+    let common = |index: &usize| {
+        let job = &jobs[*index];
+        S::common(job).filter(|_| lists(&job.system))
+    };
     let mut order: Vec<usize> = (0..jobs.len()).collect();
     // Jobs for the event loop come first, with the key −∞.
     let key = |index: &usize| common(index).unwrap_or([-f64::INFINITY; 2]);
@@ -402,7 +419,7 @@ impl<'a, S: SideBySide> Group<'a, S> {
     fn begun(&self, index: usize, spare: Option<Watch<S>>) -> ScalarRun<'a, S> {
         let job = &self.jobs[index];
         let Job { system, start, begin, limits, steady, .. } = job;
-        let Listing { events, errors } = self.listing;
+        let Listing { events, errors, .. } = self.listing;
         // In the fast tier states of free masses are plain doubles; those of pendulums are as in the exact tier.
         let plain = S::LINEAR && S::tier(job) == Tier::Fast;
         let estimate = || if plain { Errors::in_doubles() } else { Errors::default() };
@@ -423,7 +440,8 @@ impl<'a, S: SideBySide> Group<'a, S> {
     /// Hands out the result of a run.
     fn hand_out(&mut self, index: usize, tally: Tally<S::State>, summary: &mut Watch<S>) {
         let steady = summary.steady_values().copied();
-        let listed = std::mem::take(&mut summary.beside);
+        let (events, errors) = std::mem::take(&mut summary.beside);
+        let listed = Listed { events, errors, envelope: summary.measures.take_envelope() };
         (self.take)(index, &(tally, *summary.values(), steady), listed);
     }
 

@@ -39,12 +39,20 @@ pub struct Wanted {
     pub ledger: bool,
     /// The energy lost in the first period.
     pub first_period: bool,
+    /// The list of all peaks.
+    pub envelope: bool,
 }
 
 impl Wanted {
-    /// All groups.
-    pub const ALL: Wanted =
-        Wanted { peaks: true, settling: true, residual: true, ledger: true, first_period: true };
+    /// All groups of measures; not the list of peaks.
+    pub const ALL: Wanted = Wanted {
+        peaks: true,
+        settling: true,
+        residual: true,
+        ledger: true,
+        first_period: true,
+        envelope: false,
+    };
 
     /// No group.
     pub const NONE: Wanted = Wanted {
@@ -53,11 +61,12 @@ impl Wanted {
         residual: false,
         ledger: false,
         first_period: false,
+        envelope: false,
     };
 
-    /// True if a measure of the displacement of a decay is wanted.
+    /// True if the peaks of a decay, or a measure of its displacement, are wanted.
     pub(crate) fn decay(self) -> bool {
-        self.peaks || self.settling || self.residual
+        self.peaks || self.settling || self.residual || self.envelope
     }
 }
 
@@ -111,6 +120,8 @@ pub struct Measures<S: System> {
     pub(crate) energy_begin: S::Real,
     pub(crate) moving: bool,
     pub(crate) half_cycles: HalfCycles<S::Real>,
+    /// The peaks so far, if they are to be listed.
+    envelope: Vec<Peak<S::Real>>,
     pub(crate) first_peak: S::Real,
     pub(crate) decrements: [Option<S::Real>; 3],
     pub(crate) fit: Fit<S::Real>,
@@ -143,6 +154,7 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
             energy_begin: R::ZERO,
             moving: false,
             half_cycles: HalfCycles::default(),
+            envelope: Vec::new(),
             first_peak: R::ZERO,
             decrements: [None; 3],
             fit: Fit::default(),
@@ -161,6 +173,16 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         &self.values
     }
 
+    /// All peaks of x, if they were wanted; complete once the run has ended.
+    pub fn envelope(&self) -> &[Peak<R>] {
+        &self.envelope
+    }
+
+    /// Takes the list of peaks.
+    pub(crate) fn take_envelope(&mut self) -> Option<Vec<Peak<R>>> {
+        self.wanted.envelope.then(|| std::mem::take(&mut self.envelope))
+    }
+
     /// Adds energy lost and work of many flights, each in double-double.
     pub(crate) fn add(&mut self, lost: DoubleDouble, work: DoubleDouble) {
         self.moving = true;
@@ -170,7 +192,7 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
 
     /// True as long as peaks after the first `ended` ones change a measure.
     pub(crate) fn listens(&self, ended: u64) -> bool {
-        self.wanted.peaks && (!self.fit.closed || ended <= 2 * CYCLES[2])
+        self.wanted.envelope || (self.wanted.peaks && (!self.fit.closed || ended <= 2 * CYCLES[2]))
     }
 
     pub(crate) fn peak(&mut self, peak: &Peak<R>, index: u64) {
@@ -205,6 +227,9 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         // Before the amplitude is used: the end of half cycle 0 makes A₀ final.
         if let Some(peak) = self.half_cycles.reach(time, x) {
             self.peak(&peak, self.half_cycles.ended - 1);
+            if self.wanted.envelope {
+                self.envelope.push(peak);
+            }
         }
         let grows = !self.reference.settled && x.abs() > self.reference.amplitude;
         if grows {
@@ -229,6 +254,19 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         }
         if self.wanted.residual || self.wanted.settling {
             self.late(span, stretch);
+        }
+    }
+
+    /// Lists the peaks in a span of a run under a lasting force, where no measure needs them.
+    pub(crate) fn list_peaks<M>(&mut self, system: &S, span: &Span<'_, M>)
+    where
+        M: Motion<Real = R, State = S::State>,
+    {
+        if self.wanted.envelope && system.is_driven() {
+            monotone::<_, S, M>(span, |stretch| {
+                let time = span.start.plus(stretch.h[1]).value;
+                self.envelope.extend(self.half_cycles.reach(time, stretch.x[1]));
+            });
         }
     }
 
@@ -274,6 +312,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
             return self.log_span(system, span);
         }
         let decays = !system.is_driven();
+        self.list_peaks(system, span);
         if decays && self.wanted.decay() {
             monotone::<_, S, M>(span, |stretch| self.stretch(span, stretch));
         }
@@ -319,6 +358,9 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         if self.half_cycles.ended == 0 {
             let only = self.half_cycles.current;
             self.peak(&only, 0);
+            if self.wanted.envelope {
+                self.envelope.push(only);
+            }
         }
         let amplitude = self.reference.amplitude;
         let whole = tally.outcome == Outcome::Finished && amplitude > 0.0;

@@ -1,10 +1,9 @@
 //! Peaks of the primary displacement, one per half cycle.
 
 use crate::flight::{Jet, Motion, Rows, Turns};
-use crate::observe::{Observer, Span};
+use crate::observe::Span;
 use crate::polynomial::{jet, turned, turnings};
 use crate::real::Real;
-use crate::simulate::{Instant, Tally};
 use crate::system::System;
 
 /// A peak: the largest |x| between consecutive zero crossings of x.
@@ -97,33 +96,5 @@ impl<R: Real> HalfCycles<R> {
             }
         }
         None
-    }
-}
-
-/// An observer that keeps the peaks of a run.
-#[derive(Debug, Clone, Default)]
-pub struct Envelope<R = f64> {
-    /// Peaks in the order of time.
-    pub peaks: Vec<Peak<R>>,
-    half_cycles: HalfCycles<R>,
-}
-
-impl<R: Real, S: System<Real = R>> Observer<S> for Envelope<R> {
-    fn start(&mut self, system: &S, from: &Instant<S::State, R>, _duration: R) {
-        self.peaks.clear();
-        self.half_cycles = HalfCycles::start(from.time.value, system.primary(&from.state).x);
-    }
-
-    fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
-        monotone::<_, S, M>(span, |stretch| {
-            let time = span.start.plus(stretch.h[1]).value;
-            self.peaks.extend(self.half_cycles.reach(time, stretch.x[1]));
-        });
-    }
-
-    fn end(&mut self, _system: &S, _tally: &Tally<S::State, R>) {
-        if self.peaks.is_empty() {
-            self.peaks.push(self.half_cycles.current);
-        }
     }
 }

@@ -4,7 +4,7 @@ use crate::error::{Invalid, number};
 use crate::impact::Impact;
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::{Events, StickEpisode};
-use crate::peaks::{Envelope, Peak};
+use crate::peaks::Peak;
 use crate::sample::{Sampler, State};
 use crate::simulate::{Limits, Tally, simulate};
 use crate::system::System;
@@ -33,14 +33,15 @@ pub fn run<S: System>(
     start: &S::Start,
     limits: &Limits<S::Real>,
 ) -> Result<Run<S::State, S::Real>, Invalid> {
-    let mut observers = (Events::default(), (Envelope::default(), Measures::<S>::new(Wanted::ALL)));
+    let wanted = Wanted { envelope: true, ..Wanted::ALL };
+    let mut observers = (Events::default(), Measures::<S>::new(wanted));
     let tally = simulate(system, start, limits, None, &mut observers)?;
-    let (events, (envelope, measures)) = observers;
+    let (events, measures) = observers;
     Ok(Run {
         tally,
         impacts: events.impacts,
         episodes: events.episodes,
-        peaks: envelope.peaks,
+        peaks: measures.envelope().to_vec(),
         measures: *measures.values(),
     })
 }

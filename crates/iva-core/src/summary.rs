@@ -9,6 +9,7 @@ use crate::impact::Impact;
 use crate::measures::forced::Forced;
 use crate::measures::{MeasureValues, Measures, Wanted};
 use crate::observe::{Contact, Observer, Span, StickEpisode};
+use crate::peaks::Peak;
 use crate::plain::State;
 use crate::real::Real;
 use crate::simulate::{Instant, Tally};
@@ -63,6 +64,11 @@ impl<R: Real, S: System<Real = R>, O> Summary<S, O> {
     /// The measures; complete once the run has ended.
     pub fn values(&self) -> &MeasureValues<R> {
         self.measures.values()
+    }
+
+    /// All peaks of x, if they were wanted; complete once the run has ended.
+    pub fn envelope(&self) -> &[Peak<R>] {
+        self.measures.envelope()
     }
 
     /// The steady state, if it was asked for; complete once the run has ended.
@@ -129,7 +135,11 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Summary<S, O>
             self.measures.span(system, span);
             return self.steady.span(system, span);
         };
-        if !forced.is_wanted() {
+        let wanted = forced.is_wanted();
+        if !M::RIDING {
+            self.measures.list_peaks(system, span);
+        }
+        if !wanted {
             return;
         }
         if M::RIDING {

@@ -1,5 +1,5 @@
-//! Points that are run side by side: those of a study that wants the summary, and impacts with their errors and
-//! stick episodes at most.
+//! Points that are run side by side: those of a study that wants the summary, and events, their errors and the
+//! envelope at most.
 //!
 //! Whether a point goes side by side, and in which tier, is decided by the study and by the point alone. The
 //! points of a part are grouped after that, one group for each kind of scene, so that no row depends on what
@@ -91,7 +91,7 @@ impl Part<'_> {
                 let found = (tally.without_state(), *measures, *steady);
                 match Ended::new(&designs[place], found, tier, request.reduction, cancel) {
                     Ok(run) => {
-                        let [condition, digits] = Estimates::<S>::of_run(&listed.1);
+                        let [condition, digits] = Estimates::<S>::of_run(&listed.errors);
                         ended[place] = Some((Ended { condition, digits, ..run }, listed));
                     }
                     Err(error) => refused = Some(error),

@@ -12,7 +12,7 @@ use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
-use iva_core::lanes::Tier;
+use iva_core::lanes::{Listed, Tier};
 use iva_core::propagation::{Differentiable, Errors};
 use iva_core::simulate::Outcome;
 
@@ -206,8 +206,9 @@ fn run_chunk(
     let ended = side_by_side::run(designs, request, cancel)?;
     for (point, (design, ended)) in points.clone().zip(designs.iter().zip(ended)) {
         let ended = match ended {
-            Some((ended, (Some(events), errors))) => {
-                list(study, point, design, request, (events, &errors), &mut into(builders));
+            Some((ended, Listed { events, errors, envelope })) if request.has_rows() => {
+                let found = (events, envelope.as_deref().unwrap_or_default(), &errors);
+                list(study, point, design, request, found, &mut into(builders));
                 ended
             }
             Some((ended, _)) => ended,

@@ -5,7 +5,6 @@ use iva_core::error::Invalid;
 use iva_core::force::Force;
 use iva_core::measures::{MeasureValues, Measures, Wanted};
 use iva_core::observe::Events;
-use iva_core::peaks::Envelope;
 use iva_core::piva::Parameters;
 use iva_core::propagation::{Differentiable, Errors};
 use iva_core::sample::{Sampler, State};
@@ -58,9 +57,9 @@ fn run<S: Differentiable>(
     limits.check()?;
     let times = (0..=SAMPLES).map(|k| limits.duration * (f64::from(k) / f64::from(SAMPLES)));
     let mut observers = (
-        (Events::default(), Envelope::default()),
+        Events::default(),
         (
-            (Measures::<S>::new(Wanted::ALL), Errors::default()),
+            (Measures::<S>::new(Wanted { envelope: true, ..Wanted::ALL }), Errors::default()),
             (
                 Steady::new(window, SteadyWanted::ALL),
                 (Sampler::with_events(times.collect()), walls),
@@ -71,10 +70,10 @@ fn run<S: Differentiable>(
     if tally.outcome != Outcome::Finished {
         return Ok(());
     }
-    let ((events, envelope), ((measures, errors), (steady, (sampler, walls)))) = observers;
+    let (events, ((measures, errors), (steady, (sampler, walls)))) = observers;
     judge_tally(system, &tally);
     judge_events(system, &events);
-    for peak in &envelope.peaks {
+    for peak in measures.envelope() {
         finite("peak", [peak.time, peak.displacement]);
     }
     judge_measures(measures.values());

@@ -45,7 +45,7 @@ impl<R: Real, C: Coupling<Real = R>, const STUCK: bool> Motion for Segment<'_, C
     }
 
     fn fast_path(&self, length: R) -> Option<FastFlight<CoupledState<R>, R>> {
-        if STUCK {
+        if STUCK || !R::FAST_PATHS {
             return None;
         }
         R::dispatched(

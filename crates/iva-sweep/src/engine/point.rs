@@ -9,7 +9,7 @@ use iva_core::measures::Wanted;
 use iva_core::measures::near_wall::NearWall;
 use iva_core::measures::pass::{Pass, Passes};
 use iva_core::observe::{Events, Observer};
-use iva_core::peaks::Envelope;
+use iva_core::peaks::Peak;
 use iva_core::piva::Piva;
 use iva_core::real::Real;
 use iva_core::simulate::simulate_from;
@@ -64,6 +64,7 @@ impl Request {
                 residual: needs(Group::Residual),
                 ledger: needs(Group::Ledger),
                 first_period: needs(Group::FirstPeriod),
+                envelope: asked(Table::Envelope),
             },
             steady: SteadyWanted {
                 amplitude: needs(Group::Amplitude) || needs(Group::Reduction),
@@ -84,11 +85,10 @@ impl Request {
 }
 
 impl Request {
-    /// True if the summary is wanted, and nothing else of a run but its events and their errors: no envelope, no
+    /// True if the summary is wanted, and nothing else of a run but its events, their errors and its envelope: no
     /// strobes, no measure with a pass of its own.
     pub fn goes_side_by_side(&self) -> bool {
-        let Self { summary, envelope, steady, named, .. } = self;
-        *summary && !(*envelope || steady.strobes) && named.is_empty()
+        self.summary && !self.steady.strobes && self.named.is_empty()
     }
 
     /// The measures with passes of their own, in order of their names in `named`.
@@ -98,9 +98,14 @@ impl Request {
         self.named.iter().filter_map(made).collect()
     }
 
+    /// True if a table beside the summary has rows of a run that goes side by side.
+    pub fn has_rows(&self) -> bool {
+        self.lists() || self.envelope
+    }
+
     /// What is wanted of a run that goes side by side, beside its measures.
     pub fn listing(&self) -> Listing {
-        Listing { events: self.lists(), errors: self.errors }
+        Listing { events: self.lists(), errors: self.errors, envelope: self.envelope }
     }
 
     /// True if impacts or stick episodes are wanted.
@@ -164,7 +169,7 @@ pub(crate) fn list<R: Real, E>(
     point: u64,
     design: &Design<R>,
     request: &Request,
-    (events, estimates): (Events<R>, &E),
+    (events, envelope, estimates): (Option<Events<R>>, &[Peak<R>], &E),
     take: &mut Take<'_, R>,
 ) where
     E: Estimates<Siva<UndrivenHost<R>>>
@@ -174,7 +179,7 @@ pub(crate) fn list<R: Real, E>(
         + Estimates<Piva<R>>,
 {
     let point = Point { study, point, design, request, cancel: &AtomicBool::new(false) };
-    let found = Seen { events: Some(events), envelope: None, steady: None, estimates };
+    let found = Seen { events, envelope, steady: None, estimates };
     for table in &study.tables {
         with_system!(&design.scene, |system, _start| point.rows(*table, system, &found, take));
     }
@@ -191,7 +196,7 @@ struct Point<'a, R: Real> {
 /// The events that a run has shown to its observers.
 struct Seen<'a, R, E> {
     events: Option<Events<R>>,
-    envelope: Option<Envelope<R>>,
+    envelope: &'a [Peak<R>],
     steady: Option<&'a Steady<R>>,
     estimates: &'a E,
 }
@@ -209,21 +214,20 @@ impl<R: Real> Point<'_, R> {
         let from = if system.is_driven() { design.window.from } else { design.begin };
         let extremes = request.summary && request.wants_extremes(system);
         let steady = request.steady_of(system).map(|wanted| (wanted, design.window));
-        let wanted = if request.summary { request.wanted } else { Wanted::NONE };
+        let nothing = Wanted { envelope: request.envelope, ..Wanted::NONE };
+        let wanted = if request.summary { request.wanted } else { nothing };
         let passes = Passes::new(from, request.passes());
-        let asked = request.summary || steady.is_some();
+        let asked = request.summary || request.envelope || steady.is_some();
         let summary = asked.then(|| Summary::<S>::new(wanted, steady));
         let mut observers = (
             request.lists().then(Events::default),
-            (
-                request.envelope.then(Envelope::default),
-                (summary, ((extremes.then(|| Extremes::new(from)), passes), estimates)),
-            ),
+            (summary, ((extremes.then(|| Extremes::new(from)), passes), estimates)),
         );
         let (begin, limits) = (design.begin, &design.limits);
         let tally = simulate_from(system, start, begin, limits, Some(cancel), &mut observers)?;
-        let (events, (envelope, (summary, ((extremes, passes), estimates)))) = observers;
+        let (events, (summary, ((extremes, passes), estimates))) = observers;
         let steady = summary.as_ref().and_then(Summary::steady);
+        let envelope = summary.as_ref().map_or(&[][..], Summary::envelope);
         let found = Seen { events, envelope, steady, estimates: &estimates };
         for table in &study.tables {
             self.rows(*table, system, &found, take);
@@ -267,7 +271,7 @@ impl<R: Real> Point<'_, R> {
                 }
             }
             Table::Envelope => {
-                let peaks = seen.envelope.as_ref().map_or(&[][..], |envelope| &envelope.peaks);
+                let peaks = seen.envelope;
                 for index in 0..peaks.len() {
                     row(&mut self.numbered(&PeakRow { index, peaks, scale }));
                 }

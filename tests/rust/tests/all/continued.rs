@@ -9,8 +9,8 @@ use iva_core::{
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
     impact::Impact,
+    measures::{Measures, Wanted},
     observe::{Events, Observer, StickEpisode},
-    peaks::Envelope,
     piva::{Parameters, Piva},
     propagation::{Differentiable, Errors},
     sample::Sampler,
@@ -207,14 +207,15 @@ fn observers_see_a_run_from_its_begin_on() {
     let times: Vec<f64> = (0..=300).map(|k| 0.1 * f64::from(k)).collect();
     let window = Window { from: 0.0, cycle: Some(push) };
     let wanted = SteadyWanted { strobes: true, ..SteadyWanted::ALL };
+    let listed = Wanted { envelope: true, ..Wanted::NONE };
     let observers =
-        || (Sampler::at(times.clone()), (Envelope::default(), Steady::new(window, wanted)));
+        || (Sampler::at(times.clone()), (Measures::new(listed), Steady::new(window, wanted)));
     let (mut whole, mut rest) = (observers(), observers());
     let limits = Limits::new(30.0, 0.7);
     simulate(&siva, &start, &limits, None, &mut whole).unwrap();
     let first = simulate(&siva, &start, &Limits::new(12.34, 0.7), None, &mut ()).unwrap();
     resume(&siva, &first.instant(), &limits, None, &mut rest).unwrap();
-    let (states, peaks) = (&rest.0.states, &rest.1.0.peaks);
+    let (states, peaks) = (&rest.0.states, rest.1.0.envelope());
     assert_eq!(states.len(), times.iter().filter(|time| **time >= 12.34).count());
     for (a, b) in states.iter().rev().zip(whole.0.states.iter().rev()) {
         assert_eq!(a.time, b.time);

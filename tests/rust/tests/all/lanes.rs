@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
-use iva_core::lanes::{self, Ended, Job, LANES, Listing, SideBySide, Tier};
+use iva_core::lanes::{self, Ended, Job, LANES, Listed, Listing, SideBySide, Tier};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::observe::Events;
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
@@ -29,11 +29,13 @@ fn alone<S: SideBySide>(decay: &Job<S>) -> String {
 
 pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
     let observers = (Events::default(), S::LISTS.then(Errors::default));
+    let wanted = Wanted { envelope: true, ..wanted };
     let mut watch = (Summary::<S>::new(wanted, decay.steady), observers);
     let tally = simulate(&decay.system, &decay.start, &decay.limits, None, &mut watch).unwrap();
     let (summary, (events, errors)) = watch;
     let ended = (tally, *summary.values(), summary.steady_values().copied());
-    format!("{ended:?} {events:?} {}", told(errors.as_ref()))
+    let peaks = summary.envelope();
+    format!("{ended:?} {events:?} {} {peaks:?}", told(errors.as_ref()))
 }
 
 /// What users are told of errors, where lanes know their impacts.
@@ -53,33 +55,26 @@ pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted)
         found[i] = format!("{decayed:?}");
     })
     .unwrap();
-    // The same runs with their impacts, their errors and stick episodes.
-    let mut listed =
-        [Listing { events: true, errors: S::LISTS }, Listing { events: true, errors: false }].map(
-            |listing| {
-                let mut listed = vec![(None, None); scenes.len()];
-                lanes::run_listed(
-                    scenes,
-                    (wanted, listing),
-                    None,
-                    &mut |i, ended: &Ended<S>, more| {
-                        assert_eq!(
-                            found[i],
-                            format!("{ended:?}"),
-                            "scene {i} is another one where it is listed"
-                        );
-                        listed[i] = more;
-                    },
-                )
-                .unwrap();
-                listed
-            },
-        );
+    // The same runs with their impacts and stick episodes, and with errors or peaks.
+    let listings = [(S::LISTS, false), (false, true)].map(|(errors, envelope)| Listing {
+        events: true,
+        errors,
+        envelope,
+    });
+    let mut listed = listings.map(|listing| {
+        let mut listed = vec![Listed::default(); scenes.len()];
+        lanes::run_listed(scenes, (wanted, listing), None, &mut |i, ended: &Ended<S>, more| {
+            assert_eq!(found[i], format!("{ended:?}"), "scene {i} by {listing:?}");
+            listed[i] = more;
+        })
+        .unwrap();
+        listed
+    });
     for i in 0..scenes.len() {
-        let [(events, errors), (same, _)] =
-            listed.each_mut().map(|listed| std::mem::take(&mut listed[i]));
-        assert_eq!(events, same, "scene {i}");
-        found[i] = format!("{} {:?} {}", found[i], events.unwrap(), told(errors.as_deref()));
+        let [estimated, peaked] = listed.each_mut().map(|listed| std::mem::take(&mut listed[i]));
+        assert_eq!(estimated.events, peaked.events, "scene {i}");
+        let (events, errors) = (peaked.events.unwrap(), told(estimated.errors.as_deref()));
+        found[i] = format!("{} {events:?} {errors} {:?}", found[i], peaked.envelope.unwrap());
     }
     found
 }

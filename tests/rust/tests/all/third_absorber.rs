@@ -132,17 +132,18 @@ fn jobs() -> Vec<Job<Coupled<Dashpot>>> {
 fn sweeps_of_it_are_its_runs() {
     let jobs = jobs();
     let mut seen = vec![false; jobs.len()];
-    let all = (Wanted::ALL, Listing { events: true, errors: true });
-    lanes::run_listed(&jobs, all, None, &mut |i, (tally, measures, _), (events, errors)| {
+    let all = (Wanted::ALL, Listing { events: true, errors: true, envelope: true });
+    lanes::run_listed(&jobs, all, None, &mut |i, (tally, measures, _), listed| {
         let Job { system, start, limits, .. } = &jobs[i];
         let alone = run(system, start, limits).unwrap();
         assert_eq!((*tally, *measures), (alone.tally, alone.measures), "{i}");
-        let events = events.unwrap();
+        let events = listed.events.unwrap();
         assert_eq!((events.impacts, events.episodes), (alone.impacts, alone.episodes), "{i}");
+        assert_eq!(listed.envelope.unwrap(), alone.peaks, "{i}");
         let mut truth = Errors::default();
         simulate(system, start, limits, None, &mut truth).unwrap();
         let told = |it: &Errors| format!("{:?} {:?}", it.impacts, it.condition());
-        assert_eq!(told(&errors.unwrap()), told(&truth), "{i}");
+        assert_eq!(told(&listed.errors.unwrap()), told(&truth), "{i}");
         seen[i] = true;
     })
     .unwrap();
