@@ -23,7 +23,8 @@
 //!
 //! Natural units throughout: ωn = 1, M = 1, lengths as the user gives them. Where things are:
 //!
-//! * [`system`] is the interface that an absorber implements; [`siva`] is a free mass, [`piva`] a pendulum.
+//! * [`system`] is the interface that an absorber implements; [`siva`] is a free mass, [`piva`] a pendulum,
+//!   [`coupled`] a free mass with a dashpot or a spring in its gap.
 //! * [`real`] holds the number types of a motion: doubles, double-doubles, and numbers with derivatives.
 //! * [`host`] is the primary structure: an [`oscillator`] and the [`force`] that drives it. It knows no
 //!   absorber.
@@ -38,10 +39,12 @@
 //! * Measures of free masses are computed from a `log` after the run: those of a decay from the begins of its
 //!   motions (`measures/decay.rs`), whether it ran alone or in lanes of either tier; those of a run under one
 //!   harmonic force from its flights (`measures/forced.rs`). [`summary`] is the observer that logs. Lanes of pendulums hold copies of the
-//!   variables of their measures (`lanes/piva/watch.rs`).
+//!   variables of their measures (`lanes/piva/watch.rs`). Lanes of coupled masses log every flight, and their runs
+//!   notify their observers of them (`lanes/logged.rs`).
 //! * [`range`] holds the ranges of numbers that a run accepts.
-//! * [`observe`] is the interface of the observers of a run: [`measures`], [`peaks`], [`sample`], under force
-//!   [`steady`], and [`extremes`], the largest displacements and accelerations.
+//! * [`observe`] is the interface of the observers of a run: [`measures`], with the list of peaks; [`sample`]; under
+//!   force [`steady`]; [`extremes`], the largest displacements and accelerations; [`measures::pass`], measures of a
+//!   file each.
 //! * [`propagation`] is an observer too: it estimates how errors grow in a run.
 //! * [`run`] runs a system with the usual observers in one call.
 //! * [`theory`] holds steady states known in closed form; no run uses it.
