@@ -10,10 +10,14 @@ use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterio
 use iva_benches::{
     decays as scenes, driven_jobs, driven_pendulums, fast, swinging_decays, upright_decays,
 };
+use iva_core::coupled::Coupled;
 use iva_core::force::Acts;
-use iva_core::lanes::{self, Job, SideBySide};
+use iva_core::lanes::{self, Job, Listing, SideBySide};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::simulate::simulate;
+use iva_core::siva::Siva;
+use iva_core::system::{System, Wall};
+use iva_tests::dashpot::Dashpot;
 
 fn lanes(criterion: &mut Criterion) {
     for (name, narrowest) in [("wide gaps", 0.45), ("with chatter", 0.1)] {
@@ -35,6 +39,20 @@ fn lanes(criterion: &mut Criterion) {
     if let Ok(scenes) = upright_decays(5, 0.45) {
         compare(criterion, "free masses, upright", &scenes);
     }
+    if let Ok(scenes) = scenes(5, 0.45) {
+        compare(criterion, "free masses with a dashpot in the gap", &damped(&scenes));
+    }
+}
+
+/// Decays with a dashpot in the gap.
+fn damped(scenes: &[Job<Siva>]) -> Vec<Job<Coupled<Dashpot>>> {
+    let damped = |Job { system, start, begin, limits, tier, .. }: &Job<Siva>| {
+        let [e, d] = [system.rebound_ratio(Wall::Plus), system.clearance()];
+        let (mu, zeta) = (system.mass_ratio(), system.damping_ratio());
+        let system = Dashpot([mu, e, d, zeta, 0.02]).mounted();
+        Job { system, start: *start, begin: *begin, limits: *limits, steady: None, tier: *tier }
+    };
+    scenes.iter().map(damped).collect()
 }
 
 /// Driven runs one by one, side by side with all measures, and side by side with counts of impacts only.
@@ -104,6 +122,14 @@ fn beside<S: SideBySide>(group: &mut BenchmarkGroup<'_, WallTime>, scenes: &[Job
             });
         });
     }
+    let errors = Listing { errors: true, ..Listing::default() };
+    group.bench_function("side by side, impacts and errors", |bencher| {
+        bencher.iter(|| {
+            lanes::run_listed(black_box(scenes), (none, errors), None, &mut |_, decayed, listed| {
+                black_box((decayed, listed));
+            })
+        });
+    });
 }
 
 criterion_group!(benches, lanes);

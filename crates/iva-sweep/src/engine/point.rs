@@ -78,7 +78,11 @@ impl Request {
                 && (needs(Group::Reduction) || needs(Group::RmsReduction)),
             extremes: needs(Group::Travel),
             extremes_of_decays: needs(Group::Shaking),
-            named: study.measures.of(Group::Named).map(|column| column.name).collect(),
+            named: if asked(Table::Summary) {
+                study.measures.of(Group::Named).map(|column| column.name).collect()
+            } else {
+                Vec::new()
+            },
             columns: SummaryColumn::of(study),
         }
     }
