@@ -24,16 +24,28 @@ FORBIDDEN_CRATES = {
 # the driver knows no absorber; folders and studies print nothing and name no option of a front;
 # libraries do not end the process; one crate names pyo3.
 FRONT = r"\be?print(ln)?!|\bpyo3\b|--(out|overwrite|resume)\b|\b(overwrite|resume)=True"
+ABSORBERS = r"\b([sp]iva|[SP]iva|coupled|Coupled)\b"
 FORBIDDEN_WORDS = [
     ("crates/iva-core/src", r"\bstd::(fs|io|thread|time|env|process|net)\b|\bprintln!"),
-    ("crates/iva-core/src/simulate.rs", r"\b([sp]iva|[SP]iva)\b"),
-    ("crates/iva-core/src/contact.rs", r"\b([sp]iva|[SP]iva)\b"),
+    ("crates/iva-core/src/simulate.rs", ABSORBERS),
+    ("crates/iva-core/src/simulate", ABSORBERS),
+    ("crates/iva-core/src/contact.rs", ABSORBERS),
+    # Nor does a measure.
+    ("crates/iva-core/src/measures.rs", ABSORBERS),
+    ("crates/iva-core/src/measures", ABSORBERS),
+    ("crates/iva-core/src/steady.rs", ABSORBERS),
+    ("crates/iva-core/src/peaks.rs", ABSORBERS),
+    ("crates/iva-core/src/extremes.rs", ABSORBERS),
+    ("crates/iva-core/src/summary.rs", ABSORBERS),
+    ("crates/iva-core/src/log.rs", ABSORBERS),
+    ("crates/iva-core/src/coupled.rs", r"crate::(simulate|contact|run)\b"),
+    ("crates/iva-core/src/coupled", r"crate::(simulate|contact|run)\b"),
     ("crates/iva-core/src/siva.rs", r"crate::(simulate|contact|run)\b"),
     ("crates/iva-core/src/siva", r"crate::(simulate|contact|run)\b"),
     ("crates/iva-core/src/plain", r"crate::(simulate|contact|run)\b"),
     # A structure knows no absorber on it.
-    ("crates/iva-core/src/host.rs", r"crate::(siva|piva)\b"),
-    ("crates/iva-core/src/host", r"crate::(siva|piva)\b"),
+    ("crates/iva-core/src/host.rs", r"crate::(siva|piva|coupled)\b"),
+    ("crates/iva-core/src/host", r"crate::(siva|piva|coupled)\b"),
     ("crates/iva-core/src/piva.rs", r"crate::(simulate|contact|run)\b"),
     ("crates/iva-core/src/piva", r"crate::(simulate|contact|run)\b"),
     # The number of a process tells a fork; nothing else of processes is for sweeps.
