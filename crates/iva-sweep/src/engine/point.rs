@@ -27,6 +27,9 @@ use crate::error::Invalid;
 use crate::study::{Study, Table};
 use crate::tables::passes;
 
+/// The name of a measure, and what makes its pass.
+type NewPass<R> = (&'static str, fn() -> Box<dyn Pass<R>>);
+
 /// The tables and measures that a study wants from each run.
 #[derive(Debug)]
 pub(crate) struct Request {
@@ -97,7 +100,7 @@ impl Request {
 
     /// The measures with passes of their own, in order of their names in `named`.
     fn passes<R: Real>(&self) -> Vec<Box<dyn Pass<R>>> {
-        let all: &[(&str, fn() -> Box<dyn Pass<R>>)] = &entries::summary!(passes);
+        let all: &[NewPass<R>] = &entries::summary!(passes);
         let made = |name: &&str| all.iter().find(|it| it.0 == *name).map(|it| it.1());
         self.named.iter().filter_map(made).collect()
     }
