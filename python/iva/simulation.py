@@ -331,7 +331,8 @@ def simulate(
         ``stroboscope``; all by default. A long run without tables takes no memory.
     errors : bool, default False
         Estimate the error of every impact time: the columns ``time_error`` and ``near_grazing`` of
-        the impacts, ``condition`` and ``digits`` of the summary. A pendulum takes ten times as long.
+        the impacts, ``condition`` and ``digits`` of the summary. A pendulum takes ten times as
+        long.
     verify : bool, default False
         Run the scene again in numbers of twice the precision: `verification` of the run holds the
         true error of every number. It takes some fifty times as long.

@@ -85,8 +85,8 @@ def sweep(
         are up to four times as fast; impact times are off by some rounding units more.
     errors : bool, default False
         Estimate the error of every impact time: the columns ``time_error`` and ``near_grazing`` of
-        the impacts, ``condition`` and ``digits`` of the summary. Sweeps of free masses take twice as
-        long, those of pendulums ten times.
+        the impacts, ``condition`` and ``digits`` of the summary. Sweeps of free masses take twice
+        as long, those of pendulums ten times.
     tables : iterable of str, default ("summary",)
         Tables to make: ``summary``, ``impacts``, ``episodes``, ``envelope``, ``stroboscope``.
     out : str or path, optional
