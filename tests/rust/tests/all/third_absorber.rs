@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
-    coupled::{Coupled, CoupledState},
+    coupled::{Coupled, CoupledState, Coupling},
     lanes::{self, Job, Listing, Tier},
     measures::Wanted,
     observe::Events,
@@ -15,8 +15,10 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
     system::{Start, System},
+    taylor::Number,
 };
 use iva_tests::{U, dashpot::Dashpot, rng::Rng};
+use nalgebra::{Matrix4, Vector4};
 
 /// μ, e, d, ζ and the constant γ of the dashpot.
 const NUMBERS: [f64; 5] = [0.15, 0.6, 0.4, 0.02, 0.3];
@@ -148,4 +150,88 @@ fn sweeps_of_it_are_its_runs() {
     })
     .unwrap();
     assert!(seen.iter().all(|seen| *seen));
+}
+
+/// A free mass with a dashpot and a spring in its gap: μ, e, d, ζ, γ of the dashpot, and κ of the spring over the
+/// absorber's mass.
+#[derive(Debug, Clone, Copy)]
+struct Sprung([f64; 6]);
+
+impl Coupling for Sprung {
+    type Real = f64;
+
+    fn constants(&self) -> [f64; 3] {
+        let [mu, e, d, ..] = self.0;
+        [mu, e, d]
+    }
+
+    #[inline(always)]
+    fn rates<T: Number<Real = f64>>(&self, [x, v, y, w]: [T; 4]) -> [T; 2] {
+        let [mu, _, _, zeta, gamma, kappa] = self.0.map(T::from_real);
+        let pull = gamma * w + kappa * y;
+        let a = mu * pull - (x + (zeta + zeta) * v);
+        [a, -(a + pull)]
+    }
+
+    fn dampers(&self) -> [f64; 2] {
+        let [mu, _, _, zeta, gamma, _] = self.0;
+        [zeta * 2.0, mu * gamma]
+    }
+
+    fn spring(&self) -> f64 {
+        self.0[0] * self.0[5]
+    }
+}
+
+/// In a gap that it never crosses it is a tuned damper: the motion is e^{Mt} of its start. (A matrix exponential by
+/// another library; here for 40 times the reach of one series.)
+#[test]
+fn a_spring_in_a_wide_gap_makes_it_a_tuned_damper() {
+    let [mu, zeta, gamma, kappa] = [0.1, 0.02, 0.2, 0.8];
+    let sprung = Coupled::new(Sprung([mu, 0.5, 100.0, zeta, gamma, kappa]));
+    let duration = 30.0;
+    let found = run(&sprung, &start(), &Limits::new(duration, 100.0)).unwrap();
+    assert_eq!((found.tally.outcome, found.tally.impacts), (Outcome::Finished, 0));
+    let on_x = Matrix4::new(
+        0.0,
+        1.0,
+        0.0,
+        0.0, //
+        -1.0,
+        -2.0 * zeta,
+        mu * kappa,
+        mu * gamma, //
+        0.0,
+        0.0,
+        0.0,
+        1.0, //
+        1.0,
+        2.0 * zeta,
+        -(1.0 + mu) * kappa,
+        -(1.0 + mu) * gamma,
+    );
+    let truth = (on_x * duration).exp() * Vector4::new(1.0, 0.0, 0.0, 0.0);
+    let last = sprung.primary(&found.tally.state);
+    assert!((last.x - truth[0]).abs() < 1e-13 && (last.v - truth[1]).abs() < 1e-13, "{last:?}");
+    let m = found.measures;
+    assert!(m.energy_residual.abs() < 1e-14, "{:e}", m.energy_residual);
+    assert!(m.energy_pivot > 0.1, "{}", m.energy_pivot);
+}
+
+/// The energies of impacts, dashpot, spring and structure add up, also where the mass sticks to a wall.
+#[test]
+fn energies_with_a_spring_add_up() {
+    let mut episodes = 0;
+    for kappa in [0.05, 0.8, 4.0] {
+        for (e, gamma) in [(0.0, 0.3), (0.6, 0.05), (0.6, 2.0), (1.0, 0.0)] {
+            let sprung = Coupled::new(Sprung([0.15, e, 0.2, 0.02, gamma, kappa]));
+            let found = run(&sprung, &start(), &Limits::new(15.0 * TAU, 0.2)).unwrap();
+            assert_eq!(found.tally.outcome, Outcome::Finished, "{kappa} {e} {gamma}");
+            assert!(found.tally.impacts > 0, "{kappa} {e} {gamma}");
+            let residual = found.measures.energy_residual;
+            assert!(residual.abs() < 3e-14, "{kappa} {e} {gamma}: {residual:e}");
+            episodes += found.tally.episodes;
+        }
+    }
+    assert!(episodes > 0);
 }
