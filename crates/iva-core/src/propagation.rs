@@ -10,7 +10,8 @@
 //! with J the derivative of the velocity jump, f the rates before and after, n the gradient of the gap (P. C.
 //! Müller, Chaos, Solitons & Fractals 5 (1995) 1671–1681). The rounding and truncation errors of each segment
 //! are treated as independent random errors: their covariance P changes over a segment to Φ P Φᵀ + Q. A
-//! summed chatter conserves momentum and centre of mass, a release is smooth.
+//! summed chatter conserves momentum and centre of mass, a release is smooth. The segments of a pendulum are its
+//! steps; those of a free mass, whose motion is linear, are the whole motions between two events.
 //!
 //! Rounding errors are not independent where a wall is hit again and again: a chatter uses the same rounded
 //! constants at every rebound. Such correlated errors are columns that add up, and join the covariance when
