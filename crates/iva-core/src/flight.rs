@@ -6,6 +6,7 @@
 //! rigorous enclosures.
 
 use crate::compensated::DoubleDouble;
+use crate::polynomial::largest;
 use crate::quintic::{BEND_OFF, OFF, SLOPE_OFF, bernstein};
 use crate::real::Real;
 use crate::system::{Point, Wall};
@@ -176,7 +177,7 @@ impl<R: Real> Arc<R> {
     pub fn is_monotone(&self) -> bool {
         let b = bernstein(&self.begin, &self.end);
         let steps = [b[1] - b[0], b[2] - b[1], b[3] - b[2], b[4] - b[3], b[5] - b[4]];
-        let off = self.sixth * (SLOPE_OFF / 5.0) + largest(&b) * ROUNDING;
+        let off = self.sixth * (SLOPE_OFF / 5.0) + largest_size(&b) * ROUNDING;
         one_sign(&steps, off)
     }
 
@@ -186,7 +187,7 @@ impl<R: Real> Arc<R> {
     pub fn turns_once(&self) -> bool {
         let b = bernstein(&self.begin, &self.end);
         let bend = |i: usize| (b[i + 2] - b[i + 1]) - (b[i + 1] - b[i]);
-        let off = self.sixth * (BEND_OFF / 20.0) + largest(&b) * ROUNDING;
+        let off = self.sixth * (BEND_OFF / 20.0) + largest_size(&b) * ROUNDING;
         (self.begin[1] * self.end[1] < 0.0) & one_sign(&[bend(0), bend(1), bend(2), bend(3)], off)
     }
 }
@@ -201,7 +202,7 @@ fn one_sign<R: Real, const N: usize>(values: &[R; N], off: R) -> bool {
 
 /// The largest absolute value.
 #[inline(always)]
-fn largest<R: Real, const N: usize>(values: &[R; N]) -> R {
+fn largest_size<R: Real, const N: usize>(values: &[R; N]) -> R {
     values.iter().fold(R::ZERO, |most, value| R::larger(value.abs(), most))
 }
 
@@ -326,6 +327,27 @@ pub trait Motion {
         _end: &Self::State,
     ) -> Option<Self::Real> {
         None
+    }
+    /// The larger of `least` and the largest size of a quantity between two values of h, from the power series of the
+    /// motion.
+    fn largest_between(&self, of: Quantity, h: [Self::Real; 2], least: Self::Real) -> Self::Real {
+        let Some(rows) = self.rows() else { return least };
+        let row = match of {
+            Quantity::Displacement => &rows.x,
+            Quantity::Acceleration => &rows.acceleration,
+        };
+        largest(&row[..=rows.order], h.map(|h| h / rows.step), least)
+    }
+    /// [`Motion::largest`], or else [`Motion::largest_between`].
+    fn largest_of(
+        &self,
+        of: Quantity,
+        least: Self::Real,
+        length: Self::Real,
+        end: &Self::State,
+    ) -> Self::Real {
+        let most = self.largest(of, least, length, end);
+        most.unwrap_or_else(|| self.largest_between(of, [Self::Real::ZERO, length], least))
     }
     /// The power series of the structure's motion; `None` if the motion is evaluated in another way.
     fn rows(&self) -> Option<Rows<Self::Real>> {

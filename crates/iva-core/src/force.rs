@@ -183,6 +183,12 @@ impl<R: Real> Force<R> {
         self.harmonics.len() == 1 && self.records.is_empty() && self.kicks.is_empty()
     }
 
+    /// The record, if it consists of one record only. (Its jumps are at its ends.)
+    pub(crate) fn record_alone(&self) -> Option<&Record<R>> {
+        let alone = self.harmonics.is_empty() && self.impulses().next().is_none();
+        if let [record] = self.records.as_slice() { alone.then_some(record) } else { None }
+    }
+
     /// True if it has harmonic or recorded parts, not impulses only.
     pub fn lasts(&self) -> bool {
         !(self.harmonics.is_empty() && self.records.is_empty())
@@ -194,8 +200,11 @@ impl<R: Real> Force<R> {
             || self.records.iter().any(|record| record.acts == Acts::Base)
     }
 
-    /// Largest |a_g| between two instants, if the force is one harmonic motion of the base.
+    /// Largest |a_g| between two instants, if the force is one harmonic or recorded motion of the base.
     pub fn largest_base(&self, between: [R; 2]) -> Option<R> {
+        if let Some(record) = self.record_alone().filter(|it| it.acts == Acts::Base) {
+            return Some(record.largest_between(between));
+        }
         let harmonic = self.harmonics.first().filter(|it| it.acts == Acts::Base)?;
         self.is_single().then(|| harmonic.largest_between(between))
     }

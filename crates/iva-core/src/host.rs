@@ -24,7 +24,8 @@ use crate::real::Real;
 use crate::system::Clock;
 
 pub use alone::{Alone, AloneFlight};
-pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Source, Weight};
+pub(crate) use driven::{Block, Plain};
+pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Pieces, Place, Source, Weight};
 pub use steps::Steps;
 pub use undriven::UndrivenHost;
 
@@ -222,6 +223,18 @@ pub trait Host: Clone + std::fmt::Debug {
     /// The motion over whole steps of a structure without drive, where flights are decided in closed form.
     fn steps(&self) -> Option<&Steps<Self::Real>> {
         None
+    }
+    /// The motion from point to point of a record that drives the structure.
+    fn pieces(&self) -> Option<&Pieces<Self::Real>> {
+        None
+    }
+    /// The place in the record of a state of the drive, if it is at a point.
+    fn place(&self, _phase: &Phase<Self>) -> Option<Place> {
+        None
+    }
+    /// The state of the drive at a place in the record, no impulse having acted in between.
+    fn at(&self, phase: &Phase<Self>, _place: Place) -> Phase<Self> {
+        *phase
     }
     /// The structure with the absorber stuck to it, mass 1 + μ.
     fn loaded(&self) -> &Self::Structure;

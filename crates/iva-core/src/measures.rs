@@ -131,6 +131,8 @@ pub struct Measures<S: System> {
     pub(crate) viscous: DoubleDouble<S::Real>,
     pub(crate) pivot: DoubleDouble<S::Real>,
     pub(crate) work: DoubleDouble<S::Real>,
+    /// True if a lasting force drives the system.
+    driven: bool,
     /// The log of a decay from which the measures are computed; `None`: they are taken stretch by stretch.
     pub(crate) decay: Option<Box<Decay>>,
 }
@@ -164,6 +166,7 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
             viscous: DoubleDouble::ZERO,
             pivot: DoubleDouble::ZERO,
             work: DoubleDouble::ZERO,
+            driven: false,
             decay: None,
         }
     }
@@ -299,7 +302,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         *self = Self::new(self.wanted);
         let Point { x, v } = system.primary(state);
         self.log_decay(system, spare, v.double());
-        (self.begin, self.duration) = (time.value, duration);
+        (self.begin, self.duration, self.driven) = (time.value, duration, system.is_driven());
         self.reference = Reference { amplitude: x.abs(), settled: x != 0.0 };
         self.half_cycles = HalfCycles::start(time.value, x);
         self.values.energy_initial = system.energy(state);
@@ -332,6 +335,12 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         } else if to_period > R::TURN.value * CLOSE && to_period < span.length {
             self.one_period(system.energy(&span.motion.state(to_period)));
         }
+    }
+
+    /// Under a force only energies are measured, and peaks if they are to be listed.
+    fn looks_within(&self) -> bool {
+        let Wanted { ledger, envelope, .. } = self.wanted;
+        if self.driven { ledger || envelope } else { self.decay.is_none() }
     }
 
     fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State, R>) {

@@ -31,6 +31,7 @@ pub(crate) mod coasts;
 pub(crate) mod exact;
 pub(crate) mod motion;
 mod parameters;
+mod pieces;
 pub(crate) mod proof;
 mod ride;
 mod state;
@@ -289,6 +290,9 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     }
 
     fn coasts(&self, state: &Self::State, remaining: R) -> usize {
+        if let Some(pieces) = self.host.pieces() {
+            return self.drifts(pieces, state, remaining);
+        }
         let Some(steps) = self.host.steps() else { return 0 };
         let within = [1.0 / self.clearance.double(), remaining.double()];
         f64::dispatched(
@@ -298,6 +302,9 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     }
 
     fn coasted(&self, state: &Self::State, count: usize) -> (Self::State, Clock<R>) {
+        if let Some(pieces) = self.host.pieces() {
+            return self.drifted(pieces, state, count);
+        }
         let Some(steps) = self.host.steps() else { return (*state, Clock::ZERO) };
         R::dispatched(
             #[inline(always)]

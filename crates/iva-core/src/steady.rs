@@ -126,6 +126,8 @@ pub struct Steady<R = f64> {
     base_moves: bool,
     /// True if the largest |a_g| is known in closed form.
     base_known: bool,
+    /// True if the window has begun.
+    begun: bool,
     impacts: u64,
     streak: Streak<R>,
 }
@@ -280,17 +282,10 @@ fn largest_in<R: Real, M: Motion<Real = R>>(
     h: [R; 2],
     least: R,
 ) -> R {
-    let whole = h == [R::ZERO, span.length];
-    let plain = whole.then(|| span.motion.largest(of, least, span.length, span.end));
-    if let Some(most) = plain.flatten() {
-        return most;
+    if h == [R::ZERO, span.length] {
+        return span.motion.largest_of(of, least, span.length, span.end);
     }
-    let Some(rows) = span.motion.rows() else { return least };
-    let row = match of {
-        Quantity::Displacement => &rows.x,
-        Quantity::Acceleration => &rows.acceleration,
-    };
-    largest(&row[..=rows.order], h.map(|h| h / rows.step), least)
+    span.motion.largest_between(of, h, least)
 }
 
 /// A number of cycles, made an integer if it is one within rounding.
@@ -305,7 +300,15 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
         let window = Window { from: self.window.from.max(from.time.value), ..self.window };
         let base = system.largest_base([window.from, duration]);
         let (base, base_known) = (base.unwrap_or(R::ZERO), base.is_some());
-        *self = Self { duration, base_moves, base, base_known, ..Self::new(window, self.wanted) };
+        let begun = from.time.minus(window.from) >= 0.0;
+        *self = Self {
+            duration,
+            base_moves,
+            base,
+            base_known,
+            begun,
+            ..Self::new(window, self.wanted)
+        };
         self.next = if self.wanted.strobes { 0 } else { self.window.last_kept(duration) };
         self.next = self.next.max(self.window.first());
         self.instant = self.window.instant(self.next);
@@ -316,10 +319,17 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
         }
     }
 
+    fn looks_within(&self) -> bool {
+        let whole = self.begun && (self.base_known || !self.base_moves);
+        let largest_only = !self.wanted.rms && self.next_strobe().is_none();
+        self.wanted.any() && !(whole && largest_only)
+    }
+
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
         if !self.wanted.any() {
             return;
         }
+        self.begun = span.start.plus(span.length).minus(self.window.from) >= 0.0;
         let begin = (-span.start.minus(self.window.from)).max(0.0);
         if begin < span.length {
             self.part(span, [begin, span.length]);

@@ -123,7 +123,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Summary<S, O>
     }
 
     fn looks_within(&self) -> bool {
-        self.measures.decay.is_none() || self.steady.is_some() || self.beside.looks_within()
+        Observer::<S>::looks_within(&self.measures)
+            || Observer::<S>::looks_within(&self.steady)
+            || self.beside.looks_within()
     }
 
     fn span<M>(&mut self, system: &S, span: &Span<'_, M>)

@@ -3,7 +3,8 @@
 //! A record is kept in the user's time. Its knots in natural time are products in double-double, identical at
 //! every evaluation, so that a step can end exactly on a knot.
 
-use std::sync::Arc;
+use std::any::Any;
+use std::sync::{Arc, Mutex};
 
 use super::Acts;
 use crate::compensated::DoubleDouble;
@@ -20,6 +21,18 @@ pub struct History {
     sizes: [[f64; 2]; 2],
     /// Largest size of a slope.
     steepest: f64,
+    kept: Kept,
+}
+
+/// What the last structure has computed from a history, for the next one that moves in the same way.
+#[derive(Debug, Clone, Default)]
+struct Kept(Arc<Mutex<Option<Arc<dyn Any + Send + Sync>>>>);
+
+/// A history is its numbers.
+impl PartialEq for Kept {
+    fn eq(&self, _other: &Self) -> bool {
+        true
+    }
 }
 
 impl History {
@@ -54,7 +67,23 @@ impl History {
         let sizes = [extremes(&times), extremes(&values)];
         let slope = |i: usize| ((values[i] - values[i - 1]) / (times[i] - times[i - 1])).abs();
         let steepest = (1..times.len()).map(slope).fold(0.0, |most, slope| most.max(slope));
-        Ok(Self { times, values, sizes, steepest })
+        Ok(Self { times, values, sizes, steepest, kept: Kept::default() })
+    }
+
+    /// What was computed from it before, if `fits`; otherwise what `make` computes, which is kept.
+    pub(crate) fn kept<T: Any + Send + Sync>(
+        &self,
+        fits: impl Fn(&T) -> bool,
+        make: impl FnOnce() -> T,
+    ) -> Arc<T> {
+        // Whoever held the lock has at worst kept nothing.
+        let mut kept = self.kept.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let before = kept.clone().and_then(|it| it.downcast::<T>().ok());
+        before.filter(|it| fits(it)).unwrap_or_else(|| {
+            let made = Arc::new(make());
+            *kept = Some(Arc::clone(&made) as Arc<dyn Any + Send + Sync>);
+            made
+        })
     }
 
     /// The times, increasing.
@@ -100,7 +129,7 @@ impl<R: Real> Record<R> {
     }
 
     /// The largest size of its derivative of this order.
-    pub(super) fn largest(&self, order: i32) -> R {
+    pub(crate) fn largest(&self, order: i32) -> R {
         match order {
             0 => (self.scale * self.history.sizes[1][1]).abs(),
             1 => (self.scale * self.history.steepest / self.rate).abs(),
@@ -108,8 +137,30 @@ impl<R: Real> Record<R> {
         }
     }
 
+    /// The largest size between two instants: at one of them, or at a point in between.
+    pub(super) fn largest_between(&self, between: [R; 2]) -> R {
+        let [from, to] = between.map(DoubleDouble::new);
+        let [first, last] = [from, to].map(|time| self.passed(time));
+        let points = (first..last).map(|index| self.value(index).value.abs());
+        let ends = [(from, from), (self.last_knot(to).unwrap_or(to), to)].map(|(piece, time)| {
+            // The value before a jump at the end counts as well.
+            self.piece(piece).at(time)[0].value.abs()
+        });
+        points.chain(ends).fold(R::ZERO, R::larger)
+    }
+
+    /// The number of points of the history.
+    pub(crate) fn points(&self) -> usize {
+        self.history.times.len()
+    }
+
+    /// f/M or a_g at a point of the history.
+    pub(crate) fn value(&self, index: usize) -> DoubleDouble<R> {
+        DoubleDouble::new(R::from(self.history.values[index])).times(self.scale)
+    }
+
     /// The instant of a point of the history, in 1/ωn.
-    fn knot(&self, index: usize) -> DoubleDouble<R> {
+    pub(crate) fn knot(&self, index: usize) -> DoubleDouble<R> {
         DoubleDouble::new(R::from(self.history.times[index])).times(self.rate)
     }
 
@@ -118,7 +169,7 @@ impl<R: Real> Record<R> {
     }
 
     /// The number of points at or before an instant.
-    fn passed(&self, time: DoubleDouble<R>) -> usize {
+    pub(crate) fn passed(&self, time: DoubleDouble<R>) -> usize {
         let times = &self.history.times;
         let (first, last) = (times[0], times[times.len() - 1]);
         // First guess: correct for records sampled at equal intervals.
@@ -169,10 +220,8 @@ impl<R: Real> Record<R> {
         if passed == 0 || passed == self.history.times.len() {
             return Piece::NOTHING;
         }
-        let value =
-            |index: usize| DoubleDouble::new(R::from(self.history.values[index])).times(self.scale);
-        let (begin, first) = (self.knot(passed - 1), value(passed - 1));
-        let slope = (value(passed) - first) / (self.knot(passed) - begin);
+        let (begin, first) = (self.knot(passed - 1), self.value(passed - 1));
+        let slope = (self.value(passed) - first) / (self.knot(passed) - begin);
         Piece { begin, first, slope }
     }
 }

@@ -25,6 +25,8 @@ use bounds::bounds;
 use integral::{at_nodes, mean_product, nodes};
 
 pub use host::DrivenHost;
+pub(crate) use pieces::{Block, Plain};
+pub use pieces::{Pieces, Place};
 pub use source::{Forces, Source};
 pub use weight::Weight;
 
@@ -32,6 +34,7 @@ mod bounds;
 mod host;
 pub(crate) mod integral;
 mod measured;
+mod pieces;
 mod source;
 mod weight;
 

@@ -1,5 +1,6 @@
 //! The flight of a free mass in its gap.
 
+use super::pieces::Passage;
 use super::{Siva, SivaState};
 use crate::compensated::DoubleDouble;
 use crate::flight::{
@@ -147,6 +148,9 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
     }
 
     fn largest(&self, of: Quantity, least: R, length: R, end: &Self::State) -> Option<R> {
+        if let Some(passage) = Passage::of(self, length) {
+            return Some(passage.largest(of, least));
+        }
         R::dispatched(
             #[inline(always)]
             || {

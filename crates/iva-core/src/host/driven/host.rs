@@ -1,8 +1,9 @@
 //! A structure under force and base motion, without and with its absorber stuck to it.
 
-use std::sync::OnceLock;
+use std::any::TypeId;
+use std::sync::{Arc, OnceLock};
 
-use super::{Driven, Forces, Moment, Source, Weight};
+use super::{Driven, Forces, Moment, Pieces, Place, Source, Weight};
 use crate::compensated::DoubleDouble;
 use crate::force::Force;
 use crate::host::Host;
@@ -18,6 +19,8 @@ pub struct DrivenHost<R: Real = f64> {
     free: Driven<Forces<R>>,
     /// The structure of mass 1 + μ; made when the absorber first sticks.
     loaded: OnceLock<Box<Driven<Forces<R>>>>,
+    /// Its motion from point to point of a record; `None` under any other force.
+    pieces: OnceLock<Option<Arc<Pieces<R>>>>,
 }
 
 impl<R: Real> DrivenHost<R> {
@@ -26,7 +29,21 @@ impl<R: Real> DrivenHost<R> {
     pub(crate) fn new(damping_ratio: R, mass_ratio: R, force: Force<R>, gravity: R) -> Self {
         let forces = Forces::new(force, Weight::new(gravity, mass_ratio));
         let free = Driven::new(R::ONE, damping_ratio, &forces);
-        Self { damping_ratio, mass_ratio, forces, free, loaded: OnceLock::new() }
+        let (loaded, pieces) = (OnceLock::new(), OnceLock::new());
+        Self { damping_ratio, mass_ratio, forces, free, loaded, pieces }
+    }
+
+    /// The pieces of the record that is its only force. Structures of one damping ratio under one record share them.
+    fn made(&self) -> Option<Arc<Pieces<R>>> {
+        let level = R::FAST_PATHS && self.forces.weight().is_none();
+        let record = self.forces.force.record_alone().filter(|_| level)?;
+        let make = || Pieces::new(self.damping_ratio, record, self.free.reach);
+        // Equal numbers may have different derivatives.
+        if TypeId::of::<R>() != TypeId::of::<f64>() {
+            return Some(Arc::new(make()));
+        }
+        let fits = |pieces: &Pieces<R>| pieces.fits(self.damping_ratio, record);
+        Some(record.history.kept(fits, make))
     }
 }
 
@@ -66,6 +83,20 @@ impl<R: Real> Host for DrivenHost<R> {
         let kicked =
             self.forces.force.impulses().next().map_or(R::ZERO, |impulse| impulse.velocity);
         [phase.pushes.primary.rate.value, phase.pushes.primary.second.value, kicked]
+    }
+
+    fn pieces(&self) -> Option<&Pieces<R>> {
+        self.pieces.get_or_init(|| self.made()).as_deref()
+    }
+
+    fn place(&self, phase: &Moment<R>) -> Option<Place> {
+        self.pieces()?.place(phase.time)
+    }
+
+    fn at(&self, phase: &Moment<R>, place: Place) -> Moment<R> {
+        let Some(pieces) = self.pieces() else { return *phase };
+        let time = pieces.instant(place);
+        self.free.moment(time, time, phase.kicks)
     }
 
     fn force(&self) -> Option<&Force<R>> {
