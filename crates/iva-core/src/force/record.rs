@@ -70,6 +70,11 @@ impl History {
         Ok(Self { times, values, sizes, steepest, kept: Kept::default() })
     }
 
+    /// The same numbers, with nothing kept: what is kept with a history must not keep that history.
+    fn bare(&self) -> Self {
+        Self { kept: Kept::default(), ..self.clone() }
+    }
+
     /// What was computed from it before, if `fits`; otherwise what `make` computes, which is kept.
     pub(crate) fn kept<T: Any + Send + Sync>(
         &self,
@@ -147,6 +152,16 @@ impl<R: Real> Record<R> {
             self.piece(piece).at(time)[0].value.abs()
         });
         points.chain(ends).fold(R::ZERO, R::larger)
+    }
+
+    /// The same record with a history of its own, with which nothing is kept.
+    pub(crate) fn apart(&self) -> Self {
+        Self { history: Arc::new(self.history.bare()), ..*self }
+    }
+
+    /// True if a record of the same history is the same force.
+    pub(crate) fn is_alike(&self, other: &Self) -> bool {
+        (self.acts, self.rate, self.scale) == (other.acts, other.rate, other.scale)
     }
 
     /// The number of points of the history.

@@ -356,6 +356,28 @@ mod tests {
         assert!(drifting > 500 && stopped > 300, "{drifting} {stopped}");
     }
 
+    #[test]
+    fn structures_of_one_damping_ratio_share_pieces_and_the_history_is_freed() {
+        let history = history(true);
+        let scene = |damping_ratio, scale| {
+            let record =
+                Record { history: Arc::clone(&history), acts: Acts::Base, rate: 1.0, scale };
+            let force = Force::new(Vec::new(), vec![record], &[]).unwrap();
+            Siva::new(0.1, 0.5, 1.0, damping_ratio).unwrap().under(force)
+        };
+        let shared = |a: &Siva<DrivenHost>, b: &Siva<DrivenHost>| {
+            std::ptr::eq(a.host.pieces().unwrap(), b.host.pieces().unwrap())
+        };
+        let first = scene(0.02, 1.0);
+        assert!(shared(&first, &scene(0.02, 1.0)));
+        assert!(!shared(&first, &scene(0.02, 2.0)));
+        assert!(!shared(&first, &scene(0.03, 1.0)));
+        drop(first);
+        let weak = Arc::downgrade(&history);
+        drop(history);
+        assert!(weak.upgrade().is_none());
+    }
+
     /// The largest sizes are those of the pieces taken one by one.
     #[test]
     fn the_largest_sizes_are_those_of_all_pieces() {

@@ -120,12 +120,12 @@ impl<R: Real> Pieces<R> {
         }
         begins.push(last);
         let blocks = (1..begins.len()).map(|_| OnceLock::new()).collect();
-        Self { oscillator, record: record.clone(), reach, begins, blocks }
+        Self { oscillator, record: record.apart(), reach, begins, blocks }
     }
 
-    /// True if these are the pieces of this record on a structure of this damping ratio.
+    /// True if these are the pieces of this record on a structure of this damping ratio, of the same history.
     pub(crate) fn fits(&self, damping_ratio: R, record: &Record<R>) -> bool {
-        self.oscillator.equation.damping == damping_ratio * 2.0 && self.record == *record
+        self.oscillator.equation.damping == damping_ratio * 2.0 && self.record.is_alike(record)
     }
 
     /// The place of an instant, if it is that of a point from which a piece of the record goes on.
