@@ -1,4 +1,5 @@
-//! A free mass that is coupled to its structure in its gap, by a dashpot or a spring: any linear coupling.
+//! A free mass that is coupled to its structure in its gap, by a dashpot, a spring or both: any linear
+//! coupling.
 //!
 //! A [`Coupling`] tells the accelerations, linear in x, ẋ, y and w = ẏ, and the constants of mass and walls:
 //!
@@ -12,9 +13,11 @@
 //! States are plain numbers, so runs are less accurate than those of [`crate::siva`].
 
 use crate::arrays::laned;
+use crate::error::Invalid;
 use crate::flight::Jet;
 use crate::impact::{self, Impact};
 use crate::real::Real;
+use crate::siva::check_start;
 use crate::system::{Clock, Point, Start, System, Wall};
 use crate::taylor::{Number, ORDER, Row, horner};
 
@@ -177,6 +180,10 @@ impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
         let e = self.rebound_ratio(wall);
         let [_, b] = self.coupling.rates([R::ZERO, self.impact_gain(wall), R::ZERO, -(e + 1.0)]);
         b
+    }
+
+    fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
+        check_start(self.clearance(), self.offset(), start)
     }
 
     fn begin_at(&self, start: &Start<R>, _time: Clock<R>) -> CoupledState<R> {

@@ -24,7 +24,7 @@
 //! Natural units throughout: ωn = 1, M = 1, lengths as the user gives them. Where things are:
 //!
 //! * [`system`] is the interface that an absorber implements; [`siva`] is a free mass, [`piva`] a pendulum,
-//!   [`coupled`] a free mass with a dashpot or a spring in its gap.
+//!   [`coupled`] a free mass with a dashpot, a spring or both in its gap.
 //! * [`real`] holds the number types of a motion: doubles, double-doubles, and numbers with derivatives.
 //! * [`host`] is the primary structure: an [`oscillator`] and the [`force`] that drives it. It knows no
 //!   absorber.

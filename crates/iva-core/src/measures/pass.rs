@@ -13,7 +13,8 @@ use crate::system::System;
 pub trait Pass<R: Real>: std::fmt::Debug {
     /// The run begins, with wall − and wall + at these values of y.
     fn begin(&mut self, walls: [R; 2]);
-    /// A stretch of motion, between two values of h.
+    /// A stretch of motion, between two values of h. Polynomials are in h/`step`, of which the coefficients up to `order`
+    /// count.
     fn stretch(&mut self, travel: &Travel<R>, h: [R; 2]);
     /// The measure of all stretches so far.
     fn value(&self) -> R;

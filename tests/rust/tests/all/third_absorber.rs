@@ -63,6 +63,16 @@ fn without_its_dashpot_it_is_a_free_mass() {
 }
 
 #[test]
+fn a_start_outside_its_gap_is_refused() {
+    let outside = Start { gap_displacement: 0.5, ..start() };
+    let error = run(&Dashpot(NUMBERS).mounted(), &outside, &Limits::new(1.0, 0.4)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "start.gap_displacement = 0.5: it must lie in the gap, from -0.4 to 0.4"
+    );
+}
+
+#[test]
 fn its_energies_add_up() {
     for gamma in [0.01, 0.3, 2.0] {
         for e in [0.0, 0.6, 1.0] {
