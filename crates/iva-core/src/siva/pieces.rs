@@ -236,7 +236,9 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
             let from = self.siva.state_of(self.pieces, phase, &begin);
             let end = self.siva.state_of(self.pieces, phase, &mass.moved(block, k + 1));
             let length = block.at(k + 1).time - block.at(k).time;
-            see(&SivaFlight::new(self.siva, from), length.value, &end);
+            let flight = SivaFlight::new(self.siva, from);
+            // Rounding must not make a single piece longer than its series reaches: that would be a passage again.
+            see(&flight, length.value.min(flight.reach()), &end);
         }
     }
 
@@ -298,11 +300,15 @@ mod tests {
     }
 
     /// A free mass at a point of the record, in a wide gap.
-    fn planted(i: u32, history: &Arc<History>) -> (Siva<DrivenHost>, SivaState<Phase<DrivenHost>>) {
+    fn planted(
+        i: u32,
+        history: &Arc<History>,
+        rate: f64,
+    ) -> (Siva<DrivenHost>, SivaState<Phase<DrivenHost>>) {
         let u = |k| spread(i, k);
         let acts = if u(0) < 0.5 { Acts::Primary } else { Acts::Base };
         let damping_ratio = [0.0, 0.02, 0.3, 1.5][(4.0 * u(1)) as usize];
-        let record = Record { history: Arc::clone(history), acts, rate: 1.0, scale: 1.0 };
+        let record = Record { history: Arc::clone(history), acts, rate, scale: 1.0 };
         let siva = Siva::new(0.1, 0.5, 1.0, damping_ratio).unwrap();
         let siva = siva.under(Force::new(Vec::new(), vec![record], &[]).unwrap());
         let start = Start {
@@ -312,7 +318,7 @@ mod tests {
             gap_velocity: 0.6 * u(5) - 0.3,
         };
         let point = (398.0 * u(6)) as usize;
-        let state = siva.begin_at(&start, Clock::new(history.times()[point]));
+        let state = siva.begin_at(&start, Clock::new(history.times()[point] * rate));
         (siva, state)
     }
 
@@ -323,7 +329,7 @@ mod tests {
         for equal in [true, false] {
             let history = history(equal);
             for i in 1..1000 {
-                let (siva, from) = planted(i, &history);
+                let (siva, from) = planted(i, &history, 1.0);
                 let pieces = siva.host.pieces().unwrap();
                 let remaining = 12.0 * spread(i, 9);
                 let count = siva.drifts(pieces, &from, remaining);
@@ -378,13 +384,13 @@ mod tests {
         assert!(weak.upgrade().is_none());
     }
 
-    /// The largest sizes are those of the pieces taken one by one.
+    /// The largest sizes are those of the pieces taken one by one, where points lie between doubles.
     #[test]
     fn the_largest_sizes_are_those_of_all_pieces() {
         let history = history(true);
         let mut more = 0;
         for i in 1..500 {
-            let (siva, from) = planted(i, &history);
+            let (siva, from) = planted(i, &history, 0.9);
             let pieces = siva.host.pieces().unwrap();
             let count = siva.drifts(pieces, &from, 12.0);
             if count < 2 {
