@@ -4,8 +4,8 @@
 //! The law is applied in these places: [`crate::siva`] in double-double (`collided`, and where the absorber
 //! sticks), used by the lanes as well; [`crate::propagation`] as a matrix; [`Impact::of_free_mass`] in plain
 //! numbers, for absorbers whose state is not in double-double, whose lanes apply it in
-//! `coupled/in_lanes.rs`. A pendulum has a law of its own (`piva/impact_law.rs`), which uses [`primary_share`]. The sum of a chatter ([`crate::chatter`]) assumes
-//! that e does not depend on the speed.
+//! `coupled/in_lanes.rs`. A pendulum has a law of its own (`piva/impact_law.rs`), which uses
+//! [`primary_share`]. The sum of a chatter ([`crate::chatter`]) assumes that e does not depend on the speed.
 //!
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
 //! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.
