@@ -31,6 +31,7 @@ pub(crate) mod coasts;
 pub(crate) mod exact;
 pub(crate) mod motion;
 mod parameters;
+mod passage;
 mod pieces;
 pub(crate) mod proof;
 mod ride;

@@ -1,6 +1,6 @@
 //! The flight of a free mass in its gap.
 
-use super::pieces::Passage;
+use super::passage::Passage;
 use super::{Siva, SivaState};
 use crate::compensated::DoubleDouble;
 use crate::flight::{

@@ -4,10 +4,8 @@
 //! known at all points of the record ([`crate::host::Pieces`]). As ÿ = −A, it stays within h²/8 · max|A| of its chord
 //! between two points that are h apart: no wall is met between points that are farther from both walls than that.
 
-use super::motion::SivaFlight;
 use super::{Siva, SivaState};
 use crate::compensated::DoubleDouble;
-use crate::flight::{Motion, Quantity};
 use crate::host::{Block, Host, HostState, Phase, Pieces, Place, Plain, Structure};
 use crate::oscillator::Primary;
 use crate::real::Real;
@@ -15,28 +13,26 @@ use crate::real::Real;
 /// Largest number of blocks passed at once: observers that look within see each piece by itself, from a state that is
 /// computed from the first one.
 const BLOCKS: usize = 4;
-/// Largest difference of two lengths that are the same, in units of 2⁻⁵² of them.
-const SAME_ULPS: f64 = 16.0;
 /// Part of all sizes that is kept off the walls because of rounding.
-const DOUBT: f64 = 1e-12;
+pub(super) const DOUBT: f64 = 1e-12;
 
 /// A free mass at a point of a record.
 #[derive(Debug, Clone, Copy)]
-struct Drifting<R = f64> {
-    place: Place,
-    primary: Primary<R>,
+pub(super) struct Drifting<R = f64> {
+    pub place: Place,
+    pub primary: Primary<R>,
     /// Distance to the wall last touched, and the sign of that wall.
     distance: DoubleDouble<R>,
     side: R,
     /// ṗ plus ∫a_g since the begin of the block.
     speed: DoubleDouble<R>,
     /// The time since the begin of the motion.
-    time: DoubleDouble<R>,
+    pub time: DoubleDouble<R>,
 }
 
 impl<R: Real> Drifting<R> {
     /// The free mass of a state; `None` for one between two points.
-    fn of<H: Host<Real = R>>(
+    pub fn of<H: Host<Real = R>>(
         host: &H,
         pieces: &Pieces<R>,
         state: &SivaState<Phase<H>, R>,
@@ -50,7 +46,7 @@ impl<R: Real> Drifting<R> {
 
     /// The same free mass at a later point of the block.
     #[inline(always)]
-    fn moved(&self, block: &Block<R>, point: usize) -> Self {
+    pub fn moved(&self, block: &Block<R>, point: usize) -> Self {
         let Self { place, primary, distance, side, mut speed, time } = *self;
         let [from, to] = [place.point, point].map(|point| block.at(point));
         let reached = to.reached(&from.traced(&primary));
@@ -169,7 +165,7 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
     }
 
     /// The state of a free mass at a point.
-    fn state_of(
+    pub(super) fn state_of(
         &self,
         pieces: &Pieces<R>,
         phase: &Phase<H>,
@@ -183,106 +179,15 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
     }
 }
 
-/// The flight of a free mass over some pieces of a record, of a given length.
-pub(super) struct Passage<'a, H: Host> {
-    siva: &'a Siva<H>,
-    pieces: &'a Pieces<H::Real>,
-    from: &'a SivaState<Phase<H>, H::Real>,
-    begin: Drifting<H::Real>,
-    length: H::Real,
-}
-
-impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
-    /// The passage that a flight of this length is; `None` for one within the reach of its series, or beyond it by the
-    /// rounding of a contact.
-    pub fn of(flight: &'a SivaFlight<'a, H>, length: R) -> Option<Self> {
-        if length <= flight.reach() {
-            return None;
-        }
-        let (siva, from) = (flight.siva, &flight.from);
-        let pieces = siva.host.pieces()?;
-        let begin = Drifting::of(&siva.host, pieces, from)?;
-        Some(Self { siva, pieces, from, begin, length })
-    }
-
-    /// Calls `see` for each block with the free mass at the begin of the passage through it and the index of the point
-    /// at its end.
-    fn each(&self, mut see: impl FnMut(&Drifting<R>, &Block<R>, usize)) {
-        let mut mass = self.begin;
-        let end = self.length * (R::ONE + R::EPSILON * SAME_ULPS);
-        while let Some(block) = self.pieces.block(mass.place.block) {
-            let point = mass.place.point;
-            let left = (mass.time - block.at(point).time).minus(end);
-            let times = block.plain.time[point..block.count()].iter();
-            let passed = times.take_while(|time| left + **time <= 0.0).count();
-            if passed < 2 {
-                return;
-            }
-            let to = point + passed - 1;
-            see(&mass, block, to);
-            mass = mass.moved(block, to);
-            if to + 1 < block.count() {
-                return;
-            }
-        }
-    }
-
-    /// Calls `see` for some pieces of a block one by one, with the flight and its length.
-    fn one_by_one(
-        &self,
-        (mass, block): (&Drifting<R>, &Block<R>),
-        points: impl Iterator<Item = usize>,
-        mut see: impl FnMut(&SivaFlight<'_, H>, R, &SivaState<Phase<H>, R>),
-    ) {
-        let phase = &self.from.host.phase;
-        for k in points {
-            let begin = mass.moved(block, k);
-            let from = self.siva.state_of(self.pieces, phase, &begin);
-            let end = self.siva.state_of(self.pieces, phase, &mass.moved(block, k + 1));
-            let length = block.at(k + 1).time - block.at(k).time;
-            let flight = SivaFlight::new(self.siva, from);
-            // Rounding must not make a single piece longer than its series reaches: that would be a passage again.
-            see(&flight, length.value.min(flight.reach()), &end);
-        }
-    }
-
-    /// The larger of `least` and the largest size of a quantity. Where that may be exceeded between two points is
-    /// looked at by itself.
-    pub fn largest(&self, of: Quantity, mut least: R) -> R {
-        let free = self.siva.host.free();
-        let damping = free.equation().damping.double();
-        self.each(|mass, block, to| {
-            let start = block.at(mass.place.point).traced(&mass.primary);
-            let bend = match of {
-                Quantity::Displacement => free.bound::<0>(&start) + self.pieces.largest_base(),
-                Quantity::Acceleration => free.bound::<2>(&start),
-            };
-            let above = (block.plain.longest * block.plain.longest * 0.125) * bend.double();
-            let [x, v] = [start.x, start.v].map(|it| it.value.double());
-            let sizes = f64::dispatched(
-                #[inline(always)]
-                || block.plain.sizes(of, [x, v, damping]),
-            );
-            let within = &sizes[mass.place.point..=to];
-            let most = within.iter().fold(least.double(), |most, size| most.max(*size));
-            let least_there = most * (1.0 - DOUBT);
-            let exceeds = |k: &usize| sizes[*k].max(sizes[k + 1]) + above > least_there;
-            let points = (mass.place.point..to).filter(exceeds);
-            self.one_by_one((mass, block), points, |flight, h, end| {
-                least = flight.largest_of(of, least, h, end);
-            });
-        });
-        least
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::flight::{Motion, Quantity};
     use crate::force::{Acts, Force, History, Record};
     use crate::host::DrivenHost;
+    use crate::siva::motion::SivaFlight;
     use crate::system::{Clock, Start, System};
 
     /// The fractional parts of multiples of an irrational number.
