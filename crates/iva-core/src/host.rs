@@ -24,7 +24,7 @@ use crate::real::Real;
 use crate::system::Clock;
 
 pub use alone::{Alone, AloneFlight};
-pub(crate) use driven::{Block, Plain};
+pub(crate) use driven::{Block, Plain, Sums};
 pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Pieces, Place, Source, Weight};
 pub use steps::Steps;
 pub use undriven::UndrivenHost;

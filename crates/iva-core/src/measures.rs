@@ -339,8 +339,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
 
     /// Under a force only energies are measured, and peaks if they are to be listed.
     fn looks_within(&self) -> bool {
-        let Wanted { ledger, envelope, .. } = self.wanted;
-        if self.driven { ledger || envelope } else { self.decay.is_none() }
+        if self.driven { self.wanted.envelope } else { self.decay.is_none() }
     }
 
     fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State, R>) {

@@ -321,8 +321,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
 
     fn looks_within(&self) -> bool {
         let whole = self.begun && (self.base_known || !self.base_moves);
-        let largest_only = !self.wanted.rms && self.next_strobe().is_none();
-        self.wanted.any() && !(whole && largest_only)
+        self.wanted.any() && !(whole && self.next_strobe().is_none())
     }
 
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {

@@ -25,7 +25,7 @@ use bounds::bounds;
 use integral::{at_nodes, mean_product, nodes};
 
 pub use host::DrivenHost;
-pub(crate) use pieces::{Block, Plain};
+pub(crate) use pieces::{Block, Plain, Sums};
 pub use pieces::{Pieces, Place};
 pub use source::{Forces, Source};
 pub use weight::Weight;

@@ -127,6 +127,9 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
     }
 
     fn losses(&self, h: R) -> Losses<R> {
+        if let Some(passage) = Passage::of(self, h) {
+            return passage.losses();
+        }
         let motion = Integrated {
             from: &self.from.host,
             course: &self.course,
@@ -141,6 +144,10 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
     }
 
     fn square(&self, h: [R; 2]) -> R {
+        let whole = if h[0] == 0.0 { Passage::of(self, h[1]) } else { None };
+        if let Some(passage) = whole {
+            return passage.square();
+        }
         R::dispatched(
             #[inline(always)]
             || self.structure().square(&self.from.host, &self.course, h),

@@ -1,10 +1,11 @@
-//! The largest sizes in a flight over several pieces of a record ([`super::pieces`]).
+//! Largest sizes and integrals of a flight over several pieces of a record ([`super::pieces`]).
 
 use super::motion::SivaFlight;
 use super::pieces::{DOUBT, Drifting};
 use super::{Siva, SivaState};
-use crate::flight::{Motion, Quantity};
-use crate::host::{Block, Host, Phase, Pieces, Structure};
+use crate::compensated::DoubleDouble;
+use crate::flight::{Losses, Motion, Quantity};
+use crate::host::{Block, Host, Phase, Pieces, Structure, Sums};
 use crate::real::Real;
 
 /// Largest difference of two lengths that are the same, in units of 2⁻⁵² of them.
@@ -100,5 +101,39 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
             });
         });
         least
+    }
+
+    /// ∫x².
+    pub fn square(&self) -> R {
+        let mut square = DoubleDouble::<R>::ZERO;
+        self.sums(|_, sums, _| square = square.plus(sums.place));
+        square.value
+    }
+
+    /// The energy lost ∫ 2ζ ẋ², and the work ∫ (f/M) ẋ − a_g p, where p is the momentum of structure and absorber.
+    pub fn losses(&self) -> Losses<R> {
+        let damping = self.siva.host.free().equation().damping;
+        let mass_ratio = self.siva.mass_ratio;
+        let [mut viscous, mut work] = [DoubleDouble::<R>::ZERO; 2];
+        self.sums(|speed, sums, base| {
+            viscous = viscous.plus(damping * sums.speed);
+            // As the absorber moves with the base's velocity subtracted from a constant, the mean of it counts.
+            let [from, to] = base;
+            let carried = (to - from) * (speed - (from + to) * 0.5);
+            work = work.plus(sums.work - mass_ratio * carried);
+        });
+        Losses { viscous: viscous.value, pivot: R::ZERO, work: work.value }
+    }
+
+    /// Calls `take` for each block with ṗ + ∫a_g, the integrals over its part of the passage, and ∫a_g at the ends
+    /// of that part.
+    fn sums(&self, mut take: impl FnMut(R, Sums<R>, [R; 2])) {
+        self.each(|mass, block, to| {
+            let ends = [mass.place.point, to];
+            let start = block.at(ends[0]).traced(&mass.primary);
+            if let Some(sums) = self.pieces.sums(mass.place.block, ends, &start) {
+                take(mass.speed.value, sums, ends.map(|point| block.at(point).base.v.value));
+            }
+        });
     }
 }

@@ -25,7 +25,7 @@ pub(super) struct Drifting<R = f64> {
     distance: DoubleDouble<R>,
     side: R,
     /// ṗ plus ∫a_g since the begin of the block.
-    speed: DoubleDouble<R>,
+    pub speed: DoubleDouble<R>,
     /// The time since the begin of the motion.
     pub time: DoubleDouble<R>,
 }
@@ -184,7 +184,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::flight::{Motion, Quantity};
+    use crate::flight::{Losses, Motion, Quantity};
     use crate::force::{Acts, Force, History, Record};
     use crate::host::DrivenHost;
     use crate::siva::motion::SivaFlight;
@@ -321,6 +321,42 @@ mod tests {
             }
         }
         assert!(more > 200, "{more}");
+    }
+
+    /// ∫x², the energy lost and the work are those of the pieces taken one by one, by Gaussian quadrature of their
+    /// power series: the reference is independent of the forms.
+    #[test]
+    fn the_integrals_are_those_of_all_pieces() {
+        let mut seen = 0;
+        for equal in [true, false] {
+            let history = history(equal);
+            for i in 1..500 {
+                let (siva, from) = planted(i, &history, 0.9);
+                let pieces = siva.host.pieces().unwrap();
+                let count = siva.drifts(pieces, &from, 12.0);
+                let (_, time) = siva.drifted(pieces, &from, count);
+                let of = |flight: &SivaFlight<'_, DrivenHost>, h| {
+                    let Losses { viscous, work, .. } = flight.losses(h);
+                    [flight.square([0.0, h]), viscous, work]
+                };
+                let (mut each, mut size) = ([0.0; 3], 0.0);
+                for k in 0..count {
+                    let ends = [k, k + 1].map(|k| siva.drifted(pieces, &from, k));
+                    let length = (ends[1].1 - ends[0].1).value;
+                    let flight = SivaFlight::new(&siva, ends[0].0);
+                    let one = of(&flight, length.min(flight.reach()));
+                    size += one.iter().fold(0.0, |size: f64, it| size.max(it.abs()));
+                    each = std::array::from_fn(|i| each[i] + one[i]);
+                }
+                let whole = of(&SivaFlight::new(&siva, from), time.value);
+                for (whole, each) in whole.iter().zip(&each).filter(|_| count > 1) {
+                    let off = (whole - each).abs();
+                    assert!(off <= 1e-15 * size, "{i}: {whole:e} {each:e} {size:e}");
+                    seen += u32::from(*each != 0.0);
+                }
+            }
+        }
+        assert!(seen > 1000, "{seen}");
     }
 
     /// A contact may end a flight later than the end of its piece, by a rounding.

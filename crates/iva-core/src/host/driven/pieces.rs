@@ -22,6 +22,10 @@ use crate::oscillator::{Equation, Oscillator, Primary};
 use crate::real::Real;
 use crate::system::Clock;
 
+pub(crate) use integrals::{Forms, Sums};
+
+mod integrals;
+
 /// Largest number of points of a block, its end included.
 pub(crate) const POINTS: usize = 32;
 /// Largest relative difference of two lengths of pieces of which the second one's responses follow from the first
@@ -45,6 +49,8 @@ pub struct Pieces<R = f64> {
 pub(crate) struct Block<R = f64> {
     points: Vec<At<R>>,
     pub plain: Plain,
+    /// The integrals up to each point, made when they are first asked for.
+    forms: OnceLock<Vec<Forms<R>>>,
 }
 
 /// The responses from the first point of a block to one of its points.
@@ -151,6 +157,18 @@ impl<R: Real> Pieces<R> {
         (block.points.len() > 1).then_some(block)
     }
 
+    /// Integrals between two points of a block, from the state at its first point.
+    pub(crate) fn sums(
+        &self,
+        index: usize,
+        ends: [usize; 2],
+        start: &Primary<R>,
+    ) -> Option<Sums<R>> {
+        let block = self.block(index)?;
+        let forms = block.forms.get_or_init(|| self.integrated(index, &block.points));
+        Some(Forms::between(ends.map(|point| &forms[point]), start))
+    }
+
     fn made(&self, index: usize) -> Block<R> {
         let (first, end) = (self.begins[index], self.begins[index + 1]);
         let begin = self.record.knot(first);
@@ -177,7 +195,7 @@ impl<R: Real> Pieces<R> {
             points.push(at);
         }
         let plain = Plain::of(&points);
-        Block { points, plain }
+        Block { points, plain, forms: OnceLock::new() }
     }
 
     /// Largest |a_g|.
