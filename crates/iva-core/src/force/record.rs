@@ -12,6 +12,9 @@ use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::Real;
 
+/// Instants that differ by more than this part of their size are told apart by plain numbers.
+const CLOSE: f64 = 8.0 * f64::EPSILON;
+
 /// A recorded history: increasing times with one value each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History {
@@ -21,6 +24,8 @@ pub struct History {
     sizes: [[f64; 2]; 2],
     /// Largest size of a slope.
     steepest: f64,
+    /// Number of points per time, if their intervals are equal.
+    density: f64,
     kept: Kept,
 }
 
@@ -67,7 +72,9 @@ impl History {
         let sizes = [extremes(&times), extremes(&values)];
         let slope = |i: usize| ((values[i] - values[i - 1]) / (times[i] - times[i - 1])).abs();
         let steepest = (1..times.len()).map(slope).fold(0.0, |most, slope| most.max(slope));
-        Ok(Self { times, values, sizes, steepest, kept: Kept::default() })
+        let last = times.len() - 1;
+        let density = last as f64 / (times[last] - times[0]);
+        Ok(Self { times, values, sizes, steepest, density, kept: Kept::default() })
     }
 
     /// The same numbers, with nothing kept: what is kept with a history must not keep that history.
@@ -179,18 +186,29 @@ impl<R: Real> Record<R> {
         DoubleDouble::new(R::from(self.history.times[index])).times(self.rate)
     }
 
+    /// True if an instant is that of a point or later. In most cases plain numbers tell.
+    #[inline(always)]
     fn reached(&self, index: usize, time: DoubleDouble<R>) -> bool {
+        let plain = R::from(self.history.times[index]) * self.rate;
+        let apart = time.value - plain;
+        if apart.abs() > plain.abs() * CLOSE {
+            apart > 0.0
+        } else {
+            self.reached_exactly(index, time)
+        }
+    }
+
+    fn reached_exactly(&self, index: usize, time: DoubleDouble<R>) -> bool {
         (self.knot(index) - time).value <= 0.0
     }
 
     /// The number of points at or before an instant.
     pub(crate) fn passed(&self, time: DoubleDouble<R>) -> usize {
         let times = &self.history.times;
-        let (first, last) = (times[0], times[times.len() - 1]);
         // First guess: correct for records sampled at equal intervals.
-        let share = (time.value / self.rate - first) / (last - first);
-        let guess = (share * (times.len() - 1) as f64).clamp(0.0, (times.len() - 1) as f64);
-        let guess = R::whole(guess);
+        let intervals =
+            (time.value.double() / self.rate.double() - times[0]) * self.history.density;
+        let guess = intervals.clamp(0.0, (times.len() - 1) as f64) as usize;
         for passed in guess.saturating_sub(1)..=(guess + 2).min(times.len()) {
             let before = passed == 0 || self.reached(passed - 1, time);
             if before && (passed == times.len() || !self.reached(passed, time)) {

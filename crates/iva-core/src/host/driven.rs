@@ -413,6 +413,9 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         end: &HostState<Moment<R>, R>,
         h: R,
     ) -> Option<R> {
+        if self.at_most(of, [from, end], h) < least {
+            return Some(least);
+        }
         let [begin, end] = self.ends_of(from, end);
         let ends = [&begin, &end];
         let arc = self.arc(of, ends, &from.primary, h);

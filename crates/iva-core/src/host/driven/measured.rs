@@ -117,6 +117,27 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [lost, work * h]
     }
 
+    /// A bound on the size of a quantity in a motion, as far as it is known without the force at its end.
+    #[inline(always)]
+    pub(super) fn at_most(
+        &self,
+        of: Quantity,
+        [from, to]: [&HostState<Moment<R>, R>; 2],
+        h: R,
+    ) -> R {
+        let begin = &from.primary;
+        match of {
+            Quantity::Displacement => {
+                let ends = begin.x.value.abs().max(to.primary.x.value.abs());
+                (h * h * 0.125).mul_add(self.bound::<0>(begin) + self.base[0], ends)
+            }
+            Quantity::Acceleration => {
+                let size = self.without_gravity(from.acceleration).value.abs();
+                h.mul_add(self.bound::<1>(begin), size)
+            }
+        }
+    }
+
     /// A quantity between the ends of a motion of this length that begins with the state `begin` of the
     /// primary.
     #[inline(always)]
