@@ -5,7 +5,7 @@
 
 use crate::compensated::DoubleDouble;
 use crate::flight::{Losses, Motion};
-use crate::observe::{Contact, Observer, Span};
+use crate::observe::{Contact, Each, Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
 use crate::real::Real;
 use crate::settling::LastCrossing;
@@ -260,6 +260,16 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         }
     }
 
+    /// Adds energies lost and work done in a span.
+    fn lose<M: Motion<Real = R, State = S::State>>(&mut self, span: &Span<'_, M>) {
+        if self.wanted.ledger {
+            let Losses { viscous, pivot, work } = span.motion.losses(span.length);
+            self.viscous = self.viscous.plus(viscous);
+            self.pivot = self.pivot.plus(pivot);
+            self.work = self.work.plus(work);
+        }
+    }
+
     /// Lists the peaks in a span of a run under a lasting force, where no measure needs them.
     pub(crate) fn list_peaks<M>(&mut self, system: &S, span: &Span<'_, M>)
     where
@@ -319,12 +329,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         if decays && self.wanted.decay() {
             monotone::<_, S, M>(span, |stretch| self.stretch(span, stretch));
         }
-        if self.wanted.ledger {
-            let Losses { viscous, pivot, work } = span.motion.losses(span.length);
-            self.viscous = self.viscous.plus(viscous);
-            self.pivot = self.pivot.plus(pivot);
-            self.work = self.work.plus(work);
-        }
+        self.lose(span);
         // The energy loss of the first period counts from time zero.
         if !decays || !self.wanted.first_period || self.begin != 0.0 {
             return;
@@ -337,9 +342,22 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         }
     }
 
-    /// Under a force only energies are measured, and peaks if they are to be listed.
-    fn looks_within(&self) -> bool {
-        if self.driven { self.wanted.envelope } else { self.decay.is_none() }
+    /// Under a force only energies are measured, which do not depend on whether peaks are listed.
+    fn coast<M>(&mut self, system: &S, whole: &Span<'_, M>, each: Each<'_, M>)
+    where
+        M: Motion<Real = R, State = S::State>,
+    {
+        if self.decay.is_some() {
+            self.span(system, whole);
+        } else if self.driven {
+            self.moving = true;
+            if self.wanted.envelope {
+                each(&mut |span| self.list_peaks(system, span));
+            }
+            self.lose(whole);
+        } else {
+            each(&mut |span| self.span(system, span));
+        }
     }
 
     fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State, R>) {

@@ -23,6 +23,27 @@ pub struct Span<'a, M: Motion> {
     pub end: &'a M::State,
 }
 
+impl<'a, M: Motion> Span<'a, M> {
+    /// The span of a motion between two instants.
+    pub(crate) fn between<S>(
+        system: &S,
+        motion: &'a M,
+        [from, to]: [&'a Instant<M::State, M::Real>; 2],
+    ) -> Self
+    where
+        S: System<Real = M::Real, State = M::State>,
+    {
+        Self {
+            motion,
+            start: from.time,
+            length: (to.time - from.time).value,
+            from: system.primary(&from.state),
+            to: system.primary(&to.state),
+            end: &to.state,
+        }
+    }
+}
+
 /// A stick episode: a chatter that ends in stick, a plastic stick, or a start at rest on a pressed wall.
 /// Times in 1/ωn, energy per primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,6 +86,9 @@ impl<State, R: Real> Contact<'_, State, R> {
     }
 }
 
+/// Calls its argument for each of some spans, in order of time.
+pub type Each<'a, M> = &'a dyn Fn(&mut dyn FnMut(&Span<'_, M>));
+
 /// Notified of everything that happens in a run, in order of time.
 pub trait Observer<S: System> {
     /// The run begins, and will end at the instant `duration`.
@@ -76,7 +100,21 @@ pub trait Observer<S: System> {
         _span: &Span<'_, M>,
     ) {
     }
-    /// True if the observer evaluates the motion within spans; if not, a span may be longer than its motion is exact.
+    /// Spans of free flight without event between them: as one span that may be longer than its motion is exact, and
+    /// one by one, by a function that calls its argument for each.
+    fn coast<M: Motion<Real = S::Real, State = S::State>>(
+        &mut self,
+        system: &S,
+        whole: &Span<'_, M>,
+        each: Each<'_, M>,
+    ) {
+        if self.looks_within() {
+            each(&mut |span| self.span(system, span));
+        } else {
+            self.span(system, whole);
+        }
+    }
+    /// True if the observer evaluates the motion within spans, so that it takes those of a coast one by one.
     fn looks_within(&self) -> bool {
         true
     }
@@ -120,6 +158,14 @@ macro_rules! pointed_to {
             fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
                 (**self).span(system, span);
             }
+            fn coast<M: Motion<Real = R, State = S::State>>(
+                &mut self,
+                system: &S,
+                whole: &Span<'_, M>,
+                each: Each<'_, M>,
+            ) {
+                (**self).coast(system, whole, each);
+            }
             fn impact(&mut self, system: &S, impact: &Impact<R>) {
                 (**self).impact(system, impact);
             }
@@ -141,9 +187,6 @@ macro_rules! pointed_to {
             fn episode(&mut self, episode: &StickEpisode<R>) {
                 (**self).episode(episode);
             }
-            fn looks_within(&self) -> bool {
-                (**self).looks_within()
-            }
             fn is_done(&self) -> bool {
                 (**self).is_done()
             }
@@ -164,6 +207,16 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         if let Some(observer) = self {
             observer.span(system, span);
+        }
+    }
+    fn coast<M: Motion<Real = R, State = S::State>>(
+        &mut self,
+        system: &S,
+        whole: &Span<'_, M>,
+        each: Each<'_, M>,
+    ) {
+        if let Some(observer) = self {
+            observer.coast(system, whole, each);
         }
     }
     fn impact(&mut self, system: &S, impact: &Impact<R>) {
@@ -201,9 +254,6 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
             observer.episode(episode);
         }
     }
-    fn looks_within(&self) -> bool {
-        self.as_ref().is_some_and(|observer| observer.looks_within())
-    }
     fn is_done(&self) -> bool {
         self.as_ref().is_some_and(|observer| observer.is_done())
     }
@@ -222,6 +272,15 @@ impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> f
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.0.span(system, span);
         self.1.span(system, span);
+    }
+    fn coast<M: Motion<Real = R, State = S::State>>(
+        &mut self,
+        system: &S,
+        whole: &Span<'_, M>,
+        each: Each<'_, M>,
+    ) {
+        self.0.coast(system, whole, each);
+        self.1.coast(system, whole, each);
     }
     fn impact(&mut self, system: &S, impact: &Impact<R>) {
         self.0.impact(system, impact);
@@ -250,9 +309,6 @@ impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> f
     fn episode(&mut self, episode: &StickEpisode<R>) {
         self.0.episode(episode);
         self.1.episode(episode);
-    }
-    fn looks_within(&self) -> bool {
-        self.0.looks_within() || self.1.looks_within()
     }
     fn is_done(&self) -> bool {
         self.0.is_done() || self.1.is_done()

@@ -340,23 +340,32 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         true
     }
 
-    /// Lets an absorber that is too far from its walls to meet one fly on. Observers that look within motions see one
-    /// step after the other, each from a state that is computed from the first one.
+    /// Lets an absorber that is too far from its walls to meet one fly on for some steps, each of which is computed
+    /// from the first state.
     fn coast(&mut self) {
-        let (system, clock, from) = (self.system, self.clock, self.tally.state);
-        let remaining = -clock.minus(self.limits.duration);
-        let all = system.coasts(&from, remaining);
-        let first = if self.observer.looks_within() { 1 } else { all.max(1) };
-        for steps in first..=all {
-            let (end, time) = system.coasted(&from, steps);
-            let flight = system.flight(&self.tally.state);
-            let finish = clock.plus_parts(time.value, time.rest);
-            let (start, to) = (self.clock, system.primary(&end));
-            let (length, from) = ((finish - start).value, system.primary(&self.tally.state));
-            let span = Span { motion: &flight, start, length, from, to, end: &end };
-            self.observer.span(system, &span);
-            (self.clock, self.tally.state) = (finish, end);
+        let (system, begin) = (self.system, Instant { time: self.clock, state: self.tally.state });
+        let remaining = -begin.time.minus(self.limits.duration);
+        let count = system.coasts(&begin.state, remaining);
+        if count == 0 {
+            return;
         }
+        let after = |steps| {
+            let (state, by) = system.coasted(&begin.state, steps);
+            Instant { time: begin.time.plus_parts(by.value, by.rest), state }
+        };
+        let each = |see: &mut dyn FnMut(&Span<'_, S::Flight<'a>>)| {
+            let mut from = begin;
+            for steps in 1..=count {
+                let to = after(steps);
+                see(&Span::between(system, &system.flight(&from.state), [&from, &to]));
+                from = to;
+            }
+        };
+        let end = after(count);
+        let flight = system.flight(&begin.state);
+        let whole = Span::between(system, &flight, [&begin, &end]);
+        self.observer.coast(system, &whole, &each);
+        (self.clock, self.tally.state) = (end.time, end.state);
     }
 
     /// Applies the contact with a wall that the state has reached within rounding.

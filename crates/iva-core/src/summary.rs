@@ -8,7 +8,7 @@ use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::measures::forced::Forced;
 use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::observe::{Contact, Observer, Span, StickEpisode};
+use crate::observe::{Contact, Each, Observer, Span, StickEpisode};
 use crate::peaks::Peak;
 use crate::plain::State;
 use crate::real::Real;
@@ -122,12 +122,6 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Summary<S, O>
         self.forced = system.forced().and_then(|scene| Forced::new(&scene, spare, wanted, times));
     }
 
-    fn looks_within(&self) -> bool {
-        Observer::<S>::looks_within(&self.measures)
-            || Observer::<S>::looks_within(&self.steady)
-            || self.beside.looks_within()
-    }
-
     fn span<M>(&mut self, system: &S, span: &Span<'_, M>)
     where
         M: Motion<Real = R, State = S::State>,
@@ -153,6 +147,16 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Summary<S, O>
             self.take_log();
         }
         self.push(system, span.start, span.length, [span.motion.origin(), span.end]);
+    }
+
+    /// Only runs without a log of flights coast.
+    fn coast<M>(&mut self, system: &S, whole: &Span<'_, M>, each: Each<'_, M>)
+    where
+        M: Motion<Real = R, State = S::State>,
+    {
+        self.beside.coast(system, whole, each);
+        self.measures.coast(system, whole, each);
+        self.steady.coast(system, whole, each);
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
