@@ -276,6 +276,7 @@ pub trait Host: Clone + std::fmt::Debug {
         *phase
     }
     /// The state of the structure from drive, displacement and velocity, with A computed anew.
+    #[inline(always)]
     fn state(
         &self,
         phase: Phase<Self>,

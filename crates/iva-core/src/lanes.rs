@@ -56,7 +56,7 @@ use running::Running;
 pub const LANES: usize = 8;
 /// Number of free masses side by side, where their rounds are in stages: enough to hide the latency of operations
 /// on a processor with wide vectors.
-const WIDE: usize = 16;
+pub(crate) const WIDE: usize = 16;
 /// Groups of fewer runs than this go one by one.
 const WORTHWHILE: usize = 3;
 /// A run to be made.
@@ -397,7 +397,7 @@ fn grouped<S: SideBySide>(
     Ok(())
 }
 
-fn is_set(cancel: Option<&AtomicBool>) -> bool {
+pub(crate) fn is_set(cancel: Option<&AtomicBool>) -> bool {
     cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 

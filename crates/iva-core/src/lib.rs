@@ -45,7 +45,9 @@
 //! * [`observe`] is the interface of the observers of a run: [`measures`], with the list of peaks; [`sample`]; under
 //!   force [`steady`]; [`extremes`], the largest displacements and accelerations; [`measures::pass`], measures of a
 //!   file each.
-//! * [`propagation`] is an observer too: it estimates how errors grow in a run.
+//! * [`propagation`] is an observer too: it estimates how errors grow in a run, or computes the derivative of the run.
+//! * [`orbit`] maps states over whole cycles of a drive, one or many side by side, with derivatives: what periodic
+//!   orbits, basins and exponents are made of.
 //! * [`run`] runs a system with the usual observers in one call.
 //! * [`theory`] holds steady states known in closed form; no run uses it.
 //!
@@ -92,6 +94,7 @@ mod limits;
 mod log;
 pub mod measures;
 pub mod observe;
+pub mod orbit;
 pub mod oscillator;
 pub mod peaks;
 pub mod piva;

@@ -311,6 +311,10 @@ impl<R: Real> System for Piva<R> {
         self.first_state(start, time)
     }
 
+    fn with_drive_of(&self, state: &PivaState<R>, like: &PivaState<R>) -> PivaState<R> {
+        PivaState { time: like.time, kicks: like.kicks, ..*state }
+    }
+
     fn flight(&self, state: &PivaState<R>) -> PivaFlight<'_, R> {
         PivaFlight::new(self, *state)
     }

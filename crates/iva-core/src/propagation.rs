@@ -28,12 +28,14 @@ use nalgebra::{Matrix4, Vector4};
 use crate::system::{System, Wall};
 
 pub use errors::{Errors, TimeError};
+pub use tangent::Tangent;
 
 mod coupled;
 mod errors;
 mod piva;
 mod siva;
 mod structure;
+mod tangent;
 
 /// A system whose motion can be differentiated.
 pub trait Differentiable: System<Real = f64> {

@@ -281,6 +281,11 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         }
     }
 
+    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
+        let host = self.host.state(like.host.phase, state.host.primary);
+        SivaState { host, ..*state }
+    }
+
     #[inline]
     fn flight(&self, state: &Self::State) -> SivaFlight<'_, H> {
         SivaFlight::new(self, *state)

@@ -143,6 +143,10 @@ pub trait System {
     fn begin(&self, start: &Self::Start) -> Self::State {
         self.begin_at(start, Clock::ZERO)
     }
+    /// The same places and velocities with the drive of another state.
+    fn with_drive_of(&self, state: &Self::State, _like: &Self::State) -> Self::State {
+        *state
+    }
     /// The flight from a state.
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
     /// The stick episode on the wall that the state touches.

@@ -3,7 +3,8 @@
 use super::{Coupled, CoupledState, Coupling};
 use crate::chatter::REBOUND_LOOK;
 use crate::impact::{self, primary_share};
-use crate::lanes::{Group, Job, LANES, Logged, ScalarRun, SideBySide, free_mass};
+use crate::lanes::free_mass::{self, Loaded};
+use crate::lanes::{Group, Job, LANES, Logged, SideBySide};
 use crate::plain::State;
 use crate::real::{Real, pick};
 use crate::siva::Law;
@@ -171,9 +172,9 @@ impl<C: Coupling<Real = f64>, const W: usize> free_mass::Tier for Masses<C, W> {
         self.0[i].reach()
     }
 
-    fn load(&mut self, i: usize, run: &ScalarRun<'_, Coupled<C>>) -> Option<CoupledState> {
-        self.0[i] = *run.system;
-        Some(run.tally.state)
+    fn load(&mut self, i: usize, from: &Loaded<'_, Coupled<C>>) -> Option<CoupledState> {
+        self.0[i] = *from.system;
+        Some(from.state)
     }
 
     fn unload(&self, state: &CoupledState, _system: &Coupled<C>, _clock: Clock) -> CoupledState {

@@ -223,6 +223,10 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         self.host.state(self.host.begin_at(time), primary)
     }
 
+    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
+        self.host.state(like.phase, state.primary)
+    }
+
     fn flight(&self, state: &Self::State) -> AloneFlight<'_, H> {
         let structure = self.host.free();
         AloneFlight { structure, from: *state, course: structure.fast_course(state) }

@@ -80,7 +80,7 @@ impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
     }
 
     fn take(&mut self, lane: usize, run: &mut Decaying<'_>) -> bool {
-        let takes = !run.ended && self.masses.take(lane, run);
+        let takes = !run.ended && self.masses.take(lane, run, None);
         if takes {
             self.masses.listen(lane, run);
             let (system, clock, state) = (run.system, run.clock, run.tally.state);

@@ -65,7 +65,7 @@ impl<T: Tier<System = Siva<DrivenHost>>, const W: usize> Lockstep<Siva<DrivenHos
     fn take(&mut self, lane: usize, run: &mut Driven<'_>) -> bool {
         // A force too fast for the log is left to the event loop.
         let fits = !run.ended && (!self.logged || run.observer.forced.is_some());
-        let takes = fits && self.masses.take(lane, run);
+        let takes = fits && self.masses.take(lane, run, run.observer.forced.as_deref());
         if takes {
             self.masses.listen(lane, run);
             self.logs[lane] = run.observer.forced.take();

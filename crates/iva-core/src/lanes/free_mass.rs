@@ -23,14 +23,16 @@ use super::{ScalarRun, SideBySide, pick};
 use crate::arrays::{Laned, Lanes, any};
 use crate::host::Steps;
 use crate::log::Entry;
+use crate::measures::forced::Forced;
 use crate::plain::State;
 use crate::real::Real;
+use crate::simulate::{Run, Tally};
 use crate::siva::trial::{FreeMass, Sight, search};
 use crate::siva::{Law, coasts};
 use crate::system::{Clock, System};
 
-pub(super) use exact::{ExactDecays, ExactDriven};
-pub(super) use fast::{FastDecays, FastDriven};
+pub(crate) use exact::{ExactDecays, ExactDriven};
+pub(crate) use fast::{FastDecays, FastDriven};
 use lane::Lane;
 use listing::Struck;
 use round::{Round, Rounds, commit, decide};
@@ -91,8 +93,8 @@ pub(crate) trait Tier: Sized {
     ) -> Self::State {
         *state
     }
-    /// Loads the motion of a run into a lane; its state.
-    fn load(&mut self, i: usize, run: &TierRun<'_, Self>) -> Option<Self::State>;
+    /// Loads the motion from an instant of a run into a lane; its state.
+    fn load(&mut self, i: usize, from: &Loaded<'_, Self::System>) -> Option<Self::State>;
     /// The state in the form of the event loop.
     fn unload(
         &self,
@@ -100,6 +102,16 @@ pub(crate) trait Tier: Sized {
         system: &Self::System,
         clock: Clock,
     ) -> <Self::System as System>::State;
+    /// [`Tier::unload`] for who needs no derivatives of the force.
+    #[inline(always)]
+    fn shown(
+        &self,
+        state: &Self::State,
+        system: &Self::System,
+        clock: Clock,
+    ) -> <Self::System as System>::State {
+        self.unload(state, system, clock)
+    }
     /// Makes a lane idle; its state.
     fn idle(&mut self, i: usize) -> Self::State;
 }
@@ -107,7 +119,7 @@ pub(crate) trait Tier: Sized {
 /// A flight of a lane: the instant and the state of its begin, its length, high and low part, whether it ends with
 /// an impact, and whether that is on the far wall.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stretch<State> {
+pub(crate) struct Stretch<State> {
     pub clock: Clock,
     pub from: State,
     pub h: f64,
@@ -118,6 +130,16 @@ pub(super) struct Stretch<State> {
 
 /// The run of a lane in the event loop.
 type TierRun<'a, T> = ScalarRun<'a, <T as Tier>::System>;
+
+/// An instant of a run from which a lane goes on.
+#[derive(Debug)]
+pub(crate) struct Loaded<'a, S: System> {
+    pub system: &'a S,
+    pub clock: Clock,
+    pub state: S::State,
+    /// The tables of a driven motion in plain doubles.
+    pub forced: Option<&'a Forced>,
+}
 
 /// What every [`Tier`] of [`Siva`](crate::siva::Siva) has.
 macro_rules! of_siva {
@@ -139,7 +161,7 @@ use of_siva;
 
 /// Lanes of free masses.
 #[derive(Debug)]
-pub(super) struct FreeMasses<T: Tier, const W: usize> {
+pub(crate) struct FreeMasses<T: Tier, const W: usize> {
     lanes: lane::Lanes<W>,
     rounds: Rounds<W>,
     tier: T,
@@ -328,9 +350,16 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
     }
 
     /// Loads a run into a lane; false if the run is not at a state from which the lane can go on.
-    pub fn take(&mut self, i: usize, run: &TierRun<'_, T>) -> bool {
-        let Some(state) = self.tier.load(i, run) else { return false };
-        let lane = Lane::of::<T>(run, self.tier.longest(i));
+    pub fn take<O>(
+        &mut self,
+        i: usize,
+        run: &Run<'_, T::System, O>,
+        forced: Option<&Forced>,
+    ) -> bool {
+        let Run { system, clock, tally: Tally { state, .. }, .. } = *run;
+        let from = Loaded { system, clock, state, forced };
+        let Some(state) = self.tier.load(i, &from) else { return false };
+        let lane = Lane::of::<T, O>(run, self.tier.longest(i));
         if let Some(lane) = &lane {
             self.states.set(i, &state);
             self.lanes.set(i, lane);
@@ -338,8 +367,35 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         lane.is_some()
     }
 
+    /// True if a lane has come to the end of its run and needs nothing else of it.
+    pub fn is_at_end(&self, i: usize) -> bool {
+        self.lanes.stopped[i] > 0.0 && self.lanes.request[i] + self.lanes.full[i] == 0.0
+    }
+
+    /// The state of a lane, for who needs no derivatives of the force.
+    pub fn shown(&self, i: usize, system: &T::System) -> <T::System as System>::State {
+        self.tier.shown(&self.states.get(i), system, self.lanes.clock.get(i))
+    }
+
+    /// Number of impacts of the run of a lane so far.
+    pub fn impacts(&self, i: usize) -> u64 {
+        self.lanes.counts.impacts[i] as u64
+    }
+
+    /// Lets a lane make its run once more from another state; false if that is left to the event loop.
+    pub fn repeat(&mut self, i: usize, from: &Loaded<'_, T::System>) -> bool {
+        let State { x, v, distance, .. } = T::in_doubles(&from.state);
+        let Some(state) = self.tier.load(i, from) else { return false };
+        let goes_on = distance > 0.0 && (x + v).is_finite();
+        if goes_on {
+            self.states.set(i, &state);
+            self.lanes.set(i, &self.lanes.get(i).repeated(from.clock, self.tier.longest(i)));
+        }
+        goes_on
+    }
+
     /// Writes the variables of a lane back into its run.
-    pub fn put_back(&mut self, i: usize, run: &mut TierRun<'_, T>) {
+    pub fn put_back<O>(&mut self, i: usize, run: &mut Run<'_, T::System, O>) {
         let lane = self.lanes.get(i);
         lane.put_back(run);
         run.tally.state = self.tier.unload(&self.states.get(i), run.system, run.clock);

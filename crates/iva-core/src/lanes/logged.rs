@@ -89,7 +89,7 @@ impl<T: Tier, const W: usize> Lockstep<T::System> for Logged<T, W> {
     fn take(&mut self, lane: usize, run: &mut ScalarRun<'_, T::System>) -> bool {
         let (events, errors) = &run.observer.beside;
         self.logged |= events.is_some() || errors.is_some();
-        !run.ended && self.masses.take(lane, run)
+        !run.ended && self.masses.take(lane, run, None)
     }
 
     fn put_back(&mut self, lane: usize, run: &mut ScalarRun<'_, T::System>) {

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::Differentiable;
+use super::tangent::{released, saltation};
 use crate::flight::Motion;
 use crate::impact::Impact;
 use crate::observe::{Contact, Observer, Span};
@@ -264,9 +265,7 @@ impl Errors {
         }
         let largest = self.derivative.row(2).amax();
         self.condition = self.condition.max((self.unit / approach) * largest);
-        let jump = system.impact_matrix(wall);
-        let normal = Vector4::new(0.0, 0.0, 1.0 / f[2], 0.0);
-        self.carry(&(jump + (f_after - jump * f) * normal.transpose()));
+        self.carry(&saltation(system, wall, [&f, &f_after]));
         let speeds = Vector4::new(0.0, f_after[0].abs(), 0.0, f_after[2].abs());
         self.add(UNIT * ROUNDING * speeds);
     }
@@ -344,7 +343,7 @@ impl<S: Differentiable> Observer<S> for Errors {
         let Instant { time, state } = from;
         let rates = system.rates(state);
         self.end_motion(system, time.value, state, rates);
-        self.carry(&Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0)));
+        self.carry(&released());
         self.begin::<S>((time.value, rates), false);
     }
 

@@ -13,6 +13,7 @@ use crate::system::{Point, System, Wall};
 impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     const LINEAR: bool = true;
 
+    #[inline(always)]
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
         // Computed from x and ẋ in doubles: that is all that is known of a state before an impact from its row.
         let HostState { primary: Primary { x, v }, phase, .. } = &state.host;
@@ -38,6 +39,7 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
         Vector4::new(v.abs(), pull, state.gap_velocity().abs(), pull)
     }
 
+    #[inline(always)]
     fn flight_tangent(&self, _from: &Self::State, h: f64) -> Matrix4<f64> {
         let [[xx, vx], [xv, vv]] = columns(self.host.free().equation(), h);
         // x + y moves uniformly.
@@ -71,6 +73,7 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
         )
     }
 
+    #[inline(always)]
     fn impact_matrix(&self, wall: Wall) -> Matrix4<f64> {
         free_mass_impact(self.impact_gain(wall), self.restitution(wall))
     }

@@ -60,6 +60,7 @@ impl<R: Real, P> SivaState<P, R> {
 
 impl<P: Copy> SivaState<P> {
     /// The state just before the impact that it follows, as exactly as a row of the table tells it.
+    #[inline(always)]
     pub(crate) fn before(&self, impact: &Impact) -> Self {
         let Primary { x, .. } = self.host.primary;
         let primary = Primary { x, v: DoubleDouble::new(impact.velocity_before) };

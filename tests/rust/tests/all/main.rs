@@ -27,6 +27,7 @@ mod limits;
 mod measures;
 mod near_wall;
 mod neighbours;
+mod orbit;
 mod piva;
 mod piva_flight;
 mod planted;

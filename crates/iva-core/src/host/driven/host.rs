@@ -68,7 +68,10 @@ impl<R: Real> Host for DrivenHost<R> {
 
     fn begin_at(&self, time: Clock<R>) -> Moment<R> {
         let (time, kicks) = self.forces.force.begin(time);
-        self.free.moment(time, time, kicks)
+        R::dispatched(
+            #[inline(always)]
+            || self.free.moment(time, time, kicks),
+        )
     }
 
     fn balanced(&self, phase: &Moment<R>, v: DoubleDouble<R>) -> DoubleDouble<R> {

@@ -1,6 +1,6 @@
 //! Free masses of the exact tier: states in double-double.
 
-use super::{Tier, TierRun, of_siva};
+use super::{Loaded, Tier, of_siva};
 use crate::arrays::{Lanes as _, arrays};
 use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
@@ -24,7 +24,7 @@ fn at_rest<P>(phase: P) -> SivaState<P> {
 
 /// Free masses on one structure without drive.
 #[derive(Debug)]
-pub(in crate::lanes) struct ExactDecays {
+pub(crate) struct ExactDecays {
     /// Held by value, so that the compiler knows that no store into a lane changes it.
     free: Oscillator,
     steps: Steps,
@@ -74,8 +74,8 @@ impl Tier for ExactDecays {
         coasts::after(steps, state, count, by)
     }
 
-    fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<SivaState> {
-        Some(run.tally.state)
+    fn load(&mut self, _i: usize, from: &Loaded<'_, Siva>) -> Option<SivaState> {
+        Some(from.state)
     }
 
     fn unload(&self, state: &SivaState, _system: &Siva, _clock: Clock) -> SivaState {
@@ -99,7 +99,7 @@ arrays! {
 
 /// The force of a lane: one harmonic force, on the structure or its base.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::lanes) struct Single<const BASE: bool>(Harmonic);
+pub(crate) struct Single<const BASE: bool>(Harmonic);
 
 impl<const BASE: bool> Single<BASE> {
     /// f/M and a_g, one of which is `push`.
@@ -159,7 +159,7 @@ impl<const BASE: bool> Source for Single<BASE> {
 
 /// Free masses under one harmonic force each, on the structure or on its base.
 #[derive(Debug)]
-pub(in crate::lanes) struct ExactDriven<const BASE: bool, const W: usize>(Scenes<W>);
+pub(crate) struct ExactDriven<const BASE: bool, const W: usize>(Scenes<W>);
 
 impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
     type System = Siva<DrivenHost>;
@@ -205,9 +205,9 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
         self.0.reach[i]
     }
 
-    fn load(&mut self, i: usize, run: &TierRun<'_, Self>) -> Option<Self::State> {
-        let host::Driven { equation, reach, step, excess, .. } = run.system.host.free();
-        let harmonic = run.system.force().map(Force::harmonics)?.first()?;
+    fn load(&mut self, i: usize, from: &Loaded<'_, Self::System>) -> Option<Self::State> {
+        let host::Driven { equation, reach, step, excess, .. } = from.system.host.free();
+        let harmonic = from.system.force().map(Force::harmonics)?.first()?;
         let scene = Scene {
             amplitude: harmonic.amplitude,
             frequency: harmonic.frequency,
@@ -219,7 +219,7 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
             excess: *excess,
         };
         self.0.set(i, &scene);
-        Some(run.tally.state)
+        Some(from.state)
     }
 
     fn unload(

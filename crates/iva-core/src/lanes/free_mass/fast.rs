@@ -1,13 +1,14 @@
 //! Free masses of the fast tier: states in plain doubles.
 
-use super::{Tier, TierRun, of_siva};
+use super::{Loaded, Tier, of_siva};
 use crate::arrays::Lanes as _;
 use crate::compensated::DoubleDouble;
-use crate::host::{DrivenHost, Host, Phase, Steps};
+use crate::force::Pushes;
+use crate::host::{DrivenHost, Host, Moment, Phase, Steps};
 use crate::oscillator::{Equation, Primary};
 use crate::plain::mass::Mass;
 use crate::plain::responses::{OfLane, Responses, Tables};
-use crate::plain::{FREE, State, Structure, Structures};
+use crate::plain::{BASE, FREE, State, Structure, Structures};
 use crate::real::Real;
 use crate::siva::{Siva, SivaState, coasts};
 use crate::system::Clock;
@@ -18,7 +19,7 @@ const AT_REST: State =
 
 /// Free masses on one structure without drive.
 #[derive(Debug)]
-pub(in crate::lanes) struct FastDecays {
+pub(crate) struct FastDecays {
     structure: Structure,
     responses: Responses,
     steps: Steps,
@@ -74,8 +75,8 @@ impl Tier for FastDecays {
         coasts::plainly_after(steps, state, count, by)
     }
 
-    fn load(&mut self, _i: usize, run: &TierRun<'_, Self>) -> Option<State> {
-        Some(run.tally.state.in_doubles())
+    fn load(&mut self, _i: usize, from: &Loaded<'_, Siva>) -> Option<State> {
+        Some(from.state.in_doubles())
     }
 
     fn unload(&self, state: &State, system: &Siva, clock: Clock) -> SivaState {
@@ -89,7 +90,7 @@ impl Tier for FastDecays {
 
 /// Free masses under one harmonic force each, on the structure or on its base.
 #[derive(Debug)]
-pub(in crate::lanes) struct FastDriven<const DRIVE: u8, const W: usize> {
+pub(crate) struct FastDriven<const DRIVE: u8, const W: usize> {
     structures: Structures<W>,
     tables: Tables<W>,
 }
@@ -123,14 +124,14 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
         State { force, quadrature, ..*state }
     }
 
-    fn load(&mut self, i: usize, run: &TierRun<'_, Self>) -> Option<State> {
-        let log = run.observer.forced.as_ref()?;
+    fn load(&mut self, i: usize, from: &Loaded<'_, Self::System>) -> Option<State> {
+        let log = from.forced?;
         self.tables.set(i, &log.responses);
         self.structures.set(i, &log.structure);
-        let state = run.tally.state.in_doubles();
+        let state = from.state.in_doubles();
         let [force, quadrature] = f64::dispatched(
             #[inline(always)]
-            || log.structure.force_at(run.clock),
+            || log.structure.force_at(from.clock),
         );
         Some(State { force, quadrature, ..state })
     }
@@ -144,6 +145,22 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
         unload(state, &system.host, clock)
     }
 
+    #[inline(always)]
+    fn shown(
+        &self,
+        state: &State,
+        system: &Siva<DrivenHost>,
+        time: Clock,
+    ) -> SivaState<Phase<DrivenHost>> {
+        let mut pushes = Pushes::NONE;
+        if DRIVE == BASE {
+            pushes.base.value = DoubleDouble::new(-state.force);
+        } else {
+            pushes.primary.value = DoubleDouble::new(state.force);
+        }
+        in_double_double(state, &system.host, Moment { time, kicks: 0, pushes })
+    }
+
     fn idle(&mut self, i: usize) -> State {
         let structure = Structure { longest: 1.0, over_longest: 1.0, ..Structure::default() };
         self.structures.set(i, &structure);
@@ -153,10 +170,19 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
 
 /// A state in the form of the event loop.
 fn unload<H: Host<Real = f64>>(state: &State, host: &H, clock: Clock) -> SivaState<Phase<H>> {
+    in_double_double(state, host, host.begin_at(clock))
+}
+
+#[inline(always)]
+fn in_double_double<H: Host<Real = f64>>(
+    state: &State,
+    host: &H,
+    phase: Phase<H>,
+) -> SivaState<Phase<H>> {
     let State { x, v, distance, rate, side, .. } = *state;
     let primary = Primary { x: DoubleDouble::new(x), v: DoubleDouble::new(v) };
     SivaState {
-        host: host.state(host.begin_at(clock), primary),
+        host: host.state(phase, primary),
         side,
         distance: DoubleDouble::new(distance),
         rate: DoubleDouble::new(rate),

@@ -1,10 +1,10 @@
 //! One lane: the variables of a run that change in its flights, beside its state, and arrays of such lanes.
 
-use super::{Tier, TierRun};
+use super::Tier;
 use crate::arrays::arrays;
-use crate::lanes::{ScalarRun, SideBySide};
-use crate::simulate::Phase as Doing;
+use crate::lanes::SideBySide;
 use crate::simulate::counts::Counts;
+use crate::simulate::{Phase as Doing, Run};
 use crate::siva::Law;
 use crate::siva::trial::Trial;
 use crate::system::{Clock, System as _};
@@ -69,7 +69,7 @@ impl Lane {
 
     /// The lane of a run in flight, in trials up to `longest`; `None` if the event loop has to go on with the
     /// run.
-    pub fn of<T: Tier>(run: &TierRun<'_, T>, longest: f64) -> Option<Self> {
+    pub fn of<T: Tier, O>(run: &Run<'_, T::System, O>, longest: f64) -> Option<Self> {
         let Doing::Flight { first } = run.phase else { return None };
         let (system, limits) = (run.system, run.limits);
         let (law, loss_factor) = T::law(system)?;
@@ -98,8 +98,16 @@ impl Lane {
         (goes_on && !lane.is_full()).then_some(lane)
     }
 
+    /// The lane of the same run at its begin, with the clock at this instant.
+    pub fn repeated(&self, begin: Clock, longest: f64) -> Self {
+        let (first, counts) = (f64::INFINITY, Counts::default());
+        let mut lane = Self { clock: begin, first, tries: 0.0, counts, stopped: false, ..*self };
+        lane.trial = Trial::new(longest.min(lane.remaining()));
+        lane
+    }
+
     /// Writes the variables back into the run.
-    pub fn put_back<S: SideBySide>(&self, run: &mut ScalarRun<'_, S>) {
+    pub fn put_back<S: SideBySide, O>(&self, run: &mut Run<'_, S, O>) {
         run.clock = self.clock;
         run.counts = self.counts;
         run.phase = Doing::Flight { first: self.first };

@@ -2,11 +2,12 @@
 
 use super::{FreeMasses, Tier, TierRun};
 use crate::arrays::Lanes as _;
-use crate::host::Host;
+use crate::host::{Host, Phase};
 use crate::impact::Impact;
 use crate::plain::State;
-use crate::siva::Siva;
+use crate::real::Real as _;
 use crate::siva::trial::FreeMass as _;
+use crate::siva::{Siva, SivaState};
 use crate::system::{Clock, Wall};
 
 /// The impacts of a lane that its run has not taken yet.
@@ -63,25 +64,62 @@ impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> FreeMasses<
     pub fn listen(&mut self, i: usize, run: &TierRun<'_, T>) {
         let (events, errors) = &run.observer.beside;
         if events.is_some() || errors.is_some() {
-            self.struck.resize_with(W, || Struck { impacts: Vec::new(), after: None });
-            self.struck[i].after = errors.is_some().then(Vec::new);
+            self.list_impacts(i, errors.is_some());
         }
+    }
+
+    /// Lists the impacts of a lane from now on, with the states after them or without.
+    pub fn list_impacts(&mut self, i: usize, states: bool) {
+        self.struck.resize_with(W, || Struck { impacts: Vec::new(), after: None });
+        self.struck[i].after = states.then(Vec::new);
     }
 
     /// Hands the impacts of a lane to its run.
     pub fn tell(&mut self, i: usize, run: &mut TierRun<'_, T>) {
-        let Some(struck) = self.struck.get_mut(i) else { return };
+        let system = run.system;
         let (events, errors) = &mut run.observer.beside;
-        if let (Some(errors), Some(after)) = (errors, &mut struck.after) {
-            for (impact, after) in struck.impacts.iter().zip(after.drain(..)) {
-                let after = self.tier.unload(&after, run.system, Clock::new(impact.time));
-                errors.struck(run.system, impact.time, [&after.before(impact), &after]);
+        if let Some(errors) = errors {
+            self.struck_states(i, system, |impact, states| {
+                errors.struck(system, impact.time, states);
                 errors.list(impact);
-            }
+            });
         }
+        let Some(struck) = self.struck.get_mut(i) else { return };
         match events {
             Some(events) => events.impacts.append(&mut struck.impacts),
             None => struck.impacts.clear(),
+        }
+    }
+
+    /// Hands out the listed impacts of a lane, each with the states before and after it.
+    fn struck_states(
+        &mut self,
+        i: usize,
+        system: &T::System,
+        mut take: impl FnMut(&Impact, [&SivaState<Phase<H>>; 2]),
+    ) {
+        let Some(Struck { impacts, after: Some(after) }) = self.struck.get_mut(i) else { return };
+        f64::dispatched(
+            #[inline(always)]
+            || {
+                for (impact, after) in impacts.iter().zip(after.drain(..)) {
+                    let after = self.tier.shown(&after, system, Clock::new(impact.time));
+                    take(impact, [&after.before(impact), &after]);
+                }
+            },
+        );
+    }
+
+    /// Hands out the listed impacts of a lane, each with the states before and after it, and forgets them.
+    pub fn take_struck(
+        &mut self,
+        i: usize,
+        system: &T::System,
+        take: impl FnMut(&Impact, [&SivaState<Phase<H>>; 2]),
+    ) {
+        self.struck_states(i, system, take);
+        if let Some(struck) = self.struck.get_mut(i) {
+            struck.impacts.clear();
         }
     }
 }

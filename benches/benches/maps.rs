@@ -1,0 +1,65 @@
+//! Maps over one cycle of a harmonic force with three impacts in it: 256 trajectories side by side near the stable orbit
+//! A5 of `tests/reference/orbits.json`, on one core. Nanoseconds a map.
+
+use std::hint::black_box;
+use std::ops::ControlFlow::{Break, Continue};
+use std::time::Duration;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use iva_core::{
+    error::Invalid,
+    force::{Acts, Force, Harmonic},
+    host::DrivenHost,
+    lanes::Tier,
+    orbit::{Cycle, Request, Trajectory, iterate},
+    siva::Siva,
+    system::Start,
+};
+
+const TRAJECTORIES: usize = 256;
+const CYCLES: usize = 40;
+
+fn trajectory(index: usize, tier: Tier) -> Result<Trajectory<Siva<DrivenHost>>, Invalid> {
+    let harmonic = Harmonic { amplitude: 1.0, frequency: 1.0, phase: 0.0, acts: Acts::Primary };
+    let force = Force::harmonic(vec![harmonic])?;
+    let siva = Siva::new(0.2, 0.7, 3.4, 0.05)?.under(force);
+    let start = Start {
+        displacement: -2.225_471_662_1 + 1e-4 * index as f64 / TRAJECTORIES as f64,
+        velocity: 1.377_709_279_3,
+        gap_displacement: -2.161_628_140_6,
+        gap_velocity: -0.293_273_920_8,
+    };
+    let cycle = Cycle { begin: 0.0, length: std::f64::consts::TAU };
+    let trajectory = Trajectory::new(siva, &start, cycle)?;
+    Ok(Trajectory { tier, ..trajectory })
+}
+
+fn maps(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("maps of a driven free mass, 3 impacts");
+    group.throughput(Throughput::Elements((TRAJECTORIES * CYCLES) as u64));
+    group.sample_size(20).measurement_time(Duration::from_secs(3));
+    for tier in [Tier::Exact, Tier::Fast] {
+        let all: Result<Vec<_>, _> =
+            (0..TRAJECTORIES).map(|index| trajectory(index, tier)).collect();
+        let Ok(all) = all else { return };
+        for tangents in [false, true] {
+            let name =
+                format!("{}{}", tier.name(), if tangents { ", with derivatives" } else { "" });
+            let request = Request { tangents, cancel: None };
+            group.bench_function(name, |bencher| {
+                bencher.iter(|| {
+                    let mut cycles = [0; TRAJECTORIES];
+                    iterate(&all, request, &mut |index, image| {
+                        black_box(image);
+                        cycles[index] += 1;
+                        if cycles[index] < CYCLES { Continue(()) } else { Break(()) }
+                    })
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, maps);
+criterion_main!(benches);

@@ -1,0 +1,236 @@
+//! State → state: whole cycles of a drive, from any state at any phase.
+//!
+//! Periodic orbits, their multipliers, basins, diagrams and exponents are all made of one map: the state at one phase of
+//! the drive is mapped to that one or some cycles later ([`map`]). Each cycle begins on the same clock, so that equal
+//! states at its begin have equal states at its end, to the bit. No table is made and no measure taken; what is counted
+//! are the impacts. With the derivative of the map comes the monodromy matrix ([`Tangent`]).
+//!
+//! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force side by
+//! side in lanes ([`crate::lanes`]), with the bits of [`map`] in the exact tier.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
+
+use nalgebra::Matrix4;
+
+use crate::error::Invalid;
+use crate::host::{Alone, DrivenHost, UndrivenHost};
+use crate::lanes::{SideBySide, Tier};
+use crate::piva::Piva;
+use crate::propagation::{Differentiable, Tangent};
+use crate::simulate::{Instant, Limits, Outcome, Run};
+use crate::siva::Siva;
+use crate::system::{Clock, System};
+
+mod in_lanes;
+
+/// The stretch of time that a map covers, in 1/ωn: whole cycles of the drive, from one of its phases on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cycle {
+    /// The instant at which it begins, on the clock of the drive.
+    pub begin: f64,
+    /// Its length.
+    pub length: f64,
+}
+
+/// The image of a state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Image<State> {
+    /// The state at the end of the cycle, with the drive at its begin.
+    pub state: State,
+    /// Number of impacts in the cycle that are listed ([`Limits::chatter_floor`]).
+    pub impacts: u64,
+    /// How the cycle has ended; unless it is [`Outcome::Finished`], the state is that where it ended.
+    pub outcome: Outcome,
+    /// Derivative of (x, ẋ, y, ẏ) at the end with respect to that at the begin, if it was asked for.
+    pub tangent: Option<Matrix4<f64>>,
+}
+
+/// A trajectory: the state that it begins with, and the cycle that is repeated.
+#[derive(Debug, Clone)]
+pub struct Trajectory<S: System> {
+    /// The absorber on its structure.
+    pub system: S,
+    /// The state at the begin of the first cycle, with the drive of that instant.
+    pub state: S::State,
+    /// The cycle.
+    pub cycle: Cycle,
+    /// The accuracy tier: [`Tier::Fast`] counts for free masses in lanes only.
+    pub tier: Tier,
+}
+
+impl<S: System<Real = f64>> Trajectory<S> {
+    /// A trajectory from a start at the begin of a cycle.
+    ///
+    /// # Errors
+    /// [`Invalid`] if the start does not lie in the gap.
+    pub fn new(system: S, start: &S::Start, cycle: Cycle) -> Result<Self, Invalid> {
+        system.check_start(start)?;
+        let state = system.begin_at(start, Clock::new(cycle.begin));
+        Ok(Self { system, state, cycle, tier: Tier::Exact })
+    }
+
+    /// The same trajectory from another state.
+    #[must_use]
+    pub fn from(&self, state: &S::State) -> Self
+    where
+        S: Clone,
+    {
+        let state = self.system.with_drive_of(state, &self.state);
+        Self { state, ..self.clone() }
+    }
+
+    /// The end of a cycle, and limits that do not end it earlier.
+    fn limits(&self) -> Limits {
+        let Cycle { begin, length } = self.cycle;
+        Limits::new(begin + length, self.system.clearance())
+    }
+}
+
+/// The run of one cycle.
+type Turn<'a, S> = Run<'a, S, Option<Tangent>>;
+
+/// A cycle from a state, begun.
+fn begun<'a, S: Differentiable>(
+    trajectory: &'a Trajectory<S>,
+    state: &S::State,
+    limits: &'a Limits,
+    (tangents, cancel): (bool, Option<&'a AtomicBool>),
+) -> Turn<'a, S> {
+    let system = &trajectory.system;
+    let time = Clock::new(trajectory.cycle.begin);
+    let from = Instant { time, state: system.with_drive_of(state, &trajectory.state) };
+    let mut run = Run::new(system, &from, limits, cancel, tangents.then(Tangent::default));
+    run.begin();
+    run
+}
+
+/// The image at the end of a cycle, with the drive of a state at its begin.
+fn image<S: Differentiable>(run: &mut Turn<'_, S>, begin: &S::State) -> Image<S::State> {
+    let tally = run.finish();
+    let state = run.system.with_drive_of(&tally.state, begin);
+    let tangent = run.observer.as_ref().map(|tangent| *tangent.derivative());
+    Image { state, impacts: tally.impacts, outcome: tally.outcome, tangent }
+}
+
+/// The image of the first state of a trajectory, with the derivative of the map or without.
+///
+/// # Errors
+/// [`Invalid`] if the length of the cycle is not usable.
+pub fn map<S: Differentiable>(
+    trajectory: &Trajectory<S>,
+    tangents: bool,
+    cancel: Option<&AtomicBool>,
+) -> Result<Image<S::State>, Invalid> {
+    let limits = trajectory.limits();
+    limits.check()?;
+    let mut run = begun(trajectory, &trajectory.state, &limits, (tangents, cancel));
+    while run.step() {}
+    Ok(image(&mut run, &trajectory.state))
+}
+
+/// The receiver of images: the index of a trajectory, and its next image. Where it breaks, that trajectory ends.
+pub type See<'a, S> = &'a mut dyn FnMut(usize, &Image<<S as System>::State>) -> ControlFlow<()>;
+
+/// What is computed of trajectories.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Request<'a> {
+    /// True if the derivatives are wanted.
+    pub tangents: bool,
+    /// A flag that ends all of them.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+/// An absorber whose trajectories may go side by side.
+pub trait Iterated: SideBySide {
+    /// Goes on with these trajectories, which fit together; by default one after the other.
+    fn iterate_group(
+        trajectories: &[Trajectory<Self>],
+        group: &[usize],
+        request: Request<'_>,
+        see: See<'_, Self>,
+    ) {
+        for index in group {
+            one_by_one(&trajectories[*index], *index, request, see);
+        }
+    }
+
+    /// Trajectories with equal keys fit together; `None`: it goes by itself.
+    fn key(_trajectory: &Trajectory<Self>) -> Option<u8> {
+        None
+    }
+}
+
+/// Goes on from image to image until `see` breaks or a cycle does not end.
+fn one_by_one<S: Iterated>(
+    trajectory: &Trajectory<S>,
+    index: usize,
+    Request { tangents, cancel }: Request<'_>,
+    see: See<'_, S>,
+) {
+    let limits = trajectory.limits();
+    let mut state = trajectory.state;
+    loop {
+        let mut run = begun(trajectory, &state, &limits, (tangents, cancel));
+        while run.step() {}
+        let image = image(&mut run, &trajectory.state);
+        if image.outcome == Outcome::Cancelled {
+            return;
+        }
+        if see(index, &image).is_break() || image.outcome != Outcome::Finished {
+            return;
+        }
+        state = image.state;
+    }
+}
+
+/// Goes on from image to image for many trajectories; those that fit together go side by side. Each ends where `see`
+/// breaks, or at an image whose outcome is not [`Outcome::Finished`]. Once cancelled, all
+/// end soon.
+///
+/// # Errors
+/// [`Invalid`] if the length of a cycle is not usable, before anything runs.
+pub fn iterate<S: Iterated>(
+    trajectories: &[Trajectory<S>],
+    request: Request<'_>,
+    see: See<'_, S>,
+) -> Result<(), Invalid> {
+    for trajectory in trajectories {
+        trajectory.limits().check()?;
+    }
+    let key = |index: &usize| S::key(&trajectories[*index]);
+    let mut order: Vec<usize> = (0..trajectories.len()).collect();
+    order.sort_by_key(key);
+    for group in order.chunk_by(|a, b| key(a) == key(b)) {
+        if key(&group[0]).is_some() {
+            S::iterate_group(trajectories, group, request, see);
+        } else {
+            group.iter().for_each(|index| one_by_one(&trajectories[*index], *index, request, see));
+        }
+    }
+    Ok(())
+}
+
+impl Iterated for Siva {}
+impl Iterated for Piva {}
+impl Iterated for Alone<UndrivenHost> {}
+impl Iterated for Alone<DrivenHost> {}
+
+impl Iterated for Siva<DrivenHost> {
+    fn key(trajectory: &Trajectory<Self>) -> Option<u8> {
+        let Trajectory { system, tier, .. } = trajectory;
+        let force = system.force()?;
+        let level = system.gravity() == 0.0 && system.common_law().is_some();
+        let fast = if *tier == Tier::Fast { 2 } else { 0 };
+        (level && force.is_single()).then(|| fast + u8::from(force.moves_base()))
+    }
+
+    fn iterate_group(
+        trajectories: &[Trajectory<Self>],
+        group: &[usize],
+        request: Request<'_>,
+        see: See<'_, Self>,
+    ) {
+        in_lanes::iterate(trajectories, group, request, see);
+    }
+}
