@@ -41,7 +41,7 @@ use crate::propagation::{Differentiable, Errors};
 use crate::real::pick;
 use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
-use crate::steady::{SteadyValues, SteadyWanted, Window};
+use crate::steady::{Steady, SteadyValues, SteadyWanted, Strobe, Window};
 use crate::summary::Summary;
 use crate::system::System;
 use crate::taylor::{ORDER, with_order};
@@ -103,7 +103,7 @@ pub type Ended<S> = (Tally<<S as System>::State>, MeasureValues, Option<SteadyVa
 /// An absorber whose runs can go side by side. By default they go one by one.
 pub trait SideBySide: Differentiable + Sized {
     /// The key of a job: jobs with equal keys form a group whose lanes run side by side. `None`: the job is
-    /// run by the event loop; jobs that begin later than time zero always are.
+    /// run by the event loop.
     fn common(_job: &Job<Self>) -> Option<[f64; 2]> {
         None
     }
@@ -163,6 +163,8 @@ pub struct Listed {
     pub errors: Option<Box<Errors>>,
     /// The peaks of its displacement.
     pub envelope: Option<Vec<Peak>>,
+    /// All strobes of its steady state, if those were wanted.
+    pub strobes: Option<Vec<Strobe>>,
 }
 
 /// The receiver of results: the index of a job, and its result.
@@ -187,8 +189,7 @@ macro_rules! run_jobs {
 
 /// True if a run is a free decay that lanes can make: they compute no measures but log the motion.
 fn decays(job: &Job<Siva>) -> bool {
-    let logged = job.system.sinusoidal().is_some() && job.steady.is_none();
-    logged && job.begin == 0.0 && job.system.common_law().is_some()
+    job.system.sinusoidal().is_some() && job.steady.is_none()
 }
 
 impl SideBySide for Siva {
@@ -228,11 +229,9 @@ impl SideBySide for Siva<DrivenHost> {
         let force = job.system.force()?;
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let base = if force.moves_base() { 1.0 } else { 0.0 };
-        // Lanes record no strobes.
         let tier = if job.tier == Tier::Fast { 2.0 } else { 0.0 };
-        let level = job.system.gravity() == 0.0 && job.system.common_law().is_some();
-        (level && force.is_single() && !wanted.strobes && job.begin == 0.0)
-            .then(|| [f64::from(wanted.bits()), base + tier])
+        let level = job.system.gravity() == 0.0;
+        (level && force.is_single()).then(|| [f64::from(wanted.bits()), base + tier])
     }
 
     fn shared(job: &Job<Self>) -> f64 {
@@ -273,8 +272,7 @@ impl SideBySide for Piva {
             false => force.is_single() && !wanted.strobes,
         };
         let small = if pendulum.small_angles { 1000.0 } else { 0.0 };
-        (fits && job.begin == 0.0 && job.system.has_common_law())
-            .then_some([accuracy.tolerance, small + driven + damped])
+        fits.then_some([accuracy.tolerance, small + driven + damped])
     }
 
     fn tier(job: &Job<Self>) -> Tier {
@@ -441,7 +439,9 @@ impl<'a, S: SideBySide> Group<'a, S> {
     fn hand_out(&mut self, index: usize, tally: Tally<S::State>, summary: &mut Watch<S>) {
         let steady = summary.steady_values().copied();
         let (events, errors) = std::mem::take(&mut summary.beside);
-        let listed = Listed { events, errors, envelope: summary.measures.take_envelope() };
+        let envelope = summary.measures.take_envelope();
+        let strobes = summary.steady().and_then(Steady::all_strobes);
+        let listed = Listed { events, errors, envelope, strobes };
         (self.take)(index, &(tally, *summary.values(), steady), listed);
     }
 

@@ -8,7 +8,7 @@ use crate::flight::{Losses, Motion};
 use crate::observe::{Contact, Each, Observer, Span};
 use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
 use crate::real::Real;
-use crate::settling::LastCrossing;
+use crate::settling::{LEVELS, LastCrossing};
 use crate::simulate::{Instant, Outcome, Tally};
 use crate::system::{Point, System};
 
@@ -160,7 +160,7 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
             first_peak: R::ZERO,
             decrements: [None; 3],
             fit: Fit::default(),
-            settling: [0.10, 0.05, 0.02].map(|share| LastCrossing::new(R::from(share))),
+            settling: LEVELS.map(|share| LastCrossing::new(R::from(share))),
             last_period: R::ZERO,
             last_half_period: R::ZERO,
             viscous: DoubleDouble::ZERO,

@@ -220,7 +220,7 @@ impl Iterated for Siva<DrivenHost> {
     fn key(trajectory: &Trajectory<Self>) -> Option<u8> {
         let Trajectory { system, tier, .. } = trajectory;
         let force = system.force()?;
-        let level = system.gravity() == 0.0 && system.common_law().is_some();
+        let level = system.gravity() == 0.0;
         let fast = if *tier == Tier::Fast { 2 } else { 0 };
         (level && force.is_single()).then(|| fast + u8::from(force.moves_base()))
     }

@@ -121,11 +121,6 @@ impl<R: Real> Piva<R> {
         &self.laws[wall.index()]
     }
 
-    /// True if both walls have the same restitution.
-    pub(crate) fn has_common_law(&self) -> bool {
-        self.laws[0].restitution == self.laws[1].restitution
-    }
-
     /// Newton's coefficient e on the gap velocity, at a wall.
     pub fn restitution(&self, wall: Wall) -> R {
         self.law(wall).restitution

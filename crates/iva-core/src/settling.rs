@@ -9,6 +9,9 @@ use crate::real::Real;
 use crate::roots::polish;
 use crate::system::{Clock, System};
 
+/// The levels, in parts of A₀.
+pub(crate) const LEVELS: [f64; 3] = [0.10, 0.05, 0.02];
+
 /// The last crossing of one level.
 #[derive(Debug, Clone)]
 pub(crate) struct LastCrossing<S: System> {

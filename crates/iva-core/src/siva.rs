@@ -62,13 +62,16 @@ pub(crate) struct Law<R = f64> {
     pub restitution: R,
     /// Share of the gap velocity that the primary gains.
     pub share: DoubleDouble<R>,
+    /// The energy lost at an approach speed of 1.
+    pub loss: R,
 }
 
-laned!(Law, Laws { restitution: f64, share: DoubleDouble });
+laned!(Law, Laws { restitution: f64, share: DoubleDouble, loss: f64 });
 
 impl<R: Real> Law<R> {
-    fn new(mass_ratio: R, restitution: R) -> Self {
-        Self { restitution, share: impact::primary_share(mass_ratio, restitution) }
+    pub(crate) fn new(mass_ratio: R, restitution: R) -> Self {
+        let share = impact::primary_share(mass_ratio, restitution);
+        Self { restitution, share, loss: impact::energy_loss(mass_ratio, restitution, R::ONE) }
     }
 }
 
@@ -138,13 +141,13 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
     /// The impact law at the wall with this sign.
     #[inline(always)]
     pub(crate) fn law(&self, side: R) -> &Law<R> {
-        if side > 0.0 { &self.laws[0] } else { &self.laws[1] }
+        let [plus, minus] = &self.laws;
+        if side > 0.0 { plus } else { minus }
     }
 
-    /// The impact law, if it is the same at both walls.
-    pub(crate) fn common_law(&self) -> Option<&Law<R>> {
-        let [plus, minus] = &self.laws;
-        (plus.restitution == minus.restitution).then_some(plus)
+    /// The impact laws at wall + and at wall −.
+    pub(crate) fn laws(&self) -> &[Law<R>; 2] {
+        &self.laws
     }
 
     /// μ = m/M.
@@ -370,7 +373,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             gap_velocity_before: s * approach,
             gap_velocity_after: after.gap_velocity(),
             lever: R::ONE,
-            energy_loss: impact::energy_loss(self.mass_ratio, law.restitution, approach),
+            energy_loss: law.loss * (approach * approach),
         };
         (after, impact)
     }

@@ -14,7 +14,7 @@ use crate::polynomial::largest;
 use crate::real::Real;
 use crate::sample::{SLACK, span_ends};
 use crate::simulate::{Instant, Outcome, Tally};
-use crate::system::{Point, System, Wall};
+use crate::system::{Clock, Point, System, Wall};
 
 pub use bare::{Bare, without_absorber};
 pub use regime::Regime;
@@ -156,9 +156,48 @@ impl<R: Real> Steady<R> {
         self.strobes.iter()
     }
 
+    /// The strobes of the window, if all are wanted.
+    pub fn all_strobes(&self) -> Option<Vec<Strobe<R>>> {
+        self.wanted.strobes.then(|| self.strobes.iter().copied().collect())
+    }
+
     /// The begin of the window.
     pub(crate) fn begin(&self) -> R {
         self.window.from
+    }
+
+    /// Keeps the strobes in a motion of this length from an instant on, and the largest |x| of each cycle if all strobes
+    /// are wanted; what lies before `from` is left out.
+    pub(crate) fn take_strobes(
+        &mut self,
+        start: Clock<R>,
+        [from, length]: [R; 2],
+        motion: &mut impl Strobed<R>,
+    ) {
+        let mut from = from;
+        while let Some(instant) = self.next_strobe() {
+            let at = (instant - start).value;
+            let beyond = (instant.value - self.duration) / self.duration;
+            let last = beyond.abs() <= SLACK && span_ends(&start, length, self.duration);
+            // At the instant of an impact the state after it counts.
+            if at >= length && !last {
+                break;
+            }
+            let at = at.clamp(0.0, length);
+            let (primary, gap) = motion.place(at);
+            self.until(motion, [from, at]);
+            from = from.max(at);
+            self.keep(primary, gap, instant.value.max(0.0));
+            self.pass_strobe();
+        }
+        self.until(motion, [from, length]);
+    }
+
+    /// Updates the amplitude of the current cycle.
+    fn until(&mut self, motion: &mut impl Strobed<R>, h: [R; 2]) {
+        if self.wanted.strobes && h[0] < h[1] {
+            self.current = motion.largest(h, self.current);
+        }
     }
 
     /// The instant of the next strobe to keep; `None` if none is wanted or it is after the end of the run.
@@ -166,14 +205,6 @@ impl<R: Real> Steady<R> {
         let strobes = self.wanted.regime || self.wanted.strobes;
         let within = |instant: &DoubleDouble<R>| instant.value <= self.duration * (R::ONE + SLACK);
         self.instant.filter(|_| strobes).filter(within)
-    }
-
-    /// Keeps the next strobe, from the state of structure and absorber at its instant.
-    pub(crate) fn strobe_at(&mut self, primary: Point<R>, gap: GapPoint<R>) {
-        if let Some(instant) = self.instant {
-            self.keep(primary, gap, instant.value.max(0.0));
-            self.pass_strobe();
-        }
     }
 
     fn pass_strobe(&mut self) {
@@ -194,11 +225,6 @@ impl<R: Real> Steady<R> {
     /// Adds ∫x² of many flights.
     pub(crate) fn add_square(&mut self, square: DoubleDouble) {
         self.square = self.square.plus_parts(square.value.into(), square.rest.into());
-    }
-
-    /// Largest |x| of the current cycle.
-    pub(crate) fn current(&mut self) -> &mut R {
-        &mut self.current
     }
 
     /// Of the impacts of the current streak, those with an approach speed of at most `floor` are not listed.
@@ -245,18 +271,6 @@ impl<R: Real> Steady<R> {
         }
     }
 
-    /// Updates the amplitude of the current cycle.
-    fn until<M: Motion<Real = R>>(&mut self, span: &Span<'_, M>, h: [R; 2]) {
-        if self.wanted.strobes && h[0] < h[1] {
-            self.current = largest_in(span, Quantity::Displacement, h, self.current);
-        }
-    }
-
-    fn strobe<M: Motion<Real = R>>(&mut self, motion: &M, h: R, time: R) {
-        let (primary, gap) = motion.place(h);
-        self.keep(primary, gap, time);
-    }
-
     fn keep(&mut self, primary: Point<R>, gap: GapPoint<R>, time: R) {
         self.strobes.push_back(Strobe {
             cycle: self.next,
@@ -272,6 +286,26 @@ impl<R: Real> Steady<R> {
             self.strobes.pop_front();
         }
         self.current = R::ZERO;
+    }
+}
+
+/// A motion at which strobes are taken, in order of time.
+pub(crate) trait Strobed<R> {
+    /// Structure and absorber a time h after its begin.
+    fn place(&mut self, h: R) -> (Point<R>, GapPoint<R>);
+    /// The larger of `least` and the largest |x| in a part, which ends at the last strobe or at its end.
+    fn largest(&mut self, h: [R; 2], least: R) -> R;
+}
+
+struct Spanned<'a, 'b, M: Motion>(&'a Span<'b, M>);
+
+impl<R: Real, M: Motion<Real = R>> Strobed<R> for Spanned<'_, '_, M> {
+    fn place(&mut self, h: R) -> (Point<R>, GapPoint<R>) {
+        self.0.motion.place(h)
+    }
+
+    fn largest(&mut self, h: [R; 2], least: R) -> R {
+        largest_in(self.0, Quantity::Displacement, h, least)
     }
 }
 
@@ -333,25 +367,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
         if begin < span.length {
             self.part(span, [begin, span.length]);
         }
-        if !(self.wanted.regime || self.wanted.strobes) {
-            return;
-        }
-        let mut h = begin;
-        while let Some(instant) = self.instant {
-            let at = (instant - span.start).value;
-            let beyond = (instant.value - self.duration) / self.duration;
-            let last = beyond.abs() <= SLACK && span_ends(&span.start, span.length, self.duration);
-            // At the instant of an impact the state after it counts.
-            if at >= span.length && !last {
-                break;
-            }
-            let at = at.clamp(0.0, span.length);
-            self.until(span, [h, at]);
-            h = h.max(at);
-            self.strobe(span.motion, at, instant.value.max(0.0));
-            self.pass_strobe();
-        }
-        self.until(span, [h, span.length]);
+        self.take_strobes(span.start, [begin, span.length], &mut Spanned(span));
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {

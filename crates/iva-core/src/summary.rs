@@ -118,8 +118,8 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Summary<S, O>
         self.steady.start(system, from, duration);
         let begin = self.steady.as_ref().map_or(R::ZERO, Steady::begin);
         let (wanted, spare) = ((self.measures.wanted, self.asked), self.forced.take());
-        let times = [begin.double(), duration.double()];
-        self.forced = system.forced().and_then(|scene| Forced::new(&scene, spare, wanted, times));
+        let from = begin.double();
+        self.forced = system.forced().and_then(|scene| Forced::new(&scene, spare, wanted, from));
     }
 
     fn span<M>(&mut self, system: &S, span: &Span<'_, M>)

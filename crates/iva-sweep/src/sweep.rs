@@ -19,7 +19,7 @@ use iva_core::simulate::Outcome;
 use crate::done::Done;
 use crate::engine::design::Design;
 use crate::engine::ended::Ended;
-use crate::engine::point::{Estimates, Request, list, run};
+use crate::engine::point::{Estimates, Request, Seen, list, run};
 use crate::engine::rows::{Cell, Estimate, RunRow, write_summary};
 use crate::side_by_side;
 use crate::study::{Study, Table};
@@ -206,9 +206,12 @@ fn run_chunk(
     let ended = side_by_side::run(designs, request, cancel)?;
     for (point, (design, ended)) in points.clone().zip(designs.iter().zip(ended)) {
         let ended = match ended {
-            Some((ended, Listed { events, errors, envelope })) if request.has_rows() => {
-                let found = (events, envelope.as_deref().unwrap_or_default(), &errors);
-                list(study, point, design, request, found, &mut into(builders));
+            Some((ended, listed)) if request.has_rows() => {
+                let Listed { events, errors, envelope, strobes } = listed;
+                let envelope = envelope.as_deref().unwrap_or_default();
+                let strobes = strobes.as_deref().unwrap_or_default();
+                let found = Seen { events, envelope, strobes, estimates: &errors };
+                list(study, point, design, request, &found, &mut into(builders));
                 ended
             }
             Some((ended, _)) => ended,

@@ -2,7 +2,6 @@
 
 use super::{Coupled, CoupledState, Coupling};
 use crate::chatter::REBOUND_LOOK;
-use crate::impact::{self, primary_share};
 use crate::lanes::free_mass::{self, Loaded};
 use crate::lanes::{Group, Job, LANES, Logged, SideBySide};
 use crate::plain::State;
@@ -147,10 +146,9 @@ impl<C: Coupling<Real = f64>, const W: usize> free_mass::Tier for Masses<C, W> {
         Self([*system; W])
     }
 
-    fn law(system: &Coupled<C>) -> Option<(Law, f64)> {
+    fn laws(system: &Coupled<C>) -> [Law; 2] {
         let [mu, restitution, _] = system.coupling.constants();
-        let law = Law { restitution, share: primary_share(mu, restitution) };
-        Some((law, impact::energy_loss(mu, restitution, 1.0)))
+        [Law::new(mu, restitution); 2]
     }
 
     fn in_doubles(state: &CoupledState) -> State {
@@ -190,8 +188,8 @@ impl<C: Coupling<Real = f64>, const W: usize> free_mass::Tier for Masses<C, W> {
 impl<C: Coupling<Real = f64>> SideBySide for Coupled<C> {
     const LISTS: bool = true;
 
-    fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        (job.begin == 0.0).then_some([0.0; 2])
+    fn common(_job: &Job<Self>) -> Option<[f64; 2]> {
+        Some([0.0; 2])
     }
 
     fn run(group: Group<'_, Self>) {

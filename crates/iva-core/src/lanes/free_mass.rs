@@ -55,8 +55,8 @@ pub(crate) trait Tier: Sized {
 
     /// Idle lanes for absorbers on a structure like that of this one.
     fn new(system: &Self::System) -> Self;
-    /// The impact law, if it is the same at both walls, and the loss of an impact of unit speed.
-    fn law(system: &Self::System) -> Option<(Law, f64)>;
+    /// The impact laws at wall + and at wall −.
+    fn laws(system: &Self::System) -> [Law; 2];
     /// A state in plain doubles.
     fn in_doubles(state: &<Self::System as System>::State) -> State;
     /// Uses the motion of a lane from a state.
@@ -144,10 +144,8 @@ pub(crate) struct Loaded<'a, S: System> {
 /// What every [`Tier`] of [`Siva`](crate::siva::Siva) has.
 macro_rules! of_siva {
     () => {
-        fn law(system: &Self::System) -> Option<($crate::siva::Law, f64)> {
-            let law = system.common_law()?;
-            let loss = $crate::impact::energy_loss(system.mass_ratio(), law.restitution, 1.0);
-            Some((*law, loss))
+        fn laws(system: &Self::System) -> [$crate::siva::Law; 2] {
+            *system.laws()
         }
 
         fn in_doubles(

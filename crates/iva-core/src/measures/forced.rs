@@ -17,8 +17,8 @@ use crate::oscillator::Equation;
 use crate::plain::responses::Responses;
 use crate::plain::{BASE, FORCE, Scene, State, Structure};
 use crate::real::Real;
-use crate::sample::{SLACK, span_ends};
-use crate::steady::{Steady, SteadyWanted};
+use crate::sample::SLACK;
+use crate::steady::{Steady, SteadyWanted, Strobed};
 use crate::system::{Clock, Point, Wall};
 
 mod extremes;
@@ -48,7 +48,6 @@ pub(crate) struct Forced {
     steady: SteadyWanted,
     /// The begin of the window.
     from: f64,
-    duration: f64,
 }
 
 impl Forced {
@@ -58,7 +57,7 @@ impl Forced {
         scene: &Scene,
         spare: Option<Box<Self>>,
         (wanted, steady): (Wanted, SteadyWanted),
-        [from, duration]: [f64; 2],
+        from: f64,
     ) -> Option<Box<Self>> {
         let equation = Equation::new(1.0, scene.damping_ratio);
         let frequency = scene.harmonic.frequency;
@@ -86,7 +85,6 @@ impl Forced {
             wanted,
             steady,
             from,
-            duration,
         }))
     }
 
@@ -258,7 +256,12 @@ impl Forced {
             let end = time[slot] + length[slot];
             let due = |strobe: f64| strobe <= end * (1.0 + 4.0 * SLACK);
             if self.steady.strobes || strobe.is_some_and(due) {
-                self.strobe::<R, DRIVE>(steady, &block.flights.get(slot), block.part(slot));
+                let (clock, whole) = (block.flights.get(slot).clock(), block.part(slot));
+                let last = (0.0, whole.begin);
+                let ends = [0.0, whole.length].map(R::from);
+                let mut motion = Strobing::<'_, DRIVE> { log: self, whole, rest: whole, last };
+                let clock = Clock { value: clock.value.into(), rest: clock.rest.into() };
+                steady.take_strobes(clock, ends, &mut motion);
                 strobe = steady.next_strobe().map(|it| it.value.double());
             }
             let approach = approach[slot];
@@ -268,49 +271,41 @@ impl Forced {
         }
         events.for_each(|(_, event)| event.show(steady));
     }
+}
 
-    /// Hands out the strobes in a flight, and the largest |x| of each cycle if all strobes are wanted.
+/// A flight at which strobes are taken.
+struct Strobing<'a, const DRIVE: u8> {
+    log: &'a Forced,
+    whole: Part,
+    /// What follows the last strobe whose largest |x| is known, and the state at the last strobe with its time.
+    rest: Part,
+    last: (f64, State),
+}
+
+impl<R: Real, const DRIVE: u8> Strobed<R> for Strobing<'_, DRIVE> {
     #[inline(always)]
-    fn strobe<R: Real, const DRIVE: u8>(
-        &self,
-        steady: &mut Steady<R>,
-        flight: &Flight,
-        whole: Part,
-    ) {
-        let (clock, length) = (flight.clock(), flight.length);
-        let mut rest = whole;
-        while let Some(instant) = steady.next_strobe() {
-            let instant = Clock { value: instant.value.double(), rest: instant.rest.double() };
-            let beyond = (instant.value - self.duration) / self.duration;
-            let last = beyond.abs() <= SLACK && span_ends(&clock, length, self.duration);
-            let at = (instant - clock).value;
-            // At the instant of an impact the state after it counts.
-            if at >= length && !last {
-                break;
-            }
-            let at = at.clamp(0.0, length);
-            let there = match at == 0.0 {
-                true => whole.begin,
-                false => whole.begin.after::<DRIVE>(&self.structure, &self.responses, at),
-            };
-            let done = length - rest.length;
-            self.cycle::<R, DRIVE>(steady, &Part { length: at - done, end: there, ..rest });
-            rest = Part { length: length - at, begin: there, ..rest };
-            let State { x, v, distance, rate, side, .. } = there;
-            let y = self.scene.offset + side * (self.scene.clearance - distance);
-            let primary = Point { x: R::from(x), v: R::from(v) };
-            steady.strobe_at(primary, GapPoint { y: R::from(y), w: R::from(-side * rate) });
-        }
-        self.cycle::<R, DRIVE>(steady, &rest);
+    fn place(&mut self, h: R) -> (Point<R>, GapPoint<R>) {
+        let (h, begin, scene) = (h.double(), self.whole.begin, &self.log.scene);
+        let there = match h == 0.0 {
+            true => begin,
+            false => begin.after::<DRIVE>(&self.log.structure, &self.log.responses, h),
+        };
+        self.last = (h, there);
+        let State { x, v, distance, rate, side, .. } = there;
+        let y = scene.offset + side * (scene.clearance - distance);
+        let primary = Point { x: R::from(x), v: R::from(v) };
+        (primary, GapPoint { y: R::from(y), w: R::from(-side * rate) })
     }
 
-    /// Updates the largest |x| of the current cycle by a part of a flight, if all strobes are wanted.
     #[inline(always)]
-    fn cycle<R: Real, const DRIVE: u8>(&self, steady: &mut Steady<R>, part: &Part) {
-        if self.steady.strobes && part.length > 0.0 {
-            let largest = self.search::<DRIVE, false>(part, steady.current().double());
-            *steady.current() = largest.into();
-        }
+    fn largest(&mut self, [_, to]: [R; 2], least: R) -> R {
+        let (length, to, (at, there)) = (self.whole.length, to.double(), self.last);
+        let part = match to < length || at == length {
+            true => Part { length: to - (length - self.rest.length), end: there, ..self.rest },
+            false => self.rest,
+        };
+        self.rest = Part { length: length - to, begin: there, ..self.rest };
+        self.log.search::<DRIVE, false>(&part, least.double()).into()
     }
 }
 

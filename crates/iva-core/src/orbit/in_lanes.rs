@@ -224,8 +224,7 @@ impl Turns<'_, '_> {
         let Trajectory { system, state, tier, cycle } = self.given.trajectory(position);
         let scene = system.forced().filter(|_| *tier == lanes::Tier::Fast);
         let wanted = (Wanted::NONE, SteadyWanted::default());
-        let times = [cycle.begin, cycle.begin + cycle.length];
-        let forced = scene.and_then(|scene| Forced::new(&scene, None, wanted, times));
+        let forced = scene.and_then(|scene| Forced::new(&scene, None, wanted, cycle.begin));
         let turn = self.given.begun(position, state);
         if self.given.request.tangents {
             masses.list_impacts(i, true);

@@ -14,7 +14,7 @@ use iva_core::piva::Piva;
 use iva_core::real::Real;
 use iva_core::simulate::simulate_from;
 use iva_core::siva::Siva;
-use iva_core::steady::{Steady, SteadyWanted};
+use iva_core::steady::{Steady, SteadyWanted, Strobe};
 use iva_core::summary::Summary;
 use iva_core::system::System;
 
@@ -92,10 +92,10 @@ impl Request {
 }
 
 impl Request {
-    /// True if the summary is wanted, and nothing else of a run but its events, their errors and its envelope: no
-    /// strobes, no measure with a pass of its own.
+    /// True if the summary is wanted, and nothing else of a run but its events, their errors, its envelope and its
+    /// strobes: no measure with a pass of its own.
     pub fn goes_side_by_side(&self) -> bool {
-        self.summary && !self.steady.strobes && self.named.is_empty()
+        self.summary && self.named.is_empty()
     }
 
     /// The measures with passes of their own, in order of their names in `named`.
@@ -107,7 +107,7 @@ impl Request {
 
     /// True if a table beside the summary has rows of a run that goes side by side.
     pub fn has_rows(&self) -> bool {
-        self.lists() || self.envelope
+        self.lists() || self.envelope || self.steady.strobes
     }
 
     /// What is wanted of a run that goes side by side, beside its measures.
@@ -176,7 +176,7 @@ pub(crate) fn list<R: Real, E>(
     point: u64,
     design: &Design<R>,
     request: &Request,
-    (events, envelope, estimates): (Option<Events<R>>, &[Peak<R>], &E),
+    found: &Seen<'_, R, E>,
     take: &mut Take<'_, R>,
 ) where
     E: Estimates<Siva<UndrivenHost<R>>>
@@ -186,9 +186,8 @@ pub(crate) fn list<R: Real, E>(
         + Estimates<Piva<R>>,
 {
     let point = Point { study, point, design, request, cancel: &AtomicBool::new(false) };
-    let found = Seen { events, envelope, steady: None, estimates };
     for table in &study.tables {
-        with_system!(&design.scene, |system, _start| point.rows(*table, system, &found, take));
+        with_system!(&design.scene, |system, _start| point.rows(*table, system, found, take));
     }
 }
 
@@ -201,11 +200,11 @@ struct Point<'a, R: Real> {
 }
 
 /// The events that a run has shown to its observers.
-struct Seen<'a, R, E> {
-    events: Option<Events<R>>,
-    envelope: &'a [Peak<R>],
-    steady: Option<&'a Steady<R>>,
-    estimates: &'a E,
+pub(crate) struct Seen<'a, R, E> {
+    pub events: Option<Events<R>>,
+    pub envelope: &'a [Peak<R>],
+    pub strobes: &'a [Strobe<R>],
+    pub estimates: &'a E,
 }
 
 impl<R: Real> Point<'_, R> {
@@ -235,7 +234,8 @@ impl<R: Real> Point<'_, R> {
         let (events, (summary, ((extremes, passes), estimates))) = observers;
         let steady = summary.as_ref().and_then(Summary::steady);
         let envelope = summary.as_ref().map_or(&[][..], Summary::envelope);
-        let found = Seen { events, envelope, steady, estimates: &estimates };
+        let strobes = steady.and_then(Steady::all_strobes).unwrap_or_default();
+        let found = Seen { events, envelope, strobes: &strobes, estimates: &estimates };
         for table in &study.tables {
             self.rows(*table, system, &found, take);
         }
@@ -286,7 +286,7 @@ impl<R: Real> Point<'_, R> {
             Table::Stroboscope => {
                 let mut before = None;
                 let has_absorber = design.scene.absorber().is_some();
-                for strobe in seen.steady.into_iter().flat_map(Steady::strobes) {
+                for strobe in seen.strobes {
                     row(&mut self.numbered(&StrobeRow { strobe, before, has_absorber, scale }));
                     before = Some(strobe);
                 }

@@ -1,7 +1,7 @@
 //! One lane: the variables of a run that change in its flights, beside its state, and arrays of such lanes.
 
 use super::Tier;
-use crate::arrays::arrays;
+use crate::arrays::{Laned as _, arrays};
 use crate::lanes::SideBySide;
 use crate::simulate::counts::Counts;
 use crate::simulate::{Phase as Doing, Run};
@@ -18,16 +18,16 @@ arrays! {
     first, tries,
     /// Limits on the numbers of impacts and of stretches of motion.
     max_impacts, max_work,
-    /// The absorber: d, 1/d, and the loss of one impact over the square of its approach speed.
-    clearance, over_clearance, loss_factor,
+    /// The absorber: d and 1/d.
+    clearance, over_clearance,
     /// Chatter floor: impacts with an approach speed at or below it are left to the event loop.
     floor;
     /// The clock, in 1/ωn.
     clock: Clock,
     /// The next trial.
     trial: Trial,
-    /// The impact law at both walls.
-    law: Law,
+    /// The impact laws at wall + and at wall −.
+    laws: [Law; 2],
     /// The reasons why the event loop is needed: a stretch that is not simple; the end of the run; a limit reached.
     request: bool, stopped: bool, full: bool,
     /// Counts and sums.
@@ -53,6 +53,13 @@ impl Lane {
         -self.clock.minus(self.stop)
     }
 
+    /// The impact law at the wall with this sign.
+    #[inline(always)]
+    pub fn law(&self, side: f64) -> Law {
+        let [plus, minus] = &self.laws;
+        Law::pick(side > 0.0, plus, minus)
+    }
+
     /// True if the run has reached a limit.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
@@ -72,7 +79,6 @@ impl Lane {
     pub fn of<T: Tier, O>(run: &Run<'_, T::System, O>, longest: f64) -> Option<Self> {
         let Doing::Flight { first } = run.phase else { return None };
         let (system, limits) = (run.system, run.limits);
-        let (law, loss_factor) = T::law(system)?;
         let state = T::in_doubles(&run.tally.state);
         if state.distance == 0.0 && state.rate <= SLOW * (state.x.abs() + state.v.abs()) {
             return None;
@@ -80,13 +86,12 @@ impl Lane {
         let mut lane = Self {
             clock: run.clock,
             stop: limits.duration,
-            law,
+            laws: T::laws(system),
             clearance: system.clearance(),
             over_clearance: 1.0 / system.clearance(),
             floor: limits.chatter_floor,
             max_impacts: limits.max_impacts as f64,
             max_work: limits.max_work as f64,
-            loss_factor,
             counts: run.counts,
             first,
             ..Self::default()

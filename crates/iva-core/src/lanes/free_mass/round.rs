@@ -41,11 +41,12 @@ pub(super) fn decide<M: FreeMass<Real = f64>>(
 ) -> (Round, M::State) {
     let size = [lane.clearance, lane.over_clearance];
     let Landing { hit, h, later, end, again } = land(mass, from, sight, lane.trial.length, size);
-    let after = mass.struck(&end, hit, &lane.law);
     let State { v, side, rate, .. } = M::in_doubles(&end);
+    let law = lane.law(side);
+    let after = mass.struck(&end, hit, &law);
     let [_, rebound, bend] = mass.curve(&after);
     let pressure = -bend;
-    let low = ((pressure > 0.0) & (rebound < pressure * (LOW * (1.0 - lane.law.restitution))))
+    let low = ((pressure > 0.0) & (rebound < pressure * (LOW * (1.0 - law.restitution))))
         | (-rate <= lane.floor)
         | (rebound <= 0.0);
     let before = lane.clock.plus_parts(h, later).minus(lane.stop) < 0.0;
@@ -75,7 +76,7 @@ pub(super) fn commit(lane: &Lane, round: &Round, clock: Clock, longest: f64) -> 
         time: clock.value,
         side,
         approach,
-        energy_loss: lane.loss_factor * (approach * approach),
+        energy_loss: lane.law(side).loss * (approach * approach),
         effective: v * (v + side * approach) < 0.0,
         low: false,
     };

@@ -17,6 +17,7 @@ use crate::piva::accuracy::Sizes;
 use crate::piva::integrals::{self, Integrands};
 use crate::piva::step::{Step, Turning};
 use crate::real::Real;
+use crate::settling::LEVELS;
 use crate::taylor::{ORDER, Remainder, Series, Swing, unrolled};
 
 /// Sets the length of the step and computes the force over it.
@@ -189,9 +190,9 @@ fn watch(next: &mut Lane, stretch: &Stretch, clock: DoubleDouble, done: bool) {
             next.$to = to;
         };
     }
-    passage!(0.10, passed_1, from_1, to_1);
-    passage!(0.05, passed_2, from_2, to_2);
-    passage!(0.02, passed_3, from_3, to_3);
+    passage!(LEVELS[0], passed_1, from_1, to_1);
+    passage!(LEVELS[1], passed_2, from_2, to_2);
+    passage!(LEVELS[2], passed_3, from_3, to_3);
     next.requests = next.request
         + next.watch.peaked
         + next.passed_1.abs()
