@@ -174,10 +174,10 @@ fn one_by_one<S: Iterated>(
         let mut run = begun(trajectory, &state, &limits, (tangents, cancel));
         while run.step() {}
         let image = image(&mut run, &trajectory.state);
-        if image.outcome == Outcome::Cancelled {
-            return;
-        }
-        if see(index, &image).is_break() || image.outcome != Outcome::Finished {
+        let ends = image.outcome == Outcome::Cancelled
+            || see(index, &image).is_break()
+            || image.outcome != Outcome::Finished;
+        if ends {
             return;
         }
         state = image.state;
@@ -185,8 +185,7 @@ fn one_by_one<S: Iterated>(
 }
 
 /// Goes on from image to image for many trajectories; those that fit together go side by side. Each ends where `see`
-/// breaks, or at an image whose outcome is not [`Outcome::Finished`]. Once cancelled, all
-/// end soon.
+/// breaks, or at an image whose outcome is not [`Outcome::Finished`]. Once cancelled, all end soon.
 ///
 /// # Errors
 /// [`Invalid`] if the length of a cycle is not usable, before anything runs.

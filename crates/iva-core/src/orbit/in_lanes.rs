@@ -47,16 +47,16 @@ fn run<T: Tier<System = Mass>, const W: usize>(given: Given<'_>, see: See<'_, Ma
             // With the lanes as local variables of the vectorised function, its stack is aligned to the arrays.
             let mut masses = FreeMasses::<T, W>::new(&given.trajectory(0).system);
             let turns = (0..W).map(|_| None).collect();
-            let mut all = Turns { given, see, turns, next: 0, live: 0 };
+            let mut all = Turns { given, see, turns, next: 0 };
             for i in 0..W {
-                all.refill(&mut masses, i);
+                all.go_on(&mut masses, i);
             }
-            while all.live > 0 && !lanes::is_set(given.request.cancel) {
+            while all.is_live() && !lanes::is_set(given.request.cancel) {
                 for _ in 0..CANCEL_EVERY {
                     masses.attempt();
                     if masses.advance() {
                         all.serve(&mut masses);
-                        if all.live == 0 {
+                        if !all.is_live() {
                             break;
                         }
                     }
@@ -106,11 +106,14 @@ struct Turns<'a, 'b> {
     turns: Vec<Option<Lane<'a>>>,
     /// The position of the first trajectory that has not begun.
     next: usize,
-    /// Number of lanes with a trajectory.
-    live: usize,
 }
 
 impl Turns<'_, '_> {
+    /// True if a lane has a trajectory.
+    fn is_live(&self) -> bool {
+        self.turns.iter().any(Option::is_some)
+    }
+
     /// Serves the requests of the lanes.
     #[inline(never)]
     fn serve<T: Tier<System = Mass>, const W: usize>(&mut self, masses: &mut FreeMasses<T, W>) {
@@ -134,6 +137,8 @@ impl Turns<'_, '_> {
                 self.repeat(masses, i);
             } else {
                 masses.put_back(i, turn);
+                // What the lane could not do is done here, before it is asked again.
+                turn.step();
                 self.go_on(masses, i);
             }
         }
@@ -155,57 +160,53 @@ impl Turns<'_, '_> {
         });
         let (impacts, outcome) = (masses.impacts(i), Outcome::Finished);
         let image = Image { state, impacts, outcome, tangent };
-        if (self.see)(self.given.group[position], &image).is_break() {
-            return self.end(masses, i);
-        }
         let clock = Clock::new(cycle.begin);
         let from = Loaded { system, clock, state, forced: forced.as_deref() };
-        if masses.repeat(i, &from) {
+        if (self.see)(self.given.group[position], &image).is_break() {
+            self.turns[i] = None;
+        } else if masses.repeat(i, &from) {
             if let Some(tangent) = &mut turn.observer {
                 *tangent = Tangent::at(system, &state, cycle.begin);
             }
             return;
+        } else {
+            *turn = self.given.begun(position, &state);
         }
-        *turn = self.given.begun(position, &state);
         self.go_on(masses, i);
     }
 
-    /// Lets the event loop go on until the lane can take the run over, or the trajectory ends.
+    /// Lets the event loop go on with the cycle of a lane, and with all that follow it, until the lane can take over; a
+    /// lane without a trajectory is given the next one.
     fn go_on<T: Tier<System = Mass>, const W: usize>(
         &mut self,
         masses: &mut FreeMasses<T, W>,
         i: usize,
     ) {
-        while let Some(Lane { position, turn, forced }) = &mut self.turns[i] {
-            while turn.step() {
+        loop {
+            let Some(Lane { position, turn, forced }) = &mut self.turns[i] else {
+                if self.refill(masses, i) {
+                    continue;
+                }
+                return;
+            };
+            loop {
                 if taken(masses, i, turn, forced.as_deref()) {
                     return;
                 }
+                if !turn.step() {
+                    break;
+                }
             }
             let image = image(turn, &self.given.trajectory(*position).state);
-            if image.outcome == Outcome::Cancelled {
-                return self.end(masses, i);
-            }
-            let goes_on = (self.see)(self.given.group[*position], &image).is_continue();
-            if !goes_on || image.outcome != Outcome::Finished {
-                return self.end(masses, i);
-            }
-            *turn = self.given.begun(*position, &image.state);
-            if taken(masses, i, turn, forced.as_deref()) {
-                return;
+            let ends = image.outcome == Outcome::Cancelled
+                || (self.see)(self.given.group[*position], &image).is_break()
+                || image.outcome != Outcome::Finished;
+            if ends {
+                self.turns[i] = None;
+            } else {
+                *turn = self.given.begun(*position, &image.state);
             }
         }
-    }
-
-    /// Ends the trajectory of a lane.
-    fn end<T: Tier<System = Mass>, const W: usize>(
-        &mut self,
-        masses: &mut FreeMasses<T, W>,
-        i: usize,
-    ) {
-        self.turns[i] = None;
-        self.live -= 1;
-        self.refill(masses, i);
     }
 
     /// Gives a lane the next trajectory, if there is one.
@@ -213,14 +214,13 @@ impl Turns<'_, '_> {
         &mut self,
         masses: &mut FreeMasses<T, W>,
         i: usize,
-    ) {
+    ) -> bool {
         masses.idle(i);
         let position = self.next;
         if position == self.given.group.len() {
-            return;
+            return false;
         }
         self.next += 1;
-        self.live += 1;
         let Trajectory { system, state, tier, cycle } = self.given.trajectory(position);
         let scene = system.forced().filter(|_| *tier == lanes::Tier::Fast);
         let wanted = (Wanted::NONE, SteadyWanted::default());
@@ -229,11 +229,8 @@ impl Turns<'_, '_> {
         if self.given.request.tangents {
             masses.list_impacts(i, true);
         }
-        let taken = taken(masses, i, &turn, forced.as_deref());
         self.turns[i] = Some(Lane { position, turn, forced });
-        if !taken {
-            self.go_on(masses, i);
-        }
+        true
     }
 }
 

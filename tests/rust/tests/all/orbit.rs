@@ -304,3 +304,23 @@ fn what_cannot_go_on_ends_with_a_reason() {
     assert!(map(&bad, false, None).is_err());
     assert!(iterate(&[bad], Request::default(), &mut |_, _| Continue(())).is_err());
 }
+
+/// Trajectories that no lane ever takes do not fill the stack.
+#[test]
+fn very_many_stuck_masses_are_mapped() {
+    // A stuck mass presses on its wall with F, and the cycle is short.
+    let siva = mass([0.1, 0.5, 0.2, 0.02], pushed(1.0, 1.0));
+    let start = Start { gap_displacement: -0.2, ..Start::default() };
+    let cycle = Cycle { begin: 0.0, length: 1e-3 };
+    let stuck = Trajectory::new(siva, &start, cycle).unwrap();
+    let all = vec![stuck; 100_000];
+    let mut seen = 0;
+    iterate(&all, Request::default(), &mut |_, image| {
+        assert_eq!((image.impacts, image.outcome), (0, Outcome::Finished));
+        assert_eq!(all[0].system.distance(&image.state).value, 0.0);
+        seen += 1;
+        Break(())
+    })
+    .unwrap();
+    assert_eq!(seen, 100_000);
+}
