@@ -129,7 +129,7 @@ impl Turns<'_, '_> {
                     system,
                     #[inline(always)]
                     |impact, states| {
-                        tangent.struck(system, impact.time, states);
+                        tangent.struck(system, Clock::new(impact.time), states);
                     },
                 );
             }
@@ -155,7 +155,7 @@ impl Turns<'_, '_> {
         let Trajectory { state, cycle, .. } = self.given.trajectory(position);
         let state = system.with_drive_of(&masses.shown(i, system), state);
         let tangent = turn.observer.as_mut().map(|tangent| {
-            tangent.turn(system, &state, turn.limits.duration, false);
+            tangent.turn(system, &state, Clock::new(turn.limits.duration), false);
             *tangent.derivative()
         });
         let (impacts, outcome) = (masses.impacts(i), Outcome::Finished);
@@ -166,7 +166,7 @@ impl Turns<'_, '_> {
             self.turns[i] = None;
         } else if masses.repeat(i, &from) {
             if let Some(tangent) = &mut turn.observer {
-                *tangent = Tangent::at(system, &state, cycle.begin);
+                *tangent = Tangent::at(system, &state, clock);
             }
             return;
         } else {

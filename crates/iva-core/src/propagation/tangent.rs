@@ -6,7 +6,7 @@ use super::Differentiable;
 use crate::flight::Motion;
 use crate::observe::{Contact, Observer, Span};
 use crate::simulate::{Instant, Tally};
-use crate::system::{System, Wall};
+use crate::system::{Clock, System, Wall};
 
 /// The saltation matrix of an impact between two states, with the rates ż at both.
 #[inline(always)]
@@ -17,7 +17,11 @@ pub(super) fn saltation<S: Differentiable>(
 ) -> Matrix4<f64> {
     let jump = system.impact_matrix(wall);
     let normal = Vector4::new(0.0, 0.0, 1.0 / before[2], 0.0);
-    jump + (after - jump * before) * normal.transpose()
+    let mut change = after - jump * before;
+    if let Some(gained) = system.velocity_gained(wall, before) {
+        change[0] = gained;
+    }
+    jump + change * normal.transpose()
 }
 
 /// The derivative of the state after the release from a wall: the absorber is at rest on it.
@@ -28,19 +32,22 @@ pub(super) fn released() -> Matrix4<f64> {
 /// An observer of the derivative of the state z = (x, ẋ, y, ẏ) (with W = b θ̇ in place of ẏ for a pendulum) with
 /// respect to that at the begin of the run.
 ///
-/// A stick that follows a summed chatter is taken to last from the last rebound that was computed: the summed ones
-/// last less than 10⁻⁴ of 1/ωn, and the error of the derivative is of the order of the square of that.
+/// The derivative of a summed chatter has an error of the order of the cube of its duration, which is below 10⁻⁴ of 1/ωn;
+/// for a pendulum of its square.
 #[derive(Debug, Clone)]
 pub struct Tangent {
     derivative: Matrix4<f64>,
     /// The instant at which the current motion of a linear system has begun, and whether the absorber is stuck.
-    begun: (f64, bool),
+    begun: (Clock, bool),
     wall: Wall,
+    /// The rates after the last impact, if no other motion than the flight after it has followed.
+    rebound: Option<Vector4<f64>>,
 }
 
 impl Default for Tangent {
     fn default() -> Self {
-        Self { derivative: Matrix4::identity(), begun: (0.0, false), wall: Wall::Plus }
+        let (begun, wall) = ((Clock::ZERO, false), Wall::Plus);
+        Self { derivative: Matrix4::identity(), begun, wall, rebound: None }
     }
 }
 
@@ -51,7 +58,7 @@ impl Tangent {
     }
 
     /// At the begin of a run from a state at an instant.
-    pub(crate) fn at<S: System>(system: &S, state: &S::State, time: f64) -> Self {
+    pub(crate) fn at<S: System>(system: &S, state: &S::State, time: Clock) -> Self {
         Self { begun: (time, false), wall: system.wall(state), ..Self::default() }
     }
 
@@ -66,11 +73,11 @@ impl Tangent {
         &mut self,
         system: &S,
         state: &S::State,
-        time: f64,
+        time: Clock,
         riding: bool,
     ) {
         let (begin, was_riding) = self.begun;
-        let h = time - begin;
+        let h = (time - begin).value;
         if S::LINEAR && h > 0.0 {
             self.carry(&match was_riding {
                 true => system.ride_tangent(state, h),
@@ -85,19 +92,20 @@ impl Tangent {
     pub(crate) fn struck<S: Differentiable>(
         &mut self,
         system: &S,
-        time: f64,
+        time: Clock,
         [before, after]: [&S::State; 2],
     ) {
         self.turn(system, before, time, false);
         self.wall = system.wall(before);
-        let rates = [&system.rates(before), &system.rates(after)];
-        self.carry(&saltation(system, self.wall, rates));
+        let after = system.rates(after);
+        self.carry(&saltation(system, self.wall, [&system.rates(before), &after]));
+        self.rebound = Some(after);
     }
 }
 
 impl<S: Differentiable> Observer<S> for Tangent {
     fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
-        *self = Self::at(system, &from.state, from.time.value);
+        *self = Self::at(system, &from.state, from.time);
     }
 
     fn looks_within(&self) -> bool {
@@ -113,28 +121,32 @@ impl<S: Differentiable> Observer<S> for Tangent {
             });
         } else if self.begun.1 != M::RIDING {
             // An impulse has ended a stick episode.
-            self.turn(system, from, span.start.value, M::RIDING);
+            self.turn(system, from, span.start, M::RIDING);
         }
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
-        let Contact { time, states, summed } = *contact;
+        let Contact { time, rest, states, summed } = *contact;
         if !summed {
-            self.struck(system, time, states);
+            self.struck(system, Clock { value: time, rest }, states);
         }
     }
 
     fn stick(&mut self, system: &S, _from: &Instant<S::State>) {
-        self.carry(&system.stick_matrix(self.wall));
+        let rebound = self.rebound.take().filter(|after| after[2] != 0.0);
+        self.carry(&match rebound {
+            Some(after) => system.chatter_matrix(self.wall, &after),
+            None => system.stick_matrix(self.wall),
+        });
         self.begun.1 = true;
     }
 
     fn release(&mut self, system: &S, from: &Instant<S::State>) {
-        self.turn(system, &from.state, from.time.value, false);
+        self.turn(system, &from.state, from.time, false);
         self.carry(&released());
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {
-        self.turn(system, &tally.state, tally.end_time, false);
+        self.turn(system, &tally.state, tally.clock, false);
     }
 }
