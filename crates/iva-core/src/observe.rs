@@ -67,8 +67,6 @@ pub struct StickEpisode<R = f64> {
 pub struct Contact<'a, State, R = f64> {
     /// Instant of the contact, in 1/ωn.
     pub time: R,
-    /// Its low part: rebounds of a chatter follow each other within little more than a rounding of their instants.
-    pub rest: R,
     /// The states just before and just after.
     pub states: [&'a State; 2],
     /// True for a rebound of a summed tail: the run itself does not pass through these states.

@@ -13,11 +13,12 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::Matrix4;
 
-use crate::error::Invalid;
+use crate::error::{Invalid, number};
 use crate::host::{Alone, DrivenHost, UndrivenHost};
 use crate::lanes::{SideBySide, Tier};
 use crate::piva::Piva;
 use crate::propagation::{Differentiable, Tangent};
+use crate::range;
 use crate::simulate::{Instant, Limits, Outcome, Run};
 use crate::siva::Siva;
 use crate::system::{Clock, System};
@@ -81,9 +82,18 @@ impl<S: System<Real = f64>> Trajectory<S> {
     }
 
     /// The end of a cycle, and limits that do not end it earlier.
-    fn limits(&self) -> Limits {
+    fn limits(&self) -> Result<Limits, Invalid> {
         let Cycle { begin, length } = self.cycle;
-        Limits::new(begin + length, self.system.clearance())
+        range::size("cycle.begin", begin)?;
+        range::positive("cycle.length", length)?;
+        if begin < 0.0 || begin + length <= begin {
+            let rule =
+                "give a number from 0 on, to which the length of the cycle makes a difference";
+            return Err(Invalid::new("cycle.begin", number(begin), rule));
+        }
+        let limits = Limits::new(begin + length, self.system.clearance());
+        limits.check()?;
+        Ok(limits)
     }
 }
 
@@ -116,14 +126,13 @@ fn image<S: Differentiable>(run: &mut Turn<'_, S>, begin: &S::State) -> Image<S:
 /// The image of the first state of a trajectory, with the derivative of the map or without.
 ///
 /// # Errors
-/// [`Invalid`] if the length of the cycle is not usable.
+/// [`Invalid`] if the cycle has no length, or begins before time zero.
 pub fn map<S: Differentiable>(
     trajectory: &Trajectory<S>,
     tangents: bool,
     cancel: Option<&AtomicBool>,
 ) -> Result<Image<S::State>, Invalid> {
-    let limits = trajectory.limits();
-    limits.check()?;
+    let limits = trajectory.limits()?;
     let mut run = begun(trajectory, &trajectory.state, &limits, (tangents, cancel));
     while run.step() {}
     Ok(image(&mut run, &trajectory.state))
@@ -143,15 +152,16 @@ pub struct Request<'a> {
 
 /// An absorber whose trajectories may go side by side.
 pub trait Iterated: SideBySide {
-    /// Goes on with these trajectories, which fit together; by default one after the other.
+    /// Goes on with those of a group, which fit together; by default one after the other. The limits are those of one
+    /// cycle of each trajectory.
     fn iterate_group(
-        trajectories: &[Trajectory<Self>],
+        (trajectories, limits): (&[Trajectory<Self>], &[Limits]),
         group: &[usize],
         request: Request<'_>,
         see: See<'_, Self>,
     ) {
         for index in group {
-            one_by_one(&trajectories[*index], *index, request, see);
+            one_by_one((&trajectories[*index], &limits[*index]), *index, request, see);
         }
     }
 
@@ -163,15 +173,14 @@ pub trait Iterated: SideBySide {
 
 /// Goes on from image to image until `see` breaks or a cycle does not end.
 fn one_by_one<S: Iterated>(
-    trajectory: &Trajectory<S>,
+    (trajectory, limits): (&Trajectory<S>, &Limits),
     index: usize,
     Request { tangents, cancel }: Request<'_>,
     see: See<'_, S>,
 ) {
-    let limits = trajectory.limits();
     let mut state = trajectory.state;
     loop {
-        let mut run = begun(trajectory, &state, &limits, (tangents, cancel));
+        let mut run = begun(trajectory, &state, limits, (tangents, cancel));
         while run.step() {}
         let image = image(&mut run, &trajectory.state);
         let ends = image.outcome == Outcome::Cancelled
@@ -188,23 +197,24 @@ fn one_by_one<S: Iterated>(
 /// breaks, or at an image whose outcome is not [`Outcome::Finished`]. Once cancelled, all end soon.
 ///
 /// # Errors
-/// [`Invalid`] if the length of a cycle is not usable, before anything runs.
+/// [`Invalid`] if a cycle has no length or begins before time zero, before anything runs.
 pub fn iterate<S: Iterated>(
     trajectories: &[Trajectory<S>],
     request: Request<'_>,
     see: See<'_, S>,
 ) -> Result<(), Invalid> {
-    for trajectory in trajectories {
-        trajectory.limits().check()?;
-    }
+    let limits: Result<Vec<_>, _> = trajectories.iter().map(Trajectory::limits).collect();
+    let limits = limits?;
     let key = |index: &usize| S::key(&trajectories[*index]);
     let mut order: Vec<usize> = (0..trajectories.len()).collect();
     order.sort_by_key(key);
     for group in order.chunk_by(|a, b| key(a) == key(b)) {
         if key(&group[0]).is_some() {
-            S::iterate_group(trajectories, group, request, see);
+            S::iterate_group((trajectories, &limits), group, request, see);
         } else {
-            group.iter().for_each(|index| one_by_one(&trajectories[*index], *index, request, see));
+            for index in group {
+                one_by_one((&trajectories[*index], &limits[*index]), *index, request, see);
+            }
         }
     }
     Ok(())
@@ -225,11 +235,11 @@ impl Iterated for Siva<DrivenHost> {
     }
 
     fn iterate_group(
-        trajectories: &[Trajectory<Self>],
+        all: (&[Trajectory<Self>], &[Limits]),
         group: &[usize],
         request: Request<'_>,
         see: See<'_, Self>,
     ) {
-        in_lanes::iterate(trajectories, group, request, see);
+        in_lanes::iterate(all, group, request, see);
     }
 }

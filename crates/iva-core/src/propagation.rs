@@ -60,19 +60,9 @@ pub trait Differentiable: System<Real = f64> {
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
     /// Derivative of the velocity jump of an impact on a wall.
     fn impact_matrix(&self, wall: Wall) -> Matrix4<f64>;
-    /// The velocity that the structure gains in an impact on a wall, from the rates before it. In a chatter the difference
-    /// of both velocities has no correct digits. `None`: that difference is taken.
-    fn velocity_gained(&self, _wall: Wall, _before: &Vector4<f64>) -> Option<f64> {
-        None
-    }
     /// Derivative of the state at the end of a chatter on a wall with respect to that after one of its
     /// rebounds.
     fn stick_matrix(&self, wall: Wall) -> Matrix4<f64>;
-    /// [`Differentiable::stick_matrix`] after a rebound with these rates ż, followed by a motion stuck to the wall from the
-    /// instant of that rebound on.
-    fn chatter_matrix(&self, wall: Wall, _after: &Vector4<f64>) -> Matrix4<f64> {
-        self.stick_matrix(wall)
-    }
     /// Error of y per rounding of the position at a state: 1, or cosθ where the position is computed from
     /// cosθ.
     fn sharpness(&self, _state: &Self::State) -> f64 {

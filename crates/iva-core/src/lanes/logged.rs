@@ -5,7 +5,7 @@ use super::free_mass::{FreeMasses, Stretch, Tier};
 use super::{Job, Lockstep, ScalarRun};
 use crate::measures::Wanted;
 use crate::observe::{Contact, Observer, Span};
-use crate::system::{Clock, System};
+use crate::system::System;
 
 /// Number of flights after which the run of a lane takes them, so that a long run needs no more memory.
 const FULL: usize = 256;
@@ -37,9 +37,9 @@ impl<T: Tier, const W: usize> Logged<T, W> {
             };
             run.observer.span(system, &span);
             if hit {
-                let Clock { value: time, rest } = clock.plus_parts(h, later);
+                let time = clock.plus_parts(h, later).value;
                 let (after, impact) = system.impact(&end, time);
-                let contact = Contact { time, rest, states: [&end, &after], summed: false };
+                let contact = Contact { time, states: [&end, &after], summed: false };
                 run.observer.contact(system, &contact);
                 run.observer.impact(system, &impact);
             }

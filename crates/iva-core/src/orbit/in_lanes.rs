@@ -24,14 +24,13 @@ const CANCEL_EVERY: u32 = 1024;
 
 /// Goes on with trajectories that fit together.
 pub(super) fn iterate(
-    trajectories: &[Trajectory<Mass>],
+    (trajectories, limits): (&[Trajectory<Mass>], &[Limits]),
     group: &[usize],
     request: Request<'_>,
     see: See<'_, Mass>,
 ) {
     let Trajectory { system, tier, .. } = &trajectories[group[0]];
-    let limits: Vec<Limits> = group.iter().map(|index| trajectories[*index].limits()).collect();
-    let given = Given { trajectories, group, limits: &limits, request };
+    let given = Given { trajectories, group, limits, request };
     match (tier, system.moves_base()) {
         (lanes::Tier::Fast, true) => run::<FastDriven<BASE, WIDE>, WIDE>(given, see),
         (lanes::Tier::Fast, false) => run::<FastDriven<FORCE, WIDE>, WIDE>(given, see),
@@ -72,7 +71,7 @@ struct Given<'a> {
     trajectories: &'a [Trajectory<Mass>],
     /// Their indices.
     group: &'a [usize],
-    /// The limits of each cycle.
+    /// The limits of a cycle of each trajectory.
     limits: &'a [Limits],
     request: Request<'a>,
 }
@@ -86,7 +85,8 @@ impl<'a> Given<'a> {
     /// A cycle from a state.
     fn begun(&self, position: usize, state: &<Mass as System>::State) -> Turn<'a, Mass> {
         let Request { tangents, cancel } = self.request;
-        begun(self.trajectory(position), state, &self.limits[position], (tangents, cancel))
+        let limits = &self.limits[self.group[position]];
+        begun(self.trajectory(position), state, limits, (tangents, cancel))
     }
 }
 

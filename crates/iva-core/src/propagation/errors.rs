@@ -323,7 +323,7 @@ impl<S: Differentiable> Observer<S> for Errors {
     }
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
-        let Contact { time, states, summed, .. } = *contact;
+        let Contact { time, states, summed } = *contact;
         if !summed {
             self.struck(system, time, states);
         } else if self.tail.is_none() {

@@ -2,11 +2,11 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::structure::{columns, lag};
+use super::structure::columns;
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::compensated::DoubleDouble;
 use crate::host::{Host, HostState, Structure};
-use crate::oscillator::{Equation, Primary};
+use crate::oscillator::Primary;
 use crate::siva::Siva;
 use crate::system::{Point, System, Wall};
 
@@ -41,9 +41,7 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
 
     #[inline(always)]
     fn flight_tangent(&self, _from: &Self::State, h: f64) -> Matrix4<f64> {
-        let equation = self.host.free().equation();
-        let flow @ [[xx, vx], [xv, vv]] = columns(equation, h);
-        let [stayed, late] = lag(equation, h, flow);
+        let [[xx, vx], [xv, vv]] = columns(self.host.free().equation(), h);
         // x + y moves uniformly.
         Matrix4::new(
             xx,
@@ -54,8 +52,8 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
             vv,
             0.0,
             0.0, //
-            stayed,
-            late,
+            1.0 - xx,
+            h - xv,
             1.0,
             h, //
             -vx,
@@ -80,26 +78,13 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
         free_mass_impact(self.impact_gain(wall), self.restitution(wall))
     }
 
-    fn velocity_gained(&self, wall: Wall, before: &Vector4<f64>) -> Option<f64> {
-        Some(self.impact_gain(wall) * before[2])
-    }
-
-    fn stick_matrix(&self, _wall: Wall) -> Matrix4<f64> {
-        free_mass_stick(self.stick_share.value)
-    }
-
     /// With Y the gap displacement from the wall and σ = μ/(1 + μ), X = x + σY obeys
-    /// (1 + μ) Ẍ + 2ζ Ẋ + X = f + σY + 2ζσẎ: it moves as if stuck but for ∫Ẏ = −Y at the begin and I = ∫Y. Rebounds of
-    /// speeds u eᵏ under the pressure A make |I| = ⅔ u³/A² Σ e³ᵏ; what is left out is of the order of (u/A)² Y.
-    fn chatter_matrix(&self, wall: Wall, after: &Vector4<f64>) -> Matrix4<f64> {
-        let (sigma, e) = (self.stick_share.value, self.restitution(wall));
-        let Equation { stiffness, damping, .. } = *self.host.loaded().equation();
-        let ratio = after[2] / after[3];
-        let by_speed = 2.0 * ratio * ratio / (1.0 - e * e * e);
-        let mut matrix = self.stick_matrix(wall);
-        matrix[(1, 2)] -= sigma * damping;
-        matrix[(0, 3)] += sigma * damping * by_speed;
-        matrix[(1, 3)] += sigma * (stiffness - damping * damping) * by_speed;
+    /// (1 + μ) Ẍ + 2ζ Ẋ + X = f + σY + 2ζσẎ: as if stuck, but for the integrals of Y and Ẏ over the chatter. That of Ẏ is
+    /// −Y at its begin, that of Y of higher order.
+    fn stick_matrix(&self, _wall: Wall) -> Matrix4<f64> {
+        let share = self.stick_share.value;
+        let mut matrix = free_mass_stick(share);
+        matrix[(1, 2)] = -share * self.host.loaded().equation().damping;
         matrix
     }
 }

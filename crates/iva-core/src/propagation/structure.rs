@@ -34,25 +34,6 @@ pub(super) fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
     [[v + damping * x, -stiffness * x], [x, v]]
 }
 
-/// 1 − x(h) from (x, ẋ) = (1, 0) and h − x(h) from (0, 1), for k = 1: what an absorber in flight gains on the structure.
-/// Where they are small they are summed from h² on, as a chatter multiplies their errors.
-#[inline(always)]
-pub(super) fn lag(equation: &Equation, h: f64, [[xx, _], [xv, _]]: [[f64; 2]; 2]) -> [f64; 2] {
-    let Equation { damping, growth, .. } = *equation;
-    if h * growth > STEP {
-        return [1.0 - xx, h - xv];
-    }
-    // The step response P = 1 − x(h): P⁽ⁿ⁺²⁾ = −k P⁽ⁿ⁾ − c P⁽ⁿ⁺¹⁾ from P̈ = 1 on, and h − Ṗ.
-    let (mut lower, mut upper, mut factor) = (1.0, -damping, 0.5 * (h * h));
-    let [mut step, mut late] = [0.0; 2];
-    for over in &OVER[2..] {
-        (step, late) = (step + factor * lower, late - factor * upper);
-        factor *= h * over;
-        (lower, upper) = (upper, equation.next_derivative(lower, upper));
-    }
-    [step, late]
-}
-
 /// The longest step of the power series, times the growth.
 const STEP: f64 = 0.5;
 /// 1/k for its terms: what follows them is below 10⁻¹⁷.

@@ -29,13 +29,12 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         };
         self.counts = self.counts.after(true, &counted);
         let before = std::mem::replace(&mut self.tally.state, after);
-        self.list(&impact, self.clock, [&before, &after], false);
+        self.list(&impact, [&before, &after], false);
         self.leave_or_stick();
     }
 
-    fn list(&mut self, impact: &Impact<R>, clock: Clock<R>, states: [&S::State; 2], summed: bool) {
-        let contact = Contact { time: impact.time, rest: clock.rest, states, summed };
-        self.observer.contact(self.system, &contact);
+    fn list(&mut self, impact: &Impact<R>, states: [&S::State; 2], summed: bool) {
+        self.observer.contact(self.system, &Contact { time: impact.time, states, summed });
         self.observer.impact(self.system, impact);
     }
 
@@ -86,8 +85,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// beside the run, so that the motion does not depend on the floor.
     fn list_tail(&mut self, mut state: S::State, stick_time: R) {
         let mut clock = self.clock;
-        let begin =
-            Contact { time: clock.value, rest: clock.rest, states: [&state; 2], summed: true };
+        let begin = Contact { time: clock.value, states: [&state; 2], summed: true };
         self.observer.contact(self.system, &begin);
         let ratio = self.system.rebound_ratio(self.system.wall(&state));
         while ratio * self.system.distance(&state).rate > 0.0
@@ -116,7 +114,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             }
             self.counts.impacts += 1.0;
             self.counts.effective += if impact.effective() { 1.0 } else { 0.0 };
-            self.list(&impact, clock, [&touching, &after], true);
+            self.list(&impact, [&touching, &after], true);
             state = after;
         }
     }

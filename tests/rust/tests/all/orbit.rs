@@ -299,10 +299,24 @@ fn what_cannot_go_on_ends_with_a_reason() {
     })
     .unwrap();
     assert!((1000..3000).contains(&images), "{images}");
-    let mut bad = trajectories[0].clone();
-    bad.cycle.length = f64::NAN;
-    assert!(map(&bad, false, None).is_err());
-    assert!(iterate(&[bad], Request::default(), &mut |_, _| Continue(())).is_err());
+    for (begin, length, field) in [
+        (0.0, f64::NAN, "cycle.length"),
+        (5.0, 0.0, "cycle.length"),
+        (5.0, -1.0, "cycle.length"),
+        (f64::INFINITY, 1.0, "cycle.begin"),
+        (-1.0, 3.0, "cycle.begin"),
+        (1e9, 1e-9, "cycle.begin"),
+    ] {
+        let mut bad = trajectories[0].clone();
+        bad.cycle = Cycle { begin, length };
+        let refused = [
+            map(&bad, false, None).map(|_| ()),
+            iterate(&[bad], Request::default(), &mut |_, _| Continue(())),
+        ];
+        for refused in refused {
+            assert!(refused.unwrap_err().to_string().starts_with(field), "{begin} {length}");
+        }
+    }
 }
 
 /// Trajectories that no lane ever takes do not fill the stack.
