@@ -78,16 +78,17 @@ impl<T: Laned, const N: usize> Laned for [T; N] {
 
     #[inline(always)]
     fn pick(which: bool, yes: &[T; N], no: &[T; N]) -> [T; N] {
-        std::array::from_fn(
-            #[inline(always)]
-            |n| T::pick(which, &yes[n], &no[n]),
-        )
+        let mut picked = *no;
+        for (n, picked) in picked.iter_mut().enumerate() {
+            *picked = T::pick(which, &yes[n], &no[n]);
+        }
+        picked
     }
 }
 
 /// N values over lanes.
 #[derive(Debug)]
-pub(crate) struct Several<T: Laned, const N: usize, const W: usize>([T::Lanes<W>; N]);
+pub(crate) struct Several<T: Laned, const N: usize, const W: usize>(pub [T::Lanes<W>; N]);
 
 impl<T: Laned, const N: usize, const W: usize> Lanes<[T; N]> for Several<T, N, W> {
     fn new() -> Self {
@@ -96,10 +97,12 @@ impl<T: Laned, const N: usize, const W: usize> Lanes<[T; N]> for Several<T, N, W
 
     #[inline(always)]
     fn get(&self, i: usize) -> [T; N] {
-        std::array::from_fn(
-            #[inline(always)]
-            |n| self.0[n].get(i),
-        )
+        // Not by `from_fn`, of which a call may be left that keeps a loop over lanes from becoming vectors.
+        let mut one = [self.0[0].get(i); N];
+        for (one, lanes) in one.iter_mut().zip(&self.0) {
+            *one = lanes.get(i);
+        }
+        one
     }
 
     #[inline(always)]

@@ -27,6 +27,10 @@ const SAFETY: f64 = 4.0;
 /// low rebounds; a higher rebound needs further segments.
 pub(crate) const REBOUND_LOOK: f64 = 2.5;
 
+/// Below this value of u/(A (1 − e)), half the duration of the chatter that remains, the event loop may sum the tail,
+/// so lanes leave the rebound to it. (The estimated error of the sum is at least 4 times the cube of this value.)
+pub(crate) const LOW: f64 = 1e-4;
+
 /// A rebound from a pressing wall, at the instant after the impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rebound<R = f64> {

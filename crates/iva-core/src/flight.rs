@@ -5,6 +5,7 @@
 //! [`Curve`]: a scalar function with its first three derivatives and a bound on the fourth, enough for
 //! rigorous enclosures.
 
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::polynomial::largest;
 use crate::quintic::{BEND_OFF, OFF, SLOPE_OFF, bernstein};
@@ -257,6 +258,8 @@ pub struct Losses<R = f64> {
     /// Work done by the force and by the base.
     pub work: R,
 }
+
+laned!(Losses, ManyLosses { viscous: f64, pivot: f64, work: f64 });
 
 /// The extrema of x within a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]

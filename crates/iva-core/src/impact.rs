@@ -10,8 +10,9 @@
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
 //! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.
 
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
-use crate::real::Real;
+use crate::real::{Real, pick};
 use crate::system::{Point, Wall};
 
 /// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13), in double-double.
@@ -33,11 +34,11 @@ pub fn energy_loss<R: Real>(mass_ratio: R, restitution: R, approach: R) -> R {
 
 /// Time in 1/ωn in which the small distance left over by rounding is covered at constant rate; 0 if the rate
 /// would change noticeably in that time, as in a grazing.
-#[inline]
+#[inline(always)]
 pub fn delay<R: Real>(left: R, rate: R, curvature: R) -> R {
     let delay = -left / rate;
-    let steady = (curvature * delay).abs() <= rate.abs() * SHORT && rate != 0.0;
-    if steady { delay } else { R::ZERO }
+    let steady = ((curvature * delay).abs() <= rate.abs() * SHORT) & (rate != 0.0);
+    pick(steady, delay, R::ZERO)
 }
 
 /// Largest relative change of the rate for which [`delay`] is used.
@@ -68,6 +69,21 @@ pub struct Impact<R = f64> {
     pub energy_loss: R,
 }
 
+laned!(
+    Impact,
+    Impacts {
+        time: f64,
+        wall: Wall,
+        displacement: f64,
+        velocity_before: f64,
+        velocity_after: f64,
+        gap_velocity_before: f64,
+        gap_velocity_after: f64,
+        lever: f64,
+        energy_loss: f64,
+    }
+);
+
 impl<R: Real> Impact<R> {
     /// The impact of a free mass of mass ratio μ with restitution e, from the state of the primary and the
     /// gap velocity w before the impact.
@@ -92,6 +108,7 @@ impl<R: Real> Impact<R> {
     }
 
     /// Absolute horizontal velocity of the absorber's centre of mass just before.
+    #[inline]
     pub fn absorber_velocity_before(&self) -> R {
         self.velocity_before + self.lever * self.gap_velocity_before
     }
@@ -102,11 +119,13 @@ impl<R: Real> Impact<R> {
     }
 
     /// Size of the gap velocity just before.
+    #[inline]
     pub fn approach_speed(&self) -> R {
         self.gap_velocity_before.abs()
     }
 
     /// True if the two masses moved towards each other (paper, section 4.1).
+    #[inline]
     pub fn effective(&self) -> bool {
         self.velocity_before * self.absorber_velocity_before() < 0.0
     }

@@ -124,10 +124,6 @@ pub trait SideBySide: Differentiable + Sized {
         group.one_by_one();
     }
 
-    /// True if its lanes tell the event loop of their impacts; if not, runs of which more than measures is wanted
-    /// go one by one.
-    const LISTS: bool = false;
-
     /// [`run`] and [`run_listed`] for this absorber. The absorbers of this crate implement it with the same body,
     /// so that it is compiled once and here, where the compiler sees all that it calls.
     ///
@@ -193,8 +189,6 @@ fn decays(job: &Job<Siva>) -> bool {
 }
 
 impl SideBySide for Siva {
-    const LISTS: bool = true;
-
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let tier = if Self::tier(job) == Tier::Fast { 1.0 } else { 0.0 };
         decays(job).then(|| [job.system.damping_ratio(), tier])
@@ -223,8 +217,6 @@ impl SideBySide for Alone<DrivenHost> {
 }
 
 impl SideBySide for Siva<DrivenHost> {
-    const LISTS: bool = true;
-
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let force = job.system.force()?;
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
@@ -298,8 +290,8 @@ impl SideBySide for Piva {
 pub(crate) trait Lockstep<S: SideBySide>: Sized {
     /// Number of lanes.
     const WIDTH: usize = LANES;
-    /// A set of idle lanes for absorbers like that of a job, and the measures wanted.
-    fn new(job: &Job<S>, wanted: Wanted) -> Self;
+    /// A set of idle lanes for absorbers like that of a job, and what is wanted of the runs.
+    fn new(job: &Job<S>, wanted: Wanted, listing: Listing) -> Self;
     /// Makes an absorber share the tables of the first one of its group.
     fn join(_leader: &S, _system: &S) {}
     /// Advances each lane by one evaluation; true if a lane needs its run.
@@ -366,9 +358,8 @@ fn grouped<S: SideBySide>(
         system.check_start(start)?;
         limits.check()?;
     }
-    let lists = S::LISTS || listing == Listing::default();
     // The peaks of a run under a lasting force are found in the event loop.
-    let lists = |system: &S| lists && !(listing.envelope && system.is_driven());
+    let lists = |system: &S| !(listing.envelope && system.is_driven());
     let common = |index: &usize| {
         let job = &jobs[*index];
         S::common(job).filter(|_| lists(&job.system))

@@ -36,11 +36,12 @@
 //!   copies of the variables that change in simple flights, and hands everything else back to its run. The flights
 //!   of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier
 //!   (`siva/trial.rs`, `lanes/free_mass.rs`).
-//! * Measures of free masses are computed from a `log` after the run: those of a decay from the begins of its
-//!   motions (`measures/decay.rs`), whether it ran alone or in lanes of either tier; those of a run under one
-//!   harmonic force from its flights (`measures/forced.rs`). [`summary`] is the observer that logs. Lanes of pendulums hold copies of the
-//!   variables of their measures (`lanes/piva/watch.rs`). Lanes of coupled masses log every flight, and their runs
-//!   notify their observers of them (`lanes/logged.rs`).
+//! * The measures of a decay are functions of its log (`measures/decay.rs`), whether it ran alone or in a lane. The log
+//!   of a free mass holds the begins of its motions, which have a closed form; that of any other absorber the
+//!   stretches in which x is monotonic. The measures of a free mass under one harmonic force are computed from a log of
+//!   its flights (`measures/forced.rs`). [`summary`] is the observer that logs. Lanes of pendulums show observers
+//!   only those steps under force that may change more than sums (`lanes/piva.rs`); lanes of coupled masses
+//!   log every flight, and their runs notify their observers of them (`lanes/logged.rs`).
 //! * [`range`] holds the ranges of numbers that a run accepts.
 //! * [`observe`] is the interface of the observers of a run: [`measures`], with the list of peaks; [`sample`]; under
 //!   force [`steady`]; [`extremes`], the largest displacements and accelerations; [`measures::pass`], measures of a

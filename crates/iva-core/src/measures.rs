@@ -4,18 +4,20 @@
 //! fits to sampled data. Reference amplitude A₀ = |x(0)|, or the first peak when x(0) = 0.
 
 use crate::compensated::DoubleDouble;
-use crate::flight::{Losses, Motion};
+use crate::flight::Motion;
 use crate::observe::{Contact, Each, Observer, Span};
-use crate::peaks::{HalfCycles, Monotone, Peak, monotone};
+use crate::peaks::{HalfCycles, Peak, monotone};
 use crate::real::Real;
 use crate::settling::{LEVELS, LastCrossing};
 use crate::simulate::{Instant, Outcome, Tally};
 use crate::system::{Point, System};
 
-pub(crate) use decay::{Decay, keeps};
+pub(crate) use decay::{Sinusoids, Stretch, Stretches, in_motion, keeps, looks};
+pub(crate) use ledger::Ledger;
 
 mod decay;
 pub(crate) mod forced;
+mod ledger;
 pub mod near_wall;
 pub mod pass;
 
@@ -128,13 +130,15 @@ pub struct Measures<S: System> {
     pub(crate) settling: [LastCrossing<S>; 3],
     pub(crate) last_period: S::Real,
     pub(crate) last_half_period: S::Real,
-    pub(crate) viscous: DoubleDouble<S::Real>,
-    pub(crate) pivot: DoubleDouble<S::Real>,
-    pub(crate) work: DoubleDouble<S::Real>,
+    pub(crate) ledger: Ledger<S::Real>,
     /// True if a lasting force drives the system.
     driven: bool,
-    /// The log of a decay from which the measures are computed; `None`: they are taken stretch by stretch.
-    pub(crate) decay: Option<Box<Decay>>,
+    /// The end of the last span.
+    reached: S::Real,
+    /// The log of a decay from which its measures are computed: where the structure moves in closed form, and
+    /// where it does not.
+    pub(crate) decay: Option<Box<Sinusoids>>,
+    pub(crate) stretches: Option<Stretches<S>>,
 }
 
 /// A₀, which grows during the first half cycle if x(0) = 0; `settled` once it is final.
@@ -163,11 +167,11 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
             settling: LEVELS.map(|share| LastCrossing::new(R::from(share))),
             last_period: R::ZERO,
             last_half_period: R::ZERO,
-            viscous: DoubleDouble::ZERO,
-            pivot: DoubleDouble::ZERO,
-            work: DoubleDouble::ZERO,
+            ledger: Ledger::default(),
             driven: false,
+            reached: R::ZERO,
             decay: None,
+            stretches: None,
         }
     }
 
@@ -189,8 +193,9 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
     /// Adds energy lost and work of many flights, each in double-double.
     pub(crate) fn add(&mut self, lost: DoubleDouble, work: DoubleDouble) {
         self.moving = true;
-        self.viscous = self.viscous.plus_parts(lost.value.into(), lost.rest.into());
-        self.work = self.work.plus_parts(work.value.into(), work.rest.into());
+        let Ledger { viscous, work: worked, .. } = &mut self.ledger;
+        *viscous = viscous.plus_parts(lost.value.into(), lost.rest.into());
+        *worked = worked.plus_parts(work.value.into(), work.rest.into());
     }
 
     /// True as long as peaks after the first `ended` ones change a measure.
@@ -225,8 +230,8 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
         }
     }
 
-    /// Takes the end of a monotonic stretch of x; true if it makes A₀ larger.
-    fn reach(&mut self, time: R, x: R) -> bool {
+    /// Takes the end of a monotonic stretch of x.
+    fn reach(&mut self, time: R, x: R) {
         // Before the amplitude is used: the end of half cycle 0 makes A₀ final.
         if let Some(peak) = self.half_cycles.reach(time, x) {
             self.peak(&peak, self.half_cycles.ended - 1);
@@ -234,39 +239,15 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
                 self.envelope.push(peak);
             }
         }
-        let grows = !self.reference.settled && x.abs() > self.reference.amplitude;
-        if grows {
+        if !self.reference.settled && x.abs() > self.reference.amplitude {
             self.reference.amplitude = x.abs();
-            self.settling.iter_mut().for_each(LastCrossing::forget);
-        }
-        grows
-    }
-
-    fn stretch<M: Motion<Real = R, State = S::State>>(
-        &mut self,
-        span: &Span<'_, M>,
-        stretch: &Monotone<R>,
-    ) {
-        let [_, x] = stretch.x;
-        let time = span.start.plus(stretch.h[1]).value;
-        let grows = self.reach(time, x);
-        if self.wanted.settling && !grows {
-            for crossing in &mut self.settling {
-                crossing.watch(span, stretch, self.reference.amplitude);
-            }
-        }
-        if self.wanted.residual || self.wanted.settling {
-            self.late(span, stretch);
         }
     }
 
     /// Adds energies lost and work done in a span.
     fn lose<M: Motion<Real = R, State = S::State>>(&mut self, span: &Span<'_, M>) {
         if self.wanted.ledger {
-            let Losses { viscous, pivot, work } = span.motion.losses(span.length);
-            self.viscous = self.viscous.plus(viscous);
-            self.pivot = self.pivot.plus(pivot);
-            self.work = self.work.plus(work);
+            self.ledger = self.ledger.plus(&span.motion.losses(span.length));
         }
     }
 
@@ -282,36 +263,17 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
             });
         }
     }
-
-    /// Largest |x| in the last period and half period of the run.
-    fn late<M: Motion<Real = R, State = S::State>>(
-        &mut self,
-        span: &Span<'_, M>,
-        stretch: &Monotone<R>,
-    ) {
-        for (before_end, largest) in [
-            (R::TURN.value, &mut self.last_period),
-            (R::TURN.value * 0.5, &mut self.last_half_period),
-        ] {
-            let from = late(self.duration, before_end);
-            let late = -span.start.minus(from);
-            if late <= stretch.h[0] {
-                *largest = largest.max(stretch.x[0].abs()).max(stretch.x[1].abs());
-            } else if late + self.duration * (2.0 * CLOSE) < stretch.h[1] {
-                let first = span.motion.primary(late).value;
-                *largest = largest.max(first.abs()).max(stretch.x[1].abs());
-            }
-        }
-    }
 }
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         let Instant { time, state } = from;
-        let spare = self.decay.take();
+        let (sinusoids, stretches) = (self.decay.take(), self.stretches.take());
         *self = Self::new(self.wanted);
         let Point { x, v } = system.primary(state);
-        self.log_decay(system, spare, v.double());
+        self.log_decay(system, sinusoids, v.double());
+        let looks = self.decay.is_none() && !system.is_driven() && looks(self.wanted, 0.0);
+        self.stretches = looks.then(|| Stretches::new(stretches));
         (self.begin, self.duration, self.driven) = (time.value, duration, system.is_driven());
         self.reference = Reference { amplitude: x.abs(), settled: x != 0.0 };
         self.half_cycles = HalfCycles::start(time.value, x);
@@ -324,22 +286,10 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         if self.decay.is_some() {
             return self.log_span(system, span);
         }
-        let decays = !system.is_driven();
+        self.reached = span.start.plus(span.length).value;
         self.list_peaks(system, span);
-        if decays && self.wanted.decay() {
-            monotone::<_, S, M>(span, |stretch| self.stretch(span, stretch));
-        }
+        self.log_stretches(system, span);
         self.lose(span);
-        // The energy loss of the first period counts from time zero.
-        if !decays || !self.wanted.first_period || self.begin != 0.0 {
-            return;
-        }
-        let to_period = -span.start.minus(R::TURN.value);
-        if (to_period - span.length).abs() <= R::TURN.value * CLOSE {
-            self.one_period(system.energy(span.end));
-        } else if to_period > R::TURN.value * CLOSE && to_period < span.length {
-            self.one_period(system.energy(&span.motion.state(to_period)));
-        }
     }
 
     /// Under a force only energies are measured, which do not depend on whether peaks are listed.
@@ -373,14 +323,19 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
     }
 
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
-        self.work = self.work.plus(work);
-        // After a later impulse the energy lost since the start is not defined.
-        self.energy_begin = if self.moving { R::ZERO } else { system.energy(state) };
+        self.ledger.work = self.ledger.work.plus(work);
+        if !self.moving {
+            self.energy_begin = system.energy(state);
+        } else if self.reached < R::TURN.value * (R::ONE - CLOSE) {
+            // After an impulse within the period the energy lost in it is not defined.
+            self.energy_begin = R::ZERO;
+        }
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
         let driven = system.is_driven();
         self.end_log(system, tally.clock, &tally.state);
+        self.take_stretches(system);
         if self.half_cycles.ended == 0 {
             let only = self.half_cycles.current;
             self.peak(&only, 0);
@@ -411,9 +366,9 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         {
             values.residual_amplitude = Some(self.last_period / amplitude);
         }
-        values.energy_viscous = self.viscous.value;
-        values.energy_pivot = self.pivot.value;
-        values.energy_work = self.work.value;
+        values.energy_viscous = self.ledger.viscous.value;
+        values.energy_pivot = self.ledger.pivot.value;
+        values.energy_work = self.ledger.work.value;
         values.energy_final = system.energy(&tally.state);
         values.energy_residual = DoubleDouble::new(values.energy_initial)
             .plus(-tally.energy_impacts)

@@ -5,29 +5,32 @@
 //! walls at ±d. A flight is a Taylor series ([`crate::taylor`]). Stuck on a wall the pendulum moves as one
 //! mass with the primary, in closed form, until gravity or the primary pulls it off.
 
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::flight::Jet;
 use crate::force::{Drive, Force};
-use crate::impact::{Impact, delay};
+use crate::impact::Impact;
 use crate::oscillator::Primary;
 use crate::range;
 use crate::real::Real;
 use crate::system::{Angle, Clock, Point, System, Wall};
 use crate::taylor::{Pendulum, Series, Swing};
 
-pub(crate) use motion::Known;
+pub(crate) use contact::distance;
 pub use motion::PivaFlight;
+pub(crate) use motion::{Known, PARTS};
 pub use parameters::{Angles, ImpactLaw, Parameters};
 pub use ride::PivaRide;
 pub use start::{Given, PivaStart};
 
 use accuracy::Accuracy;
 pub(crate) use accuracy::Sizes;
-use impact_law::Law;
+pub(crate) use impact_law::Law;
 pub(crate) use step::STEEP;
 
 pub(crate) mod accuracy;
+mod contact;
 mod gap;
 mod impact_law;
 pub(crate) mod integrals;
@@ -37,13 +40,24 @@ mod ride;
 mod start;
 pub(crate) mod step;
 
+/// The walls of a pendulum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stops<R = f64> {
+    /// cosθ at the walls.
+    pub cosine: DoubleDouble<R>,
+    /// True if the pendulum is so close to horizontal at the walls that cosθ determines the distance better than y,
+    /// which hardly changes with the angle there.
+    pub steep: bool,
+}
+
+laned!(Stops, ManyStops { cosine: DoubleDouble, steep: bool });
+
 /// A pendulum absorber on its primary system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Piva<R = f64> {
     pub(crate) parameters: Parameters<R>,
     pub(crate) pendulum: Pendulum<R>,
-    /// cosθ at the walls.
-    wall_cosine: DoubleDouble<R>,
+    pub(crate) stops: Stops<R>,
     /// The impact laws at wall + and at wall −.
     laws: [Law<R>; 2],
     pub(crate) accuracy: Accuracy<R>,
@@ -87,7 +101,7 @@ impl<R: Real> Piva<R> {
         Ok(Self {
             parameters,
             pendulum,
-            wall_cosine,
+            stops: Stops { cosine: wall_cosine, steep: parameters.has_steep_walls() },
             laws: [law; 2],
             // At small angles full accuracy costs little, so it does not depend on the tolerance.
             accuracy: Accuracy::of(if pendulum.small_angles {
@@ -111,8 +125,8 @@ impl<R: Real> Piva<R> {
     /// [`Invalid`] for one outside [0, 1].
     pub fn with_restitution_minus(mut self, restitution: R) -> Result<Self, Invalid> {
         range::restitution("absorber.restitution_minus", restitution)?;
-        let Self { parameters, pendulum, wall_cosine, .. } = &self;
-        self.laws[1] = Law::new(parameters, restitution, pendulum, *wall_cosine);
+        let Self { parameters, pendulum, stops, .. } = &self;
+        self.laws[1] = Law::new(parameters, restitution, pendulum, stops.cosine);
         Ok(self)
     }
 
@@ -146,32 +160,13 @@ impl<R: Real> Piva<R> {
         let Parameters { clearance, contact_distance, .. } = self.parameters;
         let sine = clearance / contact_distance;
         let small = self.pendulum.small_angles;
-        if small { sine } else { R::atan2(sine, self.wall_cosine.value) }
-    }
-
-    /// True if the pendulum is so close to horizontal at the walls that cosθ determines the distance better
-    /// than y, which hardly changes with the angle there.
-    pub(crate) fn has_steep_walls(&self) -> bool {
-        let Parameters { clearance, contact_distance, .. } = self.parameters;
-        let near = contact_distance * STEEP <= clearance && clearance < contact_distance;
-        near && !self.pendulum.small_angles
+        if small { sine } else { R::atan2(sine, self.stops.cosine.value) }
     }
 
     /// Acceleration of gravity g = κ L r², in ωn² × length.
     pub fn gravity(&self) -> R {
         let Parameters { inertia_ratio, length, .. } = self.parameters;
         inertia_ratio * length * self.pendulum.frequency_squared
-    }
-
-    /// The variables of the Taylor series at a state.
-    fn swing(&self, state: &PivaState<R>) -> Swing<R> {
-        Swing {
-            x: state.primary.x.value,
-            u: state.primary.v.value,
-            y: state.y().value,
-            w: state.w.value,
-            c: state.cosine.value,
-        }
     }
 
     /// Taylor coefficients of the force at a state, of the smooth piece that acts from `from` on; `None`
@@ -195,24 +190,17 @@ impl<R: Real> Piva<R> {
         state: &PivaState<R>,
     ) -> Series<R, LENGTH> {
         let drive = self.drive(from, state, R::ONE);
-        let series = self.pendulum.beginning(&self.swing(state), drive.as_ref());
+        let series = self.pendulum.beginning(&state.swing(), drive.as_ref());
         at_rest_on_release(state, series)
     }
 
     /// The distance to the wall and its derivatives in free motion, under the piece of the force that acts
     /// from `from` on.
     fn jet(&self, from: Clock<R>, state: &PivaState<R>) -> Jet<R> {
-        let series = R::dispatched(
+        R::dispatched(
             #[inline(always)]
-            || self.beginning::<4>(from, state),
-        );
-        let s = state.wall.sign();
-        Jet {
-            value: state.distance.value,
-            rate: series.y[1] * -s,
-            curvature: series.y[2] * (-s * 2.0),
-            jerk: series.y[3] * (-s * 6.0),
-        }
+            || contact::distance(state, &self.beginning(from, state)),
+        )
     }
 }
 
@@ -247,15 +235,40 @@ pub struct PivaState<R = f64> {
     pub(crate) released: bool,
 }
 
+laned!(PivaState, PivaStates {
+    time: Clock,
+    primary: Primary,
+    wall: Wall,
+    distance: DoubleDouble,
+    clearance: f64,
+    w: DoubleDouble,
+    cosine: DoubleDouble,
+    released: bool,
+} kicks = 0);
+
 impl<R: Real> PivaState<R> {
     /// Gap displacement y.
+    #[inline(always)]
     pub(crate) fn y(&self) -> DoubleDouble<R> {
         let s = self.wall.sign();
         DoubleDouble::new(self.clearance * s)
             .plus_parts(self.distance.value * -s, self.distance.rest * -s)
     }
 
+    /// The variables of the Taylor series.
+    #[inline(always)]
+    pub(crate) fn swing(&self) -> Swing<R> {
+        Swing {
+            x: self.primary.x.value,
+            u: self.primary.v.value,
+            y: self.y().value,
+            w: self.w.value,
+            c: self.cosine.value,
+        }
+    }
+
     /// Distance to a wall.
+    #[inline(always)]
     fn distance_to(&self, wall: Wall) -> R {
         if wall == self.wall {
             self.distance.value
@@ -265,6 +278,7 @@ impl<R: Real> PivaState<R> {
     }
 
     /// Gap velocity ẏ = c W.
+    #[inline(always)]
     fn gap_velocity(&self) -> R {
         self.cosine.value * self.w.value
     }
@@ -287,7 +301,7 @@ impl<R: Real> System for Piva<R> {
 
     /// The gain of the law is per W; divided by cosθ it is per gap velocity W cosθ.
     fn impact_gain(&self, wall: Wall) -> R {
-        self.law(wall).impact_gain() / self.wall_cosine.value
+        self.law(wall).impact_gain() / self.stops.cosine.value
     }
 
     fn lever(&self) -> R {
@@ -327,48 +341,17 @@ impl<R: Real> System for Piva<R> {
     }
 
     fn touch(&self, state: &PivaState<R>, wall: Wall) -> (PivaState<R>, R) {
-        let Series { u, w, y, c, .. } = R::dispatched(
+        R::dispatched(
             #[inline(always)]
-            || self.beginning::<3>(state.time, state),
-        );
-        let later = if self.has_steep_walls() {
-            delay((state.cosine - self.wall_cosine).value, c[1], c[2] * 2.0)
-        } else {
-            delay(state.distance_to(wall), state.gap_velocity() * -wall.sign(), y[2] * 2.0)
-        };
-        let Primary { x, v } = state.primary;
-        let touching = PivaState {
-            time: state.time.plus(later),
-            primary: Primary { x: x.plus(v.value * later), v: v.plus(u[1] * later) },
-            w: state.w.plus(w[1] * later),
-            wall,
-            distance: DoubleDouble::ZERO,
-            cosine: self.wall_cosine,
-            ..*state
-        };
-        (touching, later)
+            || self.stops.touching(state, wall, &self.beginning(state.time, state)),
+        )
     }
 
     fn impact(&self, state: &PivaState<R>, time: R) -> (PivaState<R>, Impact<R>) {
-        let (v, law) = (state.primary.v, self.law(state.wall));
-        let (gained, w) = R::dispatched(
+        R::dispatched(
             #[inline(always)]
-            || (law.impact(state.w), state.w.times_sum(-law.rebound)),
-        );
-        let primary = Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary };
-        let after = PivaState { primary, w, released: false, ..*state };
-        let impact = Impact {
-            time,
-            wall: state.wall,
-            displacement: state.primary.x.value,
-            velocity_before: v.value,
-            velocity_after: primary.v.value,
-            gap_velocity_before: state.gap_velocity(),
-            gap_velocity_after: after.gap_velocity(),
-            lever: self.pendulum.lever,
-            energy_loss: law.impact_loss(v.value, state.w.value),
-        };
-        (after, impact)
+            || self.law(state.wall).struck(state, time, self.pendulum.lever),
+        )
     }
 
     fn stick(&self, state: &PivaState<R>) -> (PivaState<R>, R) {
@@ -463,7 +446,7 @@ impl<R: Real> System for Piva<R> {
 
     fn impact_angles(&self, impact: &Impact<R>) -> Option<[Angle<R>; 2]> {
         let value = self.wall_angle() * impact.wall.sign();
-        let lever = self.wall_cosine.value * self.pendulum.contact_distance;
+        let lever = self.stops.cosine.value * self.pendulum.contact_distance;
         let angle = |w: R| Angle { value, rate: w / lever };
         Some([impact.gap_velocity_before, impact.gap_velocity_after].map(angle))
     }

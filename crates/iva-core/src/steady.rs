@@ -17,12 +17,14 @@ use crate::simulate::{Instant, Outcome, Tally};
 use crate::system::{Clock, Point, System, Wall};
 
 pub use bare::{Bare, without_absorber};
+pub(crate) use quiet::Quiet;
 pub use regime::Regime;
 pub use window::Window;
 
 use regime::{RETURNS_KEPT, regime};
 
 mod bare;
+mod quiet;
 mod regime;
 mod window;
 

@@ -56,9 +56,9 @@ impl<R: Real, S: System<Real = R>, O> Summary<S, O> {
         steady: Option<(SteadyWanted, Window<R>)>,
         beside: O,
     ) {
-        let (decay, forced) = (self.measures.decay.take(), self.forced.take());
-        *self = Self { forced, ..Self::with(wanted, steady, beside) };
-        self.measures.decay = decay;
+        let (decay, stretches) = (self.measures.decay.take(), self.measures.stretches.take());
+        *self = Self { forced: self.forced.take(), ..Self::with(wanted, steady, beside) };
+        (self.measures.decay, self.measures.stretches) = (decay, stretches);
     }
 
     /// The measures; complete once the run has ended.

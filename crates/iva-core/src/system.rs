@@ -3,12 +3,13 @@
 //! The loop ([`crate::simulate`]) knows flights, contacts, impacts and stick episodes only through these
 //! traits; a new absorber is one file that implements them.
 
+use crate::arrays::{Laned, Lanes};
 use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
 use crate::flight::{Curve, Jet, Motion};
 use crate::impact::Impact;
 use crate::plain::Scene;
-use crate::real::Real;
+use crate::real::{Real, pick};
 
 /// A wall of the gap: `Plus` at y = +d, `Minus` at y = −d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -53,6 +54,32 @@ impl Wall {
             Wall::Plus => 1,
             Wall::Minus => -1,
         }
+    }
+}
+
+impl Laned for Wall {
+    type Lanes<const W: usize> = [f64; W];
+
+    #[inline(always)]
+    fn pick(which: bool, yes: &Wall, no: &Wall) -> Wall {
+        pick(which, *yes, *no)
+    }
+}
+
+/// A wall in each lane, by its sign.
+impl<const W: usize> Lanes<Wall> for [f64; W] {
+    fn new() -> Self {
+        [1.0; W]
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> Wall {
+        pick(self[i] > 0.0, Wall::Plus, Wall::Minus)
+    }
+
+    #[inline(always)]
+    fn set(&mut self, i: usize, one: &Wall) {
+        self[i] = one.sign();
     }
 }
 

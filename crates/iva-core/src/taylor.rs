@@ -16,6 +16,7 @@
 //! Coefficients are those of powers of t/h: the step ends at 1. [`Remainder`] bounds what the
 //! truncation leaves out.
 
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::force::Drive;
 use crate::real::Real;
@@ -159,6 +160,21 @@ pub struct Pendulum<R = f64> {
     /// sinθ = θ and cosθ = 1: then c stays 1 and the equations are linear.
     pub small_angles: bool,
 }
+
+laned!(
+    Pendulum,
+    Pendulums {
+        mass_ratio: f64,
+        damping_ratio: f64,
+        contact_distance: f64,
+        inertia_ratio: f64,
+        lever: f64,
+        coupling: f64,
+        frequency_squared: f64,
+        pivot_damping: f64,
+        small_angles: bool,
+    }
+);
 
 /// A state between events: x, u, y, W and c.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -186,8 +186,6 @@ impl<C: Coupling<Real = f64>, const W: usize> free_mass::Tier for Masses<C, W> {
 }
 
 impl<C: Coupling<Real = f64>> SideBySide for Coupled<C> {
-    const LISTS: bool = true;
-
     fn common(_job: &Job<Self>) -> Option<[f64; 2]> {
         Some([0.0; 2])
     }

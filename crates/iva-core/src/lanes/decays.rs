@@ -2,7 +2,7 @@
 //! as the event loop does where it goes on. Measures are computed from the log ([`crate::measures`]).
 
 use super::free_mass::{FreeMasses, Tier};
-use super::{Job, Lockstep, ScalarRun};
+use super::{Job, Listing, Lockstep, ScalarRun};
 use crate::host::Host;
 use crate::log::Log;
 use crate::measures::{Wanted, keeps};
@@ -33,7 +33,7 @@ impl<T: Tier, const W: usize> Decays<T, W> {
 impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
     const WIDTH: usize = W;
 
-    fn new(job: &Job<Siva>, wanted: Wanted) -> Self {
+    fn new(job: &Job<Siva>, wanted: Wanted, _listing: Listing) -> Self {
         let logs = (0..W).map(|_| Log::default()).collect();
         let masses = FreeMasses::new(&job.system);
         Self { masses, logs, wanted, logging: true }
@@ -69,7 +69,7 @@ impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
         // The lane keeps its run, so that the motion does not depend on what is logged.
         if self.logs[lane].is_full() {
             self.swap_logs(lane, run);
-            run.observer.measures.make_room();
+            run.observer.measures.make_log_room();
             self.swap_logs(lane, run);
         }
         if self.masses.requests(lane) {

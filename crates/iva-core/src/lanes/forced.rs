@@ -2,7 +2,7 @@
 //! it goes on. Measures are computed when a log is full or its run has ended ([`crate::measures::forced`]).
 
 use super::free_mass::{FreeMasses, Tier};
-use super::{Job, Lockstep, ScalarRun};
+use super::{Job, Listing, Lockstep, ScalarRun};
 use crate::host::DrivenHost;
 use crate::measures::Wanted;
 use crate::measures::forced::Forced;
@@ -25,7 +25,7 @@ impl<T: Tier<System = Siva<DrivenHost>>, const W: usize> Lockstep<Siva<DrivenHos
 {
     const WIDTH: usize = W;
 
-    fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted) -> Self {
+    fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted, _listing: Listing) -> Self {
         let steady = job.steady.map(|(steady, _)| steady).unwrap_or_default();
         let logs = (0..W).map(|_| None).collect();
         let masses = FreeMasses::new(&job.system);

@@ -2,7 +2,7 @@
 //! begins, and notify their observers of them. So whatever is computed of a run alone is computed of a lane.
 
 use super::free_mass::{FreeMasses, Stretch, Tier};
-use super::{Job, Lockstep, ScalarRun};
+use super::{Job, Listing, Lockstep, ScalarRun};
 use crate::measures::Wanted;
 use crate::observe::{Contact, Observer, Span};
 use crate::system::System;
@@ -54,7 +54,7 @@ impl<T: Tier, const W: usize> Logged<T, W> {
 impl<T: Tier, const W: usize> Lockstep<T::System> for Logged<T, W> {
     const WIDTH: usize = W;
 
-    fn new(job: &Job<T::System>, wanted: Wanted) -> Self {
+    fn new(job: &Job<T::System>, wanted: Wanted, _listing: Listing) -> Self {
         let logs = (0..W).map(|_| Vec::with_capacity(FULL)).collect();
         let logged = wanted != Wanted::NONE || job.steady.is_some();
         Self { masses: FreeMasses::new(&job.system), logs, logged }

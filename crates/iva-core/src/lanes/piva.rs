@@ -1,37 +1,48 @@
 //! Steps of pendulums, side by side, free or under one harmonic force; they have one tolerance, and large angles or small.
 //!
-//! A lane goes through steps of flight that meet no wall, or one in the simplest way: then it goes there in
-//! the next round, and its run applies the impact. Everything else (a hard search, a ride, a step across the instants that
-//! measures look at) is for the event loop.
+//! A lane goes through steps of flight that meet no wall, or one in the simplest way; then it applies the impact. A
+//! step about which nothing is decided is tried again in parts. Everything else (a hard search, a low rebound, a ride)
+//! is for the event loop.
 //!
-//! The measures of a decay are taken in the lanes. Those of a driven run are shown each step as the event loop shows it
-//! them.
+//! Lanes take of each step what its series has at hand: turning points of x, losses, bounds. Of a decay they log the
+//! stretches in which x is monotonic, from which its measures are computed. Of a driven run they add up losses
+//! and ∫x², and show its observers the steps that may change more than that.
 
 mod lane;
+mod round;
 mod rows;
-mod step;
-mod watch;
+mod scene;
 
-use super::{Job, LANES, Lockstep, ScalarRun};
-use crate::arrays::Lanes as _;
-use crate::compensated::DoubleDouble;
-use crate::flight::{Losses, Side};
-use crate::measures::Wanted;
-use crate::observe::{Observer, Span};
-use crate::piva::{Known, Piva, PivaFlight};
-use crate::settling::Crossing;
-use crate::simulate::Phase;
+use super::{Job, LANES, Listing, Lockstep, ScalarRun};
+use crate::arrays::{Lanes as _, any};
+use crate::impact::Impact;
+use crate::measures::{Stretch, Stretches, Wanted, looks};
+use crate::observe::{Contact, Observer, Span};
+use crate::peaks::Monotone;
+use crate::piva::step::Turning;
+use crate::piva::{Known, Piva, PivaFlight, PivaState, PivaStates};
 use crate::steady::SteadyWanted;
-use crate::system::System;
-use lane::{FAR, Lane, Lanes, NEAR};
+use crate::system::{Clock, Start, System};
+use lane::{Lane, Lanes};
+use round::{Round, Rounds, Stages};
 use rows::Rows;
+use scene::{Scene, Scenes};
 
 /// Lanes side by side whose series have the order N.
 #[derive(Debug)]
 pub(super) struct Steps<const N: usize, const DRIVEN: bool, const SMALL: bool> {
+    scenes: Scenes<LANES>,
     lanes: Lanes<LANES>,
+    rounds: Rounds<LANES>,
     rows: Rows<LANES>,
     shared: Shared,
+    /// The instants and states at the begin of the steps, if observers are to see them.
+    begins: ([Clock; LANES], PivaStates<LANES>),
+    /// The logs of decays; the impacts that observers have not been told yet.
+    logs: Vec<Stretches<Piva>>,
+    struck: Vec<Vec<Impact>>,
+    /// The scene and the state of a lane without a run.
+    idle: (Scene, PivaState),
 }
 
 /// The settings that all lanes share.
@@ -43,164 +54,226 @@ struct Shared {
     longest: f64,
     /// Bound on the error of y, relative to the clearance.
     doubt: f64,
-    /// True if measures read the displacement of a free decay.
-    decay: bool,
+    /// What is measured of a decay.
+    wanted: Wanted,
+    /// True if measures look at the displacement of a decay.
+    looks: bool,
     /// True if losses are asked for.
     ledger: bool,
     /// True if pivots are damped.
     pivots: bool,
-    /// 1 if the measures of driven runs are shown their steps.
-    tells: f64,
     /// True if mean squares of displacements are asked for.
     squares: bool,
     /// True if largest displacements or accelerations are asked for.
     extremes: bool,
+    /// True if observers see steps: those that are not quiet, or all of them.
+    shows: bool,
+    shows_all: bool,
+    /// True if observers are told of impacts.
+    tells: bool,
 }
 
+/// Number of impacts after which observers are told of them, so that a long run needs no more memory.
+const MOST_STRUCK: usize = 256;
+
 impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMALL> {
-    /// Lets a lane go on, after the impact if it met a wall; false if the event loop has to take the run.
-    fn meet(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
-        let lanes = &self.lanes;
-        if lanes.request[i] == 0.0 {
-            return true;
+    /// Logs the steps that the round has completed, and the impacts; true if a log is full.
+    #[inline(always)]
+    fn log(&mut self) -> bool {
+        let mut full = false;
+        if self.shared.looks && !self.shared.shows_all {
+            for i in 0..LANES {
+                if self.rounds.passed[i] > 0.0 {
+                    full |= self.log_step(i);
+                }
+            }
         }
-        lanes.get(i).put_back::<DRIVEN>(run);
-        let side = if lanes.met[i] == NEAR {
-            Side::Near
-        } else if lanes.met[i] == FAR {
-            Side::Far
-        } else {
-            return false;
-        };
-        run.meet(side);
-        self.take(i, run)
+        if self.shared.tells && any(&self.rounds.hit) {
+            for (i, struck) in self.struck.iter_mut().enumerate() {
+                if self.rounds.hit[i] > 0.0 {
+                    struck.push(self.rounds.impact.get(i));
+                    full |= struck.len() >= MOST_STRUCK;
+                }
+            }
+        }
+        full
     }
 
-    /// Shows the measures of a driven run the step that its lane has done.
-    fn tell(&self, i: usize, run: &mut ScalarRun<'_, Piva>) {
-        let (lane, system) = (self.lanes.get(i), run.system);
-        let (from, end) = (lane.origin.state(), lane.pose.state());
-        let (series, drive) = (self.rows.get::<N>(i), self.rows.drive(i));
-        let losses = Losses { viscous: lane.lost, pivot: lane.lost_in_pivot, work: lane.worked };
-        let known = Known { losses, square: lane.square, limits: [lane.limit_x, lane.limit_a] };
-        let rows = (series, drive);
-        let motion = PivaFlight::flown(system, from, rows, lane.step, (lane.length, known));
-        let span = Span {
-            motion: &motion,
-            start: DoubleDouble { value: lane.start_time, rest: lane.start_time_rest },
-            length: lane.length,
-            from: system.primary(&from),
-            to: system.primary(&end),
-            end: &end,
-        };
-        run.observer.span(system, &span);
+    /// Logs a step of a decay, divided at the turning point of x; true if the log is full.
+    #[inline(always)]
+    fn log_step(&mut self, i: usize) -> bool {
+        let Self { lanes, rounds, logs, .. } = self;
+        let (start, log) = (lanes.clock.get(i), &mut logs[i]);
+        if !looks(self.shared.wanted, start.value) {
+            return false;
+        }
+        let origin = lanes.state.get(i);
+        let Turning { turns, h: turn, x: x_turn, .. } = rounds.turning.get(i);
+        let end = (rounds.length[i], rounds.end.primary.x.value[i]);
+        let mut begin = (0.0, origin.primary.x.value);
+        let points = [(turn, x_turn), end];
+        for to in points.into_iter().skip(usize::from(!turns)) {
+            let part = Monotone { h: [begin.0, to.0], x: [begin.1, to.1] };
+            log.push(Stretch { origin, riding: false, start, part });
+            begin = to;
+        }
+        log.is_full()
+    }
+
+    /// True if the observers of a lane are to see the step that it has done.
+    fn is_shown(&self, i: usize) -> bool {
+        self.shared.shows && self.rounds.passed[i] > 0.0 && self.rounds.quiet[i] == 0.0
+    }
+
+    /// True if the log of a lane is full, or the list of its impacts.
+    fn is_full(&self, i: usize) -> bool {
+        self.logs[i].is_full() || self.struck[i].len() >= MOST_STRUCK
+    }
+
+    /// Shows the observers of a run the step that its lane has done.
+    fn show(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
+        let (round, system): (Round, _) = (self.rounds.get(i), run.system);
+        self.lanes.get(i).put_back_sums(run);
+        let own = round.hit.then(|| self.struck[i].pop()).flatten();
+        self.tell(i, run);
+        let (start, from) = (self.begins.0[i], self.begins.1.get(i));
+        let Round { losses, square, limits, length, end, .. } = round;
+        let drive = DRIVEN.then(|| self.rows.drive(i));
+        let series = (self.rows.get::<N>(i), drive);
+        let known = Known { losses, square, limits };
+        let motion = PivaFlight::flown(system, from, series, round.step, (length, known));
+        let (from, to) = (system.primary(&from), system.primary(&end));
+        run.observer.span(system, &Span { motion: &motion, start, length, from, to, end: &end });
+        if let Some(impact) = own {
+            let states = [&round.touching, &round.after];
+            let contact = Contact { time: impact.time, states, summed: false };
+            run.observer.contact(system, &contact);
+            run.observer.impact(system, &impact);
+        }
+        let mut lane = self.lanes.get(i);
+        lane.see(run, self.shared.shows_all);
+        self.lanes.set(i, &lane);
+    }
+
+    /// Tells the observers of a run of the impacts that they have not been told yet.
+    fn tell(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
+        for impact in self.struck[i].drain(..) {
+            run.observer.impact(run.system, &impact);
+        }
+    }
+
+    /// Exchanges the log of a lane for that of its run, unless observers see all steps.
+    fn swap_logs(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
+        if let Some(log) =
+            run.observer.measures.stretches.as_mut().filter(|_| !self.shared.shows_all)
+        {
+            std::mem::swap(&mut self.logs[i], log);
+        }
     }
 }
 
 impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
     for Steps<N, DRIVEN, SMALL>
 {
-    fn new(Job { system: piva, steady, .. }: &Job<Piva>, wanted: Wanted) -> Self {
-        let steady = steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
-        let tells = wanted.ledger || steady != SteadyWanted::default();
+    fn new(job: &Job<Piva>, wanted: Wanted, listing: Listing) -> Self {
+        let Job { system: piva, limits, .. } = job;
+        let steady = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let shared = Shared {
             tolerance: piva.accuracy.tolerance,
             longest: piva.accuracy.longest_step,
             doubt: piva.accuracy.doubt(),
-            decay: wanted.decay(),
+            wanted,
+            looks: !DRIVEN && looks(wanted, 0.0),
             ledger: wanted.ledger,
             pivots: piva.pendulum.pivot_damping != 0.0,
-            tells: if tells { 1.0 } else { 0.0 },
             squares: steady.rms,
             extremes: steady.amplitude || steady.regime || steady.acceleration,
+            shows: steady.any() || listing.errors,
+            shows_all: listing.errors,
+            tells: steady.any() || listing.errors || listing.events,
         };
-        Self { lanes: Lanes::new(), rows: Rows::new(), shared }
+        let scene = Scene { stop: f64::INFINITY, ..Scene::of(piva, limits) };
+        let state = piva.begin(&Start::default().into());
+        let mut lanes = Self {
+            scenes: Scenes::new(),
+            lanes: Lanes::new(),
+            rounds: Rounds::new(),
+            rows: Rows::new(),
+            shared,
+            begins: ([Clock::ZERO; LANES], PivaStates::new()),
+            logs: (0..LANES).map(|_| Stretches::new(None)).collect(),
+            struck: vec![Vec::new(); LANES],
+            idle: (scene, state),
+        };
+        (0..LANES).for_each(|i| lanes.idle(i));
+        lanes
     }
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        let Self { lanes, rows, shared } = self;
-        step::begin::<LANES, DRIVEN, SMALL>(lanes, rows, shared);
-        step::series::<LANES, N, DRIVEN, SMALL>(lanes, rows);
-        step::prove::<LANES, N, DRIVEN, SMALL>(lanes, rows, shared);
-        if !DRIVEN && shared.decay {
-            step::arrive::<LANES, N, DRIVEN, SMALL, true>(lanes, rows, shared);
-        } else {
-            step::arrive::<LANES, N, DRIVEN, SMALL, false>(lanes, rows, shared);
+        let Self { scenes, lanes, rounds, rows, shared, .. } = self;
+        Stages::<LANES, N, DRIVEN, SMALL> { scenes, lanes, rounds, rows, shared }.run();
+        let full = self.log();
+        let Self { scenes, lanes, rounds, shared, begins, .. } = self;
+        let mut shown = false;
+        if shared.shows {
+            for i in 0..LANES {
+                begins.0[i] = lanes.clock.get(i);
+                begins.1.set(i, &lanes.state.get(i));
+                shown |= (rounds.passed[i] > 0.0) & (rounds.quiet[i] == 0.0);
+            }
         }
-        if any(&lanes.meets) {
-            step::meet::<LANES, N, SMALL>(lanes, rows);
+        for i in 0..LANES {
+            let next = lanes.get(i).after(&scenes.get(i), &rounds.get(i));
+            lanes.set(i, &next);
         }
-        if shared.ledger {
-            step::lose::<LANES, N, DRIVEN>(lanes, rows, shared);
-        }
-        if DRIVEN && shared.squares {
-            step::square::<LANES, N>(lanes, rows);
-        }
-        if DRIVEN && shared.extremes {
-            step::limit::<LANES, N>(lanes, rows);
-        }
-        any(&lanes.requests)
+        full | shown | any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full)
     }
 
     fn requests(&self, i: usize) -> bool {
-        self.lanes.requests[i] > 0.0
+        let lanes = &self.lanes;
+        let ends = lanes.request[i] + lanes.stopped[i] + lanes.full[i] > 0.0;
+        ends || self.is_shown(i) || self.is_full(i)
     }
 
     fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
-        if DRIVEN {
-            if self.shared.tells > 0.0 && self.lanes.share[i] > 0.0 {
-                self.tell(i, run);
-            }
-            return self.meet(i, run);
+        if self.is_shown(i) {
+            self.show(i, run);
         }
-        if self.lanes.watch.peaked[i] > 0.0 {
-            let (peak, index) = self.lanes.watch.get(i).ended_peak();
-            run.observer.measures.peak(&peak, index);
-            self.lanes.watch.listen(i, &run.observer.measures);
+        if self.is_full(i) {
+            self.tell(i, run);
+            self.swap_logs(i, run);
+            run.observer.measures.make_room(run.system);
+            self.swap_logs(i, run);
         }
-        let lanes = &self.lanes;
-        let passages = [
-            (lanes.passed_1[i], [lanes.from_1[i], lanes.to_1[i]]),
-            (lanes.passed_2[i], [lanes.from_2[i], lanes.to_2[i]]),
-            (lanes.passed_3[i], [lanes.from_3[i], lanes.to_3[i]]),
-        ];
-        for (last, (level, h)) in run.observer.measures.settling.iter_mut().zip(passages) {
-            if level != 0.0 {
-                let origin = lanes.origin.get(i).state();
-                let start =
-                    DoubleDouble { value: lanes.start_time[i], rest: lanes.start_time_rest[i] };
-                last.passed(Crossing { origin, riding: false, start, h, level });
-            }
+        let lane: Lane = self.lanes.get(i);
+        let leaves = lane.request | lane.stopped | lane.full;
+        if leaves {
+            self.put_back(i, run);
         }
-        self.meet(i, run)
+        !leaves
     }
 
     fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
-        let Phase::Flight { first } = run.phase else { return false };
-        let reference = &run.observer.measures.reference;
-        let settled = DRIVEN || (reference.settled && reference.amplitude > 0.0);
-        let lane = Lane::of(run, first);
-        let fits = settled
-            && lane.work < lane.max_work
-            && run.counts.listed() < run.limits.max_impacts as f64;
-        if fits {
-            self.lanes.set(i, &lane);
-        }
-        fits
+        let scene = Scene::of(run.system, run.limits);
+        let Some(lane) = Lane::of(run, &scene, self.shared.shows_all) else { return false };
+        self.scenes.set(i, &scene);
+        self.lanes.set(i, &lane);
+        self.swap_logs(i, run);
+        true
     }
 
     fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
-        self.lanes.get(i).put_back::<DRIVEN>(run);
+        self.tell(i, run);
+        self.swap_logs(i, run);
+        self.lanes.get(i).put_back(run);
     }
 
     fn idle(&mut self, i: usize) {
-        self.lanes.set(i, &Lane::idle());
+        let (scene, state) = &self.idle;
+        self.scenes.set(i, scene);
+        self.lanes.set(i, &Lane::idle(state));
+        // Results that a later round of other lanes may not write.
+        self.rounds.passed[i] = 0.0;
     }
-}
-
-/// True if one of these is not 0; none is negative.
-#[inline(always)]
-fn any<const W: usize>(flags: &[f64; W]) -> bool {
-    flags.iter().fold(0.0, |sum, flag| sum + flag) > 0.0
 }

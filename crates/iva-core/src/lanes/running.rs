@@ -35,7 +35,7 @@ impl<'a, S: SideBySide> Running<'a, S> {
                 // This closure is the function that is vectorised. With the lanes as its local variables, the
                 // compiler aligns its stack to the arrays, and so the registers that it spills.
                 let group = &self.group;
-                let mut lanes = L::new(&group.jobs[group.order[0]], group.wanted);
+                let mut lanes = L::new(&group.jobs[group.order[0]], group.wanted, group.listing);
                 for i in 0..L::WIDTH {
                     self.refill(&mut lanes, i);
                 }

@@ -1,344 +1,169 @@
 //! The measures of a free decay, computed from its log.
 //!
-//! A run only logs where the motions of its structure begin ([`crate::log`]): after the start, an impact, a
-//! stick and a release. What lies between follows from the closed form, so the measures do not depend on the
-//! stretches in which the run was computed.
+//! A run only logs its motions. The measures are functions of the log, written here once for every kind of motion
+//! ([`Course`]): those of a damped sinusoid in closed form ([`sinusoids`]), and those that a stretch of which
+//! x is monotonic was kept of ([`stretches`]).
 //!
 //! Peaks are looked for from the begin on, as long as they change a measure; passages of the settling levels
-//! from the end back, to the first one that is found. Turning points and losses of many motions are computed
-//! side by side in the lanes of vector instructions: one motion does not depend on another.
-
-use std::cell::OnceCell;
+//! and the largest |x| of the last period from the end back, to the first motion that does not matter.
 
 use super::{CLOSE, Measures, Wanted, late};
-use crate::flight::Motion;
-use crate::host::sinusoid::Sinusoid;
-use crate::log::{Entry, Log};
-use crate::observe::Span;
+use crate::peaks::Monotone;
 use crate::real::Real;
 use crate::system::{Clock, System};
 
-mod settle;
+pub(crate) use sinusoids::{Sinusoids, keeps};
+pub(crate) use stretches::{Stretch, Stretches, in_motion};
 
-/// Number of motions side by side.
-const BLOCK: usize = 16;
-/// More turning points than any motion has.
-const MOST_TURNS: f64 = 1e15;
+mod sinusoids;
+mod stretches;
 
-/// The log of a decay and its measures; the memory serves one run after the other.
-#[derive(Debug, Clone)]
-pub(crate) struct Decay {
-    damping_ratio: f64,
-    mass_ratio: f64,
-    /// The motions so far.
-    pub log: Log,
-    /// True if the motion that begins next is to be logged.
-    pub fresh: bool,
-    /// ẋ at the end of the last stretch.
-    pub v_before: f64,
-    /// The structure alone, and with the absorber stuck to it; that is made when it is needed.
-    free: Sinusoid,
-    stuck: OnceCell<Sinusoid>,
-    /// Time and displacement of the first turning point of x in each motion.
-    turns: Vec<(f64, f64)>,
+/// The motions in a log, in order of time. Times within a motion count from its start.
+pub(super) trait Course<S: System> {
+    /// Number of motions.
+    fn count(&self) -> usize;
+    /// The instant from which the times within a motion count.
+    fn start(&self, k: usize) -> Clock<S::Real>;
+    /// Time and displacement at begin and end of a motion.
+    fn ends(&self, k: usize) -> [(S::Real, S::Real); 2];
+    /// Time and displacement at the turning points of x between them.
+    fn turns(&self, k: usize) -> impl DoubleEndedIterator<Item = (S::Real, S::Real)>;
+    /// A bound on |x| in a motion.
+    fn largest(&self, k: usize) -> S::Real;
+    /// x in a motion.
+    fn displacement(&self, k: usize, h: S::Real) -> S::Real;
+    /// The energy of structure and absorber in a motion.
+    fn energy(&self, k: usize, h: S::Real) -> S::Real;
+    /// Hands the passages of the settling levels to the measures.
+    fn pass(&self, found: &[Option<Passage<S::Real>>; 3], measures: &mut Measures<S>);
 }
 
-/// True if the motions that begin at an instant are to be logged.
+/// A passage of |x| from above a level to below it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Passage<R> {
+    /// The motion.
+    pub motion: usize,
+    /// The stretch of it in which x is monotonic.
+    pub stretch: Monotone<R>,
+    /// The level, with the sign of x.
+    pub level: R,
+}
+
+/// True if the measures of x or the energy after a period depend on the motions that begin at an instant.
 #[inline(always)]
-pub(crate) fn keeps(wanted: Wanted, time: f64) -> bool {
-    wanted.decay() || wanted.ledger || (wanted.first_period && time <= f64::TURN.value)
+pub(crate) fn looks(wanted: Wanted, time: f64) -> bool {
+    wanted.decay() || (wanted.first_period && time <= f64::TURN.value)
 }
 
 impl<S: System> Measures<S> {
-    /// Prepares the log of a run whose decay has a closed form, if a measure needs one.
-    pub(super) fn log_decay(&mut self, system: &S, spare: Option<Box<Decay>>, v: f64) {
-        let needs = keeps(self.wanted, 0.0);
-        self.decay = system.sinusoidal().filter(|_| needs).map(|[damping_ratio, mass_ratio]| {
-            let mut decay = spare.unwrap_or_else(|| Box::new(Decay::new(damping_ratio)));
-            decay.serve(damping_ratio, mass_ratio);
-            decay.v_before = v;
-            decay
-        });
-    }
-
-    /// The motion that begins next is a new one.
-    pub(super) fn log_next(&mut self) {
-        if let Some(decay) = &mut self.decay {
-            decay.fresh = true;
-        }
-    }
-
-    /// Logs the motion that begins at a state, if it is new. Lanes log the motions after it themselves.
-    pub(crate) fn begins(
-        &mut self,
-        system: &S,
-        clock: Clock<S::Real>,
-        state: &S::State,
-        stuck: bool,
-    ) {
-        if let Some(decay) = &mut self.decay
-            && std::mem::take(&mut decay.fresh)
-            && keeps(self.wanted, clock.value.double())
-        {
-            self.log_motion(system, clock, state, stuck);
-        }
-    }
-
-    fn log_motion(&mut self, system: &S, clock: Clock<S::Real>, state: &S::State, stuck: bool) {
-        let Some(decay) = &mut self.decay else { return };
-        let (at, gap) = (system.primary(state), system.distance(state).rate);
-        let [x, v, gap] = [at.x, at.v, gap].map(Real::double);
-        let clock = Clock { value: clock.value.double(), rest: clock.rest.double() };
-        let absorber = v - system.wall(state).sign() * gap;
-        let entry = Entry::new(clock, [x, v], decay.v_before, absorber, stuck);
-        decay.log.push(entry);
-        if decay.log.is_full() {
-            self.make_room();
-        }
-    }
-
-    /// Takes the motions of a full log, so that a long run needs no more memory.
-    pub(crate) fn make_room(&mut self) {
-        // Settling levels are not known before the reference amplitude.
-        let settled = self.reference.settled;
-        if settled {
-            self.take_log();
-        }
-        if let Some(decay) = &mut self.decay {
-            if settled { decay.log.restart() } else { decay.log.grow() }
-        }
-    }
-
-    /// Logs a stretch of motion.
-    pub(super) fn log_span<M>(&mut self, system: &S, span: &Span<'_, M>)
-    where
-        M: Motion<Real = S::Real, State = S::State>,
-    {
-        self.begins(system, span.start, span.motion.origin(), M::RIDING);
-        if let Some(decay) = &mut self.decay {
-            decay.v_before = span.to.v.double();
-        }
-    }
-
-    /// Takes the log of a run that has ended at a state.
-    pub(super) fn end_log(&mut self, system: &S, clock: Clock<S::Real>, state: &S::State) {
-        self.log_motion(system, clock, state, false);
-        self.take_log();
-    }
-
-    /// Computes the measures of the motions in the log.
-    fn take_log(&mut self) {
-        if let Some(mut decay) = self.decay.take() {
-            let log = std::mem::take(&mut decay.log);
-            f64::dispatched(
-                #[inline(always)]
-                || decay.measure(self, log.entries()),
-            );
-            decay.log = log;
-            self.decay = Some(decay);
-        }
-    }
-}
-
-impl Decay {
-    /// For a structure of damping ratio ζ.
-    fn new(damping_ratio: f64) -> Self {
-        Self {
-            damping_ratio,
-            mass_ratio: 0.0,
-            log: Log::default(),
-            fresh: true,
-            v_before: 0.0,
-            free: Sinusoid::new(1.0, damping_ratio),
-            stuck: OnceCell::new(),
-            turns: Vec::new(),
-        }
-    }
-
-    /// Prepares for a run of a structure of damping ratio ζ, likely that of the run before, and an absorber of
-    /// mass ratio μ.
-    fn serve(&mut self, damping_ratio: f64, mass_ratio: f64) {
-        if damping_ratio != self.damping_ratio {
-            (self.damping_ratio, self.free) = (damping_ratio, Sinusoid::new(1.0, damping_ratio));
-        }
-        (self.mass_ratio, self.stuck, self.fresh) = (mass_ratio, OnceCell::new(), true);
-        self.log.clear();
-    }
-
-    /// Takes the motions between these entries, of which the last one is the begin of a motion that is not
-    /// taken yet.
+    /// Takes the motions in a log.
     #[inline(always)]
-    fn measure<S: System>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
-        let Some(last) = log.last() else { return };
-        measures.moving |= log.len() > 1;
-        if measures.wanted.decay() {
-            self.turn(log);
-            self.find_peaks(measures, log);
-            if measures.wanted.settling {
-                self.settle(measures, log);
+    pub(super) fn take_course(&mut self, course: &impl Course<S>) {
+        if course.count() == 0 {
+            return;
+        }
+        if self.wanted.decay() {
+            self.find_peaks(course);
+            if self.wanted.settling {
+                self.settle(course);
             }
-            if measures.wanted.settling || measures.wanted.residual {
-                self.look_back(measures, log);
+            if self.wanted.settling || self.wanted.residual {
+                self.look_back(course);
             }
         }
-        if measures.wanted.ledger {
-            self.lose(measures, log);
+        if self.wanted.first_period && self.begin == 0.0 {
+            self.pass_period(course);
         }
-        let period = f64::TURN.value;
-        if measures.wanted.first_period
-            && measures.begin == 0.0
-            && log[0].time <= period
-            && last.time >= period * (1.0 - CLOSE)
-        {
-            let k = log.partition_point(|entry| entry.time <= period);
-            // If the run ends after one period within rounding, its end counts.
-            let at = if k < log.len() { &log[k - 1] } else { last };
-            let h = -at.clock().minus(period);
-            measures.one_period(self.energy(at, h.max(0.0)).into());
-        }
-    }
-
-    /// The structure in a motion.
-    #[inline(always)]
-    fn structure(&self, entry: &Entry) -> &Sinusoid {
-        let stuck = || Sinusoid::new(1.0 + self.mass_ratio, self.damping_ratio);
-        if entry.stuck > 0.0 { self.stuck.get_or_init(stuck) } else { &self.free }
-    }
-
-    /// Energy of structure and absorber a time h after the begin of a motion.
-    #[inline(always)]
-    fn energy(&self, entry: &Entry, h: f64) -> f64 {
-        let [x, v] = self.structure(entry).after(entry.from(), h);
-        let absorber = if entry.stuck > 0.0 { v } else { entry.absorber };
-        (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber)
-    }
-
-    /// Computes the first turning point of x in each motion.
-    #[inline(always)]
-    fn turn(&mut self, log: &[Entry]) {
-        self.turns.clear();
-        let free = self.free;
-        for block in motions(log).chunks(BLOCK) {
-            let [mut x, mut v, mut time, mut turned] = [[0.0; BLOCK]; 4];
-            for (i, entry) in block.iter().enumerate() {
-                (x[i], v[i]) = (entry.x, entry.v);
-            }
-            for i in 0..BLOCK {
-                (time[i], turned[i]) = free.first_turn([x[i], v[i]]);
-            }
-            let turns = time.iter().copied().zip(turned).zip(block);
-            for (turn, entry) in turns {
-                let stuck = entry.stuck > 0.0;
-                let turn =
-                    if stuck { self.structure(entry).first_turn(entry.from()) } else { turn };
-                self.turns.push(turn);
-            }
-        }
-    }
-
-    /// The turning points of x in a motion before a time, each with its time.
-    #[inline(always)]
-    fn turns_of(
-        &self,
-        k: usize,
-        entry: &Entry,
-        until: f64,
-    ) -> impl DoubleEndedIterator<Item = (f64, f64)> + use<> {
-        let structure = *self.structure(entry);
-        let (first, x) = self.turns[k];
-        let at = move |n: u64| (n as f64).mul_add(structure.half, first);
-        let count = ((until - first) / structure.half).ceil();
-        // A run that has overflowed has no turning points.
-        let mut count = if count < MOST_TURNS { count as u64 } else { 0 };
-        if count > 0 && at(count - 1) >= until {
-            count -= 1;
-        }
-        (0..count).map(move |n| (at(n), structure.later_turn(x, n)))
     }
 
     /// Hands out peaks as long as they change a measure.
     #[inline(always)]
-    fn find_peaks<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
-        let ends = |measures: &Measures<S>| {
-            measures.reference.settled && !measures.listens(measures.half_cycles.ended)
-        };
-        for (k, entry) in motions(log).iter().enumerate() {
-            let (start, end) = (entry.clock(), &log[k + 1]);
-            for (h, x) in self.turns_of(k, entry, length(entry, end)) {
-                if ends(measures) {
+    fn find_peaks(&mut self, course: &impl Course<S>) {
+        for k in 0..course.count() {
+            let (start, [_, end]) = (course.start(k), course.ends(k));
+            for (h, x) in course.turns(k) {
+                if self.has_peaks() {
                     return;
                 }
-                measures.reach(start.plus(h).value.into(), x.into());
+                self.reach(start.plus(h).value, x);
             }
-            if ends(measures) {
+            if self.has_peaks() {
                 return;
             }
-            measures.reach(end.time.into(), end.x.into());
+            self.reach(start.plus(end.0).value, end.1);
         }
+    }
+
+    /// True if later peaks change nothing.
+    #[inline(always)]
+    fn has_peaks(&self) -> bool {
+        self.reference.settled && !self.listens(self.half_cycles.ended)
+    }
+
+    /// Finds the last passage of each settling level.
+    #[inline(always)]
+    fn settle(&mut self, course: &impl Course<S>) {
+        let amplitude = self.reference.amplitude;
+        let mut levels = self.settling.each_ref().map(|it| Some(it.level(amplitude)));
+        let mut found = [None; 3];
+        for motion in (0..course.count()).rev() {
+            let Some(least) = levels.iter().flatten().copied().reduce(S::Real::min) else { break };
+            if course.largest(motion) <= least {
+                continue;
+            }
+            let [begin, mut right] = course.ends(motion);
+            for left in std::iter::once(begin).chain(course.turns(motion)).rev() {
+                for (level, found) in levels.iter_mut().zip(&mut found) {
+                    let passes = |level: &S::Real| left.1.abs() > *level && right.1.abs() <= *level;
+                    let Some(size) = level.take_if(|level| passes(level)) else { continue };
+                    let level = if left.1 > 0.0 { size } else { -size };
+                    let stretch = Monotone { h: [left.0, right.0], x: [left.1, right.1] };
+                    *found = Some(Passage { motion, stretch, level });
+                }
+                right = left;
+            }
+        }
+        course.pass(&found, self);
     }
 
     /// Finds the largest |x| of the last period and half period of the run.
     #[inline(always)]
-    fn look_back<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
-        let duration = measures.duration.double();
+    fn look_back(&mut self, course: &impl Course<S>) {
+        let duration = self.duration;
         let windows = [
-            (f64::TURN.value, &mut measures.last_period),
-            (0.5 * f64::TURN.value, &mut measures.last_half_period),
+            (S::Real::TURN.value, &mut self.last_period),
+            (S::Real::TURN.value * 0.5, &mut self.last_half_period),
         ];
         for (before_end, largest) in windows {
             let from = late(duration, before_end);
-            for (k, entry) in motions(log).iter().enumerate().rev() {
-                let end = &log[k + 1];
-                let (begin, length) = (-entry.clock().minus(from), length(entry, end));
-                if begin + duration * (2.0 * CLOSE) >= length {
+            for k in (0..course.count()).rev() {
+                let (late, [begin, end]) = (-course.start(k).minus(from), course.ends(k));
+                if late + duration * (2.0 * CLOSE) >= end.0 {
                     break;
                 }
-                let first = match begin > 0.0 {
-                    true => self.structure(entry).after(entry.from(), begin)[0],
-                    false => entry.x,
-                };
-                let turns = self.turns_of(k, entry, length).rev().take_while(|(h, _)| *h > begin);
-                let ends = first.abs().max(end.x.abs());
-                let most = turns.fold(ends, |most, (_, x)| most.max(x.abs()));
-                *largest = largest.max(most);
+                let first = if late > begin.0 { course.displacement(k, late) } else { begin.1 };
+                let turns = course.turns(k).rev().take_while(|(h, _)| *h > late);
+                let most = first.abs().max(end.1.abs());
+                *largest = largest.max(turns.fold(most, |most, (_, x)| most.max(x.abs())));
             }
         }
     }
 
-    /// Adds the energy lost in the structure's damper.
+    /// Takes the energy after one period, if the log reaches from before that instant to it.
     #[inline(always)]
-    fn lose<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
-        let free = self.free;
-        for (number, block) in motions(log).chunks(BLOCK).enumerate() {
-            let [mut from_x, mut from_v, mut to_x, mut to_v, mut span, mut lost] =
-                [[0.0; BLOCK]; 6];
-            let ends = &log[number * BLOCK + 1..];
-            for (i, (entry, end)) in block.iter().zip(ends).enumerate() {
-                [from_x[i], from_v[i]] = entry.from();
-                [to_x[i], to_v[i]] = end.reached();
-                span[i] = length(entry, end);
-            }
-            for i in 0..BLOCK {
-                lost[i] = free.lost([from_x[i], from_v[i]], [to_x[i], to_v[i]], span[i]);
-            }
-            for (i, (entry, end)) in block.iter().zip(ends).enumerate() {
-                let lost = match entry.stuck > 0.0 {
-                    true => self.structure(entry).lost(entry.from(), end.reached(), span[i]),
-                    false => lost[i],
-                };
-                measures.viscous = measures.viscous.plus(S::Real::from(lost));
-            }
+    fn pass_period(&mut self, course: &impl Course<S>) {
+        let period = S::Real::TURN.value;
+        let until = |k: usize| -course.start(k).minus(period);
+        let last = course.count() - 1;
+        let begins = until(0) >= course.ends(0)[0].0;
+        let ends = until(last) - course.ends(last)[1].0 <= period * CLOSE;
+        if !begins || !ends || self.values.damping_ratio_energy.is_some() {
+            return;
         }
+        let later = (0..=last).find(|k| until(*k) < course.ends(*k)[0].0);
+        let k = later.unwrap_or(course.count()) - 1;
+        // If the run ends after one period within rounding, its end counts.
+        let h = until(k).min(course.ends(k)[1].0);
+        self.one_period(course.energy(k, h));
     }
-}
-
-/// The motions that end within a log: all entries but the last.
-fn motions(log: &[Entry]) -> &[Entry] {
-    &log[..log.len().saturating_sub(1)]
-}
-
-/// The length of a motion that ends where another begins.
-#[inline(always)]
-fn length(entry: &Entry, end: &Entry) -> f64 {
-    (end.clock() - entry.clock()).value
 }

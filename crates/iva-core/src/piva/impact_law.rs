@@ -2,10 +2,11 @@
 //! prints it.
 
 use super::parameters::{ImpactLaw, Parameters};
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::flight::Jet;
 use crate::impact::primary_share;
-use crate::real::Real;
+use crate::real::{Real, pick};
 use crate::taylor::Pendulum;
 
 /// The impact law at one wall, in terms of W = b θ̇.
@@ -38,6 +39,25 @@ pub(crate) struct Law<R = f64> {
     /// See [`crate::system::System::pressure_gain`].
     pub pressure_gain: R,
 }
+
+laned!(
+    Law,
+    Laws {
+        restitution: f64,
+        mass_ratio: f64,
+        pull: f64,
+        inertia: f64,
+        effective: f64,
+        cosine: f64,
+        ratio: f64,
+        rebound: DoubleDouble,
+        impact_gain: DoubleDouble,
+        stick_gain: DoubleDouble,
+        surplus: DoubleDouble,
+        printed: bool,
+        pressure_gain: f64,
+    }
+);
 
 impl<R: Real> Law<R> {
     /// The law with restitution e.
@@ -122,12 +142,10 @@ impl<R: Real> Law<R> {
     }
 
     /// Energy lost in an impact with W at primary velocity v.
+    #[inline(always)]
     pub fn impact_loss(&self, v: R, w: R) -> R {
-        if self.printed {
-            self.difference(v, w, self.impact_gain.value, self.ratio)
-        } else {
-            self.consistent_loss(w, self.restitution)
-        }
+        let printed = self.difference(v, w, self.impact_gain.value, self.ratio);
+        pick(self.printed, printed, self.consistent_loss(w, self.restitution))
     }
 
     /// Energy lost in the whole tail of rebounds that begins with W.
@@ -140,11 +158,13 @@ impl<R: Real> Law<R> {
     }
 
     /// The loss ½ μ (1 − e²)(λ W)² [κ − μ c²/(1 + μ)] of the consistent law.
+    #[inline(always)]
     fn consistent_loss(&self, w: R, e: R) -> R {
         ((R::ONE - e) * (R::ONE + e)) * 0.5 * (w * w) * self.effective
     }
 
     /// Kinetic energy before minus kinetic energy after the change v → v + gain W, W → −ratio W.
+    #[inline(always)]
     fn difference(&self, v: R, w: R, gain: R, ratio: R) -> R {
         let (total, pull) = (R::ONE + self.mass_ratio, self.pull * self.cosine);
         let linear = pull * (R::ONE + ratio) - total * gain;

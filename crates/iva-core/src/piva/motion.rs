@@ -49,7 +49,7 @@ impl<'a, R: Real> PivaFlight<'a, R> {
         let step = R::power_of_two(longest);
         let most = longest / step;
         let drive = piva.drive(from.time, &from, step);
-        let series = piva.pendulum.series(&piva.swing(&from), drive.as_ref(), step, order);
+        let series = piva.pendulum.series(&from.swing(), drive.as_ref(), step, order);
         let series = at_rest_on_release(&from, series);
         let size = drive.as_ref().map_or(R::ZERO, Drive::size);
         let Some(share) = piva.share_proved(&series, (step, most), &from, size) else {
@@ -74,11 +74,11 @@ impl<'a, R: Real> PivaFlight<'a, R> {
     pub(crate) fn flown(
         piva: &'a Piva<R>,
         from: PivaState<R>,
-        (series, drive): (Series<R>, Drive<R>),
+        (series, drive): (Series<R>, Option<Drive<R>>),
         step: R,
         (reach, known): (R, Known<R>),
     ) -> Self {
-        let (drive, known) = (Some(drive), Some(known));
+        let known = Some(known);
         Self { piva, from, series, drive, step, reach, bend: None, proved: true, known }
     }
 
@@ -127,6 +127,44 @@ impl<'a, R: Real> PivaFlight<'a, R> {
         self.piva.pendulum.series(&start, drive.as_ref(), h, order)
     }
 }
+
+impl<R: Real> PivaFlight<'_, R> {
+    /// The flight of a length that is shown to meet no wall, or the flight to the wall that it meets within it.
+    fn decided(&self, length: R) -> Option<FastFlight<PivaState<R>, R>> {
+        let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
+        let (end, gap) = R::dispatched(
+            #[inline(always)]
+            || {
+                let end = self.arrived(length);
+                (end, with_order!(order, N => self.step().gap::<N>(&end, length, doubt)))
+            },
+        );
+        let contact = match gap {
+            Gap { clear: true, .. } => {
+                return Some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing });
+            }
+            Gap { near: true, .. } => Side::Near,
+            Gap { far: true, .. } => Side::Far,
+            _ => return None,
+        };
+        let (h, exact) = R::dispatched(
+            #[inline(always)]
+            || {
+                let far = contact == Side::Far;
+                with_order!(order, N => self.step().meeting::<N>(&end, length, far))
+            },
+        );
+        exact.then(|| FastFlight {
+            length: h,
+            later: R::ZERO,
+            end: self.arrival(h),
+            meets: Meets::Near(contact),
+        })
+    }
+}
+
+/// Number of lengths of a flight that are tried without a search, each half of the one before.
+pub(crate) const PARTS: u32 = 4;
 
 /// Bound on |y⁗| of the series itself over a share of a step, in steps.
 fn fourth_bound<R: Real>(y: &Row<R>, share: R) -> R {
@@ -186,35 +224,16 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         if !R::FAST_PATHS || !self.proved {
             return None;
         }
-        let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
-        let (end, gap) = R::dispatched(
-            #[inline(always)]
-            || {
-                let end = self.arrived(length);
-                (end, with_order!(order, N => self.step().gap::<N>(&end, length, doubt)))
-            },
-        );
-        let contact = match gap {
-            Gap { clear: true, .. } => {
-                return Some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing });
+        // Where bounds over the whole length decide nothing, those over a part of it may.
+        let mut length = length;
+        for _ in 0..PARTS {
+            let flight = self.decided(length);
+            if flight.is_some() {
+                return flight;
             }
-            Gap { near: true, .. } => Side::Near,
-            Gap { far: true, .. } => Side::Far,
-            _ => return None,
-        };
-        let (h, exact) = R::dispatched(
-            #[inline(always)]
-            || {
-                let far = contact == Side::Far;
-                with_order!(order, N => self.step().meeting::<N>(&end, length, far))
-            },
-        );
-        exact.then(|| FastFlight {
-            length: h,
-            later: R::ZERO,
-            end: self.arrival(h),
-            meets: Meets::Near(contact),
-        })
+            length *= 0.5;
+        }
+        None
     }
 
     fn turns(&self, length: R, end: &PivaState<R>) -> Turns<R> {

@@ -1,5 +1,6 @@
 //! The parameters of a pendulum absorber.
 
+use super::STEEP;
 use crate::error::{Invalid, number};
 use crate::range;
 use crate::real::Real;
@@ -56,6 +57,13 @@ pub enum ImpactLaw {
 }
 
 impl<R: Real> Parameters<R> {
+    /// See [`super::Stops::steep`].
+    pub(super) fn has_steep_walls(&self) -> bool {
+        let Self { clearance, contact_distance, angles, .. } = *self;
+        let near = contact_distance * STEEP <= clearance && clearance < contact_distance;
+        near && angles == Angles::Large
+    }
+
     /// A point bob on a string or a weightless rod of this length, in contact at the bob, without pivot
     /// damping. The frequency ratio is 1; set it as needed.
     pub fn point_bob(

@@ -67,7 +67,7 @@ impl<'a, R: Real> PivaRide<'a, R> {
 
     /// The factor β cosθ of A in the pressure on the wall.
     fn leverage(&self) -> R {
-        self.piva.pendulum.coupling * self.piva.wall_cosine.value
+        self.piva.pendulum.coupling * self.piva.stops.cosine.value
     }
 
     /// The share r² d of gravity in the pressure; it pulls the pendulum off the wall.
@@ -105,7 +105,7 @@ impl<R: Real> Piva<R> {
         let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
         let pull =
             DoubleDouble::new(frequency_squared * -wall.sign()).times(self.parameters.clearance);
-        pull.over_sum(self.wall_cosine.times(coupling))
+        pull.over_sum(self.stops.cosine.times(coupling))
     }
 }
 

@@ -149,7 +149,7 @@ impl<R: Real> Piva<R> {
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
         let clearance = self.parameters.clearance;
         let distance = match start.place {
-            Given::Angle(_) if self.has_steep_walls() => self.height(cosine, y * wall.sign()),
+            Given::Angle(_) if self.stops.steep => self.height(cosine, y * wall.sign()),
             _ => DoubleDouble::new(clearance).plus(y * -wall.sign()),
         };
         let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * clearance;
@@ -166,7 +166,7 @@ impl<R: Real> Piva<R> {
             distance: if touching { DoubleDouble::ZERO } else { distance },
             clearance,
             w,
-            cosine: if touching { self.wall_cosine } else { cosine },
+            cosine: if touching { self.stops.cosine } else { cosine },
             released: false,
         }
     }
@@ -175,7 +175,7 @@ impl<R: Real> Piva<R> {
     /// where the pendulum is nearly horizontal.
     fn height(&self, cosine: DoubleDouble<R>, y: R) -> DoubleDouble<R> {
         let b = self.parameters.contact_distance;
-        let over = (cosine - self.wall_cosine) * (cosine + self.wall_cosine);
+        let over = (cosine - self.stops.cosine) * (cosine + self.stops.cosine);
         over.times(b).times(b).over_sum(DoubleDouble::new(self.parameters.clearance).plus(y))
     }
 }

@@ -4,6 +4,7 @@
 //! ([`crate::lanes`]).
 
 use super::PivaState;
+use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::force::Drive;
 use crate::oscillator::Primary;
@@ -139,6 +140,8 @@ pub(crate) struct Turning<R = f64> {
     pub h: R,
     pub x: R,
 }
+
+laned!(Turning, Turnings { decided: bool, turns: bool, h: f64, x: f64 });
 
 /// Derivatives of a polynomial of order N at the end of [0, share], and a bound over that interval.
 pub(super) struct Ahead<R = f64> {

@@ -28,7 +28,7 @@ fn alone<S: SideBySide>(decay: &Job<S>) -> String {
 }
 
 pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> String {
-    let observers = (Events::default(), S::LISTS.then(Errors::default));
+    let observers = (Events::default(), Errors::default());
     let wanted = Wanted { envelope: true, ..wanted };
     let mut watch = (Summary::<S>::new(wanted, decay.steady), observers);
     let Job { system, start, begin, limits, .. } = decay;
@@ -36,13 +36,12 @@ pub(crate) fn alone_wanting<S: SideBySide>(decay: &Job<S>, wanted: Wanted) -> St
     let (summary, (events, errors)) = watch;
     let ended = (tally, *summary.values(), summary.steady_values().copied());
     let (peaks, strobes) = (summary.envelope(), summary.steady().and_then(Steady::all_strobes));
-    format!("{ended:?} {events:?} {} {peaks:?} {strobes:?}", told(errors.as_ref()))
+    format!("{ended:?} {events:?} {} {peaks:?} {strobes:?}", told(&errors))
 }
 
-/// What users are told of errors, where lanes know their impacts.
-fn told(errors: Option<&Errors>) -> String {
-    let told = |it: &Errors| format!("{:?} {:?} {:?}", it.impacts, it.condition(), it.digits());
-    errors.map_or_else(String::new, told)
+/// What users are told of errors.
+fn told(errors: &Errors) -> String {
+    format!("{:?} {:?} {:?}", errors.impacts, errors.condition(), errors.digits())
 }
 
 fn together<S: SideBySide>(scenes: &[Job<S>]) -> Vec<String> {
@@ -57,7 +56,7 @@ pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted)
     })
     .unwrap();
     // The same runs with their impacts and stick episodes, and with errors or peaks.
-    let listings = [(S::LISTS, false), (false, true)].map(|(errors, envelope)| Listing {
+    let listings = [(true, false), (false, true)].map(|(errors, envelope)| Listing {
         events: true,
         errors,
         envelope,
@@ -74,7 +73,7 @@ pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted)
     for i in 0..scenes.len() {
         let [estimated, peaked] = listed.each_mut().map(|listed| std::mem::take(&mut listed[i]));
         assert_eq!(estimated.events, peaked.events, "scene {i}");
-        let (events, errors) = (peaked.events.unwrap(), told(estimated.errors.as_deref()));
+        let (events, errors) = (peaked.events.unwrap(), told(&estimated.errors.unwrap()));
         let (peaks, strobes) = (peaked.envelope.unwrap(), peaked.strobes);
         assert_eq!(estimated.strobes, strobes, "scene {i}");
         found[i] = format!("{} {events:?} {errors} {peaks:?} {strobes:?}", found[i]);

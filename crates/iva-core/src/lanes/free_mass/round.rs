@@ -3,16 +3,12 @@
 
 use super::lane::Lane;
 use crate::arrays::{Laned, arrays};
+use crate::chatter::LOW;
 use crate::lanes::pick;
 use crate::plain::State;
 use crate::simulate::counts::{Counted, Counts};
 use crate::siva::trial::{FreeMass, Landing, Sight, TRIES, Trial, land};
 use crate::system::Clock;
-
-/// Below this value of u/(A (1 − e)), half the duration of the chatter that remains, the event loop may sum
-/// the tail, so the rebound is left to it. (The estimated error of the sum is at least 4 times the cube of
-/// this value.)
-const LOW: f64 = 1e-4;
 
 arrays! {
     /// The results of one round of a lane.

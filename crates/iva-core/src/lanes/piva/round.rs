@@ -1,0 +1,362 @@
+//! One round of every lane: a step, tried in stages that go through all lanes. The arithmetic is that of the event
+//! loop, without branches.
+
+use super::Shared;
+use super::lane::{Lane, Lanes};
+use super::rows::Rows;
+use super::scene::{Scene, Scenes};
+use crate::arrays::{Laned, Lanes as _, any, laned};
+use crate::chatter::{LOW, REBOUND_LOOK};
+use crate::flight::{Arc, Losses};
+use crate::impact::Impact;
+use crate::lanes::pick;
+use crate::piva::accuracy::Sizes;
+use crate::piva::integrals::{self, Integrands};
+use crate::piva::step::{Step, Turning};
+use crate::piva::{PivaState, distance};
+use crate::real::Real;
+use crate::system::Clock;
+use crate::taylor::{ORDER, Pendulum, Remainder, Series, unrolled};
+
+/// The results of one round of a lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Round {
+    /// The unit of time of the series, the largest share of it to be proved, and the time up to which it is.
+    pub step: f64,
+    pub most: f64,
+    pub reach: f64,
+    pub proved: bool,
+    /// The time to the end of the step or to the contact in it, and the state there.
+    pub length: f64,
+    pub end: PivaState,
+    /// True if it meets no wall; if it meets the near or the far one and that once.
+    pub clear: bool,
+    pub near: bool,
+    pub far: bool,
+    /// True if the contact is found, and if the impact is for the lane.
+    pub exact: bool,
+    pub simple: bool,
+    /// The state in contact, the impact, the instant and the state after it; the longest step from there.
+    pub touching: PivaState,
+    pub impact: Impact,
+    pub clock: Clock,
+    pub after: PivaState,
+    pub first: f64,
+    /// The turning point of x, if it was asked for.
+    pub turning: Turning,
+    /// Losses, work and ∫x² over the step, and bounds on |x| and |ẍ + a_g| in it, if they were asked for.
+    pub losses: Losses,
+    pub square: f64,
+    pub limits: [f64; 2],
+    /// True if the step is completed; if it ends with an impact; if the run ends with it; if a part of it is tried
+    /// next; if observers need not see it.
+    pub passed: bool,
+    pub hit: bool,
+    pub whole: bool,
+    pub again: bool,
+    pub quiet: bool,
+}
+
+laned!(
+    Round,
+    Rounds {
+        step: f64,
+        most: f64,
+        reach: f64,
+        proved: bool,
+        length: f64,
+        end: PivaState,
+        clear: bool,
+        near: bool,
+        far: bool,
+        exact: bool,
+        simple: bool,
+        touching: PivaState,
+        impact: Impact,
+        clock: Clock,
+        after: PivaState,
+        first: f64,
+        turning: Turning,
+        losses: Losses,
+        square: f64,
+        limits: [f64; 2],
+        passed: bool,
+        hit: bool,
+        whole: bool,
+        again: bool,
+        quiet: bool,
+    }
+);
+
+/// The stages of a round of lanes whose series have the order N.
+pub(super) struct Stages<'a, const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
+{
+    pub scenes: &'a Scenes<W>,
+    pub lanes: &'a Lanes<W>,
+    pub rounds: &'a mut Rounds<W>,
+    pub rows: &'a mut Rows<W>,
+    pub shared: &'a Shared,
+}
+
+impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
+    Stages<'_, W, N, DRIVEN, SMALL>
+{
+    /// All stages.
+    #[inline(always)]
+    pub fn run(&mut self) {
+        self.begin();
+        self.expand();
+        self.prove();
+        self.arrive();
+        if any(&self.rounds.near) || any(&self.rounds.far) {
+            self.strike();
+        }
+        if self.shared.looks {
+            self.turn();
+        }
+        if self.shared.ledger {
+            self.lose();
+        }
+        if DRIVEN && self.shared.squares {
+            self.square();
+        }
+        if DRIVEN && self.shared.extremes {
+            self.limit();
+        }
+        self.decide();
+    }
+
+    #[inline(always)]
+    fn scene(&self, i: usize) -> Scene {
+        let scene = self.scenes.get(i);
+        // Known to the compiler, so that nothing is computed for both.
+        Scene { pendulum: Pendulum { small_angles: SMALL, ..scene.pendulum }, ..scene }
+    }
+
+    /// Chooses the length of the step and computes the force over it.
+    #[inline(always)]
+    fn begin(&mut self) {
+        for i in 0..W {
+            let scene = self.scene(i);
+            let swing = scene.pendulum.swing(self.lanes.state.w.value[i]);
+            let longest = self.shared.longest / f64::larger(scene.fastest, swing);
+            let step = f64::power_of_two(longest);
+            self.rounds.step[i] = step;
+            self.rounds.most[i] = longest / step;
+        }
+        if DRIVEN {
+            for i in 0..W {
+                let time = self.lanes.state.time.get(i);
+                let drive = self.scene(i).drive(time, self.rounds.step[i]);
+                self.rows.set_drive(i, &drive);
+            }
+        }
+    }
+
+    /// Computes the series of the step.
+    #[inline(always)]
+    fn expand(&mut self) {
+        for i in 0..W {
+            let (pendulum, state) = (self.scene(i).pendulum, self.lanes.state.get(i));
+            let (swing, h) = (state.swing(), self.rounds.step[i]);
+            let drive = if DRIVEN { Some(self.rows.drive(i)) } else { None };
+            let mut series: Series<f64> =
+                pendulum.series_to::<_, { ORDER + 1 }, N>(&swing, drive.as_ref(), h);
+            series.w[1] = pick(state.released, 0.0, series.w[1]);
+            series.y[2] = pick(state.released, 0.0, series.y[2]);
+            self.rows.set::<N>(i, &series);
+        }
+    }
+
+    /// Proves up to which time of the step each series keeps to the tolerance.
+    #[inline(always)]
+    fn prove(&mut self) {
+        for i in 0..W {
+            let (scene, series) = (self.scene(i), self.rows.get::<N>(i));
+            let (step, most) = (self.rounds.step[i], self.rounds.most[i]);
+            let driven = if DRIVEN { scene.left_out::<N>(step * most) } else { [0.0; 2] };
+            let Scene { pendulum, fastest, gap_size, .. } = scene;
+            let remainder = Remainder::new::<N>(&pendulum, fastest, &series, driven, (step, most));
+            let size = if DRIVEN { self.rows.drive(i).size() } else { 0.0 };
+            let state = self.lanes.state.get(i);
+            let sizes = Sizes::at(pendulum.mass_ratio, gap_size, &state).with(size);
+            let (share, kept) = sizes.share(&remainder, self.shared.tolerance);
+            self.rounds.reach[i] = share * step;
+            self.rounds.proved.set(i, &kept);
+        }
+    }
+
+    /// Goes to the end of the step.
+    #[inline(always)]
+    fn arrive(&mut self) {
+        for i in 0..W {
+            let (scene, series) = (self.scene(i), self.rows.get::<N>(i));
+            let (lane, from) = (self.lanes.get(i), self.lanes.state.get(i));
+            let h = self.rounds.reach[i].min(lane.remaining(&scene)).min(lane.first) * lane.part;
+            let length = self.rounds.step[i];
+            let step = Step { pendulum: &scene.pendulum, from: &from, series: &series, length };
+            let drive = if DRIVEN { Some(scene.beginning(from.time)) } else { None };
+            let end = step.arrival::<N>(h, drive.as_ref());
+            let gap = step.gap::<N>(&end, h, self.shared.doubt);
+            let proved: bool = self.rounds.proved.get(i);
+            self.rounds.length[i] = h;
+            self.rounds.end.set(i, &end);
+            self.rounds.clear.set(i, &gap.clear);
+            self.rounds.near.set(i, &(proved & gap.near));
+            self.rounds.far.set(i, &(proved & gap.far));
+            self.rounds.exact.set(i, &false);
+            self.rounds.first[i] = f64::INFINITY;
+            self.rounds.clock.set(i, &lane.clock.plus_parts(h, 0.0));
+            self.rounds.after.set(i, &end);
+        }
+    }
+
+    /// Goes to the contact instead, in the lanes that meet a wall, and applies the impact.
+    #[inline(always)]
+    fn strike(&mut self) {
+        for i in 0..W {
+            let (scene, series) = (self.scene(i), self.rows.get::<N>(i));
+            let (lane, from) = (self.lanes.get(i), self.lanes.state.get(i));
+            let length = self.rounds.step[i];
+            let step = Step { pendulum: &scene.pendulum, from: &from, series: &series, length };
+            let [near, far]: [bool; 2] = [self.rounds.near.get(i), self.rounds.far.get(i)];
+            let (whole, end) = (self.rounds.length[i], self.rounds.end.get(i));
+            let (h, exact) = step.meeting::<N>(&end, whole, far);
+            let meets = (near | far) & exact;
+            let drive = if DRIVEN { Some(scene.beginning(from.time)) } else { None };
+            let arrived = step.arrival::<N>(h, drive.as_ref());
+            let wall = pick(far, from.wall.opposite(), from.wall);
+            let ahead = scene.ahead::<DRIVEN, 3>(&arrived);
+            let (touching, later) = scene.stops.touching(&arrived, wall, &ahead);
+            let clock = lane.clock.plus_parts(h, 0.0).plus(later);
+            let (after, impact) = scene.struck(&touching, clock.value);
+            let leave = distance(&after, &scene.ahead::<DRIVEN, 4>(&after));
+            let pressure = -leave.curvature;
+            let slowest = pressure * (LOW * (1.0 - scene.law(wall).ratio));
+            let low = ((pressure > 0.0) & (leave.rate < slowest))
+                | (impact.approach_speed() <= scene.floor)
+                | (leave.rate <= 0.0);
+            let first = pick(pressure > 0.0, leave.rate * REBOUND_LOOK / pressure, f64::INFINITY);
+            self.rounds.exact.set(i, &meets);
+            self.rounds.simple.set(i, &(!low & (clock.minus(scene.stop) < 0.0)));
+            self.rounds.length[i] = pick(meets, h, whole);
+            self.rounds.end.set(i, &Laned::pick(meets, &arrived, &end));
+            self.rounds.touching.set(i, &touching);
+            self.rounds.impact.set(i, &impact);
+            self.rounds.first[i] = pick(meets, first, f64::INFINITY);
+            let (free, ended) = (self.rounds.clock.get(i), self.rounds.after.get(i));
+            self.rounds.clock.set(i, &Laned::pick(meets, &clock, &free));
+            self.rounds.after.set(i, &Laned::pick(meets, &after, &ended));
+        }
+    }
+
+    /// Finds the turning point of x.
+    #[inline(always)]
+    fn turn(&mut self) {
+        for i in 0..W {
+            let (scene, series) = (self.scene(i), self.rows.get::<N>(i));
+            let (from, length) = (self.lanes.state.get(i), self.rounds.step[i]);
+            let step = Step { pendulum: &scene.pendulum, from: &from, series: &series, length };
+            let turning = step.turning::<N>(&self.rounds.end.get(i), self.rounds.length[i]);
+            self.rounds.turning.set(i, &turning);
+        }
+    }
+
+    /// Losses in the dampers and work of the force over the step.
+    #[inline(always)]
+    fn lose(&mut self) {
+        let (pivots, base) = (self.shared.pivots, DRIVEN && any(&self.scenes.moves_base));
+        for i in 0..W {
+            let series = self.rows.get::<N>(i);
+            let Series { u, y, w, .. } = &series;
+            let (pendulum, step) = (self.scene(i).pendulum, self.rounds.step[i]);
+            let t = self.rounds.length[i] / step;
+            let free = Integrands { u, y, w, drive: None, pivots, base };
+            let losses = if DRIVEN {
+                let drive = self.rows.drive(i);
+                Integrands { drive: Some(&drive), ..free }.taken::<N>(&pendulum, t, step)
+            } else {
+                free.taken::<N>(&pendulum, t, step)
+            };
+            self.rounds.losses.set(i, &losses);
+        }
+    }
+
+    /// ∫x² over the step.
+    #[inline(always)]
+    fn square(&mut self) {
+        for i in 0..W {
+            let (series, step) = (self.rows.get::<N>(i), self.rounds.step[i]);
+            let share = self.rounds.length[i] / step;
+            self.rounds.square[i] = integrals::square::<f64, N>(&series.x, [0.0, share], step);
+        }
+    }
+
+    /// Bounds on |x| and |ẍ + a_g| in the step.
+    #[inline(always)]
+    fn limit(&mut self) {
+        let mut share = [0.0; W];
+        for (i, share) in share.iter_mut().enumerate() {
+            *share = self.rounds.length[i] / self.rounds.step[i];
+        }
+        let [x, a] = self.rows.primary();
+        let [most_x, most_a] = self.rounds.limits.0.each_mut();
+        limits::<W, N>(x, &share, most_x);
+        // The series of the acceleration has no coefficient of the order N.
+        match N {
+            10 => limits::<W, 9>(a, &share, most_a),
+            16 => limits::<W, 15>(a, &share, most_a),
+            18 => limits::<W, 17>(a, &share, most_a),
+            _ => limits::<W, 19>(a, &share, most_a),
+        }
+    }
+
+    /// Decides what follows.
+    #[inline(always)]
+    fn decide(&mut self) {
+        for i in 0..W {
+            let (lane, round): (Lane, Round) = (self.lanes.get(i), self.rounds.get(i));
+            let Round { proved, clear, exact, simple, turning, .. } = round;
+            let seen = !self.shared.looks | turning.decided;
+            let hits = exact & simple;
+            let passed = lane.live & proved & seen & (hits | (clear & !exact));
+            let meets = round.near | round.far;
+            let undecided = !clear & !meets | (meets & !exact);
+            let ends = round.length == lane.remaining(&self.scene(i));
+            let clocks = [lane.clock, round.clock];
+            self.rounds.passed.set(i, &passed);
+            self.rounds.hit.set(i, &(passed & exact));
+            self.rounds.whole.set(i, &(passed & !exact & ends));
+            self.rounds.again.set(i, &(lane.live & proved & undecided & lane.can_part()));
+            self.rounds.quiet.set(i, &lane.quiet.covers(clocks, round.limits));
+        }
+    }
+}
+
+/// Bounds on the absolute values of polynomials of order N on shares of a step.
+#[inline(always)]
+fn limits<const W: usize, const N: usize>(
+    row: &[[f64; W]; ORDER + 1],
+    share: &[f64; W],
+    limits: &mut [f64; W],
+) {
+    for i in 0..W {
+        let t = share[i];
+        let [mut value, mut rate, mut half, mut size, mut sixth] = [0.0_f64; 5];
+        unrolled!(j < N + 1 => {
+            let k = N - j;
+            let coefficient = row[k][i];
+            half = half.mul_add(t, rate);
+            rate = rate.mul_add(t, value);
+            value = value.mul_add(t, coefficient);
+            size = size.mul_add(t, coefficient.abs());
+            if k > 5 {
+                let falling = k * (k - 1) * (k - 2) * (k - 3) * (k - 4) * (k - 5);
+                sixth = sixth.mul_add(t, coefficient.abs() * (falling as f64));
+            }
+        });
+        let begin = [row[0][i], row[1][i], row[2][i] * 2.0];
+        let arc = Arc::new(begin, [value, rate, half * 2.0], sixth, t).doubted(size);
+        limits[i] = arc.limit();
+    }
+}
