@@ -1,5 +1,5 @@
-//! Maps over one cycle of a harmonic force with three impacts in it: 256 trajectories side by side near the stable orbit
-//! A5 of `tests/reference/orbits.json`, on one core. Nanoseconds a map.
+//! Maps over one cycle of a harmonic force with some three impacts in it, on one core: 256 trajectories of a free mass side by
+//! side near the stable orbit A5 of `tests/reference/orbits.json`, and as many of a pendulum. Nanoseconds a map.
 
 use std::hint::black_box;
 use std::ops::ControlFlow::{Break, Continue};
@@ -11,7 +11,8 @@ use iva_core::{
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     lanes::Tier,
-    orbit::{Cycle, Request, Trajectory, iterate},
+    orbit::{Cycle, Iterated, Request, Trajectory, iterate},
+    piva::{Parameters, Piva, PivaStart},
     siva::Siva,
     system::Start,
 };
@@ -34,8 +35,30 @@ fn trajectory(index: usize, tier: Tier) -> Result<Trajectory<Siva<DrivenHost>>, 
     Ok(Trajectory { tier, ..trajectory })
 }
 
+/// A pendulum in full accuracy, or with a tolerance of 1e-9.
+fn swinging(index: usize, tier: Tier) -> Result<Trajectory<Piva>, Invalid> {
+    let harmonic = Harmonic { amplitude: 0.1, frequency: 1.0, phase: 0.0, acts: Acts::Primary };
+    let tolerance = if tier == Tier::Fast { 1e-9 } else { 0.0 };
+    let bob = Parameters::point_bob(0.08, 0.65, 0.4, 0.02, 10.0);
+    let piva = Piva::new(Parameters { frequency_ratio: 0.4, tolerance, ..bob })?;
+    let displacement = 0.3 + 1e-3 * index as f64;
+    let start = Start { displacement, velocity: 0.1, gap_displacement: 0.1, gap_velocity: 0.2 };
+    let cycle = Cycle { begin: 0.0, length: std::f64::consts::TAU };
+    let piva = piva.under(Force::harmonic(vec![harmonic])?);
+    Trajectory::new(piva, &PivaStart::from(start), cycle)
+}
+
 fn maps(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("maps of a driven free mass, 3 impacts");
+    of("free mass", trajectory, criterion);
+    of("pendulum", swinging, criterion);
+}
+
+fn of<S: Iterated>(
+    absorber: &str,
+    trajectory: fn(usize, Tier) -> Result<Trajectory<S>, Invalid>,
+    criterion: &mut Criterion,
+) {
+    let mut group = criterion.benchmark_group(format!("maps of a driven {absorber}, 3 impacts"));
     group.throughput(Throughput::Elements((TRAJECTORIES * CYCLES) as u64));
     group.sample_size(20).measurement_time(Duration::from_secs(3));
     for tier in [Tier::Exact, Tier::Fast] {

@@ -25,28 +25,29 @@ mod decays;
 mod forced;
 pub(crate) mod free_mass;
 mod logged;
-mod piva;
+pub(crate) mod piva;
 mod running;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::Invalid;
 use crate::host::{Alone, DrivenHost, UndrivenHost};
+use crate::measures::forced::Forced;
 use crate::measures::{MeasureValues, Wanted};
 use crate::observe::Events;
 use crate::peaks::Peak;
 use crate::piva::Piva;
 use crate::plain::{BASE, FORCE};
-use crate::propagation::{Differentiable, Errors};
+use crate::propagation::{Differentiable, Errors, Tangent};
 use crate::real::pick;
 use crate::simulate::{Instant, Limits, Run, Tally};
 use crate::siva::Siva;
 use crate::steady::{Steady, SteadyValues, SteadyWanted, Strobe, Window};
 use crate::summary::Summary;
 use crate::system::System;
-use crate::taylor::{ORDER, with_order};
 use decays::Decays;
 use forced::ForcedRuns;
+pub(crate) use free_mass::Loaded;
 pub(crate) use logged::Logged;
 
 use free_mass::{ExactDecays, ExactDriven, FastDecays, FastDriven};
@@ -183,6 +184,36 @@ macro_rules! run_jobs {
     };
 }
 
+/// Runs code with the kind of lanes for pendulums like this one.
+macro_rules! with_steps {
+    ($piva:expr, $lanes:ident => $body:expr) => {{
+        use $crate::lanes::piva::Steps;
+        use $crate::taylor::{ORDER, with_order};
+        let piva: &$crate::piva::Piva = $piva;
+        let (order, driven) = (piva.accuracy.order, !piva.force().is_none());
+        // At small angles the order is always the highest.
+        match (driven, piva.pendulum.small_angles) {
+            (false, false) => with_order!(order, N => {
+                type $lanes = Steps<N, false, false>;
+                $body
+            }),
+            (true, false) => with_order!(order, N => {
+                type $lanes = Steps<N, true, false>;
+                $body
+            }),
+            (false, true) => {
+                type $lanes = Steps<ORDER, false, true>;
+                $body
+            }
+            (true, true) => {
+                type $lanes = Steps<ORDER, true, true>;
+                $body
+            }
+        }
+    }};
+}
+pub(crate) use with_steps;
+
 /// True if a run is a free decay that lanes can make: they compute no measures but log the motion.
 fn decays(job: &Job<Siva>) -> bool {
     job.system.sinusoidal().is_some() && job.steady.is_none()
@@ -274,16 +305,37 @@ impl SideBySide for Piva {
     run_jobs!();
 
     fn run(group: Group<'_, Self>) {
-        let Piva { pendulum, accuracy, .. } = group.leader();
-        let (order, driven) = (accuracy.order, !group.leader().force().is_none());
-        match (driven, pendulum.small_angles) {
-            (false, false) => with_order!(order, N => group.run::<piva::Steps<N, false, false>>()),
-            (true, false) => with_order!(order, N => group.run::<piva::Steps<N, true, false>>()),
-            // At small angles the order is always the highest.
-            (false, true) => group.run::<piva::Steps<ORDER, false, true>>(),
-            (true, true) => group.run::<piva::Steps<ORDER, true, true>>(),
-        }
+        with_steps!(group.leader(), L => group.run::<L>());
     }
+}
+
+/// A set of lanes in which trajectories go from cycle to cycle ([`crate::orbit`]). A lane takes a run over, and can repeat
+/// it from another state.
+pub(crate) trait Cycling<S: System<Real = f64>>: Sized {
+    /// Number of lanes.
+    const WIDTH: usize;
+    /// Idle lanes for absorbers like this one.
+    fn cycling(leader: &S) -> Self;
+    /// Advances each lane by one evaluation; true if a lane needs something of its run.
+    fn evaluate(&mut self) -> bool;
+    /// True if this lane does.
+    fn requests(&self, i: usize) -> bool;
+    /// True if it has come to the end of its run and needs nothing else.
+    fn is_at_end(&self, i: usize) -> bool;
+    /// Its state, for who needs no derivatives of the force; the number of impacts of its run so far.
+    fn shown(&self, i: usize, system: &S) -> S::State;
+    fn impacts(&self, i: usize) -> u64;
+    /// Keeps the impacts of a lane from now on, and hands those so far to a derivative.
+    fn listen(&mut self, i: usize);
+    fn follow(&mut self, i: usize, system: &S, tangent: &mut Tangent);
+    /// Loads a run into a lane; false if the event loop has to go on with it.
+    fn take_cycle<O>(&mut self, i: usize, run: &Run<'_, S, O>, forced: Option<&Forced>) -> bool;
+    /// Writes the variables of a lane back into its run.
+    fn put_back_cycle<O>(&mut self, i: usize, run: &mut Run<'_, S, O>);
+    /// Lets a lane make its run once more from another state; false if that is left to the event loop.
+    fn repeat(&mut self, i: usize, from: &Loaded<'_, S>) -> bool;
+    /// Makes a lane idle.
+    fn rest(&mut self, i: usize);
 }
 
 /// A set of lanes in which runs of one kind of absorber advance in lockstep.

@@ -5,8 +5,8 @@
 //! states at its begin have equal states at its end, to the bit. No table is made and no measure taken; what is counted
 //! are the impacts. With the derivative of the map comes the monodromy matrix ([`Tangent`]).
 //!
-//! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force side by
-//! side in lanes ([`crate::lanes`]), with the bits of [`map`] in the exact tier.
+//! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
+//! of pendulums side by side in lanes ([`crate::lanes`]), with the bits of [`map`] in the exact tier.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -15,8 +15,10 @@ use nalgebra::Matrix4;
 
 use crate::error::{Invalid, number};
 use crate::host::{Alone, DrivenHost, UndrivenHost};
-use crate::lanes::{SideBySide, Tier};
+use crate::lanes::free_mass::{ExactDriven, FastDriven, FreeMasses};
+use crate::lanes::{LANES, SideBySide, Tier, WIDE, with_steps};
 use crate::piva::Piva;
+use crate::plain::{BASE, FORCE};
 use crate::propagation::{Differentiable, Tangent};
 use crate::range;
 use crate::simulate::{Instant, Limits, Outcome, Run};
@@ -166,7 +168,7 @@ pub trait Iterated: SideBySide {
     }
 
     /// Trajectories with equal keys fit together; `None`: it goes by itself.
-    fn key(_trajectory: &Trajectory<Self>) -> Option<u8> {
+    fn key(_trajectory: &Trajectory<Self>, _request: &Request<'_>) -> Option<[u64; 2]> {
         None
     }
 }
@@ -205,7 +207,7 @@ pub fn iterate<S: Iterated>(
 ) -> Result<(), Invalid> {
     let limits: Result<Vec<_>, _> = trajectories.iter().map(Trajectory::limits).collect();
     let limits = limits?;
-    let key = |index: &usize| S::key(&trajectories[*index]);
+    let key = |index: &usize| S::key(&trajectories[*index], &request);
     let mut order: Vec<usize> = (0..trajectories.len()).collect();
     order.sort_by_key(key);
     for group in order.chunk_by(|a, b| key(a) == key(b)) {
@@ -221,17 +223,16 @@ pub fn iterate<S: Iterated>(
 }
 
 impl Iterated for Siva {}
-impl Iterated for Piva {}
 impl Iterated for Alone<UndrivenHost> {}
 impl Iterated for Alone<DrivenHost> {}
 
 impl Iterated for Siva<DrivenHost> {
-    fn key(trajectory: &Trajectory<Self>) -> Option<u8> {
+    fn key(trajectory: &Trajectory<Self>, _request: &Request<'_>) -> Option<[u64; 2]> {
         let Trajectory { system, tier, .. } = trajectory;
         let force = system.force()?;
         let level = system.gravity() == 0.0;
-        let fast = if *tier == Tier::Fast { 2 } else { 0 };
-        (level && force.is_single()).then(|| fast + u8::from(force.moves_base()))
+        let fast = u64::from(*tier == Tier::Fast);
+        (level && force.is_single()).then(|| [fast, u64::from(force.moves_base())])
     }
 
     fn iterate_group(
@@ -240,6 +241,39 @@ impl Iterated for Siva<DrivenHost> {
         request: Request<'_>,
         see: See<'_, Self>,
     ) {
-        in_lanes::iterate(all, group, request, see);
+        let Trajectory { system, tier, .. } = &all.0[group[0]];
+        let go_on = match (tier, system.moves_base()) {
+            (Tier::Fast, true) => in_lanes::iterate::<_, FreeMasses<FastDriven<BASE, WIDE>, WIDE>>,
+            (Tier::Fast, false) => {
+                in_lanes::iterate::<_, FreeMasses<FastDriven<FORCE, WIDE>, WIDE>>
+            }
+            (Tier::Exact, true) => {
+                in_lanes::iterate::<_, FreeMasses<ExactDriven<true, LANES>, LANES>>
+            }
+            (Tier::Exact, false) => {
+                in_lanes::iterate::<_, FreeMasses<ExactDriven<false, LANES>, LANES>>
+            }
+        };
+        go_on(all, group, request, see);
+    }
+}
+
+impl Iterated for Piva {
+    /// The derivative of a step is computed one by one.
+    fn key(trajectory: &Trajectory<Self>, request: &Request<'_>) -> Option<[u64; 2]> {
+        let Piva { pendulum, accuracy, .. } = &trajectory.system;
+        let force = trajectory.system.force();
+        let fits = !request.tangents && (force.is_none() || force.is_single());
+        let kind = u64::from(pendulum.small_angles) + 2 * u64::from(force.is_none());
+        fits.then(|| [accuracy.tolerance.to_bits(), kind])
+    }
+
+    fn iterate_group(
+        all: (&[Trajectory<Self>], &[Limits]),
+        group: &[usize],
+        request: Request<'_>,
+        see: See<'_, Self>,
+    ) {
+        with_steps!(&all.0[group[0]].system, L => in_lanes::iterate::<_, L>(all, group, request, see));
     }
 }

@@ -19,16 +19,17 @@ mod lane;
 mod listing;
 mod round;
 
-use super::{ScalarRun, SideBySide, pick};
+use super::{Cycling, ScalarRun, SideBySide, pick};
 use crate::arrays::{Laned, Lanes, any};
-use crate::host::Steps;
+use crate::host::{Host, Phase, Steps};
 use crate::log::Entry;
 use crate::measures::forced::Forced;
 use crate::plain::State;
+use crate::propagation::Tangent;
 use crate::real::Real;
 use crate::simulate::{Run, Tally};
 use crate::siva::trial::{FreeMass, Sight, search};
-use crate::siva::{Law, coasts};
+use crate::siva::{Law, Siva, SivaState, coasts};
 use crate::system::{Clock, System};
 
 pub(crate) use exact::{ExactDecays, ExactDriven};
@@ -365,23 +366,74 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         lane.is_some()
     }
 
-    /// True if a lane has come to the end of its run and needs nothing else of it.
-    pub fn is_at_end(&self, i: usize) -> bool {
+    /// Writes the variables of a lane back into its run.
+    pub fn put_back<O>(&mut self, i: usize, run: &mut Run<'_, T::System, O>) {
+        let lane = self.lanes.get(i);
+        lane.put_back(run);
+        run.tally.state = self.tier.unload(&self.states.get(i), run.system, run.clock);
+    }
+}
+
+impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> Cycling<Siva<H>>
+    for FreeMasses<T, W>
+where
+    Siva<H>: SideBySide<State = SivaState<Phase<H>>>,
+{
+    const WIDTH: usize = W;
+
+    fn cycling(leader: &Siva<H>) -> Self {
+        Self::new(leader)
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self) -> bool {
+        self.attempt();
+        self.advance()
+    }
+
+    fn requests(&self, i: usize) -> bool {
+        Self::requests(self, i)
+    }
+
+    fn is_at_end(&self, i: usize) -> bool {
         self.lanes.stopped[i] > 0.0 && self.lanes.request[i] + self.lanes.full[i] == 0.0
     }
 
-    /// The state of a lane, for who needs no derivatives of the force.
-    pub fn shown(&self, i: usize, system: &T::System) -> <T::System as System>::State {
+    fn shown(&self, i: usize, system: &Siva<H>) -> SivaState<Phase<H>> {
         self.tier.shown(&self.states.get(i), system, self.lanes.clock.get(i))
     }
 
-    /// Number of impacts of the run of a lane so far.
-    pub fn impacts(&self, i: usize) -> u64 {
+    fn impacts(&self, i: usize) -> u64 {
         self.lanes.counts.impacts[i] as u64
     }
 
-    /// Lets a lane make its run once more from another state; false if that is left to the event loop.
-    pub fn repeat(&mut self, i: usize, from: &Loaded<'_, T::System>) -> bool {
+    fn listen(&mut self, i: usize) {
+        self.list_impacts(i, true);
+    }
+
+    fn follow(&mut self, i: usize, system: &Siva<H>, tangent: &mut Tangent) {
+        self.take_struck(
+            i,
+            system,
+            #[inline(always)]
+            |impact, states| tangent.struck(system, Clock::new(impact.time), states),
+        );
+    }
+
+    fn take_cycle<O>(
+        &mut self,
+        i: usize,
+        run: &Run<'_, Siva<H>, O>,
+        forced: Option<&Forced>,
+    ) -> bool {
+        self.take(i, run, forced)
+    }
+
+    fn put_back_cycle<O>(&mut self, i: usize, run: &mut Run<'_, Siva<H>, O>) {
+        self.put_back(i, run);
+    }
+
+    fn repeat(&mut self, i: usize, from: &Loaded<'_, Siva<H>>) -> bool {
         let State { x, v, distance, .. } = T::in_doubles(&from.state);
         let Some(state) = self.tier.load(i, from) else { return false };
         let goes_on = distance > 0.0 && (x + v).is_finite();
@@ -392,10 +444,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         goes_on
     }
 
-    /// Writes the variables of a lane back into its run.
-    pub fn put_back<O>(&mut self, i: usize, run: &mut Run<'_, T::System, O>) {
-        let lane = self.lanes.get(i);
-        lane.put_back(run);
-        run.tally.state = self.tier.unload(&self.states.get(i), run.system, run.clock);
+    fn rest(&mut self, i: usize) {
+        self.idle(i);
     }
 }

@@ -13,14 +13,18 @@ mod round;
 mod rows;
 mod scene;
 
-use super::{Job, LANES, Listing, Lockstep, ScalarRun};
+use super::{Cycling, Job, LANES, Listing, Loaded, Lockstep, ScalarRun};
 use crate::arrays::{Lanes as _, any};
 use crate::impact::Impact;
+use crate::measures::forced::Forced;
 use crate::measures::{Stretch, Stretches, Wanted, looks};
 use crate::observe::{Contact, Observer, Span};
+use crate::oscillator::Primary;
 use crate::peaks::Monotone;
 use crate::piva::step::Turning;
 use crate::piva::{Known, Piva, PivaFlight, PivaState, PivaStates};
+use crate::propagation::Tangent;
+use crate::simulate::{Limits, Run};
 use crate::steady::SteadyWanted;
 use crate::system::{Clock, Start, System};
 use lane::{Lane, Lanes};
@@ -30,7 +34,7 @@ use scene::{Scene, Scenes};
 
 /// Lanes side by side whose series have the order N.
 #[derive(Debug)]
-pub(super) struct Steps<const N: usize, const DRIVEN: bool, const SMALL: bool> {
+pub(crate) struct Steps<const N: usize, const DRIVEN: bool, const SMALL: bool> {
     scenes: Scenes<LANES>,
     lanes: Lanes<LANES>,
     rounds: Rounds<LANES>,
@@ -73,10 +77,78 @@ struct Shared {
     tells: bool,
 }
 
+impl Shared {
+    /// For runs of pendulums like this one of which nothing is measured.
+    fn of(piva: &Piva) -> Self {
+        Self {
+            tolerance: piva.accuracy.tolerance,
+            longest: piva.accuracy.longest_step,
+            doubt: piva.accuracy.doubt(),
+            wanted: Wanted::NONE,
+            looks: false,
+            ledger: false,
+            pivots: piva.pendulum.pivot_damping != 0.0,
+            squares: false,
+            extremes: false,
+            shows: false,
+            shows_all: false,
+            tells: false,
+        }
+    }
+}
+
 /// Number of impacts after which observers are told of them, so that a long run needs no more memory.
 const MOST_STRUCK: usize = 256;
 
 impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMALL> {
+    /// Idle lanes for pendulums like this one.
+    fn with(piva: &Piva, shared: Shared) -> Self {
+        let limits = Limits::new(1.0, piva.parameters().clearance);
+        let scene = Scene { stop: f64::INFINITY, ..Scene::of(piva, &limits) };
+        let state = piva.begin(&Start::default().into());
+        let mut lanes = Self {
+            scenes: Scenes::new(),
+            lanes: Lanes::new(),
+            rounds: Rounds::new(),
+            rows: Rows::new(),
+            shared,
+            begins: ([Clock::ZERO; LANES], PivaStates::new()),
+            logs: (0..LANES).map(|_| Stretches::new(None)).collect(),
+            struck: vec![Vec::new(); LANES],
+            idle: (scene, state),
+        };
+        (0..LANES).for_each(|i| lanes.rest(i));
+        lanes
+    }
+
+    /// One round of each lane; true if a lane needs something of its run.
+    #[inline(always)]
+    fn round(&mut self) -> bool {
+        let Self { scenes, lanes, rounds, rows, shared, .. } = self;
+        Stages::<LANES, N, DRIVEN, SMALL> { scenes, lanes, rounds, rows, shared }.run();
+        let full = self.log();
+        let Self { scenes, lanes, rounds, shared, begins, .. } = self;
+        let mut shown = false;
+        if shared.shows {
+            for i in 0..LANES {
+                begins.0[i] = lanes.clock.get(i);
+                begins.1.set(i, &lanes.state.get(i));
+                shown |= (rounds.passed[i] > 0.0) & (rounds.quiet[i] == 0.0);
+            }
+        }
+        for i in 0..LANES {
+            let next = lanes.get(i).after(&scenes.get(i), &rounds.get(i));
+            lanes.set(i, &next);
+        }
+        full | shown | any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full)
+    }
+
+    /// True if a lane needs the event loop, or is at the end of its run.
+    fn leaves(&self, i: usize) -> bool {
+        let Lanes { request, stopped, full, .. } = &self.lanes;
+        request[i] + stopped[i] + full[i] > 0.0
+    }
+
     /// Logs the steps that the round has completed, and the impacts; true if a log is full.
     #[inline(always)]
     fn log(&mut self) -> bool {
@@ -150,6 +222,11 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMA
             run.observer.contact(system, &contact);
             run.observer.impact(system, &impact);
         }
+        self.see(i, run);
+    }
+
+    /// Reads sums and quiet steps of a run whose observers have seen a step.
+    fn see(&mut self, i: usize, run: &ScalarRun<'_, Piva>) {
         let mut lane = self.lanes.get(i);
         lane.see(run, self.shared.shows_all);
         self.lanes.set(i, &lane);
@@ -176,64 +253,31 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
     for Steps<N, DRIVEN, SMALL>
 {
     fn new(job: &Job<Piva>, wanted: Wanted, listing: Listing) -> Self {
-        let Job { system: piva, limits, .. } = job;
         let steady = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
-        let shared = Shared {
-            tolerance: piva.accuracy.tolerance,
-            longest: piva.accuracy.longest_step,
-            doubt: piva.accuracy.doubt(),
-            wanted,
-            looks: !DRIVEN && looks(wanted, 0.0),
-            ledger: wanted.ledger,
-            pivots: piva.pendulum.pivot_damping != 0.0,
-            squares: steady.rms,
-            extremes: steady.amplitude || steady.regime || steady.acceleration,
-            shows: steady.any() || listing.errors,
-            shows_all: listing.errors,
-            tells: steady.any() || listing.errors || listing.events,
-        };
-        let scene = Scene { stop: f64::INFINITY, ..Scene::of(piva, limits) };
-        let state = piva.begin(&Start::default().into());
-        let mut lanes = Self {
-            scenes: Scenes::new(),
-            lanes: Lanes::new(),
-            rounds: Rounds::new(),
-            rows: Rows::new(),
-            shared,
-            begins: ([Clock::ZERO; LANES], PivaStates::new()),
-            logs: (0..LANES).map(|_| Stretches::new(None)).collect(),
-            struck: vec![Vec::new(); LANES],
-            idle: (scene, state),
-        };
-        (0..LANES).for_each(|i| lanes.idle(i));
-        lanes
+        let bare = Shared::of(&job.system);
+        Self::with(
+            &job.system,
+            Shared {
+                wanted,
+                looks: !DRIVEN && looks(wanted, 0.0),
+                ledger: wanted.ledger,
+                squares: steady.rms,
+                extremes: steady.amplitude || steady.regime || steady.acceleration,
+                shows: steady.any() || listing.errors,
+                shows_all: listing.errors,
+                tells: steady.any() || listing.errors || listing.events,
+                ..bare
+            },
+        )
     }
 
     #[inline(always)]
     fn evaluate(&mut self) -> bool {
-        let Self { scenes, lanes, rounds, rows, shared, .. } = self;
-        Stages::<LANES, N, DRIVEN, SMALL> { scenes, lanes, rounds, rows, shared }.run();
-        let full = self.log();
-        let Self { scenes, lanes, rounds, shared, begins, .. } = self;
-        let mut shown = false;
-        if shared.shows {
-            for i in 0..LANES {
-                begins.0[i] = lanes.clock.get(i);
-                begins.1.set(i, &lanes.state.get(i));
-                shown |= (rounds.passed[i] > 0.0) & (rounds.quiet[i] == 0.0);
-            }
-        }
-        for i in 0..LANES {
-            let next = lanes.get(i).after(&scenes.get(i), &rounds.get(i));
-            lanes.set(i, &next);
-        }
-        full | shown | any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full)
+        self.round()
     }
 
     fn requests(&self, i: usize) -> bool {
-        let lanes = &self.lanes;
-        let ends = lanes.request[i] + lanes.stopped[i] + lanes.full[i] > 0.0;
-        ends || self.is_shown(i) || self.is_full(i)
+        self.leaves(i) || self.is_shown(i) || self.is_full(i)
     }
 
     fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
@@ -246,8 +290,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
             run.observer.measures.make_room(run.system);
             self.swap_logs(i, run);
         }
-        let lane: Lane = self.lanes.get(i);
-        let leaves = lane.request | lane.stopped | lane.full;
+        let leaves = self.leaves(i);
         if leaves {
             self.put_back(i, run);
         }
@@ -255,21 +298,90 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
     }
 
     fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
-        let scene = Scene::of(run.system, run.limits);
-        let Some(lane) = Lane::of(run, &scene, self.shared.shows_all) else { return false };
-        self.scenes.set(i, &scene);
-        self.lanes.set(i, &lane);
-        self.swap_logs(i, run);
-        true
+        let takes = self.take_cycle(i, run, None);
+        if takes {
+            self.see(i, run);
+            self.swap_logs(i, run);
+        }
+        takes
     }
 
     fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
         self.tell(i, run);
         self.swap_logs(i, run);
-        self.lanes.get(i).put_back(run);
+        self.lanes.get(i).put_back_sums(run);
+        self.put_back_cycle(i, run);
     }
 
     fn idle(&mut self, i: usize) {
+        self.rest(i);
+    }
+}
+
+impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Cycling<Piva>
+    for Steps<N, DRIVEN, SMALL>
+{
+    const WIDTH: usize = LANES;
+
+    fn cycling(leader: &Piva) -> Self {
+        Self::with(leader, Shared::of(leader))
+    }
+
+    #[inline(always)]
+    fn evaluate(&mut self) -> bool {
+        self.round()
+    }
+
+    fn requests(&self, i: usize) -> bool {
+        self.leaves(i)
+    }
+
+    fn is_at_end(&self, i: usize) -> bool {
+        self.lanes.stopped[i] > 0.0 && self.lanes.full[i] == 0.0
+    }
+
+    fn shown(&self, i: usize, _system: &Piva) -> PivaState {
+        self.lanes.state.get(i)
+    }
+
+    fn impacts(&self, i: usize) -> u64 {
+        self.lanes.counts.impacts[i] as u64
+    }
+
+    /// Derivatives are computed one by one.
+    fn listen(&mut self, _i: usize) {}
+
+    fn follow(&mut self, _i: usize, _system: &Piva, _tangent: &mut Tangent) {}
+
+    fn take_cycle<O>(
+        &mut self,
+        i: usize,
+        run: &Run<'_, Piva, O>,
+        _forced: Option<&Forced>,
+    ) -> bool {
+        let scene = Scene::of(run.system, run.limits);
+        let lane = Lane::of(run, &scene);
+        if let Some(lane) = &lane {
+            self.scenes.set(i, &scene);
+            self.lanes.set(i, lane);
+        }
+        lane.is_some()
+    }
+
+    fn put_back_cycle<O>(&mut self, i: usize, run: &mut Run<'_, Piva, O>) {
+        self.lanes.get(i).put_back(run);
+    }
+
+    fn repeat(&mut self, i: usize, from: &Loaded<'_, Piva>) -> bool {
+        let Primary { x, v } = from.state.primary;
+        let goes_on = from.state.distance.value > 0.0 && (x + v + from.state.w).value.is_finite();
+        if goes_on {
+            self.lanes.set(i, &Lane { clock: from.clock, live: true, ..Lane::idle(&from.state) });
+        }
+        goes_on
+    }
+
+    fn rest(&mut self, i: usize) {
         let (scene, state) = &self.idle;
         self.scenes.set(i, scene);
         self.lanes.set(i, &Lane::idle(state));

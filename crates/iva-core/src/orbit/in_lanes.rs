@@ -1,60 +1,43 @@
-//! Trajectories of free masses under one harmonic force, side by side in lanes.
+//! Trajectories side by side in lanes.
 //!
 //! A lane flies through one cycle. At its end, and at all that is not simple, the event loop goes on with the run of that
 //! cycle; the next cycle is a new run, which the lane takes over at once.
 
-use super::{Image, Request, See, Trajectory, Turn, begun, image};
-use crate::host::DrivenHost;
-use crate::lanes::free_mass::{ExactDriven, FastDriven, FreeMasses, Loaded, Tier};
-use crate::lanes::{self, LANES, WIDE};
+use super::{Image, Iterated, Request, See, Trajectory, Turn, begun, image};
+use crate::lanes::{Cycling, Loaded, Tier};
 use crate::measures::Wanted;
 use crate::measures::forced::Forced;
-use crate::plain::{BASE, FORCE};
 use crate::propagation::Tangent;
 use crate::real::Real;
 use crate::simulate::{Limits, Outcome};
-use crate::siva::Siva;
 use crate::steady::SteadyWanted;
-use crate::system::{Clock, System};
-
-type Mass = Siva<DrivenHost>;
+use crate::system::Clock;
 
 /// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u32 = 1024;
 
 /// Goes on with trajectories that fit together.
-pub(super) fn iterate(
-    (trajectories, limits): (&[Trajectory<Mass>], &[Limits]),
+pub(super) fn iterate<S: Iterated, L: Cycling<S>>(
+    (trajectories, limits): (&[Trajectory<S>], &[Limits]),
     group: &[usize],
     request: Request<'_>,
-    see: See<'_, Mass>,
+    see: See<'_, S>,
 ) {
-    let Trajectory { system, tier, .. } = &trajectories[group[0]];
     let given = Given { trajectories, group, limits, request };
-    match (tier, system.moves_base()) {
-        (lanes::Tier::Fast, true) => run::<FastDriven<BASE, WIDE>, WIDE>(given, see),
-        (lanes::Tier::Fast, false) => run::<FastDriven<FORCE, WIDE>, WIDE>(given, see),
-        (lanes::Tier::Exact, true) => run::<ExactDriven<true, LANES>, LANES>(given, see),
-        (lanes::Tier::Exact, false) => run::<ExactDriven<false, LANES>, LANES>(given, see),
-    }
-}
-
-fn run<T: Tier<System = Mass>, const W: usize>(given: Given<'_>, see: See<'_, Mass>) {
     f64::dispatched(
         #[inline(always)]
         || {
             // With the lanes as local variables of the vectorised function, its stack is aligned to the arrays.
-            let mut masses = FreeMasses::<T, W>::new(&given.trajectory(0).system);
-            let turns = (0..W).map(|_| None).collect();
+            let mut lanes = L::cycling(&given.trajectory(0).system);
+            let turns = (0..L::WIDTH).map(|_| None).collect();
             let mut all = Turns { given, see, turns, next: 0 };
-            for i in 0..W {
-                all.go_on(&mut masses, i);
+            for i in 0..L::WIDTH {
+                all.go_on(&mut lanes, i);
             }
-            while all.is_live() && !lanes::is_set(given.request.cancel) {
+            while all.is_live() && !crate::lanes::is_set(given.request.cancel) {
                 for _ in 0..CANCEL_EVERY {
-                    masses.attempt();
-                    if masses.advance() {
-                        all.serve(&mut masses);
+                    if lanes.evaluate() {
+                        all.serve(&mut lanes);
                         if !all.is_live() {
                             break;
                         }
@@ -66,9 +49,8 @@ fn run<T: Tier<System = Mass>, const W: usize>(given: Given<'_>, see: See<'_, Ma
 }
 
 /// The trajectories that fit together, and what is computed of them.
-#[derive(Clone, Copy)]
-struct Given<'a> {
-    trajectories: &'a [Trajectory<Mass>],
+struct Given<'a, S: Iterated> {
+    trajectories: &'a [Trajectory<S>],
     /// Their indices.
     group: &'a [usize],
     /// The limits of a cycle of each trajectory.
@@ -76,14 +58,22 @@ struct Given<'a> {
     request: Request<'a>,
 }
 
-impl<'a> Given<'a> {
+impl<S: Iterated> Clone for Given<'_, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: Iterated> Copy for Given<'_, S> {}
+
+impl<'a, S: Iterated> Given<'a, S> {
     /// The trajectory at a position of the group.
-    fn trajectory(&self, position: usize) -> &'a Trajectory<Mass> {
+    fn trajectory(&self, position: usize) -> &'a Trajectory<S> {
         &self.trajectories[self.group[position]]
     }
 
     /// A cycle from a state.
-    fn begun(&self, position: usize, state: &<Mass as System>::State) -> Turn<'a, Mass> {
+    fn begun(&self, position: usize, state: &S::State) -> Turn<'a, S> {
         let Request { tangents, cancel } = self.request;
         let limits = &self.limits[self.group[position]];
         begun(self.trajectory(position), state, limits, (tangents, cancel))
@@ -91,24 +81,24 @@ impl<'a> Given<'a> {
 }
 
 /// The cycle of a lane.
-struct Lane<'a> {
+struct Lane<'a, S: Iterated> {
     /// The position of its trajectory in the group.
     position: usize,
-    turn: Turn<'a, Mass>,
+    turn: Turn<'a, S>,
     /// The tables of the fast tier.
     forced: Option<Box<Forced>>,
 }
 
 /// The cycles that the lanes are in.
-struct Turns<'a, 'b> {
-    given: Given<'a>,
-    see: See<'b, Mass>,
-    turns: Vec<Option<Lane<'a>>>,
+struct Turns<'a, 'b, S: Iterated> {
+    given: Given<'a, S>,
+    see: See<'b, S>,
+    turns: Vec<Option<Lane<'a, S>>>,
     /// The position of the first trajectory that has not begun.
     next: usize,
 }
 
-impl Turns<'_, '_> {
+impl<S: Iterated> Turns<'_, '_, S> {
     /// True if a lane has a trajectory.
     fn is_live(&self) -> bool {
         self.turns.iter().any(Option::is_some)
@@ -116,55 +106,44 @@ impl Turns<'_, '_> {
 
     /// Serves the requests of the lanes.
     #[inline(never)]
-    fn serve<T: Tier<System = Mass>, const W: usize>(&mut self, masses: &mut FreeMasses<T, W>) {
-        for i in 0..W {
-            if !masses.requests(i) {
+    fn serve<L: Cycling<S>>(&mut self, lanes: &mut L) {
+        for i in 0..L::WIDTH {
+            if !lanes.requests(i) {
                 continue;
             }
             let Some(Lane { turn, .. }) = &mut self.turns[i] else { continue };
             let system = turn.system;
             if let Some(tangent) = &mut turn.observer {
-                masses.take_struck(
-                    i,
-                    system,
-                    #[inline(always)]
-                    |impact, states| {
-                        tangent.struck(system, Clock::new(impact.time), states);
-                    },
-                );
+                lanes.follow(i, system, tangent);
             }
-            if masses.is_at_end(i) {
-                self.repeat(masses, i);
+            if lanes.is_at_end(i) {
+                self.repeat(lanes, i);
             } else {
-                masses.put_back(i, turn);
+                lanes.put_back_cycle(i, turn);
                 // What the lane could not do is done here, before it is asked again.
                 turn.step();
-                self.go_on(masses, i);
+                self.go_on(lanes, i);
             }
         }
     }
 
     /// Lets a lane that is at the end of its cycle go on with the next one.
-    fn repeat<T: Tier<System = Mass>, const W: usize>(
-        &mut self,
-        masses: &mut FreeMasses<T, W>,
-        i: usize,
-    ) {
+    fn repeat<L: Cycling<S>>(&mut self, lanes: &mut L, i: usize) {
         let Some(Lane { position, turn, forced }) = &mut self.turns[i] else { return };
         let (system, position) = (turn.system, *position);
         let Trajectory { state, cycle, .. } = self.given.trajectory(position);
-        let state = system.with_drive_of(&masses.shown(i, system), state);
+        let state = system.with_drive_of(&lanes.shown(i, system), state);
         let tangent = turn.observer.as_mut().map(|tangent| {
             tangent.turn(system, &state, Clock::new(turn.limits.duration), false);
             *tangent.derivative()
         });
-        let (impacts, outcome) = (masses.impacts(i), Outcome::Finished);
+        let (impacts, outcome) = (lanes.impacts(i), Outcome::Finished);
         let image = Image { state, impacts, outcome, tangent };
         let clock = Clock::new(cycle.begin);
         let from = Loaded { system, clock, state, forced: forced.as_deref() };
         if (self.see)(self.given.group[position], &image).is_break() {
             self.turns[i] = None;
-        } else if masses.repeat(i, &from) {
+        } else if lanes.repeat(i, &from) {
             if let Some(tangent) = &mut turn.observer {
                 *tangent = Tangent::at(system, &state, clock);
             }
@@ -172,25 +151,21 @@ impl Turns<'_, '_> {
         } else {
             *turn = self.given.begun(position, &state);
         }
-        self.go_on(masses, i);
+        self.go_on(lanes, i);
     }
 
     /// Lets the event loop go on with the cycle of a lane, and with all that follow it, until the lane can take over; a
     /// lane without a trajectory is given the next one.
-    fn go_on<T: Tier<System = Mass>, const W: usize>(
-        &mut self,
-        masses: &mut FreeMasses<T, W>,
-        i: usize,
-    ) {
+    fn go_on<L: Cycling<S>>(&mut self, lanes: &mut L, i: usize) {
         loop {
             let Some(Lane { position, turn, forced }) = &mut self.turns[i] else {
-                if self.refill(masses, i) {
+                if self.refill(lanes, i) {
                     continue;
                 }
                 return;
             };
             loop {
-                if taken(masses, i, turn, forced.as_deref()) {
+                if taken(lanes, i, turn, forced.as_deref()) {
                     return;
                 }
                 if !turn.step() {
@@ -210,24 +185,20 @@ impl Turns<'_, '_> {
     }
 
     /// Gives a lane the next trajectory, if there is one.
-    fn refill<T: Tier<System = Mass>, const W: usize>(
-        &mut self,
-        masses: &mut FreeMasses<T, W>,
-        i: usize,
-    ) -> bool {
-        masses.idle(i);
+    fn refill<L: Cycling<S>>(&mut self, lanes: &mut L, i: usize) -> bool {
+        lanes.rest(i);
         let position = self.next;
         if position == self.given.group.len() {
             return false;
         }
         self.next += 1;
         let Trajectory { system, state, tier, cycle } = self.given.trajectory(position);
-        let scene = system.forced().filter(|_| *tier == lanes::Tier::Fast);
+        let scene = system.forced().filter(|_| *tier == Tier::Fast);
         let wanted = (Wanted::NONE, SteadyWanted::default());
         let forced = scene.and_then(|scene| Forced::new(&scene, None, wanted, cycle.begin));
         let turn = self.given.begun(position, state);
         if self.given.request.tangents {
-            masses.list_impacts(i, true);
+            lanes.listen(i);
         }
         self.turns[i] = Some(Lane { position, turn, forced });
         true
@@ -235,11 +206,11 @@ impl Turns<'_, '_> {
 }
 
 /// Lets a lane take a run over, if the run is at a state from which it can.
-fn taken<T: Tier<System = Mass>, const W: usize>(
-    masses: &mut FreeMasses<T, W>,
+fn taken<S: Iterated, L: Cycling<S>>(
+    lanes: &mut L,
     i: usize,
-    turn: &Turn<'_, Mass>,
+    turn: &Turn<'_, S>,
     forced: Option<&Forced>,
 ) -> bool {
-    !turn.ended && masses.take(i, turn, forced)
+    !turn.ended && lanes.take_cycle(i, turn, forced)
 }

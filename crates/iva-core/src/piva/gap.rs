@@ -90,7 +90,7 @@ impl<R: Real> Step<'_, R> {
             (guess * q[j] + before) * -side
         };
         let terms = std::array::from_fn(|j| if returns { q[j] } else { off_wall(j) });
-        let (later, close) = root_close_by(terms, share);
+        let (later, close) = root_close_by(terms, share, guess);
         let meeting = guess + later;
         (self.length * meeting, close & (meeting > 0.0) & (meeting <= share))
     }

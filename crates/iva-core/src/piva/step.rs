@@ -118,7 +118,7 @@ impl<R: Real> Step<'_, R> {
         unrolled!(i < N + 1 => x = x.mul_add(guess, self.series.x[N - i]));
         let [v, half, third, fourth, fifth] = shifted::<_, N>(u, 0, guess);
         // ẋ and x in powers of the time after the guess.
-        let (later, close) = root_close_by([v, half, third, fourth, fifth], share);
+        let (later, close) = root_close_by([v, half, third, fourth, fifth], share, guess);
         let mean =
             v + later * (half * 0.5 + later * (third * (1.0 / 3.0) + later * (fourth * 0.25)));
         let turn = guess + later;
@@ -235,16 +235,22 @@ pub(super) fn shifted<R: Real, const N: usize>(f: &Row<R>, from: usize, t: R) ->
 /// function that turns once in a step or so, is some 10⁻¹⁵/120 of the first.
 const CLOSE: f64 = 1e-3;
 
-/// The root of a polynomial close to 0, and whether it is close enough.
+/// The root of a polynomial in the time after a guess `at`, close to 0, and whether it is close enough and found to
+/// rounding of its own time.
 #[inline(always)]
-pub(super) fn root_close_by<R: Real>(f: [R; 5], share: R) -> (R, bool) {
+pub(super) fn root_close_by<R: Real>(f: [R; 5], share: R, at: R) -> (R, bool) {
     let mut t = -f[0] / f[1];
+    let (mut step, mut slope) = (R::ZERO, f[1]);
     for _ in 0..2 {
         let value = f[0] + t * (f[1] + t * (f[2] + t * (f[3] + t * f[4])));
-        let slope = f[1] + t * (f[2] * 2.0 + t * (f[3] * 3.0 + t * (f[4] * 4.0)));
-        t -= value / slope;
+        slope = f[1] + t * (f[2] * 2.0 + t * (f[3] * 3.0 + t * (f[4] * 4.0)));
+        step = value / slope;
+        t -= step;
     }
-    (t, t.abs() <= share * CLOSE)
+    // Newton's method leaves an error of step² f″/(2 f′).
+    let left = ((step * step) * (f[2] + f[3] * (t * 3.0))).abs();
+    let found = left <= (slope * (at + t)).abs() * R::EPSILON;
+    (t, found & (t.abs() <= share * CLOSE))
 }
 
 /// Σ f_k t^(k−2) over 2 ≤ k ≤ N of several series.
@@ -257,4 +263,24 @@ fn from_two<R: Real, const N: usize, const K: usize>(rows: [&Row<R>; K], t: R) -
         }
     });
     sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::root_close_by;
+
+    /// s² − (at + t)² from guesses near and far from its root s, which may be a tiny part of the step.
+    #[test]
+    fn a_root_is_found_to_rounding_of_its_own_time_or_refused() {
+        for s in [0.5, 1e-3, 1e-4, 1e-7, 1e-10] {
+            for (off, finds) in [(0.0, true), (1e-6, true), (1e-3, true), (0.13, false)] {
+                let at = s * (1.0 + off);
+                let (later, close) =
+                    root_close_by([s * s - at * at, -2.0 * at, -1.0, 0.0, 0.0], 1.0, at);
+                let error = ((at + later) / s - 1.0).abs();
+                assert!(!close || error <= 1e-15, "{s} {off}: {error:e}");
+                assert!(close || !finds, "{s} {off} is refused");
+            }
+        }
+    }
 }

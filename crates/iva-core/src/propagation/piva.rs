@@ -5,9 +5,48 @@ use nalgebra::{Matrix4, Vector4};
 use super::Differentiable;
 use crate::force::Drive;
 use crate::piva::{Piva, PivaState, STEEP, Sizes};
+use crate::real::Real;
 use crate::real::dual::Dual;
 use crate::system::Wall;
-use crate::taylor::{ORDER, Pendulum, Series, Swing, horner};
+use crate::taylor::{ORDER, Pendulum, Series, Swing};
+
+impl Piva {
+    /// The derivative of a flight of length h.
+    #[inline(always)]
+    fn swung(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
+        let y = from.y().value;
+        let mut cosine = Dual::constant(from.cosine.value);
+        if !self.pendulum.small_angles && from.cosine.value != 0.0 {
+            let b = self.parameters.contact_distance;
+            cosine.slopes[2] = -y / (b * b * from.cosine.value);
+        }
+        let start = Swing {
+            x: Dual::variable(from.primary.x.value, 0),
+            u: Dual::variable(from.primary.v.value, 1),
+            y: Dual::variable(y, 2),
+            w: Dual::variable(from.w.value, 3),
+            c: cosine,
+        };
+        let drive = self.drive::<{ ORDER + 1 }>(from.time, from, h).map(|drive| Drive {
+            primary: drive.primary.map(Dual::constant),
+            base: drive.base.map(Dual::constant),
+        });
+        let pendulum = self.pendulum.map(Dual::constant);
+        let series: Series<Dual<4>> =
+            pendulum.series_to::<_, _, ORDER>(&start, drive.as_ref(), h.into());
+        // At t = 1 a polynomial is the sum of its coefficients; small ones are added first.
+        let mut sums = [[0.0; 4]; 4];
+        for k in (0..=ORDER).rev() {
+            let coefficients = [&series.x[k], &series.u[k], &series.y[k], &series.w[k]];
+            for (sums, coefficient) in sums.iter_mut().zip(coefficients) {
+                for (sum, slope) in sums.iter_mut().zip(coefficient.slopes) {
+                    *sum += slope;
+                }
+            }
+        }
+        Matrix4::from_fn(|row, column| sums[row][column])
+    }
+}
 
 impl Differentiable for Piva {
     fn rates(&self, state: &PivaState) -> Vector4<f64> {
@@ -45,28 +84,10 @@ impl Differentiable for Piva {
     }
 
     fn flight_tangent(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
-        let y = from.y().value;
-        let mut cosine = Dual::constant(from.cosine.value);
-        if !self.pendulum.small_angles && from.cosine.value != 0.0 {
-            let b = self.parameters.contact_distance;
-            cosine.slopes[2] = -y / (b * b * from.cosine.value);
-        }
-        let start = Swing {
-            x: Dual::variable(from.primary.x.value, 0),
-            u: Dual::variable(from.primary.v.value, 1),
-            y: Dual::variable(y, 2),
-            w: Dual::variable(from.w.value, 3),
-            c: cosine,
-        };
-        let drive = self.drive::<{ ORDER + 1 }>(from.time, from, h).map(|drive| Drive {
-            primary: drive.primary.map(Dual::constant),
-            base: drive.base.map(Dual::constant),
-        });
-        let pendulum = self.pendulum.map(Dual::constant);
-        let series: Series<Dual<4>> = pendulum.series(&start, drive.as_ref(), h.into(), ORDER);
-        let end = Dual::constant(1.0);
-        let rows = [&series.x, &series.u, &series.y, &series.w].map(|row| horner(row, end).slopes);
-        Matrix4::from_fn(|row, column| rows[row][column])
+        f64::dispatched(
+            #[inline(always)]
+            || self.swung(from, h),
+        )
     }
 
     fn ride_tangent(&self, _from: &PivaState, h: f64) -> Matrix4<f64> {

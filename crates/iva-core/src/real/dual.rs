@@ -34,6 +34,7 @@ impl<const N: usize> Dual<N> {
         Self { value: f, slopes: self.slopes.map(|it| if it == 0.0 { 0.0 } else { slope * it }) }
     }
 
+    #[inline(always)]
     fn with(self, other: Self, value: f64, rule: impl Fn(f64, f64) -> f64) -> Self {
         let slopes = std::array::from_fn(|i| rule(self.slopes[i], other.slopes[i]));
         Self { value, slopes }
@@ -67,7 +68,7 @@ impl<const N: usize> Real for Dual<N> {
         Self::constant(Real::reciprocal(n))
     }
 
-    #[inline]
+    #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
         let (p, q) = (self.value, factor.value);
         let slope = |i: usize| self.slopes[i] * q + p * factor.slopes[i] + addend.slopes[i];
@@ -162,7 +163,7 @@ impl<const N: usize> PartialOrd for Dual<N> {
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         self.with(other, self.value + other.value, |a, b| a + b)
     }
@@ -170,7 +171,7 @@ impl<const N: usize> Add for Dual<N> {
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self.with(other, self.value - other.value, |a, b| a - b)
     }
@@ -179,7 +180,7 @@ impl<const N: usize> Sub for Dual<N> {
 #[allow(clippy::suspicious_arithmetic_impl)] // the product rule
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let (p, q) = (self.value, other.value);
         self.with(other, p * q, |a, b| a * q + p * b)
@@ -189,7 +190,7 @@ impl<const N: usize> Mul for Dual<N> {
 #[allow(clippy::suspicious_arithmetic_impl)] // the quotient rule
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
-    #[inline]
+    #[inline(always)]
     fn div(self, other: Self) -> Self {
         let (quotient, q) = (self.value / other.value, other.value);
         self.with(other, quotient, |a, b| (a - quotient * b) / q)
@@ -198,6 +199,7 @@ impl<const N: usize> Div for Dual<N> {
 
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
+    #[inline(always)]
     fn neg(self) -> Self {
         self.with(self, -self.value, |a, _| -a)
     }

@@ -60,6 +60,9 @@ impl Quiet {
 impl Steady {
     /// The flights that need not be shown from here on.
     pub(crate) fn quiet(&self) -> Quiet {
+        if !self.wanted.any() {
+            return Quiet::ALL;
+        }
         let strobe = self.next_strobe().map_or(f64::INFINITY, |instant| instant.value);
         let [x, a] = self.largest();
         let SteadyWanted { amplitude, regime, acceleration, .. } = self.wanted;

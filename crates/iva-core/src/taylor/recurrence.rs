@@ -166,26 +166,34 @@ fn convolutions<R: Real, T: Number<Real = R>>(
     a: &[T],
     k: usize,
 ) -> [T; 3] {
-    let with = |sums: [T; 3], i: usize| {
-        let (w, a) = (w[k - i], a[k - 1 - i]);
-        [y[i].fused(w, sums[0]), c[i + 1].fused(w, sums[1]), c[i + 1].fused(a, sums[2])]
-    };
     let mut even = [T::from_real(R::ZERO); 3];
     let mut odd = even;
     let mut i = 2;
     while i + 1 < k {
         if i % 2 == 0 {
-            even = with(even, i);
+            even = with_term(even, [y, w, c, a], k, i);
         } else {
-            odd = with(odd, i);
+            odd = with_term(odd, [y, w, c, a], k, i);
         }
         i += 1;
     }
     if k > 2 {
-        even = with(even, k - 1);
+        even = with_term(even, [y, w, c, a], k, k - 1);
     }
     if k > 1 {
-        odd = with(odd, 1);
+        odd = with_term(odd, [y, w, c, a], k, 1);
     }
     [even[0] + odd[0], even[1] + odd[1], even[2] + odd[2]]
+}
+
+/// The sums with the terms of one index.
+#[inline(always)]
+fn with_term<R: Real, T: Number<Real = R>>(
+    sums: [T; 3],
+    [y, w, c, a]: [&[T]; 4],
+    k: usize,
+    i: usize,
+) -> [T; 3] {
+    let (w, a) = (w[k - i], a[k - 1 - i]);
+    [y[i].fused(w, sums[0]), c[i + 1].fused(w, sums[1]), c[i + 1].fused(a, sums[2])]
 }

@@ -10,8 +10,8 @@ use iva_core::{
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     lanes::Tier,
-    orbit::{Cycle, Image, Request, Trajectory, iterate, map},
-    piva::{Parameters, Piva, PivaStart},
+    orbit::{Cycle, Image, Iterated, Request, Trajectory, iterate, map},
+    piva::{Angles, Parameters, Piva, PivaStart},
     simulate::{Instant, Limits, Outcome, resume},
     siva::Siva,
     system::{Clock, Start, System, Wall},
@@ -121,10 +121,41 @@ fn random_trajectories(count: usize) -> Vec<Trajectory<Mass>> {
     (0..count).map(one).collect()
 }
 
+/// Pendulums at large angles and small, some without force, in full accuracy and with a tolerance.
+fn random_pendulums(count: usize) -> Vec<Trajectory<Piva>> {
+    let mut rng = Rng::new(43);
+    let mut uniform = |from, to| rng.range(from, to);
+    let one = |k: usize| {
+        let (frequency, phase) = (uniform(0.5, 2.0), uniform(-3.0, 3.0));
+        let acts = if uniform(0.0, 1.0) < 0.5 { Acts::Primary } else { Acts::Base };
+        let d = uniform(0.1, 0.8);
+        let bob = Parameters::point_bob(uniform(0.02, 0.3), uniform(0.2, 0.9), d, 0.02, 2.0);
+        let angles = if k.is_multiple_of(3) { Angles::Small } else { Angles::Large };
+        let (frequency_ratio, tolerance) = (uniform(0.1, 1.0), [0.0, 1e-9][k % 2]);
+        let parameters = Parameters { frequency_ratio, angles, tolerance, ..bob };
+        let harmonic = Harmonic { amplitude: uniform(0.02, 0.3), frequency, phase, acts };
+        let harmonics = if k.is_multiple_of(5) { vec![] } else { vec![harmonic] };
+        let piva = Piva::new(parameters).unwrap().under(Force::harmonic(harmonics).unwrap());
+        let start = Start {
+            displacement: uniform(-0.5, 0.5),
+            velocity: uniform(-0.5, 0.5),
+            gap_displacement: d * [uniform(-1.0, 1.0), 1.0][usize::from(uniform(0.0, 1.0) < 0.2)],
+            gap_velocity: uniform(-0.3, 0.3),
+        };
+        let cycle = Cycle { begin: uniform(0.0, 9.0), length: TAU / frequency };
+        Trajectory::new(piva, &PivaStart::from(start), cycle).unwrap()
+    };
+    (0..count).map(one).collect()
+}
+
 /// The first images of some trajectories, all computed together.
-fn together(trajectories: &[Trajectory<Mass>], count: usize) -> Vec<Vec<Image<State>>> {
-    let mut all = vec![Vec::new(); trajectories.len()];
-    let request = Request { tangents: true, cancel: None };
+fn together<S: Iterated>(
+    trajectories: &[Trajectory<S>],
+    count: usize,
+    tangents: bool,
+) -> Vec<Vec<Image<S::State>>> {
+    let mut all: Vec<_> = trajectories.iter().map(|_| Vec::new()).collect();
+    let request = Request { tangents, cancel: None };
     iterate(trajectories, request, &mut |index, image| {
         all[index].push(*image);
         if all[index].len() < count { Continue(()) } else { Break(()) }
@@ -133,13 +164,11 @@ fn together(trajectories: &[Trajectory<Mass>], count: usize) -> Vec<Vec<Image<St
     all
 }
 
-type State = <Mass as System>::State;
-
 #[test]
 fn lanes_have_the_bits_of_single_maps() {
     let trajectories = random_trajectories(150);
     let mut impacts = 0;
-    for (trajectory, images) in trajectories.iter().zip(together(&trajectories, 20)) {
+    for (trajectory, images) in trajectories.iter().zip(together(&trajectories, 20, true)) {
         let mut at = trajectory.clone();
         assert_eq!(images.len(), 20);
         for image in images {
@@ -154,6 +183,22 @@ fn lanes_have_the_bits_of_single_maps() {
         }
     }
     assert!(impacts > 5000, "{impacts}");
+}
+
+#[test]
+fn lanes_of_pendulums_have_the_bits_of_single_maps() {
+    let trajectories = random_pendulums(120);
+    let mut impacts = 0;
+    for (trajectory, images) in trajectories.iter().zip(together(&trajectories, 15, false)) {
+        let mut at = trajectory.clone();
+        assert_eq!(images.len(), 15);
+        for image in images {
+            assert_eq!(image, map(&at, false, None).unwrap());
+            impacts += image.impacts;
+            at = at.from(&image.state);
+        }
+    }
+    assert!(impacts > 2000, "{impacts}");
 }
 
 #[test]
@@ -175,7 +220,7 @@ fn a_map_is_a_run_over_the_cycle() {
 fn the_determinant_is_that_of_impacts_and_damper() {
     let trajectories = random_trajectories(150);
     let mut seen = 0;
-    for (trajectory, images) in trajectories.iter().zip(together(&trajectories, 5)) {
+    for (trajectory, images) in trajectories.iter().zip(together(&trajectories, 5, true)) {
         let Trajectory { system, cycle, .. } = trajectory;
         let e = system.restitution(Wall::Plus);
         let flow = (-2.0 * system.damping_ratio() * cycle.length).exp();
@@ -245,7 +290,8 @@ fn the_fast_tier_is_the_exact_one_to_rounding() {
     let exact = random_trajectories(100);
     let fast: Vec<_> =
         exact.iter().map(|it| Trajectory { tier: Tier::Fast, ..it.clone() }).collect();
-    let (mut differing, pairs) = (0, together(&fast, 1).into_iter().zip(together(&exact, 1)));
+    let (mut differing, pairs) =
+        (0, together(&fast, 1, true).into_iter().zip(together(&exact, 1, true)));
     for (Trajectory { system, .. }, (fast, exact)) in exact.iter().zip(pairs) {
         let [fast, exact] = [fast, exact].map(|images| images[0]);
         let tangent = exact.tangent.unwrap();

@@ -6,8 +6,8 @@ use crate::impact::Impact;
 use crate::lanes::{ScalarRun, pick};
 use crate::measures::Ledger;
 use crate::piva::{PARTS, Piva, PivaState};
-use crate::simulate::Phase;
 use crate::simulate::counts::{Counted, Counts};
+use crate::simulate::{Phase, Run};
 use crate::steady::{Quiet, Steady};
 use crate::system::Clock;
 
@@ -55,24 +55,12 @@ laned!(
 );
 
 impl Lane {
-    /// The lane of a run in flight, of which each step is shown to its observers if they are to be `shown` all;
-    /// `None` if the event loop has to go on with the run.
-    pub fn of(run: &ScalarRun<'_, Piva>, scene: &Scene, shown: bool) -> Option<Self> {
+    /// The lane of a run in flight; `None` if the event loop has to go on with the run.
+    pub fn of<O>(run: &Run<'_, Piva, O>, scene: &Scene) -> Option<Self> {
         let Phase::Flight { first } = run.phase else { return None };
         let counts = run.counts;
-        let lane = Self {
-            clock: run.clock,
-            state: run.tally.state,
-            first,
-            part: 1.0,
-            counts,
-            ledger: run.observer.measures.ledger,
-            quiet: quiet(run, shown),
-            live: true,
-            request: false,
-            stopped: false,
-            full: false,
-        };
+        let idle = Self::idle(&run.tally.state);
+        let lane = Self { clock: run.clock, first, counts, live: true, ..idle };
         // Low impacts of a streak wait for the decision whether they are listed.
         let goes_on = !run.ended && lane.remaining(scene) > 0.0 && counts.streak.low == 0.0;
         (goes_on && !lane.is_full(scene)).then_some(lane)
@@ -145,19 +133,20 @@ impl Lane {
     }
 
     /// Writes the variables back into the run.
-    pub fn put_back(&self, run: &mut ScalarRun<'_, Piva>) {
+    pub fn put_back<O>(&self, run: &mut Run<'_, Piva, O>) {
         (run.clock, run.counts, run.tally.state) = (self.clock, self.counts, self.state);
         run.phase = Phase::Flight { first: self.first };
-        self.put_back_sums(run);
         if self.stopped {
             run.reach_end();
         }
     }
 
-    /// Reads sums and quiet steps of the run again, whose observers have seen a step.
+    /// Reads the sums of the measures of a run, and the steps that its observers need not see; none if all are
+    /// `shown`.
     pub fn see(&mut self, run: &ScalarRun<'_, Piva>, shown: bool) {
         self.ledger = run.observer.measures.ledger;
-        self.quiet = quiet(run, shown);
+        let quiet = run.observer.steady.as_ref().map_or(Quiet::ALL, Steady::quiet);
+        self.quiet = if shown { quiet.none() } else { quiet };
     }
 
     /// Writes the sums of its measures back into the run.
@@ -167,10 +156,4 @@ impl Lane {
             steady.take_square(&self.quiet);
         }
     }
-}
-
-/// The steps of a run that its observers need not see; none if all are `shown`.
-fn quiet(run: &ScalarRun<'_, Piva>, shown: bool) -> Quiet {
-    let quiet = run.observer.steady.as_ref().map_or(Quiet::ALL, Steady::quiet);
-    if shown { quiet.none() } else { quiet }
 }
