@@ -13,23 +13,23 @@
 //! a state, and what its motion depends on. Lanes only move, and log what measures need: free decays
 //! ([`super::decays`]) the begins of their motions, driven runs ([`super::forced`]) their flights.
 
+mod cycles;
 mod exact;
 mod fast;
 mod lane;
 mod listing;
 mod round;
 
-use super::{Cycling, ScalarRun, SideBySide, pick};
+use super::{ScalarRun, SideBySide, pick};
 use crate::arrays::{Laned, Lanes, any};
-use crate::host::{Host, Phase, Steps};
+use crate::host::Steps;
 use crate::log::Entry;
 use crate::measures::forced::Forced;
 use crate::plain::State;
-use crate::propagation::Tangent;
 use crate::real::Real;
 use crate::simulate::{Run, Tally};
 use crate::siva::trial::{FreeMass, Sight, search};
-use crate::siva::{Law, Siva, SivaState, coasts};
+use crate::siva::{Law, coasts};
 use crate::system::{Clock, System};
 
 pub(crate) use exact::{ExactDecays, ExactDriven};
@@ -371,80 +371,5 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         let lane = self.lanes.get(i);
         lane.put_back(run);
         run.tally.state = self.tier.unload(&self.states.get(i), run.system, run.clock);
-    }
-}
-
-impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> Cycling<Siva<H>>
-    for FreeMasses<T, W>
-where
-    Siva<H>: SideBySide<State = SivaState<Phase<H>>>,
-{
-    const WIDTH: usize = W;
-
-    fn cycling(leader: &Siva<H>) -> Self {
-        Self::new(leader)
-    }
-
-    #[inline(always)]
-    fn evaluate(&mut self) -> bool {
-        self.attempt();
-        self.advance()
-    }
-
-    fn requests(&self, i: usize) -> bool {
-        Self::requests(self, i)
-    }
-
-    fn is_at_end(&self, i: usize) -> bool {
-        self.lanes.stopped[i] > 0.0 && self.lanes.request[i] + self.lanes.full[i] == 0.0
-    }
-
-    fn shown(&self, i: usize, system: &Siva<H>) -> SivaState<Phase<H>> {
-        self.tier.shown(&self.states.get(i), system, self.lanes.clock.get(i))
-    }
-
-    fn impacts(&self, i: usize) -> u64 {
-        self.lanes.counts.impacts[i] as u64
-    }
-
-    fn listen(&mut self, i: usize) {
-        self.list_impacts(i, true);
-    }
-
-    fn follow(&mut self, i: usize, system: &Siva<H>, tangent: &mut Tangent) {
-        self.take_struck(
-            i,
-            system,
-            #[inline(always)]
-            |impact, states| tangent.struck(system, Clock::new(impact.time), states),
-        );
-    }
-
-    fn take_cycle<O>(
-        &mut self,
-        i: usize,
-        run: &Run<'_, Siva<H>, O>,
-        forced: Option<&Forced>,
-    ) -> bool {
-        self.take(i, run, forced)
-    }
-
-    fn put_back_cycle<O>(&mut self, i: usize, run: &mut Run<'_, Siva<H>, O>) {
-        self.put_back(i, run);
-    }
-
-    fn repeat(&mut self, i: usize, from: &Loaded<'_, Siva<H>>) -> bool {
-        let State { x, v, distance, .. } = T::in_doubles(&from.state);
-        let Some(state) = self.tier.load(i, from) else { return false };
-        let goes_on = distance > 0.0 && (x + v).is_finite();
-        if goes_on {
-            self.states.set(i, &state);
-            self.lanes.set(i, &self.lanes.get(i).repeated(from.clock, self.tier.longest(i)));
-        }
-        goes_on
-    }
-
-    fn rest(&mut self, i: usize) {
-        self.idle(i);
     }
 }
