@@ -76,6 +76,14 @@ impl<S: System> Measures<S> {
         }
     }
 
+    /// True if A₀ is final once the peaks of motions are taken at whose ends x has these values: settling levels are not
+    /// known before.
+    fn settles(&self, mut ends: impl Iterator<Item = S::Real>) -> bool {
+        let mut half_cycles = self.half_cycles;
+        let crosses = |x| half_cycles.reach(S::Real::ZERO, x).is_some();
+        self.reference.settled || ends.any(crosses)
+    }
+
     /// Hands out peaks as long as they change a measure.
     #[inline(always)]
     fn find_peaks(&mut self, course: &impl Course<S>) {

@@ -100,8 +100,8 @@ impl<S: System> Measures<S> {
 
     /// Takes the motions of a full log, so that a long run needs no more memory.
     pub(crate) fn make_log_room(&mut self) {
-        // Settling levels are not known before the reference amplitude.
-        let settled = self.reference.settled;
+        let Some(decay) = &self.decay else { return };
+        let settled = self.settles(decay.log.entries().iter().map(|entry| entry.x.into()));
         if settled {
             self.take_log();
         }

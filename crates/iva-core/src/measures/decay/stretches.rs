@@ -71,11 +71,10 @@ impl<S: System> Measures<S> {
 
     /// Takes the stretches of a full log, unless the settling levels are not known yet.
     pub(crate) fn make_room(&mut self, system: &S) {
-        let settled = self.reference.settled;
-        let Some(log) = self.stretches.as_mut().filter(|log| log.is_full()) else { return };
-        if settled {
+        let Some(log) = self.stretches.as_ref().filter(|log| log.is_full()) else { return };
+        if self.settles(log.stretches.iter().map(|stretch| stretch.part.x[1])) {
             self.take_stretches(system);
-        } else {
+        } else if let Some(log) = &mut self.stretches {
             log.full *= 2;
         }
     }
@@ -148,5 +147,34 @@ impl<R: Real, S: System<Real = R>> Course<S> for Logged<'_, S> {
                 last.passed(Stretch { part: *stretch, ..self.log[*motion] }, *level);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::FULL;
+    use crate::error::Invalid;
+    use crate::measures::{Measures, Wanted};
+    use crate::piva::{Parameters, Piva, PivaStart};
+    use crate::simulate::{Limits, simulate};
+    use crate::system::Start;
+
+    /// Also where x is 0 at first, so that A₀ is not known at once.
+    #[test]
+    fn a_long_run_needs_no_more_memory() -> Result<(), Invalid> {
+        let piva = Piva::new(Parameters::point_bob(0.1, 0.7, 0.5, 0.0, 10.0))?;
+        for displacement in [0.0, 0.3] {
+            let start = Start { displacement, velocity: 0.5, ..Start::default() };
+            let mut measures = Measures::<Piva>::new(Wanted::ALL);
+            let limits = Limits::new(3000.0, 0.5);
+            simulate(&piva, &PivaStart::from(start), &limits, None, &mut measures)?;
+            let room = measures.stretches.map_or(0, |log| log.stretches.capacity());
+            assert!(room <= 2 * FULL, "{displacement}: {room}");
+            assert!(
+                measures.values.settling_time_2.is_some()
+                    || measures.values.residual_amplitude.is_some()
+            );
+        }
+        Ok(())
     }
 }
