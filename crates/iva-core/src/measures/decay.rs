@@ -90,12 +90,12 @@ impl<S: System> Measures<S> {
         for k in 0..course.count() {
             let (start, [_, end]) = (course.start(k), course.ends(k));
             for (h, x) in course.turns(k) {
-                if self.has_peaks() {
+                if self.needs_no_peak() {
                     return;
                 }
                 self.reach(start.plus(h).value, x);
             }
-            if self.has_peaks() {
+            if self.needs_no_peak() {
                 return;
             }
             self.reach(start.plus(end.0).value, end.1);
@@ -104,7 +104,7 @@ impl<S: System> Measures<S> {
 
     /// True if later peaks change nothing.
     #[inline(always)]
-    fn has_peaks(&self) -> bool {
+    fn needs_no_peak(&self) -> bool {
         self.reference.settled && !self.listens(self.half_cycles.ended)
     }
 
