@@ -73,8 +73,7 @@ impl<R: Real> Piva<R> {
         from: &PivaState<R>,
         driven: R,
     ) -> Option<R> {
-        let fastest = self.fastest();
-        let mut most = most;
+        let (mut fastest, mut most) = (self.fastest(), most);
         for _ in 0..MOST_HALVINGS {
             let remainder = R::dispatched(
                 #[inline(always)]
@@ -88,7 +87,9 @@ impl<R: Real> Piva<R> {
             if remainder.proves() {
                 return share_kept(&remainder, self, from, driven);
             }
+            // A structure that moves many lengths of the pendulum swings it faster than its own rates tell.
             most *= 0.5;
+            fastest *= 2.0;
         }
         None
     }

@@ -16,7 +16,7 @@
 //! u̇: ρ/D + what is left out of the base's acceleration          Ẇ, through a: β ρ/D
 //! ```
 //!
-//! The error e of (x, u) and of (y, W/F, b c), F the fastest rate of the equations, obeys e′ ≤ Λ e + δ sᴺ from
+//! The error e of (x, u) and of (y, W/F, b c), F a rate that measures W, obeys e′ ≤ Λ e + δ sᴺ from
 //! e(0) = 0: Λ is a matrix of two by two numbers, the partial derivatives of the equations, δ the defects. The series of
 //! the solution of e′ = Λ e + δ sᴺ gives
 //!
@@ -54,7 +54,8 @@ const NEIGHBOURHOOD: f64 = 1e-3;
 const WIDER: f64 = 1.01;
 
 impl<R: Real> Remainder<R> {
-    /// The bound for the series of a step of length h, up to `most` of it; `fastest`: F, not below 1; `driven`: what is
+    /// The bound for the series of a step of length h, up to `most` of it; `fastest`: F, at least the fastest rate of
+    /// the equations; `driven`: what is
     /// left out of f/M and of the base's acceleration up to there ([`crate::force::Force::left_out`]).
     #[inline(always)]
     pub fn new<const N: usize>(
