@@ -135,7 +135,7 @@ impl Lanes<()> for () {
 macro_rules! laned {
     (
         $one:ident $(<$part:ident>)?,
-        $many:ident { $($field:ident: $type:ty),* $(,)? } $($fixed:ident = $value:expr)?
+        $many:ident { $($field:ident: $type:ty),* $(,)? } $($fixed:ident = $value:expr),*
     ) => {
         #[doc = concat!("[`", stringify!($one), "`] over lanes.")]
         #[derive(Debug)]
@@ -155,7 +155,7 @@ macro_rules! laned {
             fn get(&self, i: usize) -> $one $(<$part>)? {
                 $one {
                     $($field: $crate::arrays::Lanes::<$type>::get(&self.$field, i),)*
-                    $($fixed: $value,)?
+                    $($fixed: $value,)*
                 }
             }
 
@@ -174,7 +174,7 @@ macro_rules! laned {
             fn pick(which: bool, yes: &Self, no: &Self) -> Self {
                 Self {
                     $($field: $crate::arrays::Laned::pick(which, &yes.$field, &no.$field),)*
-                    $($fixed: $value,)?
+                    $($fixed: $value,)*
                 }
             }
         }

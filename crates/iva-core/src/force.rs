@@ -91,6 +91,20 @@ pub struct Pushes<R = f64> {
     pub base: Push<R>,
 }
 
+/// The smooth piece of a force that acts at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Smooth<R = f64> {
+    /// The instant at which the force bends, jumps or has an impulse next.
+    pub end: Option<DoubleDouble<R>>,
+    /// The number of points of the first record up to that instant.
+    pub passed: u32,
+}
+
+impl<R: Real> Smooth<R> {
+    /// A force that is smooth for ever.
+    pub const ALL: Self = Self { end: None, passed: 0 };
+}
+
 laned!(
     Push,
     ManyPushes { value: DoubleDouble, rate: DoubleDouble, second: DoubleDouble, third: f64 }
@@ -111,6 +125,12 @@ impl<R: Real> Push<R> {
     #[inline(always)]
     pub(crate) fn beginning(&self) -> [DoubleDouble<R>; 2] {
         [self.value, self.rate]
+    }
+
+    /// The force a time later, if it is linear.
+    #[inline(always)]
+    fn later(&self, time: DoubleDouble<R>) -> Self {
+        Self { value: self.value + self.rate * time, ..*self }
     }
 
     #[inline(always)]
@@ -237,16 +257,64 @@ impl<R: Real> Force<R> {
         drive
     }
 
-    /// f/M and a_g with their derivatives at `time`, of the smooth piece that acts from `from` on.
+    /// The smooth piece that acts from `time` on, when the first `done` kicks have acted, and f/M and a_g at its begin.
+    /// The first record is looked up near the piece of an earlier instant.
     #[inline(always)]
-    pub fn pushes(&self, from: DoubleDouble<R>, time: DoubleDouble<R>) -> Pushes<R> {
+    pub fn smooth(
+        &self,
+        time: DoubleDouble<R>,
+        done: u32,
+        near: &Smooth<R>,
+    ) -> (Smooth<R>, Pushes<R>) {
+        let mut pushes = self.harmonic_pushes(time);
+        let mut smooth = Smooth { end: self.kick(done), passed: 0 };
+        for (number, record) in self.records.iter().enumerate() {
+            let passed = match number {
+                0 => record.passed_near(near.passed as usize, time),
+                _ => record.passed(time),
+            };
+            if number == 0 {
+                smooth.passed = passed as u32;
+            }
+            pushes.on(record.acts).add(&record.piece_after(passed).push(time));
+            smooth.end = smooth.end.into_iter().chain(record.knot_after(passed)).min_by(earlier);
+        }
+        (smooth, pushes)
+    }
+
+    /// f/M and a_g at `time`, from those at an earlier instant of the same smooth piece.
+    #[inline(always)]
+    pub fn later(
+        &self,
+        from: DoubleDouble<R>,
+        pushes: &Pushes<R>,
+        time: DoubleDouble<R>,
+    ) -> Pushes<R> {
+        if self.records.is_empty() {
+            return self.harmonic_pushes(time);
+        }
+        if !self.harmonics.is_empty() {
+            return self.pushes(from, time);
+        }
+        let by = time - from;
+        Pushes { primary: pushes.primary.later(by), base: pushes.base.later(by) }
+    }
+
+    #[inline(always)]
+    fn harmonic_pushes(&self, time: DoubleDouble<R>) -> Pushes<R> {
         let mut pushes = Pushes::NONE;
         for harmonic in &self.harmonics {
             pushes.on(harmonic.acts).add(&harmonic.push(time));
         }
+        pushes
+    }
+
+    /// f/M and a_g with their derivatives at `time`, of the smooth piece that acts from `from` on.
+    #[inline(always)]
+    pub fn pushes(&self, from: DoubleDouble<R>, time: DoubleDouble<R>) -> Pushes<R> {
+        let mut pushes = self.harmonic_pushes(time);
         for record in &self.records {
-            let [value, rate] = record.piece(from).at(time);
-            pushes.on(record.acts).add(&Push { value, rate, ..Push::NONE });
+            pushes.on(record.acts).add(&record.piece(from).push(time));
         }
         pushes
     }
@@ -317,9 +385,14 @@ impl<R: Real> Force<R> {
     /// The next instant after `time` at which the force is not smooth, when its first `done` kicks have
     /// acted.
     pub fn smooth_until(&self, time: DoubleDouble<R>, done: u32) -> Option<DoubleDouble<R>> {
-        let kick = self.kicks.get(done as usize).map(|kick| kick.time);
         let bends = self.records.iter().filter_map(|record| record.next_knot(time));
-        bends.chain(kick).min_by(|a, b| (*a - *b).value.total_cmp(&R::ZERO))
+        bends.chain(self.kick(done)).min_by(earlier)
+    }
+
+    /// The instant of the next kick, when the first `done` have acted.
+    #[inline(always)]
+    fn kick(&self, done: u32) -> Option<DoubleDouble<R>> {
+        self.kicks.get(done as usize).map(|kick| kick.time)
     }
 
     /// The instant at which the force is read where a run begins at `time`, and the number of kicks that have
@@ -348,6 +421,11 @@ impl<R: Real> Force<R> {
     }
 }
 
+/// The order of two instants.
+fn earlier<R: Real>(a: &DoubleDouble<R>, b: &DoubleDouble<R>) -> std::cmp::Ordering {
+    (*a - *b).value.total_cmp(&R::ZERO)
+}
+
 impl<R: Real> Pushes<R> {
     /// No force.
     pub(crate) const NONE: Self = Self { primary: Push::NONE, base: Push::NONE };
@@ -370,6 +448,17 @@ impl<R: Real, const LENGTH: usize> Drive<DoubleDouble<R>, LENGTH> {
 impl<R: Real, const LENGTH: usize> Drive<R, LENGTH> {
     /// No force.
     pub(crate) const NONE: Self = Self { primary: [R::ZERO; LENGTH], base: [R::ZERO; LENGTH] };
+
+    /// The coefficients of forces without second derivative.
+    #[inline(always)]
+    pub(crate) fn linear(pushes: &Pushes<R>, h: R) -> Self {
+        let row = |push: &Push<R>| {
+            let mut row = [R::ZERO; LENGTH];
+            (row[0], row[1]) = (push.value.value, push.rate.value * h);
+            row
+        };
+        Self { primary: row(&pushes.primary), base: row(&pushes.base) }
+    }
 
     /// A bound on |f/M| and |a_g| within the step: the sum of the sizes of all coefficients.
     #[inline(always)]

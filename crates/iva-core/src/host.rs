@@ -69,7 +69,7 @@ pub trait Structure: std::fmt::Debug {
     /// The state of the drive at one instant.
     type Phase: Copy + std::fmt::Debug + PartialEq;
     /// Data computed once for all evaluations of a motion.
-    type Course: Copy + std::fmt::Debug;
+    type Course: Clone + std::fmt::Debug;
 
     /// Spring, damper and mass.
     fn equation(&self) -> &Equation<Self::Real>;
@@ -83,8 +83,8 @@ pub trait Structure: std::fmt::Debug {
     }
     /// True if A is not ẍ: the base moves, or gravity acts along the motion.
     fn moves_base(&self) -> bool;
-    /// The longest motion for which a course is exact.
-    fn reach(&self, course: &Self::Course) -> Self::Real;
+    /// The longest motion from a state for which its course is exact.
+    fn reach(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Real;
     /// The motion of length h.
     fn flown(
         &self,
@@ -246,10 +246,11 @@ pub trait Host: Clone + std::fmt::Debug {
         phase: &Phase<Self>,
         v: DoubleDouble<Self::Real>,
     ) -> DoubleDouble<Self::Real>;
-    /// Rate and second derivative of f/M at the start, and the velocity of the first impulse. Where the start
-    /// leaves open from which wall distances are measured, the first of them that is not 0 decides.
-    fn leaning(&self, _phase: &Phase<Self>) -> [Self::Real; 3] {
-        [Self::Real::ZERO; 3]
+    /// What moves the structure after a start at rest: rate and second derivative of f/M, the velocity of the first
+    /// impulse, and a_g with its rate and second derivative. Distances are measured from the wall on the side of the
+    /// first that is not 0.
+    fn leaning(&self, _phase: &Phase<Self>) -> [Self::Real; 6] {
+        [Self::Real::ZERO; 6]
     }
     /// The force that drives it; `None` for a structure that cannot be driven.
     fn force(&self) -> Option<&Force<Self::Real>> {

@@ -345,23 +345,23 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     fn coast(&mut self) {
         let (system, begin) = (self.system, Instant { time: self.clock, state: self.tally.state });
         let remaining = -begin.time.minus(self.limits.duration);
-        let count = system.coasts(&begin.state, remaining);
+        let (count, end) = system.coasts(&begin.state, remaining);
         if count == 0 {
             return;
         }
-        let after = |steps| {
-            let (state, by) = system.coasted(&begin.state, steps);
-            Instant { time: begin.time.plus_parts(by.value, by.rest), state }
+        let later = |(state, by): (S::State, Clock<R>)| Instant {
+            time: begin.time.plus_parts(by.value, by.rest),
+            state,
         };
         let each = |see: &mut dyn FnMut(&Span<'_, S::Flight<'a>>)| {
             let mut from = begin;
             for steps in 1..=count {
-                let to = after(steps);
+                let to = later(system.coasted(&begin.state, steps));
                 see(&Span::between(system, &system.flight(&from.state), [&from, &to]));
                 from = to;
             }
         };
-        let end = after(count);
+        let end = later(end);
         let flight = system.flight(&begin.state);
         let whole = Span::between(system, &flight, [&begin, &end]);
         self.observer.coast(system, &whole, &each);

@@ -19,7 +19,7 @@ use crate::oscillator::Primary;
 use crate::plain::Scene;
 use crate::range;
 use crate::real::Real;
-use crate::system::{Clock, Point, Start, System, Wall};
+use crate::system::{Clock, Coasted, Point, Start, System, Wall};
 
 pub use motion::SivaFlight;
 pub use parameters::Parameters;
@@ -298,19 +298,20 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         SivaRide::new(self, *state)
     }
 
-    fn coasts(&self, state: &Self::State, remaining: R) -> usize {
+    fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
         if let Some(pieces) = self.host.pieces() {
             return self.drifts(pieces, state, remaining);
         }
-        let Some(steps) = self.host.steps() else { return 0 };
+        let Some(steps) = self.host.steps() else { return (0, (*state, Clock::ZERO)) };
         let within = [1.0 / self.clearance.double(), remaining.double()];
-        f64::dispatched(
+        let count = f64::dispatched(
             #[inline(always)]
             || coasts::count(steps, &state.in_doubles(), within) as usize,
-        )
+        );
+        (count, self.coasted(state, count))
     }
 
-    fn coasted(&self, state: &Self::State, count: usize) -> (Self::State, Clock<R>) {
+    fn coasted(&self, state: &Self::State, count: usize) -> Coasted<Self::State, R> {
         if let Some(pieces) = self.host.pieces() {
             return self.drifted(pieces, state, count);
         }

@@ -114,6 +114,9 @@ pub struct Angle<R = f64> {
     pub rate: R,
 }
 
+/// The state after some steps of a flight, and the time that they take.
+pub type Coasted<State, R = f64> = (State, Clock<R>);
+
 /// An absorber on its primary system.
 ///
 /// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
@@ -179,12 +182,16 @@ pub trait System {
     /// The stick episode on the wall that the state touches.
     fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
     /// The number of steps of a flight in which certainly no wall is met, at most those that the time
-    /// `remaining` has.
-    fn coasts(&self, _state: &Self::State, _remaining: Self::Real) -> usize {
-        0
+    /// `remaining` has, and [`System::coasted`] for all of them.
+    fn coasts(
+        &self,
+        state: &Self::State,
+        _remaining: Self::Real,
+    ) -> (usize, Coasted<Self::State, Self::Real>) {
+        (0, (*state, Clock::ZERO))
     }
     /// The state after some of these steps, and the time that they take.
-    fn coasted(&self, state: &Self::State, _steps: usize) -> (Self::State, Clock<Self::Real>) {
+    fn coasted(&self, state: &Self::State, _steps: usize) -> Coasted<Self::State, Self::Real> {
         (*state, Clock::ZERO)
     }
     /// The wall that distances are measured from.

@@ -6,7 +6,7 @@
 use std::any::Any;
 use std::sync::{Arc, Mutex};
 
-use super::Acts;
+use super::{Acts, Push};
 use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
 use crate::range;
@@ -227,10 +227,25 @@ impl<R: Real> Record<R> {
         low
     }
 
+    /// [`Record::passed`], looked for first at `near` points and one more.
+    pub(super) fn passed_near(&self, near: usize, time: DoubleDouble<R>) -> usize {
+        let points = self.history.times.len();
+        let between = |passed: &usize| {
+            (1..=points).contains(passed)
+                && self.reached(passed - 1, time)
+                && (*passed == points || !self.reached(*passed, time))
+        };
+        [near, near + 1].into_iter().find(between).unwrap_or_else(|| self.passed(time))
+    }
+
+    /// The instant of the point after this number of points.
+    pub(super) fn knot_after(&self, passed: usize) -> Option<DoubleDouble<R>> {
+        (passed < self.history.times.len()).then(|| self.knot(passed))
+    }
+
     /// The instant of the first point after an instant.
     pub(super) fn next_knot(&self, time: DoubleDouble<R>) -> Option<DoubleDouble<R>> {
-        let passed = self.passed(time);
-        (passed < self.history.times.len()).then(|| self.knot(passed))
+        self.knot_after(self.passed(time))
     }
 
     /// The instant of the last point at or before an instant.
@@ -249,7 +264,11 @@ impl<R: Real> Record<R> {
 
     /// The linear piece that acts from an instant on.
     pub(super) fn piece(&self, from: DoubleDouble<R>) -> Piece<R> {
-        let passed = self.passed(from);
+        self.piece_after(self.passed(from))
+    }
+
+    /// The linear piece that acts after this number of points.
+    pub(super) fn piece_after(&self, passed: usize) -> Piece<R> {
         if passed == 0 || passed == self.history.times.len() {
             return Piece::NOTHING;
         }
@@ -270,6 +289,12 @@ pub(super) struct Piece<R = f64> {
 impl<R: Real> Piece<R> {
     const NOTHING: Piece<R> =
         Piece { begin: DoubleDouble::ZERO, first: DoubleDouble::ZERO, slope: DoubleDouble::ZERO };
+
+    /// The force at an instant.
+    pub(super) fn push(&self, time: DoubleDouble<R>) -> Push<R> {
+        let [value, rate] = self.at(time);
+        Push { value, rate, ..Push::NONE }
+    }
 
     /// Its value at an instant, and its slope.
     pub(super) fn at(&self, time: DoubleDouble<R>) -> [DoubleDouble<R>; 2] {
@@ -297,6 +322,11 @@ mod tests {
                 let knot = record.knot(index);
                 assert_eq!(record.passed(knot), index + 1);
                 assert_eq!(record.passed(knot.plus(1e-18)), index + 1);
+                for near in [0, index, index + 1, index + 2, 60] {
+                    assert_eq!(record.passed_near(near, knot), index + 1);
+                    let before = knot.plus(-1e-18 * (knot.value + 1e-3));
+                    assert_eq!(record.passed_near(near, before), index);
+                }
                 assert_eq!(record.passed(knot.plus(-1e-18 * (knot.value + 1e-3))), index);
                 assert_eq!(record.piece(knot).at(knot)[0].value, 2.0 * index as f64);
                 assert_eq!(record.next_knot(knot), Some(record.knot(index + 1)));

@@ -49,7 +49,7 @@ impl<R: Real, H: Host<Real = R>> Alone<H> {
 }
 
 /// The motion of the structure from one state.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct AloneFlight<'a, H: Host> {
     structure: &'a H::Structure,
     from: HostState<Phase<H>, H::Real>,
@@ -75,7 +75,7 @@ impl<R: Real, H: Host<Real = R>> Motion for AloneFlight<'_, H> {
     }
 
     fn reach(&self) -> R {
-        self.structure.reach(&self.course)
+        self.structure.reach(&self.from)
     }
 
     fn state(&self, h: R) -> Self::State {

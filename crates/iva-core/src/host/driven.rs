@@ -7,15 +7,18 @@
 //! ```
 //!
 //! gives the coefficients of ∬A and of x one by one from those of f/M and a_g ([`crate::force`]). Unlike a
-//! closed form it has no special case at resonance. Gravity along the motion adds a constant to f/M and to
+//! closed form it has no special case at resonance. Where the force is linear there is no resonance, and the motion is
+//! that of the structure without drive about a uniform one (`host/driven/ramped.rs`). Gravity along the motion adds a constant to f/M and to
 //! a_g (`host/driven/weight.rs`). Powers are those of t/`step`; `step` is a power of two, so that scaling is
 //! exact. Terms up to h³ are computed in double-double, as in [`crate::oscillator`].
+
+use std::cell::OnceCell;
 
 use super::{Flown, HostState, Integrated, Structure};
 use crate::arrays::laned;
 use crate::compensated::DoubleDouble;
 use crate::flight::{Jet, Quantity, Rows, Turns};
-use crate::force::{Drive, Pushes};
+use crate::force::{Drive, Pushes, Smooth};
 use crate::oscillator::{Arrival, Equation, Primary};
 use crate::real::Real;
 use crate::system::Clock;
@@ -27,6 +30,7 @@ use integral::{at_nodes, mean_product, nodes};
 pub use host::DrivenHost;
 pub(crate) use pieces::{Block, Plain, Sums};
 pub use pieces::{Pieces, Place};
+pub(crate) use ramped::Ramped;
 pub use source::{Forces, Source};
 pub use weight::Weight;
 
@@ -35,6 +39,7 @@ mod host;
 pub(crate) mod integral;
 mod measured;
 mod pieces;
+mod ramped;
 mod source;
 mod weight;
 
@@ -54,6 +59,8 @@ pub struct Driven<D: Source = Forces> {
     pub(crate) step: D::Real,
     /// Contribution of the drive to the bounds on A and its first six derivatives.
     pub(crate) excess: [D::Real; 7],
+    /// Its motion in closed form, where the drive is linear between bends.
+    pub(crate) ramped: Option<Box<Ramped<D::Real>>>,
 }
 
 /// The state of a drive at one instant.
@@ -63,15 +70,21 @@ pub struct Moment<R = f64> {
     pub(crate) time: Clock<R>,
     /// Number of impulses that have acted.
     pub(crate) kicks: u32,
+    /// The smooth piece that acts from then on, or that ends there if a motion has just ended.
+    pub(crate) smooth: Smooth<R>,
     /// f/M, and a_g plus gravity along the motion.
     pub(crate) pushes: Pushes<R>,
 }
 
-laned!(Moment, Moments { time: Clock, pushes: Pushes } kicks = 0);
+laned!(Moment, Moments { time: Clock, pushes: Pushes } kicks = 0, smooth = Smooth::ALL);
+
+/// The power series of a motion, computed when they are first needed.
+#[derive(Debug, Clone)]
+pub struct Course<R = f64>(OnceCell<Powers<R>>);
 
 /// The power series of a motion, in powers of t/`step`.
 #[derive(Debug, Clone, Copy)]
-pub struct Course<R = f64> {
+pub(crate) struct Powers<R = f64> {
     /// Coefficients of ∬A, 0 below the second order. They leave gravity along the motion out, whose rounding
     /// errors would show in a small motion.
     pub(crate) pulled: Row<R>,
@@ -79,9 +92,25 @@ pub struct Course<R = f64> {
     pub(crate) carried: Row<R>,
     /// Coefficients of f/M.
     pub(crate) pushed: Row<R>,
-    reach: R,
-    /// The instant at which the reach ends, if the force bends, jumps or has an impulse there.
-    bend: Option<Clock<R>>,
+}
+
+impl<R: Real> Moment<R> {
+    /// The longest smooth motion that is no longer than `reach`: its length, and the instant at which the drive bends,
+    /// jumps or has an impulse, if that ends it.
+    #[inline(always)]
+    fn until_bend(&self, reach: R) -> (R, Option<Clock<R>>) {
+        let until = |bend: Clock<R>| (bend - self.time).value;
+        match self.smooth.end.filter(|bend| until(*bend) <= reach) {
+            Some(bend) => (until(bend), Some(bend)),
+            None => (reach, None),
+        }
+    }
+
+    /// True if its piece has ended.
+    #[inline(always)]
+    fn is_over(&self) -> bool {
+        self.smooth.end.is_some_and(|end| (end - self.time).value <= 0.0)
+    }
 }
 
 impl<R: Real> Driven<Forces<R>> {
@@ -91,7 +120,10 @@ impl<R: Real> Driven<Forces<R>> {
         let reach = R::from(LONGEST) / equation.growth.max(force.fastest());
         let (base, excess) = bounds(&equation, source, reach);
         let step = R::power_of_two(reach);
-        Self { equation, source: source.clone(), base, reach, step, excess }
+        let ramped = force.harmonics().is_empty();
+        let ramped =
+            ramped.then(|| Box::new(Ramped::new(mass, damping_ratio, source.moves_base())));
+        Self { equation, source: source.clone(), base, reach, step, excess, ramped }
     }
 }
 
@@ -180,6 +212,26 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
+    /// Displacement and velocity after a motion of length h, and ∬A and ∫A, by its power series.
+    #[inline(always)]
+    fn summed(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        powers: &Powers<R>,
+        h: R,
+    ) -> (Primary<R>, Arrival<R>) {
+        let gained = self.gained(self.leading(from), &powers.pulled, h);
+        let Primary { x, v } = from.primary;
+        let travelled = x.plus_both(v.product(DoubleDouble::new(h)), gained.curved);
+        let mut primary = Primary { x: travelled, v: v + gained.velocity };
+        if self.source.moves_base() {
+            let base = from.phase.pushes.base;
+            let carried = self.gained([base.value, base.rate, base.second], &powers.carried, h);
+            primary = Primary { x: primary.x - carried.curved, v: primary.v - carried.velocity };
+        }
+        (primary, gained)
+    }
+
     /// A motion of length h, with the drive at its end by `pushes`.
     #[inline(always)]
     fn moved(
@@ -187,21 +239,15 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         from: &HostState<Moment<R>, R>,
         course: &Course<R>,
         h: R,
-        pushes: impl Fn(Clock<R>, Clock<R>) -> Pushes<R>,
+        pushes: impl Fn(&Moment<R>, Clock<R>) -> Pushes<R>,
     ) -> Flown<Moment<R>, R> {
-        let gained = self.gained(self.leading(from), &course.pulled, h);
-        let Primary { x, v } = from.primary;
-        let travelled = x.plus_both(v.product(DoubleDouble::new(h)), gained.curved);
-        let mut primary = Primary { x: travelled, v: v + gained.velocity };
-        if self.source.moves_base() {
-            let base = from.phase.pushes.base;
-            let carried = self.gained([base.value, base.rate, base.second], &course.carried, h);
-            primary = Primary { x: primary.x - carried.curved, v: primary.v - carried.velocity };
-        }
-        let time = course.bend.filter(|_| h == course.reach);
-        let time = time.unwrap_or(from.phase.time.plus(h));
-        let Moment { time: begin, kicks, .. } = from.phase;
-        let phase = Moment { time, kicks, pushes: pushes(begin, time) };
+        let (primary, gained) = match &self.ramped {
+            Some(ramped) => ramped.moved(from, h),
+            None => self.summed(from, self.series_of(from, course), h),
+        };
+        let (reach, bend) = from.phase.until_bend(self.reach);
+        let time = bend.filter(|_| h == reach).unwrap_or(from.phase.time.plus(h));
+        let phase = Moment { time, pushes: pushes(&from.phase, time), ..from.phase };
         let acceleration = self.acceleration(&phase, &primary);
         Flown { to: HostState { primary, acceleration, phase }, gained }
     }
@@ -226,16 +272,30 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
-    /// The coefficients of f/M and a_g in a motion.
+    /// The power series of a motion.
     #[inline(always)]
-    fn drive(&self, from: &HostState<Moment<R>, R>) -> Drive<R> {
-        self.source.drive(&from.phase, self.step)
+    fn expanded(&self, from: &HostState<Moment<R>, R>) -> Powers<R> {
+        let drive = self.source.drive(&from.phase, self.step);
+        let Primary { x, v } = from.primary;
+        let a = self.without_gravity(from.acceleration);
+        let [pulled, carried] = self.powers([x.value, v.value, a.value], &drive, self.step);
+        Powers { pulled, carried, pushed: drive.primary }
     }
 
-    /// The state of the drive at `time`, with the piece that acts from `from` on.
+    /// The power series of a motion with this course.
     #[inline(always)]
-    fn moment(&self, from: Clock<R>, time: Clock<R>, kicks: u32) -> Moment<R> {
-        Moment { time, kicks, pushes: self.source.pushes(from, time) }
+    pub(crate) fn series_of<'a>(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        course: &'a Course<R>,
+    ) -> &'a Powers<R> {
+        course.0.get_or_init(|| self.expanded(from))
+    }
+
+    /// The state of the drive at a later instant of the same smooth piece.
+    #[inline(always)]
+    fn within(&self, from: &Moment<R>, time: Clock<R>) -> Moment<R> {
+        Moment { time, pushes: self.source.pushes(from, time), ..*from }
     }
 }
 
@@ -262,18 +322,13 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
-        let drive = self.drive(from);
-        let Primary { x, v } = from.primary;
-        let a = self.without_gravity(from.acceleration);
-        let state = [x.value, v.value, a.value];
-        let [pulled, carried] = self.powers(state, &drive, self.step);
-        let (reach, bend) = self.source.until_bend(&from.phase, self.reach);
-        Course { pulled, carried, pushed: drive.primary, reach, bend }
+        let needed = self.ramped.is_none();
+        Course(if needed { OnceCell::from(self.expanded(from)) } else { OnceCell::new() })
     }
 
     #[inline(always)]
-    fn reach(&self, course: &Course<R>) -> R {
-        course.reach
+    fn reach(&self, from: &HostState<Moment<R>, R>) -> R {
+        from.phase.until_bend(self.reach).0
     }
 
     #[inline(always)]
@@ -297,9 +352,12 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     }
 
     #[inline(always)]
-    fn ahead(&self, _from: &HostState<Moment<R>, R>, course: &Course<R>, h: R) -> [R; 3] {
+    fn ahead(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: R) -> [R; 3] {
+        if let Some(ramped) = &self.ramped {
+            return ramped.ahead(from, h);
+        }
         let t = h / self.step;
-        let series = &course.pulled;
+        let series = &self.series_of(from, course).pulled;
         // ∬A, its derivative, and half the second one, in powers of t.
         let (mut sum, mut slope, mut bend) = (R::ZERO, R::ZERO, R::ZERO);
         unrolled!(k < ORDER - 1 => {
@@ -321,8 +379,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     #[inline(always)]
     fn refresh(&self, state: &mut HostState<Moment<R>, R>) {
         if self.source.bends() {
-            let Moment { time, kicks, .. } = state.phase;
-            state.phase = self.moment(time, time, kicks);
+            state.phase = self.source.renewed(&state.phase);
             state.acceleration = self.acceleration(&state.phase, &state.primary);
         }
     }
@@ -369,7 +426,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn later(&self, phase: &Moment<R>, h: R) -> Moment<R> {
-        self.moment(phase.time, phase.time.plus(h), phase.kicks)
+        let later = self.within(phase, phase.time.plus(h));
+        if later.is_over() { self.source.renewed(&later) } else { later }
     }
 
     #[inline(always)]
@@ -390,7 +448,10 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn square(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: [R; 2]) -> R {
-        let x = at_nodes(&self.place(from, course), &nodes(h.map(|h| h / self.step)));
+        let x = at_nodes(
+            &self.place(from, self.series_of(from, course)),
+            &nodes(h.map(|h| h / self.step)),
+        );
         mean_product(&x, &x) * (h[1] - h[0])
     }
 
@@ -399,8 +460,9 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     }
 
     fn series(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Rows<R> {
-        let acceleration = self.acceleration_row(course);
-        let (x, base) = (self.place(from, course), self.base_row(course));
+        let powers = self.series_of(from, course);
+        let acceleration = self.acceleration_row(powers);
+        let (x, base) = (self.place(from, powers), self.base_row(powers));
         Rows { step: self.step, order: ORDER, x, acceleration, base }
     }
 
@@ -422,9 +484,10 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         if arc.limit() < least {
             return Some(least);
         }
+        let powers = self.series_of(from, course);
         let row = match of {
-            Quantity::Displacement => self.place(from, course),
-            Quantity::Acceleration => self.acceleration_row(course),
+            Quantity::Displacement => self.place(from, powers),
+            Quantity::Acceleration => self.acceleration_row(powers),
         };
         self.extreme(of, ends, &from.primary, &row, h).largest(least)
     }
@@ -441,6 +504,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         let ends = [&begin, &end];
         let (of, primary) = (Quantity::Displacement, &from.primary);
         let arc = self.arc(of, ends, primary, h);
-        self.turned(of, &arc, ends, primary, &self.place(from, course), h).turns()
+        let row = self.place(from, self.series_of(from, course));
+        self.turned(of, &arc, ends, primary, &row, h).turns()
     }
 }

@@ -32,7 +32,7 @@ impl<R: Real> Structure for Oscillator<R> {
     fn course(&self, _from: &HostState<(), R>) {}
 
     #[inline(always)]
-    fn reach(&self, _course: &()) -> R {
+    fn reach(&self, _from: &HostState<(), R>) -> R {
         self.reach
     }
 

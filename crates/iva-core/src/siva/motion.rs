@@ -12,7 +12,7 @@ use crate::system::{Point, System, Wall};
 use crate::taylor::ORDER;
 
 /// The flight from one state: the absorber free in its gap.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct SivaFlight<'a, H: Host> {
     pub(super) siva: &'a Siva<H>,
     pub(super) from: SivaState<Phase<H>, H::Real>,
@@ -75,7 +75,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
 
     #[inline]
     fn reach(&self) -> R {
-        self.structure().reach(&self.course)
+        self.structure().reach(&self.from.host)
     }
 
     fn state(&self, h: R) -> Self::State {

@@ -80,10 +80,10 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
         let free = self.siva.host.free();
         let damping = free.equation().damping.double();
         self.each(|mass, block, to| {
-            let start = block.at(mass.place.point).traced(&mass.primary);
+            let start = &mass.start;
             let bend = match of {
-                Quantity::Displacement => free.bound::<0>(&start) + self.pieces.largest_base(),
-                Quantity::Acceleration => free.bound::<2>(&start),
+                Quantity::Displacement => free.bound::<0>(start) + self.pieces.largest_base(),
+                Quantity::Acceleration => free.bound::<2>(start),
             };
             let above = (block.plain.longest * block.plain.longest * 0.125) * bend.double();
             let [x, v] = [start.x, start.v].map(|it| it.value.double());
@@ -130,8 +130,7 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
     fn sums(&self, mut take: impl FnMut(R, Sums<R>, [R; 2])) {
         self.each(|mass, block, to| {
             let ends = [mass.place.point, to];
-            let start = block.at(ends[0]).traced(&mass.primary);
-            if let Some(sums) = self.pieces.sums(mass.place.block, ends, &start) {
+            if let Some(sums) = self.pieces.sums(mass.place.block, ends, &mass.start) {
                 take(mass.speed.value, sums, ends.map(|point| block.at(point).base.v.value));
             }
         });

@@ -9,6 +9,7 @@ use crate::compensated::DoubleDouble;
 use crate::host::{Block, Host, HostState, Phase, Pieces, Place, Plain, Structure};
 use crate::oscillator::Primary;
 use crate::real::Real;
+use crate::system::Coasted;
 
 /// Largest number of blocks passed at once: observers that look within see each piece by itself, from a state that is
 /// computed from the first one.
@@ -21,6 +22,8 @@ pub(super) const DOUBT: f64 = 1e-12;
 pub(super) struct Drifting<R = f64> {
     pub place: Place,
     pub primary: Primary<R>,
+    /// Displacement and velocity at the begin of the block that lead there.
+    pub start: Primary<R>,
     /// Distance to the wall last touched, and the sign of that wall.
     distance: DoubleDouble<R>,
     side: R,
@@ -32,6 +35,7 @@ pub(super) struct Drifting<R = f64> {
 
 impl<R: Real> Drifting<R> {
     /// The free mass of a state; `None` for one between two points.
+    #[inline(always)]
     pub fn of<H: Host<Real = R>>(
         host: &H,
         pieces: &Pieces<R>,
@@ -40,25 +44,26 @@ impl<R: Real> Drifting<R> {
         let SivaState { host: HostState { primary, phase, .. }, side, distance, rate } = *state;
         let place = host.place(&phase)?;
         let at = pieces.block(place.block)?.at(place.point);
+        let (start, time) = (at.traced(&primary), DoubleDouble::ZERO);
         let speed = primary.v - seen(side, rate) + at.base.v;
-        Some(Self { place, primary, distance, side, speed, time: DoubleDouble::ZERO })
+        Some(Self { place, primary, start, distance, side, speed, time })
     }
 
     /// The same free mass at a later point of the block.
     #[inline(always)]
     pub fn moved(&self, block: &Block<R>, point: usize) -> Self {
-        let Self { place, primary, distance, side, mut speed, time } = *self;
+        let Self { place, primary, mut start, distance, side, mut speed, time } = *self;
         let [from, to] = [place.point, point].map(|point| block.at(point));
-        let reached = to.reached(&from.traced(&primary));
+        let reached = to.reached(&start);
         let passed = to.time - from.time;
         let shifted = speed * passed - (to.base.x - from.base.x);
         let distance = distance + seen(side, (reached.x - primary.x) - shifted);
         let mut place = Place { point, ..place };
         if point + 1 == block.count() {
             place = Place { block: place.block + 1, point: 0 };
-            speed = speed - to.base.v;
+            (start, speed) = (reached, speed - to.base.v);
         }
-        Self { place, primary: reached, distance, side, speed, time: time + passed }
+        Self { place, primary: reached, start, distance, side, speed, time: time + passed }
     }
 
     /// The number of pieces, from its point to the end of the block, in which certainly no wall is met; at most those
@@ -71,7 +76,7 @@ impl<R: Real> Drifting<R> {
         bound: impl Fn(&Primary<R>) -> R,
     ) -> usize {
         let at = block.at(self.place.point);
-        let start = at.traced(&self.primary);
+        let start = &self.start;
         let plain = |sum: &DoubleDouble<R>| sum.value.double();
         let (side, speed) = (self.side.double(), plain(&self.speed));
         let begin = speed * plain(&at.time) - plain(&at.base.x) - plain(&self.primary.x);
@@ -80,7 +85,7 @@ impl<R: Real> Drifting<R> {
         let (clearance, structure) =
             (clearance.double(), start.x.value.abs() + start.v.value.abs());
         let size = begin.abs() + clearance + structure.double() + speed.abs() * time + base;
-        let bent = longest * longest * 0.125 * bound(&start).double();
+        let bent = longest * longest * 0.125 * bound(start).double();
         let band = bent + size * DOUBT;
         let from = [begin, side, plain(&start.x), plain(&start.v), speed];
         let free = inside(&block.plain, from, [band, clearance + clearance - band]);
@@ -116,30 +121,41 @@ fn inside(plain: &Plain, [begin, side, x, v, speed]: [f64; 5], [low, high]: [f64
 }
 
 impl<R: Real, H: Host<Real = R>> Siva<H> {
-    /// The number of pieces of a record from a state on in which certainly no wall is met.
+    /// The number of pieces of a record from a state on in which certainly no wall is met, and the state after them with
+    /// the time that they take.
     pub(super) fn drifts(
         &self,
         pieces: &Pieces<R>,
         state: &SivaState<Phase<H>, R>,
         remaining: R,
-    ) -> usize {
-        let Some(mut mass) = Drifting::of(&self.host, pieces, state) else { return 0 };
-        let free = self.host.free();
-        let bound = |start: &Primary<R>| free.bound::<0>(start);
-        let mut count = 0;
-        for _ in 0..BLOCKS {
-            let Some(block) = pieces.block(mass.place.block) else { break };
-            let clear = R::dispatched(
-                #[inline(always)]
-                || mass.clear(block, [self.clearance, remaining], bound),
-            );
-            count += clear;
-            if mass.place.point + clear + 1 < block.count() {
-                break;
-            }
-            mass = mass.moved(block, block.count() - 1);
-        }
-        count
+    ) -> (usize, Coasted<SivaState<Phase<H>, R>, R>) {
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let still = (0, (*state, DoubleDouble::ZERO));
+                let Some(mut mass) = Drifting::of(&self.host, pieces, state) else { return still };
+                let free = self.host.free();
+                let bound = |start: &Primary<R>| free.bound::<0>(start);
+                let mut count = 0;
+                for _ in 0..BLOCKS {
+                    let Some(block) = pieces.block(mass.place.block) else { break };
+                    let clear = mass.clear(block, [self.clearance, remaining], bound);
+                    if clear == 0 {
+                        break;
+                    }
+                    count += clear;
+                    let end = mass.place.point + clear;
+                    mass = mass.moved(block, end);
+                    if end + 1 < block.count() {
+                        break;
+                    }
+                }
+                if count == 0 {
+                    return still;
+                }
+                (count, (self.state_of(pieces, &state.host.phase, &mass), mass.time))
+            },
+        )
     }
 
     /// The state after some of these pieces, and the time that they take.
@@ -148,23 +164,26 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         pieces: &Pieces<R>,
         state: &SivaState<Phase<H>, R>,
         count: usize,
-    ) -> (SivaState<Phase<H>, R>, DoubleDouble<R>) {
-        let Some(mut mass) = Drifting::of(&self.host, pieces, state) else {
-            return (*state, DoubleDouble::ZERO);
-        };
-        let mut left = count;
-        while let Some(block) = pieces.block(mass.place.block).filter(|_| left > 0) {
-            let point = (mass.place.point + left).min(block.count() - 1);
-            left -= point - mass.place.point;
-            mass = R::dispatched(
-                #[inline(always)]
-                || mass.moved(block, point),
-            );
-        }
-        (self.state_of(pieces, &state.host.phase, &mass), mass.time)
+    ) -> Coasted<SivaState<Phase<H>, R>, R> {
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let Some(mut mass) = Drifting::of(&self.host, pieces, state) else {
+                    return (*state, DoubleDouble::ZERO);
+                };
+                let mut left = count;
+                while let Some(block) = pieces.block(mass.place.block).filter(|_| left > 0) {
+                    let point = (mass.place.point + left).min(block.count() - 1);
+                    left -= point - mass.place.point;
+                    mass = mass.moved(block, point);
+                }
+                (self.state_of(pieces, &state.host.phase, &mass), mass.time)
+            },
+        )
     }
 
     /// The state of a free mass at a point.
+    #[inline(always)]
     pub(super) fn state_of(
         &self,
         pieces: &Pieces<R>,
@@ -231,7 +250,7 @@ mod tests {
         (siva, state)
     }
 
-    /// The motion by the power series of each piece: the reference is independent of the responses.
+    /// The motion piece by piece in closed form: the reference is independent of the responses of the blocks.
     #[test]
     fn pieces_are_those_of_the_series_and_meet_no_wall() {
         let (mut drifting, mut stopped) = (0, 0);
@@ -241,7 +260,8 @@ mod tests {
                 let (siva, from) = planted(i, &history, 1.0);
                 let pieces = siva.host.pieces().unwrap();
                 let remaining = 12.0 * spread(i, 9);
-                let count = siva.drifts(pieces, &from, remaining);
+                let (count, end) = siva.drifts(pieces, &from, remaining);
+                assert_eq!(end, siva.drifted(pieces, &from, count));
                 let mut at = from;
                 for k in 1..=count {
                     let (jump, time) = siva.drifted(pieces, &from, k);
@@ -301,7 +321,7 @@ mod tests {
         for i in 1..500 {
             let (siva, from) = planted(i, &history, 0.9);
             let pieces = siva.host.pieces().unwrap();
-            let count = siva.drifts(pieces, &from, 12.0);
+            let (count, _) = siva.drifts(pieces, &from, 12.0);
             if count < 2 {
                 continue;
             }
@@ -333,7 +353,7 @@ mod tests {
             for i in 1..500 {
                 let (siva, from) = planted(i, &history, 0.9);
                 let pieces = siva.host.pieces().unwrap();
-                let count = siva.drifts(pieces, &from, 12.0);
+                let (count, _) = siva.drifts(pieces, &from, 12.0);
                 let (_, time) = siva.drifted(pieces, &from, count);
                 let of = |flight: &SivaFlight<'_, DrivenHost>, h| {
                     let Losses { viscous, work, .. } = flight.losses(h);

@@ -10,7 +10,7 @@ use crate::system::Wall;
 use crate::taylor::ORDER;
 
 /// The stick episode from one state.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct SivaRide<'a, H: Host> {
     siva: &'a Siva<H>,
     from: SivaState<Phase<H>, H::Real>,
@@ -43,7 +43,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaRide<'_, H> {
     }
 
     fn reach(&self) -> R {
-        self.structure().reach(&self.course)
+        self.structure().reach(&self.begin)
     }
 
     fn state(&self, h: R) -> Self::State {

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::{Driven, Forces, Moment, Pieces, Place, Source, Weight};
 use crate::compensated::DoubleDouble;
-use crate::force::Force;
+use crate::force::{Force, Pushes, Smooth};
 use crate::host::Host;
 use crate::real::Real;
 use crate::system::Clock;
@@ -70,7 +70,7 @@ impl<R: Real> Host for DrivenHost<R> {
         let (time, kicks) = self.forces.force.begin(time);
         R::dispatched(
             #[inline(always)]
-            || self.free.moment(time, time, kicks),
+            || self.forces.moment(time, kicks, &Smooth::ALL),
         )
     }
 
@@ -82,10 +82,12 @@ impl<R: Real> Host for DrivenHost<R> {
         }
     }
 
-    fn leaning(&self, phase: &Moment<R>) -> [R; 3] {
+    fn leaning(&self, phase: &Moment<R>) -> [R; 6] {
         let kicked =
             self.forces.force.impulses().next().map_or(R::ZERO, |impulse| impulse.velocity);
-        [phase.pushes.primary.rate.value, phase.pushes.primary.second.value, kicked]
+        let Pushes { primary: f, base: g } = phase.pushes;
+        let [rate, second] = [f.rate.value, f.second.value];
+        [rate, second, kicked, g.value.value, g.rate.value, g.second.value]
     }
 
     fn pieces(&self) -> Option<&Pieces<R>> {
@@ -93,13 +95,17 @@ impl<R: Real> Host for DrivenHost<R> {
     }
 
     fn place(&self, phase: &Moment<R>) -> Option<Place> {
-        self.pieces()?.place(phase.time)
+        self.pieces()?.place(phase.time, phase.smooth.passed)
     }
 
     fn at(&self, phase: &Moment<R>, place: Place) -> Moment<R> {
         let Some(pieces) = self.pieces() else { return *phase };
         let time = pieces.instant(place);
-        self.free.moment(time, time, phase.kicks)
+        self.forces.moment(
+            time,
+            phase.kicks,
+            &Smooth { passed: pieces.passed(place), ..phase.smooth },
+        )
     }
 
     fn force(&self) -> Option<&Force<R>> {
@@ -111,8 +117,7 @@ impl<R: Real> Host for DrivenHost<R> {
     }
 
     fn smooth_for(&self, phase: &Moment<R>) -> R {
-        let end = self.forces.force.smooth_until(phase.time, phase.kicks);
-        end.map_or(R::INFINITY, |end| (end - phase.time).value)
+        phase.smooth.end.map_or(R::INFINITY, |end| (end - phase.time).value)
     }
 
     fn due(&self, phase: &Moment<R>) -> Option<R> {
@@ -120,6 +125,6 @@ impl<R: Real> Host for DrivenHost<R> {
     }
 
     fn after_impulse(&self, phase: &Moment<R>) -> Moment<R> {
-        self.free.moment(phase.time, phase.time, phase.kicks + 1)
+        self.forces.moment(phase.time, phase.kicks + 1, &phase.smooth)
     }
 }

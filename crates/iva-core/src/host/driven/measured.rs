@@ -1,7 +1,7 @@
 //! Quantities measured along a motion under force.
 
 use super::integral::{at_nodes, mean_product, nodes};
-use super::{Course, Driven, Moment, Source};
+use super::{Driven, Moment, Powers, Source};
 use crate::flight::{Arc, Extreme, Quantity};
 use crate::host::turning::{Jets, Turned, guess, turned_once};
 use crate::host::{HostState, Integrated, Structure};
@@ -63,23 +63,23 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     ) -> [Leading<R>; 2] {
         let mut end = *end;
         if self.source.bends() {
-            end.phase = self.moment(from.phase.time, end.phase.time, from.phase.kicks);
+            end.phase = self.within(&from.phase, end.phase.time);
         }
         [self.leading_of(from), self.leading_of(&end)]
     }
 
     /// Coefficients of a_g.
     #[inline(always)]
-    pub(crate) fn base_row(&self, course: &Course<R>) -> Row<R> {
-        self.derivative(&self.derivative(&course.carried))
+    pub(crate) fn base_row(&self, powers: &Powers<R>) -> Row<R> {
+        self.derivative(&self.derivative(&powers.carried))
     }
 
     /// Coefficients of x.
     #[inline(always)]
-    pub(crate) fn place(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Row<R> {
-        let mut x = course.pulled;
+    pub(crate) fn place(&self, from: &HostState<Moment<R>, R>, powers: &Powers<R>) -> Row<R> {
+        let mut x = powers.pulled;
         if self.source.moves_base() {
-            for (place, carried) in x.iter_mut().zip(&course.carried) {
+            for (place, carried) in x.iter_mut().zip(&powers.carried) {
                 *place -= *carried;
             }
         }
@@ -89,8 +89,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
 
     /// Coefficients of the absolute acceleration.
     #[inline(always)]
-    pub(crate) fn acceleration_row(&self, course: &Course<R>) -> Row<R> {
-        self.derivative(&self.derivative(&course.pulled))
+    pub(crate) fn acceleration_row(&self, powers: &Powers<R>) -> Row<R> {
+        self.derivative(&self.derivative(&powers.pulled))
     }
 
     /// The energy lost ∫ 2ζ ẋ², and the work ∫ (f/M) ẋ − a_g p, where p is the momentum of structure and
@@ -98,15 +98,16 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     #[inline(always)]
     pub(super) fn taken_and_given(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         let Integrated { from, course, mass_ratio, gap_velocity } = *motion;
+        let powers = self.series_of(from, course);
         let t = nodes([R::ZERO, h / self.step]);
-        let velocity = at_nodes(&self.derivative(&self.place(from, course)), &t);
+        let velocity = at_nodes(&self.derivative(&self.place(from, powers)), &t);
         let viscous = self.equation.damping / self.equation.stiffness;
         let lost = viscous * mean_product(&velocity, &velocity) * h;
         // Gravity does no work here: its potential is part of the energy of the absorber.
-        let mut work = mean_product(&at_nodes(&course.pushed, &t), &velocity);
+        let mut work = mean_product(&at_nodes(&powers.pushed, &t), &velocity);
         if self.source.moves_base() {
-            let gained = at_nodes(&self.derivative(&course.pulled), &t);
-            let base = at_nodes(&self.base_row(course), &t);
+            let gained = at_nodes(&self.derivative(&powers.pulled), &t);
+            let base = at_nodes(&self.base_row(powers), &t);
             let fallen = self.source.weight().map_or(R::ZERO, |weight| weight.gravity * self.step);
             let momentum = std::array::from_fn(|i| {
                 let absorber = gap_velocity.map_or(R::ZERO, |w| w - gained[i] - fallen * t[i]);

@@ -65,6 +65,8 @@ pub(crate) struct At<R = f64> {
     s: DoubleDouble<R>,
     /// Ṡ.
     slope: DoubleDouble<R>,
+    /// 1/(C Ṡ + S²).
+    over: DoubleDouble<R>,
     /// ∬a_g and ∫a_g.
     pub base: Primary<R>,
     /// f/M.
@@ -134,15 +136,21 @@ impl<R: Real> Pieces<R> {
         self.oscillator.equation.damping == damping_ratio * 2.0 && self.record.is_alike(record)
     }
 
-    /// The place of an instant, if it is that of a point from which a piece of the record goes on.
-    pub(crate) fn place(&self, time: Clock<R>) -> Option<Place> {
-        let index = self.record.passed(time).checked_sub(1)?;
+    /// The place of an instant up to which this number of points have passed, if it is that of a point from which a piece
+    /// of the record goes on.
+    pub(crate) fn place(&self, time: Clock<R>, passed: u32) -> Option<Place> {
+        let index = (passed as usize).checked_sub(1)?;
         let last = self.begins[self.begins.len() - 1];
         let there = index < last && (self.record.knot(index) - time).value == 0.0;
         there.then(|| {
             let block = self.begins.partition_point(|begin| *begin <= index) - 1;
             Place { block, point: index - self.begins[block] }
         })
+    }
+
+    /// The number of points up to a place.
+    pub(crate) fn passed(&self, place: Place) -> u32 {
+        (self.begins[place.block] + place.point + 1) as u32
     }
 
     /// The instant of a place.
@@ -176,8 +184,16 @@ impl<R: Real> Pieces<R> {
         let rest = Primary { x: zero, v: zero };
         let one = DoubleDouble::new(R::ONE);
         let force = self.force(first);
-        let mut at =
-            At { time: zero, forced: rest, c: one, s: zero, slope: one, base: rest, force };
+        let mut at = At {
+            time: zero,
+            forced: rest,
+            c: one,
+            s: zero,
+            slope: one,
+            over: one,
+            base: rest,
+            force,
+        };
         let mut points = vec![at];
         let mut responses: Option<Responses<R>> = None;
         for k in first..end {
@@ -276,7 +292,9 @@ impl<R: Real> Responses<R> {
         }
         let (even, odd) = (moved(at.c, -at.s), moved(at.s, at.slope));
         let (c, s) = (even.x, odd.x);
-        At { forced, c, s, slope: damped(c, s), base, ..*at }
+        let slope = damped(c, s);
+        let over = DoubleDouble::new(R::ONE) / (c * slope + s * s);
+        At { forced, c, s, slope, over, base, ..*at }
     }
 }
 
@@ -305,10 +323,9 @@ impl<R: Real> At<R> {
     /// Displacement and velocity at the first point that lead to these at the point.
     #[inline(always)]
     pub(crate) fn traced(&self, to: &Primary<R>) -> Primary<R> {
-        let Self { forced, c, s, slope, .. } = self;
+        let Self { forced, c, s, slope, over, .. } = self;
         let (x, v) = (to.x - forced.x, to.v - forced.v);
-        let scale = *c * *slope + *s * *s;
-        Primary { x: (*slope * x - *s * v) / scale, v: (*c * v + *s * x) / scale }
+        Primary { x: (*slope * x - *s * v) * *over, v: (*c * v + *s * x) * *over }
     }
 }
 

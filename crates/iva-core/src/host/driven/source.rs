@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Moment, Weight};
 use crate::compensated::DoubleDouble;
-use crate::force::{Acts, Drive, Force, Harmonic, Pushes};
+use crate::force::{Acts, Drive, Force, Harmonic, Pushes, Smooth};
 use crate::real::Real;
 use crate::system::Clock;
 
@@ -12,24 +12,26 @@ use crate::system::Clock;
 pub trait Source: Clone + std::fmt::Debug {
     /// The number type of its values.
     type Real: Real;
-    /// f/M, and a_g plus gravity along the motion, at `time`, of the smooth piece that acts from `from` on.
-    fn pushes(&self, from: Clock<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real>;
+    /// f/M, and a_g plus gravity along the motion, at a later instant of the same smooth piece.
+    fn pushes(&self, from: &Moment<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real>;
     /// [`Source::pushes`] with the accuracy of plain numbers at least.
     #[inline(always)]
-    fn plain_pushes(&self, from: Clock<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real> {
+    fn plain_pushes(
+        &self,
+        from: &Moment<Self::Real>,
+        time: Clock<Self::Real>,
+    ) -> Pushes<Self::Real> {
         self.pushes(from, time)
+    }
+    /// The same instant, with the piece that acts from there on.
+    #[inline(always)]
+    fn renewed(&self, moment: &Moment<Self::Real>) -> Moment<Self::Real> {
+        *moment
     }
     /// The Taylor coefficients of f/M and a_g about a moment, in powers of t/h, without gravity.
     fn drive(&self, moment: &Moment<Self::Real>, h: Self::Real) -> Drive<Self::Real>;
     /// The Taylor coefficients of f/M, and of a_g plus gravity along the motion, in double-double.
     fn precise(&self, time: Clock<Self::Real>, h: Self::Real) -> Drive<DoubleDouble<Self::Real>>;
-    /// The longest smooth motion that is no longer than `reach`: its length, and the instant at which the
-    /// drive bends, jumps or has an impulse, if that ends it.
-    fn until_bend(
-        &self,
-        moment: &Moment<Self::Real>,
-        reach: Self::Real,
-    ) -> (Self::Real, Option<Clock<Self::Real>>);
     /// True if the base moves or gravity acts along the motion.
     fn moves_base(&self) -> bool;
     /// True if it is piecewise: it has recorded parts.
@@ -65,6 +67,32 @@ impl<R: Real> Forces<R> {
         }
     }
 
+    /// The drive at an instant, when the first `kicks` impulses have acted, with the piece that acts from there on; that
+    /// is looked up near the piece of an earlier instant.
+    #[inline(always)]
+    pub(super) fn moment(&self, time: Clock<R>, kicks: u32, near: &Smooth<R>) -> Moment<R> {
+        let (smooth, pushes) = self.force.smooth(time, kicks, near);
+        Moment { time, kicks, smooth, pushes: self.heavy(pushes) }
+    }
+
+    /// With gravity along the motion.
+    #[inline(always)]
+    fn heavy(&self, mut pushes: Pushes<R>) -> Pushes<R> {
+        if let Some(Weight { gravity, .. }) = self.weight {
+            pushes.base.value = pushes.base.value.plus(gravity);
+        }
+        pushes
+    }
+
+    /// Without gravity along the motion.
+    #[inline(always)]
+    fn light(&self, mut pushes: Pushes<R>) -> Pushes<R> {
+        if let Some(Weight { gravity, .. }) = self.weight {
+            pushes.base.value = pushes.base.value.plus(-gravity);
+        }
+        pushes
+    }
+
     /// The force on a structure with the absorber stuck to it.
     pub(super) fn loaded(&self) -> Self {
         Self { weight: self.weight.map(Weight::loaded), ..self.clone() }
@@ -74,16 +102,17 @@ impl<R: Real> Forces<R> {
 impl<R: Real> Source for Forces<R> {
     type Real = R;
     #[inline(always)]
-    fn pushes(&self, from: Clock<R>, time: Clock<R>) -> Pushes<R> {
-        let mut pushes = self.force.pushes(from, time);
-        if let Some(Weight { gravity, .. }) = self.weight {
-            pushes.base.value = pushes.base.value.plus(gravity);
-        }
-        pushes
+    fn pushes(&self, from: &Moment<R>, time: Clock<R>) -> Pushes<R> {
+        self.heavy(self.force.later(from.time, &self.light(from.pushes), time))
     }
 
     #[inline(always)]
-    fn plain_pushes(&self, from: Clock<R>, time: Clock<R>) -> Pushes<R> {
+    fn renewed(&self, moment: &Moment<R>) -> Moment<R> {
+        self.moment(moment.time, moment.kicks, &moment.smooth)
+    }
+
+    #[inline(always)]
+    fn plain_pushes(&self, from: &Moment<R>, time: Clock<R>) -> Pushes<R> {
         let Some(harmonic) = self.single() else { return self.pushes(from, time) };
         let mut pushes = Pushes::NONE;
         *pushes.on(harmonic.acts) = harmonic.plain_push(time);
@@ -93,6 +122,9 @@ impl<R: Real> Source for Forces<R> {
     #[inline(always)]
     fn drive(&self, moment: &Moment<R>, h: R) -> Drive<R> {
         let Moment { time, pushes, .. } = moment;
+        if self.force.harmonics().is_empty() {
+            return Drive::linear(&self.light(*pushes), h);
+        }
         let Some(harmonic) = self.single() else { return self.force.drive(*time, *time, h) };
         match harmonic.acts {
             Acts::Primary => Drive { primary: harmonic.onwards(&pushes.primary, h), ..Drive::NONE },
@@ -106,11 +138,6 @@ impl<R: Real> Source for Forces<R> {
             drive.base[0] = drive.base[0].plus(gravity);
         }
         drive
-    }
-
-    #[inline(always)]
-    fn until_bend(&self, moment: &Moment<R>, reach: R) -> (R, Option<Clock<R>>) {
-        self.force.until_bend(moment.time, moment.kicks, reach)
     }
 
     #[inline(always)]

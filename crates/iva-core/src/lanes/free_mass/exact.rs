@@ -3,7 +3,7 @@
 use super::{Loaded, Tier, of_siva};
 use crate::arrays::{Lanes as _, arrays};
 use crate::compensated::DoubleDouble;
-use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes};
+use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes, Smooth};
 use crate::host::steps::Responses;
 use crate::host::{self, DrivenHost, Host as _, HostState, Moment, Source, Steps, Structure};
 use crate::oscillator::{Equation, Oscillator, Primary};
@@ -116,12 +116,12 @@ impl<const BASE: bool> Single<BASE> {
 impl<const BASE: bool> Source for Single<BASE> {
     type Real = f64;
     #[inline(always)]
-    fn pushes(&self, _from: Clock, time: Clock) -> Pushes {
+    fn pushes(&self, _from: &Moment, time: Clock) -> Pushes {
         Self::pushes_of(self.0.push(time))
     }
 
     #[inline(always)]
-    fn plain_pushes(&self, _from: Clock, time: Clock) -> Pushes {
+    fn plain_pushes(&self, _from: &Moment, time: Clock) -> Pushes {
         Self::pushes_of(self.0.plain_push(time))
     }
 
@@ -140,11 +140,6 @@ impl<const BASE: bool> Source for Single<BASE> {
         let row = if BASE { &mut drive.base } else { &mut drive.primary };
         self.0.add_precise(row, time, h);
         drive
-    }
-
-    #[inline(always)]
-    fn until_bend(&self, _moment: &Moment, reach: f64) -> (f64, Option<Clock>) {
-        (reach, None)
     }
 
     #[inline(always)]
@@ -191,6 +186,7 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
             reach,
             step,
             excess,
+            ramped: None,
         };
         // The compiler leaves out what is computed with the other force, which is 0.
         let mut from = *from;
@@ -234,6 +230,6 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
     fn idle(&mut self, i: usize) -> Self::State {
         self.0.set(i, &Scene { step: 1.0, ..Scene::default() });
         let pushes = Single::<BASE>::pushes_of(Push::NONE);
-        at_rest(Moment { time: Clock::ZERO, kicks: 0, pushes })
+        at_rest(Moment { time: Clock::ZERO, kicks: 0, smooth: Smooth::ALL, pushes })
     }
 }

@@ -3,7 +3,7 @@
 use super::{Loaded, Tier, of_siva};
 use crate::arrays::Lanes as _;
 use crate::compensated::DoubleDouble;
-use crate::force::Pushes;
+use crate::force::{Pushes, Smooth};
 use crate::host::{DrivenHost, Host, Moment, Phase, Steps};
 use crate::oscillator::{Equation, Primary};
 use crate::plain::mass::Mass;
@@ -158,7 +158,8 @@ impl<const DRIVE: u8, const W: usize> Tier for FastDriven<DRIVE, W> {
         } else {
             pushes.primary.value = DoubleDouble::new(state.force);
         }
-        in_double_double(state, &system.host, Moment { time, kicks: 0, pushes })
+        let phase = Moment { time, kicks: 0, smooth: Smooth::ALL, pushes };
+        in_double_double(state, &system.host, phase)
     }
 
     fn idle(&mut self, i: usize) -> State {

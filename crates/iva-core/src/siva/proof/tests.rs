@@ -77,8 +77,7 @@ impl<H: Host<Real = f64>> Stretch<H> {
         let (v, x) = (std::f64::consts::TAU * u(4)).sin_cos();
         let primary = Primary { x: DoubleDouble::new(x), v: DoubleDouble::new(v) };
         let host = siva.host.state(siva.host.begin_at(DoubleDouble::ZERO), primary);
-        let course = siva.host.free().course(&host);
-        let length = siva.host.free().reach(&course) * if u(2) < 0.5 { 1.0 } else { u(3) };
+        let length = siva.host.free().reach(&host) * if u(2) < 0.5 { 1.0 } else { u(3) };
         let wall = if u(5) < 0.5 { 0.0 } else { 2.0 * siva.clearance() };
         let touching = SivaState {
             host,
