@@ -13,13 +13,13 @@
 //! An impulse is an event ([`Force::due`]) that changes velocities only. Where a record jumps, at an end
 //! whose value is not 0, an impulse of size 0 is placed, so that the test for sticking is made anew there.
 
-use crate::arrays::laned;
-use crate::compensated::DoubleDouble;
 use crate::error::Invalid;
+use crate::number::arrays::laned;
+use crate::number::clock::SLACK;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::number::series::{ORDER, unrolled};
 use crate::range;
-use crate::real::Real;
-use crate::sample::SLACK;
-use crate::taylor::{ORDER, unrolled};
 
 pub use harmonic::Harmonic;
 pub use record::{History, Record};

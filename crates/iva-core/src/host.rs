@@ -10,27 +10,26 @@
 //! Where the line of motion is inclined, A includes gravity along it, and a constant lift of the spring is
 //! added to f/M (`host/driven/weight.rs`).
 //!
-//! A [`Structure`] is that equation for one mass m: [`Oscillator`](crate::oscillator::Oscillator) without
+//! A [`Structure`] is that equation for one mass m: [`Oscillator`](crate::host::oscillator::Oscillator) without
 //! drive, in closed form (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A
 //! [`Host`] has the structures for both masses, and the instants at which the drive bends, jumps or has an
 //! impulse. Absorbers are generic over the host.
 
-use crate::arrays::laned;
-use crate::compensated::DoubleDouble;
-use crate::flight::{Jet, Quantity, Rows, Turns};
 use crate::force::Force;
-use crate::oscillator::{Arrival, Equation, Primary};
-use crate::real::Real;
-use crate::system::Clock;
+use crate::host::oscillator::{Arrival, Equation, Primary};
+use crate::number::arrays::laned;
+use crate::number::clock::Clock;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::{Jet, Quantity, Rows, Turns};
 
-pub use alone::{Alone, AloneFlight};
 pub(crate) use driven::{Block, Plain, Sums};
 pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Pieces, Place, Source, Weight};
 pub use steps::Steps;
 pub use undriven::UndrivenHost;
 
-mod alone;
 pub(crate) mod driven;
+pub mod oscillator;
 pub(crate) mod sinusoid;
 pub(crate) mod steps;
 pub(crate) mod turning;

@@ -21,6 +21,7 @@
 //! In the fast tier the lanes of free masses hold plain doubles. Their results do not depend on the other lanes
 //! either, but differ from those of the event loop in the last bits.
 
+mod coupled;
 mod cycling;
 mod decays;
 mod forced;
@@ -33,16 +34,16 @@ mod running;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::absorber::system::System;
+use crate::engine::observe::Events;
+use crate::engine::simulate::{Limits, Run, Tally};
 use crate::error::Invalid;
+use crate::measures::peaks::Peak;
+use crate::measures::propagation::{Differentiable, Errors};
+use crate::measures::steady::{SteadyValues, SteadyWanted, Strobe, Window};
+use crate::measures::summary::Summary;
 use crate::measures::{MeasureValues, Wanted};
-use crate::observe::Events;
-use crate::peaks::Peak;
-use crate::propagation::{Differentiable, Errors};
-use crate::real::pick;
-use crate::simulate::{Limits, Run, Tally};
-use crate::steady::{SteadyValues, SteadyWanted, Strobe, Window};
-use crate::summary::Summary;
-use crate::system::System;
+use crate::number::real::pick;
 use group::grouped;
 
 pub(crate) use cycling::Cycling;
@@ -200,7 +201,7 @@ pub(crate) type Watch<S> = Box<Summary<S, (Option<Events>, Option<Box<Errors>>)>
 type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
 
 /// Makes runs and hands out each result with the index of its job, in the order in which they end. In the
-/// exact tier every result is bit for bit that of [`simulate`](crate::simulate::simulate) with the same
+/// exact tier every result is bit for bit that of [`simulate`](crate::engine::simulate::simulate) with the same
 /// measures. Once cancelled, runs that have begun are handed out as they are, the others not at all.
 ///
 /// # Errors

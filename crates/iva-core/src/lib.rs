@@ -21,36 +21,34 @@
 //! | y, w = ẏ | gap displacement, gap velocity (y = x₁ − x) | [`flight::GapPoint`] |
 //! | τ | time in 1/ωn | [`system::Clock`] |
 //!
-//! Natural units throughout: ωn = 1, M = 1, lengths as the user gives them. Where things are:
+//! Natural units throughout: ωn = 1, M = 1, lengths as the user gives them. The rooms, each of which knows only those
+//! above it:
 //!
-//! * [`system`] is the interface that an absorber implements; [`siva`] is a free mass, [`piva`] a pendulum,
-//!   [`coupled`] a free mass with a dashpot, a spring or both in its gap.
-//! * [`real`] holds the number types of a motion: doubles, double-doubles, and numbers with derivatives.
-//! * [`host`] is the primary structure: an [`oscillator`] and the [`force`] that drives it. It knows no
-//!   absorber.
-//! * [`flight`] is the interface of any smooth motion, [`taylor`] the flight of a pendulum. [`roots`] and
-//!   [`contact`] search for the event that ends a motion and prove it the first; [`impact`] and [`chatter`]
-//!   are the laws of what follows.
-//! * [`simulate`] is the event loop. It knows no absorber by name, and no absorber knows the loop.
-//! * [`lanes`] is the same loop for many runs side by side in the lanes of vector instructions. A lane holds
-//!   copies of the variables that change in simple flights, and hands everything else back to its run. The flights
-//!   of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier
-//!   (`siva/trial.rs`, `lanes/free_mass.rs`).
-//! * The measures of a decay are functions of its log (`measures/decay.rs`), whether it ran alone or in a lane. The log
-//!   of a free mass holds the begins of its motions, which have a closed form; that of any other absorber the
-//!   stretches in which x is monotonic. The measures of a free mass under one harmonic force are computed from a log of
-//!   its flights (`measures/forced.rs`). [`summary`] is the observer that logs. Lanes of pendulums show observers
-//!   only those steps under force that may change more than sums (`lanes/piva.rs`); lanes of coupled masses
-//!   log every flight, and their runs notify their observers of them (`lanes/logged.rs`).
-//! * [`range`] holds the ranges of numbers that a run accepts.
-//! * [`observe`] is the interface of the observers of a run: [`measures`], with the list of peaks; [`sample`]; under
-//!   force [`steady`]; [`extremes`], the largest displacements and accelerations; [`measures::pass`], measures of a
-//!   file each.
-//! * [`propagation`] is an observer too: it estimates how errors grow in a run, or computes the derivative of the run.
-//! * [`orbit`] maps states over whole cycles of a drive, one or many side by side, with derivatives: what periodic
-//!   orbits, basins and exponents are made of.
-//! * [`run`] runs a system with the usual observers in one call.
-//! * [`theory`] holds steady states known in closed form; no run uses it.
+//! | room | what is in it |
+//! |---|---|
+//! | [`number`] | doubles, double-doubles, numbers with derivatives ([`real`]), arrays over lanes |
+//! | [`force`] | what drives the structure: harmonics, records, impulses |
+//! | [`segment`] | a stretch of smooth motion ([`flight`]), its power series ([`taylor`]), and the search for the first event in it with proof ([`roots`], [`contact`]) |
+//! | [`host`] | the primary structure: an [`oscillator`] and what drives it; it knows no absorber |
+//! | [`absorber`] | the interface of an absorber ([`system`]); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]); the laws of an impact ([`impact`]) and of infinitely many ([`chatter`]) |
+//! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
+//! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s; [`measures::pass`] for measures of a file each; [`summary`] joins them |
+//! | [`orbit`] | maps over whole cycles of a drive, one or many, with derivatives; [`propagation`]: how errors grow in a run, or its derivative |
+//! | [`lanes`] | the loop for many runs side by side, with all of that |
+//! | [`theory`] | steady states known in closed form; no run uses it |
+//!
+//! [`run`] runs a system with the usual observers in one call; [`range`] holds the ranges of numbers that a run accepts.
+//!
+//! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
+//! run. The flights of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier
+//! (`absorber/siva/trial.rs`, `lanes/free_mass.rs`). Lanes of pendulums show observers only those steps under force that
+//! may change more than sums (`lanes/piva.rs`); lanes of coupled masses log every flight, and their runs notify their
+//! observers of them (`lanes/logged.rs`).
+//!
+//! **Measures.** Those of a decay are functions of its log (`measures/decay.rs`), whether it ran alone or in a lane. The
+//! log of a free mass holds the begins of its motions, which have a closed form; that of any other absorber the stretches
+//! in which x is monotonic. The measures of a free mass under one harmonic force are computed from a log of its flights
+//! (`measures/forced.rs`).
 //!
 //! `CONTRIBUTING.md` tells how to add a measure or a field, `docs/adding-an-absorber.md` how to add an
 //! absorber.
@@ -79,41 +77,24 @@
 //! # Ok::<(), iva_core::error::Invalid>(())
 //! ```
 
-mod arrays;
-pub mod chatter;
-pub mod compensated;
-pub mod contact;
-pub mod coupled;
+pub mod absorber;
+pub mod engine;
 pub mod error;
-pub mod extremes;
-pub mod flight;
 pub mod force;
 pub mod host;
-pub mod impact;
 pub mod lanes;
-mod limits;
-mod log;
 pub mod measures;
-pub mod observe;
+pub mod number;
 pub mod orbit;
-pub mod oscillator;
-pub mod peaks;
-pub mod piva;
-mod plain;
-pub mod polynomial;
-pub mod propagation;
-mod quintic;
 pub mod range;
-pub mod real;
-pub mod roots;
 pub mod run;
-pub mod sample;
-mod settling;
-pub mod simulate;
-pub mod siva;
-pub mod steady;
-pub mod summary;
-pub mod system;
-pub mod taylor;
+pub mod segment;
 pub mod theory;
-mod trigonometry;
+
+// What users name, without its room.
+pub use absorber::{chatter, coupled, impact, piva, siva, system};
+pub use engine::{observe, simulate};
+pub use host::oscillator;
+pub use measures::{extremes, peaks, propagation, sample, steady, summary};
+pub use number::{compensated, real};
+pub use segment::{contact, flight, polynomial, roots, taylor};

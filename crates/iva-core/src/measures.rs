@@ -3,23 +3,31 @@
 //! None is *the* damping ratio. All are taken from the exact motion during the run: no samples, no envelope
 //! fits to sampled data. Reference amplitude A₀ = |x(0)|, or the first peak when x(0) = 0.
 
-use crate::compensated::DoubleDouble;
-use crate::flight::Motion;
-use crate::observe::{Contact, Each, Observer, Span};
-use crate::peaks::{HalfCycles, Peak, monotone};
-use crate::real::Real;
-use crate::settling::{LEVELS, LastCrossing};
-use crate::simulate::{Instant, Outcome, Tally};
-use crate::system::{Point, System};
+use crate::absorber::system::{Point, System};
+use crate::engine::observe::{Contact, Each, Observer, Span};
+use crate::engine::simulate::{Instant, Outcome, Tally};
+use crate::measures::peaks::{HalfCycles, Peak, monotone};
+use crate::measures::settling::{LEVELS, LastCrossing};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::Motion;
 
 pub(crate) use decay::{Sinusoids, Stretch, Stretches, in_motion, keeps, looks};
 pub(crate) use ledger::Ledger;
 
 mod decay;
+pub mod extremes;
 pub(crate) mod forced;
 mod ledger;
+pub(crate) mod log;
 pub mod near_wall;
 pub mod pass;
+pub mod peaks;
+pub mod propagation;
+pub mod sample;
+mod settling;
+pub mod steady;
+pub mod summary;
 
 /// Peaks below this share of A₀ end the least-squares fit.
 const FIT_FLOOR: f64 = 0.05;

@@ -13,17 +13,18 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::Matrix4;
 
+use crate::absorber::alone::Alone;
+use crate::absorber::piva::Piva;
+use crate::absorber::plain::{BASE, FORCE};
+use crate::absorber::siva::Siva;
+use crate::absorber::system::{Clock, System};
+use crate::engine::simulate::{Instant, Limits, Outcome, Run};
 use crate::error::{Invalid, number};
-use crate::host::{Alone, DrivenHost, UndrivenHost};
+use crate::host::{DrivenHost, UndrivenHost};
 use crate::lanes::free_mass::{ExactDriven, FastDriven, FreeMasses};
 use crate::lanes::{LANES, SideBySide, Tier, WIDE, with_steps};
-use crate::piva::Piva;
-use crate::plain::{BASE, FORCE};
-use crate::propagation::{Differentiable, Tangent};
+use crate::measures::propagation::{Differentiable, Tangent};
 use crate::range;
-use crate::simulate::{Instant, Limits, Outcome, Run};
-use crate::siva::Siva;
-use crate::system::{Clock, System};
 
 mod in_lanes;
 

@@ -4,7 +4,7 @@
 //! lowest rebound: nothing overflows, and no underflow affects a result.
 
 use crate::error::{Invalid, number};
-use crate::real::Real;
+use crate::number::real::Real;
 
 /// Smallest size of a length, velocity or time other than 0, in natural units.
 pub const SMALLEST: f64 = 1e-75;

@@ -1,13 +1,13 @@
 //! One run with the usual observers, in one call.
 
+use crate::absorber::impact::Impact;
+use crate::absorber::system::System;
+use crate::engine::observe::{Events, StickEpisode};
+use crate::engine::simulate::{Limits, Tally, simulate};
 use crate::error::{Invalid, number};
-use crate::impact::Impact;
+use crate::measures::peaks::Peak;
+use crate::measures::sample::{Sampler, State};
 use crate::measures::{MeasureValues, Measures, Wanted};
-use crate::observe::{Events, StickEpisode};
-use crate::peaks::Peak;
-use crate::sample::{Sampler, State};
-use crate::simulate::{Limits, Tally, simulate};
-use crate::system::System;
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq)]

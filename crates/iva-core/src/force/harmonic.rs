@@ -1,12 +1,12 @@
 //! A harmonic force: its values, Taylor coefficients and bounds, with a phase that does not drift.
 
 use super::{Acts, Push};
-use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::number::series::{ORDER, unrolled};
+use crate::number::trigonometry::{plain_sine_cosine, sine_cosine};
 use crate::range;
-use crate::real::Real;
-use crate::taylor::{ORDER, unrolled};
-use crate::trigonometry::{plain_sine_cosine, sine_cosine};
 
 /// Largest phase in rad: reduced to one turn in double-double, it still has some 20 digits.
 const LARGEST_PHASE: f64 = 1e9;

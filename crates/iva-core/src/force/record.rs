@@ -7,10 +7,10 @@ use std::any::Any;
 use std::sync::{Arc, Mutex};
 
 use super::{Acts, Push};
-use crate::compensated::DoubleDouble;
 use crate::error::{Invalid, number};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
 use crate::range;
-use crate::real::Real;
 
 /// Instants that differ by more than this part of their size are told apart by plain numbers.
 const CLOSE: f64 = 8.0 * f64::EPSILON;

@@ -10,19 +10,19 @@
 //! closed form it has no special case at resonance. Where the force is linear there is no resonance, and the motion is
 //! that of the structure without drive about a uniform one (`host/driven/ramped.rs`). Gravity along the motion adds a constant to f/M and to
 //! a_g (`host/driven/weight.rs`). Powers are those of t/`step`; `step` is a power of two, so that scaling is
-//! exact. Terms up to h³ are computed in double-double, as in [`crate::oscillator`].
+//! exact. Terms up to h³ are computed in double-double, as in [`crate::host::oscillator`].
 
 use std::cell::OnceCell;
 
 use super::{Flown, HostState, Integrated, Structure};
-use crate::arrays::laned;
-use crate::compensated::DoubleDouble;
-use crate::flight::{Jet, Quantity, Rows, Turns};
 use crate::force::{Drive, Pushes, Smooth};
-use crate::oscillator::{Arrival, Equation, Primary};
-use crate::real::Real;
-use crate::system::Clock;
-use crate::taylor::{Number, ORDER, Row, unrolled};
+use crate::host::oscillator::{Arrival, Equation, Primary};
+use crate::number::arrays::laned;
+use crate::number::clock::Clock;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::{Jet, Quantity, Rows, Turns};
+use crate::segment::taylor::{Number, ORDER, Row, unrolled};
 
 use bounds::bounds;
 use integral::{at_nodes, mean_product, nodes};

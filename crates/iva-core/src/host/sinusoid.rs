@@ -7,14 +7,14 @@
 //! ```
 //!
 //! So its turning points follow each other after half a period π/ω, each smaller than the last by the factor
-//! e^{−πδ/ω}, and |Z| bounds |x| at all later times. The series of [`crate::oscillator`] hold for short
+//! e^{−πδ/ω}, and |Z| bounds |x| at all later times. The series of [`crate::host::oscillator`] hold for short
 //! flights and any damping; these formulas hold for any length.
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E, PI};
 
-use crate::real::pick;
-use crate::taylor::unrolled;
-use crate::trigonometry::{factorials, negated};
+use crate::number::real::pick;
+use crate::number::trigonometry::{factorials, negated};
+use crate::segment::taylor::unrolled;
 
 pub(crate) use passage::Passage;
 
@@ -215,8 +215,8 @@ fn arctangent(q: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compensated::DoubleDouble;
-    use crate::oscillator::{Oscillator, Primary};
+    use crate::host::oscillator::{Oscillator, Primary};
+    use crate::number::compensated::DoubleDouble;
 
     /// The motion by the power series of the oscillator in double-double, step by step.
     fn by_series(mass: f64, damping_ratio: f64, from: Motion, h: f64) -> Motion {

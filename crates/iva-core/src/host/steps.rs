@@ -1,9 +1,9 @@
 //! The motion of a structure without drive over a whole number of steps of one length, by matrices that are computed
 //! once.
 
-use crate::compensated::{DoubleDouble, two_product};
-use crate::oscillator::{Oscillator, Primary};
-use crate::real::Real;
+use crate::host::oscillator::{Oscillator, Primary};
+use crate::number::compensated::{DoubleDouble, two_product};
+use crate::number::real::Real;
 
 /// Largest number of steps at once: all bits of an index.
 pub(crate) const MOST: usize = 31;

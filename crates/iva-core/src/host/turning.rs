@@ -1,8 +1,8 @@
 //! The extrema of x in a motion, by Newton's method on its Taylor series.
 
-use crate::flight::{Arc, Turns};
-use crate::quintic::{monomials, root};
-use crate::real::Real;
+use crate::number::real::Real;
+use crate::segment::flight::{Arc, Turns};
+use crate::segment::quintic::{monomials, root};
 
 /// x and its first four derivatives at one instant.
 pub(crate) type Jets<R> = [R; 5];

@@ -1,4 +1,4 @@
-//! A structure without drive: its motion in closed form ([`crate::oscillator`]).
+//! A structure without drive: its motion in closed form ([`crate::host::oscillator`]).
 
 use std::any::TypeId;
 use std::sync::{Arc, OnceLock};
@@ -7,12 +7,12 @@ use super::sinusoid::MOST_DAMPED;
 use super::steps::Steps;
 use super::turning::{Jets, guess, turning};
 use super::{Flown, Host, HostState, Integrated, Structure};
-use crate::compensated::DoubleDouble;
-use crate::flight::{Jet, Rows, Turns};
-use crate::oscillator::{Equation, Oscillator, Primary};
-use crate::real::Real;
-use crate::system::Clock;
-use crate::taylor::ORDER;
+use crate::host::oscillator::{Equation, Oscillator, Primary};
+use crate::number::clock::Clock;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::{Jet, Rows, Turns};
+use crate::segment::taylor::ORDER;
 
 impl<R: Real> Structure for Oscillator<R> {
     type Real = R;

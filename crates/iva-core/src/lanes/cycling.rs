@@ -1,10 +1,10 @@
 //! Lanes in which trajectories go from cycle to cycle ([`crate::orbit`]).
 
 use super::Loaded;
+use crate::absorber::system::System;
+use crate::engine::simulate::Run;
 use crate::measures::forced::Forced;
-use crate::propagation::Tangent;
-use crate::simulate::Run;
-use crate::system::System;
+use crate::measures::propagation::Tangent;
 
 /// A set of such lanes. A lane takes a run over, and can repeat
 /// it from another state.

@@ -1,12 +1,12 @@
-//! Free decays: lanes compute motions only and log where the motions of the structure begin ([`crate::log`]),
+//! Free decays: lanes compute motions only and log where the motions of the structure begin ([`crate::measures::log`]),
 //! as the event loop does where it goes on. Measures are computed from the log ([`crate::measures`]).
 
 use super::free_mass::{FreeMasses, Tier};
 use super::{Job, Listing, Lockstep, ScalarRun};
+use crate::absorber::siva::Siva;
 use crate::host::Host;
-use crate::log::Log;
+use crate::measures::log::Log;
 use crate::measures::{Wanted, keeps};
-use crate::siva::Siva;
 
 /// The run of a lane.
 pub(super) type Decaying<'a> = ScalarRun<'a, Siva>;

@@ -3,10 +3,10 @@
 
 use super::free_mass::{FreeMasses, Tier};
 use super::{Job, Listing, Lockstep, ScalarRun};
+use crate::absorber::siva::Siva;
 use crate::host::DrivenHost;
 use crate::measures::Wanted;
 use crate::measures::forced::Forced;
-use crate::siva::Siva;
 
 /// The run of a lane.
 pub(super) type Driven<'a> = ScalarRun<'a, Siva<DrivenHost>>;

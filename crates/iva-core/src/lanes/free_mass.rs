@@ -7,9 +7,9 @@
 //! What is not simple (a low rebound, the sum of a chatter, a stick episode, a grazing) is left to the event loop,
 //! from the same state.
 //!
-//! One round of a lane tries a stretch of flight and finds the contact in it ([`crate::siva::trial`]), so that
+//! One round of a lane tries a stretch of flight and finds the contact in it ([`crate::absorber::siva::trial`]), so that
 //! nearly every round completes a stretch; then it decides what follows ([`round::commit`]). Where nothing drives
-//! the structure, an absorber far from its walls coasts ([`crate::siva::coasts`]). A [`Tier`] has the numbers of
+//! the structure, an absorber far from its walls coasts ([`crate::absorber::siva::coasts`]). A [`Tier`] has the numbers of
 //! a state, and what its motion depends on. Lanes only move, and log what measures need: free decays
 //! ([`super::decays`]) the begins of their motions, driven runs ([`super::forced`]) their flights.
 
@@ -21,16 +21,16 @@ mod listing;
 mod round;
 
 use super::{ScalarRun, SideBySide, pick};
-use crate::arrays::{Laned, Lanes, any};
+use crate::absorber::plain::State;
+use crate::absorber::siva::trial::{FreeMass, Sight, search};
+use crate::absorber::siva::{Law, coasts};
+use crate::absorber::system::{Clock, System};
+use crate::engine::simulate::{Run, Tally};
 use crate::host::Steps;
-use crate::log::Entry;
 use crate::measures::forced::Forced;
-use crate::plain::State;
-use crate::real::Real;
-use crate::simulate::{Run, Tally};
-use crate::siva::trial::{FreeMass, Sight, search};
-use crate::siva::{Law, coasts};
-use crate::system::{Clock, System};
+use crate::measures::log::Entry;
+use crate::number::arrays::{Laned, Lanes, any};
+use crate::number::real::Real;
 
 pub(crate) use exact::{ExactDecays, ExactDriven};
 pub(crate) use fast::{FastDecays, FastDriven};
@@ -142,16 +142,16 @@ pub(crate) struct Loaded<'a, S: System> {
     pub forced: Option<&'a Forced>,
 }
 
-/// What every [`Tier`] of [`Siva`](crate::siva::Siva) has.
+/// What every [`Tier`] of [`Siva`](crate::absorber::siva::Siva) has.
 macro_rules! of_siva {
     () => {
-        fn laws(system: &Self::System) -> [$crate::siva::Law; 2] {
+        fn laws(system: &Self::System) -> [$crate::absorber::siva::Law; 2] {
             *system.laws()
         }
 
         fn in_doubles(
-            state: &<Self::System as $crate::system::System>::State,
-        ) -> $crate::plain::State {
+            state: &<Self::System as $crate::absorber::system::System>::State,
+        ) -> $crate::absorber::plain::State {
             state.in_doubles()
         }
     };

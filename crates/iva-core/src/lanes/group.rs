@@ -6,13 +6,13 @@ use super::running::Running;
 use super::{
     Job, Listed, Listing, Lockstep, ScalarRun, SideBySide, TakeListed, Tier, Watch, is_set,
 };
+use crate::engine::observe::Events;
+use crate::engine::simulate::{Instant, Run, Tally};
 use crate::error::Invalid;
 use crate::measures::Wanted;
-use crate::observe::Events;
-use crate::propagation::Errors;
-use crate::simulate::{Instant, Run, Tally};
-use crate::steady::Steady;
-use crate::summary::Summary;
+use crate::measures::propagation::Errors;
+use crate::measures::steady::Steady;
+use crate::measures::summary::Summary;
 
 /// Groups of fewer runs than this go one by one.
 const WORTHWHILE: usize = 3;

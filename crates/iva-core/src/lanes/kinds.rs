@@ -7,14 +7,15 @@ use super::forced::ForcedRuns;
 use super::free_mass::{ExactDecays, ExactDriven, FastDecays, FastDriven};
 use super::group::{Group, grouped};
 use super::{Job, LANES, Listing, SideBySide, TakeListed, Tier, WIDE};
+use crate::absorber::alone::Alone;
+use crate::absorber::piva::Piva;
+use crate::absorber::plain::{BASE, FORCE};
+use crate::absorber::siva::Siva;
+use crate::absorber::system::System;
 use crate::error::Invalid;
-use crate::host::{Alone, DrivenHost, UndrivenHost};
+use crate::host::{DrivenHost, UndrivenHost};
 use crate::measures::Wanted;
-use crate::piva::Piva;
-use crate::plain::{BASE, FORCE};
-use crate::siva::Siva;
-use crate::steady::SteadyWanted;
-use crate::system::System;
+use crate::measures::steady::SteadyWanted;
 
 /// [`SideBySide::run_jobs`] compiled in this crate.
 macro_rules! run_jobs {
@@ -34,8 +35,8 @@ macro_rules! run_jobs {
 macro_rules! with_steps {
     ($piva:expr, $lanes:ident => $body:expr) => {{
         use $crate::lanes::piva::Steps;
-        use $crate::taylor::{ORDER, with_order};
-        let piva: &$crate::piva::Piva = $piva;
+        use $crate::segment::taylor::{ORDER, with_order};
+        let piva: &$crate::absorber::piva::Piva = $piva;
         let (order, driven) = (piva.accuracy.order, !piva.force().is_none());
         // At small angles the order is always the highest.
         match (driven, piva.pendulum.small_angles) {

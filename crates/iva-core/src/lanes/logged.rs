@@ -3,9 +3,9 @@
 
 use super::free_mass::{FreeMasses, Stretch, Tier};
 use super::{Job, Listing, Lockstep, ScalarRun};
+use crate::absorber::system::System;
+use crate::engine::observe::{Contact, Observer, Span};
 use crate::measures::Wanted;
-use crate::observe::{Contact, Observer, Span};
-use crate::system::System;
 
 /// Number of flights after which the run of a lane takes them, so that a long run needs no more memory.
 const FULL: usize = 256;

@@ -3,8 +3,8 @@
 use std::iter::repeat_with;
 
 use super::{Group, IndexedRun, Lockstep, SideBySide, Watch, is_set};
-use crate::real::Real;
-use crate::simulate::Tally;
+use crate::engine::simulate::Tally;
+use crate::number::real::Real;
 
 /// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u64 = 1024;

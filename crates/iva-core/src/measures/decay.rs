@@ -8,9 +8,9 @@
 //! and the largest |x| of the last period from the end back, to the first motion that does not matter.
 
 use super::{CLOSE, Measures, Wanted, late};
-use crate::peaks::Monotone;
-use crate::real::Real;
-use crate::system::{Clock, System};
+use crate::absorber::system::{Clock, System};
+use crate::measures::peaks::Monotone;
+use crate::number::real::Real;
 
 pub(crate) use sinusoids::{Sinusoids, keeps};
 pub(crate) use stretches::{Stretch, Stretches, in_motion};

@@ -8,18 +8,18 @@
 //!
 //! A flight that crosses the begin of the window of the steady state is logged as two.
 
-use crate::arrays::Lanes as _;
-use crate::compensated::DoubleDouble;
-use crate::flight::GapPoint;
-use crate::impact::Impact;
+use crate::absorber::impact::Impact;
+use crate::absorber::plain::responses::Responses;
+use crate::absorber::plain::{BASE, FORCE, Scene, State, Structure};
+use crate::absorber::system::{Clock, Point, Wall};
+use crate::host::oscillator::Equation;
 use crate::measures::Wanted;
-use crate::oscillator::Equation;
-use crate::plain::responses::Responses;
-use crate::plain::{BASE, FORCE, Scene, State, Structure};
-use crate::real::Real;
-use crate::sample::SLACK;
-use crate::steady::{Steady, SteadyWanted, Strobed};
-use crate::system::{Clock, Point, Wall};
+use crate::measures::steady::{Steady, SteadyWanted, Strobed};
+use crate::number::arrays::Lanes as _;
+use crate::number::clock::SLACK;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::GapPoint;
 
 mod extremes;
 mod flights;

@@ -1,9 +1,9 @@
 //! The energies that a run has exchanged with the outside.
 
-use crate::arrays::laned;
-use crate::compensated::DoubleDouble;
-use crate::flight::Losses;
-use crate::real::Real;
+use crate::number::arrays::laned;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::Losses;
 
 /// Sums of losses and work, in double-double.
 #[derive(Debug, Clone, Copy, PartialEq)]

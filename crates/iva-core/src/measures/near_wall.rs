@@ -1,9 +1,9 @@
 //! The time that the absorber spends close to a wall, stuck on it or not.
 
 use super::pass::Pass;
-use crate::flight::Travel;
-use crate::polynomial::{jet, turned, turnings};
-use crate::real::Real;
+use crate::number::real::Real;
+use crate::segment::flight::Travel;
+use crate::segment::polynomial::{jet, turned, turnings};
 
 /// The distance that is close, over the clearance.
 const CLOSE: f64 = 0.01;

@@ -3,11 +3,11 @@
 //! A [`Pass`] sees the polynomials of each stretch, whatever the absorber and the numbers; [`Passes`] shows them to
 //! it. A column of the table that names a pass is all that makes it a measure of the product.
 
-use crate::flight::{Motion, Travel};
-use crate::observe::{Observer, Span};
-use crate::real::Real;
-use crate::simulate::{Instant, Outcome, Tally};
-use crate::system::System;
+use crate::absorber::system::System;
+use crate::engine::observe::{Observer, Span};
+use crate::engine::simulate::{Instant, Outcome, Tally};
+use crate::number::real::Real;
+use crate::segment::flight::{Motion, Travel};
 
 /// A measure of a run, in natural units.
 pub trait Pass<R: Real>: std::fmt::Debug {

@@ -4,14 +4,14 @@
 //! cycle; the next cycle is a new run, which the lane takes over at once.
 
 use super::{Image, Iterated, Request, See, Trajectory, Turn, begun, image};
+use crate::absorber::system::Clock;
+use crate::engine::simulate::{Limits, Outcome};
 use crate::lanes::{Cycling, Loaded, Tier};
 use crate::measures::Wanted;
 use crate::measures::forced::Forced;
-use crate::propagation::Tangent;
-use crate::real::Real;
-use crate::simulate::{Limits, Outcome};
-use crate::steady::SteadyWanted;
-use crate::system::Clock;
+use crate::measures::propagation::Tangent;
+use crate::measures::steady::SteadyWanted;
+use crate::number::real::Real;
 
 /// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u32 = 1024;

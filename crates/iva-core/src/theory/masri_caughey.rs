@@ -6,11 +6,11 @@ use nalgebra::{Matrix4, Schur, Vector4};
 
 use super::Complex;
 use super::half_cycle::{FreeMotion, HalfCycle};
+use crate::absorber::piva::Parameters;
+use crate::absorber::system::Start;
 use crate::error::{Invalid, number};
 use crate::force::{Acts, Harmonic};
-use crate::piva::Parameters;
 use crate::range;
-use crate::system::Start;
 
 /// Frequencies Ω that are accepted, in ωn; outside, an angle of the half cycle loses its digits.
 const FREQUENCIES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::Complex;
 use super::half_cycle::HalfCycle;
+use crate::absorber::piva::Parameters;
 use crate::error::Invalid;
-use crate::piva::Parameters;
 
 /// θ where the manifold loses its stability by period doubling: π²/(π² − 4).
 const PERIOD_DOUBLING: f64 = PI * PI / (PI * PI - 4.0);

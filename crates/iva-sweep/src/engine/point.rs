@@ -2,8 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 
+use iva_core::absorber::alone::Alone;
 use iva_core::extremes::Extremes;
-use iva_core::host::{Alone, DrivenHost, UndrivenHost};
+use iva_core::host::{DrivenHost, UndrivenHost};
 use iva_core::lanes::Listing;
 use iva_core::measures::Wanted;
 use iva_core::measures::near_wall::NearWall;

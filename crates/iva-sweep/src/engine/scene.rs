@@ -1,8 +1,9 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
+use iva_core::absorber::alone::Alone;
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
-use iva_core::host::{Alone, DrivenHost, UndrivenHost};
+use iva_core::host::{DrivenHost, UndrivenHost};
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::real::Real;
 use iva_core::siva::Siva;

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    absorber::alone::Alone,
     force::{Acts, Force, Harmonic},
-    host::Alone,
     propagation::Errors,
     real::twofold::Twofold,
     run::{run, states},

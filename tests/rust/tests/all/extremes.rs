@@ -6,9 +6,9 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use iva_core::{
+    absorber::alone::Alone,
     extremes::{ExtremeValues, Extremes},
     force::{Acts, Force, Harmonic, History, Record},
-    host::Alone,
     measures::{Measures, Wanted},
     observe::Events,
     piva::{Parameters, Piva},

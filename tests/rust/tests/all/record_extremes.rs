@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use iva_core::{
+    absorber::alone::Alone,
     force::{Acts, Force, History, Impulse, Record},
-    host::Alone,
     run::states,
     simulate::{Limits, simulate},
     steady::{Steady, SteadyWanted, Window},

@@ -13,8 +13,8 @@
 use std::array::from_fn;
 
 use super::{Forces, Source, Weight};
-use crate::oscillator::Equation;
-use crate::real::Real;
+use crate::host::oscillator::Equation;
+use crate::number::real::Real;
 
 /// Bounds on a_g and its first four derivatives, and the contribution of the drive to the bounds on A and its
 /// first six.

@@ -4,11 +4,11 @@ use std::any::TypeId;
 use std::sync::{Arc, OnceLock};
 
 use super::{Driven, Forces, Moment, Pieces, Place, Source, Weight};
-use crate::compensated::DoubleDouble;
 use crate::force::{Force, Pushes, Smooth};
 use crate::host::Host;
-use crate::real::Real;
-use crate::system::Clock;
+use crate::number::clock::Clock;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
 
 /// A structure under force and base motion.
 #[derive(Debug, Clone)]

@@ -4,8 +4,8 @@
 //! of some 10⁻¹⁷. Losses and work are never differences of energies, so that the energy ledger is an
 //! independent check.
 
-use crate::real::Real;
-use crate::taylor::{ORDER, Row};
+use crate::number::real::Real;
+use crate::segment::taylor::{ORDER, Row};
 
 /// Number of nodes.
 pub(crate) const COUNT: usize = 8;

@@ -2,12 +2,12 @@
 
 use super::integral::{at_nodes, mean_product, nodes};
 use super::{Driven, Moment, Powers, Source};
-use crate::flight::{Arc, Extreme, Quantity};
+use crate::host::oscillator::Primary;
 use crate::host::turning::{Jets, Turned, guess, turned_once};
 use crate::host::{HostState, Integrated, Structure};
-use crate::oscillator::Primary;
-use crate::real::Real;
-use crate::taylor::{ORDER, Row, unrolled};
+use crate::number::real::Real;
+use crate::segment::flight::{Arc, Extreme, Quantity};
+use crate::segment::taylor::{ORDER, Row, unrolled};
 
 impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// The series of the derivative: each coefficient times (n + 1)/step, one power lower.

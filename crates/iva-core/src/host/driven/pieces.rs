@@ -15,12 +15,12 @@
 
 use std::sync::OnceLock;
 
-use crate::compensated::DoubleDouble;
-use crate::flight::Quantity;
 use crate::force::{Acts, Record};
-use crate::oscillator::{Equation, Oscillator, Primary};
-use crate::real::Real;
-use crate::system::Clock;
+use crate::host::oscillator::{Equation, Oscillator, Primary};
+use crate::number::clock::Clock;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::Quantity;
 
 pub(crate) use integrals::{Forms, Sums};
 
@@ -97,7 +97,7 @@ pub(crate) struct Plain {
 #[derive(Debug, Clone, Copy)]
 struct Responses<R> {
     h: DoubleDouble<R>,
-    /// P, Q and S of [`crate::oscillator`].
+    /// P, Q and S of [`crate::host::oscillator`].
     p: DoubleDouble<R>,
     q: DoubleDouble<R>,
     s: DoubleDouble<R>,

@@ -2,18 +2,18 @@
 //!
 //! Under f/M = f + ḟ t and a_g = g + ġ t the motion in which the spring carries the load is uniform, of velocity
 //! s = ḟ − ġ m. The motion about it is that without drive, from the velocity ẋ − s and the acceleration ẍ
-//! ([`crate::oscillator`]):
+//! ([`crate::host::oscillator`]):
 //!
 //! ```text
 //! x(h) = x + ẋ h + curved,    ∬A = curved + g h²/2 + ġ h³/6.
 //! ```
 
 use super::Moment;
-use crate::compensated::DoubleDouble;
 use crate::force::{Push, Pushes};
 use crate::host::HostState;
-use crate::oscillator::{Arrival, Equation, Oscillator, Primary};
-use crate::real::Real;
+use crate::host::oscillator::{Arrival, Equation, Oscillator, Primary};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
 
 /// One mass on the spring and damper of a structure under a linear drive.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
     use crate::force::{Acts, Force, History, Record};
     use crate::host::{DrivenHost, Host, Source, Structure};
-    use crate::system::Clock;
+    use crate::number::clock::Clock;
 
     /// The fractional parts of multiples of an irrational number.
     fn spread(i: u32, k: u32) -> f64 {

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::{Moment, Weight};
-use crate::compensated::DoubleDouble;
 use crate::force::{Acts, Drive, Force, Harmonic, Pushes, Smooth};
-use crate::real::Real;
-use crate::system::Clock;
+use crate::number::clock::Clock;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
 
 /// The drive of a structure: f/M and a_g as functions of time.
 pub trait Source: Clone + std::fmt::Debug {

@@ -14,8 +14,8 @@
 //! of ẍ + a_g: the gap obeys ÿ = −A, a stuck absorber presses with A per unit of its mass, and all equations
 //! for a moving base hold.
 
-use crate::compensated::DoubleDouble;
-use crate::real::Real;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
 
 /// Gravity along the motion, for a structure with its absorber in flight or stuck to it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Motion, Sinusoid, arctangent, fallen};
-use crate::real::pick;
+use crate::number::real::pick;
 
 /// Largest number of steps to a passage: as many as halvings can be told apart.
 const MOST_STEPS: usize = 100;

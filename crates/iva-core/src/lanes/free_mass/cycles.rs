@@ -1,15 +1,15 @@
 //! Trajectories of free masses from cycle to cycle.
 
 use super::{FreeMasses, Loaded, Tier};
-use crate::arrays::Lanes as _;
+use crate::absorber::plain::State;
+use crate::absorber::siva::{Siva, SivaState};
+use crate::absorber::system::Clock;
+use crate::engine::simulate::Run;
 use crate::host::{Host, Phase};
 use crate::lanes::{Cycling, SideBySide};
 use crate::measures::forced::Forced;
-use crate::plain::State;
-use crate::propagation::Tangent;
-use crate::simulate::Run;
-use crate::siva::{Siva, SivaState};
-use crate::system::Clock;
+use crate::measures::propagation::Tangent;
+use crate::number::arrays::Lanes as _;
 
 impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> Cycling<Siva<H>>
     for FreeMasses<T, W>

@@ -1,15 +1,15 @@
 //! Free masses of the exact tier: states in double-double.
 
 use super::{Loaded, Tier, of_siva};
-use crate::arrays::{Lanes as _, arrays};
-use crate::compensated::DoubleDouble;
+use crate::absorber::siva::exact::InFlight;
+use crate::absorber::siva::{Siva, SivaState, coasts};
+use crate::absorber::system::Clock;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes, Smooth};
+use crate::host::oscillator::{Equation, Oscillator, Primary};
 use crate::host::steps::Responses;
 use crate::host::{self, DrivenHost, Host as _, HostState, Moment, Source, Steps, Structure};
-use crate::oscillator::{Equation, Oscillator, Primary};
-use crate::siva::exact::InFlight;
-use crate::siva::{Siva, SivaState, coasts};
-use crate::system::Clock;
+use crate::number::arrays::{Lanes as _, arrays};
+use crate::number::compensated::DoubleDouble;
 
 /// A state at rest in the middle of the gap.
 fn at_rest<P>(phase: P) -> SivaState<P> {

@@ -1,17 +1,17 @@
 //! Free masses of the fast tier: states in plain doubles.
 
 use super::{Loaded, Tier, of_siva};
-use crate::arrays::Lanes as _;
-use crate::compensated::DoubleDouble;
+use crate::absorber::plain::mass::Mass;
+use crate::absorber::plain::responses::{OfLane, Responses, Tables};
+use crate::absorber::plain::{BASE, FREE, State, Structure, Structures};
+use crate::absorber::siva::{Siva, SivaState, coasts};
+use crate::absorber::system::Clock;
 use crate::force::{Pushes, Smooth};
+use crate::host::oscillator::{Equation, Primary};
 use crate::host::{DrivenHost, Host, Moment, Phase, Steps};
-use crate::oscillator::{Equation, Primary};
-use crate::plain::mass::Mass;
-use crate::plain::responses::{OfLane, Responses, Tables};
-use crate::plain::{BASE, FREE, State, Structure, Structures};
-use crate::real::Real;
-use crate::siva::{Siva, SivaState, coasts};
-use crate::system::Clock;
+use crate::number::arrays::Lanes as _;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
 
 /// A state at rest in the middle of the gap.
 const AT_REST: State =

@@ -1,13 +1,13 @@
 //! One lane: the variables of a run that change in its flights, beside its state, and arrays of such lanes.
 
 use super::Tier;
-use crate::arrays::{Laned as _, arrays};
+use crate::absorber::siva::Law;
+use crate::absorber::siva::trial::Trial;
+use crate::absorber::system::{Clock, System as _};
+use crate::engine::simulate::counts::Counts;
+use crate::engine::simulate::{Phase as Doing, Run};
 use crate::lanes::SideBySide;
-use crate::simulate::counts::Counts;
-use crate::simulate::{Phase as Doing, Run};
-use crate::siva::Law;
-use crate::siva::trial::Trial;
-use crate::system::{Clock, System as _};
+use crate::number::arrays::{Laned as _, arrays};
 
 arrays! {
     /// The variables of one run.

@@ -1,14 +1,14 @@
 //! The impacts of lanes, and the states after them, until their runs take them.
 
 use super::{FreeMasses, Tier, TierRun};
-use crate::arrays::Lanes as _;
+use crate::absorber::impact::Impact;
+use crate::absorber::plain::State;
+use crate::absorber::siva::trial::FreeMass as _;
+use crate::absorber::siva::{Siva, SivaState};
+use crate::absorber::system::{Clock, Wall};
 use crate::host::{Host, Phase};
-use crate::impact::Impact;
-use crate::plain::State;
-use crate::real::Real as _;
-use crate::siva::trial::FreeMass as _;
-use crate::siva::{Siva, SivaState};
-use crate::system::{Clock, Wall};
+use crate::number::arrays::Lanes as _;
+use crate::number::real::Real as _;
 
 /// The impacts of a lane that its run has not taken yet.
 #[derive(Debug)]

@@ -2,13 +2,13 @@
 //! clock and the next trial.
 
 use super::lane::Lane;
-use crate::arrays::{Laned, arrays};
-use crate::chatter::LOW;
+use crate::absorber::chatter::LOW;
+use crate::absorber::plain::State;
+use crate::absorber::siva::trial::{FreeMass, Landing, Sight, TRIES, Trial, land};
+use crate::absorber::system::Clock;
+use crate::engine::simulate::counts::{Counted, Counts};
 use crate::lanes::pick;
-use crate::plain::State;
-use crate::simulate::counts::{Counted, Counts};
-use crate::siva::trial::{FreeMass, Landing, Sight, TRIES, Trial, land};
-use crate::system::Clock;
+use crate::number::arrays::{Laned, arrays};
 
 arrays! {
     /// The results of one round of a lane.

@@ -1,15 +1,15 @@
 //! One lane: the variables of a run that change in its steps.
 
 use super::scene::Scene;
-use crate::arrays::{Laned, laned};
-use crate::impact::Impact;
+use crate::absorber::impact::Impact;
+use crate::absorber::piva::{PARTS, Piva, PivaState};
+use crate::absorber::system::Clock;
+use crate::engine::simulate::counts::{Counted, Counts};
+use crate::engine::simulate::{Phase, Run};
 use crate::lanes::{ScalarRun, pick};
 use crate::measures::Ledger;
-use crate::piva::{PARTS, Piva, PivaState};
-use crate::simulate::counts::{Counted, Counts};
-use crate::simulate::{Phase, Run};
-use crate::steady::{Quiet, Steady};
-use crate::system::Clock;
+use crate::measures::steady::{Quiet, Steady};
+use crate::number::arrays::{Laned, laned};
 
 use super::round::Round;
 

@@ -5,18 +5,18 @@ use super::Shared;
 use super::lane::{Lane, Lanes};
 use super::rows::Rows;
 use super::scene::{Scene, Scenes};
-use crate::arrays::{Laned, Lanes as _, any, laned};
-use crate::chatter::{LOW, REBOUND_LOOK};
-use crate::flight::{Arc, Losses};
-use crate::impact::Impact;
+use crate::absorber::chatter::{LOW, REBOUND_LOOK};
+use crate::absorber::impact::Impact;
+use crate::absorber::piva::accuracy::Sizes;
+use crate::absorber::piva::integrals::{self, Integrands};
+use crate::absorber::piva::step::{Step, Turning};
+use crate::absorber::piva::{PivaState, distance};
+use crate::absorber::system::Clock;
 use crate::lanes::pick;
-use crate::piva::accuracy::Sizes;
-use crate::piva::integrals::{self, Integrands};
-use crate::piva::step::{Step, Turning};
-use crate::piva::{PivaState, distance};
-use crate::real::Real;
-use crate::system::Clock;
-use crate::taylor::{ORDER, Pendulum, Remainder, Series, unrolled};
+use crate::number::arrays::{Laned, Lanes as _, any, laned};
+use crate::number::real::Real;
+use crate::segment::flight::{Arc, Losses};
+use crate::segment::taylor::{ORDER, Pendulum, Remainder, Series, unrolled};
 
 /// The results of one round of a lane.
 #[derive(Debug, Clone, Copy)]

@@ -1,7 +1,7 @@
 //! Series and forces of a step of every lane.
 
 use crate::force::Drive;
-use crate::taylor::{ORDER, Series, unrolled};
+use crate::segment::taylor::{ORDER, Series, unrolled};
 
 /// Coefficients of motion and force, each an array over the lanes.
 #[derive(Debug)]

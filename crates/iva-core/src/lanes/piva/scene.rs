@@ -1,14 +1,14 @@
 //! What the run of a lane does not change: pendulum, walls, force and limits.
 
-use crate::arrays::{Laned, laned};
-use crate::compensated::DoubleDouble;
+use crate::absorber::impact::Impact;
+use crate::absorber::piva::{Law, Piva, PivaState, Stops};
+use crate::absorber::system::{Clock, Wall};
+use crate::engine::simulate::Limits;
 use crate::force::{Acts, Drive, Harmonic};
-use crate::impact::Impact;
 use crate::lanes::pick;
-use crate::piva::{Law, Piva, PivaState, Stops};
-use crate::simulate::Limits;
-use crate::system::{Clock, Wall};
-use crate::taylor::{ORDER, Pendulum, Series, unrolled};
+use crate::number::arrays::{Laned, laned};
+use crate::number::compensated::DoubleDouble;
+use crate::segment::taylor::{ORDER, Pendulum, Series, unrolled};
 
 /// A pendulum under one harmonic force, which may be 0.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! The log of a decay whose structure moves in closed form.
 //!
-//! A run only logs where the motions of its structure begin ([`crate::log`]): after the start, an impact, a
+//! A run only logs where the motions of its structure begin ([`crate::measures::log`]): after the start, an impact, a
 //! stick and a release. What lies between follows from the closed form, so the measures do not depend on the
 //! stretches in which the run was computed. Turning points and losses of many motions are computed side by side
 //! in the lanes of vector instructions: one motion does not depend on another.
@@ -8,13 +8,13 @@
 use std::cell::OnceCell;
 
 use super::{Course, Measures, Passage, looks};
-use crate::flight::Motion;
+use crate::absorber::system::{Clock, System};
+use crate::engine::observe::Span;
 use crate::host::sinusoid::{self, Sinusoid};
-use crate::log::{Entry, Log};
 use crate::measures::Wanted;
-use crate::observe::Span;
-use crate::real::Real;
-use crate::system::{Clock, System};
+use crate::measures::log::{Entry, Log};
+use crate::number::real::Real;
+use crate::segment::flight::Motion;
 
 /// Number of motions side by side.
 const BLOCK: usize = 16;

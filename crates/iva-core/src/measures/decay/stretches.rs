@@ -1,11 +1,11 @@
 //! The log of a decay whose motions have no closed form: its stretches in which x is monotonic.
 
 use super::{Course, Measures, Passage, looks};
-use crate::flight::Motion;
-use crate::observe::Span;
-use crate::peaks::{Monotone, monotone};
-use crate::real::Real;
-use crate::system::{Clock, System};
+use crate::absorber::system::{Clock, System};
+use crate::engine::observe::Span;
+use crate::measures::peaks::{Monotone, monotone};
+use crate::number::real::Real;
+use crate::segment::flight::Motion;
 
 /// A stretch of a run in which x is monotonic.
 #[derive(Debug, Clone, Copy)]
@@ -153,11 +153,11 @@ impl<R: Real, S: System<Real = R>> Course<S> for Logged<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::FULL;
+    use crate::absorber::piva::{Parameters, Piva, PivaStart};
+    use crate::absorber::system::Start;
+    use crate::engine::simulate::{Limits, simulate};
     use crate::error::Invalid;
     use crate::measures::{Measures, Wanted};
-    use crate::piva::{Parameters, Piva, PivaStart};
-    use crate::simulate::{Limits, simulate};
-    use crate::system::Start;
 
     /// Also where x is 0 at first, so that A₀ is not known at once.
     #[test]

@@ -2,13 +2,13 @@
 //! exceeds the largest size known so far.
 
 use super::{BLOCK, Block, Forced, Part};
-use crate::arrays::{self, any};
-use crate::flight::{Arc, Extreme};
+use crate::absorber::plain::responses::Responses;
+use crate::absorber::plain::{State, Structure};
 use crate::host::turning::turn;
-use crate::plain::responses::Responses;
-use crate::plain::{State, Structure};
-use crate::quintic::root;
-use crate::real::{Real, pick};
+use crate::number::arrays::{self, any};
+use crate::number::real::{Real, pick};
+use crate::segment::flight::{Arc, Extreme};
+use crate::segment::quintic::root;
 
 /// A function of the state of a structure with its first five derivatives.
 type Jets = [f64; 6];

@@ -1,13 +1,13 @@
 //! The entries of the log of a driven run.
 
-use crate::arrays::{Lanes as _, arrays};
-use crate::compensated::DoubleDouble;
-use crate::plain::{State, Structure};
-use crate::real::Real;
-use crate::steady::Steady;
-use crate::system::{Clock, Wall};
-use crate::taylor::unrolled;
-use crate::trigonometry::factorials;
+use crate::absorber::plain::{State, Structure};
+use crate::absorber::system::{Clock, Wall};
+use crate::measures::steady::Steady;
+use crate::number::arrays::{Lanes as _, arrays};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::number::trigonometry::factorials;
+use crate::segment::taylor::unrolled;
 
 /// Number of flights side by side.
 pub(super) const BLOCK: usize = 16;

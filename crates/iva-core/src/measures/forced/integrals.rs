@@ -1,15 +1,15 @@
 //! Losses, work and ∫x² of flights as integrals.
 //!
-//! The integrals are Gaussian quadratures of the polynomial of ẋ ([`crate::plain`]), of its integral x, and of
+//! The integrals are Gaussian quadratures of the polynomial of ẋ ([`crate::absorber::plain`]), of its integral x, and of
 //! the force, never differences of energies, so that the energy ledger is an independent check. With [`NODES`]
 //! the square of a motion over the longest flight is integrated with a relative error of some 10⁻¹⁶.
 
 use super::flights::turned;
 use super::{BLOCK, Block, Forced};
-use crate::compensated::DoubleDouble;
-use crate::plain::responses::{Responses, TERMS};
-use crate::plain::{BASE, Structure};
-use crate::taylor::unrolled;
+use crate::absorber::plain::responses::{Responses, TERMS};
+use crate::absorber::plain::{BASE, Structure};
+use crate::number::compensated::DoubleDouble;
+use crate::segment::taylor::unrolled;
 
 /// Nodes and weights on [0, 1] (zeros of the Legendre polynomial of degree 9).
 const NODES: [(f64, f64); 9] = [

@@ -8,11 +8,11 @@
 use std::array::from_fn;
 
 use super::{ALIKE, At, Pieces};
-use crate::compensated::DoubleDouble;
 use crate::force::Acts;
 use crate::host::driven::integral::{COUNT, node, weight};
-use crate::oscillator::{Oscillator, Primary};
-use crate::real::Real;
+use crate::host::oscillator::{Oscillator, Primary};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
 
 /// ∫x², ∫ẋ² and ∫q ẋ over a part of a motion.
 #[derive(Debug, Clone, Copy)]

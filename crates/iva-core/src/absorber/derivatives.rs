@@ -1,0 +1,77 @@
+//! The derivatives of the motion of each absorber: of flights and rides, impacts and sticks.
+//!
+//! A small difference of the state z is one of (x, ẋ, y, ẏ), with W = b θ̇ in place of ẏ for a pendulum. What is made of
+//! them along a run, error estimates and the derivative of the run, is in [`crate::measures::propagation`].
+
+use nalgebra::{Matrix4, Vector4};
+
+use crate::absorber::system::{System, Wall};
+
+mod coupled;
+mod piva;
+mod siva;
+mod structure;
+
+/// A system whose motion can be differentiated.
+pub trait Differentiable: System<Real = f64> {
+    /// True if the derivatives of the motion are those of a linear equation: known for any length, and the same
+    /// from any state. Then the estimate needs the states at events only.
+    const LINEAR: bool = false;
+    /// The rates ż in free flight.
+    fn rates(&self, state: &Self::State) -> Vector4<f64>;
+    /// |D̈| in contact with a wall, just before an impact.
+    fn bend(&self, before: &Self::State) -> f64 {
+        self.distance(before).curvature.abs()
+    }
+    /// Sizes of the terms of ẋ, ẍ, ẏ and ÿ (or Ẇ) before they cancel: the rounding errors that are the same
+    /// at every rebound are proportional to these. `None`: the rates are computed in double-double.
+    fn sizes(&self, _state: &Self::State) -> Option<Vector4<f64>> {
+        None
+    }
+    /// Derivative of the state after a flight of length h with respect to the state before it.
+    fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
+    /// Derivative of the state after a time h stuck on a wall, where y and ẏ do not change, with respect to
+    /// that before it.
+    fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
+    /// Derivative of the velocity jump of an impact on a wall.
+    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64>;
+    /// Derivative of the state at the end of a chatter on a wall with respect to that after one of its
+    /// rebounds.
+    fn stick_matrix(&self, wall: Wall) -> Matrix4<f64>;
+    /// Error of y per rounding of the position at a state: 1, or cosθ where the position is computed from
+    /// cosθ.
+    fn sharpness(&self, _state: &Self::State) -> f64 {
+        1.0
+    }
+    /// Sizes of x, ẋ, the distance to a wall and ẏ: a state carried in plain doubles is rounded in proportion
+    /// to these. 0: no tier carries it so.
+    fn plain_state(&self, _state: &Self::State) -> Vector4<f64> {
+        Vector4::zeros()
+    }
+    /// As [`Differentiable::sizes`], for a motion in plain doubles.
+    fn plain_rates(&self, _state: &Self::State) -> Vector4<f64> {
+        Vector4::zeros()
+    }
+    /// Rate of the position: |ẏ|, for a pendulum |W|.
+    fn turning(&self, state: &Self::State) -> f64 {
+        self.rates(state)[2].abs()
+    }
+    /// Largest truncation error of a segment, of x and ẋ and of y and ẏ.
+    fn truncation(&self, _from: &Self::State) -> [f64; 2] {
+        [0.0; 2]
+    }
+}
+
+/// The derivative of an impact of a free mass, from the primary's share of the gap velocity and e.
+pub fn free_mass_impact(share: f64, restitution: f64) -> Matrix4<f64> {
+    let mut matrix = Matrix4::identity();
+    (matrix[(1, 3)], matrix[(3, 3)]) = (share, -restitution);
+    matrix
+}
+
+/// The derivative of a stick of a free mass, from the primary's share μ/(1 + μ) of the gap velocity.
+pub fn free_mass_stick(share: f64) -> Matrix4<f64> {
+    let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
+    (matrix[(0, 2)], matrix[(1, 3)]) = (share, share);
+    matrix
+}

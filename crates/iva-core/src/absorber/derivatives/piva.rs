@@ -1,0 +1,131 @@
+//! Derivatives of the motion of a pendulum: its Taylor series, evaluated in numbers with derivatives.
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::Differentiable;
+use crate::absorber::piva::{Piva, PivaState, STEEP, Sizes};
+use crate::absorber::system::Wall;
+use crate::force::Drive;
+use crate::number::real::Real;
+use crate::number::real::dual::Dual;
+use crate::segment::taylor::{ORDER, Pendulum, Series, Swing};
+
+impl Piva {
+    /// The derivative of a flight of length h.
+    #[inline(always)]
+    fn swung(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
+        let y = from.y().value;
+        let mut cosine = Dual::constant(from.cosine.value);
+        if !self.pendulum.small_angles && from.cosine.value != 0.0 {
+            let b = self.parameters.contact_distance;
+            cosine.slopes[2] = -y / (b * b * from.cosine.value);
+        }
+        let start = Swing {
+            x: Dual::variable(from.primary.x.value, 0),
+            u: Dual::variable(from.primary.v.value, 1),
+            y: Dual::variable(y, 2),
+            w: Dual::variable(from.w.value, 3),
+            c: cosine,
+        };
+        let drive = self.drive::<{ ORDER + 1 }>(from.time, from, h).map(|drive| Drive {
+            primary: drive.primary.map(Dual::constant),
+            base: drive.base.map(Dual::constant),
+        });
+        let pendulum = self.pendulum.map(Dual::constant);
+        let series: Series<Dual<4>> =
+            pendulum.series_to::<_, _, ORDER>(&start, drive.as_ref(), h.into());
+        // At t = 1 a polynomial is the sum of its coefficients; small ones are added first.
+        let mut sums = [[0.0; 4]; 4];
+        for k in (0..=ORDER).rev() {
+            let coefficients = [&series.x[k], &series.u[k], &series.y[k], &series.w[k]];
+            for (sums, coefficient) in sums.iter_mut().zip(coefficients) {
+                for (sum, slope) in sums.iter_mut().zip(coefficient.slopes) {
+                    *sum += slope;
+                }
+            }
+        }
+        Matrix4::from_fn(|row, column| sums[row][column])
+    }
+}
+
+impl Differentiable for Piva {
+    fn rates(&self, state: &PivaState) -> Vector4<f64> {
+        let series = self.beginning::<3>(state.time, state);
+        Vector4::new(series.x[1], series.u[1], series.y[1], series.w[1])
+    }
+
+    fn sizes(&self, state: &PivaState) -> Option<Vector4<f64>> {
+        let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, .. } = self.pendulum;
+        let Pendulum { coupling, frequency_squared, pivot_damping, .. } = self.pendulum;
+        let cosine = state.cosine.value.abs().min(1.0);
+        let driven = self.drive::<3>(state.time, state, 1.0).as_ref().map_or(0.0, Drive::size);
+        let (y, w) = (state.y().value.abs(), state.w.value.abs());
+        let (x, u) = (state.primary.x.value.abs(), state.primary.v.value.abs());
+        let swing = frequency_squared * y + pivot_damping * w;
+        let turning = if self.pendulum.small_angles { 0.0 } else { y * w * w / (b * b) };
+        let on_primary = driven + x + 2.0 * damping_ratio * u;
+        let primary = (on_primary + mass_ratio * lever * (turning + swing))
+            / self.pendulum.inertia(state.y().value);
+        // Where y is not steep, cosθ is computed from y, and its relative error is larger by this factor.
+        let sine = y / b;
+        let follows = sine < STEEP && !self.pendulum.small_angles;
+        let steep = if follows { 1.0 / (1.0 - sine * sine) } else { 1.0 };
+        Some(Vector4::new(u, primary, cosine * w, coupling * primary * steep + swing))
+    }
+
+    fn sharpness(&self, state: &PivaState) -> f64 {
+        let steep = state.y().value.abs() >= STEEP * self.parameters.contact_distance;
+        let cosine = state.cosine.value.abs().min(1.0);
+        if steep && !self.pendulum.small_angles { cosine } else { 1.0 }
+    }
+
+    fn turning(&self, state: &PivaState) -> f64 {
+        state.w.value.abs()
+    }
+
+    fn flight_tangent(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
+        f64::dispatched(
+            #[inline(always)]
+            || self.swung(from, h),
+        )
+    }
+
+    fn ride_tangent(&self, _from: &PivaState, h: f64) -> Matrix4<f64> {
+        let mass = 1.0 + self.parameters.mass_ratio;
+        let damping = 2.0 * self.parameters.damping_ratio;
+        let mut matrix = Matrix4::zeros();
+        for (column, (mut x, mut u)) in [(1.0, 0.0), (0.0, 1.0)].into_iter().enumerate() {
+            let (mut x_end, mut u_end) = (x, u);
+            for k in 1..=ORDER {
+                (x, u) = (h * u / k as f64, -h * (damping * u + x) / (mass * k as f64));
+                (x_end, u_end) = (x_end + x, u_end + u);
+            }
+            (matrix[(0, column)], matrix[(1, column)]) = (x_end, u_end);
+        }
+        matrix
+    }
+
+    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64> {
+        let mut jump = Matrix4::identity();
+        let law = self.law(wall);
+        (jump[(1, 3)], jump[(3, 3)]) = (law.impact_gain(), -law.ratio);
+        jump
+    }
+
+    fn stick_matrix(&self, wall: Wall) -> Matrix4<f64> {
+        let mut matrix = Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0));
+        let Pendulum { mass_ratio, lever, .. } = self.pendulum;
+        // The centre of mass, (1 + μ) x + μλ y, is conserved.
+        matrix[(0, 2)] = mass_ratio * lever / (1.0 + mass_ratio);
+        matrix[(1, 3)] = self.law(wall).stick_gain();
+        matrix
+    }
+
+    fn truncation(&self, from: &PivaState) -> [f64; 2] {
+        let driven = self.drive::<{ ORDER + 1 }>(from.time, from, 1.0);
+        let sizes = Sizes::of(self, from, driven.as_ref().map_or(0.0, Drive::size));
+        // At full accuracy the proven bound is far above the truncation error.
+        let share = if self.parameters.tolerance > 0.0 { self.accuracy.tolerance } else { 0.0 };
+        [share * sizes.primary, share * sizes.gap]
+    }
+}

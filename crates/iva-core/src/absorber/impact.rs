@@ -1,0 +1,132 @@
+//! The impact law of two masses (paper, Eqs. 9–14): momentum is conserved and the gap velocity w
+//! turns into −e w.
+//!
+//! The law is applied in these places: [`crate::absorber::siva`] in double-double (`collided`, and where the absorber
+//! sticks), used by the lanes as well; [`crate::measures::propagation`] as a matrix; [`Impact::of_free_mass`] in plain
+//! numbers, for absorbers whose state is not in double-double, whose lanes apply it in
+//! `absorber/coupled/in_lanes.rs`. A pendulum has a law of its own (`absorber/piva/impact_law.rs`), which uses
+//! [`primary_share`]. The sum of a chatter ([`crate::absorber::chatter`]) assumes that e does not depend on the speed.
+//!
+//! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
+//! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.
+
+use crate::absorber::system::{Point, Wall};
+use crate::number::arrays::laned;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::{Real, pick};
+
+/// μ(1 + e)/(1 + μ): the share of the gap velocity that the primary gains (Eq. 13), in double-double.
+///
+/// At e = 1 an error of half a unit in the last place of the share would make the energy drift from impact to
+/// impact.
+pub fn primary_share<R: Real>(mass_ratio: R, restitution: R) -> DoubleDouble<R> {
+    let gain = DoubleDouble::new(R::ONE).plus(restitution).times(mass_ratio);
+    gain.over_sum(DoubleDouble::new(R::ONE).plus(mass_ratio))
+}
+
+/// Energy lost in an impact, ½ μ/(1 + μ) (1 − e²) w², per primary mass.
+#[inline]
+pub fn energy_loss<R: Real>(mass_ratio: R, restitution: R, approach: R) -> R {
+    mass_ratio * 0.5 / (R::ONE + mass_ratio)
+        * ((R::ONE - restitution) * (R::ONE + restitution))
+        * (approach * approach)
+}
+
+/// Time in 1/ωn in which the small distance left over by rounding is covered at constant rate; 0 if the rate
+/// would change noticeably in that time, as in a grazing.
+#[inline(always)]
+pub fn delay<R: Real>(left: R, rate: R, curvature: R) -> R {
+    let delay = -left / rate;
+    let steady = ((curvature * delay).abs() <= rate.abs() * SHORT) & (rate != 0.0);
+    pick(steady, delay, R::ZERO)
+}
+
+/// Largest relative change of the rate for which [`delay`] is used.
+const SHORT: f64 = 1e-6;
+
+/// One impact of a run, in natural units: time in 1/ωn, velocities in ωn × length, energies per
+/// primary mass in ωn² × length².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Impact<R = f64> {
+    /// Instant of the impact.
+    pub time: R,
+    /// The wall that was hit.
+    pub wall: Wall,
+    /// Displacement of the primary.
+    pub displacement: R,
+    /// Primary velocity just before.
+    pub velocity_before: R,
+    /// Primary velocity just after.
+    pub velocity_after: R,
+    /// Gap velocity just before: the signed approach velocity.
+    pub gap_velocity_before: R,
+    /// Gap velocity just after.
+    pub gap_velocity_after: R,
+    /// Velocity of the absorber's centre of mass per gap velocity: 1 for a free mass, L/b for a
+    /// pendulum.
+    pub lever: R,
+    /// Energy lost in the impact.
+    pub energy_loss: R,
+}
+
+laned!(
+    Impact,
+    Impacts {
+        time: f64,
+        wall: Wall,
+        displacement: f64,
+        velocity_before: f64,
+        velocity_after: f64,
+        gap_velocity_before: f64,
+        gap_velocity_after: f64,
+        lever: f64,
+        energy_loss: f64,
+    }
+);
+
+impl<R: Real> Impact<R> {
+    /// The impact of a free mass of mass ratio μ with restitution e, from the state of the primary and the
+    /// gap velocity w before the impact.
+    pub fn of_free_mass(
+        [mass_ratio, restitution]: [R; 2],
+        time: R,
+        wall: Wall,
+        Point { x, v }: Point<R>,
+        w: R,
+    ) -> Self {
+        Self {
+            time,
+            wall,
+            displacement: x,
+            velocity_before: v,
+            velocity_after: v + primary_share(mass_ratio, restitution).value * w,
+            gap_velocity_before: w,
+            gap_velocity_after: -restitution * w,
+            lever: R::ONE,
+            energy_loss: energy_loss(mass_ratio, restitution, w),
+        }
+    }
+
+    /// Absolute horizontal velocity of the absorber's centre of mass just before.
+    #[inline]
+    pub fn absorber_velocity_before(&self) -> R {
+        self.velocity_before + self.lever * self.gap_velocity_before
+    }
+
+    /// Absolute horizontal velocity of the absorber's centre of mass just after.
+    pub fn absorber_velocity_after(&self) -> R {
+        self.velocity_after + self.lever * self.gap_velocity_after
+    }
+
+    /// Size of the gap velocity just before.
+    #[inline]
+    pub fn approach_speed(&self) -> R {
+        self.gap_velocity_before.abs()
+    }
+
+    /// True if the two masses moved towards each other (paper, section 4.1).
+    #[inline]
+    pub fn effective(&self) -> bool {
+        self.velocity_before * self.absorber_velocity_before() < 0.0
+    }
+}

@@ -1,0 +1,368 @@
+//! The flight of a pendulum absorber: swinging in its gap.
+
+use super::gap::Gap;
+use super::integrals::{Integrands, square};
+use super::step::{Step, Turning};
+use super::{Piva, PivaState, at_rest_on_release};
+use crate::absorber::system::{Clock, Wall};
+use crate::force::Drive;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::{
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Side, Travel, Turns,
+};
+use crate::segment::taylor::{ORDER, Row, Series, Swing, horner, with_order};
+
+/// The pendulum free in its gap.
+#[derive(Debug, Clone)]
+pub struct PivaFlight<'a, R = f64> {
+    piva: &'a Piva<R>,
+    from: PivaState<R>,
+    /// Coefficients in powers of t over `step`.
+    series: Series<R>,
+    drive: Option<Drive<R>>,
+    step: R,
+    reach: R,
+    /// Instant at which the force bends, jumps or kicks, if the reach ends there.
+    bend: Option<Clock<R>>,
+    /// True if what the series leaves out is bounded by the tolerance.
+    proved: bool,
+    /// Integrals and bounds over the whole reach, if lanes have computed them.
+    known: Option<Known<R>>,
+}
+
+/// Integrals and bounds over the whole length of a flight.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Known<R = f64> {
+    pub losses: Losses<R>,
+    /// ∫x²
+    pub square: R,
+    /// Bounds on |x| and |ẍ + a_g|.
+    pub limits: [R; 2],
+}
+
+impl<'a, R: Real> PivaFlight<'a, R> {
+    pub(crate) fn new(piva: &'a Piva<R>, from: PivaState<R>) -> Self {
+        let order = piva.accuracy.order;
+        let longest = piva.longest_step(&from);
+        // A power of two: h/step is exact then, and the terms of the series belong to one instant.
+        let step = R::power_of_two(longest);
+        let most = longest / step;
+        let drive = piva.drive(from.time, &from, step);
+        let series = piva.pendulum.series(&from.swing(), drive.as_ref(), step, order);
+        let series = at_rest_on_release(&from, series);
+        let size = drive.as_ref().map_or(R::ZERO, Drive::size);
+        let Some(share) = piva.share_proved(&series, (step, most), &from, size) else {
+            // Without a proved bound there is no flight: the run ends there with that outcome.
+            return Self {
+                piva,
+                from,
+                series,
+                drive,
+                step,
+                reach: step,
+                bend: None,
+                proved: false,
+                known: None,
+            };
+        };
+        let (reach, bend) = piva.until_bend(&from, share * step);
+        Self { piva, from, series, drive, step, reach, bend, proved: true, known: None }
+    }
+
+    /// A flight that lanes have proved and flown to its end, to be measured.
+    pub(crate) fn flown(
+        piva: &'a Piva<R>,
+        from: PivaState<R>,
+        (series, drive): (Series<R>, Option<Drive<R>>),
+        step: R,
+        (reach, known): (R, Known<R>),
+    ) -> Self {
+        let known = Some(known);
+        Self { piva, from, series, drive, step, reach, bend: None, proved: true, known }
+    }
+
+    /// The time h as a share of the step.
+    fn share(&self, h: R) -> R {
+        h / self.step
+    }
+
+    /// The step of this flight.
+    fn step(&self) -> Step<'_, R> {
+        let Self { piva, from, series, step, .. } = self;
+        Step { pendulum: &piva.pendulum, from, series, length: *step }
+    }
+
+    /// A state at h, with the exact instant of the bend if h is the reach that ends there.
+    fn at_bend(&self, h: R, state: PivaState<R>) -> PivaState<R> {
+        let time = self.bend.filter(|_| h == self.reach).unwrap_or(state.time);
+        PivaState { time, ..state }
+    }
+
+    /// The state at h, the linear terms to twice the precision.
+    #[inline(always)]
+    fn arrived(&self, h: R) -> PivaState<R> {
+        if h == 0.0 {
+            return self.from;
+        }
+        let force = &self.piva.force;
+        let drive = force.lasts().then(|| force.beginning(self.from.time));
+        let order = self.piva.accuracy.order;
+        let state = with_order!(order, N => self.step().arrival::<N>(h, drive.as_ref()));
+        self.at_bend(h, state)
+    }
+
+    /// The series to twice the precision, from an angle with this cosine.
+    fn precise_series<const LENGTH: usize>(
+        &self,
+        cosine: DoubleDouble<R>,
+        h: R,
+        order: usize,
+    ) -> Series<DoubleDouble<R>, LENGTH> {
+        let from = &self.from;
+        let start =
+            Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
+        let force = &self.piva.force;
+        let drive = force.lasts().then(|| force.precise(from.time, h));
+        self.piva.pendulum.series(&start, drive.as_ref(), h, order)
+    }
+}
+
+impl<R: Real> PivaFlight<'_, R> {
+    /// The flight of a length that is shown to meet no wall, or the flight to the wall that it meets within it.
+    fn decided(&self, length: R) -> Option<FastFlight<PivaState<R>, R>> {
+        let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
+        let (end, gap) = R::dispatched(
+            #[inline(always)]
+            || {
+                let end = self.arrived(length);
+                (end, with_order!(order, N => self.step().gap::<N>(&end, length, doubt)))
+            },
+        );
+        let contact = match gap {
+            Gap { clear: true, .. } => {
+                return Some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing });
+            }
+            Gap { near: true, .. } => Side::Near,
+            Gap { far: true, .. } => Side::Far,
+            _ => return None,
+        };
+        let (h, exact) = R::dispatched(
+            #[inline(always)]
+            || {
+                let far = contact == Side::Far;
+                with_order!(order, N => self.step().meeting::<N>(&end, length, far))
+            },
+        );
+        exact.then(|| FastFlight {
+            length: h,
+            later: R::ZERO,
+            end: self.arrival(h),
+            meets: Meets::Near(contact),
+        })
+    }
+}
+
+/// Number of lengths of a flight that are tried without a search, each half of the one before.
+pub(crate) const PARTS: u32 = 4;
+
+/// Bound on |y⁗| of the series itself over a share of a step, in steps.
+fn fourth_bound<R: Real>(y: &Row<R>, share: R) -> R {
+    (4..=ORDER).rev().fold(R::ZERO, |sum, k| {
+        let k_ = k as f64;
+        sum * share + y[k].abs() * (k_ * (k_ - 1.0) * (k_ - 2.0) * (k_ - 3.0))
+    })
+}
+
+impl<R: Real> Piva<R> {
+    /// How far a motion goes that reaches so far: not beyond the next bend of the force, and then the
+    /// instant of that.
+    pub(crate) fn until_bend(&self, from: &PivaState<R>, reach: R) -> (R, Option<Clock<R>>) {
+        self.force.until_bend(from.time, from.kicks, reach)
+    }
+
+    /// A step short against every time scale: of the primary, of the pendulum, of its swing.
+    fn longest_step(&self, state: &PivaState<R>) -> R {
+        R::from(self.accuracy.longest_step)
+            / R::larger(self.fastest(), self.pendulum.swing(state.w.value))
+    }
+}
+
+impl<R: Real> Motion for PivaFlight<'_, R> {
+    type Real = R;
+    type State = PivaState<R>;
+    const RIDING: bool = false;
+
+    fn origin(&self) -> &PivaState<R> {
+        &self.from
+    }
+
+    fn reach(&self) -> R {
+        self.reach
+    }
+
+    fn state(&self, h: R) -> PivaState<R> {
+        if h == 0.0 {
+            return self.from;
+        }
+        let order = self.piva.accuracy.order;
+        let state = R::dispatched(
+            #[inline(always)]
+            || with_order!(order, N => self.step().state::<N>(h)),
+        );
+        self.at_bend(h, state)
+    }
+
+    fn arrival(&self, h: R) -> PivaState<R> {
+        R::dispatched(
+            #[inline(always)]
+            || self.arrived(h),
+        )
+    }
+
+    fn fast_path(&self, length: R) -> Option<FastFlight<PivaState<R>, R>> {
+        if !R::FAST_PATHS || !self.proved {
+            return None;
+        }
+        // Where bounds over the whole length decide nothing, those over a part of it may.
+        let mut length = length;
+        for _ in 0..PARTS {
+            let flight = self.decided(length);
+            if flight.is_some() {
+                return flight;
+            }
+            length *= 0.5;
+        }
+        None
+    }
+
+    fn turns(&self, length: R, end: &PivaState<R>) -> Turns<R> {
+        if !R::FAST_PATHS || !self.proved {
+            return Turns::Unknown;
+        }
+        let order = self.piva.accuracy.order;
+        let turning = R::dispatched(
+            #[inline(always)]
+            || with_order!(order, N => self.step().turning::<N>(end, length)),
+        );
+        match turning {
+            Turning { decided: false, .. } => Turns::Unknown,
+            Turning { turns: false, .. } => Turns::Never,
+            Turning { h, x, .. } => Turns::Once(h, x),
+        }
+    }
+
+    fn primary(&self, h: R) -> Jet<R> {
+        let state = self.state(h);
+        let series = self.piva.beginning::<3>(self.from.time, &state);
+        Jet {
+            value: state.primary.x.value,
+            rate: state.primary.v.value,
+            curvature: series.u[1],
+            jerk: series.u[2] * 2.0,
+        }
+    }
+
+    fn acceleration(&self, h: R) -> R {
+        self.piva.beginning::<3>(self.from.time, &self.state(h)).a[0]
+    }
+
+    fn gap(&self, h: R) -> GapPoint<R> {
+        let state = self.state(h);
+        let d = state.clearance;
+        GapPoint { y: state.y().value.clamp(-d, d), w: state.gap_velocity() }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        None
+    }
+
+    fn rows(&self) -> Option<Rows<R>> {
+        let order = self.piva.accuracy.order;
+        let base = self.drive.as_ref().map_or([R::ZERO; ORDER + 1], |drive| drive.base);
+        let mut acceleration = self.series.a;
+        acceleration[order] = R::ZERO;
+        Some(Rows { step: self.step, order, x: self.series.x, acceleration, base })
+    }
+
+    fn travel(&self) -> Option<Travel<R>> {
+        Some(Travel::new(self.rows()?, self.series.y, self.piva.pendulum.lever))
+    }
+
+    fn square(&self, h: [R; 2]) -> R {
+        if let Some(known) = self.known.filter(|_| h == [R::ZERO, self.reach]) {
+            return known.square;
+        }
+        let (ends, order) = (h.map(|h| self.share(h)), self.piva.accuracy.order);
+        R::dispatched(
+            #[inline(always)]
+            || with_order!(order, N => square::<R, N>(&self.series.x, ends, self.step)),
+        )
+    }
+
+    fn largest(&self, of: Quantity, least: R, length: R, _end: &PivaState<R>) -> Option<R> {
+        let known = self.known.filter(|_| length == self.reach)?;
+        let limit = match of {
+            Quantity::Displacement => known.limits[0],
+            Quantity::Acceleration => known.limits[1],
+        };
+        (limit < least).then_some(least)
+    }
+
+    fn losses(&self, h: R) -> Losses<R> {
+        if let Some(known) = self.known.filter(|_| h == self.reach) {
+            return known.losses;
+        }
+        let (piva, order) = (self.piva, self.piva.accuracy.order);
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let Series { u, y, w, .. } = &self.series;
+                let (pivots, base) = (piva.pendulum.pivot_damping != 0.0, piva.force.moves_base());
+                let drive = self.drive.as_ref();
+                let integrands = Integrands { u, y, w, drive, pivots, base };
+                let (t, step) = (self.share(h), self.step);
+                with_order!(order, N => integrands.taken::<N>(&piva.pendulum, t, step))
+            },
+        )
+    }
+}
+
+impl<R: Real> Curve for PivaFlight<'_, R> {
+    type Real = R;
+    type Sample = PivaState<R>;
+
+    fn sample(&self, h: R) -> PivaState<R> {
+        self.state(h)
+    }
+
+    fn jet(&self, sample: &PivaState<R>) -> Jet<R> {
+        self.piva.jet(self.from.time, sample)
+    }
+
+    fn precise(&self, h: R) -> DoubleDouble<R> {
+        let from = &self.from;
+        let order = self.piva.accuracy.order;
+        let cosine = self.step().precise_cosine();
+        let mut series: Series<DoubleDouble<R>> = self.precise_series(cosine, self.step, order);
+        if from.released {
+            (series.w[1], series.y[2]) = (DoubleDouble::ZERO, DoubleDouble::ZERO);
+        }
+        let t = DoubleDouble::new(h).over(self.step);
+        let travelled = horner(&series.y[1..=order], t).times_sum(t);
+        let s = from.wall.sign();
+        from.distance.plus_parts(travelled.value * -s, travelled.rest * -s)
+    }
+
+    fn fourth(&self) -> R {
+        let share = self.share(self.reach);
+        // The bound is that of the series itself; its truncation error is part of the doubt.
+        let fourth = fourth_bound(&self.series.y, share);
+        let fourth = fourth / (self.step * self.step * self.step * self.step);
+        if self.proved { fourth } else { R::NAN }
+    }
+
+    fn magnitude(&self) -> R {
+        self.from.clearance
+    }
+}

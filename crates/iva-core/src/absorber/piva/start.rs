@@ -1,0 +1,181 @@
+//! The start of a pendulum, given by its gap displacement or by its angle.
+
+use std::f64::consts::PI;
+
+use super::{Piva, PivaState};
+use crate::absorber::system::{Clock, Start, Wall};
+use crate::error::{Invalid, number};
+use crate::host::oscillator::Primary;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::range;
+
+/// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
+const ON_WALL_ULPS: f64 = 4.0;
+
+/// Displacement or velocity of the pendulum, in the coordinate in which it was given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Given<R = f64> {
+    /// Gap displacement y, or gap velocity w, for a pendulum below its pivot (cosθ > 0).
+    Gap(R),
+    /// Angle θ, or angular velocity θ̇ in ωn.
+    Angle(R),
+}
+
+/// State at time zero, in natural units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PivaStart<R = f64> {
+    /// Displacement x of the primary system.
+    pub displacement: R,
+    /// Velocity ẋ of the primary system.
+    pub velocity: R,
+    /// Gap displacement or angle.
+    pub place: Given<R>,
+    /// Gap velocity or angular velocity.
+    pub rate: Given<R>,
+}
+
+impl<R: Real> From<Start<R>> for PivaStart<R> {
+    fn from(start: Start<R>) -> Self {
+        let Start { displacement, velocity, gap_displacement, gap_velocity } = start;
+        let (place, rate) = (Given::Gap(gap_displacement), Given::Gap(gap_velocity));
+        Self { displacement, velocity, place, rate }
+    }
+}
+
+/// Position and velocity of the pendulum at the start.
+#[derive(Debug, Clone, Copy)]
+struct Pose<R = f64> {
+    /// Gap displacement.
+    y: R,
+    /// cosθ.
+    cosine: DoubleDouble<R>,
+    /// W = b θ̇.
+    w: R,
+}
+
+impl<R: Real> Piva<R> {
+    fn pose(&self, start: &PivaStart<R>) -> Pose<R> {
+        let b = self.parameters.contact_distance;
+        let small = self.pendulum.small_angles;
+        let (y, cosine) = match start.place {
+            Given::Gap(y) => (y, self.pendulum.precise_cosine(DoubleDouble::new(y))),
+            Given::Angle(angle) if small => (b * angle, DoubleDouble::new(R::ONE)),
+            Given::Angle(angle) => {
+                let (sine, cosine) = R::sincos(angle);
+                (b * sine, DoubleDouble::new(cosine))
+            }
+        };
+        #[allow(clippy::redundant_guards)] // a generic number is not allowed in a pattern
+        let w = match start.rate {
+            Given::Gap(w) if w == 0.0 => R::ZERO,
+            Given::Gap(w) => w / cosine.value,
+            Given::Angle(rate) => b * rate,
+        };
+        Pose { y, cosine, w }
+    }
+
+    /// Checks that a start is in [`crate::range`] and lies in the gap.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming field, value and allowed range.
+    pub(super) fn check(&self, start: &PivaStart<R>) -> Result<(), Invalid> {
+        range::size("start.displacement", start.displacement)?;
+        range::size("start.velocity", start.velocity)?;
+        let Pose { y, cosine, w } = self.pose(start);
+        self.check_place(start.place, y, cosine.value)?;
+        let (field, rate) = match start.rate {
+            Given::Gap(w) => ("start.gap_velocity", w),
+            Given::Angle(rate) => ("start.angular_velocity", rate),
+        };
+        range::size(field, rate)?;
+        if range::size(field, w).is_ok() {
+            return Ok(());
+        }
+        let rule = "the pendulum cannot move sideways so fast where it points there; give start.angular_velocity";
+        Err(Invalid::new(field, number(rate), rule))
+    }
+
+    fn check_place(&self, place: Given<R>, y: R, cosine: R) -> Result<(), Invalid> {
+        let (d, b) = (self.parameters.clearance, self.parameters.contact_distance);
+        let beyond = y.abs() - d > R::EPSILON * ON_WALL_ULPS * d;
+        match place {
+            Given::Gap(value) => {
+                let invalid =
+                    |rule| Err(Invalid::new("start.gap_displacement", number(value), rule));
+                range::size("start.gap_displacement", value)?;
+                if beyond {
+                    return invalid(format!("it must lie in the gap, from -{0} to {0}", number(d)));
+                }
+                if !self.pendulum.small_angles && value.abs() > b {
+                    return invalid(format!("the pendulum reaches from -{0} to {0}", number(b)));
+                }
+            }
+            Given::Angle(angle) => {
+                let invalid = |rule| Err(Invalid::new("start.angle", number(angle), rule));
+                if angle.is_nan() || angle.abs() > PI {
+                    return invalid("give an angle in rad, from -π to π".to_owned());
+                }
+                if beyond || (self.stop_reachable() && cosine < 0.0) {
+                    let most = number(self.wall_angle());
+                    return invalid(format!(
+                        "it must lie between the stops, from -{most} to {most} rad"
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The first state of a run, from a start and the instant of the drive.
+    pub(super) fn first_state(&self, start: &PivaStart<R>, time: Clock<R>) -> PivaState<R> {
+        let (time, kicks) = self.force.begin(time);
+        let primary = Primary {
+            x: DoubleDouble::new(start.displacement),
+            v: DoubleDouble::new(start.velocity),
+        };
+        let Pose { y, cosine, w } = self.pose(start);
+        // Distances are measured from the wall that the pendulum is nearest to or moves towards, so that a
+        // mirrored start gives the same numbers with opposite signs.
+        let pushed = self.force.drive::<3>(time, time, R::ONE);
+        let kicked = self.force.impulses().next().map(|impulse| impulse.velocity);
+        let side = [y, w, start.displacement, start.velocity]
+            .into_iter()
+            .chain(pushed.primary)
+            .chain(pushed.base)
+            .chain(kicked)
+            .find(|value| *value != 0.0)
+            .unwrap_or(R::ONE);
+        let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
+        let clearance = self.parameters.clearance;
+        let distance = match start.place {
+            Given::Angle(_) if self.stops.steep => self.height(cosine, y * wall.sign()),
+            _ => DoubleDouble::new(clearance).plus(y * -wall.sign()),
+        };
+        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * clearance;
+        #[allow(clippy::redundant_guards)] // a generic number is not allowed in a pattern
+        let w = match start.rate {
+            Given::Gap(rate) if w != 0.0 => DoubleDouble::new(rate).over_sum(cosine),
+            _ => DoubleDouble::new(w),
+        };
+        PivaState {
+            time,
+            kicks,
+            primary,
+            wall,
+            distance: if touching { DoubleDouble::ZERO } else { distance },
+            clearance,
+            w,
+            cosine: if touching { self.stops.cosine } else { cosine },
+            released: false,
+        }
+    }
+
+    /// Distance d − y to a wall from cosθ: b² (cos²θ − cos² at the wall)/(d + y), more accurate than from y
+    /// where the pendulum is nearly horizontal.
+    fn height(&self, cosine: DoubleDouble<R>, y: R) -> DoubleDouble<R> {
+        let b = self.parameters.contact_distance;
+        let over = (cosine - self.stops.cosine) * (cosine + self.stops.cosine);
+        over.times(b).times(b).over_sum(DoubleDouble::new(self.parameters.clearance).plus(y))
+    }
+}

@@ -1,0 +1,478 @@
+//! The single-mass impact absorber: a free mass between two walls (paper, Eqs. 1, 2, 7, 9–14).
+//!
+//! In flight no force acts on the mass, except gravity where the line of motion is inclined; gravity counts
+//! as an acceleration of the base ([`crate::host`]). So ẍ₁ = −a_g relative to the base, and the gap
+//! y = x₁ − x obeys ÿ = −A with A = ẍ + a_g the absolute acceleration of the structure. With s the sign of
+//! the wall last touched and D = d − s y the distance to it, D̈ = s A: neither y nor d enters a rebound,
+//! which starts from D = 0.
+
+use std::any::TypeId;
+
+use crate::absorber::impact::{self, Impact};
+use crate::absorber::plain::Scene;
+use crate::absorber::system::{Clock, Coasted, Point, Start, System, Wall};
+use crate::error::{Invalid, number};
+use crate::force::Force;
+use crate::host::oscillator::Primary;
+use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
+use crate::number::arrays::laned;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::range;
+use crate::segment::flight::{GapPoint, Jet};
+
+pub use motion::SivaFlight;
+pub use parameters::Parameters;
+pub use ride::SivaRide;
+pub use state::SivaState;
+pub(crate) use state::collided;
+
+pub(crate) mod coasts;
+pub(crate) mod exact;
+pub(crate) mod motion;
+mod parameters;
+mod passage;
+mod pieces;
+pub(crate) mod proof;
+mod ride;
+mod state;
+pub(crate) mod trial;
+
+/// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
+const ON_WALL_ULPS: f64 = 4.0;
+
+/// A free mass (SIVA) on its primary system: its parameters and constants derived from them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Siva<H: Host = UndrivenHost> {
+    mass_ratio: H::Real,
+    clearance: H::Real,
+    /// The middle of the gap, as a value of y.
+    offset: H::Real,
+    /// The impact laws at wall + and at wall −.
+    laws: [Law<H::Real>; 2],
+    /// Share of the gap velocity that the primary gains when the absorber sticks: that for e = 0.
+    pub(crate) stick_share: DoubleDouble<H::Real>,
+    pub(crate) host: H,
+}
+
+/// The impact law at one wall.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Law<R = f64> {
+    /// Newton's coefficient e on the gap velocity.
+    pub restitution: R,
+    /// Share of the gap velocity that the primary gains.
+    pub share: DoubleDouble<R>,
+    /// The energy lost at an approach speed of 1.
+    pub loss: R,
+}
+
+laned!(Law, Laws { restitution: f64, share: DoubleDouble, loss: f64 });
+
+impl<R: Real> Law<R> {
+    pub(crate) fn new(mass_ratio: R, restitution: R) -> Self {
+        let share = impact::primary_share(mass_ratio, restitution);
+        Self { restitution, share, loss: impact::energy_loss(mass_ratio, restitution, R::ONE) }
+    }
+}
+
+impl<R: Real> From<Parameters<R>> for Siva<UndrivenHost<R>> {
+    fn from(parameters: Parameters<R>) -> Self {
+        let Parameters { mass_ratio, restitution, clearance, damping_ratio } = parameters;
+        Self {
+            mass_ratio,
+            clearance,
+            offset: R::ZERO,
+            laws: [Law::new(mass_ratio, restitution); 2],
+            stick_share: impact::primary_share(mass_ratio, R::ZERO),
+            host: UndrivenHost::new(damping_ratio, mass_ratio),
+        }
+    }
+}
+
+impl<R: Real> Siva<UndrivenHost<R>> {
+    /// A SIVA from mass ratio μ, restitution e, one-sided clearance d and the damping ratio ζ of
+    /// its primary.
+    ///
+    /// # Errors
+    /// As [`Parameters::new`].
+    pub fn new(
+        mass_ratio: R,
+        restitution: R,
+        clearance: R,
+        damping_ratio: R,
+    ) -> Result<Self, Invalid> {
+        Parameters::new(mass_ratio, restitution, clearance, damping_ratio).map(Self::from)
+    }
+
+    /// The same absorber on the same structure under a force.
+    pub fn under(&self, force: Force<R>) -> Siva<DrivenHost<R>> {
+        self.inclined(R::ZERO, force)
+    }
+
+    /// The same absorber under a force and under gravity G = g sin α along its motion, in ωn² × length.
+    /// Displacements are measured from the position of rest with the absorber on its lower stop.
+    pub fn inclined(&self, gravity: R, force: Force<R>) -> Siva<DrivenHost<R>> {
+        let Self { mass_ratio, clearance, offset, laws, stick_share, .. } = *self;
+        let host = DrivenHost::new(self.host.damping_ratio(), mass_ratio, force, gravity);
+        Siva { mass_ratio, clearance, offset, laws, stick_share, host }
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> Siva<H> {
+    /// The same absorber with another restitution at the wall −.
+    ///
+    /// # Errors
+    /// [`Invalid`] for one outside [0, 1].
+    pub fn with_restitution_minus(mut self, restitution: R) -> Result<Self, Invalid> {
+        range::restitution("absorber.restitution_minus", restitution)?;
+        self.laws[1] = Law::new(self.mass_ratio, restitution);
+        Ok(self)
+    }
+
+    /// The same absorber in a gap whose middle is at y = `offset`.
+    ///
+    /// # Errors
+    /// [`Invalid`] for an offset out of [`crate::range`].
+    pub fn with_offset(self, offset: R) -> Result<Self, Invalid> {
+        range::size("absorber.gap_offset", offset)?;
+        Ok(Self { offset, ..self })
+    }
+
+    /// The impact law at the wall with this sign.
+    #[inline(always)]
+    pub(crate) fn law(&self, side: R) -> &Law<R> {
+        let [plus, minus] = &self.laws;
+        if side > 0.0 { plus } else { minus }
+    }
+
+    /// The impact laws at wall + and at wall −.
+    pub(crate) fn laws(&self) -> &[Law<R>; 2] {
+        &self.laws
+    }
+
+    /// μ = m/M.
+    pub fn mass_ratio(&self) -> R {
+        self.mass_ratio
+    }
+
+    /// Newton's coefficient e on the gap velocity, at a wall.
+    pub fn restitution(&self, wall: Wall) -> R {
+        self.law(R::from(wall.sign())).restitution
+    }
+
+    /// The middle of the gap, as a value of y.
+    pub fn offset(&self) -> R {
+        self.offset
+    }
+
+    /// The force that drives the structure; `None` for one that cannot be driven.
+    pub fn force(&self) -> Option<&Force<R>> {
+        self.host.force()
+    }
+
+    /// Damping ratio ζ of the primary without absorber.
+    pub fn damping_ratio(&self) -> R {
+        self.host.damping_ratio()
+    }
+
+    /// Gravity G = g sin α along the motion, in ωn² × length; 0 where the motion is level.
+    pub fn gravity(&self) -> R {
+        self.host.gravity()
+    }
+
+    /// Gap displacement and velocity.
+    pub(crate) fn gap(&self, state: &SivaState<Phase<H>, R>) -> GapPoint<R> {
+        let GapPoint { y, w } = state.gap(self.clearance);
+        GapPoint { y: self.offset + y, w }
+    }
+
+    /// Distance of the absorber from its lower stop.
+    fn height(&self, state: &SivaState<Phase<H>, R>) -> R {
+        let from_below = state.side < 0.0;
+        if from_below { state.distance.value } else { -state.distance.minus(self.clearance * 2.0) }
+    }
+}
+
+/// Checks that a start is in [`crate::range`] and in a gap of one-sided clearance d with middle at `offset`.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result<(), Invalid> {
+    let fields = [
+        ("start.displacement", start.displacement),
+        ("start.velocity", start.velocity),
+        ("start.gap_displacement", start.gap_displacement),
+        ("start.gap_velocity", start.gap_velocity),
+    ];
+    for (field, value) in fields {
+        range::size(field, value)?;
+    }
+    let beyond = (start.gap_displacement - offset).abs() - clearance;
+    if beyond > R::EPSILON * ON_WALL_ULPS * (clearance + offset.abs()) {
+        let [low, high] = [offset - clearance, offset + clearance].map(number);
+        return Err(Invalid::new(
+            "start.gap_displacement",
+            number(start.gap_displacement),
+            format!("it must lie in the gap, from {low} to {high}"),
+        ));
+    }
+    Ok(())
+}
+
+impl<R: Real, H: Host<Real = R>> System for Siva<H> {
+    type Real = R;
+    type State = SivaState<Phase<H>, R>;
+    type Start = Start<R>;
+    type Flight<'a>
+        = SivaFlight<'a, H>
+    where
+        H: 'a;
+    type Ride<'a>
+        = SivaRide<'a, H>
+    where
+        H: 'a;
+
+    fn clearance(&self) -> R {
+        self.clearance
+    }
+
+    fn offset(&self) -> R {
+        self.offset
+    }
+
+    fn rebound_ratio(&self, wall: Wall) -> R {
+        self.restitution(wall)
+    }
+
+    fn impact_gain(&self, wall: Wall) -> R {
+        self.law(R::from(wall.sign())).share.value
+    }
+
+    fn pressure_gain(&self, wall: Wall) -> R {
+        self.host.damping_ratio() * 2.0 * self.impact_gain(wall)
+    }
+
+    fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
+        check_start(self.clearance, self.offset, start)
+    }
+
+    fn begin_at(&self, start: &Start<R>, time: Clock<R>) -> Self::State {
+        let primary = Primary {
+            x: DoubleDouble::new(start.displacement),
+            v: DoubleDouble::new(start.velocity),
+        };
+        // Distances are measured from the wall that the absorber is nearest to or moves towards, so that a
+        // mirrored start gives the same numbers with opposite signs.
+        let host = self.host.state(self.host.begin_at(time), primary);
+        let place = DoubleDouble::new(start.gap_displacement).plus(-self.offset);
+        let seen = [place.value, start.gap_velocity, -host.acceleration.value, start.velocity];
+        let side = seen
+            .into_iter()
+            .chain(self.host.leaning(&host.phase))
+            .find(|value| *value != 0.0)
+            .unwrap_or(R::ONE);
+        let s = if side > 0.0 { R::ONE } else { -R::ONE };
+        let distance =
+            DoubleDouble::new(self.clearance).plus_parts(-s * place.value, -s * place.rest);
+        let size = self.clearance + self.offset.abs();
+        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * size;
+        SivaState {
+            host,
+            side: s,
+            distance: if touching { DoubleDouble::ZERO } else { distance },
+            rate: DoubleDouble::new(-s * start.gap_velocity),
+        }
+    }
+
+    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
+        let host = self.host.state(like.host.phase, state.host.primary);
+        SivaState { host, ..*state }
+    }
+
+    #[inline]
+    fn flight(&self, state: &Self::State) -> SivaFlight<'_, H> {
+        SivaFlight::new(self, *state)
+    }
+
+    fn ride(&self, state: &Self::State) -> SivaRide<'_, H> {
+        SivaRide::new(self, *state)
+    }
+
+    fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
+        if let Some(pieces) = self.host.pieces() {
+            return self.drifts(pieces, state, remaining);
+        }
+        let Some(steps) = self.host.steps() else { return (0, (*state, Clock::ZERO)) };
+        let within = [1.0 / self.clearance.double(), remaining.double()];
+        let count = f64::dispatched(
+            #[inline(always)]
+            || coasts::count(steps, &state.in_doubles(), within) as usize,
+        );
+        (count, self.coasted(state, count))
+    }
+
+    fn coasted(&self, state: &Self::State, count: usize) -> Coasted<Self::State, R> {
+        if let Some(pieces) = self.host.pieces() {
+            return self.drifted(pieces, state, count);
+        }
+        let Some(steps) = self.host.steps() else { return (*state, Clock::ZERO) };
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let by = steps.responses(count);
+                (coasts::after(steps, state, count as f64, by), steps.time(count as f64))
+            },
+        )
+    }
+
+    fn wall(&self, state: &Self::State) -> Wall {
+        if state.side > 0.0 { Wall::Plus } else { Wall::Minus }
+    }
+
+    #[inline]
+    fn distance(&self, state: &Self::State) -> Jet<R> {
+        let (s, HostState { primary, acceleration, phase }) = (state.side, &state.host);
+        let [jerk, ..] = self.host.free().derivatives(phase, primary.v.value, acceleration.value);
+        Jet {
+            value: state.distance.value,
+            rate: state.rate.value,
+            curvature: s * acceleration.value,
+            jerk: s * jerk,
+        }
+    }
+
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
+        let (left, rate) = if wall == self.wall(state) {
+            (state.distance.value, state.rate)
+        } else {
+            (-state.distance.minus(self.clearance * 2.0), state.rate.negated())
+        };
+        let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
+        let a = acceleration.value;
+        let later = impact::delay(left, rate.value, a);
+        let gained = a * later;
+        let [base, ..] = self.host.free().base(&phase);
+        let primary = Primary { x: x.plus(v.value * later), v: v.plus(gained - base * later) };
+        let side = R::from(wall.sign());
+        let rate = rate.plus(side * gained);
+        let phase = self.host.free().later(&phase, later);
+        let host = HostState { primary, acceleration, phase };
+        (SivaState { host, side, distance: DoubleDouble::ZERO, rate }, later)
+    }
+
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        let s = state.side;
+        let approach = -state.rate.value;
+        let law = self.law(s);
+        let after = collided(self.host.free(), state, true, law);
+        let impact = Impact {
+            time,
+            wall: self.wall(state),
+            displacement: state.host.primary.x.value,
+            velocity_before: state.host.primary.v.value,
+            velocity_after: after.host.primary.v.value,
+            gap_velocity_before: s * approach,
+            gap_velocity_after: after.gap_velocity(),
+            lever: R::ONE,
+            energy_loss: law.loss * (approach * approach),
+        };
+        (after, impact)
+    }
+
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        let loss = impact::energy_loss(self.mass_ratio, R::ZERO, state.rate.value);
+        let primary = state.host.primary.jumped(-state.side, state.rate, self.stick_share);
+        let host = self.host.state(state.host.phase, primary);
+        let stuck =
+            SivaState { host, distance: DoubleDouble::ZERO, rate: DoubleDouble::ZERO, ..*state };
+        (stuck, loss)
+    }
+
+    fn release(&self, state: &Self::State) -> (Self::State, R) {
+        // The release is where A = 0. With x set to the balance, the pressure is exactly 0.
+        let HostState { primary: Primary { x, v }, phase, .. } = state.host;
+        let left = (x - self.host.balanced(&phase, v)).value;
+        let [jerk, snap, _] = self.host.free().derivatives(&phase, v.value, R::ZERO);
+        let later = impact::delay(left, -jerk, snap);
+        let phase = self.host.free().later(&phase, later);
+        let [base, ..] = self.host.free().base(&phase);
+        let v = v.plus(-base * later);
+        let primary = Primary { x: self.host.balanced(&phase, v), v };
+        let host = HostState { primary, acceleration: DoubleDouble::ZERO, phase };
+        (
+            SivaState { host, distance: DoubleDouble::ZERO, rate: DoubleDouble::ZERO, ..*state },
+            later,
+        )
+    }
+
+    fn primary(&self, state: &Self::State) -> Point<R> {
+        let Primary { x, v } = state.host.primary;
+        Point { x: x.value, v: v.value }
+    }
+
+    fn forced(&self) -> Option<Scene> {
+        let force = self.host.force().filter(|force| force.is_single())?;
+        let harmonic = force.harmonics().first()?.in_doubles();
+        let in_doubles = TypeId::of::<R>() == TypeId::of::<f64>();
+        (in_doubles && self.host.gravity() == 0.0).then(|| Scene {
+            damping_ratio: self.damping_ratio().double(),
+            mass_ratio: self.mass_ratio.double(),
+            clearance: self.clearance.double(),
+            offset: self.offset.double(),
+            harmonic,
+            moves_base: force.moves_base(),
+        })
+    }
+
+    fn sinusoidal(&self) -> Option<[f64; 2]> {
+        self.host.sinusoidal()
+    }
+
+    fn is_driven(&self) -> bool {
+        self.host.force().is_some_and(Force::lasts)
+    }
+
+    fn moves_base(&self) -> bool {
+        self.host.force().is_some_and(Force::moves_base)
+    }
+
+    fn largest_base(&self, between: [R; 2]) -> Option<R> {
+        self.host.force()?.largest_base(between)
+    }
+
+    fn smooth_for(&self, state: &Self::State) -> R {
+        self.host.smooth_for(&state.host.phase)
+    }
+
+    fn due(&self, state: &Self::State) -> Option<R> {
+        self.host.due(&state.host.phase)
+    }
+
+    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
+        let phase = self.host.after_impulse(&state.host.phase);
+        let Primary { x, v } = state.host.primary;
+        let mass = DoubleDouble::new(R::ONE).plus(self.mass_ratio);
+        let gained = if stuck {
+            DoubleDouble::new(velocity).over_sum(mass)
+        } else {
+            DoubleDouble::new(velocity)
+        };
+        let host = self.host.state(phase, Primary { x, v: v + gained });
+        let rate = if stuck { state.rate } else { state.rate.plus(state.side * velocity) };
+        SivaState { host, rate, ..*state }
+    }
+
+    fn energy(&self, state: &Self::State) -> R {
+        let Point { x, v } = self.primary(state);
+        let absorber = v + state.gap_velocity();
+        let moving = (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber);
+        let gravity = self.host.gravity();
+        if gravity == 0.0 {
+            return moving;
+        }
+        moving + self.mass_ratio * gravity * self.height(state)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,187 @@
+//! The interface between an absorber and the event loop.
+//!
+//! The loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through these
+//! traits; a new absorber is one file that implements them.
+
+use crate::absorber::impact::Impact;
+use crate::absorber::plain::Scene;
+use crate::error::Invalid;
+pub use crate::number::clock::Clock;
+use crate::number::real::Real;
+use crate::segment::flight::{Curve, Jet, Motion};
+pub use crate::segment::place::{Point, Wall};
+
+/// State at time zero, in natural units (time in 1/ωn, lengths in the user's unit).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Start<R = f64> {
+    /// Displacement x of the primary system.
+    pub displacement: R,
+    /// Velocity ẋ of the primary system.
+    pub velocity: R,
+    /// Gap displacement y.
+    pub gap_displacement: R,
+    /// Gap velocity w.
+    pub gap_velocity: R,
+}
+
+/// Angle of a pendulum and its rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angle<R = f64> {
+    /// θ from the hanging position, in [−π, π].
+    pub value: R,
+    /// θ̇ in ωn.
+    pub rate: R,
+}
+
+/// The state after some steps of a flight, and the time that they take.
+pub type Coasted<State, R = f64> = (State, Clock<R>);
+
+/// An absorber on its primary system.
+///
+/// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
+/// exactly 0 at a contact, so that a rebound keeps its relative accuracy however low it is.
+pub trait System {
+    /// The number type of the motion.
+    type Real: Real;
+    /// The state between events.
+    type State: Copy + std::fmt::Debug;
+    /// The form in which a start is given.
+    type Start: Copy + std::fmt::Debug;
+    /// The flight of the absorber in its gap; its curve is the distance to the wall last touched.
+    type Flight<'a>: Motion<Real = Self::Real, State = Self::State>
+        + Curve<Real = Self::Real, Sample = Self::State>
+    where
+        Self: 'a;
+    /// The stick episode on a wall; its curve is the pressure on that wall per unit mass.
+    type Ride<'a>: Motion<Real = Self::Real, State = Self::State>
+        + Curve<Real = Self::Real, Sample = Self::State>
+    where
+        Self: 'a;
+
+    /// One-sided clearance d, half of the total play.
+    fn clearance(&self) -> Self::Real;
+    /// The middle of the gap, as a value of y: the walls are at y = offset ± d.
+    fn offset(&self) -> Self::Real {
+        Self::Real::ZERO
+    }
+    /// The ratio of the speeds of consecutive rebounds of a chatter on a wall.
+    fn rebound_ratio(&self, wall: Wall) -> Self::Real;
+    /// Velocity that the structure gains in an impact on a wall, per gap velocity: the impulse over the mass
+    /// of the structure.
+    fn impact_gain(&self, wall: Wall) -> Self::Real;
+    /// Displacement of the absorber's centre of mass relative to the structure, per gap displacement: 1 for a
+    /// free mass, L/b for a pendulum.
+    fn lever(&self) -> Self::Real {
+        Self::Real::ONE
+    }
+    /// Rise of the pressure on a wall at an impact of unit approach speed: the damper responds to the jump of
+    /// the primary's velocity.
+    fn pressure_gain(&self, wall: Wall) -> Self::Real;
+
+    /// Checks that a start lies in the gap.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming the field.
+    fn check_start(&self, _start: &Self::Start) -> Result<(), Invalid> {
+        Ok(())
+    }
+    /// The state of a start, with the drive at an instant. Its distance is exactly 0 at a wall.
+    fn begin_at(&self, start: &Self::Start, time: Clock<Self::Real>) -> Self::State;
+
+    /// The state of a start at time zero.
+    fn begin(&self, start: &Self::Start) -> Self::State {
+        self.begin_at(start, Clock::ZERO)
+    }
+    /// The same places and velocities with the drive of another state.
+    fn with_drive_of(&self, state: &Self::State, _like: &Self::State) -> Self::State {
+        *state
+    }
+    /// The flight from a state.
+    fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
+    /// The stick episode on the wall that the state touches.
+    fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
+    /// The number of steps of a flight in which certainly no wall is met, at most those that the time
+    /// `remaining` has, and [`System::coasted`] for all of them.
+    fn coasts(
+        &self,
+        state: &Self::State,
+        _remaining: Self::Real,
+    ) -> (usize, Coasted<Self::State, Self::Real>) {
+        (0, (*state, Clock::ZERO))
+    }
+    /// The state after some of these steps, and the time that they take.
+    fn coasted(&self, state: &Self::State, _steps: usize) -> Coasted<Self::State, Self::Real> {
+        (*state, Clock::ZERO)
+    }
+    /// The wall that distances are measured from.
+    fn wall(&self, state: &Self::State) -> Wall;
+    /// Distance to that wall and its derivatives in free motion.
+    fn distance(&self, state: &Self::State) -> Jet<Self::Real>;
+    /// The state in contact with `wall`, and how much later it is: the small distance left over by rounding
+    /// is covered at constant rate.
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Self::Real);
+    /// Applies the impact law to a state in contact: the state after the impact, and its record.
+    fn impact(&self, state: &Self::State, time: Self::Real) -> (Self::State, Impact<Self::Real>);
+    /// The state after an infinite tail of rebounds, stuck with the common velocity, and the energy lost in
+    /// the tail.
+    fn stick(&self, state: &Self::State) -> (Self::State, Self::Real);
+    /// The state at the release, with distance, rate and pressure exactly 0, and the time from the given
+    /// state to it.
+    fn release(&self, state: &Self::State) -> (Self::State, Self::Real);
+    /// Displacement and velocity of the primary.
+    fn primary(&self, state: &Self::State) -> Point<Self::Real>;
+    /// Total energy per primary mass.
+    fn energy(&self, state: &Self::State) -> Self::Real;
+    /// True if the absorber can reach its walls at all.
+    fn walls_reachable(&self) -> bool {
+        true
+    }
+    /// True if a lasting force or base motion drives the system, not impulses only.
+    fn is_driven(&self) -> bool {
+        false
+    }
+    /// Damping ratio ζ and mass ratio μ of a system without drive whose structure moves in closed form, in
+    /// doubles (`host/sinusoid.rs`). The measures of its decays are computed from a log.
+    fn sinusoidal(&self) -> Option<[f64; 2]> {
+        None
+    }
+    /// A free mass on a level line under one harmonic force, or on a base that it moves, in doubles. Its measures
+    /// are computed from a log.
+    fn forced(&self) -> Option<Scene> {
+        None
+    }
+    /// True if the base moves.
+    fn moves_base(&self) -> bool {
+        false
+    }
+    /// Largest |a_g| between two instants, where it is known in closed form.
+    fn largest_base(&self, _between: [Self::Real; 2]) -> Option<Self::Real> {
+        None
+    }
+    /// The time for which the force stays smooth, until a kink, a jump or an impulse.
+    fn smooth_for(&self, _state: &Self::State) -> Self::Real {
+        Self::Real::INFINITY
+    }
+    /// P/M of the impulse that is due at a state, 0 at a jump of the force; `None` if no impulse is due.
+    fn due(&self, _state: &Self::State) -> Option<Self::Real> {
+        None
+    }
+    /// The state after the impulse that is due, of P/M = `velocity`, with the absorber free or stuck to its
+    /// wall.
+    fn apply_impulse(
+        &self,
+        state: &Self::State,
+        _velocity: Self::Real,
+        _stuck: bool,
+    ) -> Self::State {
+        *state
+    }
+    /// Angle and angular velocity of a pendulum; `None` for an absorber without angle.
+    fn angle(&self, _state: &Self::State) -> Option<Angle<Self::Real>> {
+        None
+    }
+    /// Angles and angular velocities just before and just after an impact.
+    fn impact_angles(&self, _impact: &Impact<Self::Real>) -> Option<[Angle<Self::Real>; 2]> {
+        None
+    }
+}

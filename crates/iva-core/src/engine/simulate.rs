@@ -1,0 +1,491 @@
+//! The event loop: flight → contact → impact → chatter or stick → release.
+//!
+//! It knows the absorber only as a [`System`] and its observers only as an [`Observer`].
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::absorber::system::{Clock, System};
+use crate::engine::observe::{Observer, Span, StickEpisode};
+use crate::error::{Invalid, number};
+use crate::number::real::Real;
+use crate::segment::contact::{first_contact, first_release, free_stretch};
+use crate::segment::flight::Side;
+use crate::segment::flight::{Curve, FastFlight, Jet, Meets, Motion};
+
+pub use crate::engine::limits::{Limits, Outcome};
+use counts::Counts;
+use wall::presses;
+
+pub(crate) mod counts;
+pub(crate) mod wall;
+
+/// Counts and sums of a run, in natural units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tally<State, R = f64> {
+    /// How the run ended.
+    pub outcome: Outcome,
+    /// Number of listed impacts.
+    pub impacts: u64,
+    /// Number of listed impacts at which the masses moved towards each other.
+    pub effective_impacts: u64,
+    /// Number of stick episodes: chatters that ended in stick, plastic sticks, starts at rest on a pressed
+    /// wall.
+    pub episodes: u64,
+    /// Number of grazing extrema within rounding of a wall, counted as no contact.
+    pub undecided: u64,
+    /// Largest approach speed of all impacts on wall + and on wall −; 0 without any.
+    pub approach_speeds: [R; 2],
+    /// Total time stuck on a wall, in 1/ωn.
+    pub time_stuck: R,
+    /// Energy lost in all impacts, listed or summed.
+    pub energy_impacts: R,
+    /// Instant at which the run ended, in 1/ωn.
+    pub end_time: R,
+    /// Number of segments of flight and stick episode computed.
+    pub work: u64,
+    /// The last state.
+    pub state: State,
+    /// The instant of the last state, in double-double.
+    pub clock: Clock<R>,
+}
+
+impl<State: Copy, R: Real> Tally<State, R> {
+    /// The same counts and sums without the last state, for runs of any kind of scene side by side.
+    pub fn without_state(&self) -> Tally<(), R> {
+        let Self { outcome, impacts, effective_impacts, episodes, undecided, .. } = *self;
+        let Self { approach_speeds, time_stuck, energy_impacts, end_time, work, clock, .. } = *self;
+        Tally {
+            outcome,
+            impacts,
+            effective_impacts,
+            episodes,
+            undecided,
+            approach_speeds,
+            time_stuck,
+            energy_impacts,
+            end_time,
+            work,
+            state: (),
+            clock,
+        }
+    }
+
+    /// The end of the run, from which another run can go on.
+    pub fn instant(&self) -> Instant<State, R> {
+        Instant { time: self.clock, state: self.state }
+    }
+}
+
+/// Runs a system from a start and notifies the observer of every event.
+///
+/// Numerical trouble is no error: a run that cannot go on ends with its outcome and the results so far.
+///
+/// # Errors
+/// [`Invalid`] if the start does not lie in the gap or a limit is not usable.
+pub fn simulate<R: Real, S: System<Real = R>, O: Observer<S>>(
+    system: &S,
+    start: &S::Start,
+    limits: &Limits<R>,
+    cancel: Option<&AtomicBool>,
+    observer: &mut O,
+) -> Result<Tally<S::State, R>, Invalid> {
+    simulate_from(system, start, R::ZERO, limits, cancel, observer)
+}
+
+/// [`simulate`] from a start at an instant other than zero, in 1/ωn: the drive is evaluated on the same
+/// clock, on which `limits.duration` is the end of the run.
+///
+/// # Errors
+/// As [`simulate`], and if the run would end before it begins.
+pub fn simulate_from<R: Real, S: System<Real = R>, O: Observer<S>>(
+    system: &S,
+    start: &S::Start,
+    time: R,
+    limits: &Limits<R>,
+    cancel: Option<&AtomicBool>,
+    observer: &mut O,
+) -> Result<Tally<S::State, R>, Invalid> {
+    system.check_start(start)?;
+    resume(system, &Instant::at(system, start, time), limits, cancel, observer)
+}
+
+/// An instant of a run, and the state at that instant.
+///
+/// The state of a driven system holds the instant of its drive. It is this instant, unless the state was made
+/// for another one ([`System::begin_at`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant<State, R = f64> {
+    /// The instant, in 1/ωn.
+    pub time: Clock<R>,
+    /// In flight, or stuck to the wall that it touches.
+    pub state: State,
+}
+
+impl<State, R: Real> Instant<State, R> {
+    /// A start at time zero.
+    pub fn start<S: System<Real = R, State = State>>(system: &S, start: &S::Start) -> Self {
+        Self::at(system, start, R::ZERO)
+    }
+
+    /// A start at an instant.
+    pub fn at<S: System<Real = R, State = State>>(system: &S, start: &S::Start, time: R) -> Self {
+        let time = Clock::new(time);
+        Self { time, state: system.begin_at(start, time) }
+    }
+}
+
+/// Goes on from an instant of a run, to `limits.duration` on the same clock; `tally` counts from there.
+///
+/// A state at rest that touches its wall sticks if it presses on it; otherwise it leaves the wall or has an
+/// impact. A stick episode that is divided in two counts as two, the second from the division on. Impacts of
+/// a chatter that an earlier run has listed stay listed if the chatter ends in stick here. Observers see the
+/// motion from the instant on: [`crate::measures`] of a decay are defined for runs from time zero, the window
+/// of [`crate::measures::steady`] begins no earlier than the run, and samples before it are left out. A run that was
+/// stopped between the sum of a chatter and its stick goes on stuck: `time_stuck` of both parts then includes
+/// the rest of the chatter. The state is not checked to lie in the gap.
+///
+/// # Errors
+/// [`Invalid`] if a limit is not usable, or does not lie after the instant.
+pub fn resume<S: System, O: Observer<S>>(
+    system: &S,
+    from: &Instant<S::State, S::Real>,
+    limits: &Limits<S::Real>,
+    cancel: Option<&AtomicBool>,
+    observer: &mut O,
+) -> Result<Tally<S::State, S::Real>, Invalid> {
+    limits.check()?;
+    let before = from.time.minus(limits.duration) < 0.0;
+    if !before {
+        let rule =
+            format!("give more than {}, the instant that it goes on from", number(from.time.value));
+        return Err(Invalid::new("run.duration", number(limits.duration), rule));
+    }
+    let mut run = Run::new(system, from, limits, cancel, observer);
+    run.begin();
+    while run.step() {}
+    Ok(run.finish())
+}
+
+/// The phase of a run: flight, with the longest first trial `first`, or a stick episode.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Phase<R = f64> {
+    Flight { first: R },
+    Ride,
+}
+
+/// A run in progress.
+pub(crate) struct Run<'a, S: System, O> {
+    pub system: &'a S,
+    pub limits: &'a Limits<S::Real>,
+    pub cancel: Option<&'a AtomicBool>,
+    pub observer: O,
+    pub clock: Clock<S::Real>,
+    pub phase: Phase<S::Real>,
+    pub riding: Option<StickEpisode<S::Real>>,
+    pub tally: Tally<S::State, S::Real>,
+    pub counts: Counts<S::Real>,
+    /// True if the whole duration is run, or nothing of it can be.
+    pub ended: bool,
+    /// True if the run starts at a wall.
+    touching: bool,
+}
+
+/// Number of segments between two checks of the cancel flag.
+const CANCEL_EVERY: u64 = 1024;
+/// Largest pressure at a release, in units of 2⁻⁵² of the terms that cancel in it. A state with more is not
+/// at a release, and the run ends as `not_finite`.
+const PRESSURE_ULPS: f64 = 1024.0;
+
+impl<S: System, O> Run<'_, S, O> {
+    /// Ends the run at its whole duration.
+    pub(crate) fn reach_end(&mut self) {
+        self.ended = true;
+        self.clock = Clock::new(self.limits.duration);
+    }
+}
+
+impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
+    /// A run that has not begun.
+    pub(crate) fn new(
+        system: &'a S,
+        from: &Instant<S::State, R>,
+        limits: &'a Limits<R>,
+        cancel: Option<&'a AtomicBool>,
+        observer: O,
+    ) -> Self {
+        let Instant { time, state } = *from;
+        Self {
+            system,
+            limits,
+            cancel,
+            observer,
+            touching: system.distance(&state).value == 0.0,
+            clock: time,
+            phase: Phase::Flight { first: R::INFINITY },
+            riding: None,
+            tally: Tally {
+                outcome: Outcome::Finished,
+                impacts: 0,
+                effective_impacts: 0,
+                episodes: 0,
+                undecided: 0,
+                approach_speeds: [R::ZERO; 2],
+                time_stuck: R::ZERO,
+                energy_impacts: R::ZERO,
+                end_time: R::ZERO,
+                work: 0,
+                state,
+                clock: time,
+            },
+            counts: Counts::default(),
+            ended: false,
+        }
+    }
+
+    /// Handles the start: notifies the observer, and applies an impact or a stick at a wall.
+    pub(crate) fn begin(&mut self) {
+        let (system, state) = (self.system, self.tally.state);
+        let from = Instant { time: self.clock, state };
+        self.observer.start(system, &from, self.limits.duration);
+        if !system.energy(&state).is_finite() {
+            self.tally.outcome = Outcome::NotFinite;
+            self.ended = true;
+        } else if self.touching {
+            if system.distance(&state).rate < 0.0 {
+                self.apply_impact();
+            } else {
+                self.leave_or_stick();
+            }
+        } else {
+            self.coast();
+        }
+    }
+
+    /// Advances by one stretch of motion; false if the run has ended.
+    pub(crate) fn step(&mut self) -> bool {
+        let remaining = -self.clock.minus(self.limits.duration);
+        if remaining <= 0.0 {
+            // An impact has come at the instant of the end.
+            self.reach_end();
+        }
+        if self.ended {
+            return false;
+        }
+        let Counts { work, .. } = self.counts;
+        let ended = if self.counts.listed() >= self.limits.max_impacts as f64 {
+            Some(Outcome::ImpactLimit)
+        } else if work >= self.limits.max_work as f64 {
+            Some(Outcome::WorkLimit)
+        } else if (work as u64).is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
+            Some(Outcome::Cancelled)
+        } else if self.observer.is_done() {
+            Some(Outcome::Stopped)
+        } else {
+            None
+        };
+        if let Some(outcome) = ended {
+            self.tally.outcome = outcome;
+            return false;
+        }
+        self.counts.work += 1.0;
+        if let Some(velocity) = self.system.due(&self.tally.state) {
+            self.impulse(velocity);
+            return true;
+        }
+        let finite = match self.phase {
+            Phase::Flight { first } => self.fly(remaining, first),
+            Phase::Ride => self.ride(remaining),
+        };
+        if !finite {
+            self.tally.outcome = Outcome::NotFinite;
+        }
+        finite
+    }
+
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// One segment of free flight, ended by its length, a contact or the end of the run.
+    fn fly(&mut self, remaining: R, first: R) -> bool {
+        let system = self.system;
+        let state = self.tally.state;
+        let flight = system.flight(&state);
+        let length = flight.reach().min(remaining).min(first);
+        if let Some(FastFlight { length: h, later, end, meets }) = flight.fast_path(length) {
+            self.phase = Phase::Flight { first: R::INFINITY };
+            self.arrive(&flight, [h, later], end, h == remaining && meets == Meets::Nothing);
+            match meets {
+                Meets::Nothing => self.coast(),
+                Meets::Wall => self.apply_impact(),
+                Meets::Near(side) => self.meet(side),
+            }
+            return true;
+        }
+        if !is_finite(&flight.jet(&state), flight.fourth()) {
+            return false;
+        }
+        let stretch = if system.walls_reachable() {
+            first_contact(&flight, &state, system.clearance(), length)
+        } else {
+            free_stretch(&flight, length)
+        };
+        self.phase = Phase::Flight { first: R::INFINITY };
+        self.tally.undecided += stretch.undecided;
+        self.advance(&flight, stretch.end.h, length == remaining);
+        match stretch.contact {
+            Some(side) => self.meet(side),
+            None => self.coast(),
+        }
+        true
+    }
+
+    /// Lets an absorber that is too far from its walls to meet one fly on for some steps, each of which is computed
+    /// from the first state.
+    fn coast(&mut self) {
+        let (system, begin) = (self.system, Instant { time: self.clock, state: self.tally.state });
+        let remaining = -begin.time.minus(self.limits.duration);
+        let (count, end) = system.coasts(&begin.state, remaining);
+        if count == 0 {
+            return;
+        }
+        let later = |(state, by): (S::State, Clock<R>)| Instant {
+            time: begin.time.plus_parts(by.value, by.rest),
+            state,
+        };
+        let each = |see: &mut dyn FnMut(&Span<'_, S::Flight<'a>>)| {
+            let mut from = begin;
+            for steps in 1..=count {
+                let to = later(system.coasted(&begin.state, steps));
+                see(&Span::between(system, &system.flight(&from.state), [&from, &to]));
+                from = to;
+            }
+        };
+        let end = later(end);
+        let flight = system.flight(&begin.state);
+        let whole = Span::between(system, &flight, [&begin, &end]);
+        self.observer.coast(system, &whole, &each);
+        (self.clock, self.tally.state) = (end.time, end.state);
+    }
+
+    /// Applies the contact with a wall that the state has reached within rounding.
+    pub(crate) fn meet(&mut self, side: Side) {
+        let left = self.system.wall(&self.tally.state);
+        let wall = if side == Side::Near { left } else { left.opposite() };
+        let (state, later) = self.system.touch(&self.tally.state, wall);
+        self.tally.state = state;
+        self.clock = self.clock.plus(later);
+        self.apply_impact();
+    }
+
+    /// One segment of a stick episode, ended by its length, the release or the end of the run.
+    fn ride(&mut self, remaining: R) -> bool {
+        let system = self.system;
+        let state = self.tally.state;
+        let ride = system.ride(&state);
+        if !is_finite(&ride.jet(&state), ride.fourth()) {
+            return false;
+        }
+        let length = ride.reach().min(remaining);
+        let stretch = first_release(&ride, &state, length);
+        self.tally.undecided += stretch.undecided;
+        let ridden = stretch.end.h;
+        self.advance(&ride, ridden, length == remaining);
+        // Where the force jumps or has an impulse at the release, that decides whether the absorber leaves.
+        if stretch.contact.is_none() || system.due(&self.tally.state).is_some() {
+            return true;
+        }
+        let (state, later) = system.release(&self.tally.state);
+        let pressure = ride.jet(&self.tally.state).value.abs();
+        let without_pressure = pressure <= ride.magnitude() * (R::EPSILON * PRESSURE_ULPS);
+        let close_by = later >= -ridden && later <= ride.reach();
+        if !(without_pressure && close_by) {
+            return false;
+        }
+        self.tally.state = state;
+        self.clock = self.clock.plus(later);
+        self.observer.release(system, &Instant { time: self.clock, state });
+        self.end_episode(true);
+        self.phase = Phase::Flight { first: R::INFINITY };
+        true
+    }
+
+    fn advance<M>(&mut self, motion: &M, h: R, to_the_end: bool)
+    where
+        M: Motion<Real = R, State = S::State>,
+    {
+        let whole = to_the_end && h >= -self.clock.minus(self.limits.duration);
+        self.arrive(motion, [h, R::ZERO], motion.arrival(h), whole);
+    }
+
+    /// Ends a motion after the time h + later, high and low part; `whole` if it ends at the end of the run.
+    fn arrive<M>(&mut self, motion: &M, [h, later]: [R; 2], end: S::State, whole: bool)
+    where
+        M: Motion<Real = R, State = S::State>,
+    {
+        let finish = self.clock.plus_parts(h, later);
+        let span = Span {
+            motion,
+            start: self.clock,
+            length: h + later,
+            from: self.system.primary(&self.tally.state),
+            to: self.system.primary(&end),
+            end: &end,
+        };
+        self.observer.span(self.system, &span);
+        self.clock = finish;
+        self.tally.state = end;
+        if whole {
+            self.reach_end();
+        }
+    }
+
+    /// Applies an impulse from outside, or a jump of the force. A stuck absorber leaves its wall if the
+    /// impulse or the changed force pulls it off; otherwise both masses take the impulse together.
+    fn impulse(&mut self, velocity: R) {
+        let before = self.tally.state;
+        let mut after = self.system.apply_impulse(&before, velocity, false);
+        let riding = matches!(self.phase, Phase::Ride);
+        if riding && self.system.distance(&after).rate <= 0.0 {
+            after = self.system.apply_impulse(&before, velocity, true);
+        }
+        let [v_before, v_after] = [before, after].map(|state| self.system.primary(&state).v);
+        self.observer.impulse(self.system, &after, velocity * 0.5 * (v_before + v_after));
+        self.tally.state = after;
+        let leave = self.system.distance(&after);
+        if riding {
+            if !presses(&leave) {
+                self.end_episode(true);
+                self.phase = Phase::Flight { first: R::INFINITY };
+            }
+        } else if leave.value > 0.0 {
+            self.phase = Phase::Flight { first: R::INFINITY };
+        } else if leave.rate < 0.0 {
+            self.apply_impact();
+        } else {
+            self.leave_or_stick();
+        }
+    }
+
+    /// Ends the run as cancelled.
+    pub(crate) fn cancelled(&mut self) -> Tally<S::State, R> {
+        self.tally.outcome = Outcome::Cancelled;
+        self.finish()
+    }
+
+    /// Ends the run and returns its tally.
+    pub(crate) fn finish(&mut self) -> Tally<S::State, R> {
+        self.end_episode(false);
+        (self.tally.end_time, self.tally.clock) = (self.clock.value, self.clock);
+        let Counts { impacts, effective, work, approach_speeds, losses, .. } = self.counts;
+        let whole = [impacts, effective, work].map(|count| count as u64);
+        [self.tally.impacts, self.tally.effective_impacts, self.tally.work] = whole;
+        (self.tally.approach_speeds, self.tally.energy_impacts) = (approach_speeds, losses.value);
+        self.observer.end(self.system, &self.tally);
+        self.tally
+    }
+}
+
+fn is_finite<R: Real>(jet: &Jet<R>, fourth: R) -> bool {
+    jet.value.is_finite() && jet.rate.is_finite() && fourth.is_finite()
+}

@@ -1,0 +1,121 @@
+//! The largest displacements of the absorber and the largest acceleration of the structure in a run.
+//!
+//! They are extrema of the power series of the motion, not of samples.
+
+use crate::absorber::impact::Impact;
+use crate::absorber::system::{System, Wall};
+use crate::engine::observe::{Contact, Observer, Span};
+use crate::engine::simulate::{Instant, Outcome, Tally};
+use crate::number::real::Real;
+use crate::segment::flight::{Motion, Travel};
+use crate::segment::polynomial::{largest, range};
+
+/// The extremes of a run, in natural units; `None` where the run does not define one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ExtremeValues<R = f64> {
+    /// Largest |y|.
+    pub gap_displacement: Option<R>,
+    /// Largest minus least y.
+    pub stroke: Option<R>,
+    /// Largest displacement of the absorber's centre of mass, in the coordinates of x.
+    pub absorber_displacement: Option<R>,
+    /// Largest |ẍ + a_g| between impacts.
+    pub acceleration: Option<R>,
+}
+
+/// An observer that finds the extremes of a run from a given instant on.
+#[derive(Debug, Clone)]
+pub struct Extremes<R = f64> {
+    from: R,
+    /// Gap displacement y at wall − and wall +.
+    walls: [R; 2],
+    /// Least and largest y.
+    gap: Option<[R; 2]>,
+    absorber: R,
+    acceleration: R,
+    /// False once a motion had no known series.
+    known: bool,
+    values: ExtremeValues<R>,
+}
+
+impl<R: Real> Extremes<R> {
+    /// Starts to look at an instant, in 1/ωn.
+    pub fn new(from: R) -> Self {
+        Self {
+            from,
+            walls: [R::ZERO; 2],
+            gap: None,
+            absorber: R::ZERO,
+            acceleration: R::ZERO,
+            known: true,
+            values: ExtremeValues::default(),
+        }
+    }
+
+    /// The extremes; complete once the run has ended.
+    pub fn values(&self) -> &ExtremeValues<R> {
+        &self.values
+    }
+
+    fn take(&mut self, travel: &Travel<R>, h: [R; 2]) {
+        let Travel { rows, gap, absorber } = travel;
+        let t = h.map(|h| h / rows.step);
+        let terms = ..=rows.order;
+        self.absorber = largest(&absorber[terms], t, self.absorber);
+        self.acceleration = largest(&rows.acceleration[terms], t, self.acceleration);
+        let [low, high] = self.walls;
+        if self.gap == Some(self.walls) {
+            return;
+        }
+        let so_far = self.gap.unwrap_or([R::INFINITY, -R::INFINITY]);
+        // The flight is proved to stay in the gap; rounding errors of the series could exceed it.
+        self.gap = Some(range(&gap[terms], t, so_far).map(|y| y.max(low).min(high)));
+    }
+}
+
+impl<R: Real, S: System<Real = R>> Observer<S> for Extremes<R> {
+    fn start(&mut self, system: &S, _from: &Instant<S::State, R>, _duration: R) {
+        let (middle, d) = (system.offset(), system.clearance());
+        *self = Self { walls: [middle - d, middle + d], ..Self::new(self.from) };
+    }
+
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, _system: &S, span: &Span<'_, M>) {
+        let begin = (-span.start.minus(self.from)).max(0.0);
+        if begin > span.length {
+            return;
+        }
+        match span.motion.travel() {
+            Some(travel) => self.take(&travel, [begin, span.length]),
+            None => self.known = false,
+        }
+    }
+
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+        if contact.time >= self.from {
+            self.acceleration = contact.hardest_shaking(system, self.acceleration);
+        }
+    }
+
+    /// At an impact y is set to the position of the wall, free of rounding errors.
+    fn impact(&mut self, _system: &S, impact: &Impact<R>) {
+        if impact.time >= self.from {
+            let [low, high] = self.walls;
+            let y = if impact.wall == Wall::Plus { high } else { low };
+            let [least, most] = self.gap.unwrap_or([y; 2]);
+            self.gap = Some([least.min(y), most.max(y)]);
+        }
+    }
+
+    fn end(&mut self, _system: &S, tally: &Tally<S::State, R>) {
+        if !self.known || tally.outcome != Outcome::Finished {
+            return;
+        }
+        let Some([least, most]) = self.gap else { return };
+        self.values = ExtremeValues {
+            gap_displacement: Some(most.max(-least)),
+            stroke: Some(most - least),
+            absorber_displacement: Some(self.absorber),
+            acceleration: Some(self.acceleration),
+        };
+    }
+}

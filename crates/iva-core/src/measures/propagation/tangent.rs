@@ -1,0 +1,141 @@
+//! The derivative of a run: the product of the flows and saltation matrices along it.
+
+use nalgebra::{Matrix4, Vector4};
+
+use crate::absorber::derivatives::Differentiable;
+use crate::absorber::system::{Clock, System, Wall};
+use crate::engine::observe::{Contact, Observer, Span};
+use crate::engine::simulate::{Instant, Tally};
+use crate::segment::flight::Motion;
+
+/// The saltation matrix of an impact between two states, with the rates ż at both.
+#[inline(always)]
+pub(super) fn saltation<S: Differentiable>(
+    system: &S,
+    wall: Wall,
+    [before, after]: [&Vector4<f64>; 2],
+) -> Matrix4<f64> {
+    let jump = system.impact_matrix(wall);
+    let normal = Vector4::new(0.0, 0.0, 1.0 / before[2], 0.0);
+    jump + (after - jump * before) * normal.transpose()
+}
+
+/// The derivative of the state after the release from a wall: the absorber is at rest on it.
+pub(super) fn released() -> Matrix4<f64> {
+    Matrix4::from_diagonal(&Vector4::new(1.0, 1.0, 0.0, 0.0))
+}
+
+/// An observer of the derivative of the state z = (x, ẋ, y, ẏ) (with W = b θ̇ in place of ẏ for a pendulum) with
+/// respect to that at the begin of the run.
+///
+/// After a summed chatter the absorber counts as stuck from the last rebound on that was computed. What follows it lasts some
+/// 10⁻⁶ of 1/ωn; the error of the derivative is of the order of the square of that, for a pendulum of that itself.
+#[derive(Debug, Clone)]
+pub struct Tangent {
+    derivative: Matrix4<f64>,
+    /// The instant at which the current motion of a linear system has begun, and whether the absorber is stuck.
+    begun: (Clock, bool),
+    wall: Wall,
+}
+
+impl Default for Tangent {
+    fn default() -> Self {
+        let (begun, wall) = ((Clock::ZERO, false), Wall::Plus);
+        Self { derivative: Matrix4::identity(), begun, wall }
+    }
+}
+
+impl Tangent {
+    /// The derivative; complete once the run has ended.
+    pub fn derivative(&self) -> &Matrix4<f64> {
+        &self.derivative
+    }
+
+    /// At the begin of a run from a state at an instant.
+    pub(crate) fn at<S: System>(system: &S, state: &S::State, time: Clock) -> Self {
+        Self { begun: (time, false), wall: system.wall(state), ..Self::default() }
+    }
+
+    #[inline(always)]
+    fn carry(&mut self, map: &Matrix4<f64>) {
+        self.derivative = map * self.derivative;
+    }
+
+    /// The motion of a linear system ends at an instant, and another one begins.
+    #[inline(always)]
+    pub(crate) fn turn<S: Differentiable>(
+        &mut self,
+        system: &S,
+        state: &S::State,
+        time: Clock,
+        riding: bool,
+    ) {
+        let (begin, was_riding) = self.begun;
+        let h = (time - begin).value;
+        if S::LINEAR && h > 0.0 {
+            self.carry(&match was_riding {
+                true => system.ride_tangent(state, h),
+                false => system.flight_tangent(state, h),
+            });
+        }
+        self.begun = (time, riding);
+    }
+
+    /// An impact at an instant, between these states.
+    #[inline(always)]
+    pub(crate) fn struck<S: Differentiable>(
+        &mut self,
+        system: &S,
+        time: Clock,
+        [before, after]: [&S::State; 2],
+    ) {
+        self.turn(system, before, time, false);
+        self.wall = system.wall(before);
+        let rates = [&system.rates(before), &system.rates(after)];
+        self.carry(&saltation(system, self.wall, rates));
+    }
+}
+
+impl<S: Differentiable> Observer<S> for Tangent {
+    fn start(&mut self, system: &S, from: &Instant<S::State>, _duration: f64) {
+        *self = Self::at(system, &from.state, from.time);
+    }
+
+    fn looks_within(&self) -> bool {
+        !S::LINEAR
+    }
+
+    fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        let from = span.motion.origin();
+        if !S::LINEAR {
+            self.carry(&match M::RIDING {
+                true => system.ride_tangent(from, span.length),
+                false => system.flight_tangent(from, span.length),
+            });
+        } else if self.begun.1 != M::RIDING {
+            // An impulse has ended a stick episode.
+            self.turn(system, from, span.start, M::RIDING);
+        }
+    }
+
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
+        let Contact { time, states, summed } = *contact;
+        if !summed {
+            self.struck(system, Clock::new(time), states);
+        }
+    }
+
+    fn stick(&mut self, system: &S, _from: &Instant<S::State>) {
+        self.carry(&system.stick_matrix(self.wall));
+        self.begun.1 = true;
+    }
+
+    fn release(&mut self, system: &S, from: &Instant<S::State>) {
+        self.turn(system, &from.state, from.time, false);
+        self.carry(&released());
+    }
+
+    fn end(&mut self, system: &S, tally: &Tally<S::State>) {
+        self.turn(system, &tally.state, tally.clock, false);
+    }
+}

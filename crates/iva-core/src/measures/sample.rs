@@ -1,0 +1,203 @@
+//! The motion at given instants, evaluated exactly and never interpolated.
+
+use crate::absorber::impact::Impact;
+use crate::absorber::system::{Angle, Clock, System};
+use crate::engine::observe::{Contact, Observer, Span};
+use crate::engine::simulate::wall::presses;
+use crate::engine::simulate::{Instant, Outcome, Tally};
+use crate::number::clock::SLACK;
+use crate::number::real::Real;
+use crate::segment::flight::Motion;
+
+/// Primary and absorber at one instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State<R = f64> {
+    /// Instant, in 1/ωn.
+    pub time: R,
+    /// Displacement of the primary.
+    pub displacement: R,
+    /// Velocity of the primary.
+    pub velocity: R,
+    /// Absorber minus primary displacement.
+    pub gap_displacement: R,
+    /// Absorber minus primary velocity.
+    pub gap_velocity: R,
+    /// 0 in flight, ±1 while stuck on a wall. The tail of a chatter counts as stuck from the instant at which
+    /// it is summed, because the absorber is then closer to the wall than rounding errors.
+    pub wall: i8,
+    /// Absolute acceleration ẍ + a_g of the structure, without the jumps of velocity at impacts.
+    pub acceleration: R,
+    /// Absolute acceleration of the absorber's centre of mass along the motion, without the jumps at impacts.
+    pub absorber_acceleration: R,
+    /// Angle and angular velocity of a pendulum; `None` for a free mass.
+    pub angle: Option<Angle<R>>,
+}
+
+/// Absolute accelerations of structure and absorber at a state, with the absorber free in its gap.
+fn accelerations<S: System>(system: &S, state: &S::State) -> [S::Real; 2] {
+    let flight = system.flight(state);
+    let structure = flight.acceleration(S::Real::ZERO);
+    // A state in contact may hold the acceleration of a state close by, so it is computed anew.
+    let beside = gap_acceleration(system, &flight.state(S::Real::ZERO));
+    [structure, structure + system.lever() * beside]
+}
+
+/// ÿ of an absorber free in its gap: the distance to a wall s is d − s y.
+fn gap_acceleration<S: System>(system: &S, state: &S::State) -> S::Real {
+    -(system.distance(state).curvature * system.wall(state).sign())
+}
+
+/// An observer that samples a run at increasing instants. At the instant of an impact it takes the state
+/// after it.
+#[derive(Debug, Clone)]
+pub struct Sampler<R = f64> {
+    times: Vec<R>,
+    next: usize,
+    events: bool,
+    duration: R,
+    /// Accelerations of structure and absorber, before and after the current impact.
+    jumped: [[R; 2]; 2],
+    /// True if nothing has come after the last impact.
+    landed: bool,
+    /// The samples taken so far, in order of time.
+    pub states: Vec<State<R>>,
+}
+
+impl<R: Real> Sampler<R> {
+    /// Samples at `times`, which must not decrease.
+    pub fn at(times: Vec<R>) -> Self {
+        let states = Vec::with_capacity(times.len());
+        let (duration, jumped) = (R::ZERO, [[R::ZERO; 2]; 2]);
+        Self { times, next: 0, events: false, duration, jumped, landed: false, states }
+    }
+
+    /// Samples at `times` and both states of every impact.
+    pub fn with_events(times: Vec<R>) -> Self {
+        Self { events: true, ..Self::at(times) }
+    }
+
+    /// Takes the next sample, a time h after the begin of a motion.
+    fn take<S: System<Real = R>, M: Motion<Real = R, State = S::State>>(
+        &mut self,
+        system: &S,
+        motion: &M,
+        time: R,
+        h: R,
+    ) {
+        let (primary, gap) = (motion.primary(h), motion.gap(h));
+        let state = motion.state(h);
+        let acceleration = motion.acceleration(h);
+        let beside = match motion.wall() {
+            Some(_) => R::ZERO,
+            None => system.lever() * gap_acceleration(system, &state),
+        };
+        self.states.push(State {
+            time,
+            displacement: primary.value,
+            velocity: primary.rate,
+            gap_displacement: gap.y,
+            gap_velocity: gap.w,
+            wall: motion.wall().map_or(0, |wall| wall.number()),
+            acceleration,
+            absorber_acceleration: acceleration + beside,
+            angle: system.angle(&state),
+        });
+        self.next += 1;
+    }
+}
+
+impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
+    fn start(&mut self, _system: &S, from: &Instant<S::State, R>, duration: R) {
+        // A sample at the begin may be a rounding before it.
+        let early = |time: &&R| **time + **time * SLACK < from.time.value;
+        self.next = self.times.iter().take_while(early).count();
+        self.duration = duration;
+    }
+
+    fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        while let Some(time) = self.times.get(self.next).copied() {
+            let h = -span.start.minus(time);
+            // A sample at the end may be a rounding before it: nothing comes after to take it.
+            let last = time + time * SLACK >= self.duration
+                && span_ends(&span.start, span.length, self.duration);
+            // With events recorded, a sample is not moved to the instant of an event.
+            let slack = if self.events { 0.0 } else { SLACK };
+            if h >= span.length - time * slack && !last {
+                break;
+            }
+            // At the instant of an event: the state from which the run goes on.
+            let h = if h <= time * slack { R::ZERO } else { h.clamp(0.0, span.length) };
+            self.take(system, span.motion, time, h);
+        }
+        self.landed = false;
+    }
+
+    /// The second row of an impact that sticks at once is a state on the wall.
+    fn stick(&mut self, system: &S, Instant { state: after, .. }: &Instant<S::State, R>) {
+        let row = self.states.last_mut().filter(|row| self.landed && row.gap_velocity == 0.0);
+        if let Some(row) = row {
+            let ride = system.ride(after);
+            row.wall = system.wall(after).number();
+            row.acceleration = ride.acceleration(R::ZERO);
+            row.absorber_acceleration = row.acceleration;
+        }
+    }
+
+    /// A sample at the end of a run that ended early takes the last state.
+    fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
+        let (state, end) = (&tally.state, tally.end_time);
+        if tally.outcome == Outcome::NotFinite {
+            return;
+        }
+        while let Some(time) = self.times.get(self.next).copied() {
+            if time > end + end * SLACK {
+                break;
+            }
+            let leave = system.distance(state);
+            if leave.value == 0.0 && presses(&leave) {
+                self.take(system, &system.ride(state), time, R::ZERO);
+            } else {
+                self.take(system, &system.flight(state), time, R::ZERO);
+            }
+        }
+    }
+
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
+        if self.events {
+            self.jumped = contact.states.map(|state| accelerations(system, state));
+        }
+    }
+
+    fn impact(&mut self, system: &S, impact: &Impact<R>) {
+        if !self.events {
+            return;
+        }
+        let angles = system.impact_angles(impact);
+        let [[acceleration, absorber_acceleration], after] = self.jumped;
+        let before = State {
+            time: impact.time,
+            displacement: impact.displacement,
+            velocity: impact.velocity_before,
+            gap_displacement: system.offset() + system.clearance() * impact.wall.sign(),
+            gap_velocity: impact.gap_velocity_before,
+            wall: 0,
+            acceleration,
+            absorber_acceleration,
+            angle: angles.map(|[before, _]| before),
+        };
+        let after = State {
+            velocity: impact.velocity_after,
+            gap_velocity: impact.gap_velocity_after,
+            acceleration: after[0],
+            absorber_acceleration: after[1],
+            angle: angles.map(|[_, after]| after),
+            ..before
+        };
+        self.states.extend([before, after]);
+        self.landed = true;
+    }
+}
+
+pub(crate) fn span_ends<R: Real>(start: &Clock<R>, length: R, duration: R) -> bool {
+    start.plus(length).minus(duration) >= -R::EPSILON * duration
+}

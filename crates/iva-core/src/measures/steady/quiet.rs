@@ -1,0 +1,85 @@
+//! Flights that change nothing in the measures of a steady state but ∫x², so that lanes need not show them.
+
+use super::{Steady, SteadyWanted};
+use crate::absorber::system::Clock;
+use crate::number::arrays::{Laned, laned};
+use crate::number::clock::SLACK;
+use crate::number::compensated::DoubleDouble;
+
+/// What is known of such flights.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Quiet {
+    /// The window begins at this instant.
+    from: f64,
+    /// They end before this instant: that of a strobe.
+    until: f64,
+    /// |x| and |ẍ + a_g| are smaller than these in them.
+    least: [f64; 2],
+    /// ∫x² of the window so far.
+    square: DoubleDouble,
+}
+
+laned!(Quiet, AllQuiet { from: f64, until: f64, least: [f64; 2], square: DoubleDouble });
+
+impl Quiet {
+    /// All flights of a run without such measures.
+    pub const ALL: Self = Self {
+        from: f64::INFINITY,
+        until: f64::INFINITY,
+        least: [f64::INFINITY; 2],
+        square: DoubleDouble::ZERO,
+    };
+
+    /// No flight of a run in which each is to be shown.
+    pub fn none(&self) -> Self {
+        Self { until: -f64::INFINITY, ..*self }
+    }
+
+    /// True if a flight between two instants, with these bounds on |x| and |ẍ + a_g|, needs not be shown.
+    #[inline(always)]
+    pub fn covers(&self, [start, end]: [Clock; 2], [x, a]: [f64; 2]) -> bool {
+        let small = (x < self.least[0]) & (a < self.least[1]) & self.counts(start);
+        let early = end.minus(self.from) <= 0.0;
+        (end.minus(self.until) < 0.0) & (small | early)
+    }
+
+    /// True if a flight from an instant on belongs to the window.
+    #[inline(always)]
+    fn counts(&self, start: Clock) -> bool {
+        start.minus(self.from) >= 0.0
+    }
+
+    /// With ∫x² of a flight from an instant on, if it is `covered` and belongs to the window.
+    #[inline(always)]
+    pub fn with(&self, covered: bool, start: Clock, square: f64) -> Self {
+        let counts = covered & self.counts(start);
+        Self { square: Laned::pick(counts, &self.square.plus(square), &self.square), ..*self }
+    }
+}
+
+impl Steady {
+    /// The flights that need not be shown from here on.
+    pub(crate) fn quiet(&self) -> Quiet {
+        if !self.wanted.any() {
+            return Quiet::ALL;
+        }
+        let strobe = self.next_strobe().map_or(f64::INFINITY, |instant| instant.value);
+        let [x, a] = self.largest();
+        let SteadyWanted { amplitude, regime, acceleration, .. } = self.wanted;
+        Quiet {
+            from: self.window.from,
+            // A strobe may be taken a little after the end of the last flight.
+            until: strobe - self.duration * (4.0 * SLACK),
+            least: [
+                if amplitude || regime { x } else { f64::INFINITY },
+                if acceleration { a } else { f64::INFINITY },
+            ],
+            square: self.square,
+        }
+    }
+
+    /// Takes ∫x² of the window from where it was added up.
+    pub(crate) fn take_square(&mut self, quiet: &Quiet) {
+        self.square = quiet.square;
+    }
+}

@@ -1,0 +1,8 @@
+//! The numbers of a motion: doubles, double-doubles, numbers with derivatives, and arrays of them over lanes.
+
+pub(crate) mod arrays;
+pub mod clock;
+pub mod compensated;
+pub mod real;
+pub mod series;
+pub(crate) mod trigonometry;

@@ -1,0 +1,10 @@
+//! A stretch of smooth motion: what a motion is ([`flight`]), its power series, and the first event in it, found and
+//! proved to be the first ([`contact`], [`roots`]).
+
+pub mod contact;
+pub mod flight;
+pub mod place;
+pub mod polynomial;
+pub(crate) mod quintic;
+pub mod roots;
+pub mod taylor;

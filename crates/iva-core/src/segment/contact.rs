@@ -1,0 +1,111 @@
+//! The first contact of a flight, with proof that none came earlier.
+//!
+//! Distances D are measured from the wall last touched. The *near* wall, the one last touched, is met where D
+//! returns to 0; the *far* wall, across the gap, where D reaches 2d. Both zeros are searched by
+//! [`crate::segment::roots`]; the earlier one is the contact. At the wall that the flight left, D = 0 is no contact:
+//! whether the absorber leaves is decided by the sign of the velocity, then acceleration, then jerk, without
+//! waiting time or displacement.
+
+use crate::number::real::Real;
+use crate::segment::flight::{Curve, Jet, Side};
+use crate::segment::roots::{DOUBT, Node, Searched, highest_change};
+
+/// Half width of the band around a wall in which an extremum is undecided, in units of 2⁻⁵³ of the
+/// curve's magnitude (d for the gap).
+pub const UNDECIDED_BAND: f64 = 16.0;
+
+/// The result of the search over one stretch of motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Stretch<T, R = f64> {
+    /// The end of the stretch, or the contact if there is one.
+    pub end: Node<T, R>,
+    /// The wall touched; `None` if it is proved that no wall is met.
+    pub contact: Option<Side>,
+    /// Number of grazing extrema within [`UNDECIDED_BAND`], counted as no contact.
+    pub undecided: u64,
+}
+
+/// Searches a flight from its start up to `length` for its first contact.
+pub fn first_contact<R: Real, C: Curve<Real = R>>(
+    flight: &C,
+    start: &C::Sample,
+    clearance: R,
+    length: R,
+) -> Stretch<C::Sample, R> {
+    let jet = flight.jet(start);
+    let fourth = flight.fourth();
+    let size = flight.magnitude();
+    // A flight that starts at a wall has rounding errors in proportion to its own height over that wall.
+    let height = if jet.value == 0.0 { size.min(highest(&jet, fourth, length)) } else { size };
+    let near = searched(flight, (R::ZERO, R::ONE), fourth, height);
+    let far = searched(flight, (clearance * 2.0, -R::ONE), fourth, size);
+    let a = Node { h: R::ZERO, sample: *start, jet };
+    let b = near.node(length);
+    let (a_far, b_far) = (far.seen(&a.jet), far.seen(&b.jet));
+    let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
+    if !near.excluded(&a.jet, &b.jet, length) {
+        let search = near.first_zero(&a, &b);
+        stretch.undecided = search.undecided;
+        if let Some(zero) = search.zero {
+            stretch.end = zero;
+            stretch.contact = Some(Side::Near);
+        }
+    }
+    if !far.excluded(&a_far, &b_far, length) {
+        let end = Node { jet: far.seen(&stretch.end.jet), ..stretch.end };
+        let search = far.first_zero(&Node { jet: a_far, ..a }, &end);
+        if let Some(zero) = search.zero {
+            stretch.end = Node { jet: flight.jet(&zero.sample), ..zero };
+            stretch.contact = Some(Side::Far);
+            if stretch.undecided > 0 {
+                // The search over the whole stretch also counted grazings after the contact.
+                stretch.undecided = near.first_zero(&a, &stretch.end).undecided;
+            }
+        }
+        stretch.undecided += search.undecided;
+    }
+    stretch
+}
+
+/// The stretch of a flight of this length that can reach no wall.
+pub fn free_stretch<R: Real, C: Curve<Real = R>>(flight: &C, length: R) -> Stretch<C::Sample, R> {
+    let sample = flight.sample(length);
+    let end = Node { h: length, sample, jet: flight.jet(&sample) };
+    Stretch { end, contact: None, undecided: 0 }
+}
+
+/// The first instant within `length` at which the pressure of a stick episode vanishes: the release.
+pub fn first_release<R: Real, C: Curve<Real = R>>(
+    ride: &C,
+    start: &C::Sample,
+    length: R,
+) -> Stretch<C::Sample, R> {
+    let pressure = searched(ride, (R::ZERO, R::ONE), ride.fourth(), ride.magnitude());
+    let a = Node { h: R::ZERO, sample: *start, jet: ride.jet(start) };
+    let b = pressure.node(length);
+    let mut stretch = Stretch { end: b, contact: None, undecided: 0 };
+    if !pressure.excluded(&a.jet, &b.jet, length) {
+        let search = pressure.first_zero(&a, &b);
+        stretch.undecided = search.undecided;
+        if let Some(zero) = search.zero {
+            stretch.end = zero;
+            stretch.contact = Some(Side::Near);
+        }
+    }
+    stretch
+}
+
+fn searched<R: Real, C: Curve<Real = R>>(
+    curve: &C,
+    (level, sign): (R, R),
+    fourth: R,
+    magnitude: R,
+) -> Searched<'_, C> {
+    let unit = R::EPSILON * 0.5 * magnitude;
+    Searched { curve, level, sign, fourth, band: unit * UNDECIDED_BAND, doubt: unit * DOUBT }
+}
+
+/// A bound on the size of a function within `length`.
+fn highest<R: Real>(jet: &Jet<R>, fourth: R, length: R) -> R {
+    jet.value.abs() + highest_change(jet, fourth, length)
+}

@@ -1,0 +1,254 @@
+//! The flight of a pendulum absorber as a Taylor series in time.
+//!
+//! With y = b sinθ the gap displacement, W = b θ̇, c = cosθ and a = ẍ + a_g (a_g the acceleration of the base,
+//! see [`crate::force`]) the motion is polynomial:
+//!
+//! ```text
+//! ẏ = c W        ċ = −y W/b²        Ẇ = −(β a c + r² y + ν W)
+//! ẋ = u          u̇ = a − a_g        (1 + μ) a + μλ ÿ = f/M − x − 2ζ u
+//! ```
+//!
+//! with β = b/(κL), λ = L/b, r² = g/(κL), ν = 2ζp r (physics: Lagrange's equations of the paper's
+//! Eqs. 4 and 5, with their misprints mended, for a compound bob). The last equation is momentum: with
+//! ÿ = (c W)˙ it is linear in the newest coefficient of a, so that each order costs three
+//! convolutions and no division (`segment/taylor/recurrence.rs`).
+//!
+//! Coefficients are those of powers of t/h: the step ends at 1. [`Remainder`] bounds what the
+//! truncation leaves out.
+
+use crate::force::Drive;
+use crate::number::arrays::laned;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+pub(crate) use crate::number::series::unrolled;
+pub use crate::number::series::{Number, ORDER, Row};
+
+use recurrence::Recurrence;
+pub use remainder::Remainder;
+
+/// Runs code with an order of [`crate::absorber::piva`] as a constant.
+macro_rules! with_order {
+    ($order:expr, $constant:ident => $body:expr) => {
+        match $order {
+            10 => {
+                const $constant: usize = 10;
+                $body
+            }
+            16 => {
+                const $constant: usize = 16;
+                $body
+            }
+            18 => {
+                const $constant: usize = 18;
+                $body
+            }
+            _ => {
+                const $constant: usize = $crate::segment::taylor::ORDER;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_order;
+
+mod recurrence;
+mod remainder;
+
+/// The orders in use.
+pub(crate) const ORDERS: [usize; 4] = [10, 16, 18, ORDER];
+
+/// The constants of the equations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pendulum<R = f64> {
+    /// Mass ratio μ.
+    pub mass_ratio: R,
+    /// Damping ratio ζ of the primary.
+    pub damping_ratio: R,
+    /// b, from the pivot to the point of contact.
+    pub contact_distance: R,
+    /// κ = I/(m L²).
+    pub inertia_ratio: R,
+    /// λ = L/b.
+    pub lever: R,
+    /// β = b/(κL).
+    pub coupling: R,
+    /// r² = g/(κL), in ωn².
+    pub frequency_squared: R,
+    /// ν = 2ζp r.
+    pub pivot_damping: R,
+    /// sinθ = θ and cosθ = 1: then c stays 1 and the equations are linear.
+    pub small_angles: bool,
+}
+
+laned!(
+    Pendulum,
+    Pendulums {
+        mass_ratio: f64,
+        damping_ratio: f64,
+        contact_distance: f64,
+        inertia_ratio: f64,
+        lever: f64,
+        coupling: f64,
+        frequency_squared: f64,
+        pivot_damping: f64,
+        small_angles: bool,
+    }
+);
+
+/// A state between events: x, u, y, W and c.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Swing<T> {
+    /// Displacement of the primary.
+    pub x: T,
+    /// Velocity of the primary.
+    pub u: T,
+    /// Gap displacement y = b sinθ.
+    pub y: T,
+    /// W = b θ̇.
+    pub w: T,
+    /// cosθ.
+    pub c: T,
+}
+
+/// The series of a step of length h; entry k belongs to (t/h)ᵏ.
+#[derive(Debug, Clone, Copy)]
+pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
+    /// Displacement of the primary.
+    pub x: [T; LENGTH],
+    /// Velocity of the primary.
+    pub u: [T; LENGTH],
+    /// Absolute acceleration ẍ + a_g of the primary, to one order less.
+    pub a: [T; LENGTH],
+    /// Gap displacement.
+    pub y: [T; LENGTH],
+    /// W = b θ̇.
+    pub w: [T; LENGTH],
+    /// cosθ.
+    pub c: [T; LENGTH],
+}
+
+impl<R: Real> Pendulum<R> {
+    /// The same equations in other numbers.
+    pub fn map<Q>(&self, number: impl Fn(R) -> Q) -> Pendulum<Q> {
+        Pendulum {
+            mass_ratio: number(self.mass_ratio),
+            damping_ratio: number(self.damping_ratio),
+            contact_distance: number(self.contact_distance),
+            inertia_ratio: number(self.inertia_ratio),
+            lever: number(self.lever),
+            coupling: number(self.coupling),
+            frequency_squared: number(self.frequency_squared),
+            pivot_damping: number(self.pivot_damping),
+            small_angles: self.small_angles,
+        }
+    }
+
+    /// The fastest rate in the equations but for the swing: of the primary, of the pendulum.
+    pub fn fastest(&self) -> R {
+        let zeta = self.damping_ratio;
+        let primary = zeta + (R::ONE + zeta * zeta).sqrt();
+        let hanging = (self.frequency_squared * (R::ONE + self.mass_ratio)).sqrt();
+        primary.max(hanging).max(self.pivot_damping)
+    }
+
+    /// θ̇ of a swing with W, which makes an angle fast that is not small.
+    #[inline(always)]
+    pub fn swing(&self, w: R) -> R {
+        if self.small_angles { R::ZERO } else { w.abs() / self.contact_distance }
+    }
+
+    /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.
+    #[inline]
+    pub fn cosine(&self, y: R) -> R {
+        let b = self.contact_distance;
+        // b − y is exact close to the horizontal, where 1 − sinθ would be lost in the rounding of sinθ.
+        let cosine = ((b - y) * (b + y)).max(0.0).sqrt() / b;
+        if self.small_angles { R::ONE } else { cosine }
+    }
+
+    /// cosθ at a gap displacement to twice the precision.
+    pub fn precise_cosine(&self, y: DoubleDouble<R>) -> DoubleDouble<R> {
+        let cosine = self.cosine(y.value);
+        if self.small_angles {
+            DoubleDouble::new(R::ONE)
+        } else {
+            refined_cosine(y.over(self.contact_distance), cosine)
+        }
+    }
+
+    /// 1 + μ − (μ/κ) cos²θ, what a force on the primary moves: written as 1 + (μ/κ)(κ − 1 + sin²θ), in
+    /// which nothing cancels however heavy the pendulum is.
+    #[inline(always)]
+    pub fn inertia<T: Number<Real = R>>(&self, y: T) -> T {
+        let n = T::from_real;
+        let sine = if self.small_angles { n(R::ZERO) } else { y / n(self.contact_distance) };
+        let share = n(self.mass_ratio) * n(self.lever) * n(self.coupling);
+        n(R::ONE) + share * (n(self.inertia_ratio - 1.0) + sine * sine)
+    }
+
+    /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.
+    pub fn series<T: Number<Real = R>, const LENGTH: usize>(
+        &self,
+        start: &Swing<T>,
+        drive: Option<&Drive<T, LENGTH>>,
+        h: R,
+        order: usize,
+    ) -> Series<T, LENGTH> {
+        R::dispatched(
+            #[inline(always)]
+            || {
+                if T::UNROLLED && ORDERS.contains(&order) {
+                    return with_order!(order, N => self.series_to::<T, LENGTH, N>(start, drive, h));
+                }
+                let mut recurrence = Recurrence::new(self, start, drive, h);
+                for k in 0..order {
+                    recurrence.raise(k);
+                }
+                recurrence.series
+            },
+        )
+    }
+
+    /// The series from a state under a drive, of an order N that the compiler knows.
+    #[inline(always)]
+    pub(crate) fn series_to<T: Number<Real = R>, const LENGTH: usize, const N: usize>(
+        &self,
+        start: &Swing<T>,
+        drive: Option<&Drive<T, LENGTH>>,
+        h: R,
+    ) -> Series<T, LENGTH> {
+        let mut recurrence = Recurrence::new(self, start, drive, h);
+        unrolled!(k < N => recurrence.raise(k));
+        recurrence.series
+    }
+
+    /// The first few coefficients in powers of t: derivatives at an instant. The order is known to the
+    /// compiler, which leaves no loop.
+    #[inline(always)]
+    pub fn beginning<T: Number<Real = R>, const LENGTH: usize>(
+        &self,
+        start: &Swing<T>,
+        drive: Option<&Drive<T, LENGTH>>,
+    ) -> Series<T, LENGTH> {
+        let mut recurrence = Recurrence::new(self, start, drive, R::ONE);
+        for k in 0..LENGTH - 1 {
+            recurrence.raise(k);
+        }
+        recurrence.series
+    }
+}
+
+/// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
+#[inline(always)]
+pub(crate) fn refined_cosine<R: Real>(sine: DoubleDouble<R>, cosine: R) -> DoubleDouble<R> {
+    let c = DoubleDouble::new(cosine);
+    let square = DoubleDouble::new(R::ONE) - sine * sine;
+    let precise = c + (square - c * c) / c.times(2.0);
+    if cosine == 0.0 { DoubleDouble::ZERO } else { precise }
+}
+
+/// A polynomial by Horner's rule.
+pub fn horner<R: Real, T: Number<Real = R>>(coefficients: &[T], t: T) -> T {
+    let zero = T::from_real(R::ZERO);
+    coefficients.iter().rev().fold(zero, |sum, coefficient| sum * t + *coefficient)
+}

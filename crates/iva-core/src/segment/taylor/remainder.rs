@@ -1,0 +1,302 @@
+//! Bound on the truncation error of a series, from the defects of its polynomials in the equations of motion.
+//!
+//! Let x, u, y, W, c and a be the polynomials of the step, of order N (a: N − 1), in powers of s = t/H up to s = 1.
+//! The recurrences cancel the equations up to order N − 1, so that each equation is left with terms from sᴺ on.
+//! With S_g(m) = Σ_{j≥m} |g_j|, the coefficients of a product f g from order N on sum to at most
+//!
+//! ```text
+//! U(f, g) = Σ_i |f_i| S_g(N − i)          Σ_{j>N} j |(c W)_j| ≤ V = Σ_i |c_i| Σ_{m>N−i} (i + m) |W_m|
+//! ```
+//!
+//! and the defects, over H and relative to sᴺ, are at most
+//!
+//! ```text
+//! ẋ: |u_N|          ẏ: U(c, W)          b ċ: U(y, W)/b          Ẇ: β U(c, a) + r² |y_N| + ν |W_N|
+//! momentum: ρ = μλ (V/H + S_W(0) defect(ċ) + defect(Ẇ)) + |x_N| + 2ζ |u_N| + what is left out of f/M
+//! u̇: ρ/D + what is left out of the base's acceleration          Ẇ, through a: β ρ/D
+//! ```
+//!
+//! The error e of (x, u) and of (y, W/F, b c), F a rate that measures W, obeys e′ ≤ Λ e + δ sᴺ from
+//! e(0) = 0: Λ is a matrix of two by two numbers, the partial derivatives of the equations, δ the defects. The series of
+//! the solution of e′ = Λ e + δ sᴺ gives
+//!
+//! ```text
+//! e(s) ≤ sᴺ⁺¹/(N+1) (δ + Λδ/(N+2) + Λ²δ/((N+2)(N+3)) + …) ≤ sᴺ⁺¹/(N+1) (1 − Λ/(N+2))⁻¹ δ,
+//! ```
+//!
+//! as the comparison theorem for quasimonotone systems allows (W. Walter, *Differential and integral inequalities*,
+//! 1970). A defect that sets in so late leaves the growth e^Λ no time. Λ holds on a neighbourhood of the polynomials
+//! that the bound must turn out to stay within ([`Remainder::within`]); |c| ≤ 1 and |y| ≤ b hold there because c² + y²/b² = 1 is left by no
+//! more than the defects.
+//!
+//! The rounding of the coefficients is no part of the bound; a margin covers that of its own sums.
+
+use super::{ORDER, Pendulum, Series, unrolled};
+use crate::number::real::Real;
+
+/// Bound on the truncation error of a series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Remainder<R = f64> {
+    order: usize,
+    /// The share of the step for which it was found.
+    most: R,
+    /// Bounds on the error of (x, u) and of (y, W/F) there; infinite if nothing is proved.
+    left_out: [R; 2],
+    /// How much of the neighbourhood of the polynomials they need: the bounds hold where it is at most 1.
+    within: R,
+}
+
+/// Room for the rounding of the sums and of the coefficients.
+const MARGIN: f64 = 1.1;
+/// The neighbourhood of the polynomials on which Λ holds, relative to b, and to κL in accelerations.
+const NEIGHBOURHOOD: f64 = 1e-3;
+/// By how much |c|, |y| and 1/D may exceed their bounds there.
+const WIDER: f64 = 1.01;
+
+impl<R: Real> Remainder<R> {
+    /// The bound for the series of a step of length h, up to `most` of it; `fastest`: F, at least the fastest rate of
+    /// the equations; `driven`: what is
+    /// left out of f/M and of the base's acceleration up to there ([`crate::force::Force::left_out`]).
+    #[inline(always)]
+    pub fn new<const N: usize>(
+        pendulum: &Pendulum<R>,
+        fastest: R,
+        series: &Series<R>,
+        driven: [R; 2],
+        (h, most): (R, R),
+    ) -> Self {
+        let sums = Sums::new::<N>(series, most);
+        let defects = Defects::new(pendulum, &sums, driven, h * most);
+        let [primary, gap, within] = defects.grown(pendulum, fastest, &sums, N as f64);
+        Self { order: N, most, left_out: [primary, gap], within }
+    }
+
+    /// The order of the series.
+    #[inline(always)]
+    pub(crate) fn order(&self) -> usize {
+        self.order
+    }
+
+    /// True if anything is proved.
+    #[inline(always)]
+    pub fn proves(&self) -> bool {
+        self.within < R::INFINITY
+    }
+
+    /// The share of the step for which the bound was found.
+    #[inline(always)]
+    pub fn most(&self) -> R {
+        self.most
+    }
+
+    /// Bounds on what is left out up to a share of the step, not above [`Self::most`]: of (x, u) and of (y, W/F).
+    #[inline(always)]
+    pub fn left_out(&self, share: R) -> [R; 2] {
+        let part = self.part(share);
+        self.left_out.map(|bound| bound * part)
+    }
+
+    /// How much of the neighbourhood of the polynomials the bounds need up to a share: they hold if at most 1.
+    #[inline(always)]
+    pub fn within(&self, share: R) -> R {
+        self.within * self.part(share)
+    }
+
+    /// The errors up to a share over those at `most`.
+    #[inline(always)]
+    fn part(&self, share: R) -> R {
+        power(share / self.most, self.order + 1)
+    }
+}
+
+/// pⁿ of an n < 256 by multiplications alone.
+#[inline(always)]
+fn power<R: Real>(p: R, n: usize) -> R {
+    let (mut product, mut square) = (R::ONE, p);
+    for bit in 0..8 {
+        if n >> bit == 0 {
+            break;
+        }
+        if n >> bit & 1 == 1 {
+            product *= square;
+        }
+        square *= square;
+    }
+    product
+}
+
+/// Sums over the coefficients of a series in powers of s.
+struct Sums<R> {
+    /// |x_N|.
+    x_last: R,
+    /// |u_N|.
+    u_last: R,
+    /// |y_N|.
+    y_last: R,
+    /// |W_N|.
+    w_last: R,
+    /// S_W(0).
+    w: R,
+    /// S_a(0).
+    a: R,
+    /// U(c, W).
+    cw: R,
+    /// U(y, W).
+    yw: R,
+    /// U(c, a).
+    ca: R,
+    /// V.
+    cw_rate: R,
+}
+
+impl<R: Real> Sums<R> {
+    #[inline(always)]
+    fn new<const N: usize>(series: &Series<R>, most: R) -> Self {
+        let mut scales = [R::ONE; ORDER + 1];
+        let mut scale = R::ONE;
+        #[allow(unused_assignments)] // after the last
+        {
+            unrolled!(k < N + 1 => {
+                scales[k] = scale;
+                scale *= most;
+            });
+        }
+        let size = |row: &[R; ORDER + 1], k: usize| row[k].abs() * scales[k];
+        let zero = R::ZERO;
+        let [mut w, mut w_rate, mut a] = [zero; 3]; // S_W(m), Σ_{j≥m} j |W_j| and S_a(m)
+        let [mut cw, mut yw, mut ca, mut cw_rate] = [zero; 4];
+        unrolled!(i < N + 1 => {
+            // V needs the sums from m + 1 on, the others from m = N − i on.
+            let m = N - i;
+            let c = size(&series.c, i);
+            cw_rate = c.mul_add(w.mul_add(R::from(i as f64), w_rate), cw_rate);
+            let term = size(&series.w, m);
+            w += term;
+            #[allow(unused_assignments)] // after the last
+            {
+                w_rate = term.mul_add(R::from(m as f64), w_rate);
+            }
+            if m < N {
+                a += size(&series.a, m);
+            }
+            cw = c.mul_add(w, cw);
+            ca = c.mul_add(a, ca);
+            yw = size(&series.y, i).mul_add(w, yw);
+        });
+        Self {
+            x_last: size(&series.x, N),
+            u_last: size(&series.u, N),
+            y_last: size(&series.y, N),
+            w_last: size(&series.w, N),
+            w,
+            a,
+            cw,
+            yw,
+            ca,
+            cw_rate,
+        }
+    }
+}
+
+/// Bounds on the defects of the polynomials in the equations of motion, over sᴺ.
+struct Defects<R> {
+    /// H, the length of the step times the share that the bound is for.
+    length: R,
+    /// Upper bound on 1/D.
+    over_inertia: R,
+    /// Bound on ρ/D, the defect of the acceleration.
+    acceleration: R,
+    x: R,
+    u: R,
+    y: R,
+    bc: R,
+    w: R,
+}
+
+impl<R: Real> Defects<R> {
+    #[inline(always)]
+    fn new(pendulum: &Pendulum<R>, sums: &Sums<R>, driven: [R; 2], length: R) -> Self {
+        let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, coupling, .. } =
+            *pendulum;
+        let y = length * sums.cw;
+        let bc = if pendulum.small_angles { R::ZERO } else { length * sums.yw / b };
+        let own = coupling * sums.ca
+            + pendulum.frequency_squared * sums.y_last
+            + pendulum.pivot_damping * sums.w_last;
+        // D = 1 + μ − (μ/κ) c².
+        let freed = R::ONE + mass_ratio * (R::ONE - R::ONE / pendulum.inertia_ratio);
+        let over_inertia = R::from(WIDER) / freed;
+        let through_gap = sums.cw_rate / length + sums.w * bc / (length * b) + own;
+        let residual = mass_ratio * lever * through_gap
+            + sums.x_last
+            + damping_ratio * 2.0 * sums.u_last
+            + driven[0];
+        let acceleration = residual * over_inertia;
+        Self {
+            length,
+            over_inertia,
+            acceleration,
+            x: length * sums.u_last,
+            u: length * (acceleration + driven[1]),
+            y,
+            bc,
+            w: length * (own + coupling * acceleration),
+        }
+    }
+
+    /// The bounds on the error at s = 1, and how far they are of the neighbourhood; infinite if nothing is bounded.
+    #[inline(always)]
+    fn grown(&self, pendulum: &Pendulum<R>, fastest: R, sums: &Sums<R>, order: f64) -> [R; 3] {
+        let Pendulum {
+            mass_ratio,
+            damping_ratio,
+            contact_distance: b,
+            lever,
+            coupling,
+            frequency_squared: r2,
+            pivot_damping: nu,
+            small_angles,
+            ..
+        } = *pendulum;
+        let over_b = R::ONE / b;
+        // Bounds on θ̇ = W/b and on β a/b on the neighbourhood, and on y/b; at small angles all three are without effect.
+        let nonlinear = |size: R| if small_angles { R::ZERO } else { size };
+        let turning = nonlinear((sums.w * over_b + NEIGHBOURHOOD) * WIDER);
+        let pull = coupling * (sums.a + self.acceleration) * over_b;
+        let pulled = nonlinear((pull + NEIGHBOURHOOD) * WIDER);
+        let wide = R::from(WIDER);
+        // Partial derivatives of a: by x and u together, by y, W/F and b c together.
+        let by_primary = (R::ONE + damping_ratio * 2.0) * self.over_inertia;
+        let centrifugal = turning * (turning + fastest * wide * 2.0 + nu);
+        let hanging = (r2 + nonlinear(r2) + fastest * nu) * wide;
+        let by_gap = (centrifugal + hanging + pulled * wide * 2.0)
+            * (mass_ratio * lever * self.over_inertia);
+        let growth = self.length / (order + 2.0);
+        let swung = turning + fastest * wide; // of y, of b c
+        let own = coupling * by_gap * wide + pulled + r2; // of W
+        let gap = R::larger(swung, own / fastest + nu) * growth;
+        let primary = R::larger(R::ONE, by_primary) * growth;
+        let to_primary = by_gap * growth;
+        let to_gap = coupling * by_primary * wide / fastest * growth;
+        // (1 − Λ/(N+2))⁻¹ δ/(N+1)
+        let [kept_primary, kept_gap] = [R::ONE - primary, R::ONE - gap];
+        let determinant = kept_primary * kept_gap - to_primary * to_gap;
+        let grown = (R::from(MARGIN) / (order + 1.0)) / determinant;
+        let delta =
+            [R::larger(self.x, self.u), R::larger(R::larger(self.y, self.bc), self.w / fastest)];
+        let of_primary = (kept_gap * delta[0] + to_primary * delta[1]) * grown;
+        let of_gap = (kept_primary * delta[1] + to_gap * delta[0]) * grown;
+        // Within the neighbourhood: y, W and c, a, and D by how far c² + y²/b² is from 1.
+        let acceleration = by_primary * of_primary + by_gap * of_gap;
+        let circle = (self.y + self.bc) * over_b * 4.0;
+        let within = [of_gap * fastest * over_b, acceleration * coupling * over_b]
+            .map(|it| it / NEIGHBOURHOOD)
+            .into_iter()
+            .fold(circle * (mass_ratio + 1.0) / (WIDER - 1.0), R::larger);
+        let bounded = (kept_primary > 0.0) & (kept_gap > 0.0) & (determinant > 0.0);
+        [of_primary, of_gap, within].map(|it| if bounded { it } else { R::INFINITY })
+    }
+}
+
+#[cfg(test)]
+mod tests;
