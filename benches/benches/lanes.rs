@@ -125,9 +125,14 @@ fn beside<S: SideBySide>(group: &mut BenchmarkGroup<'_, WallTime>, scenes: &[Job
     let errors = Listing { errors: true, ..Listing::default() };
     group.bench_function("side by side, impacts and errors", |bencher| {
         bencher.iter(|| {
-            lanes::run_listed(black_box(scenes), (none, errors), None, &mut |_, decayed, listed| {
-                black_box((decayed, listed));
-            })
+            lanes::run_listed(
+                black_box(scenes),
+                (none, &errors),
+                None,
+                &mut |_, decayed, listed| {
+                    black_box((decayed, listed));
+                },
+            )
         });
     });
 }

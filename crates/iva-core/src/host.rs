@@ -137,6 +137,11 @@ pub trait Structure: std::fmt::Debug {
     fn derivatives(&self, phase: &Self::Phase, v: Self::Real, a: Self::Real) -> [Self::Real; 3];
     /// A − ẍ and its first three derivatives.
     fn base(&self, phase: &Self::Phase) -> [Self::Real; 4];
+    /// A bound on |a_g|.
+    #[inline(always)]
+    fn largest_base(&self) -> Self::Real {
+        Self::Real::ZERO
+    }
     /// A bound on the Nth derivative of A in every motion from a state, N ≤ 6.
     fn bound<const N: usize>(&self, primary: &Primary<Self::Real>) -> Self::Real;
     /// The energy lost in the damper in a motion of length h, and the work of the drive on structure and

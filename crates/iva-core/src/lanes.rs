@@ -38,6 +38,8 @@ use crate::absorber::system::System;
 use crate::engine::observe::Events;
 use crate::engine::simulate::{Limits, Run, Tally};
 use crate::error::Invalid;
+use crate::measures::extremes::{ExtremeValues, Extremes};
+use crate::measures::pass::{Pass, Passes};
 use crate::measures::peaks::Peak;
 use crate::measures::propagation::{Differentiable, Errors};
 use crate::measures::steady::{SteadyValues, SteadyWanted, Strobe, Window};
@@ -130,7 +132,7 @@ pub trait SideBySide: Differentiable + Sized {
     /// As [`run`].
     fn run_jobs(
         jobs: &[Job<Self>],
-        wanted: (Wanted, Listing),
+        wanted: (Wanted, &Listing),
         cancel: Option<&AtomicBool>,
         take: TakeListed<'_, Self>,
     ) -> Result<(), Invalid> {
@@ -138,8 +140,11 @@ pub trait SideBySide: Differentiable + Sized {
     }
 }
 
+/// Makes a pass over a run.
+pub type NewPass = fn() -> Box<dyn Pass<f64>>;
+
 /// What is wanted of a run beside its measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Listing {
     /// Its impacts and stick episodes.
     pub events: bool,
@@ -147,6 +152,23 @@ pub struct Listing {
     pub errors: bool,
     /// The peaks of its displacement.
     pub envelope: bool,
+    /// Its extremes: in the window of the steady state, if there is one.
+    pub extremes: bool,
+    /// Passes over it, in the same window.
+    pub passes: Vec<NewPass>,
+}
+
+impl Listing {
+    /// True if nothing is wanted.
+    pub fn is_empty(&self) -> bool {
+        let Self { events, errors, envelope, .. } = *self;
+        !(events || errors || envelope || self.looks())
+    }
+
+    /// True if observers look within its flights.
+    pub(crate) fn looks(&self) -> bool {
+        self.extremes || !self.passes.is_empty()
+    }
 }
 
 /// What was wanted of a run beside its measures.
@@ -160,6 +182,10 @@ pub struct Listed {
     pub envelope: Option<Vec<Peak>>,
     /// All strobes of its steady state, if those were wanted.
     pub strobes: Option<Vec<Strobe>>,
+    /// Its extremes.
+    pub extremes: Option<ExtremeValues>,
+    /// The values of the passes; `None` where the run does not define them.
+    pub passes: Vec<Option<f64>>,
 }
 
 /// The receiver of results: the index of a job, and its result.
@@ -173,7 +199,7 @@ pub(crate) trait Lockstep<S: SideBySide>: Sized {
     /// Number of lanes.
     const WIDTH: usize = LANES;
     /// A set of idle lanes for absorbers like that of a job, and what is wanted of the runs.
-    fn new(job: &Job<S>, wanted: Wanted, listing: Listing) -> Self;
+    fn new(job: &Job<S>, wanted: Wanted, listing: &Listing) -> Self;
     /// Makes an absorber share the tables of the first one of its group.
     fn join(_leader: &S, _system: &S) {}
     /// Advances each lane by one evaluation; true if a lane needs its run.
@@ -195,7 +221,13 @@ pub(crate) trait Lockstep<S: SideBySide>: Sized {
 pub(crate) type ScalarRun<'a, S> = Run<'a, S, Watch<S>>;
 
 /// The observer of such a run.
-pub(crate) type Watch<S> = Box<Summary<S, (Option<Events>, Option<Box<Errors>>)>>;
+pub(crate) type Watch<S> = Box<Summary<S, (Told, Looks)>>;
+
+/// What is told of events.
+pub(crate) type Told = (Option<Events>, Option<Box<Errors>>);
+
+/// What looks within the flights of a run.
+pub(crate) type Looks = (Option<Extremes>, Passes<f64>);
 
 /// A run and its index among the jobs.
 type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
@@ -213,7 +245,7 @@ pub fn run<S: SideBySide>(
     take: Take<'_, S>,
 ) -> Result<(), Invalid> {
     let nothing = Listing::default();
-    S::run_jobs(jobs, (wanted, nothing), cancel, &mut |index, ended, _| take(index, ended))
+    S::run_jobs(jobs, (wanted, &nothing), cancel, &mut |index, ended, _| take(index, ended))
 }
 
 /// As [`run`], and hands out more of each run. The errors are those of the tier of the run.
@@ -222,7 +254,7 @@ pub fn run<S: SideBySide>(
 /// As [`run`].
 pub fn run_listed<S: SideBySide>(
     jobs: &[Job<S>],
-    wanted: (Wanted, Listing),
+    wanted: (Wanted, &Listing),
     cancel: Option<&AtomicBool>,
     take: TakeListed<'_, S>,
 ) -> Result<(), Invalid> {

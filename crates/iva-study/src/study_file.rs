@@ -362,6 +362,12 @@ fn read_report(
             "best_by" => {
                 let known: Vec<&str> = ranked().map(|column| column.name).collect();
                 let find = |name: &str| known.iter().find(|other| **other == name).copied();
+                let text = value.get_ref().as_str().unwrap_or_default();
+                if find(text).is_none() && SUMMARY.iter().any(|column| column.name == text) {
+                    let rule =
+                        format!("neither less nor more of it is better; give {}", one_of(&known));
+                    return Err(source.bad_value("report.best_by", value.span(), &rule));
+                }
                 let best_by = name(source, "report.best_by", value, &known, find)?;
                 if !measures.contains(best_by) {
                     return Err(source.bad_value(

@@ -1,13 +1,11 @@
-//! Points that are run side by side: those of a study that wants the summary, and events, their errors and the
-//! envelope at most.
+//! The runs of points, side by side where their kind of scene can.
 //!
-//! Whether a point goes side by side, and in which tier, is decided by the study and by the point alone. The
-//! points of a part are grouped after that, one group for each kind of scene, so that no row depends on what
+//! The tier of a point is decided by the study and by the point alone. The points of a part are grouped after that, one group for each kind of scene, so that no row depends on what
 //! else is in its part.
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::lanes::{self, Job, Listed, Listing, SideBySide};
+use iva_core::lanes::{self, Job, Listed, SideBySide};
 use iva_core::piva::Piva;
 
 use crate::engine::design::Design;
@@ -16,8 +14,8 @@ use crate::engine::point::{Estimates, Request};
 use crate::engine::scene::Scene;
 use crate::error::Invalid;
 
-/// Runs those of the designs that can go side by side. The results are in the order of the designs; `None`:
-/// the design has to be run by itself, or had not begun when the sweep was cancelled.
+/// Runs the designs. The results are in the order of the designs; `None`: the run had not begun when the sweep was
+/// cancelled.
 ///
 /// # Errors
 /// [`Invalid`] for a start or limits that the core refuses.
@@ -28,24 +26,24 @@ pub(crate) fn run(
 ) -> Result<Vec<Option<(Ended, Listed)>>, Invalid> {
     let ended = designs.iter().map(|_| None).collect();
     let mut part = Part { designs, request, cancel, ended };
-    if request.goes_side_by_side() {
-        part.run(|scene| match scene {
+    for &extremes in request.with_extremes() {
+        part.run(extremes, |scene| match scene {
             Scene::Siva { system, start } => Some((system.clone(), *start)),
             _ => None,
         })?;
-        part.run(|scene| match scene {
+        part.run(extremes, |scene| match scene {
             Scene::DrivenSiva { system, start, .. } => Some((system.clone(), *start)),
             _ => None,
         })?;
-        part.run(|scene| match scene {
+        part.run(extremes, |scene| match scene {
             Scene::Piva { system, start, .. } => Some((Piva::clone(system), *start)),
             _ => None,
         })?;
-        part.run(|scene| match scene {
+        part.run(extremes, |scene| match scene {
             Scene::Alone { system, start } => Some((system.clone(), *start)),
             _ => None,
         })?;
-        part.run(|scene| match scene {
+        part.run(extremes, |scene| match scene {
             Scene::DrivenAlone { system, start } => Some((system.clone(), *start)),
             _ => None,
         })?;
@@ -62,22 +60,24 @@ struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// Runs the designs of one kind of scene.
+    /// Runs the designs of one kind of scene whose extremes are wanted, or those of which they are not.
     fn run<S: SideBySide>(
         &mut self,
+        extremes: bool,
         scene: impl Fn(&Scene) -> Option<(S, S::Start)>,
     ) -> Result<(), Invalid> {
         let Self { designs, request, cancel, ended } = self;
-        let (mut jobs, mut places, listing) = (Vec::new(), Vec::new(), request.listing());
+        let (mut jobs, mut places) = (Vec::new(), Vec::new());
+        let listing = request.listing(extremes);
         for (place, design) in designs.iter().enumerate() {
             let Some((system, start)) = scene(&design.scene) else { continue };
-            if request.wants_extremes(&system) {
+            if request.wants_extremes(&system) != extremes {
                 continue;
             }
             let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
             let Design { begin, limits, tier, .. } = *design;
-            // Events and errors are those of the exact tier, where there are two.
-            let tier = if listing == Listing::default() { tier } else { design.tier_alone() };
+            // What is listed is that of the exact tier, where there are two.
+            let tier = if listing.is_empty() { tier } else { design.tier_alone() };
             jobs.push(Job { system, start, begin, limits, steady, tier });
             places.push(place);
         }
@@ -92,12 +92,15 @@ impl Part<'_> {
                 match Ended::new(&designs[place], found, tier, request.reduction, cancel) {
                     Ok(run) => {
                         let [condition, digits] = Estimates::<S>::of_run(&listed.errors);
-                        ended[place] = Some((Ended { condition, digits, ..run }, listed));
+                        let named = request.named(listed.passes.iter().copied());
+                        let extremes = listed.extremes;
+                        let run = Ended { condition, digits, extremes, named, ..run };
+                        ended[place] = Some((run, listed));
                     }
                     Err(error) => refused = Some(error),
                 }
             };
-        lanes::run_listed(&jobs, (request.wanted, listing), Some(cancel), &mut take)?;
+        lanes::run_listed(&jobs, (request.measures(), &listing), Some(cancel), &mut take)?;
         refused.map_or(Ok(()), Err)
     }
 }

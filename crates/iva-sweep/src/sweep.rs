@@ -207,7 +207,7 @@ fn run_chunk(
     for (point, (design, ended)) in points.clone().zip(designs.iter().zip(ended)) {
         let ended = match ended {
             Some((ended, listed)) if request.has_rows() => {
-                let Listed { events, errors, envelope, strobes } = listed;
+                let Listed { events, errors, envelope, strobes, .. } = listed;
                 let envelope = envelope.as_deref().unwrap_or_default();
                 let strobes = strobes.as_deref().unwrap_or_default();
                 let found = Seen { events, envelope, strobes, estimates: &errors };
@@ -215,8 +215,7 @@ fn run_chunk(
                 ended
             }
             Some((ended, _)) => ended,
-            None if control.cancelled() => break,
-            None => run_point(study, point, design, request, cancel, builders)?,
+            None => break,
         };
         done += ended.done();
         all.push(ended);

@@ -437,6 +437,11 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     }
 
     #[inline(always)]
+    fn largest_base(&self) -> R {
+        self.base[0]
+    }
+
+    #[inline(always)]
     fn bound<const N: usize>(&self, primary: &Primary<R>) -> R {
         self.equation.bound::<N>(primary) + self.excess[N]
     }

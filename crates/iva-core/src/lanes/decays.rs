@@ -33,7 +33,7 @@ impl<T: Tier, const W: usize> Decays<T, W> {
 impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
     const WIDTH: usize = W;
 
-    fn new(job: &Job<Siva>, wanted: Wanted, _listing: Listing) -> Self {
+    fn new(job: &Job<Siva>, wanted: Wanted, _listing: &Listing) -> Self {
         let logs = (0..W).map(|_| Log::default()).collect();
         let masses = FreeMasses::new(&job.system);
         Self { masses, logs, wanted, logging: true }

@@ -25,7 +25,7 @@ impl<T: Tier<System = Siva<DrivenHost>>, const W: usize> Lockstep<Siva<DrivenHos
 {
     const WIDTH: usize = W;
 
-    fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted, _listing: Listing) -> Self {
+    fn new(job: &Job<Siva<DrivenHost>>, wanted: Wanted, _listing: &Listing) -> Self {
         let steady = job.steady.map(|(steady, _)| steady).unwrap_or_default();
         let logs = (0..W).map(|_| None).collect();
         let masses = FreeMasses::new(&job.system);

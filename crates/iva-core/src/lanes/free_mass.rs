@@ -19,6 +19,7 @@ mod fast;
 mod lane;
 mod listing;
 mod round;
+mod shown;
 
 use super::{ScalarRun, SideBySide, pick};
 use crate::absorber::plain::State;
@@ -30,13 +31,13 @@ use crate::host::Steps;
 use crate::measures::forced::Forced;
 use crate::measures::log::Entry;
 use crate::number::arrays::{Laned, Lanes, any};
-use crate::number::real::Real;
 
 pub(crate) use exact::{ExactDecays, ExactDriven};
 pub(crate) use fast::{FastDecays, FastDriven};
 use lane::Lane;
 use listing::Struck;
 use round::{Round, Rounds, commit, decide};
+use shown::keep_coasts;
 
 /// Free masses of one tier and one kind of drive: what the motions of all lanes depend on.
 pub(crate) trait Tier: Sized {
@@ -120,13 +121,15 @@ pub(crate) trait Tier: Sized {
 /// A flight of a lane: the instant and the state of its begin, its length, high and low part, whether it ends with
 /// an impact, and whether that is on the far wall.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Stretch<State> {
+struct Stretch<State> {
     pub clock: Clock,
     pub from: State,
     pub h: f64,
     pub later: f64,
     pub hit: bool,
     pub far: bool,
+    /// The number of steps that the mass coasts after it.
+    pub coasts: f64,
 }
 
 /// The run of a lane in the event loop.
@@ -173,6 +176,8 @@ pub(crate) struct FreeMasses<T: Tier, const W: usize> {
     responses: <T::Responses as Laned>::Lanes<W>,
     /// What of each lane its run has not listed yet; empty if nothing is to be listed.
     struck: Vec<Struck<T::State>>,
+    /// The flights of each lane that observers have not seen yet, if they are to see them; empty if no lane's are.
+    flights: Vec<Option<Vec<Stretch<T::State>>>>,
 }
 
 impl<T: Tier, const W: usize> FreeMasses<T, W> {
@@ -187,6 +192,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             counts: [0.0; W],
             responses: Lanes::new(),
             struck: Vec::new(),
+            flights: Vec::new(),
         }
     }
 
@@ -230,6 +236,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
     /// Applies what the trials have found; true if a lane needs its run.
     #[inline(always)]
     pub fn advance(&mut self) -> bool {
+        let shown = !self.flights.is_empty() && self.keep_flights();
         let Self { lanes, rounds, tier, states, ends, .. } = self;
         for i in 0..W {
             let (lane, round) = (lanes.get(i), rounds.get(i));
@@ -238,7 +245,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             states.set(i, &Laned::pick(round.passed, &after, &states.get(i)));
             lanes.set(i, &commit(&lane, &round, clock, tier.longest(i)));
         }
-        let full = !self.struck.is_empty() && self.list();
+        let full = shown | (!self.struck.is_empty() && self.list());
         let Self { lanes, rounds, tier, states, counts, responses, .. } = self;
         let requests = full | any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full);
         let Some(steps) = tier.steps() else { return requests };
@@ -249,6 +256,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
             counts.set(i, &pick(round.passed & !round.hit, count, 0.0));
         }
         if any(counts) {
+            keep_coasts(&mut self.flights, counts);
             for i in 0..W {
                 let count: f64 = counts.get(i);
                 responses.set(i, &T::responses(steps, count as usize));
@@ -281,37 +289,6 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         })
     }
 
-    /// The flight that the trial of a lane has completed. To be asked for before [`FreeMasses::advance`].
-    #[inline(always)]
-    pub fn stretch(&self, i: usize) -> Option<Stretch<T::State>> {
-        let Round { passed, sight: Sight { h, far, .. }, later, hit, .. } = self.rounds.get(i);
-        let (clock, from) = (self.lanes.clock.get(i), self.states.get(i));
-        passed.then_some(Stretch { clock, from, h, later, hit, far })
-    }
-
-    /// The states at both ends of a flight, the latter before an impact.
-    pub fn ends(
-        &self,
-        i: usize,
-        stretch: &Stretch<T::State>,
-        system: &T::System,
-    ) -> [<T::System as System>::State; 2] {
-        let Stretch { clock, from, h, later, hit, far } = stretch;
-        let end = f64::dispatched(
-            #[inline(always)]
-            || {
-                self.tier.with(
-                    i,
-                    from,
-                    #[inline(always)]
-                    |mass, from| mass.touching(&mass.nearly(from, *h), *hit, *far, *later),
-                )
-            },
-        );
-        let finish = clock.plus_parts(*h, *later);
-        [self.tier.unload(from, system, *clock), self.tier.unload(&end, system, finish)]
-    }
-
     /// The clock of each lane.
     #[inline(always)]
     pub fn times(&self) -> &[f64; W] {
@@ -337,12 +314,15 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
 
     /// True if a lane needs its run.
     pub fn requests(&self, i: usize) -> bool {
-        let full = self.struck.get(i).is_some_and(Struck::is_full);
+        let full = self.struck.get(i).is_some_and(Struck::is_full) || self.is_seen_late(i);
         full || self.lanes.request[i] + self.lanes.stopped[i] + self.lanes.full[i] > 0.0
     }
 
     /// Makes a lane idle.
     pub fn idle(&mut self, i: usize) {
+        if let Some(flights) = self.flights.get_mut(i) {
+            *flights = None;
+        }
         let state = self.tier.idle(i);
         self.states.set(i, &state);
         self.lanes.set(i, &Lane::idle());

@@ -10,6 +10,8 @@ use crate::engine::observe::Events;
 use crate::engine::simulate::{Instant, Run, Tally};
 use crate::error::Invalid;
 use crate::measures::Wanted;
+use crate::measures::extremes::Extremes;
+use crate::measures::pass::Passes;
 use crate::measures::propagation::Errors;
 use crate::measures::steady::Steady;
 use crate::measures::summary::Summary;
@@ -20,7 +22,7 @@ const WORTHWHILE: usize = 3;
 /// Sorts jobs into groups and runs them.
 pub(super) fn grouped<S: SideBySide>(
     jobs: &[Job<S>],
-    (wanted, listing): (Wanted, Listing),
+    (wanted, listing): (Wanted, &Listing),
     cancel: Option<&AtomicBool>,
     take: TakeListed<'_, S>,
 ) -> Result<(), Invalid> {
@@ -65,7 +67,7 @@ pub struct Group<'a, S: SideBySide> {
     /// The position in `order` of the first job that has not begun.
     pub(super) next: usize,
     pub(super) wanted: Wanted,
-    pub(super) listing: Listing,
+    pub(super) listing: &'a Listing,
     pub(super) cancel: Option<&'a AtomicBool>,
     pub(super) take: TakeListed<'a, S>,
 }
@@ -75,11 +77,16 @@ impl<'a, S: SideBySide> Group<'a, S> {
     pub(super) fn begun(&self, index: usize, spare: Option<Watch<S>>) -> ScalarRun<'a, S> {
         let job = &self.jobs[index];
         let Job { system, start, begin, limits, steady, .. } = job;
-        let Listing { events, errors, .. } = self.listing;
+        let Listing { events, errors, extremes, passes, .. } = self.listing;
         // In the fast tier states of free masses are plain doubles; those of pendulums are as in the exact tier.
         let plain = S::LINEAR && S::tier(job) == Tier::Fast;
         let estimate = || if plain { Errors::in_doubles() } else { Errors::default() };
-        let listed = (events.then(Events::default), errors.then(|| Box::new(estimate())));
+        let from = steady.map_or(*begin, |(_, window)| window.from);
+        let passes = Passes::new(from, passes.iter().map(|make| make()).collect());
+        let listed = (
+            (events.then(Events::default), errors.then(|| Box::new(estimate()))),
+            (extremes.then(|| Extremes::new(from)), passes),
+        );
         let observer = match spare {
             Some(mut spare) => {
                 spare.again(self.wanted, *steady, listed);
@@ -101,10 +108,12 @@ impl<'a, S: SideBySide> Group<'a, S> {
         summary: &mut Watch<S>,
     ) {
         let steady = summary.steady_values().copied();
-        let (events, errors) = std::mem::take(&mut summary.beside);
+        let ((events, errors), (extremes, passes)) = std::mem::take(&mut summary.beside);
         let envelope = summary.measures.take_envelope();
         let strobes = summary.steady().and_then(Steady::all_strobes);
-        let listed = Listed { events, errors, envelope, strobes };
+        let extremes = extremes.map(|it| *it.values());
+        let passes = passes.values().collect();
+        let listed = Listed { events, errors, envelope, strobes, extremes, passes };
         (self.take)(index, &(tally, *summary.values(), steady), listed);
     }
 

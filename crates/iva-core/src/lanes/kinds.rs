@@ -22,7 +22,7 @@ macro_rules! run_jobs {
     () => {
         fn run_jobs(
             jobs: &[Job<Self>],
-            wanted: (Wanted, Listing),
+            wanted: (Wanted, &Listing),
             cancel: Option<&AtomicBool>,
             take: TakeListed<'_, Self>,
         ) -> Result<(), Invalid> {

@@ -252,7 +252,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMA
 impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
     for Steps<N, DRIVEN, SMALL>
 {
-    fn new(job: &Job<Piva>, wanted: Wanted, listing: Listing) -> Self {
+    fn new(job: &Job<Piva>, wanted: Wanted, listing: &Listing) -> Self {
         let steady = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let bare = Shared::of(&job.system);
         Self::with(
@@ -263,9 +263,9 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
                 ledger: wanted.ledger,
                 squares: steady.rms,
                 extremes: steady.amplitude || steady.regime || steady.acceleration,
-                shows: steady.any() || listing.errors,
-                shows_all: listing.errors,
-                tells: steady.any() || listing.errors || listing.events,
+                shows: steady.any() || listing.errors || listing.looks(),
+                shows_all: listing.errors || listing.looks(),
+                tells: steady.any() || listing.errors || listing.events || listing.looks(),
                 ..bare
             },
         )

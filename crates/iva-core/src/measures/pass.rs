@@ -21,7 +21,7 @@ pub trait Pass<R: Real>: std::fmt::Debug {
 }
 
 /// An observer that shows a run to passes, from a given instant on.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Passes<R: Real> {
     from: R,
     passes: Vec<Box<dyn Pass<R>>>,
@@ -33,6 +33,11 @@ impl<R: Real> Passes<R> {
     /// Shows the run from an instant on, in 1/ωn.
     pub fn new(from: R, passes: Vec<Box<dyn Pass<R>>>) -> Self {
         Self { from, passes, known: true }
+    }
+
+    /// True if there is no pass.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.passes.is_empty()
     }
 
     /// The measures, in the order of the passes; `None` where the run does not define them.

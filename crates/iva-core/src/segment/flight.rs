@@ -81,6 +81,17 @@ pub struct Travel<R = f64> {
     pub absorber: Row<R>,
 }
 
+/// Bounds on accelerations in one motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Accelerations<R = f64> {
+    /// |ẍ + a_g|.
+    pub structure: R,
+    /// |ÿ|.
+    pub gap: R,
+    /// That of the absorber's centre of mass, in the coordinates of x.
+    pub absorber: R,
+}
+
 impl<R: Real> Travel<R> {
     /// The polynomials from those of structure and gap; `lever` is the displacement of the centre of mass per
     /// gap displacement.
@@ -359,6 +370,10 @@ pub trait Motion {
     /// The power series of structure, gap and absorber, for any motion; `None` where the absorber offers
     /// none.
     fn travel(&self) -> Option<Travel<Self::Real>> {
+        None
+    }
+    /// Bounds on the accelerations of structure, gap and absorber; `None` where none is known at once.
+    fn accelerations(&self) -> Option<Accelerations<Self::Real>> {
         None
     }
 }

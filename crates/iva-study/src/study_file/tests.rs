@@ -175,6 +175,7 @@ const BAD: &[Case] = &[
     ("tables = [\"impacts\", \"summary\"]", "samples_per_period = 0", 13, 22, &["run.samples_per_period = 0", "whole number from 1"]),
     ("[sweep]", "[report]\nbest_by = \"settling_time_3\"\n[sweep]", 15, 11, &["report.best_by", "did you mean \"settling_time_"]),
     ("[sweep]", "[report]\ncount = 0\n[sweep]", 15, 9, &["report.count = 0", "whole number from 1"]),
+    ("[sweep]", "[report]\nbest_by = \"impacts\"\n[sweep]", 15, 11, &["report.best_by", "neither less nor more"]),
     ("[sweep]", "measures = [\"impacts\"]\n[report]\nbest_by = \"settling_time_5\"\n[sweep]", 16, 11, &["report.best_by", "run.measures leaves this column out"]),
     ("damping_ratio = 0.01", "damping_ratio = 1e10", 3, 17, &["primary.damping_ratio = 1e10", "a number from 0 to 1e9"]),
     ("damping_ratio = 0.01", "damping = -1", 3, 11, &["primary.damping = -1", "0 or a number from 1e-30 to 1e30"]),

@@ -28,8 +28,8 @@ use crate::error::Invalid;
 use crate::study::{Study, Table};
 use crate::tables::passes;
 
-/// The name of a measure, and what makes its pass.
-type NewPass<R> = (&'static str, fn() -> Box<dyn Pass<R>>);
+/// Makes a pass over a run.
+type NewPass<R> = fn() -> Box<dyn Pass<R>>;
 
 /// The tables and measures that a study wants from each run.
 #[derive(Debug)]
@@ -93,27 +93,41 @@ impl Request {
 }
 
 impl Request {
-    /// True if the summary is wanted, and nothing else of a run but its events, their errors, its envelope and its
-    /// strobes: no measure with a pass of its own.
-    pub fn goes_side_by_side(&self) -> bool {
-        self.summary && self.named.is_empty()
-    }
-
     /// The measures with passes of their own, in order of their names in `named`.
-    fn passes<R: Real>(&self) -> Vec<Box<dyn Pass<R>>> {
-        let all: &[NewPass<R>] = &entries::summary!(passes);
-        let made = |name: &&str| all.iter().find(|it| it.0 == *name).map(|it| it.1());
-        self.named.iter().filter_map(made).collect()
+    fn passes<R: Real>(&self) -> Vec<NewPass<R>> {
+        let all: &[(&str, NewPass<R>)] = &entries::summary!(passes);
+        let new = |name: &&str| all.iter().find(|it| it.0 == *name).map(|it| it.1);
+        self.named.iter().filter_map(new).collect()
     }
 
-    /// True if a table beside the summary has rows of a run that goes side by side.
+    /// The measures with passes of their own, with their names.
+    pub fn named<R: Real>(
+        &self,
+        values: impl IntoIterator<Item = Option<R>>,
+    ) -> Vec<(&'static str, Option<R>)> {
+        self.named.iter().copied().zip(values).collect()
+    }
+
+    /// The groups of measures that are wanted of a run.
+    pub fn measures(&self) -> Wanted {
+        let nothing = Wanted { envelope: self.envelope, ..Wanted::NONE };
+        if self.summary { self.wanted } else { nothing }
+    }
+
+    /// True if a table beside the summary has rows of a run.
     pub fn has_rows(&self) -> bool {
         self.lists() || self.envelope || self.steady.strobes
     }
 
-    /// What is wanted of a run that goes side by side, beside its measures.
-    pub fn listing(&self) -> Listing {
-        Listing { events: self.lists(), errors: self.errors, envelope: self.envelope }
+    /// What is wanted of runs beside their measures, with their extremes or without.
+    pub fn listing(&self, extremes: bool) -> Listing {
+        Listing {
+            events: self.lists(),
+            errors: self.errors,
+            envelope: self.envelope,
+            extremes,
+            passes: self.passes(),
+        }
     }
 
     /// True if impacts or stick episodes are wanted.
@@ -123,12 +137,24 @@ impl Request {
 
     /// True if the extremes of a run are wanted.
     pub fn wants_extremes<S: System>(&self, system: &S) -> bool {
-        self.extremes || (self.extremes_of_decays && !system.is_driven())
+        self.summary && (self.extremes || (self.extremes_of_decays && !system.is_driven()))
     }
 
-    /// The measures of the steady state that are wanted; `None` in free decay, and if there are none.
+    /// Whether the extremes of runs are wanted: of all, of none, or of some.
+    pub fn with_extremes(&self) -> &'static [bool] {
+        match (self.summary && self.extremes, self.summary && self.extremes_of_decays) {
+            (true, _) => &[true],
+            (false, true) => &[false, true],
+            (false, false) => &[false],
+        }
+    }
+
+    /// The measures of the steady state that are wanted; `None` in free decay, and if nothing is taken from its window.
     pub fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
-        Some(self.steady).filter(|it| system.is_driven() && *it != SteadyWanted::default())
+        let windowed = self.steady != SteadyWanted::default()
+            || self.wants_extremes(system)
+            || !self.named.is_empty();
+        Some(self.steady).filter(|_| system.is_driven() && windowed)
     }
 }
 
@@ -219,11 +245,11 @@ impl<R: Real> Point<'_, R> {
         let Self { study, design, request, cancel, .. } = *self;
         // In free decay extremes count from the begin of the run.
         let from = if system.is_driven() { design.window.from } else { design.begin };
-        let extremes = request.summary && request.wants_extremes(system);
+        let extremes = request.wants_extremes(system);
         let steady = request.steady_of(system).map(|wanted| (wanted, design.window));
-        let nothing = Wanted { envelope: request.envelope, ..Wanted::NONE };
-        let wanted = if request.summary { request.wanted } else { nothing };
-        let passes = Passes::new(from, request.passes());
+        let wanted = request.measures();
+        let passes = request.passes().into_iter().map(|new| new());
+        let passes = Passes::new(from, passes.collect());
         let asked = request.summary || request.envelope || steady.is_some();
         let summary = asked.then(|| Summary::<S>::new(wanted, steady));
         let mut observers = (
@@ -246,7 +272,7 @@ impl<R: Real> Point<'_, R> {
         let ended = Ended::new(design, values, tier, request.reduction, cancel)?;
         let [condition, digits] = estimates.of_run();
         let extremes = extremes.as_ref().map(Extremes::values).copied();
-        let named = request.named.iter().copied().zip(passes.values()).collect();
+        let named = request.named(passes.values());
         Ok(Ended { extremes, named, condition, digits, ..ended })
     }
 

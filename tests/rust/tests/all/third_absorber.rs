@@ -144,8 +144,8 @@ fn jobs() -> Vec<Job<Coupled<Dashpot>>> {
 fn sweeps_of_it_are_its_runs() {
     let jobs = jobs();
     let mut seen = vec![false; jobs.len()];
-    let all = (Wanted::ALL, Listing { events: true, errors: true, envelope: true });
-    lanes::run_listed(&jobs, all, None, &mut |i, (tally, measures, _), listed| {
+    let all = Listing { events: true, errors: true, envelope: true, ..Listing::default() };
+    lanes::run_listed(&jobs, (Wanted::ALL, &all), None, &mut |i, (tally, measures, _), listed| {
         let Job { system, start, limits, .. } = &jobs[i];
         let alone = run(system, start, limits).unwrap();
         assert_eq!((*tally, *measures), (alone.tally, alone.measures), "{i}");

@@ -7,7 +7,7 @@ use crate::host::{Flown, Host, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{
-    Curve, FastFlight, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel, Turns,
+    Accelerations, Curve, FastFlight, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel, Turns,
 };
 use crate::segment::taylor::ORDER;
 
@@ -194,6 +194,13 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
             absorber[k + 2] = -(base[k] + gravity) * over;
         }
         Some(Travel { rows, gap, absorber })
+    }
+
+    fn accelerations(&self) -> Option<Accelerations<R>> {
+        let (free, gravity) = (self.structure(), self.siva.host.gravity().abs());
+        let gap = free.bound::<0>(&self.from.host.primary);
+        let absorber = free.largest_base() + gravity;
+        Some(Accelerations { structure: gap + gravity, gap, absorber })
     }
 
     fn turns(&self, length: R, end: &Self::State) -> Turns<R> {

@@ -62,7 +62,10 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
 impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> FreeMasses<T, W> {
     /// Lists the impacts of a lane from now on, if its run wants them.
     pub fn listen(&mut self, i: usize, run: &TierRun<'_, T>) {
-        let (events, errors) = &run.observer.beside;
+        let ((events, errors), (extremes, passes)) = &run.observer.beside;
+        if extremes.is_some() || !passes.is_empty() {
+            self.keep(i);
+        }
         if events.is_some() || errors.is_some() {
             self.list_impacts(i, errors.is_some());
         }
@@ -77,7 +80,8 @@ impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> FreeMasses<
     /// Hands the impacts of a lane to its run.
     pub fn tell(&mut self, i: usize, run: &mut TierRun<'_, T>) {
         let system = run.system;
-        let (events, errors) = &mut run.observer.beside;
+        let ((events, errors), looks) = &mut run.observer.beside;
+        self.show(i, system, looks);
         if let Some(errors) = errors {
             self.struck_states(i, system, |impact, states| {
                 errors.struck(system, impact.time, states);
