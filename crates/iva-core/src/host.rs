@@ -68,12 +68,20 @@ pub trait Structure: std::fmt::Debug {
     /// The state of the drive at one instant.
     type Phase: Copy + std::fmt::Debug + PartialEq;
     /// Data computed once for all evaluations of a motion.
-    type Course: Clone + std::fmt::Debug;
+    type Course: Copy + std::fmt::Debug;
 
     /// Spring, damper and mass.
     fn equation(&self) -> &Equation<Self::Real>;
     /// The course of the motion from a state.
     fn course(&self, from: &HostState<Self::Phase, Self::Real>) -> Self::Course;
+    /// The course with all that measures need; `None` if that is the course itself.
+    fn measured(
+        &self,
+        _from: &HostState<Self::Phase, Self::Real>,
+        _course: &Self::Course,
+    ) -> Option<Self::Course> {
+        None
+    }
     /// [`Structure::course`] compiled for the widest vector instructions of the machine, where that is worth
     /// it.
     #[inline(always)]

@@ -49,7 +49,7 @@ impl<R: Real, H: Host<Real = R>> Alone<H> {
 }
 
 /// The motion of the structure from one state.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct AloneFlight<'a, H: Host> {
     structure: &'a H::Structure,
     from: HostState<Phase<H>, H::Real>,

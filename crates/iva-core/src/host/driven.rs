@@ -12,8 +12,6 @@
 //! a_g (`host/driven/weight.rs`). Powers are those of t/`step`; `step` is a power of two, so that scaling is
 //! exact. Terms up to h³ are computed in double-double, as in [`crate::host::oscillator`].
 
-use std::cell::OnceCell;
-
 use super::{Flown, HostState, Integrated, Structure};
 use crate::force::{Drive, Pushes, Smooth};
 use crate::host::oscillator::{Arrival, Equation, Primary};
@@ -78,9 +76,9 @@ pub struct Moment<R = f64> {
 
 laned!(Moment, Moments { time: Clock, pushes: Pushes } kicks = 0, smooth = Smooth::ALL);
 
-/// The power series of a motion, computed when they are first needed.
-#[derive(Debug, Clone)]
-pub struct Course<R = f64>(OnceCell<Powers<R>>);
+/// The power series of a motion; `None` where its ends are known in closed form, until they are needed.
+#[derive(Debug, Clone, Copy)]
+pub struct Course<R = f64>(Option<Powers<R>>);
 
 /// The power series of a motion, in powers of t/`step`.
 #[derive(Debug, Clone, Copy)]
@@ -243,7 +241,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     ) -> Flown<Moment<R>, R> {
         let (primary, gained) = match &self.ramped {
             Some(ramped) => ramped.moved(from, h),
-            None => self.summed(from, self.series_of(from, course), h),
+            None => self.summed(from, &self.series_of(from, course), h),
         };
         let (reach, bend) = from.phase.until_bend(self.reach);
         let time = bend.filter(|_| h == reach).unwrap_or(from.phase.time.plus(h));
@@ -284,12 +282,12 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
 
     /// The power series of a motion with this course.
     #[inline(always)]
-    pub(crate) fn series_of<'a>(
+    pub(crate) fn series_of(
         &self,
         from: &HostState<Moment<R>, R>,
-        course: &'a Course<R>,
-    ) -> &'a Powers<R> {
-        course.0.get_or_init(|| self.expanded(from))
+        course: &Course<R>,
+    ) -> Powers<R> {
+        course.0.unwrap_or_else(|| self.expanded(from))
     }
 
     /// The state of the drive at a later instant of the same smooth piece.
@@ -322,8 +320,17 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
-        let needed = self.ramped.is_none();
-        Course(if needed { OnceCell::from(self.expanded(from)) } else { OnceCell::new() })
+        Course(self.ramped.is_none().then(|| self.expanded(from)))
+    }
+
+    fn measured(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Option<Course<R>> {
+        let missing = course.0.is_none();
+        missing.then(|| {
+            R::dispatched(
+                #[inline(always)]
+                || Course(Some(self.expanded(from))),
+            )
+        })
     }
 
     #[inline(always)]
@@ -454,7 +461,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     #[inline(always)]
     fn square(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: [R; 2]) -> R {
         let x = at_nodes(
-            &self.place(from, self.series_of(from, course)),
+            &self.place(from, &self.series_of(from, course)),
             &nodes(h.map(|h| h / self.step)),
         );
         mean_product(&x, &x) * (h[1] - h[0])
@@ -466,8 +473,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     fn series(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Rows<R> {
         let powers = self.series_of(from, course);
-        let acceleration = self.acceleration_row(powers);
-        let (x, base) = (self.place(from, powers), self.base_row(powers));
+        let acceleration = self.acceleration_row(&powers);
+        let (x, base) = (self.place(from, &powers), self.base_row(&powers));
         Rows { step: self.step, order: ORDER, x, acceleration, base }
     }
 
@@ -491,8 +498,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         }
         let powers = self.series_of(from, course);
         let row = match of {
-            Quantity::Displacement => self.place(from, powers),
-            Quantity::Acceleration => self.acceleration_row(powers),
+            Quantity::Displacement => self.place(from, &powers),
+            Quantity::Acceleration => self.acceleration_row(&powers),
         };
         self.extreme(of, ends, &from.primary, &row, h).largest(least)
     }
@@ -509,7 +516,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         let ends = [&begin, &end];
         let (of, primary) = (Quantity::Displacement, &from.primary);
         let arc = self.arc(of, ends, primary, h);
-        let row = self.place(from, self.series_of(from, course));
+        let row = self.place(from, &self.series_of(from, course));
         self.turned(of, &arc, ends, primary, &row, h).turns()
     }
 }

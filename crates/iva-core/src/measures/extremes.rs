@@ -5,7 +5,7 @@
 
 use crate::absorber::impact::Impact;
 use crate::absorber::system::{System, Wall};
-use crate::engine::observe::{Contact, Observer, Span};
+use crate::engine::observe::{Contact, Each, Observer, Span};
 use crate::engine::simulate::{Instant, Outcome, Tally};
 use crate::number::real::Real;
 use crate::segment::flight::{Motion, Travel};
@@ -63,7 +63,9 @@ impl<R: Real> Extremes<R> {
     where
         M: Motion<Real = R, State = S::State>,
     {
-        let (Some(most), Some([least, largest])) = (span.motion.accelerations(), self.gap) else {
+        let (Some(most), Some([least, largest])) =
+            (span.motion.accelerations(span.length), self.gap)
+        else {
             return false;
         };
         let [low, high] = self.walls;
@@ -112,6 +114,16 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Extremes<R> {
         match span.motion.travel() {
             Some(travel) => self.take(&travel, [begin, span.length]),
             None => self.known = false,
+        }
+    }
+
+    fn coast<M>(&mut self, system: &S, whole: &Span<'_, M>, each: Each<'_, M>)
+    where
+        M: Motion<Real = R, State = S::State>,
+    {
+        let counts = whole.start.minus(self.from) >= 0.0;
+        if !(counts && self.covers(system, whole)) {
+            each(&mut |span| self.span(system, span));
         }
     }
 

@@ -372,8 +372,9 @@ pub trait Motion {
     fn travel(&self) -> Option<Travel<Self::Real>> {
         None
     }
-    /// Bounds on the accelerations of structure, gap and absorber; `None` where none is known at once.
-    fn accelerations(&self) -> Option<Accelerations<Self::Real>> {
+    /// Bounds on the accelerations of structure, gap and absorber in a motion of this length; `None` where none is known
+    /// at once.
+    fn accelerations(&self, _length: Self::Real) -> Option<Accelerations<Self::Real>> {
         None
     }
 }

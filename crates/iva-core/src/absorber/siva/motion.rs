@@ -1,5 +1,7 @@
 //! The flight of a free mass in its gap.
 
+use std::cell::OnceCell;
+
 use super::passage::Passage;
 use super::{Siva, SivaState};
 use crate::absorber::system::{Point, System, Wall};
@@ -17,12 +19,20 @@ pub struct SivaFlight<'a, H: Host> {
     pub(super) siva: &'a Siva<H>,
     pub(super) from: SivaState<Phase<H>, H::Real>,
     pub(super) course: <H::Structure as Structure>::Course,
+    /// The course with all that measures need, once it was needed; `None`: it is the course itself.
+    measured: OnceCell<Option<Box<<H::Structure as Structure>::Course>>>,
 }
 
 impl<'a, R: Real, H: Host<Real = R>> SivaFlight<'a, H> {
     #[inline]
     pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>, R>) -> Self {
-        Self { siva, from, course: siva.host.free().fast_course(&from.host) }
+        let course = siva.host.free().fast_course(&from.host);
+        Self { siva, from, course, measured: OnceCell::new() }
+    }
+
+    fn measured(&self) -> &<H::Structure as Structure>::Course {
+        let made = || self.structure().measured(&self.from.host, &self.course).map(Box::new);
+        self.measured.get_or_init(made).as_deref().unwrap_or(&self.course)
     }
 
     #[inline(always)]
@@ -132,7 +142,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         }
         let motion = Integrated {
             from: &self.from.host,
-            course: &self.course,
+            course: self.measured(),
             mass_ratio: self.siva.mass_ratio,
             gap_velocity: Some(self.from.gap_velocity()),
         };
@@ -150,7 +160,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         }
         R::dispatched(
             #[inline(always)]
-            || self.structure().square(&self.from.host, &self.course, h),
+            || self.structure().square(&self.from.host, self.measured(), h),
         )
     }
 
@@ -196,7 +206,11 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         Some(Travel { rows, gap, absorber })
     }
 
-    fn accelerations(&self) -> Option<Accelerations<R>> {
+    fn accelerations(&self, length: R) -> Option<Accelerations<R>> {
+        // Without drive the bounds hold for any length.
+        if self.siva.host.force().is_some() && length > self.reach() {
+            return None;
+        }
         let (free, gravity) = (self.structure(), self.siva.host.gravity().abs());
         let gap = free.bound::<0>(&self.from.host.primary);
         let absorber = free.largest_base() + gravity;

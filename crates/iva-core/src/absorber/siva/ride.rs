@@ -10,7 +10,7 @@ use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Row
 use crate::segment::taylor::ORDER;
 
 /// The stick episode from one state.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub struct SivaRide<'a, H: Host> {
     siva: &'a Siva<H>,
     from: SivaState<Phase<H>, H::Real>,

@@ -100,14 +100,14 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         let Integrated { from, course, mass_ratio, gap_velocity } = *motion;
         let powers = self.series_of(from, course);
         let t = nodes([R::ZERO, h / self.step]);
-        let velocity = at_nodes(&self.derivative(&self.place(from, powers)), &t);
+        let velocity = at_nodes(&self.derivative(&self.place(from, &powers)), &t);
         let viscous = self.equation.damping / self.equation.stiffness;
         let lost = viscous * mean_product(&velocity, &velocity) * h;
         // Gravity does no work here: its potential is part of the energy of the absorber.
         let mut work = mean_product(&at_nodes(&powers.pushed, &t), &velocity);
         if self.source.moves_base() {
             let gained = at_nodes(&self.derivative(&powers.pulled), &t);
-            let base = at_nodes(&self.base_row(powers), &t);
+            let base = at_nodes(&self.base_row(&powers), &t);
             let fallen = self.source.weight().map_or(R::ZERO, |weight| weight.gravity * self.step);
             let momentum = std::array::from_fn(|i| {
                 let absorber = gap_velocity.map_or(R::ZERO, |w| w - gained[i] - fallen * t[i]);
