@@ -32,9 +32,9 @@
 //! | [`host`] | the primary structure: an [`oscillator`] and what drives it; it knows no absorber |
 //! | [`absorber`] | the interface of an absorber ([`system`]); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]); the laws of an impact ([`impact`]) and of infinitely many ([`chatter`]) |
 //! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
-//! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s; [`measures::pass`] for measures of a file each; [`summary`] joins them |
-//! | [`orbit`] | maps over whole cycles of a drive, one or many, with derivatives; [`propagation`]: how errors grow in a run, or its derivative |
+//! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`] for measures of a file each; [`summary`] joins them |
 //! | [`lanes`] | the loop for many runs side by side, with all of that |
+//! | [`orbit`] | maps over whole cycles of a drive, one or many side by side, with derivatives: what periodic orbits, basins and exponents are made of |
 //! | [`theory`] | steady states known in closed form; no run uses it |
 //!
 //! [`run`] runs a system with the usual observers in one call; [`range`] holds the ranges of numbers that a run accepts.
@@ -42,8 +42,8 @@
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
 //! run. The flights of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier
 //! (`absorber/siva/trial.rs`, `lanes/free_mass.rs`). Lanes of pendulums show observers only those steps under force that
-//! may change more than sums (`lanes/piva.rs`); lanes of coupled masses log every flight, and their runs notify their
-//! observers of them (`lanes/logged.rs`).
+//! may change more than sums (`lanes/piva.rs`). Where observers look within flights, lanes of free masses keep their flights
+//! until their runs show them (`lanes/free_mass/shown.rs`).
 //!
 //! **Measures.** Those of a decay are functions of its log (`measures/decay.rs`), whether it ran alone or in a lane. The
 //! log of a free mass holds the begins of its motions, which have a closed form; that of any other absorber the stretches

@@ -314,7 +314,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
 
     /// True if a lane needs its run.
     pub fn requests(&self, i: usize) -> bool {
-        let full = self.struck.get(i).is_some_and(Struck::is_full) || self.is_seen_late(i);
+        let full = self.struck.get(i).is_some_and(Struck::is_full) || self.must_show(i);
         full || self.lanes.request[i] + self.lanes.stopped[i] + self.lanes.full[i] > 0.0
     }
 

@@ -38,7 +38,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
     }
 
     /// True if observers have to see the flights of a lane before it goes on.
-    pub(super) fn is_seen_late(&self, i: usize) -> bool {
+    pub(super) fn must_show(&self, i: usize) -> bool {
         let flights = self.flights.get(i).and_then(Option::as_ref);
         flights.is_some_and(|flights| flights.len() >= MOST_FLIGHTS)
     }
