@@ -215,7 +215,9 @@ fn run_chunk(
                 ended
             }
             Some((ended, _)) => ended,
-            None => break,
+            None if control.cancelled() => break,
+            // Every kind of scene goes side by side; one that did not must not lose its rows.
+            None => run_point(study, point, design, request, cancel, builders)?,
         };
         done += ended.done();
         all.push(ended);

@@ -4,7 +4,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::absorber::system::{Clock, Coasted, System};
+use crate::absorber::system::{Clock, System};
 use crate::engine::observe::{Observer, Span, StickEpisode};
 use crate::error::{Invalid, number};
 use crate::number::real::Real;
@@ -16,8 +16,11 @@ pub use crate::engine::limits::{Limits, Outcome};
 use counts::Counts;
 use wall::presses;
 
+mod coast;
 pub(crate) mod counts;
 pub(crate) mod wall;
+
+pub(crate) use coast::show_coast;
 
 /// Counts and sums of a run, in natural units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -340,18 +343,6 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         true
     }
 
-    /// Lets an absorber that is too far from its walls to meet one fly on for some steps, each of which is computed
-    /// from the first state.
-    fn coast(&mut self) {
-        let (system, begin) = (self.system, Instant { time: self.clock, state: self.tally.state });
-        let remaining = -begin.time.minus(self.limits.duration);
-        let (count, end) = system.coasts(&begin.state, remaining);
-        if count > 0 {
-            let end = show_coast(system, &begin, (count, end), &mut self.observer);
-            (self.clock, self.tally.state) = (end.time, end.state);
-        }
-    }
-
     /// Applies the contact with a wall that the state has reached within rounding.
     pub(crate) fn meet(&mut self, side: Side) {
         let left = self.system.wall(&self.tally.state);
@@ -468,32 +459,6 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.observer.end(self.system, &self.tally);
         self.tally
     }
-}
-
-/// Shows an observer some steps of a coast from an instant on, with the state after them; returns the instant there.
-pub(crate) fn show_coast<'a, R: Real, S: System<Real = R>, O: Observer<S>>(
-    system: &'a S,
-    begin: &Instant<S::State, R>,
-    (count, end): (usize, Coasted<S::State, R>),
-    observer: &mut O,
-) -> Instant<S::State, R> {
-    let later = |(state, by): Coasted<S::State, R>| Instant {
-        time: begin.time.plus_parts(by.value, by.rest),
-        state,
-    };
-    let each = |see: &mut dyn FnMut(&Span<'_, S::Flight<'a>>)| {
-        let mut from = *begin;
-        for steps in 1..=count {
-            let to = later(system.coasted(&begin.state, steps));
-            see(&Span::between(system, &system.flight(&from.state), [&from, &to]));
-            from = to;
-        }
-    };
-    let end = later(end);
-    let flight = system.flight(&begin.state);
-    let whole = Span::between(system, &flight, [begin, &end]);
-    observer.coast(system, &whole, &each);
-    end
 }
 
 fn is_finite<R: Real>(jet: &Jet<R>, fourth: R) -> bool {

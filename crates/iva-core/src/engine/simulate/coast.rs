@@ -1,0 +1,46 @@
+//! Coasting: steps of a flight too far from the walls to meet one.
+
+use super::{Instant, Run};
+use crate::absorber::system::{Coasted, System};
+use crate::engine::observe::{Observer, Span};
+use crate::number::real::Real;
+
+impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
+    /// Lets an absorber that is too far from its walls to meet one fly on for some steps, each of which is computed
+    /// from the first state.
+    pub(super) fn coast(&mut self) {
+        let (system, begin) = (self.system, Instant { time: self.clock, state: self.tally.state });
+        let remaining = -begin.time.minus(self.limits.duration);
+        let (count, end) = system.coasts(&begin.state, remaining);
+        if count > 0 {
+            let end = show_coast(system, &begin, (count, end), &mut self.observer);
+            (self.clock, self.tally.state) = (end.time, end.state);
+        }
+    }
+}
+
+/// Shows an observer some steps of a coast from an instant on, with the state after them; returns the instant there.
+pub(crate) fn show_coast<'a, R: Real, S: System<Real = R>, O: Observer<S>>(
+    system: &'a S,
+    begin: &Instant<S::State, R>,
+    (count, end): (usize, Coasted<S::State, R>),
+    observer: &mut O,
+) -> Instant<S::State, R> {
+    let later = |(state, by): Coasted<S::State, R>| Instant {
+        time: begin.time.plus_parts(by.value, by.rest),
+        state,
+    };
+    let each = |see: &mut dyn FnMut(&Span<'_, S::Flight<'a>>)| {
+        let mut from = *begin;
+        for steps in 1..=count {
+            let to = later(system.coasted(&begin.state, steps));
+            see(&Span::between(system, &system.flight(&from.state), [&from, &to]));
+            from = to;
+        }
+    };
+    let end = later(end);
+    let flight = system.flight(&begin.state);
+    let whole = Span::between(system, &flight, [begin, &end]);
+    observer.coast(system, &whole, &each);
+    end
+}
