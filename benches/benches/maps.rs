@@ -36,7 +36,7 @@ fn trajectory(index: usize, tier: Tier) -> Result<Trajectory<Siva<DrivenHost>>, 
 }
 
 /// A pendulum in full accuracy, or with a tolerance of 1e-9.
-fn swinging(index: usize, tier: Tier) -> Result<Trajectory<Piva>, Invalid> {
+fn swinging(index: usize, tier: Tier) -> Result<Trajectory<Piva<DrivenHost>>, Invalid> {
     let harmonic = Harmonic { amplitude: 0.1, frequency: 1.0, phase: 0.0, acts: Acts::Primary };
     let tolerance = if tier == Tier::Fast { 1e-9 } else { 0.0 };
     let bob = Parameters::point_bob(0.08, 0.65, 0.4, 0.02, 10.0);

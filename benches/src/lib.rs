@@ -130,7 +130,7 @@ pub fn driven_jobs(acts: Acts) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
 ///
 /// # Errors
 /// [`Invalid`] for numbers out of range, which these are not.
-pub fn driven_pendulums(acts: Acts, tolerance: f64) -> Result<Vec<Job<Piva>>, Invalid> {
+pub fn driven_pendulums(acts: Acts, tolerance: f64) -> Result<Vec<Job<Piva<DrivenHost>>>, Invalid> {
     let pendulum = |Job { system, limits, steady, tier, .. }: Job<Siva<DrivenHost>>| {
         let force = system.force().cloned().unwrap_or_default();
         let (mu, e) = (system.mass_ratio(), system.restitution(Wall::Plus));

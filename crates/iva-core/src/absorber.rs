@@ -2,7 +2,7 @@
 //! mass with a spring and a dashpot in its gap.
 //!
 //! [`system`] is the interface that an absorber implements. [`impact`] is the law of an impact, [`chatter`] that of
-//! infinitely many.
+//! infinitely many; [`ride`] is what follows them, the motion with the absorber stuck to its wall.
 
 pub mod alone;
 pub mod chatter;
@@ -11,5 +11,6 @@ pub mod derivatives;
 pub mod impact;
 pub mod piva;
 pub(crate) mod plain;
+pub mod ride;
 pub mod siva;
 pub mod system;

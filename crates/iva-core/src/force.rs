@@ -121,10 +121,15 @@ impl<R: Real> Push<R> {
         third: R::ZERO,
     };
 
-    /// The value and the rate: the first two Taylor coefficients in powers of time.
+    /// The first Taylor coefficients in powers of time, four at most.
     #[inline(always)]
-    pub(crate) fn beginning(&self) -> [DoubleDouble<R>; 2] {
-        [self.value, self.rate]
+    pub(crate) fn ahead<const LENGTH: usize>(&self) -> [R; LENGTH] {
+        let [half, sixth] = [R::reciprocal(2), R::reciprocal(6)];
+        let (value, rate) = (self.value.value, self.rate.value);
+        let all = [value, rate, self.second.value * half, self.third * sixth];
+        let mut row = [R::ZERO; LENGTH];
+        row.copy_from_slice(&all[..LENGTH]);
+        row
     }
 
     /// The force a time later, if it is linear.
@@ -234,21 +239,15 @@ impl<R: Real> Force<R> {
         self.harmonics.iter().fold(R::ZERO, |most, harmonic| most.max(harmonic.frequency))
     }
 
-    /// Taylor coefficients of f/M and a_g about `time`, in powers of t/h, of the smooth piece that acts from
-    /// `from` on.
+    /// Taylor coefficients of f/M and a_g about `time`, in powers of t/h.
     #[inline(always)]
-    pub fn drive<const LENGTH: usize>(
-        &self,
-        from: DoubleDouble<R>,
-        time: DoubleDouble<R>,
-        h: R,
-    ) -> Drive<R, LENGTH> {
+    pub fn drive<const LENGTH: usize>(&self, time: DoubleDouble<R>, h: R) -> Drive<R, LENGTH> {
         let mut drive = Drive::NONE;
         for harmonic in &self.harmonics {
             harmonic.add(drive.row(harmonic.acts), time, h);
         }
         for record in &self.records {
-            let [value, slope] = record.piece(from).at(time);
+            let [value, slope] = record.piece(time).at(time);
             let row = drive.row(record.acts);
             for (coefficient, line) in row.iter_mut().zip([value.value, slope.value * h]) {
                 *coefficient += line;
@@ -329,28 +328,6 @@ impl<R: Real> Force<R> {
         })
     }
 
-    /// The longest smooth motion from `time` that is no longer than `reach`: its length, and the instant at
-    /// which the force bends, jumps or has an impulse, if that ends it.
-    pub fn until_bend(
-        &self,
-        time: DoubleDouble<R>,
-        done: u32,
-        reach: R,
-    ) -> (R, Option<DoubleDouble<R>>) {
-        let until = |bend: DoubleDouble<R>| (bend - time).value;
-        match self.smooth_until(time, done).filter(|bend| until(*bend) <= reach) {
-            Some(bend) => (until(bend), Some(bend)),
-            None => (reach, None),
-        }
-    }
-
-    /// Value and rate of f/M and a_g at an instant, in double-double.
-    #[inline(always)]
-    pub(crate) fn beginning(&self, time: DoubleDouble<R>) -> Drive<DoubleDouble<R>, 2> {
-        let Pushes { primary, base } = self.pushes(time, time);
-        Drive { primary: primary.beginning(), base: base.beginning() }
-    }
-
     /// Taylor coefficients of f/M and a_g about `from` in powers of t/h, in double-double.
     pub fn precise<const LENGTH: usize>(
         &self,
@@ -380,13 +357,6 @@ impl<R: Real> Force<R> {
             left_out[usize::from(harmonic.acts == Acts::Base)] += harmonic.left_out::<N>(h);
         }
         left_out
-    }
-
-    /// The next instant after `time` at which the force is not smooth, when its first `done` kicks have
-    /// acted.
-    pub fn smooth_until(&self, time: DoubleDouble<R>, done: u32) -> Option<DoubleDouble<R>> {
-        let bends = self.records.iter().filter_map(|record| record.next_knot(time));
-        bends.chain(self.kick(done)).min_by(earlier)
     }
 
     /// The instant of the next kick, when the first `done` have acted.
@@ -429,6 +399,19 @@ fn earlier<R: Real>(a: &DoubleDouble<R>, b: &DoubleDouble<R>) -> std::cmp::Order
 impl<R: Real> Pushes<R> {
     /// No force.
     pub(crate) const NONE: Self = Self { primary: Push::NONE, base: Push::NONE };
+
+    /// The first Taylor coefficients in powers of time, four at most.
+    #[inline(always)]
+    pub(crate) fn ahead<const LENGTH: usize>(&self) -> Drive<R, LENGTH> {
+        Drive { primary: self.primary.ahead(), base: self.base.ahead() }
+    }
+
+    /// The first two of them to twice the precision.
+    #[inline(always)]
+    pub(crate) fn now(&self) -> Drive<DoubleDouble<R>, 2> {
+        let now = |push: &Push<R>| [push.value, push.rate];
+        Drive { primary: now(&self.primary), base: now(&self.base) }
+    }
 
     #[inline(always)]
     pub(crate) fn on(&mut self, acts: Acts) -> &mut Push<R> {

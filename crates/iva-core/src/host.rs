@@ -15,7 +15,7 @@
 //! [`Host`] has the structures for both masses, and the instants at which the drive bends, jumps or has an
 //! impulse. Absorbers are generic over the host.
 
-use crate::force::Force;
+use crate::force::{Drive, Force};
 use crate::host::oscillator::{Arrival, Equation, Primary};
 use crate::number::arrays::laned;
 use crate::number::clock::Clock;
@@ -135,6 +135,13 @@ pub trait Structure: std::fmt::Debug {
     ) -> DoubleDouble<Self::Real>;
     /// The state of the drive a time h later.
     fn later(&self, phase: &Self::Phase, h: Self::Real) -> Self::Phase;
+    /// The state of the drive a time h later, with the piece that acts now.
+    fn within(&self, phase: &Self::Phase, h: Self::Real) -> Self::Phase;
+    /// The state of the drive at the end of a motion, with the piece that acts from there on.
+    #[inline(always)]
+    fn renewed(&self, phase: &Self::Phase) -> Self::Phase {
+        *phase
+    }
     /// A of this mass at a state of the drive and of the structure.
     fn acceleration(
         &self,
@@ -266,6 +273,33 @@ pub trait Host: Clone + std::fmt::Debug {
     }
     /// The force that drives it; `None` for a structure that cannot be driven.
     fn force(&self) -> Option<&Force<Self::Real>> {
+        None
+    }
+    /// Taylor coefficients of f/M and a_g from a state of the drive on, in powers of t/h; `None` without a lasting
+    /// force.
+    #[inline(always)]
+    fn drive(&self, _phase: &Phase<Self>, _h: Self::Real) -> Option<Drive<Self::Real>> {
+        None
+    }
+    /// The first of them, four at most, in powers of t.
+    #[inline(always)]
+    fn drive_ahead<const LENGTH: usize>(
+        &self,
+        _phase: &Phase<Self>,
+    ) -> Option<Drive<Self::Real, LENGTH>> {
+        None
+    }
+    /// Value and rate of f/M and a_g, in double-double.
+    #[inline(always)]
+    fn drive_now(&self, _phase: &Phase<Self>) -> Option<Drive<DoubleDouble<Self::Real>, 2>> {
+        None
+    }
+    /// [`Host::drive`] in double-double.
+    fn precise_drive(
+        &self,
+        _phase: &Phase<Self>,
+        _h: Self::Real,
+    ) -> Option<Drive<DoubleDouble<Self::Real>>> {
         None
     }
     /// Acceleration of gravity G along the motion, in ωn² × length.

@@ -20,7 +20,8 @@ use crate::absorber::siva::Siva;
 use crate::absorber::system::{Clock, System};
 use crate::engine::simulate::{Instant, Limits, Outcome, Run};
 use crate::error::{Invalid, number};
-use crate::host::{DrivenHost, UndrivenHost};
+use crate::force::Force;
+use crate::host::{DrivenHost, Host, UndrivenHost};
 use crate::lanes::free_mass::{ExactDriven, FastDriven, FreeMasses};
 use crate::lanes::{LANES, SideBySide, Tier, WIDE, with_steps};
 use crate::measures::propagation::{Differentiable, Tangent};
@@ -259,14 +260,16 @@ impl Iterated for Siva<DrivenHost> {
     }
 }
 
+/// What pendulums that go side by side have in common. The derivative of a step is computed one by one.
+fn swinging<H: Host<Real = f64>>(piva: &Piva<H>, request: &Request<'_>) -> Option<[u64; 2]> {
+    let Piva { pendulum, accuracy, .. } = piva;
+    let key = [accuracy.tolerance.to_bits(), u64::from(pendulum.small_angles)];
+    (!request.tangents).then_some(key)
+}
+
 impl Iterated for Piva {
-    /// The derivative of a step is computed one by one.
     fn key(trajectory: &Trajectory<Self>, request: &Request<'_>) -> Option<[u64; 2]> {
-        let Piva { pendulum, accuracy, .. } = &trajectory.system;
-        let force = trajectory.system.force();
-        let fits = !request.tangents && (force.is_none() || force.is_single());
-        let kind = u64::from(pendulum.small_angles) + 2 * u64::from(force.is_none());
-        fits.then(|| [accuracy.tolerance.to_bits(), kind])
+        swinging(&trajectory.system, request)
     }
 
     fn iterate_group(
@@ -275,6 +278,24 @@ impl Iterated for Piva {
         request: Request<'_>,
         see: See<'_, Self>,
     ) {
-        with_steps!(&all.0[group[0]].system, L => in_lanes::iterate::<_, L>(all, group, request, see));
+        let leader = &all.0[group[0]].system;
+        with_steps!(leader, UndrivenHost, L => in_lanes::iterate::<_, L>(all, group, request, see));
+    }
+}
+
+impl Iterated for Piva<DrivenHost> {
+    fn key(trajectory: &Trajectory<Self>, request: &Request<'_>) -> Option<[u64; 2]> {
+        let single = trajectory.system.force().is_some_and(Force::is_single);
+        swinging(&trajectory.system, request).filter(|_| single)
+    }
+
+    fn iterate_group(
+        all: (&[Trajectory<Self>], &[Limits]),
+        group: &[usize],
+        request: Request<'_>,
+        see: See<'_, Self>,
+    ) {
+        let leader = &all.0[group[0]].system;
+        with_steps!(leader, DrivenHost, L => in_lanes::iterate::<_, L>(all, group, request, see));
     }
 }

@@ -40,6 +40,10 @@ pub(crate) fn run(
             _ => None,
         })?;
         part.run(extremes, |scene| match scene {
+            Scene::DrivenPiva { system, start, .. } => Some((Piva::clone(system), *start)),
+            _ => None,
+        })?;
+        part.run(extremes, |scene| match scene {
             Scene::Alone { system, start } => Some((system.clone(), *start)),
             _ => None,
         })?;

@@ -38,13 +38,23 @@ pub fn examine(scene: &Scene) -> Result<(), Invalid> {
             bare(&force, damping_ratio, from, &window, &limits)
         }
         Absorber::Piva(system, start) => {
-            let Parameters { damping_ratio, length, contact_distance, .. } = *system.parameters();
-            let walls = Walls::new(contact_distance / length * (1.0 + 2.0 * damping_ratio));
+            let walls = hanging(system.parameters());
+            run(&*system, &start, &limits, window, walls)
+        }
+        Absorber::DrivenPiva(system, start) => {
+            let walls = hanging(system.parameters());
+            let damping_ratio = system.parameters().damping_ratio;
             run(&*system, &start, &limits, window, walls)?;
             let (x, v) = (start.displacement, start.velocity);
             bare(&force, damping_ratio, Point { x, v }, &window, &limits)
         }
     }
+}
+
+/// The walls of a pendulum.
+fn hanging(pendulum: &Parameters) -> Walls {
+    let Parameters { damping_ratio, length, contact_distance, .. } = *pendulum;
+    Walls::new(contact_distance / length * (1.0 + 2.0 * damping_ratio))
 }
 
 fn run<S: Differentiable>(

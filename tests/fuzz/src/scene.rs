@@ -82,6 +82,8 @@ pub enum Absorber {
     DrivenSiva(Box<Siva<DrivenHost>>, Start),
     /// A pendulum.
     Piva(Box<Piva>, PivaStart),
+    /// A pendulum under a force.
+    DrivenPiva(Box<Piva<DrivenHost>>, PivaStart),
 }
 
 impl Scene {
@@ -93,8 +95,12 @@ impl Scene {
         let Self { mass_ratio, restitution, clearance, damping_ratio, .. } = *self;
         let force = self.force()?;
         if self.pendulum {
-            let piva = Piva::new(self.parameters())?.under(force);
-            return Ok(Absorber::Piva(Box::new(piva), self.pendulum_start()));
+            let (piva, start) = (Piva::new(self.parameters())?, self.pendulum_start());
+            return Ok(if force.is_none() {
+                Absorber::Piva(Box::new(piva), start)
+            } else {
+                Absorber::DrivenPiva(Box::new(piva.under(force)), start)
+            });
         }
         let siva = Siva::new(mass_ratio, restitution, clearance, damping_ratio)?;
         if force.is_none() {

@@ -14,7 +14,7 @@ pub fn mass(mu: f64, e: f64, d: f64, zeta: f64) -> impl Fn(Force) -> Siva<Driven
 }
 
 /// A pendulum with these parameters.
-pub fn pendulum(parameters: Parameters) -> impl Fn(Force) -> Piva {
+pub fn pendulum(parameters: Parameters) -> impl Fn(Force) -> Piva<DrivenHost> {
     let piva = Piva::new(parameters).expect("a valid pendulum");
-    move |force| piva.clone().under(force)
+    move |force| piva.under(force)
 }

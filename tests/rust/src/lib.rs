@@ -16,6 +16,7 @@ pub mod reference;
 pub mod rng;
 pub mod stress;
 pub mod timeline;
+pub mod two_modes;
 
 use proptest::test_runner::{Config, RngSeed};
 

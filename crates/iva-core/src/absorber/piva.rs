@@ -3,13 +3,15 @@
 //!
 //! The gap displacement is y = b sinθ, where b is the distance from the pivot to the point of contact, with
 //! walls at ±d. A flight is a Taylor series ([`crate::segment::taylor`]). Stuck on a wall the pendulum moves as one
-//! mass with the primary, in closed form, until gravity or the primary pulls it off.
+//! mass with the primary ([`crate::absorber::ride`]), until gravity or the primary pulls it off.
 
-use crate::absorber::impact::Impact;
+use crate::absorber::impact::{Impact, delay};
+use crate::absorber::ride::{Ride, Stuck};
 use crate::absorber::system::{Angle, Clock, Point, System, Wall};
 use crate::error::Invalid;
-use crate::force::{Drive, Force};
+use crate::force::Force;
 use crate::host::oscillator::Primary;
+use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -21,7 +23,6 @@ pub(crate) use contact::distance;
 pub use motion::PivaFlight;
 pub(crate) use motion::{Known, PARTS};
 pub use parameters::{Angles, ImpactLaw, Parameters};
-pub use ride::PivaRide;
 pub use start::{Given, PivaStart};
 
 use accuracy::Accuracy;
@@ -36,7 +37,6 @@ mod impact_law;
 pub(crate) mod integrals;
 mod motion;
 mod parameters;
-mod ride;
 mod start;
 pub(crate) mod step;
 
@@ -54,18 +54,17 @@ laned!(Stops, ManyStops { cosine: DoubleDouble, steep: bool });
 
 /// A pendulum absorber on its primary system.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Piva<R = f64> {
-    pub(crate) parameters: Parameters<R>,
-    pub(crate) pendulum: Pendulum<R>,
-    pub(crate) stops: Stops<R>,
+pub struct Piva<H: Host = UndrivenHost> {
+    pub(crate) parameters: Parameters<H::Real>,
+    pub(crate) pendulum: Pendulum<H::Real>,
+    pub(crate) stops: Stops<H::Real>,
     /// The impact laws at wall + and at wall −.
-    laws: [Law<R>; 2],
-    pub(crate) accuracy: Accuracy<R>,
-    /// The force that drives the structure.
-    force: Force<R>,
+    laws: [Law<H::Real>; 2],
+    pub(crate) accuracy: Accuracy<H::Real>,
+    pub(crate) host: H,
 }
 
-impl<R: Real> Piva<R> {
+impl<R: Real> Piva<UndrivenHost<R>> {
     /// A pendulum absorber.
     ///
     /// # Errors
@@ -109,16 +108,20 @@ impl<R: Real> Piva<R> {
             } else {
                 parameters.tolerance
             }),
-            force: Force::default(),
+            host: UndrivenHost::new(damping_ratio, mass_ratio),
         })
     }
 
-    /// The same absorber under a force.
-    #[must_use]
-    pub fn under(self, force: Force<R>) -> Self {
-        Self { force, ..self }
+    /// The same absorber on the same structure under a force.
+    pub fn under(&self, force: Force<R>) -> Piva<DrivenHost<R>> {
+        let Self { parameters, pendulum, stops, laws, accuracy, .. } = *self;
+        let Parameters { damping_ratio, mass_ratio, .. } = parameters;
+        let host = DrivenHost::new(damping_ratio, mass_ratio, force, R::ZERO);
+        Piva { parameters, pendulum, stops, laws, accuracy, host }
     }
+}
 
+impl<R: Real, H: Host<Real = R>> Piva<H> {
     /// The same absorber with another restitution at the wall −.
     ///
     /// # Errors
@@ -145,9 +148,9 @@ impl<R: Real> Piva<R> {
         &self.parameters
     }
 
-    /// The force that drives the structure.
-    pub fn force(&self) -> &Force<R> {
-        &self.force
+    /// The force that drives the structure; `None` for one that cannot be driven.
+    pub fn force(&self) -> Option<&Force<R>> {
+        self.host.force()
     }
 
     /// True if the pendulum can reach its walls: d < b, or small angles, where y is not limited.
@@ -169,44 +172,29 @@ impl<R: Real> Piva<R> {
         inertia_ratio * length * self.pendulum.frequency_squared
     }
 
-    /// Taylor coefficients of the force at a state, of the smooth piece that acts from `from` on; `None`
-    /// without a lasting force.
-    #[inline(always)]
-    pub(crate) fn drive<const LENGTH: usize>(
-        &self,
-        from: Clock<R>,
-        state: &PivaState<R>,
-        h: R,
-    ) -> Option<Drive<R, LENGTH>> {
-        self.force.lasts().then(|| self.force.drive(from, state.time, h))
-    }
-
-    /// The first Taylor coefficients of the flight from a state, in powers of t, under the piece of the force
-    /// that acts from `from` on.
+    /// The first Taylor coefficients of the flight from a state, in powers of t.
     #[inline(always)]
     pub(crate) fn beginning<const LENGTH: usize>(
         &self,
-        from: Clock<R>,
-        state: &PivaState<R>,
+        state: &PivaState<Phase<H>, R>,
     ) -> Series<R, LENGTH> {
-        let drive = self.drive(from, state, R::ONE);
+        let drive = self.host.drive_ahead(&state.phase);
         let series = self.pendulum.beginning(&state.swing(), drive.as_ref());
         at_rest_on_release(state, series)
     }
 
-    /// The distance to the wall and its derivatives in free motion, under the piece of the force that acts
-    /// from `from` on.
-    fn jet(&self, from: Clock<R>, state: &PivaState<R>) -> Jet<R> {
-        R::dispatched(
-            #[inline(always)]
-            || contact::distance(state, &self.beginning(from, state)),
-        )
+    /// A at the release from a wall: Ẇ = 0 there, so β c A + r² y = 0.
+    fn release_acceleration(&self, wall: Wall) -> DoubleDouble<R> {
+        let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
+        let pull =
+            DoubleDouble::new(frequency_squared * -wall.sign()).times(self.parameters.clearance);
+        pull.over_sum(self.stops.cosine.times(coupling))
     }
 }
 
 /// Sets Ẇ and ÿ to 0 right after a release: their rounding errors could send the pendulum back into the wall.
-fn at_rest_on_release<R: Real, const LENGTH: usize>(
-    state: &PivaState<R>,
+fn at_rest_on_release<R: Real, P, const LENGTH: usize>(
+    state: &PivaState<P, R>,
     mut series: Series<R, LENGTH>,
 ) -> Series<R, LENGTH> {
     if state.released {
@@ -217,11 +205,9 @@ fn at_rest_on_release<R: Real, const LENGTH: usize>(
 
 /// The state of primary and pendulum between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PivaState<R = f64> {
-    /// The instant of the drive.
-    pub(crate) time: Clock<R>,
-    /// Number of impulses that have acted.
-    pub(crate) kicks: u32,
+pub struct PivaState<P = (), R = f64> {
+    /// The state of the drive.
+    pub(crate) phase: P,
     pub(crate) primary: Primary<R>,
     pub(crate) wall: Wall,
     /// The distance d − s y ≥ 0 to the wall last touched.
@@ -235,18 +221,28 @@ pub struct PivaState<R = f64> {
     pub(crate) released: bool,
 }
 
-laned!(PivaState, PivaStates {
-    time: Clock,
-    primary: Primary,
-    wall: Wall,
-    distance: DoubleDouble,
-    clearance: f64,
-    w: DoubleDouble,
-    cosine: DoubleDouble,
-    released: bool,
-} kicks = 0);
+laned!(
+    PivaState<P>,
+    PivaStates {
+        phase: P,
+        primary: Primary,
+        wall: Wall,
+        distance: DoubleDouble,
+        clearance: f64,
+        w: DoubleDouble,
+        cosine: DoubleDouble,
+        released: bool,
+    }
+);
 
-impl<R: Real> PivaState<R> {
+impl<R: Real, P> PivaState<P, R> {
+    /// The same state with another one of the drive.
+    #[inline(always)]
+    pub(crate) fn with_phase<Q>(self, phase: Q) -> PivaState<Q, R> {
+        let Self { primary, wall, distance, clearance, w, cosine, released, .. } = self;
+        PivaState { phase, primary, wall, distance, clearance, w, cosine, released }
+    }
+
     /// Gap displacement y.
     #[inline(always)]
     pub(crate) fn y(&self) -> DoubleDouble<R> {
@@ -284,12 +280,18 @@ impl<R: Real> PivaState<R> {
     }
 }
 
-impl<R: Real> System for Piva<R> {
+impl<R: Real, H: Host<Real = R>> System for Piva<H> {
     type Real = R;
-    type State = PivaState<R>;
+    type State = PivaState<Phase<H>, R>;
     type Start = PivaStart<R>;
-    type Flight<'a> = PivaFlight<'a, R>;
-    type Ride<'a> = PivaRide<'a, R>;
+    type Flight<'a>
+        = PivaFlight<'a, H>
+    where
+        H: 'a;
+    type Ride<'a>
+        = Ride<'a, Self>
+    where
+        H: 'a;
 
     fn clearance(&self) -> R {
         self.parameters.clearance
@@ -316,45 +318,52 @@ impl<R: Real> System for Piva<R> {
         self.check(start)
     }
 
-    fn begin_at(&self, start: &PivaStart<R>, time: Clock<R>) -> PivaState<R> {
+    fn begin_at(&self, start: &PivaStart<R>, time: Clock<R>) -> Self::State {
         self.first_state(start, time)
     }
 
-    fn with_drive_of(&self, state: &PivaState<R>, like: &PivaState<R>) -> PivaState<R> {
-        PivaState { time: like.time, kicks: like.kicks, ..*state }
+    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
+        PivaState { phase: like.phase, ..*state }
     }
 
-    fn flight(&self, state: &PivaState<R>) -> PivaFlight<'_, R> {
+    fn flight(&self, state: &Self::State) -> PivaFlight<'_, H> {
         PivaFlight::new(self, *state)
     }
 
-    fn ride(&self, state: &PivaState<R>) -> PivaRide<'_, R> {
-        PivaRide::new(self, *state)
+    fn ride(&self, state: &Self::State) -> Ride<'_, Self> {
+        Ride::new(self, *state)
     }
 
-    fn wall(&self, state: &PivaState<R>) -> Wall {
+    fn wall(&self, state: &Self::State) -> Wall {
         state.wall
     }
 
-    fn distance(&self, state: &PivaState<R>) -> Jet<R> {
-        self.jet(state.time, state)
-    }
-
-    fn touch(&self, state: &PivaState<R>, wall: Wall) -> (PivaState<R>, R) {
+    fn distance(&self, state: &Self::State) -> Jet<R> {
         R::dispatched(
             #[inline(always)]
-            || self.stops.touching(state, wall, &self.beginning(state.time, state)),
+            || contact::distance(state, &self.beginning(state)),
         )
     }
 
-    fn impact(&self, state: &PivaState<R>, time: R) -> (PivaState<R>, Impact<R>) {
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let (touching, later) = self.stops.touching(state, wall, &self.beginning(state));
+                let phase = self.host.free().later(&state.phase, later);
+                (PivaState { phase, ..touching }, later)
+            },
+        )
+    }
+
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
         R::dispatched(
             #[inline(always)]
             || self.law(state.wall).struck(state, time, self.pendulum.lever),
         )
     }
 
-    fn stick(&self, state: &PivaState<R>) -> (PivaState<R>, R) {
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
         let (v, law) = (state.primary.v, self.law(state.wall));
         let gained = law.stick(state.w);
         let Parameters { mass_ratio, damping_ratio, .. } = self.parameters;
@@ -369,18 +378,30 @@ impl<R: Real> System for Piva<R> {
         (stuck, law.stick_loss(v.value, state.w.value))
     }
 
-    fn release(&self, state: &PivaState<R>) -> (PivaState<R>, R) {
-        let (primary, later) = self.without_pressure(state);
+    fn release(&self, state: &Self::State) -> (Self::State, R) {
+        // The wall stops pressing where x is at the balance for the A of a release.
+        let Primary { x, v } = state.primary;
+        let Parameters { damping_ratio, mass_ratio, .. } = self.parameters;
+        let acceleration = self.release_acceleration(state.wall);
+        let pull = acceleration * DoubleDouble::new(R::ONE).plus(mass_ratio);
+        let balanced = |v| self.host.balanced(&state.phase, v) - pull;
+        // A force changes the pressure as well, and much faster than x does, so the correction of x says
+        // nothing about the instant then.
+        let left = if self.is_driven() { R::ZERO } else { (x - balanced(v)).value };
+        let rate = v.value + damping_ratio * 2.0 * acceleration.value;
+        let later = delay(left, rate, acceleration.value);
+        let v = v.plus(acceleration.value * later);
+        let primary = Primary { x: balanced(v), v };
         let (distance, w) = (DoubleDouble::ZERO, DoubleDouble::ZERO);
-        let time = state.time.plus(later);
-        (PivaState { time, primary, distance, w, released: true, ..*state }, later)
+        let phase = self.host.free().later(&state.phase, later);
+        (PivaState { phase, primary, distance, w, released: true, ..*state }, later)
     }
 
-    fn primary(&self, state: &PivaState<R>) -> Point<R> {
+    fn primary(&self, state: &Self::State) -> Point<R> {
         Point { x: state.primary.x.value, v: state.primary.v.value }
     }
 
-    fn energy(&self, state: &PivaState<R>) -> R {
+    fn energy(&self, state: &Self::State) -> R {
         let Point { x, v } = self.primary(state);
         let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
         let Pendulum { lever, contact_distance, .. } = self.pendulum;
@@ -397,39 +418,38 @@ impl<R: Real> System for Piva<R> {
     }
 
     fn is_driven(&self) -> bool {
-        self.force.lasts()
+        self.force().is_some_and(Force::lasts)
     }
 
     fn largest_base(&self, between: [R; 2]) -> Option<R> {
-        self.force().largest_base(between)
+        self.force()?.largest_base(between)
     }
 
     fn moves_base(&self) -> bool {
-        self.force.moves_base()
+        self.force().is_some_and(Force::moves_base)
     }
 
-    fn smooth_for(&self, state: &PivaState<R>) -> R {
-        let end = self.force.smooth_until(state.time, state.kicks);
-        end.map_or(R::INFINITY, |end| (end - state.time).value)
+    fn smooth_for(&self, state: &Self::State) -> R {
+        self.host.smooth_for(&state.phase)
     }
 
-    fn due(&self, state: &PivaState<R>) -> Option<R> {
-        self.force.due(state.time, state.kicks)
+    fn due(&self, state: &Self::State) -> Option<R> {
+        self.host.due(&state.phase)
     }
 
-    fn apply_impulse(&self, state: &PivaState<R>, velocity: R, stuck: bool) -> PivaState<R> {
+    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
         let Pendulum { mass_ratio, coupling, .. } = self.pendulum;
         let mass = DoubleDouble::new(R::ONE).plus(mass_ratio);
-        let kicks = state.kicks + 1;
+        let phase = self.host.after_impulse(&state.phase);
         if stuck {
             let gained = DoubleDouble::new(velocity).over_sum(mass);
             let primary = state.primary.faster_by(gained);
-            return PivaState { kicks, primary, released: false, ..*state };
+            return PivaState { phase, primary, released: false, ..*state };
         }
         let gained = DoubleDouble::new(velocity).over_sum(self.pendulum.inertia(state.y()));
         let swing = gained.times(-coupling).times_sum(state.cosine);
         PivaState {
-            kicks,
+            phase,
             primary: state.primary.faster_by(gained),
             w: state.w + swing,
             released: false,
@@ -437,7 +457,7 @@ impl<R: Real> System for Piva<R> {
         }
     }
 
-    fn angle(&self, state: &PivaState<R>) -> Option<Angle<R>> {
+    fn angle(&self, state: &Self::State) -> Option<Angle<R>> {
         let sine = state.y().value / self.pendulum.contact_distance;
         let small = self.pendulum.small_angles;
         let value = if small { sine } else { R::atan2(sine, state.cosine.value) };
@@ -449,5 +469,33 @@ impl<R: Real> System for Piva<R> {
         let lever = self.stops.cosine.value * self.pendulum.contact_distance;
         let angle = |w: R| Angle { value, rate: w / lever };
         Some([impact.gap_velocity_before, impact.gap_velocity_after].map(angle))
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> Stuck for Piva<H> {
+    type Host = H;
+
+    fn host(&self) -> &H {
+        &self.host
+    }
+
+    fn mass_ratio(&self) -> R {
+        self.parameters.mass_ratio
+    }
+
+    fn structure_of(state: &Self::State) -> (&Phase<H>, Primary<R>) {
+        (&state.phase, state.primary)
+    }
+
+    fn with_structure(state: &Self::State, structure: HostState<Phase<H>, R>) -> Self::State {
+        let HostState { phase, primary, .. } = structure;
+        PivaState { phase, primary, ..*state }
+    }
+
+    /// −s β cosθ A − r² d: gravity pulls the pendulum off the wall.
+    fn pressure(&self, wall: Wall) -> [R; 2] {
+        let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
+        let factor = coupling * self.stops.cosine.value * -wall.sign();
+        [factor, -(frequency_squared * self.parameters.clearance)]
     }
 }

@@ -10,6 +10,7 @@ use std::any::TypeId;
 
 use crate::absorber::impact::{self, Impact};
 use crate::absorber::plain::Scene;
+use crate::absorber::ride::{Ride, Stuck};
 use crate::absorber::system::{Clock, Coasted, Point, Start, System, Wall};
 use crate::error::{Invalid, number};
 use crate::force::Force;
@@ -23,7 +24,6 @@ use crate::segment::flight::{GapPoint, Jet};
 
 pub use motion::SivaFlight;
 pub use parameters::Parameters;
-pub use ride::SivaRide;
 pub use state::SivaState;
 pub(crate) use state::collided;
 
@@ -34,7 +34,6 @@ mod parameters;
 mod passage;
 mod pieces;
 pub(crate) mod proof;
-mod ride;
 mod state;
 pub(crate) mod trial;
 
@@ -228,7 +227,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     where
         H: 'a;
     type Ride<'a>
-        = SivaRide<'a, H>
+        = Ride<'a, Self>
     where
         H: 'a;
 
@@ -294,8 +293,8 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         SivaFlight::new(self, *state)
     }
 
-    fn ride(&self, state: &Self::State) -> SivaRide<'_, H> {
-        SivaRide::new(self, *state)
+    fn ride(&self, state: &Self::State) -> Ride<'_, Self> {
+        Ride::new(self, *state)
     }
 
     fn coasts(&self, state: &Self::State, remaining: R) -> (usize, Coasted<Self::State, R>) {
@@ -471,6 +470,31 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             return moving;
         }
         moving + self.mass_ratio * gravity * self.height(state)
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> Stuck for Siva<H> {
+    type Host = H;
+
+    fn host(&self) -> &H {
+        &self.host
+    }
+
+    fn mass_ratio(&self) -> R {
+        self.mass_ratio
+    }
+
+    fn structure_of(state: &Self::State) -> (&Phase<H>, Primary<R>) {
+        (&state.host.phase, state.host.primary)
+    }
+
+    fn with_structure(state: &Self::State, host: HostState<Phase<H>, R>) -> Self::State {
+        SivaState { host, ..*state }
+    }
+
+    /// −s A.
+    fn pressure(&self, wall: Wall) -> [R; 2] {
+        [R::from(-wall.sign()), R::ZERO]
     }
 }
 

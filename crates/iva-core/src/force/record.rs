@@ -243,11 +243,6 @@ impl<R: Real> Record<R> {
         (passed < self.history.times.len()).then(|| self.knot(passed))
     }
 
-    /// The instant of the first point after an instant.
-    pub(super) fn next_knot(&self, time: DoubleDouble<R>) -> Option<DoubleDouble<R>> {
-        self.knot_after(self.passed(time))
-    }
-
     /// The instant of the last point at or before an instant.
     pub(super) fn last_knot(&self, time: DoubleDouble<R>) -> Option<DoubleDouble<R>> {
         self.passed(time).checked_sub(1).map(|last| self.knot(last))
@@ -329,9 +324,9 @@ mod tests {
                 }
                 assert_eq!(record.passed(knot.plus(-1e-18 * (knot.value + 1e-3))), index);
                 assert_eq!(record.piece(knot).at(knot)[0].value, 2.0 * index as f64);
-                assert_eq!(record.next_knot(knot), Some(record.knot(index + 1)));
+                assert_eq!(record.knot_after(index + 1), Some(record.knot(index + 1)));
             }
-            assert_eq!(record.next_knot(record.knot(49)), None);
+            assert_eq!(record.knot_after(50), None);
             assert_eq!(record.piece(record.knot(49)), Piece::NOTHING);
         }
     }

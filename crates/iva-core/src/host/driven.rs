@@ -96,8 +96,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
             Some(ramped) => ramped.moved(from, h),
             None => self.summed(from, &self.series_of(from, course), h),
         };
-        let (reach, bend) = from.phase.until_bend(self.reach);
-        let time = bend.filter(|_| h == reach).unwrap_or(from.phase.time.plus(h));
+        let time = from.phase.after(h);
         let phase = Moment { time, pushes: pushes(&from.phase, time), ..from.phase };
         let acceleration = self.acceleration(&phase, &primary);
         Flown { to: HostState { primary, acceleration, phase }, gained }
@@ -125,7 +124,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
 
     /// The state of the drive at a later instant of the same smooth piece.
     #[inline(always)]
-    fn within(&self, from: &Moment<R>, time: Clock<R>) -> Moment<R> {
+    fn at(&self, from: &Moment<R>, time: Clock<R>) -> Moment<R> {
         Moment { time, pushes: self.source.pushes(from, time), ..*from }
     }
 }
@@ -168,7 +167,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn reach(&self, from: &HostState<Moment<R>, R>) -> R {
-        from.phase.until_bend(self.reach).0
+        from.phase.smooth_for(self.reach)
     }
 
     #[inline(always)]
@@ -219,7 +218,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     #[inline(always)]
     fn refresh(&self, state: &mut HostState<Moment<R>, R>) {
         if self.source.bends() {
-            state.phase = self.source.renewed(&state.phase);
+            state.phase = self.renewed(&state.phase);
             state.acceleration = self.acceleration(&state.phase, &state.primary);
         }
     }
@@ -266,8 +265,18 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn later(&self, phase: &Moment<R>, h: R) -> Moment<R> {
-        let later = self.within(phase, phase.time.plus(h));
+        let later = self.at(phase, phase.time.plus(h));
         if later.is_over() { self.source.renewed(&later) } else { later }
+    }
+
+    #[inline(always)]
+    fn within(&self, phase: &Moment<R>, h: R) -> Moment<R> {
+        self.at(phase, phase.after(h))
+    }
+
+    #[inline(always)]
+    fn renewed(&self, phase: &Moment<R>) -> Moment<R> {
+        if self.source.bends() { self.source.renewed(phase) } else { *phase }
     }
 
     #[inline(always)]

@@ -74,6 +74,9 @@ impl<R: Real> Structure for Oscillator<R> {
     fn later(&self, _phase: &(), _h: R) {}
 
     #[inline(always)]
+    fn within(&self, _phase: &(), _h: R) {}
+
+    #[inline(always)]
     fn base(&self, _phase: &()) -> [R; 4] {
         [R::ZERO; 4]
     }

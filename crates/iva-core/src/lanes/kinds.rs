@@ -6,6 +6,7 @@ use super::decays::Decays;
 use super::forced::ForcedRuns;
 use super::free_mass::{ExactDecays, ExactDriven, FastDecays, FastDriven};
 use super::group::{Group, grouped};
+use super::piva::Swinging;
 use super::{Job, LANES, Listing, SideBySide, TakeListed, Tier, WIDE};
 use crate::absorber::alone::Alone;
 use crate::absorber::piva::Piva;
@@ -13,6 +14,7 @@ use crate::absorber::plain::{BASE, FORCE};
 use crate::absorber::siva::Siva;
 use crate::absorber::system::System;
 use crate::error::Invalid;
+use crate::force::Force;
 use crate::host::{DrivenHost, UndrivenHost};
 use crate::measures::Wanted;
 use crate::measures::steady::SteadyWanted;
@@ -33,27 +35,18 @@ macro_rules! run_jobs {
 
 /// Runs code with the kind of lanes for pendulums like this one.
 macro_rules! with_steps {
-    ($piva:expr, $lanes:ident => $body:expr) => {{
+    ($piva:expr, $host:ty, $lanes:ident => $body:expr) => {{
         use $crate::lanes::piva::Steps;
         use $crate::segment::taylor::{ORDER, with_order};
-        let piva: &$crate::absorber::piva::Piva = $piva;
-        let (order, driven) = (piva.accuracy.order, !piva.force().is_none());
+        let piva: &$crate::absorber::piva::Piva<$host> = $piva;
         // At small angles the order is always the highest.
-        match (driven, piva.pendulum.small_angles) {
-            (false, false) => with_order!(order, N => {
-                type $lanes = Steps<N, false, false>;
+        match (piva.accuracy.order, piva.pendulum.small_angles) {
+            (order, false) => with_order!(order, N => {
+                type $lanes = Steps<$host, N, false>;
                 $body
             }),
-            (true, false) => with_order!(order, N => {
-                type $lanes = Steps<N, true, false>;
-                $body
-            }),
-            (false, true) => {
-                type $lanes = Steps<ORDER, false, true>;
-                $body
-            }
-            (true, true) => {
-                type $lanes = Steps<ORDER, true, true>;
+            (_, true) => {
+                type $lanes = Steps<$host, ORDER, true>;
                 $body
             }
         }
@@ -130,19 +123,18 @@ impl SideBySide for Siva<DrivenHost> {
     }
 }
 
+/// What pendulums that go side by side have in common, with the measures of a steady state that are wanted.
+fn swinging<H: Swinging>(piva: &Piva<H>, steady: SteadyWanted) -> Option<[f64; 2]> {
+    let Piva { pendulum, accuracy, .. } = piva;
+    let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
+    let small = if pendulum.small_angles { 1000.0 } else { 0.0 };
+    Some([accuracy.tolerance, small + damped + 2.0 * f64::from(steady.bits())])
+}
+
 impl SideBySide for Piva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let (Piva { pendulum, accuracy, .. }, force) = (&job.system, job.system.force());
-        let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
-        let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
-        let driven = if force.is_none() { 0.0 } else { 2.0 + 2.0 * f64::from(wanted.bits()) };
-        // Lanes record no strobes.
-        let fits = match force.is_none() {
-            true => job.steady.is_none(),
-            false => force.is_single() && !wanted.strobes,
-        };
-        let small = if pendulum.small_angles { 1000.0 } else { 0.0 };
-        fits.then_some([accuracy.tolerance, small + driven + damped])
+        let decays = job.steady.is_none();
+        swinging(&job.system, SteadyWanted::default()).filter(|_| decays)
     }
 
     fn tier(job: &Job<Self>) -> Tier {
@@ -152,6 +144,25 @@ impl SideBySide for Piva {
     run_jobs!();
 
     fn run(group: Group<'_, Self>) {
-        with_steps!(group.leader(), L => group.run::<L>());
+        with_steps!(group.leader(), UndrivenHost, L => group.run::<L>());
+    }
+}
+
+impl SideBySide for Piva<DrivenHost> {
+    fn common(job: &Job<Self>) -> Option<[f64; 2]> {
+        let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
+        // Lanes record no strobes.
+        let fits = job.system.force().is_some_and(Force::is_single) && !wanted.strobes;
+        swinging(&job.system, wanted).filter(|_| fits)
+    }
+
+    fn tier(job: &Job<Self>) -> Tier {
+        job.tier
+    }
+
+    run_jobs!();
+
+    fn run(group: Group<'_, Self>) {
+        with_steps!(group.leader(), DrivenHost, L => group.run::<L>());
     }
 }

@@ -8,18 +8,20 @@
 //! stretches in which x is monotonic, from which its measures are computed. Of a driven run they add up losses
 //! and ∫x², and show its observers the steps that may change more than that.
 
+mod drive;
 mod lane;
 mod round;
 mod rows;
 mod scene;
 
-use super::{Cycling, Job, LANES, Listing, Loaded, Lockstep, ScalarRun};
+use super::{Cycling, Job, LANES, Listing, Loaded, Lockstep, ScalarRun, SideBySide};
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::step::Turning;
 use crate::absorber::piva::{Known, Piva, PivaFlight, PivaState, PivaStates};
 use crate::absorber::system::{Clock, Start, System};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Limits, Run};
+use crate::host::Phase;
 use crate::host::oscillator::Primary;
 use crate::measures::forced::Forced;
 use crate::measures::peaks::Monotone;
@@ -27,6 +29,8 @@ use crate::measures::propagation::Tangent;
 use crate::measures::steady::SteadyWanted;
 use crate::measures::{Stretch, Stretches, Wanted, looks};
 use crate::number::arrays::{Lanes as _, any};
+pub(crate) use drive::Swinging;
+use drive::{Laid, laid, raised};
 use lane::{Lane, Lanes};
 use round::{Round, Rounds, Stages};
 use rows::Rows;
@@ -34,19 +38,19 @@ use scene::{Scene, Scenes};
 
 /// Lanes side by side whose series have the order N.
 #[derive(Debug)]
-pub(crate) struct Steps<const N: usize, const DRIVEN: bool, const SMALL: bool> {
+pub(crate) struct Steps<H: Swinging, const N: usize, const SMALL: bool> {
     scenes: Scenes<LANES>,
-    lanes: Lanes<LANES>,
-    rounds: Rounds<LANES>,
+    lanes: Lanes<H::Instant, LANES>,
+    rounds: Rounds<H::Instant, LANES>,
     rows: Rows<LANES>,
     shared: Shared,
     /// The instants and states at the begin of the steps, if observers are to see them.
-    begins: ([Clock; LANES], PivaStates<LANES>),
+    begins: ([Clock; LANES], PivaStates<H::Instant, LANES>),
     /// The logs of decays; the impacts that observers have not been told yet.
-    logs: Vec<Stretches<Piva>>,
+    logs: Vec<Stretches<Piva<H>>>,
     struck: Vec<Vec<Impact>>,
     /// The scene and the state of a lane without a run.
-    idle: (Scene, PivaState),
+    idle: (Scene, Laid<H>),
 }
 
 /// The settings that all lanes share.
@@ -79,7 +83,7 @@ struct Shared {
 
 impl Shared {
     /// For runs of pendulums like this one of which nothing is measured.
-    fn of(piva: &Piva) -> Self {
+    fn of(piva: &Piva<impl Swinging>) -> Self {
         Self {
             tolerance: piva.accuracy.tolerance,
             longest: piva.accuracy.longest_step,
@@ -100,12 +104,12 @@ impl Shared {
 /// Number of impacts after which observers are told of them, so that a long run needs no more memory.
 const MOST_STRUCK: usize = 256;
 
-impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMALL> {
+impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
     /// Idle lanes for pendulums like this one.
-    fn with(piva: &Piva, shared: Shared) -> Self {
+    fn with(piva: &Piva<H>, shared: Shared) -> Self {
         let limits = Limits::new(1.0, piva.parameters().clearance);
         let scene = Scene { stop: f64::INFINITY, ..Scene::of(piva, &limits) };
-        let state = piva.begin(&Start::default().into());
+        let state = laid::<H>(&piva.begin(&Start::default().into()));
         let mut lanes = Self {
             scenes: Scenes::new(),
             lanes: Lanes::new(),
@@ -125,7 +129,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMA
     #[inline(always)]
     fn round(&mut self) -> bool {
         let Self { scenes, lanes, rounds, rows, shared, .. } = self;
-        Stages::<LANES, N, DRIVEN, SMALL> { scenes, lanes, rounds, rows, shared }.run();
+        Stages::<H, LANES, N, SMALL> { scenes, lanes, rounds, rows, shared }.run();
         let full = self.log();
         let Self { scenes, lanes, rounds, shared, begins, .. } = self;
         let mut shown = false;
@@ -174,12 +178,12 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMA
     /// Logs a step of a decay, divided at the turning point of x; true if the log is full.
     #[inline(always)]
     fn log_step(&mut self, i: usize) -> bool {
-        let Self { lanes, rounds, logs, .. } = self;
+        let Self { scenes, lanes, rounds, logs, .. } = self;
         let (start, log) = (lanes.clock.get(i), &mut logs[i]);
         if !looks(self.shared.wanted, start.value) {
             return false;
         }
-        let origin = lanes.state.get(i);
+        let origin = raised::<H>(&scenes.get(i), &lanes.state.get(i));
         let Turning { turns, h: turn, x: x_turn, .. } = rounds.turning.get(i);
         let end = (rounds.length[i], rounds.end.primary.x.value[i]);
         let mut begin = (0.0, origin.primary.x.value);
@@ -203,21 +207,24 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMA
     }
 
     /// Shows the observers of a run the step that its lane has done.
-    fn show(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
-        let (round, system): (Round, _) = (self.rounds.get(i), run.system);
+    fn show(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
+        let (round, system): (Round<_>, _) = (self.rounds.get(i), run.system);
+        let scene = self.scenes.get(i);
         self.lanes.get(i).put_back_sums(run);
         let own = round.hit.then(|| self.struck[i].pop()).flatten();
         self.tell(i, run);
-        let (start, from) = (self.begins.0[i], self.begins.1.get(i));
-        let Round { losses, square, limits, length, end, .. } = round;
-        let drive = DRIVEN.then(|| self.rows.drive(i));
+        let (start, from) = (self.begins.0[i], raised::<H>(&scene, &self.begins.1.get(i)));
+        let Round { losses, square, limits, length, .. } = round;
+        let end = raised::<H>(&scene, &round.end);
+        let drive = H::DRIVEN.then(|| self.rows.drive(i));
         let series = (self.rows.get::<N>(i), drive);
         let known = Known { losses, square, limits };
         let motion = PivaFlight::flown(system, from, series, round.step, (length, known));
         let (from, to) = (system.primary(&from), system.primary(&end));
         run.observer.span(system, &Span { motion: &motion, start, length, from, to, end: &end });
         if let Some(impact) = own {
-            let states = [&round.touching, &round.after];
+            let states = [round.touching, round.after].map(|state| raised::<H>(&scene, &state));
+            let states = states.each_ref();
             let contact = Contact { time: impact.time, states, summed: false };
             run.observer.contact(system, &contact);
             run.observer.impact(system, &impact);
@@ -226,21 +233,21 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMA
     }
 
     /// Reads sums and quiet steps of a run whose observers have seen a step.
-    fn see(&mut self, i: usize, run: &ScalarRun<'_, Piva>) {
+    fn see(&mut self, i: usize, run: &ScalarRun<'_, Piva<H>>) {
         let mut lane = self.lanes.get(i);
         lane.see(run, self.shared.shows_all);
         self.lanes.set(i, &lane);
     }
 
     /// Tells the observers of a run of the impacts that they have not been told yet.
-    fn tell(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
+    fn tell(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
         for impact in self.struck[i].drain(..) {
             run.observer.impact(run.system, &impact);
         }
     }
 
     /// Exchanges the log of a lane for that of its run, unless observers see all steps.
-    fn swap_logs(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
+    fn swap_logs(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
         if let Some(log) =
             run.observer.measures.stretches.as_mut().filter(|_| !self.shared.shows_all)
         {
@@ -249,17 +256,18 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Steps<N, DRIVEN, SMA
     }
 }
 
-impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
-    for Steps<N, DRIVEN, SMALL>
+impl<H: Swinging, const N: usize, const SMALL: bool> Lockstep<Piva<H>> for Steps<H, N, SMALL>
+where
+    Piva<H>: SideBySide,
 {
-    fn new(job: &Job<Piva>, wanted: Wanted, listing: &Listing) -> Self {
+    fn new(job: &Job<Piva<H>>, wanted: Wanted, listing: &Listing) -> Self {
         let steady = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let bare = Shared::of(&job.system);
         Self::with(
             &job.system,
             Shared {
                 wanted,
-                looks: !DRIVEN && looks(wanted, 0.0),
+                looks: !H::DRIVEN && looks(wanted, 0.0),
                 ledger: wanted.ledger,
                 squares: steady.rms,
                 extremes: steady.amplitude || steady.regime || steady.acceleration,
@@ -280,7 +288,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
         self.leaves(i) || self.is_shown(i) || self.is_full(i)
     }
 
-    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
+    fn serve(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) -> bool {
         if self.is_shown(i) {
             self.show(i, run);
         }
@@ -297,7 +305,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
         !leaves
     }
 
-    fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) -> bool {
+    fn take(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) -> bool {
         let takes = self.take_cycle(i, run, None);
         if takes {
             self.see(i, run);
@@ -306,7 +314,7 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
         takes
     }
 
-    fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Piva>) {
+    fn put_back(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
         self.tell(i, run);
         self.swap_logs(i, run);
         self.lanes.get(i).put_back_sums(run);
@@ -318,12 +326,10 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Lockstep<Piva>
     }
 }
 
-impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Cycling<Piva>
-    for Steps<N, DRIVEN, SMALL>
-{
+impl<H: Swinging, const N: usize, const SMALL: bool> Cycling<Piva<H>> for Steps<H, N, SMALL> {
     const WIDTH: usize = LANES;
 
-    fn cycling(leader: &Piva) -> Self {
+    fn cycling(leader: &Piva<H>) -> Self {
         Self::with(leader, Shared::of(leader))
     }
 
@@ -340,8 +346,8 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Cycling<Piva>
         self.lanes.stopped[i] > 0.0 && self.lanes.full[i] == 0.0
     }
 
-    fn shown(&self, i: usize, _system: &Piva) -> PivaState {
-        self.lanes.state.get(i)
+    fn shown(&self, i: usize, _system: &Piva<H>) -> PivaState<Phase<H>> {
+        raised::<H>(&self.scenes.get(i), &self.lanes.state.get(i))
     }
 
     fn impacts(&self, i: usize) -> u64 {
@@ -351,12 +357,12 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Cycling<Piva>
     /// Derivatives are computed one by one.
     fn listen(&mut self, _i: usize) {}
 
-    fn follow(&mut self, _i: usize, _system: &Piva, _tangent: &mut Tangent) {}
+    fn follow(&mut self, _i: usize, _system: &Piva<H>, _tangent: &mut Tangent) {}
 
     fn take_cycle<O>(
         &mut self,
         i: usize,
-        run: &Run<'_, Piva, O>,
+        run: &Run<'_, Piva<H>, O>,
         _forced: Option<&Forced>,
     ) -> bool {
         let scene = Scene::of(run.system, run.limits);
@@ -368,15 +374,18 @@ impl<const N: usize, const DRIVEN: bool, const SMALL: bool> Cycling<Piva>
         lane.is_some()
     }
 
-    fn put_back_cycle<O>(&mut self, i: usize, run: &mut Run<'_, Piva, O>) {
-        self.lanes.get(i).put_back(run);
+    fn put_back_cycle<O>(&mut self, i: usize, run: &mut Run<'_, Piva<H>, O>) {
+        self.lanes.get(i).put_back::<H, O>(&self.scenes.get(i), run);
     }
 
-    fn repeat(&mut self, i: usize, from: &Loaded<'_, Piva>) -> bool {
+    fn repeat(&mut self, i: usize, from: &Loaded<'_, Piva<H>>) -> bool {
         let Primary { x, v } = from.state.primary;
         let goes_on = from.state.distance.value > 0.0 && (x + v + from.state.w).value.is_finite();
         if goes_on {
-            self.lanes.set(i, &Lane { clock: from.clock, live: true, ..Lane::idle(&from.state) });
+            self.lanes.set(
+                i,
+                &Lane { clock: from.clock, live: true, ..Lane::idle(&laid::<H>(&from.state)) },
+            );
         }
         goes_on
     }

@@ -193,13 +193,18 @@ impl<R: Real> Given<'_, R> {
                 self.at_most_one(&[FieldId::GapVelocity, FieldId::AngularVelocity])?;
                 let common = self.common(scale, units)?;
                 let (parameters, gravity) = pendulum::parameters(self, common, scale)?;
-                let mut system = Piva::new(parameters)?.under(force);
+                let mut system = Piva::new(parameters)?;
                 if let Some(restitution) = self.get(FieldId::RestitutionMinus) {
                     system = system.with_restitution_minus(restitution)?;
                 }
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
-                Ok(Scene::Piva { system: Box::new(system), start, gravity })
+                if force.is_none() {
+                    Ok(Scene::Piva { system: Box::new(system), start, gravity })
+                } else {
+                    let system = Box::new(system.under(force));
+                    Ok(Scene::DrivenPiva { system, start, gravity })
+                }
             }
             Kind::None => {
                 let system = Alone::new(self.damping_ratio(scale, units)?)?;

@@ -191,7 +191,8 @@ where
         + Estimates<Siva<DrivenHost<R>>>
         + Estimates<Alone<UndrivenHost<R>>>
         + Estimates<Alone<DrivenHost<R>>>
-        + Estimates<Piva<R>>,
+        + Estimates<Piva<UndrivenHost<R>>>
+        + Estimates<Piva<DrivenHost<R>>>,
 {
     let point = Point { study, point, design, request, cancel };
     with_system!(&design.scene, |system, start| point.run(system, start, estimates, take))
@@ -210,7 +211,8 @@ pub(crate) fn list<R: Real, E>(
         + Estimates<Siva<DrivenHost<R>>>
         + Estimates<Alone<UndrivenHost<R>>>
         + Estimates<Alone<DrivenHost<R>>>
-        + Estimates<Piva<R>>,
+        + Estimates<Piva<UndrivenHost<R>>>
+        + Estimates<Piva<DrivenHost<R>>>,
 {
     let point = Point { study, point, design, request, cancel: &AtomicBool::new(false) };
     for table in &study.tables {

@@ -42,10 +42,20 @@ pub enum Scene<R: Real = f64> {
         /// State at time zero.
         start: Point<R>,
     },
-    /// A pendulum.
+    /// A pendulum in free decay.
     Piva {
         /// The absorber, which is much larger than all others.
-        system: Box<Piva<R>>,
+        system: Box<Piva<UndrivenHost<R>>>,
+        /// State at time zero.
+        start: PivaStart<R>,
+        /// Acceleration of gravity in the user's unit; `None` for small angles without a length: then the
+        /// motion does not depend on it, and there is no angle to report.
+        gravity: Option<R>,
+    },
+    /// A pendulum under force.
+    DrivenPiva {
+        /// The absorber, which is much larger than all others.
+        system: Box<Piva<DrivenHost<R>>>,
         /// State at time zero.
         start: PivaStart<R>,
         /// Acceleration of gravity in the user's unit; `None` for small angles without a length: then the
@@ -65,6 +75,10 @@ macro_rules! with_system {
             $crate::engine::scene::Scene::Alone { system: $system, start: $start } => $body,
             $crate::engine::scene::Scene::DrivenAlone { system: $system, start: $start } => $body,
             $crate::engine::scene::Scene::Piva { system, start: $start, .. } => {
+                let $system = &**system;
+                $body
+            }
+            $crate::engine::scene::Scene::DrivenPiva { system, start: $start, .. } => {
                 let $system = &**system;
                 $body
             }
@@ -102,6 +116,9 @@ impl<R: Real> Scene<R> {
             Scene::Piva { system, .. } => {
                 (system.parameters().mass_ratio, WALLS.map(|wall| system.restitution(wall)))
             }
+            Scene::DrivenPiva { system, .. } => {
+                (system.parameters().mass_ratio, WALLS.map(|wall| system.restitution(wall)))
+            }
         };
         let clearance = with_system!(self, |system, _start| system.clearance());
         let [restitution, restitution_minus] = restitution;
@@ -116,6 +133,7 @@ impl<R: Real> Scene<R> {
             Scene::Alone { system, .. } => system.damping_ratio(),
             Scene::DrivenAlone { system, .. } => system.damping_ratio(),
             Scene::Piva { system, .. } => system.parameters().damping_ratio,
+            Scene::DrivenPiva { system, .. } => system.parameters().damping_ratio,
         }
     }
 
@@ -123,6 +141,7 @@ impl<R: Real> Scene<R> {
     pub fn pendulum(&self) -> Option<&piva::Parameters<R>> {
         match self {
             Scene::Piva { system, .. } => Some(system.parameters()),
+            Scene::DrivenPiva { system, .. } => Some(system.parameters()),
             _ => None,
         }
     }
@@ -152,10 +171,10 @@ impl<R: Real> Scene<R> {
     /// The force that drives it; `None` in free decay.
     pub fn force(&self) -> Option<&Force<R>> {
         match self {
-            Scene::Siva { .. } | Scene::Alone { .. } => None,
+            Scene::Siva { .. } | Scene::Alone { .. } | Scene::Piva { .. } => None,
             Scene::DrivenSiva { system, .. } => system.force().filter(|force| !force.is_none()),
             Scene::DrivenAlone { system, .. } => system.force(),
-            Scene::Piva { system, .. } => Some(system.force()).filter(|force| !force.is_none()),
+            Scene::DrivenPiva { system, .. } => system.force(),
         }
     }
 
@@ -172,7 +191,9 @@ impl<R: Real> Scene<R> {
     /// Acceleration of gravity on a pendulum, or along the motion of a free mass, in the user's unit.
     pub fn gravity(&self) -> Option<R> {
         match self {
-            Scene::Piva { gravity, .. } | Scene::DrivenSiva { gravity, .. } => *gravity,
+            Scene::Piva { gravity, .. }
+            | Scene::DrivenPiva { gravity, .. }
+            | Scene::DrivenSiva { gravity, .. } => *gravity,
             _ => None,
         }
     }
@@ -189,6 +210,6 @@ impl<R: Real> Scene<R> {
 
     /// True if the absorber has an angle to report.
     pub fn has_angle(&self) -> bool {
-        matches!(self, Scene::Piva { gravity: Some(_), .. })
+        self.pendulum().is_some() && self.gravity().is_some()
     }
 }

@@ -104,7 +104,7 @@ impl Scene {
     }
 
     fn pendulum(&self) -> Result<Piva, Invalid> {
-        Ok(Piva::new(self.parameters)?.under(self.force()?))
+        Piva::new(self.parameters)
     }
 
     fn force(&self) -> Result<Force, Invalid> {
@@ -121,7 +121,11 @@ impl Scene {
             (true, Some(_)) => {
                 self.watched(&self.mass()?.under(self.force()?), &self.start, factor)
             }
-            (false, _) => self.watched(&self.pendulum()?, &self.start.into(), factor),
+            (false, None) => self.watched(&self.pendulum()?, &self.start.into(), factor),
+            (false, Some(_)) => {
+                let driven = self.pendulum()?.under(self.force()?);
+                self.watched(&driven, &self.start.into(), factor)
+            }
         }
     }
 
@@ -147,7 +151,11 @@ impl Scene {
             (true, Some(_)) => {
                 states(&self.mass()?.under(self.force()?), &self.start, &limits, times)
             }
-            (false, _) => states(&self.pendulum()?, &self.start.into(), &limits, times),
+            (false, None) => states(&self.pendulum()?, &self.start.into(), &limits, times),
+            (false, Some(_)) => {
+                let driven = self.pendulum()?.under(self.force()?);
+                states(&driven, &self.start.into(), &limits, times)
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 
 use iva_core::{
     force::{Acts, Force, Harmonic, Impulse},
+    host::DrivenHost,
     lanes::{Job, Tier},
     measures::Wanted,
     piva::{Angles, Parameters, Piva},
@@ -20,7 +21,7 @@ use crate::lanes::{alone_wanting, together_wanting};
 /// Random pendulums: light and heavy, with hard and soft walls and damped and undamped pivots, under a force
 /// or on a moving base, with or without a transient that is left out; a few under two forces, or with an
 /// impulse.
-fn driven(rng: &mut Rng, steady: SteadyWanted, tolerance: f64) -> Vec<Job<Piva>> {
+fn driven(rng: &mut Rng, steady: SteadyWanted, tolerance: f64) -> Vec<Job<Piva<DrivenHost>>> {
     let job = |i: usize| {
         let clearance = rng.log_range(0.05, 2.0);
         let length = rng.pick(&[1.1, 3.0, 20.0]) * clearance;

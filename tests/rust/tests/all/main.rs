@@ -44,5 +44,6 @@ mod stress_inputs;
 mod sweep_tables;
 mod theory;
 mod third_absorber;
+mod two_modes;
 mod unlike_walls;
 mod verified;

@@ -32,7 +32,7 @@ fn any_mass() -> impl Fn(Force) -> Siva<DrivenHost> {
     mass(0.1, 0.6, 0.5, 0.01)
 }
 
-fn any_pendulum() -> impl Fn(Force) -> Piva {
+fn any_pendulum() -> impl Fn(Force) -> Piva<DrivenHost> {
     let bob = Parameters::point_bob(0.1, 0.6, 1.0, 0.01, 4.0);
     pendulum(Parameters { frequency_ratio: 0.4, ..bob })
 }

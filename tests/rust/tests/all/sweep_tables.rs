@@ -349,6 +349,7 @@ fn work_of(study: &Study) -> u64 {
         Scene::Alone { system, start } => tally(&system, &start, &design.limits),
         Scene::DrivenAlone { system, start } => tally(&system, &start, &design.limits),
         Scene::Piva { system, start, .. } => tally(&*system, &start, &design.limits),
+        Scene::DrivenPiva { system, start, .. } => tally(&*system, &start, &design.limits),
     }
 }
 

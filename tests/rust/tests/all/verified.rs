@@ -146,7 +146,7 @@ fn mass(given: &BTreeMap<String, Dd>) -> Option<Siva<DrivenHost<Twofold>>> {
 }
 
 /// The pendulum of a reference; a free mass is a pendulum at small angles without gravity.
-fn pendulum(given: &BTreeMap<String, Dd>) -> Piva<Twofold> {
+fn pendulum(given: &BTreeMap<String, Dd>) -> Piva<DrivenHost<Twofold>> {
     let key = |name: &str| twofold(given[name]);
     let [mass_ratio, restitution, clearance] = ["mu", "e", "gamma"].map(key);
     let damping_ratio = key("zeta");

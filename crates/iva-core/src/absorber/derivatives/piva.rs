@@ -3,17 +3,19 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::Differentiable;
+use super::structure::stuck;
 use crate::absorber::piva::{Piva, PivaState, STEEP, Sizes};
 use crate::absorber::system::Wall;
 use crate::force::Drive;
+use crate::host::{Host, Phase, Structure};
 use crate::number::real::Real;
 use crate::number::real::dual::Dual;
 use crate::segment::taylor::{ORDER, Pendulum, Series, Swing};
 
-impl Piva {
+impl<H: Host<Real = f64>> Piva<H> {
     /// The derivative of a flight of length h.
     #[inline(always)]
-    fn swung(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
+    fn swung(&self, from: &PivaState<Phase<H>>, h: f64) -> Matrix4<f64> {
         let y = from.y().value;
         let mut cosine = Dual::constant(from.cosine.value);
         if !self.pendulum.small_angles && from.cosine.value != 0.0 {
@@ -27,7 +29,7 @@ impl Piva {
             w: Dual::variable(from.w.value, 3),
             c: cosine,
         };
-        let drive = self.drive::<{ ORDER + 1 }>(from.time, from, h).map(|drive| Drive {
+        let drive = self.host.drive(&from.phase, h).map(|drive| Drive {
             primary: drive.primary.map(Dual::constant),
             base: drive.base.map(Dual::constant),
         });
@@ -48,17 +50,17 @@ impl Piva {
     }
 }
 
-impl Differentiable for Piva {
-    fn rates(&self, state: &PivaState) -> Vector4<f64> {
-        let series = self.beginning::<3>(state.time, state);
+impl<H: Host<Real = f64>> Differentiable for Piva<H> {
+    fn rates(&self, state: &PivaState<Phase<H>>) -> Vector4<f64> {
+        let series = self.beginning::<3>(state);
         Vector4::new(series.x[1], series.u[1], series.y[1], series.w[1])
     }
 
-    fn sizes(&self, state: &PivaState) -> Option<Vector4<f64>> {
+    fn sizes(&self, state: &PivaState<Phase<H>>) -> Option<Vector4<f64>> {
         let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, .. } = self.pendulum;
         let Pendulum { coupling, frequency_squared, pivot_damping, .. } = self.pendulum;
         let cosine = state.cosine.value.abs().min(1.0);
-        let driven = self.drive::<3>(state.time, state, 1.0).as_ref().map_or(0.0, Drive::size);
+        let driven = self.host.drive_ahead::<3>(&state.phase).as_ref().map_or(0.0, Drive::size);
         let (y, w) = (state.y().value.abs(), state.w.value.abs());
         let (x, u) = (state.primary.x.value.abs(), state.primary.v.value.abs());
         let swing = frequency_squared * y + pivot_damping * w;
@@ -73,36 +75,25 @@ impl Differentiable for Piva {
         Some(Vector4::new(u, primary, cosine * w, coupling * primary * steep + swing))
     }
 
-    fn sharpness(&self, state: &PivaState) -> f64 {
+    fn sharpness(&self, state: &PivaState<Phase<H>>) -> f64 {
         let steep = state.y().value.abs() >= STEEP * self.parameters.contact_distance;
         let cosine = state.cosine.value.abs().min(1.0);
         if steep && !self.pendulum.small_angles { cosine } else { 1.0 }
     }
 
-    fn turning(&self, state: &PivaState) -> f64 {
+    fn turning(&self, state: &PivaState<Phase<H>>) -> f64 {
         state.w.value.abs()
     }
 
-    fn flight_tangent(&self, from: &PivaState, h: f64) -> Matrix4<f64> {
+    fn flight_tangent(&self, from: &PivaState<Phase<H>>, h: f64) -> Matrix4<f64> {
         f64::dispatched(
             #[inline(always)]
             || self.swung(from, h),
         )
     }
 
-    fn ride_tangent(&self, _from: &PivaState, h: f64) -> Matrix4<f64> {
-        let mass = 1.0 + self.parameters.mass_ratio;
-        let damping = 2.0 * self.parameters.damping_ratio;
-        let mut matrix = Matrix4::zeros();
-        for (column, (mut x, mut u)) in [(1.0, 0.0), (0.0, 1.0)].into_iter().enumerate() {
-            let (mut x_end, mut u_end) = (x, u);
-            for k in 1..=ORDER {
-                (x, u) = (h * u / k as f64, -h * (damping * u + x) / (mass * k as f64));
-                (x_end, u_end) = (x_end + x, u_end + u);
-            }
-            (matrix[(0, column)], matrix[(1, column)]) = (x_end, u_end);
-        }
-        matrix
+    fn ride_tangent(&self, _from: &PivaState<Phase<H>>, h: f64) -> Matrix4<f64> {
+        stuck(self.host.loaded().equation(), h)
     }
 
     fn impact_matrix(&self, wall: Wall) -> Matrix4<f64> {
@@ -121,8 +112,8 @@ impl Differentiable for Piva {
         matrix
     }
 
-    fn truncation(&self, from: &PivaState) -> [f64; 2] {
-        let driven = self.drive::<{ ORDER + 1 }>(from.time, from, 1.0);
+    fn truncation(&self, from: &PivaState<Phase<H>>) -> [f64; 2] {
+        let driven = self.host.drive(&from.phase, 1.0);
         let sizes = Sizes::of(self, from, driven.as_ref().map_or(0.0, Drive::size));
         // At full accuracy the proven bound is far above the truncation error.
         let share = if self.parameters.tolerance > 0.0 { self.accuracy.tolerance } else { 0.0 };

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::structure::columns;
+use super::structure::{columns, stuck};
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::absorber::siva::Siva;
 use crate::absorber::system::{Point, System, Wall};
@@ -64,13 +64,7 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     }
 
     fn ride_tangent(&self, _from: &Self::State, h: f64) -> Matrix4<f64> {
-        let [[xx, vx], [xv, vv]] = columns(self.host.loaded().equation(), h);
-        Matrix4::new(
-            xx, xv, 0.0, 0.0, //
-            vx, vv, 0.0, 0.0, //
-            0.0, 0.0, 0.0, 0.0, //
-            0.0, 0.0, 0.0, 0.0,
-        )
+        stuck(self.host.loaded().equation(), h)
     }
 
     #[inline(always)]

@@ -35,6 +35,17 @@ pub(super) fn columns(equation: &Equation, h: f64) -> [[f64; 2]; 2] {
     [[v + damping * x, -stiffness * x], [x, v]]
 }
 
+/// The derivative of the motion of a structure with an absorber stuck to it, over a time h.
+pub(super) fn stuck(equation: &Equation, h: f64) -> Matrix4<f64> {
+    let [[xx, vx], [xv, vv]] = columns(equation, h);
+    Matrix4::new(
+        xx, xv, 0.0, 0.0, //
+        vx, vv, 0.0, 0.0, //
+        0.0, 0.0, 0.0, 0.0, //
+        0.0, 0.0, 0.0, 0.0,
+    )
+}
+
 /// The longest step of the power series, times the growth.
 const STEP: f64 = 0.5;
 /// 1/k for its terms: what follows them is below 10⁻¹⁷.

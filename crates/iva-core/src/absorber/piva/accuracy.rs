@@ -1,6 +1,8 @@
 //! Order and step length of the flight, from its tolerance.
 
 use super::{Parameters, Piva, PivaState};
+use crate::force::Force;
+use crate::host::{Host, Phase};
 use crate::number::real::Real;
 use crate::segment::roots::DOUBT;
 use crate::segment::taylor::{ORDER, Remainder, Series, with_order};
@@ -46,8 +48,8 @@ const MOST_HALVINGS: u32 = 20;
 /// The share of a step on which its series leaves out no more than the tolerance.
 pub(super) fn share_kept<R: Real>(
     remainder: &Remainder<R>,
-    piva: &Piva<R>,
-    from: &PivaState<R>,
+    piva: &Piva<impl Host<Real = R>>,
+    from: &PivaState<impl Copy, R>,
     driven: R,
 ) -> Option<R> {
     let sizes = Sizes::of(piva, from, driven);
@@ -63,14 +65,14 @@ pub(super) fn share_kept<R: Real>(
     None
 }
 
-impl<R: Real> Piva<R> {
+impl<R: Real, H: Host<Real = R>> Piva<H> {
     /// The share of a step, up to `most`, on which its series is proved to leave out no more than the tolerance;
     /// `None` if that can be proved of no share.
     pub(super) fn share_proved(
         &self,
         series: &Series<R>,
         (step, most): (R, R),
-        from: &PivaState<R>,
+        from: &PivaState<Phase<H>, R>,
         driven: R,
     ) -> Option<R> {
         let (mut fastest, mut most) = (self.fastest(), most);
@@ -79,7 +81,7 @@ impl<R: Real> Piva<R> {
                 #[inline(always)]
                 || {
                     with_order!(self.accuracy.order, N => {
-                        let left_out = self.force.left_out::<N>(step * most);
+                        let left_out = self.force().map_or([R::ZERO; 2], |it| it.left_out::<N>(step * most));
                         Remainder::new::<N>(&self.pendulum, fastest, series, left_out, (step, most))
                     })
                 },
@@ -95,8 +97,8 @@ impl<R: Real> Piva<R> {
     }
 
     /// The fastest rate in the equations but for the swing: of primary, pendulum and force.
-    pub(super) fn fastest(&self) -> R {
-        self.pendulum.fastest().max(self.force.fastest())
+    pub(crate) fn fastest(&self) -> R {
+        self.pendulum.fastest().max(self.force().map_or(R::ZERO, Force::fastest))
     }
 }
 
@@ -118,13 +120,17 @@ pub(crate) struct Sizes<R = f64> {
 
 impl<R: Real> Sizes<R> {
     /// The sizes at a state, under a force of size `driven`.
-    pub(crate) fn of(piva: &Piva<R>, state: &PivaState<R>, driven: R) -> Self {
+    pub(crate) fn of(
+        piva: &Piva<impl Host<Real = R>>,
+        state: &PivaState<impl Copy, R>,
+        driven: R,
+    ) -> Self {
         Self::at(piva.parameters.mass_ratio, piva.gap_size(), state).with(driven)
     }
 
     /// The sizes at a state without force, for an absorber with this mass ratio and gap.
     #[inline(always)]
-    pub(crate) fn at(mass_ratio: R, gap: R, state: &PivaState<R>) -> Self {
+    pub(crate) fn at(mass_ratio: R, gap: R, state: &PivaState<impl Copy, R>) -> Self {
         let moved = state.primary.x.value.abs() + state.primary.v.value.abs();
         Self { primary: moved.max(mass_ratio * gap), gap }
     }
@@ -157,7 +163,7 @@ impl<R: Real> Sizes<R> {
     }
 }
 
-impl<R: Real> Piva<R> {
+impl<R: Real, H: Host<Real = R>> Piva<H> {
     /// The length that the tolerance on y is relative to: clearance, or contact distance if that is smaller.
     pub(crate) fn gap_size(&self) -> R {
         let Parameters { clearance, contact_distance, .. } = self.parameters;

@@ -12,14 +12,14 @@ use crate::segment::taylor::Series;
 
 impl<R: Real> Stops<R> {
     /// The state in contact with a wall, from a state there apart from rounding with the first coefficients of its
-    /// flight, and how much later it is.
+    /// flight, and how much later it is; with the drive of the state before.
     #[inline(always)]
-    pub fn touching(
+    pub fn touching<P: Copy>(
         &self,
-        state: &PivaState<R>,
+        state: &PivaState<P, R>,
         wall: Wall,
         ahead: &Series<R, 3>,
-    ) -> (PivaState<R>, R) {
+    ) -> (PivaState<P, R>, R) {
         let Series { u, w, y, c, .. } = ahead;
         let left = state.distance_to(wall);
         let flat = delay(left, state.gap_velocity() * -wall.sign(), y[2] * 2.0);
@@ -27,7 +27,6 @@ impl<R: Real> Stops<R> {
         let later = pick(self.steep, steep, flat);
         let Primary { x, v } = state.primary;
         let touching = PivaState {
-            time: state.time.plus(later),
             primary: Primary { x: x.plus(v.value * later), v: v.plus(u[1] * later) },
             w: state.w.plus(w[1] * later),
             wall,
@@ -42,7 +41,12 @@ impl<R: Real> Stops<R> {
 impl<R: Real> Law<R> {
     /// The state after the impact of a state in contact, and its record.
     #[inline(always)]
-    pub fn struck(&self, state: &PivaState<R>, time: R, lever: R) -> (PivaState<R>, Impact<R>) {
+    pub fn struck<P: Copy>(
+        &self,
+        state: &PivaState<P, R>,
+        time: R,
+        lever: R,
+    ) -> (PivaState<P, R>, Impact<R>) {
         let v = state.primary.v;
         let (gained, w) = (self.impact(state.w), state.w.times_sum(-self.rebound));
         let primary = Primary { v: v.plus_parts(gained.value, gained.rest), ..state.primary };
@@ -64,7 +68,7 @@ impl<R: Real> Law<R> {
 
 /// The distance to the wall last touched and its derivatives, from the first coefficients of a flight.
 #[inline(always)]
-pub(crate) fn distance<R: Real>(state: &PivaState<R>, ahead: &Series<R, 4>) -> Jet<R> {
+pub(crate) fn distance<R: Real, P>(state: &PivaState<P, R>, ahead: &Series<R, 4>) -> Jet<R> {
     let s = state.wall.sign();
     Jet {
         value: state.distance.value,

@@ -20,11 +20,11 @@ pub(crate) struct Gap {
     pub far: bool,
 }
 
-impl<R: Real> Step<'_, R> {
+impl<R: Real, P: Copy> Step<'_, P, R> {
     /// The contacts of a flight of length h to the state `end`; `doubt` bounds the error of y, over the
     /// clearance.
     #[inline(always)]
-    pub fn gap<const N: usize>(&self, end: &PivaState<R>, h: R, doubt: R) -> Gap {
+    pub fn gap<const N: usize>(&self, end: &PivaState<P, R>, h: R, doubt: R) -> Gap {
         let share = h / self.length;
         let (y, side, wide) = (&self.series.y, self.from.wall.sign(), self.from.clearance * 2.0);
         let Ahead { rate, fourth, .. } = Ahead::of::<N>(y, share);
@@ -61,7 +61,7 @@ impl<R: Real> Step<'_, R> {
     /// The contact of a flight of length h with a wall that it meets once: its time, and whether that is
     /// exact.
     #[inline(always)]
-    pub fn meeting<const N: usize>(&self, end: &PivaState<R>, h: R, far: bool) -> (R, bool) {
+    pub fn meeting<const N: usize>(&self, end: &PivaState<P, R>, h: R, far: bool) -> (R, bool) {
         let share = h / self.length;
         let (y, side, distance) = (&self.series.y, self.from.wall.sign(), self.from.distance);
         let wide = self.from.clearance * 2.0;

@@ -4,8 +4,9 @@ use super::gap::Gap;
 use super::integrals::{Integrands, square};
 use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
-use crate::absorber::system::{Clock, Wall};
+use crate::absorber::system::{System, Wall};
 use crate::force::Drive;
+use crate::host::{Host, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{
@@ -15,20 +16,18 @@ use crate::segment::taylor::{ORDER, Row, Series, Swing, horner, with_order};
 
 /// The pendulum free in its gap.
 #[derive(Debug, Clone)]
-pub struct PivaFlight<'a, R = f64> {
-    piva: &'a Piva<R>,
-    from: PivaState<R>,
+pub struct PivaFlight<'a, H: Host> {
+    piva: &'a Piva<H>,
+    from: PivaState<Phase<H>, H::Real>,
     /// Coefficients in powers of t over `step`.
-    series: Series<R>,
-    drive: Option<Drive<R>>,
-    step: R,
-    reach: R,
-    /// Instant at which the force bends, jumps or kicks, if the reach ends there.
-    bend: Option<Clock<R>>,
+    series: Series<H::Real>,
+    drive: Option<Drive<H::Real>>,
+    step: H::Real,
+    reach: H::Real,
     /// True if what the series leaves out is bounded by the tolerance.
     proved: bool,
     /// Integrals and bounds over the whole reach, if lanes have computed them.
-    known: Option<Known<R>>,
+    known: Option<Known<H::Real>>,
 }
 
 /// Integrals and bounds over the whole length of a flight.
@@ -41,14 +40,14 @@ pub(crate) struct Known<R = f64> {
     pub limits: [R; 2],
 }
 
-impl<'a, R: Real> PivaFlight<'a, R> {
-    pub(crate) fn new(piva: &'a Piva<R>, from: PivaState<R>) -> Self {
+impl<'a, R: Real, H: Host<Real = R>> PivaFlight<'a, H> {
+    pub(crate) fn new(piva: &'a Piva<H>, from: PivaState<Phase<H>, R>) -> Self {
         let order = piva.accuracy.order;
         let longest = piva.longest_step(&from);
         // A power of two: h/step is exact then, and the terms of the series belong to one instant.
         let step = R::power_of_two(longest);
         let most = longest / step;
-        let drive = piva.drive(from.time, &from, step);
+        let drive = piva.host.drive(&from.phase, step);
         let series = piva.pendulum.series(&from.swing(), drive.as_ref(), step, order);
         let series = at_rest_on_release(&from, series);
         let size = drive.as_ref().map_or(R::ZERO, Drive::size);
@@ -61,25 +60,25 @@ impl<'a, R: Real> PivaFlight<'a, R> {
                 drive,
                 step,
                 reach: step,
-                bend: None,
                 proved: false,
                 known: None,
             };
         };
-        let (reach, bend) = piva.until_bend(&from, share * step);
-        Self { piva, from, series, drive, step, reach, bend, proved: true, known: None }
+        let smooth = piva.host.smooth_for(&from.phase);
+        let reach = if smooth <= share * step { smooth } else { share * step };
+        Self { piva, from, series, drive, step, reach, proved: true, known: None }
     }
 
     /// A flight that lanes have proved and flown to its end, to be measured.
     pub(crate) fn flown(
-        piva: &'a Piva<R>,
-        from: PivaState<R>,
+        piva: &'a Piva<H>,
+        from: PivaState<Phase<H>, R>,
         (series, drive): (Series<R>, Option<Drive<R>>),
         step: R,
         (reach, known): (R, Known<R>),
     ) -> Self {
         let known = Some(known);
-        Self { piva, from, series, drive, step, reach, bend: None, proved: true, known }
+        Self { piva, from, series, drive, step, reach, proved: true, known }
     }
 
     /// The time h as a share of the step.
@@ -88,49 +87,48 @@ impl<'a, R: Real> PivaFlight<'a, R> {
     }
 
     /// The step of this flight.
-    fn step(&self) -> Step<'_, R> {
+    fn step(&self) -> Step<'_, Phase<H>, R> {
         let Self { piva, from, series, step, .. } = self;
         Step { pendulum: &piva.pendulum, from, series, length: *step }
     }
 
-    /// A state at h, with the exact instant of the bend if h is the reach that ends there.
-    fn at_bend(&self, h: R, state: PivaState<R>) -> PivaState<R> {
-        let time = self.bend.filter(|_| h == self.reach).unwrap_or(state.time);
-        PivaState { time, ..state }
+    /// A state at h, with the drive there.
+    #[inline(always)]
+    fn driven(&self, h: R, state: PivaState<Phase<H>, R>) -> PivaState<Phase<H>, R> {
+        PivaState { phase: self.piva.host.free().within(&self.from.phase, h), ..state }
     }
 
     /// The state at h, the linear terms to twice the precision.
     #[inline(always)]
-    fn arrived(&self, h: R) -> PivaState<R> {
+    fn arrived(&self, h: R) -> PivaState<Phase<H>, R> {
         if h == 0.0 {
             return self.from;
         }
-        let force = &self.piva.force;
-        let drive = force.lasts().then(|| force.beginning(self.from.time));
+        let drive = self.piva.host.drive_now(&self.from.phase);
         let order = self.piva.accuracy.order;
         let state = with_order!(order, N => self.step().arrival::<N>(h, drive.as_ref()));
-        self.at_bend(h, state)
+        let state = self.driven(h, state);
+        PivaState { phase: self.piva.host.free().renewed(&state.phase), ..state }
     }
 
     /// The series to twice the precision, from an angle with this cosine.
-    fn precise_series<const LENGTH: usize>(
+    fn precise_series(
         &self,
         cosine: DoubleDouble<R>,
         h: R,
         order: usize,
-    ) -> Series<DoubleDouble<R>, LENGTH> {
+    ) -> Series<DoubleDouble<R>> {
         let from = &self.from;
         let start =
             Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
-        let force = &self.piva.force;
-        let drive = force.lasts().then(|| force.precise(from.time, h));
+        let drive = self.piva.host.precise_drive(&from.phase, h);
         self.piva.pendulum.series(&start, drive.as_ref(), h, order)
     }
 }
 
-impl<R: Real> PivaFlight<'_, R> {
+impl<R: Real, H: Host<Real = R>> PivaFlight<'_, H> {
     /// The flight of a length that is shown to meet no wall, or the flight to the wall that it meets within it.
-    fn decided(&self, length: R) -> Option<FastFlight<PivaState<R>, R>> {
+    fn decided(&self, length: R) -> Option<FastFlight<PivaState<Phase<H>, R>, R>> {
         let (order, doubt) = (self.piva.accuracy.order, self.piva.accuracy.doubt());
         let (end, gap) = R::dispatched(
             #[inline(always)]
@@ -174,26 +172,20 @@ fn fourth_bound<R: Real>(y: &Row<R>, share: R) -> R {
     })
 }
 
-impl<R: Real> Piva<R> {
-    /// How far a motion goes that reaches so far: not beyond the next bend of the force, and then the
-    /// instant of that.
-    pub(crate) fn until_bend(&self, from: &PivaState<R>, reach: R) -> (R, Option<Clock<R>>) {
-        self.force.until_bend(from.time, from.kicks, reach)
-    }
-
+impl<R: Real, H: Host<Real = R>> Piva<H> {
     /// A step short against every time scale: of the primary, of the pendulum, of its swing.
-    fn longest_step(&self, state: &PivaState<R>) -> R {
+    fn longest_step(&self, state: &PivaState<Phase<H>, R>) -> R {
         R::from(self.accuracy.longest_step)
             / R::larger(self.fastest(), self.pendulum.swing(state.w.value))
     }
 }
 
-impl<R: Real> Motion for PivaFlight<'_, R> {
+impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
     type Real = R;
-    type State = PivaState<R>;
+    type State = PivaState<Phase<H>, R>;
     const RIDING: bool = false;
 
-    fn origin(&self) -> &PivaState<R> {
+    fn origin(&self) -> &Self::State {
         &self.from
     }
 
@@ -201,7 +193,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         self.reach
     }
 
-    fn state(&self, h: R) -> PivaState<R> {
+    fn state(&self, h: R) -> Self::State {
         if h == 0.0 {
             return self.from;
         }
@@ -210,17 +202,17 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
             #[inline(always)]
             || with_order!(order, N => self.step().state::<N>(h)),
         );
-        self.at_bend(h, state)
+        self.driven(h, state)
     }
 
-    fn arrival(&self, h: R) -> PivaState<R> {
+    fn arrival(&self, h: R) -> Self::State {
         R::dispatched(
             #[inline(always)]
             || self.arrived(h),
         )
     }
 
-    fn fast_path(&self, length: R) -> Option<FastFlight<PivaState<R>, R>> {
+    fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
         if !R::FAST_PATHS || !self.proved {
             return None;
         }
@@ -236,7 +228,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         None
     }
 
-    fn turns(&self, length: R, end: &PivaState<R>) -> Turns<R> {
+    fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
         if !R::FAST_PATHS || !self.proved {
             return Turns::Unknown;
         }
@@ -254,7 +246,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
 
     fn primary(&self, h: R) -> Jet<R> {
         let state = self.state(h);
-        let series = self.piva.beginning::<3>(self.from.time, &state);
+        let series = self.piva.beginning::<3>(&state);
         Jet {
             value: state.primary.x.value,
             rate: state.primary.v.value,
@@ -264,7 +256,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
     }
 
     fn acceleration(&self, h: R) -> R {
-        self.piva.beginning::<3>(self.from.time, &self.state(h)).a[0]
+        self.piva.beginning::<3>(&self.state(h)).a[0]
     }
 
     fn gap(&self, h: R) -> GapPoint<R> {
@@ -300,7 +292,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
         )
     }
 
-    fn largest(&self, of: Quantity, least: R, length: R, _end: &PivaState<R>) -> Option<R> {
+    fn largest(&self, of: Quantity, least: R, length: R, _end: &Self::State) -> Option<R> {
         let known = self.known.filter(|_| length == self.reach)?;
         let limit = match of {
             Quantity::Displacement => known.limits[0],
@@ -318,7 +310,7 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
             #[inline(always)]
             || {
                 let Series { u, y, w, .. } = &self.series;
-                let (pivots, base) = (piva.pendulum.pivot_damping != 0.0, piva.force.moves_base());
+                let (pivots, base) = (piva.pendulum.pivot_damping != 0.0, piva.moves_base());
                 let drive = self.drive.as_ref();
                 let integrands = Integrands { u, y, w, drive, pivots, base };
                 let (t, step) = (self.share(h), self.step);
@@ -328,16 +320,16 @@ impl<R: Real> Motion for PivaFlight<'_, R> {
     }
 }
 
-impl<R: Real> Curve for PivaFlight<'_, R> {
+impl<R: Real, H: Host<Real = R>> Curve for PivaFlight<'_, H> {
     type Real = R;
-    type Sample = PivaState<R>;
+    type Sample = PivaState<Phase<H>, R>;
 
-    fn sample(&self, h: R) -> PivaState<R> {
+    fn sample(&self, h: R) -> Self::Sample {
         self.state(h)
     }
 
-    fn jet(&self, sample: &PivaState<R>) -> Jet<R> {
-        self.piva.jet(self.from.time, sample)
+    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
+        self.piva.distance(sample)
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {

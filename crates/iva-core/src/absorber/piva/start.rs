@@ -6,6 +6,7 @@ use super::{Piva, PivaState};
 use crate::absorber::system::{Clock, Start, Wall};
 use crate::error::{Invalid, number};
 use crate::host::oscillator::Primary;
+use crate::host::{Host, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
@@ -54,7 +55,7 @@ struct Pose<R = f64> {
     w: R,
 }
 
-impl<R: Real> Piva<R> {
+impl<R: Real, H: Host<Real = R>> Piva<H> {
     fn pose(&self, start: &PivaStart<R>) -> Pose<R> {
         let b = self.parameters.contact_distance;
         let small = self.pendulum.small_angles;
@@ -128,8 +129,12 @@ impl<R: Real> Piva<R> {
     }
 
     /// The first state of a run, from a start and the instant of the drive.
-    pub(super) fn first_state(&self, start: &PivaStart<R>, time: Clock<R>) -> PivaState<R> {
-        let (time, kicks) = self.force.begin(time);
+    pub(super) fn first_state(
+        &self,
+        start: &PivaStart<R>,
+        time: Clock<R>,
+    ) -> PivaState<Phase<H>, R> {
+        let phase = self.host.begin_at(time);
         let primary = Primary {
             x: DoubleDouble::new(start.displacement),
             v: DoubleDouble::new(start.velocity),
@@ -137,13 +142,10 @@ impl<R: Real> Piva<R> {
         let Pose { y, cosine, w } = self.pose(start);
         // Distances are measured from the wall that the pendulum is nearest to or moves towards, so that a
         // mirrored start gives the same numbers with opposite signs.
-        let pushed = self.force.drive::<3>(time, time, R::ONE);
-        let kicked = self.force.impulses().next().map(|impulse| impulse.velocity);
-        let side = [y, w, start.displacement, start.velocity]
+        let pull = self.host.free().acceleration(&phase, &primary).value;
+        let side = [y, w, start.displacement, start.velocity, pull]
             .into_iter()
-            .chain(pushed.primary)
-            .chain(pushed.base)
-            .chain(kicked)
+            .chain(self.host.leaning(&phase))
             .find(|value| *value != 0.0)
             .unwrap_or(R::ONE);
         let wall = if side > 0.0 { Wall::Plus } else { Wall::Minus };
@@ -159,8 +161,7 @@ impl<R: Real> Piva<R> {
             _ => DoubleDouble::new(w),
         };
         PivaState {
-            time,
-            kicks,
+            phase,
             primary,
             wall,
             distance: if touching { DoubleDouble::ZERO } else { distance },

@@ -18,33 +18,33 @@ pub(crate) const STEEP: f64 = 0.7;
 
 /// A series in powers of t over `length`, from a state.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Step<'a, R = f64> {
+pub(crate) struct Step<'a, P = (), R = f64> {
     pub pendulum: &'a Pendulum<R>,
-    pub from: &'a PivaState<R>,
+    pub from: &'a PivaState<P, R>,
     pub series: &'a Series<R>,
     pub length: R,
 }
 
-impl<R: Real> Step<'_, R> {
-    /// The state at h > 0.
+impl<R: Real, P: Copy> Step<'_, P, R> {
+    /// The state at h > 0, with the drive of the begin.
     #[inline(always)]
-    pub fn state<const N: usize>(&self, h: R) -> PivaState<R> {
+    pub fn state<const N: usize>(&self, h: R) -> PivaState<P, R> {
         let (t, from, series) = (h / self.length, self.from, self.series);
         let rows = [&series.x, &series.u, &series.y, &series.w, &series.c];
         let [x, u, y, w, c] = horners(rows.map(|row| &row[1..=N]), t).map(|beyond| t * beyond);
         let primary = Primary { x: from.primary.x.plus(x), v: from.primary.v.plus(u) };
         let distance = from.distance.plus(y * -from.wall.sign());
-        self.reached(h, primary, distance, from.w.plus(w), from.cosine.plus(c))
+        self.reached(primary, distance, from.w.plus(w), from.cosine.plus(c))
     }
 
-    /// The state at the end of a step. At full accuracy its linear terms are computed to twice the precision,
+    /// The state at the end of a step, with the drive of the begin. At full accuracy its linear terms are computed to twice the precision,
     /// which leaves the rounding of those from h² on; a series of a lower order leaves out more than they round.
     #[inline(always)]
     pub fn arrival<const N: usize>(
         &self,
         h: R,
         drive: Option<&Drive<DoubleDouble<R>, 2>>,
-    ) -> PivaState<R> {
+    ) -> PivaState<P, R> {
         if N < ORDER {
             return self.state::<N>(h);
         }
@@ -65,7 +65,7 @@ impl<R: Real> Step<'_, R> {
         let DoubleDouble { value, rest } = increment(first.y[1], y);
         let distance = from.distance.plus_parts(value * towards, rest * towards);
         let own = cosine + increment(first.c[1], c);
-        self.reached(h, primary, distance, from.w + increment(pull, w), own)
+        self.reached(primary, distance, from.w + increment(pull, w), own)
     }
 
     /// cosθ where the step begins, to twice the precision.
@@ -79,28 +79,26 @@ impl<R: Real> Step<'_, R> {
         if steep { from.cosine } else { precise }
     }
 
-    /// The state at h, with its angle from the distance; `own`: the cosine from its own series.
+    /// A later state, with its angle from the distance; `own`: the cosine from its own series.
     #[inline(always)]
     fn reached(
         &self,
-        h: R,
         primary: Primary<R>,
         distance: DoubleDouble<R>,
         w: DoubleDouble<R>,
         own: DoubleDouble<R>,
-    ) -> PivaState<R> {
+    ) -> PivaState<P, R> {
         let from = self.from;
         let y = PivaState { distance, ..*from }.y().value;
         let sine = y / self.pendulum.contact_distance;
         let exact = DoubleDouble::new(self.pendulum.cosine(y).copysign(own.value));
         let cosine = if sine.abs() < STEEP { exact } else { own };
-        let time = from.time.plus(h);
-        PivaState { time, primary, distance, w, cosine, released: false, ..*from }
+        PivaState { primary, distance, w, cosine, released: false, ..*from }
     }
 
     /// The turning point of x on the way to an end.
     #[inline(always)]
-    pub fn turning<const N: usize>(&self, end: &PivaState<R>, h: R) -> Turning<R> {
+    pub fn turning<const N: usize>(&self, end: &PivaState<P, R>, h: R) -> Turning<R> {
         let share = h / self.length;
         let u = &self.series.u;
         let Ahead { rate, bend, fourth } = Ahead::of::<N>(u, share);

@@ -4,7 +4,7 @@ use std::any::TypeId;
 use std::sync::{Arc, OnceLock};
 
 use super::{Driven, Forces, Moment, Pieces, Place, Source, Weight};
-use crate::force::{Force, Pushes, Smooth};
+use crate::force::{Drive, Force, Pushes, Smooth};
 use crate::host::Host;
 use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
@@ -31,6 +31,12 @@ impl<R: Real> DrivenHost<R> {
         let free = Driven::new(R::ONE, damping_ratio, &forces);
         let (loaded, pieces) = (OnceLock::new(), OnceLock::new());
         Self { damping_ratio, mass_ratio, forces, free, loaded, pieces }
+    }
+
+    /// True if a force acts on, not impulses only.
+    #[inline(always)]
+    fn lasts(&self) -> bool {
+        self.forces.force.lasts()
     }
 
     /// The pieces of the record that is its only force. Structures of one damping ratio under one record share them.
@@ -112,12 +118,31 @@ impl<R: Real> Host for DrivenHost<R> {
         Some(&self.forces.force)
     }
 
+    #[inline(always)]
+    fn drive(&self, phase: &Moment<R>, h: R) -> Option<Drive<R>> {
+        self.lasts().then(|| self.forces.drive(phase, h))
+    }
+
+    #[inline(always)]
+    fn drive_ahead<const LENGTH: usize>(&self, phase: &Moment<R>) -> Option<Drive<R, LENGTH>> {
+        self.lasts().then(|| phase.pushes.ahead())
+    }
+
+    #[inline(always)]
+    fn drive_now(&self, phase: &Moment<R>) -> Option<Drive<DoubleDouble<R>, 2>> {
+        self.lasts().then(|| phase.pushes.now())
+    }
+
+    fn precise_drive(&self, phase: &Moment<R>, h: R) -> Option<Drive<DoubleDouble<R>>> {
+        self.lasts().then(|| self.forces.precise(phase.time, h))
+    }
+
     fn gravity(&self) -> R {
         self.forces.weight().map_or(R::ZERO, |weight| weight.gravity)
     }
 
     fn smooth_for(&self, phase: &Moment<R>) -> R {
-        phase.smooth.end.map_or(R::INFINITY, |end| (end - phase.time).value)
+        phase.smooth_for(R::INFINITY)
     }
 
     fn due(&self, phase: &Moment<R>) -> Option<R> {

@@ -63,7 +63,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     ) -> [Leading<R>; 2] {
         let mut end = *end;
         if self.source.bends() {
-            end.phase = self.within(&from.phase, end.phase.time);
+            end.phase = self.at(&from.phase, end.phase.time);
         }
         [self.leading_of(from), self.leading_of(&end)]
     }

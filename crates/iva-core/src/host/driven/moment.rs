@@ -21,15 +21,20 @@ pub struct Moment<R = f64> {
 laned!(Moment, Moments { time: Clock, pushes: Pushes } kicks = 0, smooth = Smooth::ALL);
 
 impl<R: Real> Moment<R> {
-    /// The longest smooth motion that is no longer than `reach`: its length, and the instant at which the drive bends,
-    /// jumps or has an impulse, if that ends it.
+    /// The longest smooth motion that is no longer than `reach`.
     #[inline(always)]
-    pub(super) fn until_bend(&self, reach: R) -> (R, Option<Clock<R>>) {
-        let until = |bend: Clock<R>| (bend - self.time).value;
-        match self.smooth.end.filter(|bend| until(*bend) <= reach) {
-            Some(bend) => (until(bend), Some(bend)),
-            None => (reach, None),
+    pub(super) fn smooth_for(&self, reach: R) -> R {
+        match self.smooth.end.map(|end| (end - self.time).value) {
+            Some(until) if until <= reach => until,
+            _ => reach,
         }
+    }
+
+    /// The instant a time h later; exactly that at which its piece ends, if it is as far as that.
+    #[inline(always)]
+    pub(super) fn after(&self, h: R) -> Clock<R> {
+        let ends = |end: &Clock<R>| (*end - self.time).value == h;
+        self.smooth.end.filter(ends).unwrap_or(self.time.plus(h))
     }
 
     /// True if its piece has ended.

@@ -125,7 +125,7 @@ impl<R: Real> Source for Forces<R> {
         if self.force.harmonics().is_empty() {
             return Drive::linear(&self.light(*pushes), h);
         }
-        let Some(harmonic) = self.single() else { return self.force.drive(*time, *time, h) };
+        let Some(harmonic) = self.single() else { return self.force.drive(*time, h) };
         match harmonic.acts {
             Acts::Primary => Drive { primary: harmonic.onwards(&pushes.primary, h), ..Drive::NONE },
             Acts::Base => Drive { base: harmonic.onwards(&pushes.base, h), ..Drive::NONE },

@@ -1,5 +1,6 @@
 //! One lane: the variables of a run that change in its steps.
 
+use super::drive::{Swinging, laid, raised};
 use super::scene::Scene;
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::{PARTS, Piva, PivaState};
@@ -18,9 +19,9 @@ const SHORTEST: f64 = 1.0 / (1 << (PARTS - 1)) as f64;
 
 /// A run at the begin of a step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Lane {
+pub(super) struct Lane<P> {
     pub clock: Clock,
-    pub state: PivaState,
+    pub state: PivaState<P>,
     /// The longest step after a rebound.
     pub first: f64,
     /// The part of the step that is tried: 1, or less where nothing is decided about longer ones.
@@ -38,10 +39,10 @@ pub(super) struct Lane {
 }
 
 laned!(
-    Lane,
+    Lane<P>,
     Lanes {
         clock: Clock,
-        state: PivaState,
+        state: PivaState<P>,
         first: f64,
         part: f64,
         counts: Counts,
@@ -54,12 +55,15 @@ laned!(
     }
 );
 
-impl Lane {
+impl<P: Laned> Lane<P> {
     /// The lane of a run in flight; `None` if the event loop has to go on with the run.
-    pub fn of<O>(run: &Run<'_, Piva, O>, scene: &Scene) -> Option<Self> {
+    pub fn of<H: Swinging<Instant = P>, O>(
+        run: &Run<'_, Piva<H>, O>,
+        scene: &Scene,
+    ) -> Option<Self> {
         let Phase::Flight { first } = run.phase else { return None };
         let counts = run.counts;
-        let idle = Self::idle(&run.tally.state);
+        let idle = Self::idle(&laid::<H>(&run.tally.state));
         let lane = Self { clock: run.clock, first, counts, live: true, ..idle };
         // Low impacts of a streak wait for the decision whether they are listed.
         let goes_on = !run.ended && lane.remaining(scene) > 0.0 && counts.streak.low == 0.0;
@@ -67,7 +71,7 @@ impl Lane {
     }
 
     /// A lane without a run, at rest in the middle of its gap.
-    pub fn idle(state: &PivaState) -> Self {
+    pub fn idle(state: &PivaState<P>) -> Self {
         Self {
             clock: Clock::ZERO,
             state: *state,
@@ -98,7 +102,7 @@ impl Lane {
     /// The lane after a round: impact, clock and the next step. Losses of a step that observers see are taken by
     /// them.
     #[inline(always)]
-    pub fn after(&self, scene: &Scene, round: &Round) -> Self {
+    pub fn after(&self, scene: &Scene, round: &Round<P>) -> Self {
         let Round { passed, hit, again, quiet, impact, losses, square, .. } = round;
         let (passed, hit, quiet) = (*passed, *hit, passed & quiet);
         let Impact { time, wall, energy_loss, .. } = *impact;
@@ -133,8 +137,13 @@ impl Lane {
     }
 
     /// Writes the variables back into the run.
-    pub fn put_back<O>(&self, run: &mut Run<'_, Piva, O>) {
-        (run.clock, run.counts, run.tally.state) = (self.clock, self.counts, self.state);
+    pub fn put_back<H: Swinging<Instant = P>, O>(
+        &self,
+        scene: &Scene,
+        run: &mut Run<'_, Piva<H>, O>,
+    ) {
+        (run.clock, run.counts) = (self.clock, self.counts);
+        run.tally.state = raised::<H>(scene, &self.state);
         run.phase = Phase::Flight { first: self.first };
         if self.stopped {
             run.reach_end();
@@ -143,14 +152,14 @@ impl Lane {
 
     /// Reads the sums of the measures of a run, and the steps that its observers need not see; none if all are
     /// `shown`.
-    pub fn see(&mut self, run: &ScalarRun<'_, Piva>, shown: bool) {
+    pub fn see<H: Swinging>(&mut self, run: &ScalarRun<'_, Piva<H>>, shown: bool) {
         self.ledger = run.observer.measures.ledger;
         let quiet = run.observer.steady.as_ref().map_or(Quiet::ALL, Steady::quiet);
         self.quiet = if shown { quiet.none() } else { quiet };
     }
 
     /// Writes the sums of its measures back into the run.
-    pub fn put_back_sums(&self, run: &mut ScalarRun<'_, Piva>) {
+    pub fn put_back_sums<H: Swinging>(&self, run: &mut ScalarRun<'_, Piva<H>>) {
         run.observer.measures.ledger = self.ledger;
         if let Some(steady) = &mut run.observer.steady {
             steady.take_square(&self.quiet);

@@ -2,6 +2,7 @@
 //! loop, without branches.
 
 use super::Shared;
+use super::drive::Swinging;
 use super::lane::{Lane, Lanes};
 use super::rows::Rows;
 use super::scene::{Scene, Scenes};
@@ -12,15 +13,19 @@ use crate::absorber::piva::integrals::{self, Integrands};
 use crate::absorber::piva::step::{Step, Turning};
 use crate::absorber::piva::{PivaState, distance};
 use crate::absorber::system::Clock;
+use crate::force::{Drive, Pushes};
 use crate::lanes::pick;
 use crate::number::arrays::{Laned, Lanes as _, any, laned};
+use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{Arc, Losses};
 use crate::segment::taylor::{ORDER, Pendulum, Remainder, Series, unrolled};
 
 /// The results of one round of a lane.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Round {
+pub(super) struct Round<P> {
+    /// The force at the begin of the step.
+    pub pushes: Pushes,
     /// The unit of time of the series, the largest share of it to be proved, and the time up to which it is.
     pub step: f64,
     pub most: f64,
@@ -28,7 +33,7 @@ pub(super) struct Round {
     pub proved: bool,
     /// The time to the end of the step or to the contact in it, and the state there.
     pub length: f64,
-    pub end: PivaState,
+    pub end: PivaState<P>,
     /// True if it meets no wall; if it meets the near or the far one and that once.
     pub clear: bool,
     pub near: bool,
@@ -37,10 +42,10 @@ pub(super) struct Round {
     pub exact: bool,
     pub simple: bool,
     /// The state in contact, the impact, the instant and the state after it; the longest step from there.
-    pub touching: PivaState,
+    pub touching: PivaState<P>,
     pub impact: Impact,
     pub clock: Clock,
-    pub after: PivaState,
+    pub after: PivaState<P>,
     pub first: f64,
     /// The turning point of x, if it was asked for.
     pub turning: Turning,
@@ -58,23 +63,24 @@ pub(super) struct Round {
 }
 
 laned!(
-    Round,
+    Round<P>,
     Rounds {
+        pushes: Pushes,
         step: f64,
         most: f64,
         reach: f64,
         proved: bool,
         length: f64,
-        end: PivaState,
+        end: PivaState<P>,
         clear: bool,
         near: bool,
         far: bool,
         exact: bool,
         simple: bool,
-        touching: PivaState,
+        touching: PivaState<P>,
         impact: Impact,
         clock: Clock,
-        after: PivaState,
+        after: PivaState<P>,
         first: f64,
         turning: Turning,
         losses: Losses,
@@ -89,18 +95,15 @@ laned!(
 );
 
 /// The stages of a round of lanes whose series have the order N.
-pub(super) struct Stages<'a, const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
-{
+pub(super) struct Stages<'a, H: Swinging, const W: usize, const N: usize, const SMALL: bool> {
     pub scenes: &'a Scenes<W>,
-    pub lanes: &'a Lanes<W>,
-    pub rounds: &'a mut Rounds<W>,
+    pub lanes: &'a Lanes<H::Instant, W>,
+    pub rounds: &'a mut Rounds<H::Instant, W>,
     pub rows: &'a mut Rows<W>,
     pub shared: &'a Shared,
 }
 
-impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
-    Stages<'_, W, N, DRIVEN, SMALL>
-{
+impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, H, W, N, SMALL> {
     /// All stages.
     #[inline(always)]
     pub fn run(&mut self) {
@@ -117,10 +120,10 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
         if self.shared.ledger {
             self.lose();
         }
-        if DRIVEN && self.shared.squares {
+        if H::DRIVEN && self.shared.squares {
             self.square();
         }
-        if DRIVEN && self.shared.extremes {
+        if H::DRIVEN && self.shared.extremes {
             self.limit();
         }
         self.decide();
@@ -131,6 +134,12 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
         let scene = self.scenes.get(i);
         // Known to the compiler, so that nothing is computed for both.
         Scene { pendulum: Pendulum { small_angles: SMALL, ..scene.pendulum }, ..scene }
+    }
+
+    /// Value and rate of the force at the begin of the step.
+    #[inline(always)]
+    fn drive_now(&self, i: usize) -> Option<Drive<DoubleDouble, 2>> {
+        if H::DRIVEN { Some(self.rounds.pushes.get(i).now()) } else { None }
     }
 
     /// Chooses the length of the step and computes the force over it.
@@ -144,11 +153,12 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
             self.rounds.step[i] = step;
             self.rounds.most[i] = longest / step;
         }
-        if DRIVEN {
+        if H::DRIVEN {
             for i in 0..W {
-                let time = self.lanes.state.time.get(i);
-                let drive = self.scene(i).drive(time, self.rounds.step[i]);
-                self.rows.set_drive(i, &drive);
+                let scene = self.scene(i);
+                let pushes = H::pushes(&scene, self.lanes.state.get(i).phase);
+                self.rows.set_drive(i, &scene.drive(&pushes, self.rounds.step[i]));
+                self.rounds.pushes.set(i, &pushes);
             }
         }
     }
@@ -159,7 +169,7 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
         for i in 0..W {
             let (pendulum, state) = (self.scene(i).pendulum, self.lanes.state.get(i));
             let (swing, h) = (state.swing(), self.rounds.step[i]);
-            let drive = if DRIVEN { Some(self.rows.drive(i)) } else { None };
+            let drive = if H::DRIVEN { Some(self.rows.drive(i)) } else { None };
             let mut series: Series<f64> =
                 pendulum.series_to::<_, { ORDER + 1 }, N>(&swing, drive.as_ref(), h);
             series.w[1] = pick(state.released, 0.0, series.w[1]);
@@ -174,10 +184,10 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
         for i in 0..W {
             let (scene, series) = (self.scene(i), self.rows.get::<N>(i));
             let (step, most) = (self.rounds.step[i], self.rounds.most[i]);
-            let driven = if DRIVEN { scene.left_out::<N>(step * most) } else { [0.0; 2] };
+            let driven = if H::DRIVEN { scene.left_out::<N>(step * most) } else { [0.0; 2] };
             let Scene { pendulum, fastest, gap_size, .. } = scene;
             let remainder = Remainder::new::<N>(&pendulum, fastest, &series, driven, (step, most));
-            let size = if DRIVEN { self.rows.drive(i).size() } else { 0.0 };
+            let size = if H::DRIVEN { self.rows.drive(i).size() } else { 0.0 };
             let state = self.lanes.state.get(i);
             let sizes = Sizes::at(pendulum.mass_ratio, gap_size, &state).with(size);
             let (share, kept) = sizes.share(&remainder, self.shared.tolerance);
@@ -195,8 +205,9 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
             let h = self.rounds.reach[i].min(lane.remaining(&scene)).min(lane.first) * lane.part;
             let length = self.rounds.step[i];
             let step = Step { pendulum: &scene.pendulum, from: &from, series: &series, length };
-            let drive = if DRIVEN { Some(scene.beginning(from.time)) } else { None };
+            let drive = self.drive_now(i);
             let end = step.arrival::<N>(h, drive.as_ref());
+            let end = PivaState { phase: H::later(from.phase, h), ..end };
             let gap = step.gap::<N>(&end, h, self.shared.doubt);
             let proved: bool = self.rounds.proved.get(i);
             self.rounds.length[i] = h;
@@ -223,14 +234,16 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
             let (whole, end) = (self.rounds.length[i], self.rounds.end.get(i));
             let (h, exact) = step.meeting::<N>(&end, whole, far);
             let meets = (near | far) & exact;
-            let drive = if DRIVEN { Some(scene.beginning(from.time)) } else { None };
+            let drive = self.drive_now(i);
             let arrived = step.arrival::<N>(h, drive.as_ref());
+            let arrived = PivaState { phase: H::later(from.phase, h), ..arrived };
             let wall = pick(far, from.wall.opposite(), from.wall);
-            let ahead = scene.ahead::<DRIVEN, 3>(&arrived);
+            let ahead = scene.ahead::<H, 3>(&arrived);
             let (touching, later) = scene.stops.touching(&arrived, wall, &ahead);
+            let touching = PivaState { phase: H::later(arrived.phase, later), ..touching };
             let clock = lane.clock.plus_parts(h, 0.0).plus(later);
             let (after, impact) = scene.struck(&touching, clock.value);
-            let leave = distance(&after, &scene.ahead::<DRIVEN, 4>(&after));
+            let leave = distance(&after, &scene.ahead::<H, 4>(&after));
             let pressure = -leave.curvature;
             let slowest = pressure * (LOW * (1.0 - scene.law(wall).ratio));
             let low = ((pressure > 0.0) & (leave.rate < slowest))
@@ -265,14 +278,14 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
     /// Losses in the dampers and work of the force over the step.
     #[inline(always)]
     fn lose(&mut self) {
-        let (pivots, base) = (self.shared.pivots, DRIVEN && any(&self.scenes.moves_base));
+        let (pivots, base) = (self.shared.pivots, H::DRIVEN && any(&self.scenes.moves_base));
         for i in 0..W {
             let series = self.rows.get::<N>(i);
             let Series { u, y, w, .. } = &series;
             let (pendulum, step) = (self.scene(i).pendulum, self.rounds.step[i]);
             let t = self.rounds.length[i] / step;
             let free = Integrands { u, y, w, drive: None, pivots, base };
-            let losses = if DRIVEN {
+            let losses = if H::DRIVEN {
                 let drive = self.rows.drive(i);
                 Integrands { drive: Some(&drive), ..free }.taken::<N>(&pendulum, t, step)
             } else {
@@ -315,7 +328,7 @@ impl<const W: usize, const N: usize, const DRIVEN: bool, const SMALL: bool>
     #[inline(always)]
     fn decide(&mut self) {
         for i in 0..W {
-            let (lane, round): (Lane, Round) = (self.lanes.get(i), self.rounds.get(i));
+            let (lane, round): (Lane<_>, Round<_>) = (self.lanes.get(i), self.rounds.get(i));
             let Round { proved, clear, exact, simple, turning, .. } = round;
             let seen = !self.shared.looks | turning.decided;
             let hits = exact & simple;

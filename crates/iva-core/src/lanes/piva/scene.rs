@@ -1,18 +1,18 @@
 //! What the run of a lane does not change: pendulum, walls, force and limits.
 
+use super::drive::{Laid, Swinging};
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::{Law, Piva, PivaState, Stops};
-use crate::absorber::system::{Clock, Wall};
+use crate::absorber::system::{Clock, System, Wall};
 use crate::engine::simulate::Limits;
-use crate::force::{Acts, Drive, Harmonic};
+use crate::force::{Acts, Drive, Harmonic, Push, Pushes};
 use crate::lanes::pick;
 use crate::number::arrays::{Laned, laned};
-use crate::number::compensated::DoubleDouble;
 use crate::segment::taylor::{ORDER, Pendulum, Series, unrolled};
 
 /// A pendulum under one harmonic force, which may be 0.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scene {
+pub(crate) struct Scene {
     pub pendulum: Pendulum,
     pub stops: Stops,
     /// The impact laws at wall + and at wall −.
@@ -54,21 +54,21 @@ laned!(
 );
 
 impl Scene {
-    pub fn of(piva: &Piva, limits: &Limits) -> Self {
-        let (force, pendulum) = (piva.force(), piva.pendulum);
+    pub fn of(piva: &Piva<impl Swinging>, limits: &Limits) -> Self {
+        let pendulum = piva.pendulum;
         let still = Harmonic { amplitude: 0.0, frequency: 0.0, phase: 0.0, acts: Acts::Primary };
         let Harmonic { amplitude, frequency, phase, .. } =
-            force.harmonics().first().copied().unwrap_or(still);
+            piva.force().and_then(|force| force.harmonics().first()).copied().unwrap_or(still);
         Self {
             pendulum,
             stops: piva.stops,
             laws: [Wall::Plus, Wall::Minus].map(|wall| *piva.law(wall)),
             gap_size: piva.gap_size(),
-            fastest: pendulum.fastest().max(force.fastest()),
+            fastest: piva.fastest(),
             amplitude,
             frequency,
             phase,
-            moves_base: force.moves_base(),
+            moves_base: piva.moves_base(),
             stop: limits.duration,
             max_impacts: limits.max_impacts as f64,
             max_work: limits.max_work as f64,
@@ -89,30 +89,26 @@ impl Scene {
         [pick(self.moves_base, 0.0, number), pick(self.moves_base, number, 0.0)]
     }
 
-    /// Coefficients of the force in powers of time over h.
+    /// f/M and a_g at an instant.
     #[inline(always)]
-    pub fn drive<const LENGTH: usize>(&self, time: Clock, h: f64) -> Drive<f64, LENGTH> {
-        let mut row = [0.0; LENGTH];
-        self.harmonic().add(&mut row, time, h);
+    pub fn pushes(&self, time: Clock) -> Pushes {
+        let push = self.harmonic().push(time);
+        Pushes {
+            primary: Push::pick(self.moves_base, &Push::NONE, &push),
+            base: Push::pick(self.moves_base, &push, &Push::NONE),
+        }
+    }
+
+    /// Coefficients of the force in powers of time over h, from value and rate at an instant.
+    #[inline(always)]
+    pub fn drive(&self, pushes: &Pushes, h: f64) -> Drive<f64> {
+        let push = Push::pick(self.moves_base, &pushes.base, &pushes.primary);
+        let row = self.harmonic().onwards(&push, h);
         let mut drive = Drive::NONE;
-        unrolled!(k < if LENGTH > ORDER { ORDER + 1 } else { LENGTH } => {
+        unrolled!(k < ORDER + 1 => {
             [drive.primary[k], drive.base[k]] = self.acting(row[k]);
         });
         drive
-    }
-
-    /// The first two coefficients of the force in powers of time, to twice the precision.
-    #[inline(always)]
-    pub fn beginning(&self, time: Clock) -> Drive<DoubleDouble, 2> {
-        let [value, rate] = self.harmonic().push(time).beginning().map(
-            #[inline(always)]
-            |DoubleDouble { value, rest }| {
-                let ([f, g], [f_rest, g_rest]) = (self.acting(value), self.acting(rest));
-                let [f, g] = [(f, f_rest), (g, g_rest)];
-                [f, g].map(|(value, rest)| DoubleDouble { value, rest })
-            },
-        );
-        Drive { primary: [value[0], rate[0]], base: [value[1], rate[1]] }
     }
 
     /// Bounds on what is left out of the force ([`crate::force::Force::left_out`]).
@@ -123,17 +119,14 @@ impl Scene {
 
     /// The first coefficients of the flight from a state.
     #[inline(always)]
-    pub fn ahead<const DRIVEN: bool, const LENGTH: usize>(
-        &self,
-        state: &PivaState,
-    ) -> Series<f64, LENGTH> {
-        let drive = if DRIVEN { Some(self.drive(state.time, 1.0)) } else { None };
+    pub fn ahead<H: Swinging, const LENGTH: usize>(&self, state: &Laid<H>) -> Series<f64, LENGTH> {
+        let drive = if H::DRIVEN { Some(H::pushes(self, state.phase).ahead()) } else { None };
         self.pendulum.beginning(&state.swing(), drive.as_ref())
     }
 
     /// The impact at an instant, and the state after it.
     #[inline(always)]
-    pub fn struck(&self, touching: &PivaState, time: f64) -> (PivaState, Impact) {
+    pub fn struck<P: Copy>(&self, touching: &PivaState<P>, time: f64) -> (PivaState<P>, Impact) {
         self.law(touching.wall).struck(touching, time, self.pendulum.lever)
     }
 

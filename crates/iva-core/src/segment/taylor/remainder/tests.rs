@@ -49,10 +49,8 @@ fn no_series_leaves_out_more_than_its_bound() {
         let force = Force::harmonic(Vec::from_iter(driven.then_some(harmonic))).unwrap();
         let fastest = pendulum.fastest().max(force.fastest());
         for (order, h) in [(10, 0.5), (16, 0.6), (20, 0.4), (20, 1.0)] {
-            let (near, far) = (
-                force.drive(DoubleDouble::ZERO, DoubleDouble::ZERO, h),
-                force.drive(DoubleDouble::ZERO, DoubleDouble::ZERO, h),
-            );
+            let (near, far) =
+                (force.drive(DoubleDouble::ZERO, h), force.drive(DoubleDouble::ZERO, h));
             let short = pendulum.series::<f64, { ORDER + 1 }>(&start, Some(&near), h, order);
             let long = pendulum.series::<f64, LONG>(&start, Some(&far), h, LONG - 1);
             for most in [0.6, 1.0] {

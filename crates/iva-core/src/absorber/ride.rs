@@ -1,0 +1,197 @@
+//! An absorber stuck on a wall: one mass 1 + μ on the spring and damper of its structure, until the pressure on the wall
+//! changes sign.
+
+use crate::absorber::system::{System, Wall};
+use crate::host::oscillator::Primary;
+use crate::host::{Host, HostState, Integrated, Phase, Structure};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel};
+use crate::segment::taylor::ORDER;
+
+/// An absorber that can stick to a host.
+pub trait Stuck: System {
+    /// The host.
+    type Host: Host<Real = Self::Real>;
+    /// The host that it is on.
+    fn host(&self) -> &Self::Host;
+    /// Mass ratio μ.
+    fn mass_ratio(&self) -> Self::Real;
+    /// Drive and structure in a state.
+    fn structure_of(state: &Self::State) -> (&Phase<Self::Host>, Primary<Self::Real>);
+    /// A state with another one of the structure.
+    fn with_structure(
+        state: &Self::State,
+        structure: HostState<Phase<Self::Host>, Self::Real>,
+    ) -> Self::State;
+    /// The pressure on a wall per unit mass of the absorber: a factor of A, and a constant.
+    fn pressure(&self, wall: Wall) -> [Self::Real; 2];
+}
+
+/// The structure of a host, with the absorber stuck to it.
+type Loaded<S> = <<S as Stuck>::Host as Host>::Structure;
+
+/// The stick episode from one state.
+#[derive(Debug, Clone)]
+pub struct Ride<'a, S: Stuck> {
+    system: &'a S,
+    from: S::State,
+    /// The state of the structure, with A of the mass 1 + μ.
+    begin: HostState<Phase<S::Host>, S::Real>,
+    course: <Loaded<S> as Structure>::Course,
+}
+
+impl<'a, R: Real, S: Stuck<Real = R>> Ride<'a, S> {
+    pub(super) fn new(system: &'a S, from: S::State) -> Self {
+        let (phase, primary) = S::structure_of(&from);
+        let loaded = system.host().loaded();
+        let acceleration = loaded.acceleration(phase, &primary);
+        let begin = HostState { primary, acceleration, phase: *phase };
+        let course = loaded.fast_course(&begin);
+        Self { system, from, begin, course }
+    }
+
+    fn structure(&self) -> &'a Loaded<S> {
+        self.system.host().loaded()
+    }
+
+    /// The structure after a time h.
+    fn flown(&self, h: R) -> HostState<Phase<S::Host>, R> {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure().flown(&self.begin, &self.course, h).to,
+        )
+    }
+
+    /// The displacement of the absorber in its gap.
+    fn place(&self) -> R {
+        let wall = self.system.wall(&self.from);
+        self.system.offset() + self.system.clearance() * wall.sign()
+    }
+}
+
+impl<R: Real, S: Stuck<Real = R>> Motion for Ride<'_, S> {
+    type Real = R;
+    type State = S::State;
+    const RIDING: bool = true;
+
+    fn origin(&self) -> &S::State {
+        &self.from
+    }
+
+    fn reach(&self) -> R {
+        self.structure().reach(&self.begin)
+    }
+
+    fn state(&self, h: R) -> S::State {
+        S::with_structure(&self.from, self.flown(h))
+    }
+
+    fn arrival(&self, h: R) -> S::State {
+        let mut structure = self.flown(h);
+        self.system.host().free().refresh(&mut structure);
+        S::with_structure(&self.from, structure)
+    }
+
+    fn primary(&self, h: R) -> Jet<R> {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure().jet(&self.begin, &self.course, h),
+        )
+    }
+
+    fn acceleration(&self, h: R) -> R {
+        let HostState { primary, phase, .. } = self.flown(h);
+        self.system.host().absolute(self.structure().acceleration(&phase, &primary))
+    }
+
+    fn gap(&self, _h: R) -> GapPoint<R> {
+        GapPoint { y: self.place(), w: R::ZERO }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        Some(self.system.wall(&self.from))
+    }
+
+    fn losses(&self, h: R) -> Losses<R> {
+        let motion = Integrated {
+            from: &self.begin,
+            course: &self.course,
+            mass_ratio: self.system.mass_ratio(),
+            gap_velocity: None,
+        };
+        let [viscous, work] = R::dispatched(
+            #[inline(always)]
+            || self.structure().losses(&motion, h),
+        );
+        Losses { viscous, pivot: R::ZERO, work }
+    }
+
+    fn square(&self, h: [R; 2]) -> R {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure().square(&self.begin, &self.course, h),
+        )
+    }
+
+    fn largest(&self, of: Quantity, least: R, length: R, end: &S::State) -> Option<R> {
+        let (phase, primary) = S::structure_of(end);
+        let end = HostState { primary, phase: *phase, ..self.begin };
+        R::dispatched(
+            #[inline(always)]
+            || self.structure().largest(of, least, (&self.begin, &self.course), &end, length),
+        )
+    }
+
+    fn rows(&self) -> Option<Rows<R>> {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure().rows(&self.begin, &self.course),
+        )
+    }
+
+    fn travel(&self) -> Option<Travel<R>> {
+        let mut gap = [R::ZERO; ORDER + 1];
+        gap[0] = self.place();
+        let rows = self.structure().series(&self.begin, &self.course);
+        Some(Travel::new(rows, gap, self.system.lever()))
+    }
+}
+
+/// The pressure on the wall.
+impl<R: Real, S: Stuck<Real = R>> Curve for Ride<'_, S> {
+    type Real = R;
+    type Sample = S::State;
+
+    fn sample(&self, h: R) -> S::State {
+        self.state(h)
+    }
+
+    fn jet(&self, sample: &S::State) -> Jet<R> {
+        let [factor, constant] = self.system.pressure(self.system.wall(sample));
+        let (phase, primary) = S::structure_of(sample);
+        let a = self.structure().acceleration(phase, &primary).value;
+        let [jerk, snap, crackle] = self.structure().derivatives(phase, primary.v.value, a);
+        Jet {
+            value: factor * a + constant,
+            rate: factor * jerk,
+            curvature: factor * snap,
+            jerk: factor * crackle,
+        }
+    }
+
+    /// Plain evaluation suffices, because the magnitude is that of the terms.
+    fn precise(&self, h: R) -> DoubleDouble<R> {
+        DoubleDouble::new(self.jet(&self.state(h)).value)
+    }
+
+    fn fourth(&self) -> R {
+        let [factor, _] = self.system.pressure(self.system.wall(&self.from));
+        factor.abs() * self.structure().bound::<4>(&self.begin.primary)
+    }
+
+    fn magnitude(&self) -> R {
+        let [factor, constant] = self.system.pressure(self.system.wall(&self.from));
+        factor.abs() * self.structure().bound::<0>(&self.begin.primary) + constant.abs()
+    }
+}
