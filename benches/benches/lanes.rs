@@ -47,7 +47,7 @@ fn lanes(criterion: &mut Criterion) {
 /// Decays with a dashpot in the gap.
 fn damped(scenes: &[Job<Siva>]) -> Vec<Job<Coupled<Dashpot>>> {
     let damped = |Job { system, start, begin, limits, tier, .. }: &Job<Siva>| {
-        let [e, d] = [system.rebound_ratio(Wall::Plus), system.clearance()];
+        let [e, d] = [system.law_at(Wall::Plus).rebound, system.clearance()];
         let (mu, zeta) = (system.mass_ratio(), system.damping_ratio());
         let system = Dashpot([mu, e, d, zeta, 0.02]).mounted();
         Job { system, start: *start, begin: *begin, limits: *limits, steady: None, tier: *tier }

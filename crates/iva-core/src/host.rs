@@ -15,7 +15,7 @@
 //! [`Host`] has the structures for both masses, and the instants at which the drive bends, jumps or has an
 //! impulse. Absorbers are generic over the host.
 
-use crate::force::{Drive, Force};
+use crate::force::Drive;
 use crate::host::oscillator::{Arrival, Equation, Primary};
 use crate::number::arrays::laned;
 use crate::number::clock::Clock;
@@ -25,10 +25,12 @@ use crate::segment::flight::{Jet, Quantity, Rows, Turns};
 
 pub(crate) use driven::{Block, Plain, Sums};
 pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Pieces, Place, Source, Weight};
+pub use excitation::{Excitation, Still};
 pub use steps::Steps;
 pub use undriven::UndrivenHost;
 
 pub(crate) mod driven;
+mod excitation;
 pub mod oscillator;
 pub(crate) mod sinusoid;
 pub(crate) mod steps;
@@ -137,6 +139,11 @@ pub trait Structure: std::fmt::Debug {
     fn later(&self, phase: &Self::Phase, h: Self::Real) -> Self::Phase;
     /// The state of the drive a time h later, with the piece that acts now.
     fn within(&self, phase: &Self::Phase, h: Self::Real) -> Self::Phase;
+    /// [`Structure::within`] with the accuracy of plain numbers, to look at.
+    #[inline(always)]
+    fn nearly_within(&self, phase: &Self::Phase, h: Self::Real) -> Self::Phase {
+        self.within(phase, h)
+    }
     /// The state of the drive at the end of a motion, with the piece that acts from there on.
     #[inline(always)]
     fn renewed(&self, phase: &Self::Phase) -> Self::Phase {
@@ -222,11 +229,9 @@ pub struct Integrated<'a, S: Structure + ?Sized> {
 }
 
 /// A structure without and with an absorber stuck to it, and the events of its drive.
-pub trait Host: Clone + std::fmt::Debug {
-    /// The number type of the motion.
-    type Real: Real;
+pub trait Host: Excitation + Clone {
     /// The structure with one of the two masses.
-    type Structure: Structure<Real = Self::Real>;
+    type Structure: Structure<Real = Self::Real, Phase = Self::Phase>;
 
     /// The damping ratio ζ.
     fn damping_ratio(&self) -> Self::Real;
@@ -271,10 +276,6 @@ pub trait Host: Clone + std::fmt::Debug {
     fn leaning(&self, _phase: &Phase<Self>) -> [Self::Real; 6] {
         [Self::Real::ZERO; 6]
     }
-    /// The force that drives it; `None` for a structure that cannot be driven.
-    fn force(&self) -> Option<&Force<Self::Real>> {
-        None
-    }
     /// Taylor coefficients of f/M and a_g from a state of the drive on, in powers of t/h; `None` without a lasting
     /// force.
     #[inline(always)]
@@ -310,18 +311,6 @@ pub trait Host: Clone + std::fmt::Debug {
     fn absolute(&self, a: DoubleDouble<Self::Real>) -> Self::Real {
         a.minus(self.gravity())
     }
-    /// The time for which the drive stays smooth.
-    fn smooth_for(&self, _phase: &Phase<Self>) -> Self::Real {
-        Self::Real::INFINITY
-    }
-    /// P/M of the impulse that is due, 0 at a jump of the force; `None` if no impulse is due.
-    fn due(&self, _phase: &Phase<Self>) -> Option<Self::Real> {
-        None
-    }
-    /// The state of the drive after the impulse that was due.
-    fn after_impulse(&self, phase: &Phase<Self>) -> Phase<Self> {
-        *phase
-    }
     /// The state of the structure from drive, displacement and velocity, with A computed anew.
     #[inline(always)]
     fn state(
@@ -334,4 +323,4 @@ pub trait Host: Clone + std::fmt::Debug {
 }
 
 /// The state of the drive of a host.
-pub type Phase<H> = <<H as Host>::Structure as Structure>::Phase;
+pub type Phase<H> = <H as Excitation>::Phase;

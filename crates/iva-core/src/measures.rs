@@ -6,6 +6,7 @@
 use crate::absorber::system::{Point, System};
 use crate::engine::observe::{Contact, Each, Observer, Span};
 use crate::engine::simulate::{Instant, Outcome, Tally};
+use crate::host::Excitation;
 use crate::measures::peaks::{HalfCycles, Peak, monotone};
 use crate::measures::settling::{LEVELS, LastCrossing};
 use crate::number::compensated::DoubleDouble;
@@ -264,7 +265,7 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
     where
         M: Motion<Real = R, State = S::State>,
     {
-        if self.wanted.envelope && system.is_driven() {
+        if self.wanted.envelope && system.excitation().is_driven() {
             monotone::<_, S, M>(span, |stretch| {
                 let time = span.start.plus(stretch.h[1]).value;
                 self.envelope.extend(self.half_cycles.reach(time, stretch.x[1]));
@@ -280,9 +281,11 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         *self = Self::new(self.wanted);
         let Point { x, v } = system.primary(state);
         self.log_decay(system, sinusoids, v.double());
-        let looks = self.decay.is_none() && !system.is_driven() && looks(self.wanted, 0.0);
+        let looks =
+            self.decay.is_none() && !system.excitation().is_driven() && looks(self.wanted, 0.0);
         self.stretches = looks.then(|| Stretches::new(stretches));
-        (self.begin, self.duration, self.driven) = (time.value, duration, system.is_driven());
+        (self.begin, self.duration, self.driven) =
+            (time.value, duration, system.excitation().is_driven());
         self.reference = Reference { amplitude: x.abs(), settled: x != 0.0 };
         self.half_cycles = HalfCycles::start(time.value, x);
         self.values.energy_initial = system.energy(state);
@@ -341,7 +344,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State, R>) {
-        let driven = system.is_driven();
+        let driven = system.excitation().is_driven();
         self.end_log(system, tally.clock, &tally.state);
         self.take_stretches(system);
         if self.half_cycles.ended == 0 {

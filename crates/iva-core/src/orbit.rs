@@ -21,7 +21,7 @@ use crate::absorber::system::{Clock, System};
 use crate::engine::simulate::{Instant, Limits, Outcome, Run};
 use crate::error::{Invalid, number};
 use crate::force::Force;
-use crate::host::{DrivenHost, Host, UndrivenHost};
+use crate::host::{DrivenHost, Excitation, Host, UndrivenHost};
 use crate::lanes::free_mass::{ExactDriven, FastDriven, FreeMasses};
 use crate::lanes::{LANES, SideBySide, Tier, WIDE, with_steps};
 use crate::measures::propagation::{Differentiable, Tangent};
@@ -244,7 +244,7 @@ impl Iterated for Siva<DrivenHost> {
         see: See<'_, Self>,
     ) {
         let Trajectory { system, tier, .. } = &all.0[group[0]];
-        let go_on = match (tier, system.moves_base()) {
+        let go_on = match (tier, system.excitation().moves_base()) {
             (Tier::Fast, true) => in_lanes::iterate::<_, FreeMasses<FastDriven<BASE, WIDE>, WIDE>>,
             (Tier::Fast, false) => {
                 in_lanes::iterate::<_, FreeMasses<FastDriven<FORCE, WIDE>, WIDE>>

@@ -8,9 +8,10 @@ use iva_core::{
     compensated::DoubleDouble,
     error::Invalid,
     flight::{Curve, GapPoint, Jet, Losses, Motion},
+    host::Still,
     impact::Impact,
     siva::check_start,
-    system::{Clock, Point, Start, System, Wall},
+    system::{Clock, LawAt, Point, Start, System, Wall},
     taylor::{Number, ORDER, Row, horner},
 };
 
@@ -85,15 +86,15 @@ impl TwoModes {
     /// The power series of both modes.
     fn series<T: Number<Real = f64>>(&self, from: &State, stuck: bool) -> [Row<T>; 2] {
         let n = T::from_real;
-        let mut places = [[n(0.0); ORDER + 1]; 2];
+        let [mut first, mut second] = [[n(0.0); ORDER + 1]; 2];
         let mut term = from.modes.map(|mode| mode.map(n));
-        for k in 0..=ORDER {
-            (places[0][k], places[1][k]) = (term[0][0], term[1][0]);
+        for (k, (first, second)) in first.iter_mut().zip(&mut second).enumerate() {
+            (*first, *second) = (term[0][0], term[1][0]);
             let a = self.accelerations(term, stuck);
             let over = T::reciprocal(k + 1);
             term = [0, 1].map(|i| [term[i][1] * over, a[i] * over]);
         }
-        places
+        [first, second]
     }
 
     /// A mode in free motion a time h later.
@@ -259,31 +260,31 @@ impl<const STUCK: bool> Curve for Segment<'_, STUCK> {
 
 impl System for TwoModes {
     type Real = f64;
+    type Excitation = Still;
     type State = State;
     /// The start of the absorber, and the modal displacements.
     type Start = [f64; 2];
     type Flight<'a> = Segment<'a, false>;
     type Ride<'a> = Segment<'a, true>;
 
+    fn excitation(&self) -> &Still {
+        Still::NONE
+    }
+
+    fn phase(_state: &State) -> &() {
+        &()
+    }
+
     fn clearance(&self) -> f64 {
         self.absorber[2]
     }
 
-    fn rebound_ratio(&self, _wall: Wall) -> f64 {
-        self.absorber[1]
-    }
-
-    fn impact_gain(&self, _wall: Wall) -> f64 {
-        let [mass, e, _] = self.absorber;
-        (1.0 + e) * self.mobility() / (1.0 / mass + self.mobility())
-    }
-
     /// The dampers of both modes respond to the jumps of their velocities.
-    fn pressure_gain(&self, _wall: Wall) -> f64 {
-        let [mass, e, _] = self.absorber;
-        let impulse = (1.0 + e) / (1.0 / mass + self.mobility());
-        let jump = |i: usize| 2.0 * self.damping_ratios[i] * self.frequencies[i] * self.shapes[i];
-        impulse * self.seen(jump)
+    fn law_at(&self, _wall: Wall) -> LawAt {
+        let [mass, rebound, _] = self.absorber;
+        let impulse = (1.0 + rebound) / (1.0 / mass + self.mobility());
+        let rise = |i: usize| 2.0 * self.damping_ratios[i] * self.frequencies[i] * self.shapes[i];
+        LawAt { rebound, gain: impulse * self.mobility(), pressure: impulse * self.seen(rise) }
     }
 
     fn check_start(&self, _start: &[f64; 2]) -> Result<(), Invalid> {

@@ -1,7 +1,7 @@
 //! The structure without absorber, as a system for the event loop.
 
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{Clock, Point, System, Wall};
+use crate::absorber::system::{Clock, LawAt, Point, System, Wall};
 use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -181,6 +181,7 @@ impl<R: Real, H: Host<Real = R>> Curve for AloneFlight<'_, H> {
 
 impl<R: Real, H: Host<Real = R>> System for Alone<H> {
     type Real = R;
+    type Excitation = H;
     type State = HostState<Phase<H>, R>;
     type Start = Point<R>;
     type Flight<'a>
@@ -192,6 +193,14 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
     where
         H: 'a;
 
+    fn excitation(&self) -> &H {
+        &self.host
+    }
+
+    fn phase(state: &Self::State) -> &Phase<H> {
+        &state.phase
+    }
+
     /// 1: there are no walls, and defaults that are a share of the clearance stay usable.
     fn clearance(&self) -> R {
         R::ONE
@@ -201,16 +210,8 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         false
     }
 
-    fn rebound_ratio(&self, _wall: Wall) -> R {
-        R::ZERO
-    }
-
-    fn impact_gain(&self, _wall: Wall) -> R {
-        R::ZERO
-    }
-
-    fn pressure_gain(&self, _wall: Wall) -> R {
-        R::ZERO
+    fn law_at(&self, _wall: Wall) -> LawAt<R> {
+        LawAt { rebound: R::ZERO, gain: R::ZERO, pressure: R::ZERO }
     }
 
     fn check_start(&self, start: &Point<R>) -> Result<(), Invalid> {
@@ -273,26 +274,6 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
 
     fn sinusoidal(&self) -> Option<[f64; 2]> {
         self.host.sinusoidal()
-    }
-
-    fn is_driven(&self) -> bool {
-        self.host.force().is_some_and(Force::lasts)
-    }
-
-    fn largest_base(&self, between: [R; 2]) -> Option<R> {
-        self.host.force()?.largest_base(between)
-    }
-
-    fn moves_base(&self) -> bool {
-        self.host.force().is_some_and(Force::moves_base)
-    }
-
-    fn smooth_for(&self, state: &Self::State) -> R {
-        self.host.smooth_for(&state.phase)
-    }
-
-    fn due(&self, state: &Self::State) -> Option<R> {
-        self.host.due(&state.phase)
     }
 
     fn apply_impulse(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {

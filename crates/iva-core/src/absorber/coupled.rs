@@ -14,8 +14,9 @@
 
 use crate::absorber::impact::{self, Impact};
 use crate::absorber::siva::check_start;
-use crate::absorber::system::{Clock, Point, Start, System, Wall};
+use crate::absorber::system::{Clock, LawAt, Point, Start, System, Wall};
 use crate::error::Invalid;
+use crate::host::Still;
 use crate::number::arrays::laned;
 use crate::number::real::Real;
 use crate::segment::flight::Jet;
@@ -158,6 +159,7 @@ impl<R: Real, C: Coupling<Real = R>> Coupled<C> {
 
 impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
     type Real = R;
+    type Excitation = Still<R>;
     type State = CoupledState<R>;
     type Start = Start<R>;
     type Flight<'a>
@@ -169,23 +171,23 @@ impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
     where
         Self: 'a;
 
+    fn excitation(&self) -> &Still<R> {
+        Still::NONE
+    }
+
+    fn phase(_state: &CoupledState<R>) -> &() {
+        &()
+    }
+
     fn clearance(&self) -> R {
         self.coupling.constants()[2]
     }
 
-    fn rebound_ratio(&self, _wall: Wall) -> R {
-        self.coupling.constants()[1]
-    }
-
-    fn impact_gain(&self, _wall: Wall) -> R {
-        let [mu, e, _] = self.coupling.constants();
-        impact::primary_share(mu, e).value
-    }
-
-    fn pressure_gain(&self, wall: Wall) -> R {
-        let e = self.rebound_ratio(wall);
-        let [_, b] = self.coupling.rates([R::ZERO, self.impact_gain(wall), R::ZERO, -(e + 1.0)]);
-        b
+    fn law_at(&self, _wall: Wall) -> LawAt<R> {
+        let [mu, rebound, _] = self.coupling.constants();
+        let gain = impact::primary_share(mu, rebound).value;
+        let [_, pressure] = self.coupling.rates([R::ZERO, gain, R::ZERO, -(rebound + 1.0)]);
+        LawAt { rebound, gain, pressure }
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {

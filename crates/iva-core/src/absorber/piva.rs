@@ -7,7 +7,7 @@
 
 use crate::absorber::impact::{Impact, delay};
 use crate::absorber::ride::{Ride, Stuck};
-use crate::absorber::system::{Angle, Clock, Point, System, Wall};
+use crate::absorber::system::{Angle, Clock, LawAt, Point, System, Wall};
 use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -282,6 +282,7 @@ impl<R: Real, P> PivaState<P, R> {
 
 impl<R: Real, H: Host<Real = R>> System for Piva<H> {
     type Real = R;
+    type Excitation = H;
     type State = PivaState<Phase<H>, R>;
     type Start = PivaStart<R>;
     type Flight<'a>
@@ -293,25 +294,27 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
     where
         H: 'a;
 
+    fn excitation(&self) -> &H {
+        &self.host
+    }
+
+    fn phase(state: &Self::State) -> &Phase<H> {
+        &state.phase
+    }
+
     fn clearance(&self) -> R {
         self.parameters.clearance
     }
 
-    fn rebound_ratio(&self, wall: Wall) -> R {
-        self.law(wall).ratio
-    }
-
     /// The gain of the law is per W; divided by cosθ it is per gap velocity W cosθ.
-    fn impact_gain(&self, wall: Wall) -> R {
-        self.law(wall).impact_gain() / self.stops.cosine.value
+    fn law_at(&self, wall: Wall) -> LawAt<R> {
+        let law = self.law(wall);
+        let gain = law.impact_gain() / self.stops.cosine.value;
+        LawAt { rebound: law.ratio, gain, pressure: law.pressure_gain }
     }
 
     fn lever(&self) -> R {
         self.pendulum.lever
-    }
-
-    fn pressure_gain(&self, wall: Wall) -> R {
-        self.law(wall).pressure_gain
     }
 
     fn check_start(&self, start: &PivaStart<R>) -> Result<(), Invalid> {
@@ -387,7 +390,7 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
         let balanced = |v| self.host.balanced(&state.phase, v) - pull;
         // A force changes the pressure as well, and much faster than x does, so the correction of x says
         // nothing about the instant then.
-        let left = if self.is_driven() { R::ZERO } else { (x - balanced(v)).value };
+        let left = if self.host.is_driven() { R::ZERO } else { (x - balanced(v)).value };
         let rate = v.value + damping_ratio * 2.0 * acceleration.value;
         let later = delay(left, rate, acceleration.value);
         let v = v.plus(acceleration.value * later);
@@ -415,26 +418,6 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
 
     fn walls_reachable(&self) -> bool {
         self.stop_reachable()
-    }
-
-    fn is_driven(&self) -> bool {
-        self.force().is_some_and(Force::lasts)
-    }
-
-    fn largest_base(&self, between: [R; 2]) -> Option<R> {
-        self.force()?.largest_base(between)
-    }
-
-    fn moves_base(&self) -> bool {
-        self.force().is_some_and(Force::moves_base)
-    }
-
-    fn smooth_for(&self, state: &Self::State) -> R {
-        self.host.smooth_for(&state.phase)
-    }
-
-    fn due(&self, state: &Self::State) -> Option<R> {
-        self.host.due(&state.phase)
     }
 
     fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
@@ -475,16 +458,12 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
 impl<R: Real, H: Host<Real = R>> Stuck for Piva<H> {
     type Host = H;
 
-    fn host(&self) -> &H {
-        &self.host
-    }
-
     fn mass_ratio(&self) -> R {
         self.parameters.mass_ratio
     }
 
-    fn structure_of(state: &Self::State) -> (&Phase<H>, Primary<R>) {
-        (&state.phase, state.primary)
+    fn structure_of(state: &Self::State) -> Primary<R> {
+        state.primary
     }
 
     fn with_structure(state: &Self::State, structure: HostState<Phase<H>, R>) -> Self::State {

@@ -10,15 +10,13 @@ use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Row
 use crate::segment::taylor::ORDER;
 
 /// An absorber that can stick to a host.
-pub trait Stuck: System {
+pub trait Stuck: System<Excitation = <Self as Stuck>::Host> {
     /// The host.
     type Host: Host<Real = Self::Real>;
-    /// The host that it is on.
-    fn host(&self) -> &Self::Host;
     /// Mass ratio μ.
     fn mass_ratio(&self) -> Self::Real;
-    /// Drive and structure in a state.
-    fn structure_of(state: &Self::State) -> (&Phase<Self::Host>, Primary<Self::Real>);
+    /// Displacement and velocity of the structure in a state.
+    fn structure_of(state: &Self::State) -> Primary<Self::Real>;
     /// A state with another one of the structure.
     fn with_structure(
         state: &Self::State,
@@ -43,8 +41,8 @@ pub struct Ride<'a, S: Stuck> {
 
 impl<'a, R: Real, S: Stuck<Real = R>> Ride<'a, S> {
     pub(super) fn new(system: &'a S, from: S::State) -> Self {
-        let (phase, primary) = S::structure_of(&from);
-        let loaded = system.host().loaded();
+        let (phase, primary) = (S::phase(&from), S::structure_of(&from));
+        let loaded = system.excitation().loaded();
         let acceleration = loaded.acceleration(phase, &primary);
         let begin = HostState { primary, acceleration, phase: *phase };
         let course = loaded.fast_course(&begin);
@@ -52,7 +50,7 @@ impl<'a, R: Real, S: Stuck<Real = R>> Ride<'a, S> {
     }
 
     fn structure(&self) -> &'a Loaded<S> {
-        self.system.host().loaded()
+        self.system.excitation().loaded()
     }
 
     /// The structure after a time h.
@@ -89,7 +87,7 @@ impl<R: Real, S: Stuck<Real = R>> Motion for Ride<'_, S> {
 
     fn arrival(&self, h: R) -> S::State {
         let mut structure = self.flown(h);
-        self.system.host().free().refresh(&mut structure);
+        self.system.excitation().free().refresh(&mut structure);
         S::with_structure(&self.from, structure)
     }
 
@@ -102,7 +100,7 @@ impl<R: Real, S: Stuck<Real = R>> Motion for Ride<'_, S> {
 
     fn acceleration(&self, h: R) -> R {
         let HostState { primary, phase, .. } = self.flown(h);
-        self.system.host().absolute(self.structure().acceleration(&phase, &primary))
+        self.system.excitation().absolute(self.structure().acceleration(&phase, &primary))
     }
 
     fn gap(&self, _h: R) -> GapPoint<R> {
@@ -135,7 +133,7 @@ impl<R: Real, S: Stuck<Real = R>> Motion for Ride<'_, S> {
     }
 
     fn largest(&self, of: Quantity, least: R, length: R, end: &S::State) -> Option<R> {
-        let (phase, primary) = S::structure_of(end);
+        let (phase, primary) = (S::phase(end), S::structure_of(end));
         let end = HostState { primary, phase: *phase, ..self.begin };
         R::dispatched(
             #[inline(always)]
@@ -169,7 +167,7 @@ impl<R: Real, S: Stuck<Real = R>> Curve for Ride<'_, S> {
 
     fn jet(&self, sample: &S::State) -> Jet<R> {
         let [factor, constant] = self.system.pressure(self.system.wall(sample));
-        let (phase, primary) = S::structure_of(sample);
+        let (phase, primary) = (S::phase(sample), S::structure_of(sample));
         let a = self.structure().acceleration(phase, &primary).value;
         let [jerk, snap, crackle] = self.structure().derivatives(phase, primary.v.value, a);
         Jet {

@@ -11,7 +11,7 @@ use std::any::TypeId;
 use crate::absorber::impact::{self, Impact};
 use crate::absorber::plain::Scene;
 use crate::absorber::ride::{Ride, Stuck};
-use crate::absorber::system::{Clock, Coasted, Point, Start, System, Wall};
+use crate::absorber::system::{Clock, Coasted, LawAt, Point, Start, System, Wall};
 use crate::error::{Invalid, number};
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -220,6 +220,7 @@ pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result
 
 impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     type Real = R;
+    type Excitation = H;
     type State = SivaState<Phase<H>, R>;
     type Start = Start<R>;
     type Flight<'a>
@@ -231,6 +232,14 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     where
         H: 'a;
 
+    fn excitation(&self) -> &H {
+        &self.host
+    }
+
+    fn phase(state: &Self::State) -> &Phase<H> {
+        &state.host.phase
+    }
+
     fn clearance(&self) -> R {
         self.clearance
     }
@@ -239,16 +248,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         self.offset
     }
 
-    fn rebound_ratio(&self, wall: Wall) -> R {
-        self.restitution(wall)
-    }
-
-    fn impact_gain(&self, wall: Wall) -> R {
-        self.law(R::from(wall.sign())).share.value
-    }
-
-    fn pressure_gain(&self, wall: Wall) -> R {
-        self.host.damping_ratio() * 2.0 * self.impact_gain(wall)
+    fn law_at(&self, wall: Wall) -> LawAt<R> {
+        let Law { restitution, share, .. } = *self.law(R::from(wall.sign()));
+        let pressure = self.host.damping_ratio() * 2.0 * share.value;
+        LawAt { rebound: restitution, gain: share.value, pressure }
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
@@ -427,26 +430,6 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         self.host.sinusoidal()
     }
 
-    fn is_driven(&self) -> bool {
-        self.host.force().is_some_and(Force::lasts)
-    }
-
-    fn moves_base(&self) -> bool {
-        self.host.force().is_some_and(Force::moves_base)
-    }
-
-    fn largest_base(&self, between: [R; 2]) -> Option<R> {
-        self.host.force()?.largest_base(between)
-    }
-
-    fn smooth_for(&self, state: &Self::State) -> R {
-        self.host.smooth_for(&state.host.phase)
-    }
-
-    fn due(&self, state: &Self::State) -> Option<R> {
-        self.host.due(&state.host.phase)
-    }
-
     fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
         let phase = self.host.after_impulse(&state.host.phase);
         let Primary { x, v } = state.host.primary;
@@ -476,16 +459,12 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
 impl<R: Real, H: Host<Real = R>> Stuck for Siva<H> {
     type Host = H;
 
-    fn host(&self) -> &H {
-        &self.host
-    }
-
     fn mass_ratio(&self) -> R {
         self.mass_ratio
     }
 
-    fn structure_of(state: &Self::State) -> (&Phase<H>, Primary<R>) {
-        (&state.host.phase, state.host.primary)
+    fn structure_of(state: &Self::State) -> Primary<R> {
+        state.host.primary
     }
 
     fn with_structure(state: &Self::State, host: HostState<Phase<H>, R>) -> Self::State {

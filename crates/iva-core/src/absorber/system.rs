@@ -6,6 +6,7 @@
 use crate::absorber::impact::Impact;
 use crate::absorber::plain::Scene;
 use crate::error::Invalid;
+use crate::host::Excitation;
 pub use crate::number::clock::Clock;
 use crate::number::real::Real;
 use crate::segment::flight::{Curve, Jet, Motion};
@@ -33,6 +34,18 @@ pub struct Angle<R = f64> {
     pub rate: R,
 }
 
+/// The impact law at one wall, as far as it is the same for every impact there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LawAt<R = f64> {
+    /// The ratio of the speeds of consecutive rebounds of a chatter.
+    pub rebound: R,
+    /// Velocity that the structure gains per gap velocity: the impulse over the mass of the structure.
+    pub gain: R,
+    /// Rise of the pressure on the wall at an impact of unit approach speed: the damper responds to the jump of the
+    /// structure's velocity.
+    pub pressure: R,
+}
+
 /// The state after some steps of a flight, and the time that they take.
 pub type Coasted<State, R = f64> = (State, Clock<R>);
 
@@ -43,6 +56,8 @@ pub type Coasted<State, R = f64> = (State, Clock<R>);
 pub trait System {
     /// The number type of the motion.
     type Real: Real;
+    /// What drives the structure.
+    type Excitation: Excitation<Real = Self::Real>;
     /// The state between events.
     type State: Copy + std::fmt::Debug;
     /// The form in which a start is given.
@@ -58,25 +73,24 @@ pub trait System {
     where
         Self: 'a;
 
+    /// What drives the structure.
+    fn excitation(&self) -> &Self::Excitation;
+    /// The state of the drive in a state.
+    fn phase(state: &Self::State) -> &<Self::Excitation as Excitation>::Phase;
+
     /// One-sided clearance d, half of the total play.
     fn clearance(&self) -> Self::Real;
     /// The middle of the gap, as a value of y: the walls are at y = offset ± d.
     fn offset(&self) -> Self::Real {
         Self::Real::ZERO
     }
-    /// The ratio of the speeds of consecutive rebounds of a chatter on a wall.
-    fn rebound_ratio(&self, wall: Wall) -> Self::Real;
-    /// Velocity that the structure gains in an impact on a wall, per gap velocity: the impulse over the mass
-    /// of the structure.
-    fn impact_gain(&self, wall: Wall) -> Self::Real;
+    /// The impact law at a wall.
+    fn law_at(&self, wall: Wall) -> LawAt<Self::Real>;
     /// Displacement of the absorber's centre of mass relative to the structure, per gap displacement: 1 for a
     /// free mass, L/b for a pendulum.
     fn lever(&self) -> Self::Real {
         Self::Real::ONE
     }
-    /// Rise of the pressure on a wall at an impact of unit approach speed: the damper responds to the jump of
-    /// the primary's velocity.
-    fn pressure_gain(&self, wall: Wall) -> Self::Real;
 
     /// Checks that a start lies in the gap.
     ///
@@ -136,10 +150,6 @@ pub trait System {
     fn walls_reachable(&self) -> bool {
         true
     }
-    /// True if a lasting force or base motion drives the system, not impulses only.
-    fn is_driven(&self) -> bool {
-        false
-    }
     /// Damping ratio ζ and mass ratio μ of a system without drive whose structure moves in closed form, in
     /// doubles (`host/sinusoid.rs`). The measures of its decays are computed from a log.
     fn sinusoidal(&self) -> Option<[f64; 2]> {
@@ -148,22 +158,6 @@ pub trait System {
     /// A free mass on a level line under one harmonic force, or on a base that it moves, in doubles. Its measures
     /// are computed from a log.
     fn forced(&self) -> Option<Scene> {
-        None
-    }
-    /// True if the base moves.
-    fn moves_base(&self) -> bool {
-        false
-    }
-    /// Largest |a_g| between two instants, where it is known in closed form.
-    fn largest_base(&self, _between: [Self::Real; 2]) -> Option<Self::Real> {
-        None
-    }
-    /// The time for which the force stays smooth, until a kink, a jump or an impulse.
-    fn smooth_for(&self, _state: &Self::State) -> Self::Real {
-        Self::Real::INFINITY
-    }
-    /// P/M of the impulse that is due at a state, 0 at a jump of the force; `None` if no impulse is due.
-    fn due(&self, _state: &Self::State) -> Option<Self::Real> {
         None
     }
     /// The state after the impulse that is due, of P/M = `velocity`, with the absorber free or stuck to its

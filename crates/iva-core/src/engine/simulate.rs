@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::absorber::system::{Clock, System};
 use crate::engine::observe::{Observer, Span, StickEpisode};
 use crate::error::{Invalid, number};
+use crate::host::Excitation;
 use crate::number::real::Real;
 use crate::segment::contact::{first_contact, first_release, free_stretch};
 use crate::segment::flight::Side;
@@ -291,7 +292,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             return false;
         }
         self.counts.work += 1.0;
-        if let Some(velocity) = self.system.due(&self.tally.state) {
+        if let Some(velocity) = self.due() {
             self.impulse(velocity);
             return true;
         }
@@ -303,6 +304,11 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             self.tally.outcome = Outcome::NotFinite;
         }
         finite
+    }
+
+    /// P/M of the impulse that is due, if one is.
+    fn due(&self) -> Option<R> {
+        self.system.excitation().due(S::phase(&self.tally.state))
     }
 
     pub(super) fn is_cancelled(&self) -> bool {
@@ -367,7 +373,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let ridden = stretch.end.h;
         self.advance(&ride, ridden, length == remaining);
         // Where the force jumps or has an impulse at the release, that decides whether the absorber leaves.
-        if stretch.contact.is_none() || system.due(&self.tally.state).is_some() {
+        if stretch.contact.is_none() || self.due().is_some() {
             return true;
         }
         let (state, later) = system.release(&self.tally.state);

@@ -275,6 +275,12 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     }
 
     #[inline(always)]
+    fn nearly_within(&self, phase: &Moment<R>, h: R) -> Moment<R> {
+        let time = phase.after(h);
+        Moment { time, pushes: self.source.plain_pushes(phase, time), ..*phase }
+    }
+
+    #[inline(always)]
     fn renewed(&self, phase: &Moment<R>) -> Moment<R> {
         if self.source.bends() { self.source.renewed(phase) } else { *phase }
     }

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::sinusoid::MOST_DAMPED;
 use super::steps::Steps;
 use super::turning::{Jets, guess, turning};
-use super::{Flown, Host, HostState, Integrated, Structure};
+use super::{Excitation, Flown, Host, HostState, Integrated, Structure};
 use crate::host::oscillator::{Equation, Oscillator, Primary};
 use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
@@ -172,8 +172,12 @@ impl<R: Real> UndrivenHost<R> {
     }
 }
 
-impl<R: Real> Host for UndrivenHost<R> {
+impl<R: Real> Excitation for UndrivenHost<R> {
     type Real = R;
+    type Phase = ();
+}
+
+impl<R: Real> Host for UndrivenHost<R> {
     type Structure = Oscillator<R>;
 
     fn share(&self, like: &Self) {

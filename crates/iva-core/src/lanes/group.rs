@@ -9,6 +9,7 @@ use super::{
 use crate::engine::observe::Events;
 use crate::engine::simulate::{Instant, Run, Tally};
 use crate::error::Invalid;
+use crate::host::Excitation;
 use crate::measures::Wanted;
 use crate::measures::extremes::Extremes;
 use crate::measures::pass::Passes;
@@ -32,7 +33,7 @@ pub(super) fn grouped<S: SideBySide>(
         limits.check()?;
     }
     // The peaks of a run under a lasting force are found in the event loop.
-    let lists = |system: &S| !(listing.envelope && system.is_driven());
+    let lists = |system: &S| !(listing.envelope && system.excitation().is_driven());
     let common = |index: &usize| {
         let job = &jobs[*index];
         S::common(job).filter(|_| lists(&job.system))

@@ -15,7 +15,7 @@ use crate::absorber::siva::Siva;
 use crate::absorber::system::System;
 use crate::error::Invalid;
 use crate::force::Force;
-use crate::host::{DrivenHost, UndrivenHost};
+use crate::host::{DrivenHost, Excitation, UndrivenHost};
 use crate::measures::Wanted;
 use crate::measures::steady::SteadyWanted;
 
@@ -110,12 +110,12 @@ impl SideBySide for Siva<DrivenHost> {
 
     fn run(group: Group<'_, Self>) {
         if group.tier() == Tier::Fast {
-            if group.leader().moves_base() {
+            if group.leader().excitation().moves_base() {
                 group.run::<ForcedRuns<FastDriven<BASE, WIDE>, WIDE>>();
             } else {
                 group.run::<ForcedRuns<FastDriven<FORCE, WIDE>, WIDE>>();
             }
-        } else if group.leader().moves_base() {
+        } else if group.leader().excitation().moves_base() {
             group.run::<ForcedRuns<ExactDriven<true, LANES>, LANES>>();
         } else {
             group.run::<ForcedRuns<ExactDriven<false, LANES>, LANES>>();

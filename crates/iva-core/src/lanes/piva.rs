@@ -30,7 +30,7 @@ use crate::measures::steady::SteadyWanted;
 use crate::measures::{Stretch, Stretches, Wanted, looks};
 use crate::number::arrays::{Lanes as _, any};
 pub(crate) use drive::Swinging;
-use drive::{Laid, laid, raised};
+use drive::{Laid, laid, raised, seen};
 use lane::{Lane, Lanes};
 use round::{Round, Rounds, Stages};
 use rows::Rows;
@@ -215,7 +215,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         self.tell(i, run);
         let (start, from) = (self.begins.0[i], raised::<H>(&scene, &self.begins.1.get(i)));
         let Round { losses, square, limits, length, .. } = round;
-        let end = raised::<H>(&scene, &round.end);
+        let end = seen::<H>(&scene, &round.end);
         let drive = H::DRIVEN.then(|| self.rows.drive(i));
         let series = (self.rows.get::<N>(i), drive);
         let known = Known { losses, square, limits };
@@ -223,7 +223,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         let (from, to) = (system.primary(&from), system.primary(&end));
         run.observer.span(system, &Span { motion: &motion, start, length, from, to, end: &end });
         if let Some(impact) = own {
-            let states = [round.touching, round.after].map(|state| raised::<H>(&scene, &state));
+            let states = [round.touching, round.after].map(|state| seen::<H>(&scene, &state));
             let states = states.each_ref();
             let contact = Contact { time: impact.time, states, summed: false };
             run.observer.contact(system, &contact);

@@ -10,6 +10,7 @@ use crate::absorber::impact::Impact;
 use crate::absorber::system::{Clock, Point, System, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Outcome, Tally};
+use crate::host::Excitation;
 use crate::measures::sample::span_ends;
 use crate::number::clock::SLACK;
 use crate::number::compensated::DoubleDouble;
@@ -333,9 +334,10 @@ fn whole<R: Real>(cycles: R) -> R {
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
-        let base_moves = system.moves_base();
+        let base_moves = system.excitation().moves_base();
         let window = Window { from: self.window.from.max(from.time.value), ..self.window };
-        let base = system.largest_base([window.from, duration]);
+        let force = system.excitation().force();
+        let base = force.and_then(|force| force.largest_base([window.from, duration]));
         let (base, base_known) = (base.unwrap_or(R::ZERO), base.is_some());
         let begun = from.time.minus(window.from) >= 0.0;
         *self = Self {

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::absorber::alone::Alone;
 use iva_core::extremes::Extremes;
-use iva_core::host::{DrivenHost, UndrivenHost};
+use iva_core::host::{DrivenHost, Excitation, UndrivenHost};
 use iva_core::lanes::Listing;
 use iva_core::measures::Wanted;
 use iva_core::measures::near_wall::NearWall;
@@ -137,7 +137,8 @@ impl Request {
 
     /// True if the extremes of a run are wanted.
     pub fn wants_extremes<S: System>(&self, system: &S) -> bool {
-        self.summary && (self.extremes || (self.extremes_of_decays && !system.is_driven()))
+        self.summary
+            && (self.extremes || (self.extremes_of_decays && !system.excitation().is_driven()))
     }
 
     /// Whether the extremes of runs are wanted: of all, of none, or of some.
@@ -154,7 +155,7 @@ impl Request {
         let windowed = self.steady != SteadyWanted::default()
             || self.wants_extremes(system)
             || !self.named.is_empty();
-        Some(self.steady).filter(|_| system.is_driven() && windowed)
+        Some(self.steady).filter(|_| system.excitation().is_driven() && windowed)
     }
 }
 
@@ -246,7 +247,7 @@ impl<R: Real> Point<'_, R> {
     ) -> Result<Ended<R>, Invalid> {
         let Self { study, design, request, cancel, .. } = *self;
         // In free decay extremes count from the begin of the run.
-        let from = if system.is_driven() { design.window.from } else { design.begin };
+        let from = if system.excitation().is_driven() { design.window.from } else { design.begin };
         let extremes = request.wants_extremes(system);
         let steady = request.steady_of(system).map(|wanted| (wanted, design.window));
         let wanted = request.measures();
@@ -294,7 +295,7 @@ impl<R: Real> Point<'_, R> {
                 for (index, impact) in impacts {
                     let angles = system.impact_angles(impact).filter(|_| design.scene.has_angle());
                     let estimate = seen.estimates.of_impact(index);
-                    let gained = system.impact_gain(impact.wall) * impact.approach_speed();
+                    let gained = system.law_at(impact.wall).gain * impact.approach_speed();
                     let peak_force = design.contact_rate.map(|rate| rate * gained);
                     let of_impact =
                         ImpactRow { index, impact, peak_force, angles, estimate, scale };

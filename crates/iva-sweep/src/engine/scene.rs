@@ -3,7 +3,7 @@
 use iva_core::absorber::alone::Alone;
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
-use iva_core::host::{DrivenHost, UndrivenHost};
+use iva_core::host::{DrivenHost, Excitation, UndrivenHost};
 use iva_core::piva::{self, Piva, PivaStart};
 use iva_core::real::Real;
 use iva_core::siva::Siva;
@@ -165,17 +165,13 @@ impl<R: Real> Scene<R> {
 
     /// Velocity that the structure gains in an impact on a wall, per gap velocity.
     pub fn impact_gain(&self, wall: Wall) -> R {
-        with_system!(self, |system, _start| system.impact_gain(wall))
+        with_system!(self, |system, _start| system.law_at(wall).gain)
     }
 
     /// The force that drives it; `None` in free decay.
     pub fn force(&self) -> Option<&Force<R>> {
-        match self {
-            Scene::Siva { .. } | Scene::Alone { .. } | Scene::Piva { .. } => None,
-            Scene::DrivenSiva { system, .. } => system.force().filter(|force| !force.is_none()),
-            Scene::DrivenAlone { system, .. } => system.force(),
-            Scene::DrivenPiva { system, .. } => system.force(),
-        }
+        let force = with_system!(self, |system, _start| system.excitation().force());
+        force.filter(|force| !force.is_none())
     }
 
     /// The middle of the gap, as a value of y; 0 without absorber.
@@ -185,7 +181,7 @@ impl<R: Real> Scene<R> {
 
     /// True if the base moves.
     pub fn moves_base(&self) -> bool {
-        with_system!(self, |system, _start| system.moves_base())
+        with_system!(self, |system, _start| system.excitation().moves_base())
     }
 
     /// Acceleration of gravity on a pendulum, or along the motion of a free mass, in the user's unit.

@@ -4,11 +4,12 @@
 use iva_core::{
     error::Invalid,
     flight::Jet,
+    host::UndrivenHost,
     impact::Impact,
     run::run,
     simulate::{Limits, Outcome},
     siva::{Siva, SivaState},
-    system::{Clock, Point, Start, System, Wall},
+    system::{Clock, LawAt, Point, Start, System, Wall},
 };
 
 /// What is wrong: the restitution used for one of the two velocities, or the instant of a release.
@@ -31,6 +32,7 @@ struct Broken {
 
 impl System for Broken {
     type Real = f64;
+    type Excitation = UndrivenHost;
     type Start = Start;
     type State = SivaState;
     type Flight<'a> = <Siva as System>::Flight<'a>;
@@ -56,17 +58,17 @@ impl System for Broken {
         (self.siva.begin(&after), impact)
     }
 
+    fn excitation(&self) -> &UndrivenHost {
+        self.siva.excitation()
+    }
+    fn phase(_state: &SivaState) -> &() {
+        &()
+    }
     fn clearance(&self) -> f64 {
         self.siva.clearance()
     }
-    fn rebound_ratio(&self, wall: Wall) -> f64 {
-        self.siva.rebound_ratio(wall)
-    }
-    fn impact_gain(&self, wall: Wall) -> f64 {
-        self.siva.impact_gain(wall)
-    }
-    fn pressure_gain(&self, wall: Wall) -> f64 {
-        self.siva.pressure_gain(wall)
+    fn law_at(&self, wall: Wall) -> LawAt {
+        self.siva.law_at(wall)
     }
     fn check_start(&self, start: &Start) -> Result<(), Invalid> {
         self.siva.check_start(start)

@@ -9,6 +9,7 @@ use iva_core::{
     lanes::{self, Job, Listing, Tier},
     measures::Wanted,
     observe::Events,
+    piva::{Angles, Parameters, Piva},
     propagation::Errors,
     real::{Real, dual::Dual, twofold::Twofold},
     run::{Run, run},
@@ -244,4 +245,37 @@ fn energies_with_a_spring_add_up() {
         }
     }
     assert!(episodes > 0);
+}
+
+/// A spring of stiffness r² and a dashpot of constant 2ζₚr make it a pendulum at small angles.
+#[test]
+fn with_a_spring_it_is_a_pendulum_at_small_angles() {
+    let [mu, d, zeta, ratio, pivot] = [0.1, 0.3, 0.02, 0.6, 0.05];
+    let mut events = [0; 2];
+    for e in [0.0, 0.4, 0.8] {
+        let sprung = Coupled::new(Sprung([mu, e, d, zeta, 2.0 * pivot * ratio, ratio * ratio]));
+        let piva = Piva::new(Parameters {
+            frequency_ratio: ratio,
+            pivot_damping_ratio: pivot,
+            angles: Angles::Small,
+            ..Parameters::point_bob(mu, e, d, zeta, 2.0)
+        })
+        .unwrap();
+        let limits = Limits::new(5.0 * TAU, d);
+        let found = run(&sprung, &start(), &limits).unwrap();
+        let expected = run(&piva, &start().into(), &limits).unwrap();
+        assert_eq!(found.impacts.len(), expected.impacts.len(), "{e}");
+        assert_eq!(found.episodes.len(), expected.episodes.len(), "{e}");
+        for (a, b) in found.impacts.iter().zip(&expected.impacts) {
+            assert_eq!(a.wall, b.wall);
+            assert!((a.time - b.time).abs() < 1e-11, "{e}: {} {}", a.time, b.time);
+        }
+        for (a, b) in found.episodes.iter().zip(&expected.episodes) {
+            let off = a.release_time.zip(b.release_time).map_or(0.0, |(a, b)| (a - b).abs());
+            assert!(off < 1e-10, "{e}: {off:e}");
+        }
+        events[0] += found.impacts.len();
+        events[1] += found.episodes.len();
+    }
+    assert!(events[0] > 20 && events[1] > 3, "{events:?}");
 }

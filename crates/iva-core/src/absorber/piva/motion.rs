@@ -92,12 +92,6 @@ impl<'a, R: Real, H: Host<Real = R>> PivaFlight<'a, H> {
         Step { pendulum: &piva.pendulum, from, series, length: *step }
     }
 
-    /// A state at h, with the drive there.
-    #[inline(always)]
-    fn driven(&self, h: R, state: PivaState<Phase<H>, R>) -> PivaState<Phase<H>, R> {
-        PivaState { phase: self.piva.host.free().within(&self.from.phase, h), ..state }
-    }
-
     /// The state at h, the linear terms to twice the precision.
     #[inline(always)]
     fn arrived(&self, h: R) -> PivaState<Phase<H>, R> {
@@ -107,8 +101,8 @@ impl<'a, R: Real, H: Host<Real = R>> PivaFlight<'a, H> {
         let drive = self.piva.host.drive_now(&self.from.phase);
         let order = self.piva.accuracy.order;
         let state = with_order!(order, N => self.step().arrival::<N>(h, drive.as_ref()));
-        let state = self.driven(h, state);
-        PivaState { phase: self.piva.host.free().renewed(&state.phase), ..state }
+        let free = self.piva.host.free();
+        PivaState { phase: free.renewed(&free.within(&self.from.phase, h)), ..state }
     }
 
     /// The series to twice the precision, from an angle with this cosine.
@@ -202,7 +196,7 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             #[inline(always)]
             || with_order!(order, N => self.step().state::<N>(h)),
         );
-        self.driven(h, state)
+        PivaState { phase: self.piva.host.free().nearly_within(&self.from.phase, h), ..state }
     }
 
     fn arrival(&self, h: R) -> Self::State {
@@ -310,7 +304,7 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             #[inline(always)]
             || {
                 let Series { u, y, w, .. } = &self.series;
-                let (pivots, base) = (piva.pendulum.pivot_damping != 0.0, piva.moves_base());
+                let (pivots, base) = (piva.pendulum.pivot_damping != 0.0, piva.host.moves_base());
                 let drive = self.drive.as_ref();
                 let integrands = Integrands { u, y, w, drive, pivots, base };
                 let (t, step) = (self.share(h), self.step);

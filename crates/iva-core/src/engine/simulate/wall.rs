@@ -6,6 +6,7 @@ use crate::absorber::chatter::{REBOUND_LOOK, Rebound};
 use crate::absorber::impact::Impact;
 use crate::absorber::system::{Clock, System};
 use crate::engine::observe::{Contact, Observer, StickEpisode};
+use crate::host::Excitation;
 use crate::number::real::Real;
 use crate::segment::contact::first_contact;
 use crate::segment::flight::Side;
@@ -18,7 +19,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let (after, impact) = self.system.impact(&self.tally.state, self.clock.value);
         let approach = impact.approach_speed();
         // With e = 1 no chatter dies out, so low impacts are listed immediately.
-        let dies_out = self.system.rebound_ratio(wall) < 1.0 || approach == 0.0;
+        let dies_out = self.system.law_at(wall).rebound < 1.0 || approach == 0.0;
         let counted = Counted {
             time: impact.time,
             side: wall.sign(),
@@ -56,14 +57,14 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
 
     /// A rebound from a pressing wall: the rest of the chatter is summed where the sum is exact to rounding.
     fn rebound(&mut self, state: &S::State, leave: &Jet<R>) {
-        let wall = self.system.wall(state);
+        let law = self.system.law_at(self.system.wall(state));
         let mut rebound = Rebound {
             speed: leave.rate,
             pressure: -leave.curvature,
             jerk: leave.jerk,
-            gain: self.system.pressure_gain(wall),
+            gain: law.pressure,
             fourth: R::ZERO,
-            ratio: self.system.rebound_ratio(wall),
+            ratio: law.rebound,
         };
         // Tests first without D⁗, which is expensive: most rebounds are far too high.
         let low = rebound.summable();
@@ -71,7 +72,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             rebound.fourth = self.system.flight(state).fourth();
         }
         let stick_clock = self.clock.plus(rebound.tail());
-        let smooth = low && rebound.tail() < self.system.smooth_for(state);
+        let smooth = low && rebound.tail() < self.system.excitation().smooth_for(S::phase(state));
         if smooth && rebound.summable() && stick_clock.minus(self.limits.duration) < 0.0 {
             self.list_tail(*state, stick_clock.value);
             self.stick(stick_clock);
@@ -87,7 +88,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let mut clock = self.clock;
         let begin = Contact { time: clock.value, states: [&state; 2], summed: true };
         self.observer.contact(self.system, &begin);
-        let ratio = self.system.rebound_ratio(self.system.wall(&state));
+        let ratio = self.system.law_at(self.system.wall(&state)).rebound;
         while ratio * self.system.distance(&state).rate > 0.0
             && self.counts.listed() < self.limits.max_impacts as f64
         {

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::{Driven, Forces, Moment, Pieces, Place, Source, Weight};
 use crate::force::{Drive, Force, Pushes, Smooth};
-use crate::host::Host;
+use crate::host::{Excitation, Host};
 use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -33,12 +33,6 @@ impl<R: Real> DrivenHost<R> {
         Self { damping_ratio, mass_ratio, forces, free, loaded, pieces }
     }
 
-    /// True if a force acts on, not impulses only.
-    #[inline(always)]
-    fn lasts(&self) -> bool {
-        self.forces.force.lasts()
-    }
-
     /// The pieces of the record that is its only force. Structures of one damping ratio under one record share them.
     fn made(&self) -> Option<Arc<Pieces<R>>> {
         let level = R::FAST_PATHS && self.forces.weight().is_none();
@@ -53,8 +47,28 @@ impl<R: Real> DrivenHost<R> {
     }
 }
 
-impl<R: Real> Host for DrivenHost<R> {
+impl<R: Real> Excitation for DrivenHost<R> {
     type Real = R;
+    type Phase = Moment<R>;
+
+    fn force(&self) -> Option<&Force<R>> {
+        Some(&self.forces.force)
+    }
+
+    fn smooth_for(&self, phase: &Moment<R>) -> R {
+        phase.smooth_for(R::INFINITY)
+    }
+
+    fn due(&self, phase: &Moment<R>) -> Option<R> {
+        self.forces.force.due(phase.time, phase.kicks)
+    }
+
+    fn after_impulse(&self, phase: &Moment<R>) -> Moment<R> {
+        self.forces.moment(phase.time, phase.kicks + 1, &phase.smooth)
+    }
+}
+
+impl<R: Real> Host for DrivenHost<R> {
     type Structure = Driven<Forces<R>>;
 
     fn damping_ratio(&self) -> R {
@@ -114,42 +128,26 @@ impl<R: Real> Host for DrivenHost<R> {
         )
     }
 
-    fn force(&self) -> Option<&Force<R>> {
-        Some(&self.forces.force)
-    }
-
     #[inline(always)]
     fn drive(&self, phase: &Moment<R>, h: R) -> Option<Drive<R>> {
-        self.lasts().then(|| self.forces.drive(phase, h))
+        self.is_driven().then(|| self.forces.drive(phase, h))
     }
 
     #[inline(always)]
     fn drive_ahead<const LENGTH: usize>(&self, phase: &Moment<R>) -> Option<Drive<R, LENGTH>> {
-        self.lasts().then(|| phase.pushes.ahead())
+        self.is_driven().then(|| self.forces.near(phase).ahead())
     }
 
     #[inline(always)]
     fn drive_now(&self, phase: &Moment<R>) -> Option<Drive<DoubleDouble<R>, 2>> {
-        self.lasts().then(|| phase.pushes.now())
+        self.is_driven().then(|| phase.pushes.now())
     }
 
     fn precise_drive(&self, phase: &Moment<R>, h: R) -> Option<Drive<DoubleDouble<R>>> {
-        self.lasts().then(|| self.forces.precise(phase.time, h))
+        self.is_driven().then(|| self.forces.precise(phase.time, h))
     }
 
     fn gravity(&self) -> R {
         self.forces.weight().map_or(R::ZERO, |weight| weight.gravity)
-    }
-
-    fn smooth_for(&self, phase: &Moment<R>) -> R {
-        phase.smooth_for(R::INFINITY)
-    }
-
-    fn due(&self, phase: &Moment<R>) -> Option<R> {
-        self.forces.force.due(phase.time, phase.kicks)
-    }
-
-    fn after_impulse(&self, phase: &Moment<R>) -> Moment<R> {
-        self.forces.moment(phase.time, phase.kicks + 1, &phase.smooth)
     }
 }

@@ -93,6 +93,15 @@ impl<R: Real> Forces<R> {
         pushes
     }
 
+    /// f/M and a_g at a moment with the accuracy of plain numbers, without gravity.
+    #[inline(always)]
+    pub(super) fn near(&self, moment: &Moment<R>) -> Pushes<R> {
+        match self.single() {
+            Some(_) => self.plain_pushes(moment, moment.time),
+            None => self.light(moment.pushes),
+        }
+    }
+
     /// The force on a structure with the absorber stuck to it.
     pub(super) fn loaded(&self) -> Self {
         Self { weight: self.weight.map(Weight::loaded), ..self.clone() }

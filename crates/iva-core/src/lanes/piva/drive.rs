@@ -3,7 +3,7 @@
 use super::scene::Scene;
 use crate::absorber::piva::PivaState;
 use crate::absorber::system::Clock;
-use crate::force::{Pushes, Smooth};
+use crate::force::{Push, Smooth};
 use crate::host::{DrivenHost, Host, Moment, Phase, UndrivenHost};
 use crate::number::arrays::Laned;
 
@@ -15,12 +15,14 @@ pub(crate) trait Swinging: Host<Real = f64> {
     type Instant: Laned;
     /// The instant of a state of the drive.
     fn instant(phase: &Phase<Self>) -> Self::Instant;
-    /// The state of the drive at an instant.
-    fn phase(scene: &Scene, instant: Self::Instant) -> Phase<Self>;
+    /// The state of the drive at an instant with this force.
+    fn phase(scene: &Scene, instant: Self::Instant, push: &Push) -> Phase<Self>;
     /// A later instant.
     fn later(instant: Self::Instant, h: f64) -> Self::Instant;
     /// The force at an instant.
-    fn pushes(scene: &Scene, instant: Self::Instant) -> Pushes;
+    fn push(scene: &Scene, instant: Self::Instant) -> Push;
+    /// The same with the accuracy of plain numbers.
+    fn plain_push(scene: &Scene, instant: Self::Instant) -> Push;
 }
 
 impl Swinging for UndrivenHost {
@@ -31,14 +33,19 @@ impl Swinging for UndrivenHost {
     fn instant(_phase: &()) {}
 
     #[inline(always)]
-    fn phase(_scene: &Scene, _instant: ()) {}
+    fn phase(_scene: &Scene, _instant: (), _push: &Push) {}
 
     #[inline(always)]
     fn later(_instant: (), _h: f64) {}
 
     #[inline(always)]
-    fn pushes(_scene: &Scene, _instant: ()) -> Pushes {
-        Pushes::NONE
+    fn push(_scene: &Scene, _instant: ()) -> Push {
+        Push::NONE
+    }
+
+    #[inline(always)]
+    fn plain_push(_scene: &Scene, _instant: ()) -> Push {
+        Push::NONE
     }
 }
 
@@ -52,8 +59,8 @@ impl Swinging for DrivenHost {
     }
 
     #[inline(always)]
-    fn phase(scene: &Scene, time: Clock) -> Moment {
-        Moment { time, kicks: 0, smooth: Smooth::ALL, pushes: scene.pushes(time) }
+    fn phase(scene: &Scene, time: Clock, push: &Push) -> Moment {
+        Moment { time, kicks: 0, smooth: Smooth::ALL, pushes: scene.pushes(push) }
     }
 
     #[inline(always)]
@@ -62,8 +69,13 @@ impl Swinging for DrivenHost {
     }
 
     #[inline(always)]
-    fn pushes(scene: &Scene, time: Clock) -> Pushes {
-        scene.pushes(time)
+    fn push(scene: &Scene, time: Clock) -> Push {
+        scene.harmonic().push(time)
+    }
+
+    #[inline(always)]
+    fn plain_push(scene: &Scene, time: Clock) -> Push {
+        scene.harmonic().plain_push(time)
     }
 }
 
@@ -79,5 +91,13 @@ pub(super) fn laid<H: Swinging>(state: &PivaState<Phase<H>>) -> Laid<H> {
 /// The state of a pendulum in a lane, for the event loop.
 #[inline(always)]
 pub(super) fn raised<H: Swinging>(scene: &Scene, state: &Laid<H>) -> PivaState<Phase<H>> {
-    state.with_phase(H::phase(scene, state.phase))
+    let push = H::push(scene, state.phase);
+    state.with_phase(H::phase(scene, state.phase, &push))
+}
+
+/// The same for observers, with the force to the accuracy of plain numbers.
+#[inline(always)]
+pub(super) fn seen<H: Swinging>(scene: &Scene, state: &Laid<H>) -> PivaState<Phase<H>> {
+    let push = H::plain_push(scene, state.phase);
+    state.with_phase(H::phase(scene, state.phase, &push))
 }

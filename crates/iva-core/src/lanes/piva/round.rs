@@ -13,7 +13,7 @@ use crate::absorber::piva::integrals::{self, Integrands};
 use crate::absorber::piva::step::{Step, Turning};
 use crate::absorber::piva::{PivaState, distance};
 use crate::absorber::system::Clock;
-use crate::force::{Drive, Pushes};
+use crate::force::{Drive, Push};
 use crate::lanes::pick;
 use crate::number::arrays::{Laned, Lanes as _, any, laned};
 use crate::number::compensated::DoubleDouble;
@@ -24,8 +24,8 @@ use crate::segment::taylor::{ORDER, Pendulum, Remainder, Series, unrolled};
 /// The results of one round of a lane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Round<P> {
-    /// The force at the begin of the step.
-    pub pushes: Pushes,
+    /// Value and rate of the force at the begin of the step.
+    pub push: [DoubleDouble; 2],
     /// The unit of time of the series, the largest share of it to be proved, and the time up to which it is.
     pub step: f64,
     pub most: f64,
@@ -65,7 +65,7 @@ pub(super) struct Round<P> {
 laned!(
     Round<P>,
     Rounds {
-        pushes: Pushes,
+        push: [DoubleDouble; 2],
         step: f64,
         most: f64,
         reach: f64,
@@ -139,7 +139,9 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, 
     /// Value and rate of the force at the begin of the step.
     #[inline(always)]
     fn drive_now(&self, i: usize) -> Option<Drive<DoubleDouble, 2>> {
-        if H::DRIVEN { Some(self.rounds.pushes.get(i).now()) } else { None }
+        let [value, rate] = self.rounds.push.get(i);
+        let push = Push { value, rate, ..Push::NONE };
+        if H::DRIVEN { Some(self.scene(i).pushes(&push).now()) } else { None }
     }
 
     /// Chooses the length of the step and computes the force over it.
@@ -156,9 +158,9 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, 
         if H::DRIVEN {
             for i in 0..W {
                 let scene = self.scene(i);
-                let pushes = H::pushes(&scene, self.lanes.state.get(i).phase);
-                self.rows.set_drive(i, &scene.drive(&pushes, self.rounds.step[i]));
-                self.rounds.pushes.set(i, &pushes);
+                let push = H::push(&scene, self.lanes.state.get(i).phase);
+                self.rows.set_drive(i, &scene.drive(&push, self.rounds.step[i]));
+                self.rounds.push.set(i, &[push.value, push.rate]);
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::drive::{Laid, Swinging};
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::{Law, Piva, PivaState, Stops};
-use crate::absorber::system::{Clock, System, Wall};
+use crate::absorber::system::Wall;
 use crate::engine::simulate::Limits;
 use crate::force::{Acts, Drive, Harmonic, Push, Pushes};
 use crate::lanes::pick;
@@ -68,7 +68,7 @@ impl Scene {
             amplitude,
             frequency,
             phase,
-            moves_base: piva.moves_base(),
+            moves_base: piva.host.moves_base(),
             stop: limits.duration,
             max_impacts: limits.max_impacts as f64,
             max_work: limits.max_work as f64,
@@ -78,7 +78,7 @@ impl Scene {
 
     /// The harmonic force, as one that acts on the primary.
     #[inline(always)]
-    fn harmonic(&self) -> Harmonic {
+    pub fn harmonic(&self) -> Harmonic {
         let Self { amplitude, frequency, phase, .. } = *self;
         Harmonic { amplitude, frequency, phase, acts: Acts::Primary }
     }
@@ -89,21 +89,19 @@ impl Scene {
         [pick(self.moves_base, 0.0, number), pick(self.moves_base, number, 0.0)]
     }
 
-    /// f/M and a_g at an instant.
+    /// f/M and a_g of a value of the force.
     #[inline(always)]
-    pub fn pushes(&self, time: Clock) -> Pushes {
-        let push = self.harmonic().push(time);
+    pub fn pushes(&self, push: &Push) -> Pushes {
         Pushes {
-            primary: Push::pick(self.moves_base, &Push::NONE, &push),
-            base: Push::pick(self.moves_base, &push, &Push::NONE),
+            primary: Push::pick(self.moves_base, &Push::NONE, push),
+            base: Push::pick(self.moves_base, push, &Push::NONE),
         }
     }
 
     /// Coefficients of the force in powers of time over h, from value and rate at an instant.
     #[inline(always)]
-    pub fn drive(&self, pushes: &Pushes, h: f64) -> Drive<f64> {
-        let push = Push::pick(self.moves_base, &pushes.base, &pushes.primary);
-        let row = self.harmonic().onwards(&push, h);
+    pub fn drive(&self, push: &Push, h: f64) -> Drive<f64> {
+        let row = self.harmonic().onwards(push, h);
         let mut drive = Drive::NONE;
         unrolled!(k < ORDER + 1 => {
             [drive.primary[k], drive.base[k]] = self.acting(row[k]);
@@ -120,7 +118,8 @@ impl Scene {
     /// The first coefficients of the flight from a state.
     #[inline(always)]
     pub fn ahead<H: Swinging, const LENGTH: usize>(&self, state: &Laid<H>) -> Series<f64, LENGTH> {
-        let drive = if H::DRIVEN { Some(H::pushes(self, state.phase).ahead()) } else { None };
+        let push = H::plain_push(self, state.phase);
+        let drive = if H::DRIVEN { Some(self.pushes(&push).ahead()) } else { None };
         self.pendulum.beginning(&state.swing(), drive.as_ref())
     }
 

@@ -274,7 +274,7 @@ impl Errors {
     /// to T = 2u/(A(1 − e)).
     fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State) -> f64 {
         let leave = system.distance(after);
-        let left = 1.0 - system.rebound_ratio(system.wall(after));
+        let left = 1.0 - system.law_at(system.wall(after)).rebound;
         let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
         let speed = self.deviation(3) / leave.rate;
         let pressure = (self.deviation(0) + self.deviation(1)) / leave.curvature.abs();
