@@ -29,6 +29,7 @@ use crate::measures::propagation::Tangent;
 use crate::measures::steady::SteadyWanted;
 use crate::measures::{Stretch, Stretches, Wanted, looks};
 use crate::number::arrays::{Lanes as _, any};
+use crate::number::real::Real;
 pub(crate) use drive::Swinging;
 use drive::{Laid, laid, raised, seen};
 use lane::{Lane, Lanes};
@@ -213,9 +214,16 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         self.lanes.get(i).put_back_sums(run);
         let own = round.hit.then(|| self.struck[i].pop()).flatten();
         self.tell(i, run);
-        let (start, from) = (self.begins.0[i], raised::<H>(&scene, &self.begins.1.get(i)));
+        let (start, laid) = (self.begins.0[i], self.begins.1.get(i));
+        let (from, end, contact) = f64::dispatched(
+            #[inline(always)]
+            || {
+                let [touching, after] = [&round.touching, &round.after];
+                let contact = [seen::<H>(&scene, touching), seen::<H>(&scene, after)];
+                (raised::<H>(&scene, &laid), seen::<H>(&scene, &round.end), contact)
+            },
+        );
         let Round { losses, square, limits, length, .. } = round;
-        let end = seen::<H>(&scene, &round.end);
         let drive = H::DRIVEN.then(|| self.rows.drive(i));
         let series = (self.rows.get::<N>(i), drive);
         let known = Known { losses, square, limits };
@@ -223,8 +231,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         let (from, to) = (system.primary(&from), system.primary(&end));
         run.observer.span(system, &Span { motion: &motion, start, length, from, to, end: &end });
         if let Some(impact) = own {
-            let states = [round.touching, round.after].map(|state| seen::<H>(&scene, &state));
-            let states = states.each_ref();
+            let states = contact.each_ref();
             let contact = Contact { time: impact.time, states, summed: false };
             run.observer.contact(system, &contact);
             run.observer.impact(system, &impact);

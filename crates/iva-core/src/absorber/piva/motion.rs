@@ -105,6 +105,14 @@ impl<'a, R: Real, H: Host<Real = R>> PivaFlight<'a, H> {
         PivaState { phase: free.renewed(&free.within(&self.from.phase, h)), ..state }
     }
 
+    /// The first coefficients of the flight from a state.
+    fn beginning(&self, state: &PivaState<Phase<H>, R>) -> Series<R, 3> {
+        R::dispatched(
+            #[inline(always)]
+            || self.piva.beginning(state),
+        )
+    }
+
     /// The series to twice the precision, from an angle with this cosine.
     fn precise_series(
         &self,
@@ -192,11 +200,14 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
             return self.from;
         }
         let order = self.piva.accuracy.order;
-        let state = R::dispatched(
+        R::dispatched(
             #[inline(always)]
-            || with_order!(order, N => self.step().state::<N>(h)),
-        );
-        PivaState { phase: self.piva.host.free().nearly_within(&self.from.phase, h), ..state }
+            || {
+                let state = with_order!(order, N => self.step().state::<N>(h));
+                let phase = self.piva.host.free().nearly_within(&self.from.phase, h);
+                PivaState { phase, ..state }
+            },
+        )
     }
 
     fn arrival(&self, h: R) -> Self::State {
@@ -240,7 +251,7 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
 
     fn primary(&self, h: R) -> Jet<R> {
         let state = self.state(h);
-        let series = self.piva.beginning::<3>(&state);
+        let series = self.beginning(&state);
         Jet {
             value: state.primary.x.value,
             rate: state.primary.v.value,
@@ -250,7 +261,7 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
     }
 
     fn acceleration(&self, h: R) -> R {
-        self.piva.beginning::<3>(&self.state(h)).a[0]
+        self.beginning(&self.state(h)).a[0]
     }
 
     fn gap(&self, h: R) -> GapPoint<R> {

@@ -11,6 +11,7 @@ use crate::lanes::{ScalarRun, pick};
 use crate::measures::Ledger;
 use crate::measures::steady::{Quiet, Steady};
 use crate::number::arrays::{Laned, laned};
+use crate::number::real::Real;
 
 use super::round::Round;
 
@@ -143,7 +144,10 @@ impl<P: Laned> Lane<P> {
         run: &mut Run<'_, Piva<H>, O>,
     ) {
         (run.clock, run.counts) = (self.clock, self.counts);
-        run.tally.state = raised::<H>(scene, &self.state);
+        run.tally.state = f64::dispatched(
+            #[inline(always)]
+            || raised::<H>(scene, &self.state),
+        );
         run.phase = Phase::Flight { first: self.first };
         if self.stopped {
             run.reach_end();
