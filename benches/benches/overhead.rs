@@ -16,7 +16,7 @@ use iva_sweep::axis::Axis;
 use iva_sweep::design::Spec;
 use iva_sweep::fields::FieldId;
 use iva_sweep::sampling::Sampling;
-use iva_sweep::scene::Scene;
+use iva_sweep::scene::{Mounted, Scene};
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{Control, SweepError, Workers, sweep};
 
@@ -48,7 +48,7 @@ fn scenes(study: &Study) -> Result<Vec<Job<Siva>>, Invalid> {
     let mut scenes = Vec::new();
     for point in 0..study.points()? {
         let design = study.design(point)?;
-        if let Scene::Siva { system, start } = design.scene {
+        if let Scene::Siva(Mounted { system, start, .. }) = design.scene {
             scenes.push(Job {
                 begin: 0.0,
                 system,

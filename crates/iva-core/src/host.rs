@@ -12,8 +12,8 @@
 //!
 //! A [`Structure`] is that equation for one mass m: [`Oscillator`](crate::host::oscillator::Oscillator) without
 //! drive, in closed form (`host/undriven.rs`), or [`Driven`], a power series of x (`host/driven.rs`). A
-//! [`Host`] has the structures for both masses, and the instants at which the drive bends, jumps or has an
-//! impulse. Absorbers are generic over the host.
+//! [`Host`] has the structures for both masses. The instants at which the drive bends, jumps or has an impulse are
+//! those of its [`Excitation`]. Absorbers are generic over the host.
 
 use crate::force::Drive;
 use crate::host::oscillator::{Arrival, Equation, Primary};

@@ -100,8 +100,9 @@ pub fn gradients(study: &Study, key: &str, cancel: &AtomicBool) -> Result<Tables
 fn sensitive_from(design: &Design, cancel: &AtomicBool) -> Result<Option<f64>, Invalid> {
     let mut observers = (Errors::default(), Events::default());
     let (limits, cancel) = (&design.limits, Some(cancel));
-    with_system!(&design.scene, |system, start| {
-        simulate_from(system, start, design.begin, limits, cancel, &mut observers).map(|_| ())
+    with_system!(&design.scene, |it| {
+        simulate_from(&it.system, &it.start, design.begin, limits, cancel, &mut observers)
+            .map(|_| ())
     })?;
     let (errors, events) = observers;
     let sensitive = |time: Option<f64>| time.is_none_or(|error| error >= SENSITIVE);

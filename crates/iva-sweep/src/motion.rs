@@ -120,8 +120,8 @@ pub fn states(
 
 fn watch(design: &Design, cancel: &AtomicBool, sampler: &mut Sampler) -> Result<(), Invalid> {
     let (limits, cancel) = (&design.limits, Some(cancel));
-    with_system!(&design.scene, |system, start| {
-        simulate_from(system, start, design.begin, limits, cancel, sampler).map(|_| ())
+    with_system!(&design.scene, |it| {
+        simulate_from(&it.system, &it.start, design.begin, limits, cancel, sampler).map(|_| ())
     })
 }
 

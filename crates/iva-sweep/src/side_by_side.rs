@@ -6,12 +6,11 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::lanes::{self, Job, Listed, SideBySide};
-use iva_core::piva::Piva;
 
 use crate::engine::design::Design;
 use crate::engine::ended::Ended;
 use crate::engine::point::{Estimates, Request};
-use crate::engine::scene::Scene;
+use crate::engine::scene::{Mounted, Scene};
 use crate::error::Invalid;
 
 /// Runs the designs. The results are in the order of the designs; `None`: the run had not begun when the sweep was
@@ -28,27 +27,27 @@ pub(crate) fn run(
     let mut part = Part { designs, request, cancel, ended };
     for &extremes in request.with_extremes() {
         part.run(extremes, |scene| match scene {
-            Scene::Siva { system, start } => Some((system.clone(), *start)),
+            Scene::Siva(it) => Some(it),
             _ => None,
         })?;
         part.run(extremes, |scene| match scene {
-            Scene::DrivenSiva { system, start, .. } => Some((system.clone(), *start)),
+            Scene::DrivenSiva(it) => Some(it),
             _ => None,
         })?;
         part.run(extremes, |scene| match scene {
-            Scene::Piva { system, start, .. } => Some((Piva::clone(system), *start)),
+            Scene::Piva(it) => Some(&**it),
             _ => None,
         })?;
         part.run(extremes, |scene| match scene {
-            Scene::DrivenPiva { system, start, .. } => Some((Piva::clone(system), *start)),
+            Scene::DrivenPiva(it) => Some(&**it),
             _ => None,
         })?;
         part.run(extremes, |scene| match scene {
-            Scene::Alone { system, start } => Some((system.clone(), *start)),
+            Scene::Alone(it) => Some(it),
             _ => None,
         })?;
         part.run(extremes, |scene| match scene {
-            Scene::DrivenAlone { system, start } => Some((system.clone(), *start)),
+            Scene::DrivenAlone(it) => Some(it),
             _ => None,
         })?;
     }
@@ -65,23 +64,24 @@ struct Part<'a> {
 
 impl Part<'_> {
     /// Runs the designs of one kind of scene whose extremes are wanted, or those of which they are not.
-    fn run<S: SideBySide>(
+    fn run<S: SideBySide + Clone>(
         &mut self,
         extremes: bool,
-        scene: impl Fn(&Scene) -> Option<(S, S::Start)>,
+        scene: impl Fn(&Scene) -> Option<&Mounted<S>>,
     ) -> Result<(), Invalid> {
         let Self { designs, request, cancel, ended } = self;
         let (mut jobs, mut places) = (Vec::new(), Vec::new());
         let listing = request.listing(extremes);
         for (place, design) in designs.iter().enumerate() {
-            let Some((system, start)) = scene(&design.scene) else { continue };
-            if request.wants_extremes(&system) != extremes {
+            let Some(Mounted { system, start, .. }) = scene(&design.scene) else { continue };
+            if request.wants_extremes(system) != extremes {
                 continue;
             }
-            let steady = request.steady_of(&system).map(|wanted| (wanted, design.window));
+            let steady = request.steady_of(system).map(|wanted| (wanted, design.window));
             let Design { begin, limits, tier, .. } = *design;
             // What is listed is that of the exact tier, where there are two.
             let tier = if listing.is_empty() { tier } else { design.tier_alone() };
+            let (system, start) = (system.clone(), *start);
             jobs.push(Job { system, start, begin, limits, steady, tier });
             places.push(place);
         }

@@ -275,6 +275,10 @@ impl System for TwoModes {
         &()
     }
 
+    fn mass_ratio(&self) -> f64 {
+        self.absorber[0]
+    }
+
     fn clearance(&self) -> f64 {
         self.absorber[2]
     }
@@ -284,7 +288,12 @@ impl System for TwoModes {
         let [mass, rebound, _] = self.absorber;
         let impulse = (1.0 + rebound) / (1.0 / mass + self.mobility());
         let rise = |i: usize| 2.0 * self.damping_ratios[i] * self.frequencies[i] * self.shapes[i];
-        LawAt { rebound, gain: impulse * self.mobility(), pressure: impulse * self.seen(rise) }
+        LawAt {
+            restitution: rebound,
+            rebound,
+            gain: impulse * self.mobility(),
+            pressure: impulse * self.seen(rise),
+        }
     }
 
     fn check_start(&self, _start: &[f64; 2]) -> Result<(), Invalid> {

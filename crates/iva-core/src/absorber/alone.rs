@@ -201,6 +201,10 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         &state.phase
     }
 
+    fn mass_ratio(&self) -> R {
+        R::ZERO
+    }
+
     /// 1: there are no walls, and defaults that are a share of the clearance stay usable.
     fn clearance(&self) -> R {
         R::ONE
@@ -211,7 +215,8 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
     }
 
     fn law_at(&self, _wall: Wall) -> LawAt<R> {
-        LawAt { rebound: R::ZERO, gain: R::ZERO, pressure: R::ZERO }
+        let none = R::ZERO;
+        LawAt { restitution: none, rebound: none, gain: none, pressure: none }
     }
 
     fn check_start(&self, start: &Point<R>) -> Result<(), Invalid> {

@@ -179,6 +179,10 @@ impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
         &()
     }
 
+    fn mass_ratio(&self) -> R {
+        self.coupling.constants()[0]
+    }
+
     fn clearance(&self) -> R {
         self.coupling.constants()[2]
     }
@@ -187,7 +191,7 @@ impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
         let [mu, rebound, _] = self.coupling.constants();
         let gain = impact::primary_share(mu, rebound).value;
         let [_, pressure] = self.coupling.rates([R::ZERO, gain, R::ZERO, -(rebound + 1.0)]);
-        LawAt { rebound, gain, pressure }
+        LawAt { restitution: rebound, rebound, gain, pressure }
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {

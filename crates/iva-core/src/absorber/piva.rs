@@ -302,6 +302,10 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
         &state.phase
     }
 
+    fn mass_ratio(&self) -> R {
+        self.parameters.mass_ratio
+    }
+
     fn clearance(&self) -> R {
         self.parameters.clearance
     }
@@ -310,7 +314,8 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
     fn law_at(&self, wall: Wall) -> LawAt<R> {
         let law = self.law(wall);
         let gain = law.impact_gain() / self.stops.cosine.value;
-        LawAt { rebound: law.ratio, gain, pressure: law.pressure_gain }
+        let (restitution, pressure) = (law.restitution, law.pressure_gain);
+        LawAt { restitution, rebound: law.ratio, gain, pressure }
     }
 
     fn lever(&self) -> R {
@@ -457,10 +462,6 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
 
 impl<R: Real, H: Host<Real = R>> Stuck for Piva<H> {
     type Host = H;
-
-    fn mass_ratio(&self) -> R {
-        self.parameters.mass_ratio
-    }
 
     fn structure_of(state: &Self::State) -> Primary<R> {
         state.primary

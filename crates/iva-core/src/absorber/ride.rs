@@ -13,8 +13,6 @@ use crate::segment::taylor::ORDER;
 pub trait Stuck: System<Excitation = <Self as Stuck>::Host> {
     /// The host.
     type Host: Host<Real = Self::Real>;
-    /// Mass ratio μ.
-    fn mass_ratio(&self) -> Self::Real;
     /// Displacement and velocity of the structure in a state.
     fn structure_of(state: &Self::State) -> Primary<Self::Real>;
     /// A state with another one of the structure.

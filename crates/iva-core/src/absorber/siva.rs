@@ -240,6 +240,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         &state.host.phase
     }
 
+    fn mass_ratio(&self) -> R {
+        self.mass_ratio
+    }
+
     fn clearance(&self) -> R {
         self.clearance
     }
@@ -251,7 +255,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
     fn law_at(&self, wall: Wall) -> LawAt<R> {
         let Law { restitution, share, .. } = *self.law(R::from(wall.sign()));
         let pressure = self.host.damping_ratio() * 2.0 * share.value;
-        LawAt { rebound: restitution, gain: share.value, pressure }
+        LawAt { restitution, rebound: restitution, gain: share.value, pressure }
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
@@ -458,10 +462,6 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
 
 impl<R: Real, H: Host<Real = R>> Stuck for Siva<H> {
     type Host = H;
-
-    fn mass_ratio(&self) -> R {
-        self.mass_ratio
-    }
 
     fn structure_of(state: &Self::State) -> Primary<R> {
         state.host.primary

@@ -37,6 +37,8 @@ pub struct Angle<R = f64> {
 /// The impact law at one wall, as far as it is the same for every impact there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LawAt<R = f64> {
+    /// Newton's coefficient e on the gap velocity.
+    pub restitution: R,
     /// The ratio of the speeds of consecutive rebounds of a chatter.
     pub rebound: R,
     /// Velocity that the structure gains per gap velocity: the impulse over the mass of the structure.
@@ -78,6 +80,8 @@ pub trait System {
     /// The state of the drive in a state.
     fn phase(state: &Self::State) -> &<Self::Excitation as Excitation>::Phase;
 
+    /// Mass ratio μ; 0 without absorber.
+    fn mass_ratio(&self) -> Self::Real;
     /// One-sided clearance d, half of the total play.
     fn clearance(&self) -> Self::Real;
     /// The middle of the gap, as a value of y: the walls are at y = offset ± d.

@@ -10,7 +10,7 @@ use super::free_mass::{self, Inclined};
 use super::given::Given;
 use super::pendulum::{self, Common};
 use super::scale::Scale;
-use super::scene::Scene;
+use super::scene::{Mounted, Scene};
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
@@ -182,10 +182,13 @@ impl<R: Real> Given<'_, R> {
                 match inclined {
                     Some(Inclined { along, .. }) => {
                         let system = system.inclined(along, force);
-                        Ok(Scene::DrivenSiva { system, start, gravity })
+                        Ok(Scene::DrivenSiva(Mounted { system, start, gravity }))
                     }
-                    None if force.is_none() => Ok(Scene::Siva { system, start }),
-                    None => Ok(Scene::DrivenSiva { system: system.under(force), start, gravity }),
+                    None if force.is_none() => Ok(Scene::Siva(Mounted { system, start, gravity })),
+                    None => {
+                        let system = system.under(force);
+                        Ok(Scene::DrivenSiva(Mounted { system, start, gravity }))
+                    }
                 }
             }
             Kind::Piva => {
@@ -200,20 +203,22 @@ impl<R: Real> Given<'_, R> {
                 let start = pendulum::start(self, start, scale);
                 system.check_start(&start)?;
                 if force.is_none() {
-                    Ok(Scene::Piva { system: Box::new(system), start, gravity })
+                    Ok(Scene::Piva(Box::new(Mounted { system, start, gravity })))
                 } else {
-                    let system = Box::new(system.under(force));
-                    Ok(Scene::DrivenPiva { system, start, gravity })
+                    let system = system.under(force);
+                    Ok(Scene::DrivenPiva(Box::new(Mounted { system, start, gravity })))
                 }
             }
             Kind::None => {
                 let system = Alone::new(self.damping_ratio(scale, units)?)?;
                 let start = Point { x: start.displacement, v: start.velocity };
                 system.check_start(&start)?;
+                let gravity = None;
                 if force.is_none() {
-                    Ok(Scene::Alone { system, start })
+                    Ok(Scene::Alone(Mounted { system, start, gravity }))
                 } else {
-                    Ok(Scene::DrivenAlone { system: system.under(force), start })
+                    let system = system.under(force);
+                    Ok(Scene::DrivenAlone(Mounted { system, start, gravity }))
                 }
             }
         }

@@ -196,7 +196,7 @@ where
         + Estimates<Piva<DrivenHost<R>>>,
 {
     let point = Point { study, point, design, request, cancel };
-    with_system!(&design.scene, |system, start| point.run(system, start, estimates, take))
+    with_system!(&design.scene, |it| point.run(&it.system, &it.start, estimates, take))
 }
 
 /// Hands out the rows of the events of a run, table by table.
@@ -217,7 +217,7 @@ pub(crate) fn list<R: Real, E>(
 {
     let point = Point { study, point, design, request, cancel: &AtomicBool::new(false) };
     for table in &study.tables {
-        with_system!(&design.scene, |system, _start| point.rows(*table, system, found, take));
+        with_system!(&design.scene, |it| point.rows(*table, &it.system, found, take));
     }
 }
 

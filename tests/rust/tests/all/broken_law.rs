@@ -64,6 +64,9 @@ impl System for Broken {
     fn phase(_state: &SivaState) -> &() {
         &()
     }
+    fn mass_ratio(&self) -> f64 {
+        self.siva.mass_ratio()
+    }
     fn clearance(&self) -> f64 {
         self.siva.clearance()
     }

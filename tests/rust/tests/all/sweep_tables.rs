@@ -344,12 +344,12 @@ fn a_brief_run_is_never_cut_in_what_it_shows() {
 fn work_of(study: &Study) -> u64 {
     let design = study.design(0).unwrap();
     match design.scene {
-        Scene::Siva { system, start } => tally(&system, &start, &design.limits),
-        Scene::DrivenSiva { system, start, .. } => tally(&system, &start, &design.limits),
-        Scene::Alone { system, start } => tally(&system, &start, &design.limits),
-        Scene::DrivenAlone { system, start } => tally(&system, &start, &design.limits),
-        Scene::Piva { system, start, .. } => tally(&*system, &start, &design.limits),
-        Scene::DrivenPiva { system, start, .. } => tally(&*system, &start, &design.limits),
+        Scene::Siva(it) => tally(&it.system, &it.start, &design.limits),
+        Scene::DrivenSiva(it) => tally(&it.system, &it.start, &design.limits),
+        Scene::Alone(it) => tally(&it.system, &it.start, &design.limits),
+        Scene::DrivenAlone(it) => tally(&it.system, &it.start, &design.limits),
+        Scene::Piva(it) => tally(&it.system, &it.start, &design.limits),
+        Scene::DrivenPiva(it) => tally(&it.system, &it.start, &design.limits),
     }
 }
 
