@@ -30,10 +30,10 @@
 //! | [`force`] | what drives the structure: harmonics, records, impulses |
 //! | [`segment`] | a stretch of smooth motion ([`flight`]), its power series ([`taylor`]), and the search for the first event in it with proof ([`roots`], [`contact`]) |
 //! | [`host`] | the primary structure: an [`oscillator`] and what drives it; it knows no absorber |
-//! | [`absorber`] | the interface of an absorber ([`system`]); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]); the laws of an impact ([`impact`]) and of infinitely many ([`chatter`]) |
+//! | [`absorber`] | the interface of an absorber ([`system`]); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), and of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
 //! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
-//! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`] for measures of a file each; [`summary`] joins them |
-//! | [`lanes`] | the loop for many runs side by side, with all of that |
+//! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`], the interface of measures that need one file only, such as [`measures::near_wall`]; [`summary`] joins them |
+//! | [`lanes`] | the event loop for many runs side by side, with the same observers |
 //! | [`orbit`] | maps over whole cycles of a drive, one or many side by side, with derivatives: what periodic orbits, basins and exponents are made of |
 //! | [`theory`] | steady states known in closed form; no run uses it |
 //!
@@ -41,8 +41,8 @@
 //!
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
 //! run. The flights of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier
-//! (`absorber/siva/trial.rs`, `lanes/free_mass.rs`). Lanes of pendulums show observers only those steps under force that
-//! may change more than sums (`lanes/piva.rs`). Where observers look within flights, lanes of free masses keep their flights
+//! (`absorber/siva/trial.rs`, `lanes/free_mass.rs`). In lanes of pendulums under force, observers see only the steps that
+//! may change a peak or an extreme; sums are added up without them (`lanes/piva.rs`). Where observers look within flights, lanes of free masses keep their flights
 //! until their runs show them (`lanes/free_mass/shown.rs`).
 //!
 //! **Measures.** Those of a decay are functions of its log (`measures/decay.rs`), whether it ran alone or in a lane. The
@@ -51,7 +51,9 @@
 //! (`measures/forced.rs`).
 //!
 //! `CONTRIBUTING.md` tells how to add a measure or a field, `docs/adding-an-absorber.md` how to add an
-//! absorber.
+//! absorber. A run has one absorber with one gap: for two absorbers on one structure, state, search for contacts, event loop and
+//! tables would need a second gap. Another structure, such as one with two modes, is a [`system::System`] of its own; an
+//! example is `tests/rust/src/two_modes.rs`.
 //!
 //! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight ends with a
 //! contact and proof that none came earlier, or with proof that there is none (see [`roots`]). The one case

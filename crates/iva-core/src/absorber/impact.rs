@@ -1,11 +1,12 @@
 //! The impact law of two masses (paper, Eqs. 9–14): momentum is conserved and the gap velocity w
 //! turns into −e w.
 //!
-//! The law is applied in these places: [`crate::absorber::siva`] in double-double (`collided`, and where the absorber
-//! sticks), used by the lanes as well; [`crate::measures::propagation`] as a matrix; [`Impact::of_free_mass`] in plain
-//! numbers, for absorbers whose state is not in double-double, whose lanes apply it in
-//! `absorber/coupled/in_lanes.rs`. A pendulum has a law of its own (`absorber/piva/impact_law.rs`), which uses
-//! [`primary_share`]. The sum of a chatter ([`crate::absorber::chatter`]) assumes that e does not depend on the speed.
+//! This file holds the formulas. The law of a free mass at one wall, with the energy lost, is `Law` in
+//! `absorber/siva.rs`. It is applied by `collided` (`absorber/siva/state.rs`) in double-double, by `struck` in
+//! `absorber/plain/mass.rs` in the fast tier, and by `Coupled::impact` and `struck` in `absorber/coupled/trial.rs` for coupled
+//! masses. The law of a pendulum is `Law` in `absorber/piva/impact_law.rs`, applied in `absorber/piva/contact.rs`. The
+//! derivatives are in `absorber/derivatives`. Three places assume that e does not depend on the approach speed: the sum of
+//! a chatter ([`crate::absorber::chatter`]), the limit of the lanes for low rebounds (`LOW` there), and `System::law_at`.
 //!
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
 //! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.

@@ -62,7 +62,7 @@ pub(crate) struct Law<R = f64> {
     /// Share of the gap velocity that the primary gains.
     pub share: DoubleDouble<R>,
     /// The energy lost at an approach speed of 1.
-    pub loss: R,
+    loss: R,
 }
 
 laned!(Law, Laws { restitution: f64, share: DoubleDouble, loss: f64 });
@@ -71,6 +71,12 @@ impl<R: Real> Law<R> {
     pub(crate) fn new(mass_ratio: R, restitution: R) -> Self {
         let share = impact::primary_share(mass_ratio, restitution);
         Self { restitution, share, loss: impact::energy_loss(mass_ratio, restitution, R::ONE) }
+    }
+
+    /// The energy lost in an impact with this approach speed.
+    #[inline(always)]
+    pub(crate) fn lost(&self, approach: R) -> R {
+        self.loss * (approach * approach)
     }
 }
 
@@ -380,7 +386,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             gap_velocity_before: s * approach,
             gap_velocity_after: after.gap_velocity(),
             lever: R::ONE,
-            energy_loss: law.loss * (approach * approach),
+            energy_loss: law.lost(approach),
         };
         (after, impact)
     }

@@ -51,7 +51,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
                     gap_velocity_before: side * -round.rate,
                     gap_velocity_after: -side * rate,
                     lever: 1.0,
-                    energy_loss: lane.law(side).loss * (round.rate * round.rate),
+                    energy_loss: lane.law(side).lost(round.rate),
                 });
             }
         }

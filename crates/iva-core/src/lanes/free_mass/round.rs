@@ -72,7 +72,7 @@ pub(super) fn commit(lane: &Lane, round: &Round, clock: Clock, longest: f64) -> 
         time: clock.value,
         side,
         approach,
-        energy_loss: lane.law(side).loss * (approach * approach),
+        energy_loss: lane.law(side).lost(approach),
         effective: v * (v + side * approach) < 0.0,
         low: false,
     };
