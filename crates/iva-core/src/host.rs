@@ -22,6 +22,7 @@ use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{Jet, Quantity, Rows, Turns};
+use crate::segment::polynomial::product_integral;
 
 pub(crate) use driven::{Block, Plain, Sums};
 pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Pieces, Place, Source, Weight};
@@ -178,14 +179,16 @@ pub trait Structure: std::fmt::Debug {
         end: &HostState<Self::Phase, Self::Real>,
         h: Self::Real,
     ) -> Turns<Self::Real>;
-    /// ∫x² dh between two values of h; called for driven structures only.
+    /// ∫x² dh between two values of h, by default from the power series.
     fn square(
         &self,
-        _from: &HostState<Self::Phase, Self::Real>,
-        _course: &Self::Course,
-        _h: [Self::Real; 2],
+        from: &HostState<Self::Phase, Self::Real>,
+        course: &Self::Course,
+        h: [Self::Real; 2],
     ) -> Self::Real {
-        Self::Real::ZERO
+        let Rows { step, order, x, .. } = self.series(from, course);
+        let until = |h: Self::Real| product_integral(&x[..=order], &x[..=order], h / step);
+        (until(h[1]) - until(h[0])) * step
     }
     /// The larger of `least` and the largest size of a quantity in a motion of length h to a state; `None` if
     /// it is not known. Called for driven structures only.

@@ -186,6 +186,23 @@ mod tests {
     }
 
     #[test]
+    fn the_first_coefficients_are_those_of_the_series() {
+        for (frequency, phase, time) in [(1.3, 0.0, 0.0), (0.05, 2.0, 40.0), (7.0, -9.1, 0.3)] {
+            let harmonic = Harmonic { amplitude: -0.3, frequency, phase, acts: Acts::Primary };
+            let time = DoubleDouble::new(time);
+            let mut row = [0.0; 4];
+            harmonic.add(&mut row, time, 1.0);
+            let [push, plain] = [harmonic.push(time), harmonic.plain_push(time)];
+            for ahead in [push.ahead::<4>(), plain.ahead()] {
+                for (k, (found, expected)) in ahead.iter().zip(row).enumerate() {
+                    let size = 0.3 * frequency.powi(k as i32);
+                    assert!((found - expected).abs() < 4e-16 * size, "{frequency} {k}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn plain_pushes_are_pushes_rounded() {
         let harmonic = Harmonic { amplitude: -0.3, frequency: 1.3, phase: 2.0, acts: Acts::Base };
         for k in -300..300 {

@@ -124,17 +124,17 @@ impl SideBySide for Siva<DrivenHost> {
 }
 
 /// What pendulums that go side by side have in common, with the measures of a steady state that are wanted.
-fn swinging<H: Swinging>(piva: &Piva<H>, steady: SteadyWanted) -> Option<[f64; 2]> {
+fn swinging<H: Swinging>(piva: &Piva<H>, steady: SteadyWanted) -> [f64; 2] {
     let Piva { pendulum, accuracy, .. } = piva;
     let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
     let small = if pendulum.small_angles { 1000.0 } else { 0.0 };
-    Some([accuracy.tolerance, small + damped + 2.0 * f64::from(steady.bits())])
+    [accuracy.tolerance, small + damped + 2.0 * f64::from(steady.bits())]
 }
 
 impl SideBySide for Piva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let decays = job.steady.is_none();
-        swinging(&job.system, SteadyWanted::default()).filter(|_| decays)
+        decays.then(|| swinging(&job.system, SteadyWanted::default()))
     }
 
     fn tier(job: &Job<Self>) -> Tier {
@@ -153,7 +153,7 @@ impl SideBySide for Piva<DrivenHost> {
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         // Lanes record no strobes.
         let fits = job.system.force().is_some_and(Force::is_single) && !wanted.strobes;
-        swinging(&job.system, wanted).filter(|_| fits)
+        fits.then(|| swinging(&job.system, wanted))
     }
 
     fn tier(job: &Job<Self>) -> Tier {

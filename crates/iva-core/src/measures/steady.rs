@@ -128,6 +128,7 @@ pub struct Steady<R = f64> {
     base: R,
     square: DoubleDouble<R>,
     base_moves: bool,
+    driven: bool,
     /// True if the largest |a_g| is known in closed form.
     base_known: bool,
     /// True if the window has begun.
@@ -334,7 +335,8 @@ fn whole<R: Real>(cycles: R) -> R {
 
 impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
-        let base_moves = system.excitation().moves_base();
+        let (base_moves, driven) =
+            (system.excitation().moves_base(), system.excitation().is_driven());
         let window = Window { from: self.window.from.max(from.time.value), ..self.window };
         let force = system.excitation().force();
         let base = force.and_then(|force| force.largest_base([window.from, duration]));
@@ -343,6 +345,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
         *self = Self {
             duration,
             base_moves,
+            driven,
             base,
             base_known,
             begun,
@@ -359,7 +362,8 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
     }
 
     fn looks_within(&self) -> bool {
-        let whole = self.begun && (self.base_known || !self.base_moves);
+        // Without a lasting force the power series of a motion does not reach over several steps.
+        let whole = self.driven && self.begun && (self.base_known || !self.base_moves);
         self.wanted.any() && !(whole && self.next_strobe().is_none())
     }
 

@@ -327,7 +327,7 @@ pub trait Motion {
     fn wall(&self) -> Option<Wall>;
     /// Energy lost and work done from 0 to h.
     fn losses(&self, h: Self::Real) -> Losses<Self::Real>;
-    /// ∫x² dh between two values of h; called for driven structures only.
+    /// ∫x² dh between two values of h; 0 where the absorber offers no power series.
     fn square(&self, _h: [Self::Real; 2]) -> Self::Real {
         Self::Real::ZERO
     }
@@ -345,7 +345,8 @@ pub trait Motion {
     /// The larger of `least` and the largest size of a quantity between two values of h, from the power series of the
     /// motion.
     fn largest_between(&self, of: Quantity, h: [Self::Real; 2], least: Self::Real) -> Self::Real {
-        let Some(rows) = self.rows() else { return least };
+        let rows = self.rows().or_else(|| self.travel().map(|travel| travel.rows));
+        let Some(rows) = rows else { return least };
         let row = match of {
             Quantity::Displacement => &rows.x,
             Quantity::Acceleration => &rows.acceleration,

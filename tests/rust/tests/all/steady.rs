@@ -6,7 +6,8 @@ use std::f64::consts::{PI, TAU};
 use iva_core::{
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
-    run::run,
+    piva::{Parameters, Piva},
+    run::{run, states},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
     steady::{Regime, Steady, SteadyWanted, Window},
@@ -26,6 +27,43 @@ fn watch(siva: &Siva<DrivenHost>, start: &Start, duration: f64, from: f64) -> St
 
 fn start(displacement: f64, velocity: f64) -> Start {
     Start { displacement, velocity, gap_velocity: -velocity, ..Start::default() }
+}
+
+/// A window of a decay has an amplitude and a mean square too: those of samples of it, by Simpson's rule, which err by less
+/// than the fourth power of their distance. Flights, coasts and stick episodes.
+#[test]
+fn decays_have_amplitudes_too() {
+    fn check<S: System<Real = f64>>(system: &S, start: &S::Start, from: f64) {
+        let (duration, count) = (from + 12.0, 24_000);
+        let wanted = SteadyWanted { amplitude: true, rms: true, ..SteadyWanted::default() };
+        let mut steady = Steady::new(Window { from, cycle: None }, wanted);
+        let limits = Limits::new(duration, system.clearance());
+        simulate(system, start, &limits, None, &mut steady).unwrap();
+        let step = 12.0 / f64::from(count);
+        let times: Vec<f64> =
+            (0..=count).map(|k| (from + step * f64::from(k)).min(duration)).collect();
+        let sampled = states(system, start, &limits, &times).unwrap();
+        let x: Vec<f64> = sampled.iter().map(|state| state.displacement).collect();
+        let most = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let weight = |k: usize| [2.0, 4.0][k % 2] - f64::from(u8::from(k == 0));
+        let sum: f64 = x.iter().enumerate().map(|(k, x)| weight(k) * x * x).sum();
+        let last = x[x.len() - 1];
+        let rms = ((sum - last * last) / (3.0 * f64::from(count))).sqrt();
+        let found = steady.values();
+        let [largest, mean] = [found.amplitude_max, found.amplitude_rms].map(Option::unwrap);
+        assert!(largest >= most && largest < most + 1e-6, "{from}: {largest} {most}");
+        // Where an impact bends x, Simpson's rule errs by the square of the step.
+        assert!((mean - rms).abs() < 1e-6, "{from}: {mean} {rms}");
+    }
+    let begin = Start { displacement: 1.0, ..Start::default() };
+    for from in [0.0, 7.3, 40.0] {
+        for d in [0.1, 0.6, 30.0] {
+            check(&Siva::new(0.15, 0.4, d, 0.01).unwrap(), &begin, from);
+            let bob = Parameters::point_bob(0.15, 0.4, d, 0.01, 40.0);
+            let piva = Piva::new(Parameters { frequency_ratio: 0.1, ..bob }).unwrap();
+            check(&piva, &begin.into(), from);
+        }
+    }
 }
 
 #[test]
