@@ -5,6 +5,7 @@ pub mod contact;
 pub mod flight;
 pub mod place;
 pub mod polynomial;
+pub(crate) mod quadrature;
 pub(crate) mod quintic;
 pub mod roots;
 pub mod taylor;

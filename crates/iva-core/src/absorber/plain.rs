@@ -51,10 +51,10 @@ arrays! {
     amplitude, phase,
     /// The longest flight that the polynomials hold for, and its reciprocal.
     longest, over_longest,
-    /// Contribution of the force to the bounds on the derivatives of A of order 3 to 6.
-    excess_3, excess_4, excess_5, excess_6,
-    /// Bounds on the third and fourth derivative of a_g.
-    base_3, base_4,
+    /// Contribution of the force to the bounds on the derivatives of A of order 3, 4 and 6.
+    excess_3, excess_4, excess_6,
+    /// A bound on the fourth derivative of a_g.
+    base_4,
 }
 
 /// A free mass under one harmonic force, or on a base that it moves.
@@ -81,17 +81,15 @@ impl Structure {
         at.x.abs() + at.v.abs()
     }
 
-    /// A bound on the Nth derivative of A in every motion from a state.
+    /// A bound on the Nth derivative of A in every motion from a state: the third, fourth or sixth.
     #[inline(always)]
     pub fn bound<const N: usize>(&self, at: &State) -> f64 {
-        let excess = [self.excess_3, self.excess_4, self.excess_5, self.excess_6][N - 3];
         let square = self.growth * self.growth;
         let power = square * square;
-        let power = match N {
-            3 => power,
-            4 => power * self.growth,
-            5 => power * square,
-            _ => power * (square * self.growth),
+        let (power, excess) = match N {
+            3 => (power, self.excess_3),
+            4 => (power * self.growth, self.excess_4),
+            _ => (power * (square * self.growth), self.excess_6),
         };
         power * Self::radius(at) + excess
     }
@@ -164,9 +162,7 @@ impl Structure {
             phase: harmonic.phase,
             excess_3: excess(3),
             excess_4: excess(4),
-            excess_5: excess(5),
             excess_6: excess(6),
-            base_3: base * drives[3],
             base_4: base * drives[4],
             ..structure
         }

@@ -19,10 +19,10 @@ use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{Jet, Quantity, Rows, Turns};
+use crate::segment::quadrature::{mean_product, nodes, values};
 use crate::segment::taylor::{ORDER, unrolled};
 
 use bounds::bounds;
-use integral::{at_nodes, mean_product, nodes};
 
 pub use host::DrivenHost;
 pub use moment::Moment;
@@ -35,7 +35,6 @@ pub use weight::Weight;
 
 mod bounds;
 mod host;
-pub(crate) mod integral;
 mod measured;
 mod moment;
 mod pieces;
@@ -47,6 +46,9 @@ mod weight;
 /// Longest step in units of 1/(fastest rate of oscillator and force): the first dropped term is below
 /// 1.2²¹/21! = 9e-19 of the motion.
 const LONGEST: f64 = 1.2;
+
+/// Number of nodes of the integrals over a step.
+const NODES: usize = 8;
 
 /// One mass on the spring and damper of a driven structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -308,10 +310,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn square(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: [R; 2]) -> R {
-        let x = at_nodes(
-            &self.place(from, &self.series_of(from, course)),
-            &nodes(h.map(|h| h / self.step)),
-        );
+        let row = self.place(from, &self.series_of(from, course));
+        let x = values::<ORDER, _, _, NODES>(&row, &nodes(h.map(|h| h / self.step)));
         mean_product(&x, &x) * (h[1] - h[0])
     }
 

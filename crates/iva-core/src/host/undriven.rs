@@ -96,8 +96,8 @@ impl<R: Real> Structure for Oscillator<R> {
         h: R,
     ) -> Turns<R> {
         let guess = guess(self.leading(from), self.leading(end), h);
-        let fifth = self.equation.bound::<3>(&from.primary);
-        let (h, x, exact) = turning(self.jets(from, guess), fifth, guess, h);
+        let sixth = self.equation.bound::<4>(&from.primary);
+        let (h, x, exact) = turning(self.jets(from, guess), sixth, guess, h);
         if exact { Turns::Once(h, x) } else { Turns::Unknown }
     }
 
@@ -130,11 +130,12 @@ impl<R: Real> Oscillator<R> {
         [v, a, self.equation.next_derivative(v, a)]
     }
 
-    /// x and its first four derivatives a time h after a state.
+    /// x and its first five derivatives a time h after a state.
     #[inline(always)]
     pub(crate) fn jets(&self, from: &HostState<(), R>, h: R) -> Jets<R> {
         let Jet { value, rate, curvature, jerk } = Structure::jet(self, from, &(), h);
-        [value, rate, curvature, jerk, self.equation.next_derivative(curvature, jerk)]
+        let snap = self.equation.next_derivative(curvature, jerk);
+        [value, rate, curvature, jerk, snap, self.equation.next_derivative(jerk, snap)]
     }
 }
 

@@ -19,8 +19,9 @@ use crate::number::arrays::Lanes as _;
 use crate::number::clock::SLACK;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::flight::GapPoint;
+use crate::segment::flight::{GapPoint, Quantity};
 
+mod courses;
 mod extremes;
 mod flights;
 mod integrals;
@@ -231,10 +232,10 @@ impl Forced {
             steady.add_square(square);
             let [mut displacement, mut acceleration] = steady.largest().map(R::double);
             if self.steady.amplitude || self.steady.regime {
-                displacement = self.largest::<DRIVE, false>(displacement);
+                displacement = self.largest::<DRIVE>(Quantity::Displacement, displacement);
             }
             if self.steady.acceleration {
-                acceleration = self.largest::<DRIVE, true>(acceleration);
+                acceleration = self.largest::<DRIVE>(Quantity::Acceleration, acceleration);
             }
             steady.set_largest([displacement, acceleration].map(R::from));
             self.show::<R, DRIVE>(steady);
@@ -256,12 +257,10 @@ impl Forced {
             let end = time[slot] + length[slot];
             let due = |strobe: f64| strobe <= end * (1.0 + 4.0 * SLACK);
             if self.steady.strobes || strobe.is_some_and(due) {
-                let (clock, whole) = (block.flights.get(slot).clock(), block.part(slot));
-                let last = (0.0, whole.begin);
-                let ends = [0.0, whole.length].map(R::from);
-                let mut motion = Strobing::<'_, DRIVE> { log: self, whole, rest: whole, last };
+                let clock = block.flights.get(slot).clock();
                 let clock = Clock { value: clock.value.into(), rest: clock.rest.into() };
-                steady.take_strobes(clock, ends, &mut motion);
+                let mut motion = Strobing::<'_, DRIVE> { log: self, from: block.begin(slot) };
+                steady.take_strobes(clock, [0.0, length[slot]].map(R::from), &mut motion);
                 strobe = steady.next_strobe().map(|it| it.value.double());
             }
             let approach = approach[slot];
@@ -273,39 +272,46 @@ impl Forced {
     }
 }
 
-/// A flight at which strobes are taken.
+/// A flight from a state, at which strobes are taken.
 struct Strobing<'a, const DRIVE: u8> {
     log: &'a Forced,
-    whole: Part,
-    /// What follows the last strobe whose largest |x| is known, and the state at the last strobe with its time.
-    rest: Part,
-    last: (f64, State),
+    from: State,
+}
+
+impl<const DRIVE: u8> Strobing<'_, DRIVE> {
+    /// The state a time h after the begin of the flight.
+    #[inline(always)]
+    fn at(&self, h: f64) -> State {
+        let Self { log: Forced { structure, responses, .. }, from } = self;
+        if h == 0.0 { *from } else { from.after::<DRIVE>(structure, responses, h) }
+    }
 }
 
 impl<R: Real, const DRIVE: u8> Strobed<R> for Strobing<'_, DRIVE> {
     #[inline(always)]
     fn place(&mut self, h: R) -> (Point<R>, GapPoint<R>) {
-        let (h, begin, scene) = (h.double(), self.whole.begin, &self.log.scene);
-        let there = match h == 0.0 {
-            true => begin,
-            false => begin.after::<DRIVE>(&self.log.structure, &self.log.responses, h),
-        };
-        self.last = (h, there);
+        let there = f64::dispatched(
+            #[inline(always)]
+            || self.at(h.double()),
+        );
         let State { x, v, distance, rate, side, .. } = there;
-        let y = scene.offset + side * (scene.clearance - distance);
+        let Scene { offset, clearance, .. } = self.log.scene;
+        let y = offset + side * (clearance - distance);
         let primary = Point { x: R::from(x), v: R::from(v) };
         (primary, GapPoint { y: R::from(y), w: R::from(-side * rate) })
     }
 
     #[inline(always)]
-    fn largest(&mut self, [_, to]: [R; 2], least: R) -> R {
-        let (length, to, (at, there)) = (self.whole.length, to.double(), self.last);
-        let part = match to < length || at == length {
-            true => Part { length: to - (length - self.rest.length), end: there, ..self.rest },
-            false => self.rest,
-        };
-        self.rest = Part { length: length - to, begin: there, ..self.rest };
-        self.log.search::<DRIVE, false>(&part, least.double()).into()
+    fn largest(&mut self, [from, to]: [R; 2], least: R) -> R {
+        let [from, to, least] = [from, to, least].map(R::double);
+        let largest = f64::dispatched(
+            #[inline(always)]
+            || {
+                let part = Part { begin: self.at(from), end: self.at(to), length: to - from };
+                self.log.largest_in::<DRIVE>(Quantity::Displacement, &part, least)
+            },
+        );
+        largest.into()
     }
 }
 

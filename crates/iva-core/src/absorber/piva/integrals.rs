@@ -1,14 +1,17 @@
 //! Integrals along a motion of a structure with a pendulum: energy lost in its dampers, work of its force,
 //! and ∫x².
 //!
-//! The quadrature is that of [`crate::host`]. A motion is a share t of a step, and rows are in powers of time
-//! over the step. The order of a row is known to the compiler, so that many motions can go side by side.
+//! A motion is a share t of a step, and rows are in powers of time over the step. The order of a row is known
+//! to the compiler, so that many motions can go side by side.
 
 use crate::force::Drive;
-use crate::host::driven::integral::{COUNT, Nodes, mean_product, nodes};
 use crate::number::real::Real;
 use crate::segment::flight::Losses;
-use crate::segment::taylor::{Pendulum, Row, unrolled};
+use crate::segment::quadrature::{mean_product, nodes, rates, values};
+use crate::segment::taylor::{Pendulum, Row};
+
+/// Number of nodes of the integrals over a step.
+const NODES: usize = 8;
 
 /// The power series that losses and work are integrals of.
 #[derive(Debug, Clone, Copy)]
@@ -34,25 +37,25 @@ impl<R: Real> Integrands<'_, R> {
     pub fn taken<const N: usize>(&self, pendulum: &Pendulum<R>, t: R, step: R) -> Losses<R> {
         let Pendulum { mass_ratio, damping_ratio, lever, inertia_ratio, pivot_damping, .. } =
             *pendulum;
-        let (at, h) = (nodes([R::ZERO, t]), t * step);
-        let u = at_nodes::<R, N>(self.u, &at);
+        let (at, h) = (nodes::<R, NODES>([R::ZERO, t]), t * step);
+        let u = values::<N, _, _, _>(self.u, &at);
         let viscous = damping_ratio * 2.0 * mean_product(&u, &u) * h;
         let mut pivot = R::ZERO;
         if self.pivots {
-            let w = at_nodes::<R, N>(self.w, &at);
+            let w = values::<N, _, _, _>(self.w, &at);
             let factor = mass_ratio * inertia_ratio * (lever * lever) * pivot_damping;
             pivot = factor * mean_product(&w, &w) * h;
         }
         let Some(drive) = self.drive else { return Losses { viscous, pivot, work: R::ZERO } };
-        let mut work = mean_product(&at_nodes::<R, N>(&drive.primary, &at), &u);
+        let mut work = mean_product(&values::<N, _, _, _>(&drive.primary, &at), &u);
         if self.base {
-            let rate = rate_at_nodes::<R, N>(self.y, &at);
+            let rate = rates::<N, _, _, _>(self.y, &at);
             let (mass, pull) = (R::ONE + mass_ratio, mass_ratio * lever / step);
-            let mut momentum = [R::ZERO; COUNT];
+            let mut momentum = [R::ZERO; NODES];
             for (n, momentum) in momentum.iter_mut().enumerate() {
                 *momentum = mass * u[n] + pull * rate[n];
             }
-            work -= mean_product(&at_nodes::<R, N>(&drive.base, &at), &momentum);
+            work -= mean_product(&values::<N, _, _, _>(&drive.base, &at), &momentum);
         }
         Losses { viscous, pivot, work: work * h }
     }
@@ -61,28 +64,8 @@ impl<R: Real> Integrands<'_, R> {
 /// ∫ f² dt between two shares of a step.
 #[inline(always)]
 pub(crate) fn square<R: Real, const N: usize>(row: &Row<R>, [from, to]: [R; 2], step: R) -> R {
-    let f = at_nodes::<R, N>(row, &nodes([from, to]));
+    let f = values::<N, _, _, _>(row, &nodes::<R, NODES>([from, to]));
     mean_product(&f, &f) * ((to - from) * step)
-}
-
-/// The values of a polynomial of order N at all nodes.
-#[inline(always)]
-fn at_nodes<R: Real, const N: usize>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
-    let mut values = [R::ZERO; COUNT];
-    unrolled!(i < N + 1 => for (value, t) in values.iter_mut().zip(t) {
-        *value = value.mul_add(*t, row[N - i]);
-    });
-    values
-}
-
-/// The derivatives of a polynomial of order N with respect to t at all nodes.
-#[inline(always)]
-fn rate_at_nodes<R: Real, const N: usize>(row: &Row<R>, t: &Nodes<R>) -> Nodes<R> {
-    let mut values = [R::ZERO; COUNT];
-    unrolled!(i < N => for (value, t) in values.iter_mut().zip(t) {
-        *value = value.mul_add(*t, row[N - i] * ((N - i) as f64));
-    });
-    values
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Quantities measured along a motion under force.
 
-use super::integral::{at_nodes, mean_product, nodes};
-use super::{Driven, Moment, Powers, Source};
+use super::{Driven, Moment, NODES, Powers, Source};
 use crate::host::oscillator::Primary;
 use crate::host::turning::{Jets, Turned, guess, turned_once};
 use crate::host::{HostState, Integrated, Structure};
 use crate::number::real::Real;
 use crate::segment::flight::{Arc, Extreme, Quantity};
+use crate::segment::quadrature::{mean_product, nodes, values};
 use crate::segment::taylor::{ORDER, Row, unrolled};
 
 impl<R: Real, D: Source<Real = R>> Driven<D> {
@@ -22,12 +22,13 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         derivative
     }
 
-    /// A series and its first four derivatives after a time h.
+    /// A series and its first five derivatives after a time h.
     #[inline(always)]
     fn jets(&self, row: &Row<R>, h: R) -> Jets<R> {
         let t = h / self.step;
-        let mut sums = [R::ZERO; 5];
+        let mut sums = [R::ZERO; 6];
         unrolled!(k < ORDER + 1 => {
+            sums[5] = sums[5].mul_add(t, sums[4]);
             sums[4] = sums[4].mul_add(t, sums[3]);
             sums[3] = sums[3].mul_add(t, sums[2]);
             sums[2] = sums[2].mul_add(t, sums[1]);
@@ -36,8 +37,9 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         });
         let over = R::ONE / self.step;
         let [square, cube] = [over * over, over * over * over];
-        let [x, v, a, j, s] = sums;
-        [x, v * over, (a * square) * 2.0, (j * cube) * 6.0, (s * (square * square)) * 24.0]
+        let [x, v, a, j, s, fifth] = sums;
+        let (jerk, snap) = ((j * cube) * 6.0, (s * (square * square)) * 24.0);
+        [x, v * over, (a * square) * 2.0, jerk, snap, (fifth * (square * cube)) * 120.0]
     }
 
     /// x and the absolute acceleration at a state, each with its first three derivatives.
@@ -99,15 +101,16 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     pub(super) fn taken_and_given(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         let Integrated { from, course, mass_ratio, gap_velocity } = *motion;
         let powers = self.series_of(from, course);
-        let t = nodes([R::ZERO, h / self.step]);
-        let velocity = at_nodes(&self.derivative(&self.place(from, &powers)), &t);
+        let t = nodes::<R, NODES>([R::ZERO, h / self.step]);
+        let at_nodes = |row: &Row<R>| values::<ORDER, _, _, _>(row, &t);
+        let velocity = at_nodes(&self.derivative(&self.place(from, &powers)));
         let viscous = self.equation.damping / self.equation.stiffness;
         let lost = viscous * mean_product(&velocity, &velocity) * h;
         // Gravity does no work here: its potential is part of the energy of the absorber.
-        let mut work = mean_product(&at_nodes(&powers.pushed, &t), &velocity);
+        let mut work = mean_product(&at_nodes(&powers.pushed), &velocity);
         if self.source.moves_base() {
-            let gained = at_nodes(&self.derivative(&powers.pulled), &t);
-            let base = at_nodes(&self.base_row(&powers), &t);
+            let gained = at_nodes(&self.derivative(&powers.pulled));
+            let base = at_nodes(&self.base_row(&powers));
             let fallen = self.source.weight().map_or(R::ZERO, |weight| weight.gravity * self.step);
             let momentum = std::array::from_fn(|i| {
                 let absorber = gap_velocity.map_or(R::ZERO, |w| w - gained[i] - fallen * t[i]);
@@ -139,6 +142,15 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         }
     }
 
+    /// A bound on the sixth derivative of a quantity in every motion from a state.
+    #[inline(always)]
+    fn sixth(&self, of: Quantity, begin: &Primary<R>) -> R {
+        match of {
+            Quantity::Displacement => self.bound::<4>(begin) + self.base[4],
+            Quantity::Acceleration => self.bound::<6>(begin),
+        }
+    }
+
     /// A quantity between the ends of a motion of this length that begins with the state `begin` of the
     /// primary.
     #[inline(always)]
@@ -149,10 +161,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         begin: &Primary<R>,
         h: R,
     ) -> Arc<R> {
-        let sixth = match of {
-            Quantity::Displacement => self.bound::<4>(begin) + self.base[4],
-            Quantity::Acceleration => self.bound::<6>(begin),
-        };
+        let sixth = self.sixth(of, begin);
         let jet = |at: &Leading<R>| {
             let [value, rate, second, _] = at.jet(of);
             [value, rate, second]
@@ -184,12 +193,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
             let [_, rate, second, third] = at.jet(of);
             [rate, second, third]
         };
-        let fifth = match of {
-            Quantity::Displacement => self.bound::<3>(begin) + self.base[3],
-            Quantity::Acceleration => self.bound::<5>(begin),
-        };
         let at = guess(rates(from), rates(to), h);
-        turned_once(arc, (at, self.jets(row, at)), fifth, h)
+        turned_once(arc, (at, self.jets(row, at)), self.sixth(of, begin), h)
     }
 
     /// The largest size of a quantity in a motion; `row` has the coefficients of the quantity.

@@ -47,7 +47,7 @@ pub(super) struct Block {
     pub flights: Flights<BLOCK>,
     /// f and f̂ at their begins, in their middles and at their ends; computed when the log is taken.
     begin: [[f64; BLOCK]; 2],
-    pub middle: [[f64; BLOCK]; 2],
+    middle: [[f64; BLOCK]; 2],
     end: [[f64; BLOCK]; 2],
 }
 
@@ -86,6 +86,13 @@ impl Block {
         self.flights.get(i).begin([force[i], quadrature[i]])
     }
 
+    /// The force in the middle of a flight.
+    #[inline(always)]
+    pub fn middle(&self, i: usize) -> [f64; 2] {
+        let [force, quadrature] = &self.middle;
+        [force[i], quadrature[i]]
+    }
+
     /// The structure and its force at the end of a flight.
     #[inline(always)]
     fn end(&self, i: usize) -> State {
@@ -94,7 +101,7 @@ impl Block {
         State { x, v, force: force[i], quadrature: quadrature[i], ..State::default() }
     }
 
-    /// A flight as a part of itself.
+    /// A flight between its ends.
     #[inline(always)]
     pub fn part(&self, i: usize) -> Part {
         Part { begin: self.begin(i), end: self.end(i), length: self.flights.length[i] }
@@ -116,7 +123,7 @@ pub(super) fn turned(angle: f64) -> [f64; 2] {
     [angle * sine, cosine]
 }
 
-/// A part of a flight.
+/// A flight between its ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     pub begin: State,

@@ -2,17 +2,18 @@
 //!
 //! Within a piece x = r · z, where z = (x, ẋ, q, q̇) holds at its begin and r the responses of the structure. So
 //! ∫x² = zᵀ W z with a matrix W = ∫ r rᵀ that depends on the length of the piece only; it is integrated by Gaussian
-//! quadrature ([`crate::host::driven::integral`]). As z is linear in (1, x₀, v₀) of the first point of a block, the sum
+//! quadrature ([`crate::segment::quadrature`]). As z is linear in (1, x₀, v₀) of the first point of a block, the sum
 //! over its pieces is a quadratic form of them, which is kept for each point.
 
 use std::array::from_fn;
 
 use super::{ALIKE, At, Pieces};
 use crate::force::Acts;
-use crate::host::driven::integral::{COUNT, node, weight};
+use crate::host::driven::NODES;
 use crate::host::oscillator::{Oscillator, Primary};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::segment::quadrature::{node, weight};
 
 /// ∫x², ∫ẋ² and ∫q ẋ over a part of a motion.
 #[derive(Debug, Clone, Copy)]
@@ -59,8 +60,8 @@ impl<R: Real> Weights<R> {
         }
         let mut weights =
             Self { h, place: [[R::ZERO; 4]; 4], speed: [[R::ZERO; 4]; 4], work: [[R::ZERO; 4]; 2] };
-        for n in 0..COUNT {
-            weights.add(oscillator, node(n, [R::ZERO, h]), weight::<R>(n) * h);
+        for n in 0..NODES {
+            weights.add(oscillator, node::<R, NODES>(n, [R::ZERO, h]), weight::<R, NODES>(n) * h);
         }
         weights
     }
