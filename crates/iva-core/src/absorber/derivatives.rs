@@ -30,6 +30,10 @@ pub trait Differentiable: System<Real = f64> {
     }
     /// Derivative of the state after a flight of length h with respect to the state before it.
     fn flight_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
+    /// The same to some five digits, which estimates of errors need.
+    fn rough_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64> {
+        self.flight_tangent(from, h)
+    }
     /// Derivative of the state after a time h stuck on a wall, where y and ẏ do not change, with respect to
     /// that before it.
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;

@@ -30,6 +30,7 @@ use crate::measures::steady::SteadyWanted;
 use crate::measures::{Stretch, Stretches, Wanted, looks};
 use crate::number::arrays::{Lanes as _, any};
 use crate::number::real::Real;
+use crate::segment::flight::Motion;
 pub(crate) use drive::Swinging;
 use drive::{Laid, laid, raised, seen};
 use lane::{Lane, Lanes};
@@ -75,7 +76,7 @@ struct Shared {
     squares: bool,
     /// True if largest displacements or accelerations are asked for.
     extremes: bool,
-    /// True if observers see steps: those that are not quiet, or all of them.
+    /// True if observers see steps: those that are not quiet; or all of them, those beside the measures.
     shows: bool,
     shows_all: bool,
     /// True if observers are told of impacts.
@@ -138,7 +139,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
             for i in 0..LANES {
                 begins.0[i] = lanes.clock.get(i);
                 begins.1.set(i, &lanes.state.get(i));
-                shown |= (rounds.passed[i] > 0.0) & (rounds.quiet[i] == 0.0);
+                shown |= (rounds.passed[i] > 0.0) & (shared.shows_all | (rounds.quiet[i] == 0.0));
             }
         }
         for i in 0..LANES {
@@ -158,7 +159,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
     #[inline(always)]
     fn log(&mut self) -> bool {
         let mut full = false;
-        if self.shared.looks && !self.shared.shows_all {
+        if self.shared.looks {
             for i in 0..LANES {
                 if self.rounds.passed[i] > 0.0 {
                     full |= self.log_step(i);
@@ -199,7 +200,8 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
 
     /// True if the observers of a lane are to see the step that it has done.
     fn is_shown(&self, i: usize) -> bool {
-        self.shared.shows && self.rounds.passed[i] > 0.0 && self.rounds.quiet[i] == 0.0
+        let shows = self.shared.shows_all || self.rounds.quiet[i] == 0.0;
+        self.shared.shows && self.rounds.passed[i] > 0.0 && shows
     }
 
     /// True if the log of a lane is full, or the list of its impacts.
@@ -207,11 +209,11 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         self.logs[i].is_full() || self.struck[i].len() >= MOST_STRUCK
     }
 
-    /// Shows the observers of a run the step that its lane has done.
+    /// Shows the observers of a run the step that its lane has done: those beside its measures only, if the step is
+    /// quiet.
     fn show(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
         let (round, system): (Round<_>, _) = (self.rounds.get(i), run.system);
         let scene = self.scenes.get(i);
-        self.lanes.get(i).put_back_sums(run);
         let own = round.hit.then(|| self.struck[i].pop()).flatten();
         self.tell(i, run);
         let (start, laid) = (self.begins.0[i], self.begins.1.get(i));
@@ -229,20 +231,25 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         let known = Known { losses, square, limits };
         let motion = PivaFlight::flown(system, from, series, round.step, (length, known));
         let (from, to) = (system.primary(&from), system.primary(&end));
-        run.observer.span(system, &Span { motion: &motion, start, length, from, to, end: &end });
+        let span = Span { motion: &motion, start, length, from, to, end: &end };
+        let states = contact.each_ref();
+        let contact = own.map(|impact| Contact { time: impact.time, states, summed: false });
+        if round.quiet {
+            show(system, &span, contact.as_ref(), &mut run.observer.beside);
+        } else {
+            self.lanes.get(i).put_back_sums(run);
+            show(system, &span, contact.as_ref(), &mut run.observer);
+            self.see(i, run);
+        }
         if let Some(impact) = own {
-            let states = contact.each_ref();
-            let contact = Contact { time: impact.time, states, summed: false };
-            run.observer.contact(system, &contact);
             run.observer.impact(system, &impact);
         }
-        self.see(i, run);
     }
 
     /// Reads sums and quiet steps of a run whose observers have seen a step.
     fn see(&mut self, i: usize, run: &ScalarRun<'_, Piva<H>>) {
         let mut lane = self.lanes.get(i);
-        lane.see(run, self.shared.shows_all);
+        lane.see(run);
         self.lanes.set(i, &lane);
     }
 
@@ -253,13 +260,24 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         }
     }
 
-    /// Exchanges the log of a lane for that of its run, unless observers see all steps.
+    /// Exchanges the log of a lane for that of its run.
     fn swap_logs(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
-        if let Some(log) =
-            run.observer.measures.stretches.as_mut().filter(|_| !self.shared.shows_all)
-        {
+        if let Some(log) = &mut run.observer.measures.stretches {
             std::mem::swap(&mut self.logs[i], log);
         }
+    }
+}
+
+/// Shows an observer a step, with the contact that ends it.
+fn show<S: System, M: Motion<Real = S::Real, State = S::State>>(
+    system: &S,
+    span: &Span<'_, M>,
+    contact: Option<&Contact<'_, S::State, S::Real>>,
+    observer: &mut impl Observer<S>,
+) {
+    observer.span(system, span);
+    if let Some(contact) = contact {
+        observer.contact(system, contact);
     }
 }
 

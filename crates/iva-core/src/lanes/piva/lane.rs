@@ -154,12 +154,10 @@ impl<P: Laned> Lane<P> {
         }
     }
 
-    /// Reads the sums of the measures of a run, and the steps that its observers need not see; none if all are
-    /// `shown`.
-    pub fn see<H: Swinging>(&mut self, run: &ScalarRun<'_, Piva<H>>, shown: bool) {
+    /// Reads the sums of the measures of a run, and the steps that they need not see.
+    pub fn see<H: Swinging>(&mut self, run: &ScalarRun<'_, Piva<H>>) {
         self.ledger = run.observer.measures.ledger;
-        let quiet = run.observer.steady.as_ref().map_or(Quiet::ALL, Steady::quiet);
-        self.quiet = if shown { quiet.none() } else { quiet };
+        self.quiet = run.observer.steady.as_ref().map_or(Quiet::ALL, Steady::quiet);
     }
 
     /// Writes the sums of its measures back into the run.

@@ -118,8 +118,8 @@ impl Errors {
     }
 
     /// Derivative of the state z with respect to that at the begin of the run: the product of the flows and
-    /// saltation matrices so far; for a periodic orbit the monodromy matrix. `None` once the start is
-    /// forgotten.
+    /// saltation matrices so far; for a periodic orbit the monodromy matrix. That of a pendulum has some
+    /// five digits; [`super::Tangent`] has all. `None` once the start is forgotten.
     pub fn derivative(&self) -> Option<&Matrix4<f64>> {
         (!self.lost).then_some(&self.derivative)
     }
@@ -174,8 +174,7 @@ impl Errors {
         [first, last]: [Vector4<f64>; 2],
     ) {
         let [primary, gap] = system.truncation(from);
-        let map =
-            if riding { system.ride_tangent(from, h) } else { system.flight_tangent(from, h) };
+        let map = if riding { system.ride_tangent(from, h) } else { system.rough_tangent(from, h) };
         self.carry(&map);
         let sharpness = system.sharpness(end);
         let mut rates = first.abs().sup(&last.abs());

@@ -30,11 +30,6 @@ impl Quiet {
         square: DoubleDouble::ZERO,
     };
 
-    /// No flight of a run in which each is to be shown.
-    pub fn none(&self) -> Self {
-        Self { until: -f64::INFINITY, ..*self }
-    }
-
     /// True if a flight between two instants, with these bounds on |x| and |ẍ + a_g|, needs not be shown.
     #[inline(always)]
     pub fn covers(&self, [start, end]: [Clock; 2], [x, a]: [f64; 2]) -> bool {
