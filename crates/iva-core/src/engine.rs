@@ -4,3 +4,4 @@
 mod limits;
 pub mod observe;
 pub mod simulate;
+mod tally;

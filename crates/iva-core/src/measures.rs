@@ -14,10 +14,12 @@ use crate::number::real::Real;
 use crate::segment::flight::Motion;
 
 pub(crate) use decay::{Sinusoids, Stretch, Stretches, in_motion, keeps, looks};
+pub(crate) use fit::Fit;
 pub(crate) use ledger::Ledger;
 
 mod decay;
 pub mod extremes;
+mod fit;
 pub(crate) mod forced;
 mod ledger;
 pub(crate) mod log;
@@ -30,8 +32,6 @@ mod settling;
 pub mod steady;
 pub mod summary;
 
-/// Peaks below this share of A₀ end the least-squares fit.
-const FIT_FLOOR: f64 = 0.05;
 /// Relative distance at or below which two instants count as the same, in parts of their size.
 const CLOSE: f64 = 8.0 * f64::EPSILON;
 /// Numbers of cycles of the logarithmic decrements.
@@ -394,37 +394,4 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
 /// The instant `before_end` before the end of a run, a little earlier because of rounding.
 pub(crate) fn late<R: Real>(duration: R, before_end: R) -> R {
     (duration - before_end) - duration * CLOSE
-}
-
-/// Running least-squares line of ln a over t (updated means, after Welford 1962).
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Fit<R = f64> {
-    closed: bool,
-    count: R,
-    mean_t: R,
-    mean_l: R,
-    square_t: R,
-    product: R,
-}
-
-impl<R: Real> Fit<R> {
-    /// Takes a peak: its time, and its size over A₀.
-    fn take(&mut self, time: R, amplitude: R) {
-        // Where nothing moves, the size is 0/0.
-        if self.closed || amplitude.is_nan() || amplitude < FIT_FLOOR {
-            self.closed = true;
-            return;
-        }
-        let log = amplitude.ln();
-        self.count += 1.0;
-        let dt = time - self.mean_t;
-        self.mean_t += dt / self.count;
-        self.mean_l += (log - self.mean_l) / self.count;
-        self.square_t += dt * (time - self.mean_t);
-        self.product += dt * (log - self.mean_l);
-    }
-
-    fn slope(&self) -> Option<R> {
-        (self.count >= 3.0).then(|| self.product / self.square_t)
-    }
 }

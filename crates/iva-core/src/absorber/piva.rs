@@ -17,13 +17,15 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
 use crate::segment::flight::Jet;
-use crate::segment::taylor::{Pendulum, Series, Swing};
+use crate::segment::taylor::{Pendulum, Series};
 
 pub(crate) use contact::distance;
 pub use motion::PivaFlight;
 pub(crate) use motion::{Known, PARTS};
 pub use parameters::{Angles, ImpactLaw, Parameters};
 pub use start::{Given, PivaStart};
+pub use state::PivaState;
+pub(crate) use state::PivaStates;
 
 use accuracy::Accuracy;
 pub(crate) use accuracy::Sizes;
@@ -38,6 +40,7 @@ pub(crate) mod integrals;
 mod motion;
 mod parameters;
 mod start;
+mod state;
 pub(crate) mod step;
 
 /// The walls of a pendulum.
@@ -201,83 +204,6 @@ fn at_rest_on_release<R: Real, P, const LENGTH: usize>(
         (series.w[1], series.y[2]) = (R::ZERO, R::ZERO);
     }
     series
-}
-
-/// The state of primary and pendulum between events.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PivaState<P = (), R = f64> {
-    /// The state of the drive.
-    pub(crate) phase: P,
-    pub(crate) primary: Primary<R>,
-    pub(crate) wall: Wall,
-    /// The distance d − s y ≥ 0 to the wall last touched.
-    pub(crate) distance: DoubleDouble<R>,
-    pub(crate) clearance: R,
-    /// W = b θ̇.
-    pub(crate) w: DoubleDouble<R>,
-    /// cosθ.
-    pub(crate) cosine: DoubleDouble<R>,
-    /// True just after a release, where W and Ẇ are exactly 0.
-    pub(crate) released: bool,
-}
-
-laned!(
-    PivaState<P>,
-    PivaStates {
-        phase: P,
-        primary: Primary,
-        wall: Wall,
-        distance: DoubleDouble,
-        clearance: f64,
-        w: DoubleDouble,
-        cosine: DoubleDouble,
-        released: bool,
-    }
-);
-
-impl<R: Real, P> PivaState<P, R> {
-    /// The same state with another one of the drive.
-    #[inline(always)]
-    pub(crate) fn with_phase<Q>(self, phase: Q) -> PivaState<Q, R> {
-        let Self { primary, wall, distance, clearance, w, cosine, released, .. } = self;
-        PivaState { phase, primary, wall, distance, clearance, w, cosine, released }
-    }
-
-    /// Gap displacement y.
-    #[inline(always)]
-    pub(crate) fn y(&self) -> DoubleDouble<R> {
-        let s = self.wall.sign();
-        DoubleDouble::new(self.clearance * s)
-            .plus_parts(self.distance.value * -s, self.distance.rest * -s)
-    }
-
-    /// The variables of the Taylor series.
-    #[inline(always)]
-    pub(crate) fn swing(&self) -> Swing<R> {
-        Swing {
-            x: self.primary.x.value,
-            u: self.primary.v.value,
-            y: self.y().value,
-            w: self.w.value,
-            c: self.cosine.value,
-        }
-    }
-
-    /// Distance to a wall.
-    #[inline(always)]
-    fn distance_to(&self, wall: Wall) -> R {
-        if wall == self.wall {
-            self.distance.value
-        } else {
-            -self.distance.minus(self.clearance * 2.0)
-        }
-    }
-
-    /// Gap velocity ẏ = c W.
-    #[inline(always)]
-    fn gap_velocity(&self) -> R {
-        self.cosine.value * self.w.value
-    }
 }
 
 impl<R: Real, H: Host<Real = R>> System for Piva<H> {

@@ -1,0 +1,87 @@
+//! What a run has come to: its counts and sums, and an instant of it.
+
+use super::limits::Outcome;
+use crate::absorber::system::{Clock, System};
+use crate::number::real::Real;
+
+/// Counts and sums of a run, in natural units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tally<State, R = f64> {
+    /// How the run ended.
+    pub outcome: Outcome,
+    /// Number of listed impacts.
+    pub impacts: u64,
+    /// Number of listed impacts at which the masses moved towards each other.
+    pub effective_impacts: u64,
+    /// Number of stick episodes: chatters that ended in stick, plastic sticks, starts at rest on a pressed
+    /// wall.
+    pub episodes: u64,
+    /// Number of grazing extrema within rounding of a wall, counted as no contact.
+    pub undecided: u64,
+    /// Largest approach speed of all impacts on wall + and on wall −; 0 without any.
+    pub approach_speeds: [R; 2],
+    /// Total time stuck on a wall, in 1/ωn.
+    pub time_stuck: R,
+    /// Energy lost in all impacts, listed or summed.
+    pub energy_impacts: R,
+    /// Instant at which the run ended, in 1/ωn.
+    pub end_time: R,
+    /// Number of segments of flight and stick episode computed.
+    pub work: u64,
+    /// The last state.
+    pub state: State,
+    /// The instant of the last state, in double-double.
+    pub clock: Clock<R>,
+}
+
+impl<State: Copy, R: Real> Tally<State, R> {
+    /// The same counts and sums without the last state, for runs of any kind of scene side by side.
+    pub fn without_state(&self) -> Tally<(), R> {
+        let Self { outcome, impacts, effective_impacts, episodes, undecided, .. } = *self;
+        let Self { approach_speeds, time_stuck, energy_impacts, end_time, work, clock, .. } = *self;
+        Tally {
+            outcome,
+            impacts,
+            effective_impacts,
+            episodes,
+            undecided,
+            approach_speeds,
+            time_stuck,
+            energy_impacts,
+            end_time,
+            work,
+            state: (),
+            clock,
+        }
+    }
+
+    /// The end of the run, from which another run can go on.
+    pub fn instant(&self) -> Instant<State, R> {
+        Instant { time: self.clock, state: self.state }
+    }
+}
+
+/// An instant of a run, and the state at that instant.
+///
+/// The state of a driven system holds the instant of its drive. It is this instant, unless the state was made
+/// for another one ([`System::begin_at`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instant<State, R = f64> {
+    /// The instant, in 1/ωn.
+    pub time: Clock<R>,
+    /// In flight, or stuck to the wall that it touches.
+    pub state: State,
+}
+
+impl<State, R: Real> Instant<State, R> {
+    /// A start at time zero.
+    pub fn start<S: System<Real = R, State = State>>(system: &S, start: &S::Start) -> Self {
+        Self::at(system, start, R::ZERO)
+    }
+
+    /// A start at an instant.
+    pub fn at<S: System<Real = R, State = State>>(system: &S, start: &S::Start, time: R) -> Self {
+        let time = Clock::new(time);
+        Self { time, state: system.begin_at(start, time) }
+    }
+}
