@@ -140,7 +140,11 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         &self.equation
     }
 
+    #[inline]
     fn fast_course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
+        if self.ramped.is_some() {
+            return Course(None);
+        }
         R::dispatched(
             #[inline(always)]
             || self.course(from),
