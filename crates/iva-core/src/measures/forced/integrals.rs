@@ -36,9 +36,9 @@ impl Sums {
     /// Adds what the flights of a block at these places have.
     #[inline(always)]
     fn add(&mut self, each: &[f64; BLOCK], [begin, end]: [usize; 2]) {
-        for i in 0..BLOCK {
+        for (i, one) in each.iter().enumerate() {
             let counts = (i >= begin) & (i < end);
-            self.0.set(i, &self.0.get(i).plus(pick(counts, each[i], 0.0)));
+            self.0.set(i, &self.0.get(i).plus(pick(counts, *one, 0.0)));
         }
     }
 
@@ -116,12 +116,12 @@ impl Forced {
     fn square(&self, block: &Block, courses: &Courses) -> [f64; BLOCK] {
         let structure = self.structure;
         let mut squares = [0.0; BLOCK];
-        for i in 0..BLOCK {
+        for (i, square) in squares.iter_mut().enumerate() {
             let Flight { x, length, .. } = block.flights.get(i);
             let course = displacement(x, &courses.get(i), structure.longest);
             let t = nodes::<f64, NODES>([0.0, length * structure.over_longest]);
             let place = values::<{ ORDER + 1 }, _, _, _>(&course, &t);
-            squares[i] = mean_product(&place, &place) * length;
+            *square = mean_product(&place, &place) * length;
         }
         squares
     }
