@@ -16,7 +16,7 @@ use iva_core::{
 };
 use iva_tests::rng::Rng;
 
-use crate::lanes::{alone_wanting, together_wanting};
+use crate::side_by_side::{alone_wanting, together_wanting};
 
 /// Random pendulums: light and heavy, with hard and soft walls and damped and undamped pivots, under a force
 /// or on a moving base, with or without a transient that is left out; a few under two forces, or with an
