@@ -176,7 +176,8 @@ fn run_share(
     control: &Control<'_>,
 ) -> Result<Tables, SweepError> {
     let request = Request::new(study);
-    let mut builders = builders(schemas, (points.end - points.start) as usize);
+    let count = (points.end - points.start) as usize;
+    let mut builders = builders(schemas, count, count.max(MANY_EVENTS));
     let mut first = points.start;
     while first < points.end && !control.cancelled() {
         let chunk = first..points.end.min(first + CHUNK);
@@ -232,10 +233,16 @@ fn run_chunk(
 
 type Builders = BTreeMap<Table, TableBuilder>;
 
-/// Empty tables, each with room for this number of rows.
-fn builders(schemas: &Schemas, rows: usize) -> Builders {
-    let builder = |schema: &SchemaRef| TableBuilder::new(SchemaRef::clone(schema), rows);
-    schemas.iter().map(|(&table, schema)| (table, builder(schema))).collect()
+/// Number of rows of the events of one run for which there is room at once: as many as most runs have.
+const MANY_EVENTS: usize = 64;
+
+/// Empty tables, with room for this number of rows in the summary, and in the tables of events.
+fn builders(schemas: &Schemas, points: usize, events: usize) -> Builders {
+    let rows = |table| if table == Table::Summary { points } else { events };
+    let builder = |(&table, schema): (&Table, &SchemaRef)| {
+        (table, TableBuilder::new(SchemaRef::clone(schema), rows(table)))
+    };
+    schemas.iter().map(builder).collect()
 }
 
 fn finish(builders: Builders) -> Result<Tables, SweepError> {
@@ -257,7 +264,7 @@ pub fn run_inline(study: &Study, work: u64) -> Result<Option<Tables>, SweepError
     }
     let cut = design.limits.max_work > work;
     design.limits.max_work = design.limits.max_work.min(work);
-    let mut builders = builders(&schemas(study)?, 1);
+    let mut builders = builders(&schemas(study)?, 1, MANY_EVENTS);
     let request = Request::new(study);
     let ended = run_point(study, 0, &design, &request, &AtomicBool::new(false), &mut builders)?;
     if cut && ended.tally.outcome == Outcome::WorkLimit {

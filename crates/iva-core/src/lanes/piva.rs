@@ -13,13 +13,13 @@ mod lane;
 mod round;
 mod rows;
 mod scene;
+mod shown;
 
 use super::{Cycling, Job, LANES, Listing, Loaded, Lockstep, ScalarRun, SideBySide};
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::step::Turning;
-use crate::absorber::piva::{Known, Piva, PivaFlight, PivaState, PivaStates};
+use crate::absorber::piva::{Piva, PivaState, PivaStates};
 use crate::absorber::system::{Clock, Start, System};
-use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Limits, Run};
 use crate::host::Phase;
 use crate::host::oscillator::Primary;
@@ -29,12 +29,10 @@ use crate::measures::propagation::Tangent;
 use crate::measures::steady::SteadyWanted;
 use crate::measures::{Stretch, Stretches, Wanted, looks};
 use crate::number::arrays::{Lanes as _, any};
-use crate::number::real::Real;
-use crate::segment::flight::Motion;
 pub(crate) use drive::Swinging;
-use drive::{Laid, laid, raised, seen};
+use drive::{Laid, laid, raised};
 use lane::{Lane, Lanes};
-use round::{Round, Rounds, Stages};
+use round::{Rounds, Stages};
 use rows::Rows;
 use scene::{Scene, Scenes};
 
@@ -198,66 +196,9 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         log.is_full()
     }
 
-    /// True if the observers of a lane are to see the step that it has done.
-    fn is_shown(&self, i: usize) -> bool {
-        let shows = self.shared.shows_all || self.rounds.quiet[i] == 0.0;
-        self.shared.shows && self.rounds.passed[i] > 0.0 && shows
-    }
-
     /// True if the log of a lane is full, or the list of its impacts.
     fn is_full(&self, i: usize) -> bool {
         self.logs[i].is_full() || self.struck[i].len() >= MOST_STRUCK
-    }
-
-    /// Shows the observers of a run the step that its lane has done: those beside its measures only, if the step is
-    /// quiet.
-    fn show(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
-        let (round, system): (Round<_>, _) = (self.rounds.get(i), run.system);
-        let scene = self.scenes.get(i);
-        let own = round.hit.then(|| self.struck[i].pop()).flatten();
-        self.tell(i, run);
-        let (start, laid) = (self.begins.0[i], self.begins.1.get(i));
-        let (from, end, contact) = f64::dispatched(
-            #[inline(always)]
-            || {
-                let [touching, after] = [&round.touching, &round.after];
-                let contact = [seen::<H>(&scene, touching), seen::<H>(&scene, after)];
-                (raised::<H>(&scene, &laid), seen::<H>(&scene, &round.end), contact)
-            },
-        );
-        let Round { losses, square, limits, length, .. } = round;
-        let drive = H::DRIVEN.then(|| self.rows.drive(i));
-        let series = (self.rows.get::<N>(i), drive);
-        let known = Known { losses, square, limits };
-        let motion = PivaFlight::flown(system, from, series, round.step, (length, known));
-        let (from, to) = (system.primary(&from), system.primary(&end));
-        let span = Span { motion: &motion, start, length, from, to, end: &end };
-        let states = contact.each_ref();
-        let contact = own.map(|impact| Contact { time: impact.time, states, summed: false });
-        if round.quiet {
-            show(system, &span, contact.as_ref(), &mut run.observer.beside);
-        } else {
-            self.lanes.get(i).put_back_sums(run);
-            show(system, &span, contact.as_ref(), &mut run.observer);
-            self.see(i, run);
-        }
-        if let Some(impact) = own {
-            run.observer.impact(system, &impact);
-        }
-    }
-
-    /// Reads sums and quiet steps of a run whose observers have seen a step.
-    fn see(&mut self, i: usize, run: &ScalarRun<'_, Piva<H>>) {
-        let mut lane = self.lanes.get(i);
-        lane.see(run);
-        self.lanes.set(i, &lane);
-    }
-
-    /// Tells the observers of a run of the impacts that they have not been told yet.
-    fn tell(&mut self, i: usize, run: &mut ScalarRun<'_, Piva<H>>) {
-        for impact in self.struck[i].drain(..) {
-            run.observer.impact(run.system, &impact);
-        }
     }
 
     /// Exchanges the log of a lane for that of its run.
@@ -265,19 +206,6 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         if let Some(log) = &mut run.observer.measures.stretches {
             std::mem::swap(&mut self.logs[i], log);
         }
-    }
-}
-
-/// Shows an observer a step, with the contact that ends it.
-fn show<S: System, M: Motion<Real = S::Real, State = S::State>>(
-    system: &S,
-    span: &Span<'_, M>,
-    contact: Option<&Contact<'_, S::State, S::Real>>,
-    observer: &mut impl Observer<S>,
-) {
-    observer.span(system, span);
-    if let Some(contact) = contact {
-        observer.contact(system, contact);
     }
 }
 
