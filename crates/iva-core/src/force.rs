@@ -1,10 +1,9 @@
 //! The excitation of a scene: harmonic and recorded forces on the primary, motion of the base, impulses
 //! (paper, f(t) of Eqs. 1 and 3).
 //!
-//! With x and the gap relative to the base, a_g the acceleration of the base and A = ẍ + a_g the
-//! absolute acceleration of the primary, every equation of the free scene holds with A in place of
-//! ẍ, the force f/M added on the right, and u̇ = A − a_g: the free absorber feels A, not ẍ. So base
-//! motion is not the same as f/M = −a_g.
+//! With x and the gap relative to the base, a_g the acceleration of the base and A = ẍ + a_g the absolute
+//! acceleration of the primary, the equations without drive hold with A in place of ẍ and f/M added on the right;
+//! then ẍ = A − a_g. The free absorber feels A, not ẍ, so base motion is not the same as f/M = −a_g.
 //!
 //! A motion takes the force as Taylor coefficients about an instant, exact but for rounding. The phase of a
 //! harmonic is reduced to one turn in double-double, so that it does not drift in long runs. A record is

@@ -43,7 +43,7 @@ mod undriven;
 pub struct HostState<Phase, R = f64> {
     /// Displacement x and velocity ẋ.
     pub(crate) primary: Primary<R>,
-    /// A of the structure without absorber, in double-double: it may be a small difference of f/M, x and ẋ.
+    /// A in double-double, as it may be a small difference of f/M, x and ẋ: for mass 1, in a ride for mass 1 + μ.
     pub(crate) acceleration: DoubleDouble<R>,
     /// The state of the drive.
     pub(crate) phase: Phase,
@@ -285,7 +285,7 @@ pub trait Host: Excitation + Clone {
     fn drive(&self, _phase: &Phase<Self>, _h: Self::Real) -> Option<Drive<Self::Real>> {
         None
     }
-    /// The first of them, four at most, in powers of t.
+    /// The first Taylor coefficients of f/M and a_g, four at most, in powers of t.
     #[inline(always)]
     fn drive_ahead<const LENGTH: usize>(
         &self,
@@ -293,12 +293,12 @@ pub trait Host: Excitation + Clone {
     ) -> Option<Drive<Self::Real, LENGTH>> {
         None
     }
-    /// Value and rate of f/M and a_g, in double-double.
+    /// Value and rate of f/M, and of a_g plus gravity along the motion, in double-double.
     #[inline(always)]
     fn drive_now(&self, _phase: &Phase<Self>) -> Option<Drive<DoubleDouble<Self::Real>, 2>> {
         None
     }
-    /// [`Host::drive`] in double-double.
+    /// [`Host::drive`] in double-double, with gravity along the motion added to a_g.
     fn precise_drive(
         &self,
         _phase: &Phase<Self>,

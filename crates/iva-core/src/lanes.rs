@@ -56,7 +56,7 @@ pub(crate) use logged::Logged;
 
 /// Number of runs side by side.
 pub const LANES: usize = 8;
-/// Number of free masses side by side, where their rounds are in stages: enough to hide the latency of operations
+/// Number of free masses side by side in free decay and in the fast tier: enough to hide the latency of operations
 /// on a processor with wide vectors.
 pub(crate) const WIDE: usize = 16;
 
@@ -69,7 +69,7 @@ pub struct Job<S: SideBySide> {
     pub start: S::Start,
     /// The instant at which the run begins, in 1/ωn.
     pub begin: f64,
-    /// The length of the run, and its limits.
+    /// The limits of the run; `limits.duration` is the instant at which it ends, not its length.
     pub limits: Limits,
     /// The measures of the steady state that are wanted, and the window that they are taken in.
     pub steady: Option<(SteadyWanted, Window)>,
@@ -220,13 +220,13 @@ pub(crate) trait Lockstep<S: SideBySide>: Sized {
 /// The run of a lane in the event loop, which goes on where the lane cannot.
 pub(crate) type ScalarRun<'a, S> = Run<'a, S, Watch<S>>;
 
-/// The observer of such a run.
+/// The observer of the run of a lane: its measures, and beside them what is listed of it.
 pub(crate) type Watch<S> = Box<Summary<S, (Told, Looks)>>;
 
-/// What is told of events.
+/// The lists of events and of estimated errors, if they are asked for.
 pub(crate) type Told = (Option<Events>, Option<Box<Errors>>);
 
-/// What looks within the flights of a run.
+/// The extremes, if they are asked for, and the passes: they look within the flights of a run.
 pub(crate) type Looks = (Option<Extremes>, Passes<f64>);
 
 /// A run and its index among the jobs.

@@ -46,7 +46,7 @@ pub struct Wanted {
     pub settling: bool,
     /// Residual amplitude.
     pub residual: bool,
-    /// Viscous loss, an integral along every flight.
+    /// Losses in the dampers of structure and pivot, and work of the force: integrals along all motions.
     pub ledger: bool,
     /// The energy lost in the first period.
     pub first_period: bool,
@@ -112,7 +112,7 @@ pub struct MeasureValues<R = f64> {
     pub energy_pivot: R,
     /// E at the end.
     pub energy_final: R,
-    /// Work done by force and base motion, an integral; 0 in free decay.
+    /// Work done by force, base motion and impulses; 0 in free decay.
     pub energy_work: R,
     /// Initial + work − impacts − viscous − pivot − final.
     pub energy_residual: R,

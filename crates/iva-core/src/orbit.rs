@@ -1,9 +1,9 @@
 //! State → state: whole cycles of a drive, from any state at any phase.
 //!
-//! Periodic orbits, their multipliers, basins, diagrams and exponents are all made of one map: the state at one phase of
-//! the drive is mapped to that one or some cycles later ([`map`]). Each cycle begins on the same clock, so that equal
-//! states at its begin have equal states at its end, to the bit. No table is made and no measure taken; what is counted
-//! are the impacts. With the derivative of the map comes the monodromy matrix ([`Tangent`]).
+//! Periodic orbits, their multipliers, basins, diagrams and exponents are all made of one map ([`map`]): from the
+//! state at one phase of the drive to the state one or more cycles later. Each cycle begins on the same clock, so
+//! that equal states at its begin have equal states at its end, to the bit. No table is made and nothing is measured
+//! but the number of impacts. The derivative of the map ([`Tangent`]) is the monodromy matrix of a periodic orbit.
 //!
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
 //! of pendulums side by side in lanes ([`crate::lanes`]), with the bits of [`map`] in the exact tier.
@@ -41,7 +41,7 @@ pub struct Cycle {
 /// The image of a state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Image<State> {
-    /// The state at the end of the cycle, with the drive at its begin.
+    /// The state at the end of the cycle, with the drive set back to the begin of the cycle.
     pub state: State,
     /// Number of impacts in the cycle that are listed ([`Limits::chatter_floor`]).
     pub impacts: u64,
@@ -85,7 +85,7 @@ impl<S: System<Real = f64>> Trajectory<S> {
         Self { state, ..self.clone() }
     }
 
-    /// The end of a cycle, and limits that do not end it earlier.
+    /// The end of a cycle, with the default limits on impacts and work.
     fn limits(&self) -> Result<Limits, Invalid> {
         let Cycle { begin, length } = self.cycle;
         range::size("cycle.begin", begin)?;
@@ -260,7 +260,7 @@ impl Iterated for Siva<DrivenHost> {
     }
 }
 
-/// What pendulums that go side by side have in common. The derivative of a step is computed one by one.
+/// The key of pendulums that can go side by side; `None` if derivatives are wanted, which lanes do not compute.
 fn swinging<H: Host<Real = f64>>(piva: &Piva<H>, request: &Request<'_>) -> Option<[u64; 2]> {
     let Piva { pendulum, accuracy, .. } = piva;
     let key = [accuracy.tolerance.to_bits(), u64::from(pendulum.small_angles)];

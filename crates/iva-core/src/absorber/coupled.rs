@@ -35,7 +35,7 @@ pub trait Coupling: Copy + std::fmt::Debug {
     fn constants(&self) -> [Self::Real; 3];
     /// ẍ and ẇ in flight, linear in x, ẋ, y and w.
     fn rates<T: Number<Real = Self::Real>>(&self, z: [T; 4]) -> [T; 2];
-    /// The energy that is lost in a unit of time over ẋ² in the structure, and over w² in the gap.
+    /// Damping coefficients in units of M ωn: of the structure (lost power over ẋ²) and of the gap (over w²).
     fn dampers(&self) -> [Self::Real; 2];
     /// The stiffness of a spring in the gap over that of the structure.
     fn spring(&self) -> Self::Real {

@@ -37,7 +37,7 @@ pub trait Differentiable: System<Real = f64> {
     /// Derivative of the state after a time h stuck on a wall, where y and ẏ do not change, with respect to
     /// that before it.
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
-    /// Derivative of the velocity jump of an impact on a wall.
+    /// Derivative of the state just after an impact with respect to that just before, at a fixed instant.
     fn impact_matrix(&self, wall: Wall) -> Matrix4<f64>;
     /// Derivative of the state at the end of a chatter on a wall with respect to that after one of its
     /// rebounds.

@@ -94,7 +94,7 @@ impl Structure {
         power * Self::radius(at) + excess
     }
 
-    /// The first six derivatives of the absolute motion, from A on, and of x, from ẍ on.
+    /// A with its first five derivatives, and ẍ with its first five derivatives.
     #[inline(always)]
     pub fn derivatives<const DRIVE: u8>(&self, at: &State) -> [[f64; 6]; 2] {
         let Self { damping, frequency, .. } = *self;
@@ -238,7 +238,7 @@ impl State {
         }
     }
 
-    /// The state a short time t later, by the Taylor series to the order of the fifth derivative of x.
+    /// The state a short time t later, by the Taylor series of displacement and velocity up to t⁴.
     #[inline(always)]
     pub fn shortly_after<const DRIVE: u8>(&self, structure: &Structure, t: f64) -> Self {
         let [absolute, relative] = structure.derivatives::<DRIVE>(self);

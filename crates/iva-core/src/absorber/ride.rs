@@ -15,7 +15,7 @@ pub trait Stuck: System<Excitation = <Self as Stuck>::Host> {
     type Host: Host<Real = Self::Real>;
     /// Displacement and velocity of the structure in a state.
     fn structure_of(state: &Self::State) -> Primary<Self::Real>;
-    /// A state with another one of the structure.
+    /// The same state of the absorber, with this state of the structure.
     fn with_structure(
         state: &Self::State,
         structure: HostState<Phase<Self::Host>, Self::Real>,

@@ -118,8 +118,8 @@ pub trait System {
     fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
     /// The stick episode on the wall that the state touches.
     fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
-    /// The number of steps of a flight in which certainly no wall is met, at most those that the time
-    /// `remaining` has, and [`System::coasted`] for all of them.
+    /// How many steps (of one length, or pieces of a record) a flight is proved to go on without meeting a wall
+    /// within the time `remaining`; and the state after them, with the time that they take.
     fn coasts(
         &self,
         state: &Self::State,

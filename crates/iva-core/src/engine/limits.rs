@@ -9,10 +9,10 @@ use crate::range;
 pub struct Limits<R = f64> {
     /// The instant at which the run ends, in 1/ωn: its length, if it begins at time zero.
     pub duration: R,
-    /// Largest number of listed impacts. Rebounds at or below the floor count once it is known that their
-    /// chatter does not end in stick.
+    /// Largest number of listed impacts. Rebounds at or below the floor are counted only after their chatter
+    /// ends without sticking.
     pub max_impacts: u64,
-    /// Largest number of segments of flight or stick episode.
+    /// Largest number of segments of flight or stick episode, and of impulses; steps of a coast do not count.
     pub max_work: u64,
     /// Chatter floor: rebounds of a stick episode at or below this approach speed are not listed.
     pub chatter_floor: R,

@@ -69,14 +69,15 @@ pub struct Contact<'a, State, R = f64> {
     pub time: R,
     /// The states just before and just after.
     pub states: [&'a State; 2],
-    /// True for a rebound of a summed tail: the run itself does not pass through these states.
+    /// True for a rebound of a summed tail, computed only to list it: the run jumps to the end of the chatter. Also
+    /// true for the contact that announces a tail.
     pub summed: bool,
 }
 
 impl<State, R: Real> Contact<'_, State, R> {
-    /// The larger of `least` and the largest |ẍ + a_g| just before and after a rebound of a summed tail;
-    /// `least` for any other contact. Between such rebounds the acceleration has no larger values, because it
-    /// jumps with the velocity in the damper; all others are found in the motion.
+    /// `least`, or the largest |ẍ + a_g| just before and after a rebound of a summed tail if that is larger. Between
+    /// such rebounds nothing is larger: |ẍ + a_g| changes by the jumps of ẋ in the damper. Other contacts give
+    /// `least`: the spans around them hold their accelerations.
     pub fn hardest_shaking<S: System<Real = R, State = State>>(&self, system: &S, least: R) -> R {
         if !self.summed {
             return least;
@@ -100,8 +101,8 @@ pub trait Observer<S: System> {
         _span: &Span<'_, M>,
     ) {
     }
-    /// Spans of free flight without event between them: as one span that may be longer than its motion is exact, and
-    /// one by one, by a function that calls its argument for each.
+    /// A stretch of free flight without events, in several spans: `whole` is all of it as one span, which may be
+    /// longer than its motion is exact; `each` calls its argument for each span.
     fn coast<M: Motion<Real = S::Real, State = S::State>>(
         &mut self,
         system: &S,

@@ -107,7 +107,7 @@ pub(crate) struct Run<'a, S: System, O> {
     pub riding: Option<StickEpisode<S::Real>>,
     pub tally: Tally<S::State, S::Real>,
     pub counts: Counts<S::Real>,
-    /// True if the whole duration is run, or nothing of it can be.
+    /// True once the end of the run is reached, or if its start is not finite.
     pub ended: bool,
     /// True if the run starts at a wall.
     touching: bool,

@@ -26,7 +26,7 @@ pub struct Tally<State, R = f64> {
     pub energy_impacts: R,
     /// Instant at which the run ended, in 1/ωn.
     pub end_time: R,
-    /// Number of segments of flight and stick episode computed.
+    /// Number of segments of flight and stick episode computed, and of impulses; steps of a coast do not count.
     pub work: u64,
     /// The last state.
     pub state: State,

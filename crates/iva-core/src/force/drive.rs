@@ -42,7 +42,7 @@ pub struct Pushes<R = f64> {
 pub struct Smooth<R = f64> {
     /// The instant at which the force bends, jumps or has an impulse next.
     pub end: Option<DoubleDouble<R>>,
-    /// The number of points of the first record up to that instant.
+    /// The number of points of the first record at or before the begin of the piece.
     pub passed: u32,
 }
 

@@ -134,7 +134,8 @@ impl<R: Real> Harmonic<R> {
         }
     }
 
-    /// The bound of [`super::Force::left_out`]: twice the first term, (Ωh)ᴺ/N!, as each is at most half the one before.
+    /// The bound of [`super::Force::left_out`]: twice its first term, |amplitude| (Ωh)ᴺ/N!, as each term is at most
+    /// half the one before; ∞ where that is not so.
     #[inline(always)]
     pub(crate) fn left_out<const N: usize>(&self, h: R) -> R {
         let turn = self.frequency * h;

@@ -24,12 +24,12 @@ pub struct History {
     sizes: [[f64; 2]; 2],
     /// Largest size of a slope.
     steepest: f64,
-    /// Number of points per time, if their intervals are equal.
+    /// Mean number of intervals per time, for a first guess of the interval that an instant is in.
     density: f64,
     kept: Kept,
 }
 
-/// What the last structure has computed from a history, for the next one that moves in the same way.
+/// Cache of what the last structure computed from a history, for the next one of equal damping ratio and force.
 #[derive(Debug, Clone, Default)]
 struct Kept(Arc<Mutex<Option<Arc<dyn Any + Send + Sync>>>>);
 

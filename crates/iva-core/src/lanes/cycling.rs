@@ -15,15 +15,17 @@ pub(crate) trait Cycling<S: System<Real = f64>>: Sized {
     fn cycling(leader: &S) -> Self;
     /// Advances each lane by one evaluation; true if a lane needs something of its run.
     fn evaluate(&mut self) -> bool;
-    /// True if this lane does.
+    /// True if a lane needs something of its run.
     fn requests(&self, i: usize) -> bool;
-    /// True if it has come to the end of its run and needs nothing else.
+    /// True if a lane has come to the end of its run and needs nothing else.
     fn is_at_end(&self, i: usize) -> bool;
-    /// Its state, for who needs no derivatives of the force; the number of impacts of its run so far.
+    /// The state of a lane; the derivatives of its force may be missing.
     fn shown(&self, i: usize, system: &S) -> S::State;
+    /// The number of impacts of its run so far.
     fn impacts(&self, i: usize) -> u64;
-    /// Keeps the impacts of a lane from now on, and hands those so far to a derivative.
+    /// Keeps the impacts of a lane from now on, for [`Cycling::follow`].
     fn listen(&mut self, i: usize);
+    /// Carries a derivative through the impacts kept so far, and forgets them.
     fn follow(&mut self, i: usize, system: &S, tangent: &mut Tangent);
     /// Loads a run into a lane; false if the event loop has to go on with it.
     fn take_cycle<O>(&mut self, i: usize, run: &Run<'_, S, O>, forced: Option<&Forced>) -> bool;

@@ -1,8 +1,8 @@
 //! Free masses in lanes, in both accuracy tiers.
 //!
-//! The exact tier carries states in double-double, so that the error of a run is below one rounding of its
-//! numbers. In the fast tier states are plain doubles and only the clock is compensated: every stretch of flight
-//! adds rounding errors, and the error of a run is some rounding units times its condition number. The guarantee
+//! The exact tier carries states in double-double: measured errors of event times τ are below one rounding unit,
+//! 2⁻⁵³ (max(condition, 1) + τ). In the fast tier states are plain doubles and only the clock is compensated: every
+//! stretch of flight adds rounding errors, and the errors are some rounding units. The guarantee
 //! on events is the same: every stretch is proved to meet no wall, or one wall once, for the motion as computed.
 //! What is not simple (a low rebound, the sum of a chatter, a stick episode, a grazing) is left to the event loop,
 //! from the same state.

@@ -74,8 +74,9 @@ struct Shared {
     squares: bool,
     /// True if largest displacements or accelerations are asked for.
     extremes: bool,
-    /// True if observers see steps: those that are not quiet; or all of them, those beside the measures.
+    /// True if observers see steps: those that are not quiet, or all if `shows_all`.
     shows: bool,
+    /// True if the observers beside the measures see quiet steps too.
     shows_all: bool,
     /// True if observers are told of impacts.
     tells: bool,
@@ -307,7 +308,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Cycling<Piva<H>> for Steps<
         self.lanes.counts.impacts[i] as u64
     }
 
-    /// Derivatives are computed one by one.
+    /// Lanes of pendulums compute no derivatives: trajectories that want them go one by one.
     fn listen(&mut self, _i: usize) {}
 
     fn follow(&mut self, _i: usize, _system: &Piva<H>, _tangent: &mut Tangent) {}

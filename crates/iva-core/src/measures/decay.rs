@@ -1,8 +1,8 @@
 //! The measures of a free decay, computed from its log.
 //!
-//! A run only logs its motions. The measures are functions of the log, written here once for every kind of motion
-//! ([`Course`]): those of a damped sinusoid in closed form ([`sinusoids`]), and those that a stretch of which
-//! x is monotonic was kept of ([`stretches`]).
+//! A run only logs its motions. The measures are functions of the log, written once ([`Course`]) for two kinds of
+//! log: of motions that are damped sinusoids in closed form ([`sinusoids`]), and, for all other motions, of
+//! stretches in which x is monotonic ([`stretches`]).
 //!
 //! Peaks are looked for from the begin on, as long as they change a measure; passages of the settling levels
 //! and the largest |x| of the last period from the end back, to the first motion that does not matter.
@@ -76,8 +76,7 @@ impl<S: System> Measures<S> {
         }
     }
 
-    /// True if A₀ is final once the peaks of motions are taken at whose ends x has these values: settling levels are not
-    /// known before.
+    /// True if A₀, and with it the settling levels, is final once motions that end at these x are taken.
     fn settles(&self, mut ends: impl Iterator<Item = S::Real>) -> bool {
         let mut half_cycles = self.half_cycles;
         let crosses = |x| half_cycles.reach(S::Real::ZERO, x).is_some();

@@ -58,7 +58,8 @@ impl<R: Real> Extremes<R> {
         &self.values
     }
 
-    /// True if nothing grows in a span: displacements stay within h²/8 times the largest acceleration of their chords.
+    /// True if a span of length h surely raises no extreme: a displacement leaves its chord by at most h²/8 times its
+    /// largest acceleration.
     fn covers<S: System<Real = R>, M>(&self, system: &S, span: &Span<'_, M>) -> bool
     where
         M: Motion<Real = R, State = S::State>,

@@ -29,7 +29,7 @@ mod integrals;
 use flights::{BLOCK, Block, Event, Flight, Flights, Part};
 use integrals::Integrals;
 
-/// Number of flights in a full log: 130 kB.
+/// Number of flights in a full log: 160 kB.
 const FULL: usize = 1024;
 
 /// The log of a run and its measures; the memory serves one run after the other.

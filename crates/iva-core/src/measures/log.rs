@@ -59,7 +59,7 @@ pub(crate) struct Log {
     full: usize,
 }
 
-/// Number of entries after which measures take them, so that a long run needs no more memory: 200 kB.
+/// Number of entries after which measures take them, so that a long run needs no more memory: 230 kB.
 const FULL: usize = 4096;
 
 impl Default for Log {

@@ -46,7 +46,7 @@ impl<R: Real> NearWall<R> {
     fn close_by(&self, gap: &[R], [begin, end]: [R; 2]) -> R {
         let [low, high] = self.levels;
         let y = [begin, end].map(|t| jet(gap, t)[0]);
-        // The instant at which y is at a level; the nearest end if it is at none.
+        // The instant at which y passes a level; `None` if both ends lie on the same side of it.
         let passage = |level: R| {
             let beyond = y.map(|y| y > level);
             if beyond[0] == beyond[1] {

@@ -1,7 +1,7 @@
 //! Measures that are computed from the motion stretch by stretch, if they are asked for by name.
 //!
-//! A [`Pass`] sees the polynomials of each stretch, whatever the absorber and the numbers; [`Passes`] shows them to
-//! it. A column of the table that names a pass is all that makes it a measure of the product.
+//! A [`Pass`] takes the polynomials of each stretch from [`Passes`], for any absorber and any number type. To offer a
+//! pass to users, name it in a column of the table.
 
 use crate::absorber::system::System;
 use crate::engine::observe::{Observer, Span};
@@ -25,7 +25,7 @@ pub trait Pass<R: Real>: std::fmt::Debug {
 pub struct Passes<R: Real> {
     from: R,
     passes: Vec<Box<dyn Pass<R>>>,
-    /// False if the motion had no known polynomials, or did not last to its end.
+    /// False if a motion had no known polynomials, or the run did not finish.
     known: bool,
 }
 

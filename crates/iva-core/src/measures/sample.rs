@@ -23,7 +23,7 @@ pub struct State<R = f64> {
     /// Absorber minus primary velocity.
     pub gap_velocity: R,
     /// 0 in flight, ±1 while stuck on a wall. The tail of a chatter counts as stuck from the instant at which
-    /// it is summed, because the absorber is then closer to the wall than rounding errors.
+    /// it is summed: its rebounds are only some 10⁻¹² A/ωn² high, with A the acceleration towards the wall.
     pub wall: i8,
     /// Absolute acceleration ẍ + a_g of the structure, without the jumps of velocity at impacts.
     pub acceleration: R,

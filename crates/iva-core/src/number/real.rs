@@ -208,8 +208,8 @@ pub trait Real:
         self.double().to_bits() as i64 as f64 / ONE_ABOVE - (1023.0 - 0.0862)
     }
 
-    /// A better approximation of a root than h, from value and slope of the function; `None` if h is as close
-    /// as the type can represent.
+    /// The root h with its derivatives, from value and slope of the function at h; `None` for a type without
+    /// derivatives, whose h stays as it is.
     #[inline(always)]
     fn settled(_h: Self, _f: impl Fn(Self) -> [Self; 2]) -> Option<Self> {
         None

@@ -1,7 +1,7 @@
 //! Trajectories side by side in lanes.
 //!
-//! A lane flies through one cycle. At its end, and at all that is not simple, the event loop goes on with the run of that
-//! cycle; the next cycle is a new run, which the lane takes over at once.
+//! A lane flies through one cycle; at its end it begins the next one by itself, from the image. What is not simple is
+//! left to the event loop, in the run of that cycle, until the lane can take over again.
 
 use super::{Image, Iterated, Request, See, Trajectory, Turn, begun, image};
 use crate::absorber::system::Clock;

@@ -74,7 +74,8 @@ pub fn free_stretch<R: Real, C: Curve<Real = R>>(flight: &C, length: R) -> Stret
     Stretch { end, contact: None, undecided: 0 }
 }
 
-/// The first instant within `length` at which the pressure of a stick episode vanishes: the release.
+/// Searches a stick episode up to `length` for its release, the first instant at which the pressure on the wall
+/// vanishes; it is returned as the contact, with [`Side::Near`].
 pub fn first_release<R: Real, C: Curve<Real = R>>(
     ride: &C,
     start: &C::Sample,

@@ -264,7 +264,7 @@ pub enum Quantity {
 pub struct Losses<R = f64> {
     /// Energy lost in the structure's damper.
     pub viscous: R,
-    /// Energy lost in the pivot of a pendulum.
+    /// Energy lost in the absorber's own damper: the pivot of a pendulum, or a dashpot in the gap.
     pub pivot: R,
     /// Work done by the force and by the base.
     pub work: R,
@@ -301,7 +301,8 @@ pub trait Motion {
     fn arrival(&self, h: Self::Real) -> Self::State {
         self.state(h)
     }
-    /// The result of a flight of this length, if a proof in closed form decides it; `None` says nothing.
+    /// The result of a flight of this length, or of a first part of it, if a proof in closed form decides it; `None`:
+    /// nothing is proved.
     fn fast_path(&self, _length: Self::Real) -> Option<FastFlight<Self::State, Self::Real>> {
         None
     }

@@ -65,8 +65,8 @@ pub struct Searched<'a, C: Curve> {
 /// interval), each with two or three roundings.
 pub(crate) const DOUBT: f64 = 256.0;
 
-/// Number of halvings after which f counts as constant on an interval: f changes by less than its rounding on
-/// 2⁻⁴⁸ of a stretch on which it was smooth enough for a series of some 20 terms.
+/// Number of halvings after which f counts as constant on an interval: on 2⁻⁴⁸ of a stretch on which a series of
+/// some 20 terms converges, f changes by less than its rounding.
 const MAX_DEPTH: u32 = 48;
 
 /// Number of halvings after which an interval on which f changes by less than the band counts as constant.
@@ -367,7 +367,7 @@ pub(crate) fn polish<R: Real, T: Copy>(
     settle(f, bracket.h).unwrap_or((bracket.h, bracket.sample))
 }
 
-/// An improved zero close to h, for number types with more information than the value.
+/// The zero at h with its derivatives ([`Real::settled`]) and its sample; `None` for a type without derivatives.
 #[inline]
 fn settle<R: Real, T>(f: impl Fn(R) -> (T, [R; 3]), h: R) -> Option<(R, T)> {
     let h = R::settled(h, |h| {

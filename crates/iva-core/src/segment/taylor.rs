@@ -151,7 +151,7 @@ impl<R: Real> Pendulum<R> {
         primary.max(hanging).max(self.pivot_damping)
     }
 
-    /// θ̇ of a swing with W, which makes an angle fast that is not small.
+    /// |θ̇| = |W|/b, the rate at which sinθ and cosθ change; 0 at small angles, where the equations are linear.
     #[inline(always)]
     pub fn swing(&self, w: R) -> R {
         if self.small_angles { R::ZERO } else { w.abs() / self.contact_distance }
@@ -238,7 +238,7 @@ impl<R: Real> Pendulum<R> {
     }
 }
 
-/// cosθ to twice the precision from sinθ and its double, by one step of Newton's method.
+/// cosθ to twice the precision from sinθ and from cosθ in plain numbers, by one step of Newton's method.
 #[inline(always)]
 pub(crate) fn refined_cosine<R: Real>(sine: DoubleDouble<R>, cosine: R) -> DoubleDouble<R> {
     let c = DoubleDouble::new(cosine);

@@ -11,8 +11,8 @@ use crate::segment::flight::Jet;
 use crate::segment::taylor::Series;
 
 impl<R: Real> Stops<R> {
-    /// The state in contact with a wall, from a state there apart from rounding with the first coefficients of its
-    /// flight, and how much later it is; with the drive of the state before.
+    /// Moves a state that is at a wall up to rounding exactly onto it; returns the state and how much later it is.
+    /// Its drive is left as it was. `ahead`: the first coefficients of the flight from the state.
     #[inline(always)]
     pub fn touching<P: Copy>(
         &self,

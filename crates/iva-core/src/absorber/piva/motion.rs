@@ -52,7 +52,7 @@ impl<'a, R: Real, H: Host<Real = R>> PivaFlight<'a, H> {
         let series = at_rest_on_release(&from, series);
         let size = drive.as_ref().map_or(R::ZERO, Drive::size);
         let Some(share) = piva.share_proved(&series, (step, most), &from, size) else {
-            // Without a proved bound there is no flight: the run ends there with that outcome.
+            // Without a proved bound [`Curve::fourth`] is NaN, which ends the run as not finite.
             return Self {
                 piva,
                 from,

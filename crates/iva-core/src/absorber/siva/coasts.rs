@@ -11,8 +11,7 @@ use crate::host::steps::{MOST, Responses, Steps};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::{Real, pick};
 
-/// The part of the time to the reach of a wall that is coasted, and the factor to |Z|: so rounding to single
-/// precision leaves the absorber out of that reach.
+/// Factors on the coasted time and on |Z|: margins for the rounding to single precision.
 const SAFE: f64 = 1.0 - 1e-6;
 const ABOVE: f64 = 1.0 + 1e-6;
 /// Added to the speed over the clearance, so that it is not 0.

@@ -117,7 +117,7 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
         let [mut viscous, mut work] = [DoubleDouble::<R>::ZERO; 2];
         self.sums(|speed, sums, base| {
             viscous = viscous.plus(damping * sums.speed);
-            // As the absorber moves with the base's velocity subtracted from a constant, the mean of it counts.
+            // With b = ∫a_g, ẋ + ẏ = speed − b, so ∫ a_g (ẋ + ẏ) = Δb (speed − the mean of b at both ends).
             let [from, to] = base;
             let carried = (to - from) * (speed - (from + to) * 0.5);
             work = work.plus(sums.work - mass_ratio * carried);

@@ -49,8 +49,8 @@ pub(crate) trait FreeMass {
     fn nearly(&self, from: &Self::State, h: Self::Real) -> Self::State;
     /// Distance to the wall at `beyond` from the wall last touched, and its first four derivatives.
     fn near(&self, at: &Self::State, beyond: Self::Real) -> [Self::Real; 5];
-    /// The state in contact with the near or far wall a short time t later; the same state if not `hit`, with
-    /// t = 0, and what drives it at that instant.
+    /// The state a short time t later, in contact with the near or the far wall. If not `hit`, t is 0 and only its
+    /// drive and A may be computed anew.
     fn touching(&self, at: &Self::State, hit: bool, far: bool, t: Self::Real) -> Self::State;
     /// The state a time h later, no wall being met.
     fn arrived(&self, from: &Self::State, h: Self::Real) -> Self::State {

@@ -19,7 +19,8 @@ pub struct DrivenHost<R: Real = f64> {
     free: Driven<Forces<R>>,
     /// The structure of mass 1 + μ; made when the absorber first sticks.
     loaded: OnceLock<Box<Driven<Forces<R>>>>,
-    /// Its motion from point to point of a record; `None` under any other force.
+    /// Its motion from point to point of a record; `None` under any other force, with gravity along the motion, and
+    /// in numbers without [`Real::FAST_PATHS`].
     pieces: OnceLock<Option<Arc<Pieces<R>>>>,
 }
 

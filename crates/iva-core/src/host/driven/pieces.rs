@@ -136,8 +136,8 @@ impl<R: Real> Pieces<R> {
         self.oscillator.equation.damping == damping_ratio * 2.0 && self.record.is_alike(record)
     }
 
-    /// The place of an instant up to which this number of points have passed, if it is that of a point from which a piece
-    /// of the record goes on.
+    /// The place of an instant that is exactly a point of the record, but not the last one; `passed`: the number of
+    /// points up to that instant.
     pub(crate) fn place(&self, time: Clock<R>, passed: u32) -> Option<Place> {
         let index = (passed as usize).checked_sub(1)?;
         let last = self.begins[self.begins.len() - 1];

@@ -77,8 +77,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         [pulled, if moves { (*square * over) * drive.base[n] } else { T::from_real(R::ZERO) }]
     }
 
-    /// The gain of displacement beyond a uniform motion, and of velocity, in a motion of length h, from the
-    /// leading derivatives of the acceleration and its series.
+    /// The gain of displacement beyond a uniform motion, and of velocity, in a motion of length h, from an
+    /// acceleration with its first two derivatives, and the power series of its double integral.
     #[inline(always)]
     fn gained(&self, [a, j, s]: [DoubleDouble<R>; 3], series: &Row<R>, h: R) -> Arrival<R> {
         let length = DoubleDouble::new(h);

@@ -26,16 +26,19 @@ use crate::segment::taylor::{ORDER, Pendulum, Remainder, Series, unrolled};
 pub(super) struct Round<P> {
     /// Value and rate of the force at the begin of the step.
     pub push: [DoubleDouble; 2],
-    /// The unit of time of the series, the largest share of it to be proved, and the time up to which it is.
+    /// The unit of time of the series.
     pub step: f64,
+    /// The largest share of it that the series may be used for.
     pub most: f64,
+    /// The time up to which the series is to keep to the tolerance; `proved` if it does.
     pub reach: f64,
     pub proved: bool,
     /// The time to the end of the step or to the contact in it, and the state there.
     pub length: f64,
     pub end: PivaState<P>,
-    /// True if it meets no wall; if it meets the near or the far one and that once.
+    /// True if the step is proved to meet no wall.
     pub clear: bool,
+    /// True if it is proved to meet the near wall once, or the far wall.
     pub near: bool,
     pub far: bool,
     /// True if the contact is found, and if the impact is for the lane.

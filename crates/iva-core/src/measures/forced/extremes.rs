@@ -32,7 +32,7 @@ fn sixth(of: Quantity, structure: &Structure, at: &State) -> f64 {
     }
 }
 
-/// A quantity in a flight between two states, as far as they determine it.
+/// A quantity in a flight: value and two derivatives at both ends, and a bound on the sixth derivative.
 #[inline(always)]
 fn arc<const DRIVE: u8>(of: Quantity, structure: &Structure, part: &Part) -> Arc {
     let Part { begin, end, length } = part;
@@ -107,7 +107,7 @@ impl Forced {
         least
     }
 
-    /// Bound, largest size, and 1 if that is known, for each flight of a block as far as its ends tell.
+    /// For each flight of a block, from its ends: a bound on the size, the largest size, and 1 if that is proved.
     #[inline(always)]
     fn bounded<const DRIVE: u8>(&self, of: Quantity, block: &Block) -> [[f64; BLOCK]; 3] {
         let structure = self.structure;

@@ -28,8 +28,8 @@ pub(super) fn released() -> Matrix4<f64> {
 /// An observer of the derivative of the state z = (x, ẋ, y, ẏ) (with W = b θ̇ in place of ẏ for a pendulum) with
 /// respect to that at the begin of the run.
 ///
-/// After a summed chatter the absorber counts as stuck from the last rebound on that was computed. What follows it lasts some
-/// 10⁻⁶ of 1/ωn; the error of the derivative is of the order of the square of that, for a pendulum of that itself.
+/// After a summed chatter the absorber counts as stuck from the last impact before the sum. The rest of the chatter
+/// lasts some ε = 10⁻⁶, in 1/ωn; the error of the derivative is of the order of ε², for a pendulum of ε.
 #[derive(Debug, Clone)]
 pub struct Tangent {
     derivative: Matrix4<f64>,

@@ -6,14 +6,14 @@ use crate::number::arrays::{Laned, laned};
 use crate::number::clock::SLACK;
 use crate::number::compensated::DoubleDouble;
 
-/// What is known of such flights.
+/// The flights that need not be shown, and their ∫x².
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Quiet {
-    /// The window begins at this instant.
+    /// The begin of the window.
     from: f64,
-    /// They end before this instant: that of a strobe.
+    /// Quiet flights end before this instant, that of the next strobe.
     until: f64,
-    /// |x| and |ẍ + a_g| are smaller than these in them.
+    /// In quiet flights of the window |x| and |ẍ + a_g| are smaller than these.
     least: [f64; 2],
     /// ∫x² of the window so far.
     square: DoubleDouble,
@@ -22,7 +22,7 @@ pub(crate) struct Quiet {
 laned!(Quiet, AllQuiet { from: f64, until: f64, least: [f64; 2], square: DoubleDouble });
 
 impl Quiet {
-    /// All flights of a run without such measures.
+    /// Without measures of a steady state: all flights are quiet.
     pub const ALL: Self = Self {
         from: f64::INFINITY,
         until: f64::INFINITY,
@@ -73,7 +73,7 @@ impl Steady {
         }
     }
 
-    /// Takes ∫x² of the window from where it was added up.
+    /// Takes over ∫x² of the window so far, to which quiet flights have been added.
     pub(crate) fn take_square(&mut self, quiet: &Quiet) {
         self.square = quiet.square;
     }

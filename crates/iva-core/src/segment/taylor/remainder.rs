@@ -244,7 +244,7 @@ impl<R: Real> Defects<R> {
         }
     }
 
-    /// The bounds on the error at s = 1, and how far they are of the neighbourhood; infinite if nothing is bounded.
+    /// Bounds on the error at s = 1, and the share of the neighbourhood that they need; ∞ if nothing is proved.
     #[inline(always)]
     fn grown(&self, pendulum: &Pendulum<R>, fastest: R, sums: &Sums<R>, order: f64) -> [R; 3] {
         let Pendulum {
