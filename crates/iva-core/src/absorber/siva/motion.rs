@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 
 use super::passage::Passage;
+use super::pieces::Drifting;
 use super::{Siva, SivaState};
 use crate::absorber::system::{Point, System, Wall};
 use crate::host::{Flown, Host, Integrated, Phase, Structure};
@@ -21,13 +22,15 @@ pub struct SivaFlight<'a, H: Host> {
     pub(super) course: <H::Structure as Structure>::Course,
     /// The course with all that measures need, once it was needed; `None`: it is the course itself.
     measured: OnceCell<Option<Box<<H::Structure as Structure>::Course>>>,
+    /// Its begin as a point of a record, once it was needed; `None` if it is none.
+    pub(super) drifting: OnceCell<Option<Drifting<H::Real>>>,
 }
 
 impl<'a, R: Real, H: Host<Real = R>> SivaFlight<'a, H> {
     #[inline]
     pub(super) fn new(siva: &'a Siva<H>, from: SivaState<Phase<H>, R>) -> Self {
         let course = siva.host.free().fast_course(&from.host);
-        Self { siva, from, course, measured: OnceCell::new() }
+        Self { siva, from, course, measured: OnceCell::new(), drifting: OnceCell::new() }
     }
 
     fn measured(&self) -> &<H::Structure as Structure>::Course {

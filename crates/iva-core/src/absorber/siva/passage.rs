@@ -29,7 +29,8 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
         }
         let (siva, from) = (flight.siva, &flight.from);
         let pieces = siva.host.pieces()?;
-        let begin = Drifting::of(&siva.host, pieces, from)?;
+        let drifting = || Drifting::of(&siva.host, pieces, from);
+        let begin = (*flight.drifting.get_or_init(drifting))?;
         Some(Self { siva, pieces, from, begin, length })
     }
 
