@@ -64,10 +64,13 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
         mut see: impl FnMut(&SivaFlight<'_, H>, R, &SivaState<Phase<H>, R>),
     ) {
         let phase = &self.from.host.phase;
+        let at = |k| self.siva.state_of(self.pieces, phase, &mass.moved(block, k));
+        // The end of one piece is the begin of the next.
+        let mut reached = None;
         for k in points {
-            let begin = mass.moved(block, k);
-            let from = self.siva.state_of(self.pieces, phase, &begin);
-            let end = self.siva.state_of(self.pieces, phase, &mass.moved(block, k + 1));
+            let from = reached.filter(|(there, _)| *there == k).map_or_else(|| at(k), |it| it.1);
+            let end = at(k + 1);
+            reached = Some((k + 1, end));
             let length = block.at(k + 1).time - block.at(k).time;
             let flight = SivaFlight::new(self.siva, from);
             // Rounding must not make a single piece longer than its series reaches: that would be a passage again.
