@@ -41,9 +41,10 @@
 //!
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
 //! run. The flights of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier
-//! (`absorber/siva/trial.rs`, `lanes/free_mass.rs`). In lanes of pendulums under force, observers see only the steps that
-//! may change a peak or an extreme; sums are added up without them (`lanes/piva.rs`). Where observers look within flights, lanes of free masses keep their flights
-//! until their runs show them (`lanes/free_mass/shown.rs`).
+//! (`absorber/siva/trial.rs`, `lanes/free_mass.rs`). Of pendulums under force, measures see only the steps
+//! that may change a peak or an extreme; lanes add up the sums (`lanes/piva.rs`). Observers that look within flights see
+//! every step of a pendulum (`lanes/piva/shown.rs`); lanes of free masses keep the flights until their runs show them
+//! (`lanes/free_mass/shown.rs`).
 //!
 //! **Measures.** Those of a decay are functions of its log (`measures/decay.rs`), whether it ran alone or in a lane. The
 //! log of a free mass holds the begins of its motions, which have a closed form; that of any other absorber the stretches

@@ -6,7 +6,8 @@
 //!
 //! Lanes take of each step what its series has at hand: turning points of x, losses, bounds. Of a decay they log the
 //! stretches in which x is monotonic, from which its measures are computed. Of a driven run they add up losses
-//! and ∫x², and show its observers the steps that may change more than that.
+//! and ∫x², and show its measures the steps that may change more than that. Observers that look within flights are
+//! shown every step.
 
 mod drive;
 mod lane;

@@ -190,7 +190,7 @@ fn long_driven_runs_are_the_same_side_by_side() {
     for (job, found) in jobs.iter().zip(&found) {
         assert_eq!(*found, alone(job), "{:?}", job.system.force());
     }
-    // The log of a run holds 4096 flights.
+    // The log of a run holds 1024 flights.
     assert!(found.iter().filter(|run| work(run) > 3 * 4096).count() > 3);
 }
 

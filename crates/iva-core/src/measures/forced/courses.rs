@@ -81,3 +81,55 @@ pub(super) fn course<const DRIVE: u8>(
     }
     acceleration
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::absorber::plain::FORCE;
+    use crate::force::{Acts, Harmonic};
+    use crate::host::oscillator::Equation;
+    use crate::segment::taylor::horner;
+
+    /// The fractional parts of multiples of an irrational number.
+    fn spread(i: u32, k: u32) -> f64 {
+        (f64::from(i) * f64::from([2, 3, 5, 7, 11, 13, 17, 19][k as usize]).sqrt()).fract()
+    }
+
+    /// The largest difference between the polynomials of x and of the acceleration and the states all along flights, over
+    /// the size of the motion.
+    fn off<const DRIVE: u8>(acts: Acts) -> [f64; 2] {
+        let mut worst = [0.0f64; 2];
+        for i in 1..2000 {
+            let u = |k| spread(i, k);
+            let equation = Equation::new(1.0, [0.0, 0.02, 0.3, 1.5][(4.0 * u(0)) as usize]);
+            let frequency = 10f64.powf(2.0 * u(1) - 1.0);
+            let responses = Responses::new(equation.damping, equation.growth, frequency);
+            let harmonic = Harmonic { amplitude: u(2), frequency, phase: 6.0 * u(3), acts };
+            let structure = Structure::driven(&equation, &responses, &harmonic);
+            let [force, quadrature] = structure.force_at(Default::default());
+            let (x, v) = (2.0 * u(4) - 1.0, 2.0 * u(5) - 1.0);
+            let from = State { x, v, force, quadrature, side: 1.0, ..State::default() };
+            let [place, shaken] = [Quantity::Displacement, Quantity::Acceleration]
+                .map(|of| course::<DRIVE>(of, &structure, &responses, &from));
+            for part in 0..=16 {
+                let t = f64::from(part) / 16.0;
+                let there = from.after::<DRIVE>(&structure, &responses, t * structure.longest);
+                let [[a, ..], _] = structure.derivatives::<DRIVE>(&there);
+                let pairs = [(horner(&place, t), there.x), (horner(&shaken, t), a)];
+                for (worst, (found, truth)) in worst.iter_mut().zip(pairs) {
+                    *worst = worst.max((found - truth).abs());
+                }
+            }
+        }
+        worst
+    }
+
+    /// The motion is of size 1, its acceleration up to 6. The reference is independent: the closed form of the state at
+    /// an instant, and its derivatives.
+    #[test]
+    fn courses_pass_through_the_states() {
+        for worst in [off::<FORCE>(Acts::Primary), off::<BASE>(Acts::Base)] {
+            assert!(worst.iter().all(|worst| *worst < 6e-15), "{worst:?}");
+        }
+    }
+}
