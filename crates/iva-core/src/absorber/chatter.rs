@@ -27,9 +27,22 @@ const SAFETY: f64 = 4.0;
 /// low rebounds; a higher rebound needs further segments.
 pub(crate) const REBOUND_LOOK: f64 = 2.5;
 
-/// Below this value of u/(A (1 − e)), half the duration of the chatter that remains, the event loop may sum the tail,
-/// so lanes leave the rebound to it. (The estimated error of the sum is at least 4 times the cube of this value.)
-pub(crate) const LOW: f64 = 1e-4;
+/// Below this value of u/(A (1 − e)), half the duration of the chatter that remains, the event loop may sum the tail.
+/// (The estimated error of the sum is at least 4 times the cube of this value.)
+const LOW: f64 = 1e-4;
+
+/// Length of the first search after a rebound with speed u from a wall that presses with A > 0.
+#[inline(always)]
+pub(crate) fn first_search<R: Real>(speed: R, pressure: R) -> R {
+    speed * REBOUND_LOOK / pressure
+}
+
+/// True if the tail of this rebound may be summed, or if the absorber does not leave the wall: lanes leave both to the
+/// event loop.
+#[inline(always)]
+pub(crate) fn may_end(speed: f64, pressure: f64, ratio: f64) -> bool {
+    ((pressure > 0.0) & (speed < pressure * (LOW * (1.0 - ratio)))) | (speed <= 0.0)
+}
 
 /// A rebound from a pressing wall, at the instant after the impact.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@
 //! `absorber/plain/mass.rs` in the fast tier, and by `Coupled::impact` and `struck` in `absorber/coupled/trial.rs` for coupled
 //! masses. The law of a pendulum is `Law` in `absorber/piva/impact_law.rs`, applied in `absorber/piva/contact.rs`. The
 //! derivatives are in `absorber/derivatives`. Three places assume that e does not depend on the approach speed: the sum of
-//! a chatter ([`crate::absorber::chatter`]), the limit of the lanes for low rebounds (`LOW` there), and `System::law_at`.
+//! a chatter ([`crate::absorber::chatter`]), what lanes take for a low rebound (`may_end` there), and `System::law_at`.
 //!
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
 //! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.

@@ -5,7 +5,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::absorber::system::{Clock, System};
+use crate::engine::counts::Counts;
 use crate::engine::observe::{Observer, Span, StickEpisode};
+use crate::engine::progress::Progress;
 use crate::error::{Invalid, number};
 use crate::host::Excitation;
 use crate::number::real::Real;
@@ -15,11 +17,9 @@ use crate::segment::flight::{Curve, FastFlight, Jet, Meets, Motion};
 
 pub use crate::engine::limits::{Limits, Outcome};
 pub use crate::engine::tally::{Instant, Tally};
-use counts::Counts;
 use wall::presses;
 
 mod coast;
-pub(crate) mod counts;
 pub(crate) mod wall;
 
 pub(crate) use coast::show_coast;
@@ -89,24 +89,16 @@ pub fn resume<S: System, O: Observer<S>>(
     Ok(run.finish())
 }
 
-/// The phase of a run: flight, with the longest first trial `first`, or a stick episode.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Phase<R = f64> {
-    Flight { first: R },
-    Ride,
-}
-
 /// A run in progress.
 pub(crate) struct Run<'a, S: System, O> {
     pub system: &'a S,
     pub limits: &'a Limits<S::Real>,
     pub cancel: Option<&'a AtomicBool>,
     pub observer: O,
-    pub clock: Clock<S::Real>,
-    pub phase: Phase<S::Real>,
+    pub progress: Progress<S::Real>,
+    /// The stick episode that the run is in; `None` in flight.
     pub riding: Option<StickEpisode<S::Real>>,
     pub tally: Tally<S::State, S::Real>,
-    pub counts: Counts<S::Real>,
     /// True once the end of the run is reached, or if its start is not finite.
     pub ended: bool,
     /// True if the run starts at a wall.
@@ -120,10 +112,19 @@ const CANCEL_EVERY: u64 = 1024;
 const PRESSURE_ULPS: f64 = 1024.0;
 
 impl<S: System, O> Run<'_, S, O> {
+    /// True if the run is in a flight that a lane can take over. Low impacts of a streak wait for the decision whether
+    /// they are listed.
+    pub(crate) fn is_for_lanes(&self) -> bool {
+        let Self { progress, .. } = self;
+        let flies = !self.ended && self.riding.is_none();
+        let decided = progress.counts.streak.low == 0.0;
+        flies && decided && progress.remaining() > 0.0 && !progress.is_full()
+    }
+
     /// Ends the run at its whole duration.
     pub(crate) fn reach_end(&mut self) {
         self.ended = true;
-        self.clock = Clock::new(self.limits.duration);
+        self.progress.clock = Clock::new(self.progress.stop);
     }
 }
 
@@ -143,8 +144,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             cancel,
             observer,
             touching: system.distance(&state).value == 0.0,
-            clock: time,
-            phase: Phase::Flight { first: R::INFINITY },
+            progress: Progress::new(time, limits),
             riding: None,
             tally: Tally {
                 outcome: Outcome::Finished,
@@ -160,7 +160,6 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 state,
                 clock: time,
             },
-            counts: Counts::default(),
             ended: false,
         }
     }
@@ -168,7 +167,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// Handles the start: notifies the observer, and applies an impact or a stick at a wall.
     pub(crate) fn begin(&mut self) {
         let (system, state) = (self.system, self.tally.state);
-        let from = Instant { time: self.clock, state };
+        let from = Instant { time: self.progress.clock, state };
         self.observer.start(system, &from, self.limits.duration);
         if !system.energy(&state).is_finite() {
             self.tally.outcome = Outcome::NotFinite;
@@ -186,7 +185,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
 
     /// Advances by one stretch of motion; false if the run has ended.
     pub(crate) fn step(&mut self) -> bool {
-        let remaining = -self.clock.minus(self.limits.duration);
+        let remaining = self.progress.remaining();
         if remaining <= 0.0 {
             // An impact has come at the instant of the end.
             self.reach_end();
@@ -194,31 +193,23 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         if self.ended {
             return false;
         }
-        let Counts { work, .. } = self.counts;
-        let ended = if self.counts.listed() >= self.limits.max_impacts as f64 {
-            Some(Outcome::ImpactLimit)
-        } else if work >= self.limits.max_work as f64 {
-            Some(Outcome::WorkLimit)
-        } else if (work as u64).is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
-            Some(Outcome::Cancelled)
-        } else if self.observer.is_done() {
-            Some(Outcome::Stopped)
-        } else {
-            None
+        let work = self.progress.counts.work as u64;
+        let stopped = || {
+            if work.is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
+                Some(Outcome::Cancelled)
+            } else {
+                self.observer.is_done().then_some(Outcome::Stopped)
+            }
         };
-        if let Some(outcome) = ended {
+        if let Some(outcome) = self.progress.limit().or_else(stopped) {
             self.tally.outcome = outcome;
             return false;
         }
-        self.counts.work += 1.0;
         if let Some(velocity) = self.due() {
             self.impulse(velocity);
             return true;
         }
-        let finite = match self.phase {
-            Phase::Flight { first } => self.fly(remaining, first),
-            Phase::Ride => self.ride(remaining),
-        };
+        let finite = if self.riding.is_some() { self.ride(remaining) } else { self.fly(remaining) };
         if !finite {
             self.tally.outcome = Outcome::NotFinite;
         }
@@ -235,13 +226,12 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     }
 
     /// One segment of free flight, ended by its length, a contact or the end of the run.
-    fn fly(&mut self, remaining: R, first: R) -> bool {
+    fn fly(&mut self, remaining: R) -> bool {
         let system = self.system;
         let state = self.tally.state;
         let flight = system.flight(&state);
-        let length = flight.reach().min(remaining).min(first);
+        let length = flight.reach().min(self.progress.ahead());
         if let Some(FastFlight { length: h, later, end, meets }) = flight.fast_path(length) {
-            self.phase = Phase::Flight { first: R::INFINITY };
             self.arrive(&flight, [h, later], end, h == remaining && meets == Meets::Nothing);
             match meets {
                 Meets::Nothing => self.coast(),
@@ -258,7 +248,6 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         } else {
             free_stretch(&flight, length)
         };
-        self.phase = Phase::Flight { first: R::INFINITY };
         self.tally.undecided += stretch.undecided;
         self.advance(&flight, stretch.end.h, length == remaining);
         match stretch.contact {
@@ -274,7 +263,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let wall = if side == Side::Near { left } else { left.opposite() };
         let (state, later) = self.system.touch(&self.tally.state, wall);
         self.tally.state = state;
-        self.clock = self.clock.plus(later);
+        self.progress = self.progress.later(Clock::new(later));
         self.apply_impact();
     }
 
@@ -303,10 +292,9 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             return false;
         }
         self.tally.state = state;
-        self.clock = self.clock.plus(later);
-        self.observer.release(system, &Instant { time: self.clock, state });
+        self.progress = self.progress.later(Clock::new(later));
+        self.observer.release(system, &Instant { time: self.progress.clock, state });
         self.end_episode(true);
-        self.phase = Phase::Flight { first: R::INFINITY };
         true
     }
 
@@ -314,7 +302,7 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     where
         M: Motion<Real = R, State = S::State>,
     {
-        let whole = to_the_end && h >= -self.clock.minus(self.limits.duration);
+        let whole = to_the_end && h >= self.progress.remaining();
         self.arrive(motion, [h, R::ZERO], motion.arrival(h), whole);
     }
 
@@ -323,17 +311,17 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     where
         M: Motion<Real = R, State = S::State>,
     {
-        let finish = self.clock.plus_parts(h, later);
+        let Progress { clock, .. } = self.progress;
         let span = Span {
             motion,
-            start: self.clock,
+            start: clock,
             length: h + later,
             from: self.system.primary(&self.tally.state),
             to: self.system.primary(&end),
             end: &end,
         };
         self.observer.span(self.system, &span);
-        self.clock = finish;
+        self.progress = self.progress.moved(true, clock.plus_parts(h, later), R::INFINITY);
         self.tally.state = end;
         if whole {
             self.reach_end();
@@ -345,21 +333,21 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     fn impulse(&mut self, velocity: R) {
         let before = self.tally.state;
         let mut after = self.system.apply_impulse(&before, velocity, false);
-        let riding = matches!(self.phase, Phase::Ride);
+        let riding = self.riding.is_some();
         if riding && self.system.distance(&after).rate <= 0.0 {
             after = self.system.apply_impulse(&before, velocity, true);
         }
         let [v_before, v_after] = [before, after].map(|state| self.system.primary(&state).v);
         self.observer.impulse(self.system, &after, velocity * 0.5 * (v_before + v_after));
         self.tally.state = after;
+        self.progress = self.progress.moved(true, self.progress.clock, R::INFINITY);
         let leave = self.system.distance(&after);
         if riding {
             if !presses(&leave) {
                 self.end_episode(true);
-                self.phase = Phase::Flight { first: R::INFINITY };
             }
         } else if leave.value > 0.0 {
-            self.phase = Phase::Flight { first: R::INFINITY };
+            // It flies on.
         } else if leave.rate < 0.0 {
             self.apply_impact();
         } else {
@@ -376,8 +364,9 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// Ends the run and returns its tally.
     pub(crate) fn finish(&mut self) -> Tally<S::State, R> {
         self.end_episode(false);
-        (self.tally.end_time, self.tally.clock) = (self.clock.value, self.clock);
-        let Counts { impacts, effective, work, approach_speeds, losses, .. } = self.counts;
+        let Progress { clock, counts, .. } = self.progress;
+        (self.tally.end_time, self.tally.clock) = (clock.value, clock);
+        let Counts { impacts, effective, work, approach_speeds, losses, .. } = counts;
         let whole = [impacts, effective, work].map(|count| count as u64);
         [self.tally.impacts, self.tally.effective_impacts, self.tally.work] = whole;
         (self.tally.approach_speeds, self.tally.energy_impacts) = (approach_speeds, losses.value);

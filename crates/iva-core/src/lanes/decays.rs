@@ -83,7 +83,7 @@ impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
         let takes = !run.ended && self.masses.take(lane, run, None);
         if takes {
             self.masses.listen(lane, run);
-            let (system, clock, state) = (run.system, run.clock, run.tally.state);
+            let (system, clock, state) = (run.system, run.progress.clock, run.tally.state);
             run.observer.measures.begins(system, clock, &state, false);
             self.logging = true;
             self.swap_logs(lane, run);

@@ -240,7 +240,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         let Self { lanes, rounds, tier, states, ends, .. } = self;
         for i in 0..W {
             let (lane, round) = (lanes.get(i), rounds.get(i));
-            let clock = lane.clock.plus_parts(round.sight.h, round.later);
+            let clock = lane.progress.clock.plus_parts(round.sight.h, round.later);
             let after = tier.refreshed(i, &ends.get(i), clock);
             states.set(i, &Laned::pick(round.passed, &after, &states.get(i)));
             lanes.set(i, &commit(&lane, &round, clock, tier.longest(i)));
@@ -251,7 +251,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         let Some(steps) = tier.steps() else { return requests };
         for i in 0..W {
             let (lane, round) = (lanes.get(i), rounds.get(i));
-            let within = [lane.over_clearance, lane.remaining()];
+            let within = [lane.over_clearance, lane.progress.remaining()];
             let count = coasts::count(steps, &T::Mass::in_doubles(&states.get(i)), within);
             counts.set(i, &pick(round.passed & !round.hit, count, 0.0));
         }
@@ -266,7 +266,8 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
                 let coasted = T::coasted(steps, &state, count, responses.get(i));
                 states.set(i, &Laned::pick(count > 0.0, &coasted, &state));
                 let later = lane.later(steps.time(count), tier.longest(i));
-                lanes.clock.set(i, &Laned::pick(count > 0.0, &later.clock, &lane.clock));
+                let clock = Laned::pick(count > 0.0, &later.progress.clock, &lane.progress.clock);
+                lanes.progress.clock.set(i, &clock);
                 let length = pick(count > 0.0, later.trial.length, lane.trial.length);
                 lanes.trial.length.set(i, &length);
             }
@@ -281,7 +282,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
     pub fn flight(&self, i: usize) -> Option<(Clock, f64, [f64; 2], [State; 2])> {
         let Round { passed, sight: Sight { h, .. }, later, hit, v, rate, .. } = self.rounds.get(i);
         passed.then(|| {
-            let clock = self.lanes.clock.get(i);
+            let clock = self.lanes.progress.clock.get(i);
             let impact = [clock.plus_parts(h, later).value, if hit { -rate } else { 0.0 }];
             let begin = T::Mass::in_doubles(&self.states.get(i));
             let end = State { v, rate, ..T::Mass::in_doubles(&self.ends.get(i)) };
@@ -292,7 +293,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
     /// The clock of each lane.
     #[inline(always)]
     pub fn times(&self) -> &[f64; W] {
-        &self.lanes.clock.value
+        &self.lanes.progress.clock.value
     }
 
     /// True if a trial has found an impact in any lane.
@@ -308,7 +309,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         let Round { hit, v: v_before, .. } = self.rounds.get(i);
         hit.then(|| {
             let State { x, v, side, rate, .. } = T::Mass::in_doubles(&self.states.get(i));
-            Entry::new(self.lanes.clock.get(i), [x, v], v_before, v - side * rate, false)
+            Entry::new(self.lanes.progress.clock.get(i), [x, v], v_before, v - side * rate, false)
         })
     }
 
@@ -335,8 +336,8 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         run: &Run<'_, T::System, O>,
         forced: Option<&Forced>,
     ) -> bool {
-        let Run { system, clock, tally: Tally { state, .. }, .. } = *run;
-        let from = Loaded { system, clock, state, forced };
+        let Run { system, progress, tally: Tally { state, .. }, .. } = *run;
+        let from = Loaded { system, clock: progress.clock, state, forced };
         let Some(state) = self.tier.load(i, &from) else { return false };
         let lane = Lane::of::<T, O>(run, self.tier.longest(i));
         if let Some(lane) = &lane {
@@ -350,6 +351,6 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
     pub fn put_back<O>(&mut self, i: usize, run: &mut Run<'_, T::System, O>) {
         let lane = self.lanes.get(i);
         lane.put_back(run);
-        run.tally.state = self.tier.unload(&self.states.get(i), run.system, run.clock);
+        run.tally.state = self.tier.unload(&self.states.get(i), run.system, run.progress.clock);
     }
 }

@@ -21,7 +21,7 @@ use crate::absorber::impact::Impact;
 use crate::absorber::piva::step::Turning;
 use crate::absorber::piva::{Piva, PivaState, PivaStates};
 use crate::absorber::system::{Clock, Start, System};
-use crate::engine::simulate::{Limits, Run};
+use crate::engine::simulate::Run;
 use crate::host::Phase;
 use crate::host::oscillator::Primary;
 use crate::measures::forced::Forced;
@@ -109,8 +109,7 @@ const MOST_STRUCK: usize = 256;
 impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
     /// Idle lanes for pendulums like this one.
     fn with(piva: &Piva<H>, shared: Shared) -> Self {
-        let limits = Limits::new(1.0, piva.parameters().clearance);
-        let scene = Scene { stop: f64::INFINITY, ..Scene::of(piva, &limits) };
+        let scene = Scene::of(piva);
         let state = laid::<H>(&piva.begin(&Start::default().into()));
         let mut lanes = Self {
             scenes: Scenes::new(),
@@ -133,17 +132,17 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
         let Self { scenes, lanes, rounds, rows, shared, .. } = self;
         Stages::<H, LANES, N, SMALL> { scenes, lanes, rounds, rows, shared }.run();
         let full = self.log();
-        let Self { scenes, lanes, rounds, shared, begins, .. } = self;
+        let Self { lanes, rounds, shared, begins, .. } = self;
         let mut shown = false;
         if shared.shows {
             for i in 0..LANES {
-                begins.0[i] = lanes.clock.get(i);
+                begins.0[i] = lanes.progress.clock.get(i);
                 begins.1.set(i, &lanes.state.get(i));
                 shown |= (rounds.passed[i] > 0.0) & (shared.shows_all | (rounds.quiet[i] == 0.0));
             }
         }
         for i in 0..LANES {
-            let next = lanes.get(i).after(&scenes.get(i), &rounds.get(i));
+            let next = lanes.get(i).after(&rounds.get(i));
             lanes.set(i, &next);
         }
         full | shown | any(&lanes.request) | any(&lanes.stopped) | any(&lanes.full)
@@ -181,7 +180,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
     #[inline(always)]
     fn log_step(&mut self, i: usize) -> bool {
         let Self { scenes, lanes, rounds, logs, .. } = self;
-        let (start, log) = (lanes.clock.get(i), &mut logs[i]);
+        let (start, log) = (lanes.progress.clock.get(i), &mut logs[i]);
         if !looks(self.shared.wanted, start.value) {
             return false;
         }
@@ -306,7 +305,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Cycling<Piva<H>> for Steps<
     }
 
     fn impacts(&self, i: usize) -> u64 {
-        self.lanes.counts.impacts[i] as u64
+        self.lanes.progress.counts.impacts[i] as u64
     }
 
     /// Lanes of pendulums compute no derivatives: trajectories that want them go one by one.
@@ -320,10 +319,9 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Cycling<Piva<H>> for Steps<
         run: &Run<'_, Piva<H>, O>,
         _forced: Option<&Forced>,
     ) -> bool {
-        let scene = Scene::of(run.system, run.limits);
-        let lane = Lane::of(run, &scene);
+        let lane = Lane::of(run);
         if let Some(lane) = &lane {
-            self.scenes.set(i, &scene);
+            self.scenes.set(i, &Scene::of(run.system));
             self.lanes.set(i, lane);
         }
         lane.is_some()
@@ -337,10 +335,8 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Cycling<Piva<H>> for Steps<
         let Primary { x, v } = from.state.primary;
         let goes_on = from.state.distance.value > 0.0 && (x + v + from.state.w).value.is_finite();
         if goes_on {
-            self.lanes.set(
-                i,
-                &Lane { clock: from.clock, live: true, ..Lane::idle(&laid::<H>(&from.state)) },
-            );
+            let progress = self.lanes.progress.get(i).repeated(from.clock);
+            self.lanes.set(i, &Lane::at(progress, &laid::<H>(&from.state)));
         }
         goes_on
     }

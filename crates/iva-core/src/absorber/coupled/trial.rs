@@ -1,7 +1,6 @@
 //! A coupled mass in flight: its trials in closed form.
 
 use super::{Coupled, CoupledState, Coupling};
-use crate::absorber::chatter::REBOUND_LOOK;
 use crate::absorber::plain::State;
 use crate::absorber::siva::Law;
 use crate::absorber::siva::trial::FreeMass;
@@ -51,11 +50,6 @@ impl<R: Real, C: Coupling<Real = R>> FreeMass for Coupled<C> {
         let CoupledState { x, v, side, distance, rate } = *at;
         let [x, v, side, distance, rate] = [x, v, side, distance, rate].map(R::double);
         State { x, v, side, distance, rate, ..State::default() }
-    }
-
-    #[inline(always)]
-    fn rebound(rate: R, pressure: R, _over: R) -> R {
-        rate * REBOUND_LOOK / pressure
     }
 
     #[inline(always)]

@@ -3,7 +3,6 @@
 use super::motion::{SivaFlight, after, arrived};
 use super::trial::{FreeMass, fast_flight};
 use super::{Law, SivaState, collided};
-use crate::absorber::chatter::REBOUND_LOOK;
 use crate::absorber::plain::State;
 use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Phase, Structure};
@@ -40,11 +39,6 @@ impl<R: Real, S: Structure<Real = R>> FreeMass for InFlight<'_, S> {
     #[inline(always)]
     fn in_doubles(at: &Self::State) -> State {
         at.in_doubles()
-    }
-
-    #[inline(always)]
-    fn rebound(rate: R, pressure: R, _over: R) -> R {
-        rate * REBOUND_LOOK / pressure
     }
 
     #[inline(always)]

@@ -14,6 +14,7 @@
 
 use super::Law;
 use super::proof::Quintic;
+use crate::absorber::chatter::first_search;
 use crate::absorber::plain::State;
 use crate::number::arrays::laned;
 use crate::number::real::{Real, pick};
@@ -41,7 +42,10 @@ pub(crate) trait FreeMass {
     /// The state in plain doubles.
     fn in_doubles(at: &Self::State) -> State;
     /// The longest first trial after a rebound with this rate from a wall with this pressure; `over` is 1/clearance.
-    fn rebound(rate: Self::Real, pressure: Self::Real, over: Self::Real) -> Self::Real;
+    #[inline(always)]
+    fn rebound(rate: Self::Real, pressure: Self::Real, _over: Self::Real) -> Self::Real {
+        first_search(rate, pressure)
+    }
     /// Bounds on the fifth and sixth derivative of the distance from a state on.
     fn bounds(&self, from: &Self::State) -> [Self::Real; 2];
     /// The state a time h later, but that what drives it, and A, may have the accuracy of plain numbers:

@@ -9,23 +9,24 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Lets an absorber that is too far from its walls to meet one fly on for some steps, each of which is computed
     /// from the first state.
     pub(super) fn coast(&mut self) {
-        let (system, begin) = (self.system, Instant { time: self.clock, state: self.tally.state });
-        let remaining = -begin.time.minus(self.limits.duration);
-        let (count, end) = system.coasts(&begin.state, remaining);
+        let (system, begin) =
+            (self.system, Instant { time: self.progress.clock, state: self.tally.state });
+        let (count, end) = system.coasts(&begin.state, self.progress.remaining());
         if count > 0 {
-            let end = show_coast(system, &begin, (count, end), &mut self.observer);
-            (self.clock, self.tally.state) = (end.time, end.state);
+            show_coast(system, &begin, (count, end), &mut self.observer);
+            self.progress = self.progress.later(end.1);
+            self.tally.state = end.0;
         }
     }
 }
 
-/// Shows an observer some steps of a coast from an instant on, with the state after them; returns the instant there.
+/// Shows an observer some steps of a coast from an instant on, with the state after them.
 pub(crate) fn show_coast<'a, R: Real, S: System<Real = R>, O: Observer<S>>(
     system: &'a S,
     begin: &Instant<S::State, R>,
     (count, end): (usize, Coasted<S::State, R>),
     observer: &mut O,
-) -> Instant<S::State, R> {
+) {
     let later = |(state, by): Coasted<S::State, R>| Instant {
         time: begin.time.plus_parts(by.value, by.rest),
         state,
@@ -42,5 +43,4 @@ pub(crate) fn show_coast<'a, R: Real, S: System<Real = R>, O: Observer<S>>(
     let flight = system.flight(&begin.state);
     let whole = Span::between(system, &flight, [begin, &end]);
     observer.coast(system, &whole, &each);
-    end
 }

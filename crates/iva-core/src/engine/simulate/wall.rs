@@ -1,10 +1,10 @@
 //! Events at a wall: impact, chatter, stick, and leaving the wall.
 
-use super::counts::Counted;
-use super::{CANCEL_EVERY, Instant, Phase, Run, is_finite};
-use crate::absorber::chatter::{REBOUND_LOOK, Rebound};
+use super::{CANCEL_EVERY, Instant, Run, is_finite};
+use crate::absorber::chatter::{Rebound, first_search};
 use crate::absorber::impact::Impact;
 use crate::absorber::system::{Clock, System};
+use crate::engine::counts::Counted;
 use crate::engine::observe::{Contact, Observer, StickEpisode};
 use crate::host::Excitation;
 use crate::number::real::Real;
@@ -16,19 +16,13 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Applies the impact law to the state in contact, and decides what follows.
     pub(super) fn apply_impact(&mut self) {
         let wall = self.system.wall(&self.tally.state);
-        let (after, impact) = self.system.impact(&self.tally.state, self.clock.value);
+        let (after, impact) = self.system.impact(&self.tally.state, self.progress.clock.value);
         let approach = impact.approach_speed();
         // With e = 1 no chatter dies out, so low impacts are listed immediately.
         let dies_out = self.system.law_at(wall).rebound < 1.0 || approach == 0.0;
-        let counted = Counted {
-            time: impact.time,
-            side: wall.sign(),
-            approach,
-            energy_loss: impact.energy_loss,
-            effective: impact.effective(),
-            low: dies_out && approach <= self.limits.chatter_floor,
-        };
-        self.counts = self.counts.after(true, &counted);
+        let low = dies_out && approach <= self.progress.floor;
+        let counted = Counted { low, ..Counted::from(&impact) };
+        self.progress = self.progress.struck(true, &counted);
         let before = std::mem::replace(&mut self.tally.state, after);
         self.list(&impact, [&before, &after], false);
         self.leave_or_stick();
@@ -44,14 +38,11 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let state = self.tally.state;
         let leave = self.system.distance(&state);
         if leave.rate > 0.0 {
-            self.phase = Phase::Flight { first: R::INFINITY };
             if leave.curvature < 0.0 {
                 self.rebound(&state, &leave);
             }
         } else if presses(&leave) {
-            self.stick(self.clock);
-        } else {
-            self.phase = Phase::Flight { first: R::INFINITY };
+            self.stick(self.progress.clock);
         }
     }
 
@@ -71,28 +62,30 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         if low {
             rebound.fourth = self.system.flight(state).fourth();
         }
-        let stick_clock = self.clock.plus(rebound.tail());
+        let stick_clock = self.progress.clock.plus(rebound.tail());
         let smooth = low && rebound.tail() < self.system.excitation().smooth_for(S::phase(state));
-        if smooth && rebound.summable() && stick_clock.minus(self.limits.duration) < 0.0 {
+        if smooth && rebound.summable() && stick_clock.minus(self.progress.stop) < 0.0 {
             self.list_tail(*state, stick_clock.value);
             self.stick(stick_clock);
         } else {
             // The return is expected after 2u/A; the search goes a little further.
-            self.phase = Phase::Flight { first: leave.rate * REBOUND_LOOK / rebound.pressure };
+            self.progress.first = first_search(leave.rate, rebound.pressure);
         }
     }
 
     /// Lists the rebounds of a summed tail that are above the chatter floor. They are computed one by one
     /// beside the run, so that the motion does not depend on the floor.
     fn list_tail(&mut self, mut state: S::State, stick_time: R) {
-        let mut clock = self.clock;
+        let mut clock = self.progress.clock;
         let begin = Contact { time: clock.value, states: [&state; 2], summed: true };
         self.observer.contact(self.system, &begin);
         let ratio = self.system.law_at(self.system.wall(&state)).rebound;
         while ratio * self.system.distance(&state).rate > 0.0
-            && self.counts.listed() < self.limits.max_impacts as f64
+            && self.progress.counts.listed() < self.progress.max_impacts
         {
-            if (self.counts.impacts as u64).is_multiple_of(CANCEL_EVERY) && self.is_cancelled() {
+            if (self.progress.counts.impacts as u64).is_multiple_of(CANCEL_EVERY)
+                && self.is_cancelled()
+            {
                 return;
             }
             let leave = self.system.distance(&state);
@@ -100,7 +93,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             if !is_finite(&flight.jet(&state), flight.fourth()) {
                 return;
             }
-            let length = flight.reach().min(-leave.rate * REBOUND_LOOK / leave.curvature);
+            let length = flight.reach().min(first_search(leave.rate, -leave.curvature));
             let stretch = first_contact(&flight, &state, self.system.clearance(), length);
             if stretch.contact != Some(Side::Near) {
                 return;
@@ -110,11 +103,12 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             let (touching, later) = self.system.touch(&flight.arrival(stretch.end.h), wall);
             clock = clock.plus(later);
             let (after, impact) = self.system.impact(&touching, clock.value.min(stick_time));
-            if impact.approach_speed() <= self.limits.chatter_floor {
+            if impact.approach_speed() <= self.progress.floor {
                 return;
             }
-            self.counts.impacts += 1.0;
-            self.counts.effective += if impact.effective() { 1.0 } else { 0.0 };
+            let counts = &mut self.progress.counts;
+            counts.impacts += 1.0;
+            counts.effective += if impact.effective() { 1.0 } else { 0.0 };
             self.list(&impact, [&touching, &after], true);
             state = after;
         }
@@ -124,7 +118,8 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
     fn stick(&mut self, stick_clock: Clock<R>) {
         let wall = self.system.wall(&self.tally.state);
         let (state, loss) = self.system.stick(&self.tally.state);
-        self.counts.losses = self.counts.losses.plus(loss);
+        let counts = &mut self.progress.counts;
+        counts.losses = counts.losses.plus(loss);
         self.observer.stick(self.system, &Instant { time: stick_clock, state });
         self.tally.state = state;
         let mut episode = StickEpisode {
@@ -135,26 +130,26 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             impacts: 0,
             energy_loss: loss,
         };
-        let streak = std::mem::take(&mut self.counts.streak);
+        let counts = &mut self.progress.counts;
+        let streak = std::mem::take(&mut counts.streak);
         if streak.side != 0.0 {
-            self.counts.impacts -= streak.low;
-            self.counts.effective -= streak.low_effective;
+            counts.impacts -= streak.low;
+            counts.effective -= streak.low_effective;
             if streak.low > 0.0 {
-                self.observer.unlist(streak.listed_before as u64, self.limits.chatter_floor);
+                self.observer.unlist(streak.listed_before as u64, self.progress.floor);
             }
             episode.start_time = streak.start_time;
-            episode.impacts = (self.counts.impacts - streak.listed_before) as u64;
+            episode.impacts = (counts.impacts - streak.listed_before) as u64;
             episode.energy_loss += streak.energy_loss;
         }
         self.tally.episodes += 1;
         self.riding = Some(episode);
-        self.phase = Phase::Ride;
     }
 
     /// Ends the current stick episode, by release or at the end of the run.
     pub(super) fn end_episode(&mut self, released: bool) {
         if let Some(mut episode) = self.riding.take() {
-            let now = self.clock.value;
+            let now = self.progress.clock.value;
             self.tally.time_stuck += (now - episode.stick_time).max(0.0);
             episode.release_time = released.then_some(now);
             self.observer.episode(&episode);

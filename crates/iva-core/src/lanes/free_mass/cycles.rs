@@ -37,11 +37,11 @@ where
     }
 
     fn shown(&self, i: usize, system: &Siva<H>) -> SivaState<Phase<H>> {
-        self.tier.shown(&self.states.get(i), system, self.lanes.clock.get(i))
+        self.tier.shown(&self.states.get(i), system, self.lanes.progress.clock.get(i))
     }
 
     fn impacts(&self, i: usize) -> u64 {
-        self.lanes.counts.impacts[i] as u64
+        self.lanes.progress.counts.impacts[i] as u64
     }
 
     fn listen(&mut self, i: usize) {

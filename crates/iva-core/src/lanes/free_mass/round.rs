@@ -2,11 +2,11 @@
 //! clock and the next trial.
 
 use super::lane::Lane;
-use crate::absorber::chatter::LOW;
+use crate::absorber::chatter::may_end;
 use crate::absorber::plain::State;
 use crate::absorber::siva::trial::{FreeMass, Landing, Sight, TRIES, Trial, land};
 use crate::absorber::system::Clock;
-use crate::engine::simulate::counts::{Counted, Counts};
+use crate::engine::counts::Counted;
 use crate::lanes::pick;
 use crate::number::arrays::{Laned, arrays};
 
@@ -42,17 +42,15 @@ pub(super) fn decide<M: FreeMass<Real = f64>>(
     let after = mass.struck(&end, hit, &law);
     let [_, rebound, bend] = mass.curve(&after);
     let pressure = -bend;
-    let low = ((pressure > 0.0) & (rebound < pressure * (LOW * (1.0 - law.restitution))))
-        | (-rate <= lane.floor)
-        | (rebound <= 0.0);
-    let before = lane.clock.plus_parts(h, later).minus(lane.stop) < 0.0;
+    let low = may_end(rebound, pressure, law.restitution) | (-rate <= lane.progress.floor);
+    let before = lane.progress.clock.plus_parts(h, later).minus(lane.progress.stop) < 0.0;
     let simple = hit & !low & before;
     let round = Round {
         sight: *sight,
         passed: simple | sight.free,
         hit: simple,
         later,
-        whole: sight.free & (lane.trial.length == lane.remaining()),
+        whole: sight.free & (lane.trial.length == lane.progress.remaining()),
         v,
         rate,
         side,
@@ -76,22 +74,18 @@ pub(super) fn commit(lane: &Lane, round: &Round, clock: Clock, longest: f64) -> 
         effective: v * (v + side * approach) < 0.0,
         low: false,
     };
-    let remaining = -clock.minus(lane.stop);
     let first = pick(hit & (round.pressure > 0.0), round.first, f64::INFINITY);
-    let trial = Trial::new(longest.min(remaining).min(first));
-    let work = lane.counts.work + pick(passed, 1.0, 0.0);
-    let counts = Counts { work, ..lane.counts.after(hit, &impact) };
+    let progress = lane.progress.moved(passed, clock, first).struck(hit, &impact);
+    let trial = Trial::new(longest.min(progress.ahead()));
     let tries = pick(passed, 0.0, lane.tries + 1.0);
     let stuck = sight.meets & (again == 0.0);
     let next = Lane {
-        clock: Laned::pick(passed, &clock, &lane.clock),
+        progress,
         trial: Laned::pick(passed, &trial, &lane.trial.next(again, sight.far)),
-        first: pick(passed, first, lane.first),
         tries,
         request: !passed & (stuck | (tries > TRIES as f64)),
         stopped: passed & round.whole,
-        counts,
         ..*lane
     };
-    Lane { full: passed & next.is_full(), ..next }
+    Lane { full: passed & next.progress.is_full(), ..next }
 }

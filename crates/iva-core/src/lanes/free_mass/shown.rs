@@ -29,7 +29,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         for (i, flights) in self.flights.iter_mut().enumerate() {
             let Round { passed, sight: Sight { h, far, .. }, later, hit, .. } = self.rounds.get(i);
             if let Some(flights) = flights.as_mut().filter(|_| passed) {
-                let (clock, from) = (self.lanes.clock.get(i), self.states.get(i));
+                let (clock, from) = (self.lanes.progress.clock.get(i), self.states.get(i));
                 flights.push(Stretch { clock, from, h, later, hit, far, coasts: 0.0 });
                 full |= flights.len() >= MOST_FLIGHTS;
             }

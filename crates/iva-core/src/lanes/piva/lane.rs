@@ -2,11 +2,10 @@
 
 use super::drive::{Swinging, laid, raised};
 use super::scene::Scene;
-use crate::absorber::impact::Impact;
 use crate::absorber::piva::{PARTS, Piva, PivaState};
-use crate::absorber::system::Clock;
-use crate::engine::simulate::counts::{Counted, Counts};
-use crate::engine::simulate::{Phase, Run};
+use crate::engine::counts::Counted;
+use crate::engine::progress::Progress;
+use crate::engine::simulate::Run;
 use crate::lanes::{ScalarRun, pick};
 use crate::measures::Ledger;
 use crate::measures::steady::{Quiet, Steady};
@@ -21,13 +20,10 @@ const SHORTEST: f64 = 1.0 / (1 << (PARTS - 1)) as f64;
 /// A run at the begin of a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lane<P> {
-    pub clock: Clock,
+    pub progress: Progress,
     pub state: PivaState<P>,
-    /// The longest step after a rebound.
-    pub first: f64,
     /// The part of the step that is tried: 1, or less where nothing is decided about longer ones.
     pub part: f64,
-    pub counts: Counts,
     pub ledger: Ledger,
     /// The steps that its observers need not see.
     pub quiet: Quiet,
@@ -42,11 +38,9 @@ pub(super) struct Lane<P> {
 laned!(
     Lane<P>,
     Lanes {
-        clock: Clock,
+        progress: Progress,
         state: PivaState<P>,
-        first: f64,
         part: f64,
-        counts: Counts,
         ledger: Ledger,
         quiet: Quiet,
         live: bool,
@@ -58,27 +52,22 @@ laned!(
 
 impl<P: Laned> Lane<P> {
     /// The lane of a run in flight; `None` if the event loop has to go on with the run.
-    pub fn of<H: Swinging<Instant = P>, O>(
-        run: &Run<'_, Piva<H>, O>,
-        scene: &Scene,
-    ) -> Option<Self> {
-        let Phase::Flight { first } = run.phase else { return None };
-        let counts = run.counts;
-        let idle = Self::idle(&laid::<H>(&run.tally.state));
-        let lane = Self { clock: run.clock, first, counts, live: true, ..idle };
-        // Low impacts of a streak wait for the decision whether they are listed.
-        let goes_on = !run.ended && lane.remaining(scene) > 0.0 && counts.streak.low == 0.0;
-        (goes_on && !lane.is_full(scene)).then_some(lane)
+    pub fn of<H: Swinging<Instant = P>, O>(run: &Run<'_, Piva<H>, O>) -> Option<Self> {
+        let state = || laid::<H>(&run.tally.state);
+        run.is_for_lanes().then(|| Self::at(run.progress, &state()))
+    }
+
+    /// The lane of a run in flight, at the begin of a step.
+    pub fn at(progress: Progress, state: &PivaState<P>) -> Self {
+        Self { progress, live: true, ..Self::idle(state) }
     }
 
     /// A lane without a run, at rest in the middle of its gap.
     pub fn idle(state: &PivaState<P>) -> Self {
         Self {
-            clock: Clock::ZERO,
+            progress: Progress::idle(),
             state: *state,
-            first: f64::INFINITY,
             part: 1.0,
-            counts: Counts::default(),
             ledger: Ledger::default(),
             quiet: Quiet::ALL,
             live: false,
@@ -88,47 +77,24 @@ impl<P: Laned> Lane<P> {
         }
     }
 
-    /// The time to the end of the run.
-    #[inline(always)]
-    pub fn remaining(&self, scene: &Scene) -> f64 {
-        -self.clock.minus(scene.stop)
-    }
-
-    /// True if the run has reached a limit.
-    #[inline(always)]
-    fn is_full(&self, scene: &Scene) -> bool {
-        (self.counts.listed() >= scene.max_impacts) | (self.counts.work >= scene.max_work)
-    }
-
     /// The lane after a round: impact, clock and the next step. Losses of a step that observers see are taken by
     /// them.
     #[inline(always)]
-    pub fn after(&self, scene: &Scene, round: &Round<P>) -> Self {
+    pub fn after(&self, round: &Round<P>) -> Self {
         let Round { passed, hit, again, quiet, impact, losses, square, .. } = round;
         let (passed, hit, quiet) = (*passed, *hit, passed & quiet);
-        let Impact { time, wall, energy_loss, .. } = *impact;
-        let counted = Counted {
-            time,
-            side: wall.sign(),
-            approach: impact.approach_speed(),
-            energy_loss,
-            effective: impact.effective(),
-            low: false,
-        };
-        let work = self.counts.work + pick(passed, 1.0, 0.0);
+        let moved = self.progress.moved(passed, round.clock, round.first);
         let next = Self {
-            clock: Laned::pick(passed, &round.clock, &self.clock),
+            progress: moved.struck(hit, &Counted::from(impact)),
             state: Laned::pick(passed, &round.after, &self.state),
-            first: pick(passed, round.first, self.first),
             part: pick(*again, self.part * 0.5, 1.0),
-            counts: Counts { work, ..self.counts.after(hit, &counted) },
             ledger: Laned::pick(quiet, &self.ledger.plus(losses), &self.ledger),
-            quiet: self.quiet.with(quiet, self.clock, *square),
+            quiet: self.quiet.with(quiet, self.progress.clock, *square),
             request: self.live & !passed & !again,
             stopped: passed & round.whole,
             ..*self
         };
-        Self { full: passed & next.is_full(scene), ..next }
+        Self { full: passed & next.progress.is_full(), ..next }
     }
 
     /// True if a shorter part of the step can be tried.
@@ -143,12 +109,11 @@ impl<P: Laned> Lane<P> {
         scene: &Scene,
         run: &mut Run<'_, Piva<H>, O>,
     ) {
-        (run.clock, run.counts) = (self.clock, self.counts);
+        run.progress = self.progress;
         run.tally.state = f64::dispatched(
             #[inline(always)]
             || raised::<H>(scene, &self.state),
         );
-        run.phase = Phase::Flight { first: self.first };
         if self.stopped {
             run.reach_end();
         }

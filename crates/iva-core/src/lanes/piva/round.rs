@@ -6,7 +6,7 @@ use super::drive::Swinging;
 use super::lane::{Lane, Lanes};
 use super::rows::Rows;
 use super::scene::{Scene, Scenes};
-use crate::absorber::chatter::{LOW, REBOUND_LOOK};
+use crate::absorber::chatter::{first_search, may_end};
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::accuracy::Sizes;
 use crate::absorber::piva::integrals::{self, Integrands};
@@ -207,7 +207,7 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, 
         for i in 0..W {
             let (scene, series) = (self.scene(i), self.rows.get::<N>(i));
             let (lane, from) = (self.lanes.get(i), self.lanes.state.get(i));
-            let h = self.rounds.reach[i].min(lane.remaining(&scene)).min(lane.first) * lane.part;
+            let h = self.rounds.reach[i].min(lane.progress.ahead()) * lane.part;
             let length = self.rounds.step[i];
             let step = Step { pendulum: &scene.pendulum, from: &from, series: &series, length };
             let drive = self.drive_now(i);
@@ -222,7 +222,7 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, 
             self.rounds.far.set(i, &(proved & gap.far));
             self.rounds.exact.set(i, &false);
             self.rounds.first[i] = f64::INFINITY;
-            self.rounds.clock.set(i, &lane.clock.plus_parts(h, 0.0));
+            self.rounds.clock.set(i, &lane.progress.clock.plus_parts(h, 0.0));
             self.rounds.after.set(i, &end);
         }
     }
@@ -246,17 +246,16 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, 
             let ahead = scene.ahead::<H, 3>(&arrived);
             let (touching, later) = scene.stops.touching(&arrived, wall, &ahead);
             let touching = PivaState { phase: H::later(arrived.phase, later), ..touching };
-            let clock = lane.clock.plus_parts(h, 0.0).plus(later);
+            let clock = lane.progress.clock.plus_parts(h, 0.0).plus(later);
             let (after, impact) = scene.struck(&touching, clock.value);
             let leave = distance(&after, &scene.ahead::<H, 4>(&after));
             let pressure = -leave.curvature;
-            let slowest = pressure * (LOW * (1.0 - scene.law(wall).ratio));
-            let low = ((pressure > 0.0) & (leave.rate < slowest))
-                | (impact.approach_speed() <= scene.floor)
-                | (leave.rate <= 0.0);
-            let first = pick(pressure > 0.0, leave.rate * REBOUND_LOOK / pressure, f64::INFINITY);
+            let low = may_end(leave.rate, pressure, scene.law(wall).ratio)
+                | (impact.approach_speed() <= lane.progress.floor);
+            let search = first_search(leave.rate, pressure);
+            let first = pick(pressure > 0.0, search, f64::INFINITY);
             self.rounds.exact.set(i, &meets);
-            self.rounds.simple.set(i, &(!low & (clock.minus(scene.stop) < 0.0)));
+            self.rounds.simple.set(i, &(!low & (clock.minus(lane.progress.stop) < 0.0)));
             self.rounds.length[i] = pick(meets, h, whole);
             self.rounds.end.set(i, &Laned::pick(meets, &arrived, &end));
             self.rounds.touching.set(i, &touching);
@@ -340,8 +339,8 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, 
             let passed = lane.live & proved & seen & (hits | (clear & !exact));
             let meets = round.near | round.far;
             let undecided = !clear & !meets | (meets & !exact);
-            let ends = round.length == lane.remaining(&self.scene(i));
-            let clocks = [lane.clock, round.clock];
+            let ends = round.length == lane.progress.remaining();
+            let clocks = [lane.progress.clock, round.clock];
             self.rounds.passed.set(i, &passed);
             self.rounds.hit.set(i, &(passed & exact));
             self.rounds.whole.set(i, &(passed & !exact & ends));

@@ -1,10 +1,9 @@
-//! What the run of a lane does not change: pendulum, walls, force and limits.
+//! What the run of a lane does not change: pendulum, walls and force.
 
 use super::drive::{Laid, Swinging};
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::{Law, Piva, PivaState, Stops};
 use crate::absorber::system::Wall;
-use crate::engine::simulate::Limits;
 use crate::force::{Acts, Drive, Harmonic, Push, Pushes};
 use crate::lanes::pick;
 use crate::number::arrays::{Laned, laned};
@@ -26,12 +25,6 @@ pub(crate) struct Scene {
     pub frequency: f64,
     pub phase: f64,
     pub moves_base: bool,
-    /// The instant at which the run ends, in 1/ωn; limits on the numbers of impacts and of stretches of motion.
-    pub stop: f64,
-    pub max_impacts: f64,
-    pub max_work: f64,
-    /// Chatter floor: impacts with an approach speed at or below it are left to the event loop.
-    pub floor: f64,
 }
 
 laned!(
@@ -46,15 +39,11 @@ laned!(
         frequency: f64,
         phase: f64,
         moves_base: bool,
-        stop: f64,
-        max_impacts: f64,
-        max_work: f64,
-        floor: f64,
     }
 );
 
 impl Scene {
-    pub fn of(piva: &Piva<impl Swinging>, limits: &Limits) -> Self {
+    pub fn of(piva: &Piva<impl Swinging>) -> Self {
         let pendulum = piva.pendulum;
         let still = Harmonic { amplitude: 0.0, frequency: 0.0, phase: 0.0, acts: Acts::Primary };
         let Harmonic { amplitude, frequency, phase, .. } =
@@ -69,10 +58,6 @@ impl Scene {
             frequency,
             phase,
             moves_base: piva.host.moves_base(),
-            stop: limits.duration,
-            max_impacts: limits.max_impacts as f64,
-            max_work: limits.max_work as f64,
-            floor: limits.chatter_floor,
         }
     }
 

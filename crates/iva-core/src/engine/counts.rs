@@ -1,5 +1,6 @@
 //! The counts and sums of the impacts of a run: those of the event loop, and of lanes.
 
+use crate::absorber::impact::Impact;
 use crate::absorber::system::{Clock, Wall};
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
@@ -72,6 +73,21 @@ pub(crate) struct Counted<R = f64> {
     pub effective: bool,
     /// True if it is at or below the floor of a chatter that dies out.
     pub low: bool,
+}
+
+impl<R: Real> From<&Impact<R>> for Counted<R> {
+    /// As one that stays listed.
+    #[inline(always)]
+    fn from(impact: &Impact<R>) -> Self {
+        Self {
+            time: impact.time,
+            side: impact.wall.sign(),
+            approach: impact.approach_speed(),
+            energy_loss: impact.energy_loss,
+            effective: impact.effective(),
+            low: false,
+        }
+    }
 }
 
 impl<R: Real> Counts<R> {
