@@ -25,8 +25,11 @@ use crate::segment::flight::{Jet, Quantity, Rows, Turns};
 use crate::segment::polynomial::product_integral;
 
 pub(crate) use driven::{Block, Plain, Sums};
-pub use driven::{Course, Driven, DrivenHost, Forces, Moment, Pieces, Place, Source, Weight};
+pub use driven::{
+    Course, Driven, DrivenHost, Forces, Moment, Pieces, Place, Ramped, Source, Weight,
+};
 pub use excitation::{Excitation, Still};
+pub use sinusoid::Sinusoidal;
 pub use steps::Steps;
 pub use undriven::UndrivenHost;
 
@@ -238,9 +241,9 @@ pub trait Host: Excitation + Clone {
 
     /// The damping ratio ζ.
     fn damping_ratio(&self) -> Self::Real;
-    /// Damping ratio ζ and mass ratio μ of a structure in doubles without drive, if its motion is known in
-    /// closed form (`host/sinusoid.rs`).
-    fn sinusoidal(&self) -> Option<[f64; 2]> {
+    /// The structure in doubles, if no lasting force acts on it and its motion is a damped sinusoid in closed form
+    /// (`host/sinusoid.rs`).
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
         None
     }
     /// Shares the tables of another structure that has the same ζ, if they are worth sharing.

@@ -47,8 +47,8 @@
 //! (`lanes/free_mass/shown.rs`).
 //!
 //! **Measures.** Those of a decay are functions of its log (`measures/decay.rs`), whether it ran alone or in a lane. The
-//! log of a free mass holds the begins of its motions, which have a closed form; that of any other absorber the stretches
-//! in which x is monotonic. The measures of a free mass under one harmonic force are computed from a log of its flights
+//! log of a free mass holds the begins of its motions, which are damped sinusoids, also where gravity acts along the motion; that
+//! of any other absorber the stretches in which x is monotonic. The measures of a free mass under one harmonic force are computed from a log of its flights
 //! (`measures/forced.rs`).
 //!
 //! `CONTRIBUTING.md` tells how to add a measure or a field, `docs/adding-an-absorber.md` how to add an

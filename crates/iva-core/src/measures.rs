@@ -13,7 +13,7 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::Motion;
 
-pub(crate) use decay::{Sinusoids, Stretch, Stretches, in_motion, keeps, looks};
+pub(crate) use decay::{Sinusoids, Stretch, Stretches, height, in_motion, keeps, looks};
 pub(crate) use fit::Fit;
 pub(crate) use ledger::Ledger;
 
@@ -280,7 +280,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
         let (sinusoids, stretches) = (self.decay.take(), self.stretches.take());
         *self = Self::new(self.wanted);
         let Point { x, v } = system.primary(state);
-        self.log_decay(system, sinusoids, v.double());
+        self.log_decay(system, sinusoids, [x, v].map(Real::double));
         let looks =
             self.decay.is_none() && !system.excitation().is_driven() && looks(self.wanted, 0.0);
         self.stretches = looks.then(|| Stretches::new(stretches));
@@ -294,10 +294,10 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
 
     fn span<M: Motion<Real = R, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         self.moving = true;
+        self.reached = span.start.plus(span.length).value;
         if self.decay.is_some() {
             return self.log_span(system, span);
         }
-        self.reached = span.start.plus(span.length).value;
         self.list_peaks(system, span);
         self.log_stretches(system, span);
         self.lose(span);
@@ -334,6 +334,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
     }
 
     fn impulse(&mut self, system: &S, state: &S::State, work: R) {
+        self.log_next();
         self.ledger.work = self.ledger.work.plus(work);
         if !self.moving {
             self.energy_begin = system.energy(state);

@@ -5,7 +5,9 @@ use crate::absorber::system::{Clock, LawAt, Point, System, Wall};
 use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::oscillator::Primary;
-use crate::host::{DrivenHost, Flown, Host, HostState, Integrated, Phase, Structure, UndrivenHost};
+use crate::host::{
+    DrivenHost, Flown, Host, HostState, Integrated, Phase, Sinusoidal, Structure, UndrivenHost,
+};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
@@ -277,7 +279,7 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         (x * x + v * v) * 0.5
     }
 
-    fn sinusoidal(&self) -> Option<[f64; 2]> {
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
         self.host.sinusoidal()
     }
 

@@ -24,6 +24,9 @@ pub trait Stuck: System<Excitation = <Self as Stuck>::Host> {
     fn pressure(&self, wall: Wall) -> [Self::Real; 2];
 }
 
+/// The part of the weight that is counted on, because of rounding.
+const HELD: f64 = 1.0 - 1e-9;
+
 /// The structure of a host, with the absorber stuck to it.
 type Loaded<S> = <<S as Stuck>::Host as Host>::Structure;
 
@@ -189,5 +192,14 @@ impl<R: Real, S: Stuck<Real = R>> Curve for Ride<'_, S> {
     fn magnitude(&self) -> R {
         let [factor, constant] = self.system.pressure(self.system.wall(&self.from));
         factor.abs() * self.structure().bound::<0>(&self.begin.primary) + constant.abs()
+    }
+
+    /// The weight of the absorber holds it on its wall as long as the structure shakes less than that.
+    fn stays_positive(&self) -> bool {
+        let [factor, constant] = self.system.pressure(self.system.wall(&self.from));
+        let gravity = self.system.excitation().gravity();
+        let held = factor * gravity + constant;
+        let shaking = || self.structure().bound::<0>(&self.begin.primary) - gravity;
+        held > 0.0 && held * HELD > factor.abs() * shaking()
     }
 }

@@ -15,7 +15,7 @@ use crate::absorber::system::{Clock, Coasted, LawAt, Point, Start, System, Wall}
 use crate::error::{Invalid, number};
 use crate::force::Force;
 use crate::host::oscillator::Primary;
-use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
+use crate::host::{DrivenHost, Host, HostState, Phase, Sinusoidal, Structure, UndrivenHost};
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -436,7 +436,7 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         })
     }
 
-    fn sinusoidal(&self) -> Option<[f64; 2]> {
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
         self.host.sinusoidal()
     }
 

@@ -6,7 +6,7 @@
 use crate::absorber::impact::Impact;
 use crate::absorber::plain::Scene;
 use crate::error::Invalid;
-use crate::host::Excitation;
+use crate::host::{Excitation, Sinusoidal};
 pub use crate::number::clock::Clock;
 use crate::number::real::Real;
 use crate::segment::flight::{Curve, Jet, Motion};
@@ -154,9 +154,9 @@ pub trait System {
     fn walls_reachable(&self) -> bool {
         true
     }
-    /// Damping ratio ζ and mass ratio μ of a system without drive whose structure moves in closed form, in
-    /// doubles (`host/sinusoid.rs`). The measures of its decays are computed from a log.
-    fn sinusoidal(&self) -> Option<[f64; 2]> {
+    /// The structure of a free mass in doubles, if its motion between events is a damped sinusoid in closed form
+    /// (`host/sinusoid.rs`). The measures of its decays are computed from a log.
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
         None
     }
     /// A free mass on a level line under one harmonic force, or on a base that it moves, in doubles. Its measures

@@ -276,12 +276,16 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
             return false;
         }
         let length = ride.reach().min(remaining);
-        let stretch = first_release(&ride, &state, length);
-        self.tally.undecided += stretch.undecided;
-        let ridden = stretch.end.h;
+        let (ridden, leaves) = if ride.stays_positive() {
+            (length, false)
+        } else {
+            let stretch = first_release(&ride, &state, length);
+            self.tally.undecided += stretch.undecided;
+            (stretch.end.h, stretch.contact.is_some())
+        };
         self.advance(&ride, ridden, length == remaining);
         // Where the force jumps or has an impulse at the release, that decides whether the absorber leaves.
-        if stretch.contact.is_none() || self.due().is_some() {
+        if !leaves || self.due().is_some() {
             return true;
         }
         let (state, later) = system.release(&self.tally.state);

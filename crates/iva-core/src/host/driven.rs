@@ -28,7 +28,7 @@ pub use host::DrivenHost;
 pub use moment::Moment;
 pub(crate) use pieces::{Block, Plain, Sums};
 pub use pieces::{Pieces, Place};
-pub(crate) use ramped::Ramped;
+pub use ramped::Ramped;
 pub(crate) use series::Powers;
 pub use source::{Forces, Source};
 pub use weight::Weight;
@@ -62,8 +62,6 @@ pub struct Driven<D: Source = Forces> {
     pub(crate) step: D::Real,
     /// Contribution of the drive to the bounds on A and its first six derivatives.
     pub(crate) excess: [D::Real; 7],
-    /// Its motion in closed form, where the drive is linear between bends.
-    pub(crate) ramped: Option<Box<Ramped<D::Real>>>,
 }
 
 /// The power series of a motion; `None` where its ends are known in closed form, until they are needed.
@@ -77,10 +75,8 @@ impl<R: Real> Driven<Forces<R>> {
         let reach = R::from(LONGEST) / equation.growth.max(force.fastest());
         let (base, excess) = bounds(&equation, source, reach);
         let step = R::power_of_two(reach);
-        let ramped = force.harmonics().is_empty();
-        let ramped =
-            ramped.then(|| Box::new(Ramped::new(mass, damping_ratio, source.moves_base())));
-        Self { equation, source: source.clone(), base, reach, step, excess, ramped }
+        let source = source.on_mass(mass, damping_ratio);
+        Self { equation, source, base, reach, step, excess }
     }
 }
 
@@ -94,8 +90,8 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         h: R,
         pushes: impl Fn(&Moment<R>, Clock<R>) -> Pushes<R>,
     ) -> Flown<Moment<R>, R> {
-        let (primary, gained) = match &self.ramped {
-            Some(ramped) => ramped.moved(from, h),
+        let (primary, gained) = match self.source.ramped() {
+            Some(ramped) => ramped.moved(from, self.source.moves_base(), h),
             None => self.summed(from, &self.series_of(from, course), h),
         };
         let time = from.phase.after(h);
@@ -142,7 +138,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline]
     fn fast_course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
-        if self.ramped.is_some() {
+        if self.source.ramped().is_some() {
             return Course(None);
         }
         R::dispatched(
@@ -158,7 +154,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
-        Course(self.ramped.is_none().then(|| self.expanded(from)))
+        Course(self.source.ramped().is_none().then(|| self.expanded(from)))
     }
 
     fn measured(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Option<Course<R>> {
@@ -198,8 +194,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn ahead(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: R) -> [R; 3] {
-        if let Some(ramped) = &self.ramped {
-            return ramped.ahead(from, h);
+        if let Some(ramped) = self.source.ramped() {
+            return ramped.ahead(from, self.source.moves_base(), h);
         }
         let t = h / self.step;
         let series = &self.series_of(from, course).pulled;

@@ -8,11 +8,13 @@
 //!
 //! So its turning points follow each other after half a period π/ω, each smaller than the last by the factor
 //! e^{−πδ/ω}, and |Z| bounds |x| at all later times. The series of [`crate::host::oscillator`] hold for short
-//! flights and any damping; these formulas hold for any length.
+//! flights and any damping; these formulas hold for any length. Gravity along the motion moves the middle of the
+//! motion in flight from 0 to μG (`host/driven/weight.rs`); x then stands for what is left.
 
+use std::any::TypeId;
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E, PI};
 
-use crate::number::real::pick;
+use crate::number::real::{Real, pick};
 use crate::number::trigonometry::{factorials, negated};
 use crate::segment::taylor::unrolled;
 
@@ -32,6 +34,32 @@ const LN_2_REST: f64 = 2.319_046_813_846_299_6e-17;
 const TO_INTEGER: f64 = 6_755_399_441_055_744.0;
 /// The bits of an exponent in a double, for a value of 0.
 const BIAS: u64 = 1023;
+
+/// A structure whose motion between events is a damped sinusoid: no lasting force acts on it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sinusoidal {
+    /// Damping ratio ζ.
+    pub damping_ratio: f64,
+    /// Mass ratio μ of the absorber.
+    pub mass_ratio: f64,
+    /// Gravity G along the motion, in ωn² × length.
+    pub gravity: f64,
+}
+
+impl Sinusoidal {
+    /// With these ζ, μ and G; `None` in other numbers than doubles, and above [`MOST_DAMPED`].
+    pub(super) fn of<R: Real>(numbers: [R; 3]) -> Option<Self> {
+        let [damping_ratio, mass_ratio, gravity] = numbers.map(Real::double);
+        let fits = TypeId::of::<R>() == TypeId::of::<f64>() && damping_ratio <= MOST_DAMPED;
+        fits.then_some(Self { damping_ratio, mass_ratio, gravity })
+    }
+
+    /// The middle of the motion: of the structure alone, or with the absorber stuck to it.
+    #[inline(always)]
+    pub(crate) fn middle(&self, stuck: bool) -> f64 {
+        pick(stuck, 0.0, self.gravity * self.mass_ratio)
+    }
+}
 
 /// One oscillator: the constants of its sinusoids.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -298,13 +326,14 @@ mod tests {
         for (ratio, from) in [(0.0, [1.0, 0.2]), (0.05, [1.0, 0.2]), (0.8, [-0.3, 0.7])] {
             let sinusoid = Sinusoid::new(1.0, ratio);
             let turn = sinusoid.first_turn(from);
-            // Between the first turn and the next 0, and after some turns more.
+            // Between the first turn and the next one, and after some turns more.
             for later in [0, 1, 6] {
                 let (before, x) =
                     (turn.0 + later as f64 * sinusoid.half, sinusoid.later_turn(turn.1, later));
-                for share in [0.999_999, 0.9, 0.5, 1e-3, 1e-9, 0.1] {
+                let most_beyond = 0.9 * sinusoid.later_turn(1.0, 1);
+                for share in [0.999_999, 0.9, 0.5, 1e-3, 1e-9, 0.1, -1e-9, most_beyond] {
                     let between = [before, before + sinusoid.half];
-                    let passage = Passage { from, level: share * x, between, turn };
+                    let passage = Passage { from, level: share * x, sign: x, between, turn };
                     let [h, same] = sinusoid.passages(&[passage; 2]);
                     let [there, _] = by_series(1.0, ratio, from, h);
                     let off = (there - share * x).abs();

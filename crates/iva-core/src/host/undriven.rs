@@ -1,12 +1,11 @@
 //! A structure without drive: its motion in closed form ([`crate::host::oscillator`]).
 
-use std::any::TypeId;
 use std::sync::{Arc, OnceLock};
 
 use super::sinusoid::MOST_DAMPED;
 use super::steps::Steps;
 use super::turning::{Jets, guess, turning};
-use super::{Excitation, Flown, Host, HostState, Integrated, Structure};
+use super::{Excitation, Flown, Host, HostState, Integrated, Sinusoidal, Structure};
 use crate::host::oscillator::{Equation, Oscillator, Primary};
 use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
@@ -192,10 +191,8 @@ impl<R: Real> Host for UndrivenHost<R> {
         self.damping_ratio
     }
 
-    fn sinusoidal(&self) -> Option<[f64; 2]> {
-        let in_doubles = TypeId::of::<R>() == TypeId::of::<f64>();
-        (in_doubles && self.damping_ratio <= MOST_DAMPED)
-            .then(|| [self.damping_ratio, self.mass_ratio].map(Real::double))
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
+        Sinusoidal::of([self.damping_ratio, self.mass_ratio, R::ZERO])
     }
 
     #[inline(always)]

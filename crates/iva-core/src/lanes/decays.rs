@@ -2,14 +2,11 @@
 //! as the event loop does where it goes on. Measures are computed from the log ([`crate::measures`]).
 
 use super::free_mass::{FreeMasses, Tier};
-use super::{Job, Listing, Lockstep, ScalarRun};
-use crate::absorber::siva::Siva;
-use crate::host::Host;
+use super::{Job, Listing, Lockstep, ScalarRun, SideBySide};
+use crate::absorber::siva::{Siva, SivaState};
+use crate::host::{Host, Phase};
 use crate::measures::log::Log;
 use crate::measures::{Wanted, keeps};
-
-/// The run of a lane.
-pub(super) type Decaying<'a> = ScalarRun<'a, Siva>;
 
 /// Lanes of free decays, and the log of the run of each lane.
 #[derive(Debug)]
@@ -23,23 +20,27 @@ pub(super) struct Decays<T: Tier, const W: usize> {
 
 impl<T: Tier, const W: usize> Decays<T, W> {
     /// Exchanges the log of a lane for that of its run.
-    fn swap_logs(&mut self, lane: usize, run: &mut Decaying<'_>) {
+    fn swap_logs<S: SideBySide>(&mut self, lane: usize, run: &mut ScalarRun<'_, S>) {
         if let Some(decay) = &mut run.observer.measures.decay {
             std::mem::swap(&mut self.logs[lane], &mut decay.log);
         }
     }
 }
 
-impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
+impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> Lockstep<Siva<H>>
+    for Decays<T, W>
+where
+    Siva<H>: SideBySide<State = SivaState<Phase<H>>>,
+{
     const WIDTH: usize = W;
 
-    fn new(job: &Job<Siva>, wanted: Wanted, _listing: &Listing) -> Self {
+    fn new(job: &Job<Siva<H>>, wanted: Wanted, _listing: &Listing) -> Self {
         let logs = (0..W).map(|_| Log::default()).collect();
         let masses = FreeMasses::new(&job.system);
         Self { masses, logs, wanted, logging: true }
     }
 
-    fn join(leader: &Siva, siva: &Siva) {
+    fn join(leader: &Siva<H>, siva: &Siva<H>) {
         siva.host.share(&leader.host);
     }
 
@@ -65,7 +66,7 @@ impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
         self.masses.requests(lane) || self.logs[lane].is_full()
     }
 
-    fn serve(&mut self, lane: usize, run: &mut Decaying<'_>) -> bool {
+    fn serve(&mut self, lane: usize, run: &mut ScalarRun<'_, Siva<H>>) -> bool {
         // The lane keeps its run, so that the motion does not depend on what is logged.
         if self.logs[lane].is_full() {
             self.swap_logs(lane, run);
@@ -79,8 +80,10 @@ impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
         true
     }
 
-    fn take(&mut self, lane: usize, run: &mut Decaying<'_>) -> bool {
-        let takes = !run.ended && self.masses.take(lane, run, None);
+    fn take(&mut self, lane: usize, run: &mut ScalarRun<'_, Siva<H>>) -> bool {
+        // A run whose measures need its stretches is left to the event loop.
+        let logs = run.observer.measures.decay.is_some() || !keeps(self.wanted, 0.0);
+        let takes = !run.ended && logs && self.masses.take(lane, run, None);
         if takes {
             self.masses.listen(lane, run);
             let (system, clock, state) = (run.system, run.progress.clock, run.tally.state);
@@ -91,7 +94,7 @@ impl<T: Tier<System = Siva>, const W: usize> Lockstep<Siva> for Decays<T, W> {
         takes
     }
 
-    fn put_back(&mut self, lane: usize, run: &mut Decaying<'_>) {
+    fn put_back(&mut self, lane: usize, run: &mut ScalarRun<'_, Siva<H>>) {
         self.masses.tell(lane, run);
         self.masses.put_back(lane, run);
         self.swap_logs(lane, run);

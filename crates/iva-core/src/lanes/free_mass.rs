@@ -16,6 +16,7 @@
 mod cycles;
 mod exact;
 mod fast;
+mod inclined;
 mod lane;
 mod listing;
 mod round;
@@ -29,11 +30,13 @@ use crate::absorber::system::{Clock, System};
 use crate::engine::simulate::{Run, Tally};
 use crate::host::Steps;
 use crate::measures::forced::Forced;
+use crate::measures::height;
 use crate::measures::log::Entry;
 use crate::number::arrays::{Laned, Lanes, any};
 
 pub(crate) use exact::{ExactDecays, ExactDriven};
 pub(crate) use fast::{FastDecays, FastDriven};
+pub(crate) use inclined::ExactInclined;
 use lane::Lane;
 use listing::Struck;
 use round::{Round, Rounds, commit, decide};
@@ -309,7 +312,9 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         let Round { hit, v: v_before, .. } = self.rounds.get(i);
         hit.then(|| {
             let State { x, v, side, rate, .. } = T::Mass::in_doubles(&self.states.get(i));
-            Entry::new(self.lanes.progress.clock.get(i), [x, v], v_before, v - side * rate, false)
+            let height = height(self.lanes.clearance[i], side, 0.0);
+            let absorber = [v - side * rate, height];
+            Entry::new(self.lanes.progress.clock.get(i), [x, v], v_before, absorber, false)
         })
     }
 
@@ -336,6 +341,9 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
         run: &Run<'_, T::System, O>,
         forced: Option<&Forced>,
     ) -> bool {
+        if !run.is_for_lanes() {
+            return false;
+        }
         let Run { system, progress, tally: Tally { state, .. }, .. } = *run;
         let from = Loaded { system, clock: progress.clock, state, forced };
         let Some(state) = self.tier.load(i, &from) else { return false };

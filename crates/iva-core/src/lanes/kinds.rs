@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::decays::Decays;
 use super::forced::ForcedRuns;
-use super::free_mass::{ExactDecays, ExactDriven, FastDecays, FastDriven};
+use super::free_mass::{ExactDecays, ExactDriven, ExactInclined, FastDecays, FastDriven};
 use super::group::{Group, grouped};
 use super::piva::Swinging;
 use super::{Job, LANES, Listing, SideBySide, TakeListed, Tier, WIDE};
@@ -55,9 +55,17 @@ macro_rules! with_steps {
 pub(crate) use with_steps;
 
 /// True if a run is a free decay that lanes can make: they compute no measures but log the motion.
-fn decays(job: &Job<Siva>) -> bool {
+fn decays<S: SideBySide>(job: &Job<S>) -> bool {
     job.system.sinusoidal().is_some() && job.steady.is_none()
 }
+
+/// True if nothing but gravity acts along the motion.
+fn leans(siva: &Siva<DrivenHost>) -> bool {
+    siva.gravity() != 0.0 && siva.force().is_some_and(Force::is_none)
+}
+
+/// The key of decays on inclined lines of motion, beside their damping ratio.
+const INCLINED: f64 = 4.0;
 
 impl SideBySide for Siva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
@@ -90,6 +98,9 @@ impl SideBySide for Alone<DrivenHost> {
 impl SideBySide for Siva<DrivenHost> {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let force = job.system.force()?;
+        if leans(&job.system) {
+            return decays(job).then(|| [job.system.damping_ratio(), INCLINED]);
+        }
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let base = if force.moves_base() { 1.0 } else { 0.0 };
         let tier = if job.tier == Tier::Fast { 2.0 } else { 0.0 };
@@ -103,13 +114,16 @@ impl SideBySide for Siva<DrivenHost> {
     }
 
     fn tier(job: &Job<Self>) -> Tier {
-        if Self::common(job).is_some() { job.tier } else { Tier::Exact }
+        let forced = Self::common(job).is_some() && !leans(&job.system);
+        if forced { job.tier } else { Tier::Exact }
     }
 
     run_jobs!();
 
     fn run(group: Group<'_, Self>) {
-        if group.tier() == Tier::Fast {
+        if leans(group.leader()) {
+            group.run::<Decays<ExactInclined<LANES>, LANES>>();
+        } else if group.tier() == Tier::Fast {
             if group.leader().excitation().moves_base() {
                 group.run::<ForcedRuns<FastDriven<BASE, WIDE>, WIDE>>();
             } else {

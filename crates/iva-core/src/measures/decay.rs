@@ -12,7 +12,7 @@ use crate::absorber::system::{Clock, System};
 use crate::measures::peaks::Monotone;
 use crate::number::real::Real;
 
-pub(crate) use sinusoids::{Sinusoids, keeps};
+pub(crate) use sinusoids::{Sinusoids, height, keeps};
 pub(crate) use stretches::{Stretch, Stretches, in_motion};
 
 mod sinusoids;

@@ -19,17 +19,27 @@ pub(crate) struct Entry {
     pub v: f64,
     /// ẋ at the end of the motion before: just before an impact.
     pub v_before: f64,
-    /// Absolute velocity of the absorber.
+    /// Absolute velocity of the absorber, and its distance from wall −.
     pub absorber: f64,
+    pub height: f64,
     /// 1 if the absorber sticks to a wall.
     pub stuck: f64,
 }
 
 impl Entry {
-    /// The begin of a motion with these velocities of the absorber and of the structure just before.
-    pub fn new(clock: Clock, [x, v]: Motion, v_before: f64, absorber: f64, stuck: bool) -> Self {
+    /// The begin of a motion with this velocity of the structure just before, this velocity of the absorber and its
+    /// distance from wall −.
+    #[inline(always)]
+    pub fn new(
+        clock: Clock,
+        [x, v]: Motion,
+        v_before: f64,
+        [absorber, height]: [f64; 2],
+        stuck: bool,
+    ) -> Self {
         let (time, time_rest) = (clock.value, clock.rest);
-        Self { time, time_rest, x, v, v_before, absorber, stuck: f64::from(u8::from(stuck)) }
+        let stuck = f64::from(u8::from(stuck));
+        Self { time, time_rest, x, v, v_before, absorber, height, stuck }
     }
 
     /// The instant at which the motion begins.
@@ -38,16 +48,16 @@ impl Entry {
         DoubleDouble { value: self.time, rest: self.time_rest }
     }
 
-    /// x and ẋ at its begin.
+    /// x from the middle of its motion, and ẋ.
     #[inline(always)]
-    pub fn from(&self) -> Motion {
-        [self.x, self.v]
+    pub fn from(&self, middle: f64) -> Motion {
+        [self.x - middle, self.v]
     }
 
-    /// x and ẋ at the end of the motion before.
+    /// x from the middle of the motion before, and ẋ at the end of that motion.
     #[inline(always)]
-    pub fn reached(&self) -> Motion {
-        [self.x, self.v_before]
+    pub fn reached(&self, middle: f64) -> Motion {
+        [self.x - middle, self.v_before]
     }
 }
 
@@ -59,7 +69,7 @@ pub(crate) struct Log {
     full: usize,
 }
 
-/// Number of entries after which measures take them, so that a long run needs no more memory: 230 kB.
+/// Number of entries after which measures take them, so that a long run needs no more memory: 260 kB.
 const FULL: usize = 4096;
 
 impl Default for Log {

@@ -43,6 +43,10 @@ pub trait Curve {
     fn fourth(&self) -> Self::Real;
     /// The size of the terms of f: rounding errors of f are some 2⁻⁵³ of it.
     fn magnitude(&self) -> Self::Real;
+    /// True if a bound tells at once that f is positive on [0, reach].
+    fn stays_positive(&self) -> bool {
+        false
+    }
 }
 
 /// Displacement and velocity of the absorber in its gap.

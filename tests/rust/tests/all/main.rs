@@ -22,6 +22,7 @@ mod forced;
 mod gradients;
 mod impulses;
 mod inclined;
+mod inclined_decays;
 mod invariants;
 mod lanes;
 mod limits;

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::{Driven, Forces, Moment, Pieces, Place, Source, Weight};
 use crate::force::{Drive, Force, Pushes, Smooth};
-use crate::host::{Excitation, Host};
+use crate::host::{Excitation, Host, Sinusoidal};
 use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -146,6 +146,12 @@ impl<R: Real> Host for DrivenHost<R> {
 
     fn precise_drive(&self, phase: &Moment<R>, h: R) -> Option<Drive<DoubleDouble<R>>> {
         self.is_driven().then(|| self.forces.precise(phase.time, h))
+    }
+
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
+        let decays = !self.forces.force.lasts();
+        let numbers = [self.damping_ratio, self.mass_ratio, self.gravity()];
+        Sinusoidal::of(numbers).filter(|_| decays)
     }
 
     fn gravity(&self) -> R {

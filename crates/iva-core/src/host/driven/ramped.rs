@@ -17,24 +17,24 @@ use crate::number::real::Real;
 
 /// One mass on the spring and damper of a structure under a linear drive.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Ramped<R = f64> {
+pub struct Ramped<R = f64> {
     oscillator: Oscillator<R>,
     /// The mass, m.
     mass: R,
-    /// True if the base moves or gravity acts along the motion.
-    moves_base: bool,
 }
 
 impl<R: Real> Ramped<R> {
-    pub fn new(mass: R, damping_ratio: R, moves_base: bool) -> Self {
-        Self { oscillator: Oscillator::new(mass, damping_ratio), mass, moves_base }
+    /// A mass on the spring and damper of a structure of damping ratio ζ.
+    pub(crate) fn new(mass: R, damping_ratio: R) -> Self {
+        Self { oscillator: Oscillator::new(mass, damping_ratio), mass }
     }
 
-    /// The velocity and acceleration of the motion about the uniform one.
+    /// The velocity and acceleration of the motion about the uniform one; `moves` is true if the base moves or gravity
+    /// acts along the motion.
     #[inline(always)]
-    fn about(&self, from: &HostState<Moment<R>, R>) -> [DoubleDouble<R>; 2] {
+    fn about(&self, from: &HostState<Moment<R>, R>, moves: bool) -> [DoubleDouble<R>; 2] {
         let Pushes { primary: f, base: g } = &from.phase.pushes;
-        if !self.moves_base {
+        if !moves {
             return [from.primary.v - f.rate, from.acceleration];
         }
         let carried = if self.mass == 1.0 { g.rate } else { g.rate.times(self.mass) };
@@ -43,15 +43,20 @@ impl<R: Real> Ramped<R> {
 
     /// Displacement and velocity after a motion of length h, and ∬A and ∫A.
     #[inline(always)]
-    pub fn moved(&self, from: &HostState<Moment<R>, R>, h: R) -> (Primary<R>, Arrival<R>) {
-        let [velocity, acceleration] = self.about(from);
+    pub(crate) fn moved(
+        &self,
+        from: &HostState<Moment<R>, R>,
+        moves: bool,
+        h: R,
+    ) -> (Primary<R>, Arrival<R>) {
+        let [velocity, acceleration] = self.about(from, moves);
         let mut gained = self.oscillator.arrive(velocity, acceleration, h);
         let Primary { x, v } = from.primary;
         let length = DoubleDouble::new(h);
         let primary =
             Primary { x: x.plus_both(v.product(length), gained.curved), v: v + gained.velocity };
         let Push { value, rate, .. } = from.phase.pushes.base;
-        if self.moves_base {
+        if moves {
             let Equation { third, .. } = self.oscillator.equation;
             let half_square = length.product(length).half();
             let sixth_cube = half_square.product(length).product(third);
@@ -69,8 +74,8 @@ impl<R: Real> Ramped<R> {
 
     /// ∬A, ∫A and A after a motion of length h, with the accuracy of plain numbers.
     #[inline(always)]
-    pub fn ahead(&self, from: &HostState<Moment<R>, R>, h: R) -> [R; 3] {
-        let [v, a] = self.about(from).map(|it| it.value);
+    pub(crate) fn ahead(&self, from: &HostState<Moment<R>, R>, moves: bool, h: R) -> [R; 3] {
+        let [v, a] = self.about(from, moves).map(|it| it.value);
         let [curved, gained, bend] = self.oscillator.ahead(v, a, h);
         let Push { value: g, rate, .. } = &from.phase.pushes.base;
         let (g, rate) = (g.value, rate.value * h);
@@ -124,11 +129,11 @@ mod tests {
                 let acceleration = structure.acceleration(&phase, &primary);
                 let from = HostState { primary, acceleration, phase };
                 let h = u(8) * structure.reach(&from);
-                let ramped = structure.ramped.as_ref().unwrap();
+                let ramped = structure.source.ramped().unwrap();
                 let powers = structure.expanded(&from);
-                let (reached, gained) = ramped.moved(&from, h);
+                let (reached, gained) = ramped.moved(&from, structure.moves_base(), h);
                 let (expected, summed) = structure.summed(&from, &powers, h);
-                let [curved, velocity, _] = ramped.ahead(&from, h);
+                let [curved, velocity, _] = ramped.ahead(&from, structure.moves_base(), h);
                 let off = |a: DoubleDouble, b: DoubleDouble| (a - b).value.abs();
                 let worst = off(reached.x, expected.x).max(off(reached.v, expected.v));
                 assert!(worst < f64::EPSILON / 2.0, "{i}: {worst:e}");

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Moment, Weight};
+use super::{Moment, Ramped, Weight};
 use crate::force::{Acts, Drive, Force, Harmonic, Pushes, Smooth};
 use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
@@ -41,6 +41,11 @@ pub trait Source: Clone + std::fmt::Debug {
     fn weight(&self) -> Option<Weight<Self::Real>> {
         None
     }
+    /// The motion of the structure in closed form, where the drive is linear between bends.
+    #[inline(always)]
+    fn ramped(&self) -> Option<&Ramped<Self::Real>> {
+        None
+    }
 }
 
 /// A sum of forces, shared by a structure with and without its absorber.
@@ -49,13 +54,21 @@ pub struct Forces<R = f64> {
     pub(super) force: Arc<Force<R>>,
     moves_base: bool,
     weight: Option<Weight<R>>,
+    ramped: Option<Box<Ramped<R>>>,
 }
 
 impl<R: Real> Forces<R> {
     /// A force on a structure by itself, with gravity along its motion.
     pub(super) fn new(force: Force<R>, weight: Option<Weight<R>>) -> Self {
         let moves_base = force.moves_base() || weight.is_some();
-        Self { force: Arc::new(force), moves_base, weight }
+        Self { force: Arc::new(force), moves_base, weight, ramped: None }
+    }
+
+    /// The same forces on a structure of this mass.
+    pub(super) fn on_mass(&self, mass: R, damping_ratio: R) -> Self {
+        let linear = self.force.harmonics().is_empty();
+        let made = || Box::new(Ramped::new(mass, damping_ratio));
+        Self { ramped: linear.then(made), ..self.clone() }
     }
 
     /// The only force, if it is harmonic and nothing else acts along the motion.
@@ -161,5 +174,10 @@ impl<R: Real> Source for Forces<R> {
     #[inline(always)]
     fn weight(&self) -> Option<Weight<R>> {
         self.weight
+    }
+
+    #[inline(always)]
+    fn ramped(&self) -> Option<&Ramped<R>> {
+        self.ramped.as_deref()
     }
 }

@@ -24,7 +24,7 @@ pub struct Weight<R = f64> {
     pub(crate) gravity: R,
     /// Excess of the spring force over the weight to carry, per mass of the structure: μG in flight, 0 if
     /// stuck.
-    pub(super) lift: DoubleDouble<R>,
+    pub(crate) lift: DoubleDouble<R>,
 }
 
 impl<R: Real> Weight<R> {

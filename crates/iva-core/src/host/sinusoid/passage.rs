@@ -1,4 +1,4 @@
-//! The instants at which a damped sinusoid passes a level on its way to 0, several side by side.
+//! The instants at which a damped sinusoid passes a level between two turning points, several side by side.
 
 use std::f64::consts::PI;
 
@@ -11,14 +11,15 @@ const MOST_STEPS: usize = 100;
 /// part than this, the error is of the size of the step's cube, which is below rounding.
 const SHORT: f64 = 1e-6;
 
-/// A passage that is to be found: x is monotonic between two times, and falls from above the level to below it
-/// in size.
+/// A passage that is to be found: x is monotonic between two times, and passes the level from the side of `sign`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Passage {
     /// The state from which times count.
     pub from: Motion,
-    /// The level, with the sign of x.
+    /// The level.
     pub level: f64,
+    /// Positive if x falls through the level, negative if it rises.
+    pub sign: f64,
     /// The two times.
     pub between: [f64; 2],
     /// Time and displacement of a turning point of the motion.
@@ -30,16 +31,19 @@ impl Sinusoid {
     /// to first order.
     #[inline(always)]
     fn guess(&self, passage: &Passage) -> f64 {
-        let Passage { level, between: [low, high], turn: (time, x), .. } = *passage;
+        let Passage { level, sign, between: [low, high], turn: (time, x), .. } = *passage;
         let middle = low.midpoint(high);
         let halves = ((middle - time) / self.half).floor();
         let less = fallen(-self.decay * self.half * halves.abs())[0];
         let size = x.abs() * pick(halves < 0.0, 1.0 / less, less);
+        // x has the sign of `sign` at the turn.
+        let beyond = (level > 0.0) != (sign > 0.0);
         let cosine = (level.abs() / size).min(1.0);
         let sine = (1.0 - cosine * cosine).sqrt();
         let steep = sine > cosine;
         let t = arctangent(pick(steep, cosine, sine) / pick(steep, sine, cosine));
         let angle = pick(steep, 0.5 * PI - t, t);
+        let (angle, cosine) = (pick(beyond, PI - angle, angle), pick(beyond, -cosine, cosine));
         // x/size is e^(−sθ) (cos θ + s sin θ) after an angle θ, with s = δ/ω.
         let damped = angle + self.share * (1.0 - angle * cosine / (sine + f64::MIN_POSITIVE));
         let guess = damped.mul_add(self.over_omega, halves.mul_add(self.half, time));
@@ -49,17 +53,19 @@ impl Sinusoid {
     /// The times of some passages.
     #[inline(always)]
     pub fn passages<const N: usize>(&self, passages: &[Passage; N]) -> [f64; N] {
-        let [mut from_x, mut from_v, mut level, mut low, mut high, mut h, mut open] = [[0.0; N]; 7];
+        let [mut from_x, mut from_v, mut level, mut sign] = [[0.0; N]; 4];
+        let [mut low, mut high, mut h, mut open] = [[0.0; N]; 4];
         for (i, passage) in passages.iter().enumerate() {
             [from_x[i], from_v[i]] = passage.from;
             [low[i], high[i]] = passage.between;
-            (level[i], h[i], open[i]) = (passage.level, self.guess(passage), 1.0);
+            (level[i], sign[i]) = (passage.level, passage.sign);
+            (h[i], open[i]) = (self.guess(passage), 1.0);
         }
         for _ in 0..MOST_STEPS {
             for i in 0..N {
                 let [x, rate] = self.after([from_x[i], from_v[i]], h[i]);
                 let (value, bend) = (x - level[i], self.acceleration([x, rate]));
-                let early = (value > 0.0) == (level[i] > 0.0);
+                let early = (value > 0.0) == (sign[i] > 0.0);
                 low[i] = pick(early, h[i], low[i]);
                 high[i] = pick(early, high[i], h[i]);
                 let step = -value * rate / rate.mul_add(rate, -0.5 * value * bend);

@@ -12,7 +12,7 @@ use crate::number::arrays::{Lanes as _, arrays};
 use crate::number::compensated::DoubleDouble;
 
 /// A state at rest in the middle of the gap.
-fn at_rest<P>(phase: P) -> SivaState<P> {
+pub(super) fn at_rest<P>(phase: P) -> SivaState<P> {
     let zero = DoubleDouble::ZERO;
     SivaState {
         host: HostState { primary: Primary::default(), acceleration: zero, phase },
@@ -186,7 +186,6 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
             reach,
             step,
             excess,
-            ramped: None,
         };
         // The compiler leaves out what is computed with the other force, which is 0.
         let mut from = *from;

@@ -68,7 +68,7 @@ impl Lane {
             ..Self::default()
         };
         lane.trial.length = longest.min(progress.ahead());
-        run.is_for_lanes().then_some(lane)
+        Some(lane)
     }
 
     /// The lane of the same run at its begin, with the clock at this instant.

@@ -10,22 +10,25 @@ use std::cell::OnceCell;
 use super::{Course, Measures, Passage, looks};
 use crate::absorber::system::{Clock, System};
 use crate::engine::observe::Span;
+use crate::host::Sinusoidal;
 use crate::host::sinusoid::{self, Sinusoid};
 use crate::measures::Wanted;
 use crate::measures::log::{Entry, Log};
-use crate::number::real::Real;
+use crate::number::real::{Real, pick};
 use crate::segment::flight::Motion;
 
 /// Number of motions side by side.
 const BLOCK: usize = 16;
+/// The middle of the motion may be this many times as far from 0 as the motion is large at its begin: x, as a
+/// difference from the middle, would lose digits farther away.
+const FARTHEST: f64 = 8.0;
 /// More turning points than any motion has.
 const MOST_TURNS: f64 = 1e15;
 
 /// The log of a decay; the memory serves one run after the other.
 #[derive(Debug, Clone)]
 pub(crate) struct Sinusoids {
-    damping_ratio: f64,
-    mass_ratio: f64,
+    of: Sinusoidal,
     /// The motions so far.
     pub log: Log,
     /// True if the motion that begins next is to be logged.
@@ -35,7 +38,7 @@ pub(crate) struct Sinusoids {
     /// The structure alone, and with the absorber stuck to it; that is made when it is needed.
     free: Sinusoid,
     stuck: OnceCell<Sinusoid>,
-    /// Time and displacement of the first turning point of x in each motion.
+    /// The first turning point of x in each motion: its time, and x there from the middle of the motion.
     turns: Vec<(f64, f64)>,
 }
 
@@ -51,12 +54,13 @@ impl<S: System> Measures<S> {
         &mut self,
         system: &S,
         spare: Option<Box<Sinusoids>>,
-        v: f64,
+        [x, v]: [f64; 2],
     ) {
         let needs = keeps(self.wanted, 0.0);
-        self.decay = system.sinusoidal().filter(|_| needs).map(|[damping_ratio, mass_ratio]| {
-            let mut decay = spare.unwrap_or_else(|| Box::new(Sinusoids::new(damping_ratio)));
-            decay.serve(damping_ratio, mass_ratio);
+        let near = |of: &Sinusoidal| of.middle(false).abs() <= FARTHEST * (x.abs() + v.abs());
+        self.decay = system.sinusoidal().filter(near).filter(|_| needs).map(|of| {
+            let mut decay = spare.unwrap_or_else(|| Box::new(Sinusoids::new(of)));
+            decay.serve(of);
             decay.v_before = v;
             decay
         });
@@ -87,10 +91,12 @@ impl<S: System> Measures<S> {
 
     fn log_motion(&mut self, system: &S, clock: Clock<S::Real>, state: &S::State, stuck: bool) {
         let Some(decay) = &mut self.decay else { return };
-        let (at, gap) = (system.primary(state), system.distance(state).rate);
-        let [x, v, gap] = [at.x, at.v, gap].map(Real::double);
+        let (at, gap, side) =
+            (system.primary(state), system.distance(state), system.wall(state).sign());
+        let [x, v, clearance] = [at.x, at.v, system.clearance()].map(Real::double);
+        let [distance, rate] = [gap.value, gap.rate].map(Real::double);
         let clock = Clock { value: clock.value.double(), rest: clock.rest.double() };
-        let absorber = v - system.wall(state).sign() * gap;
+        let absorber = [v - side * rate, height(clearance, side, distance)];
         let entry = Entry::new(clock, [x, v], decay.v_before, absorber, stuck);
         decay.log.push(entry);
         if decay.log.is_full() {
@@ -147,27 +153,24 @@ impl<S: System> Measures<S> {
 }
 
 impl Sinusoids {
-    /// For a structure of damping ratio ζ.
-    fn new(damping_ratio: f64) -> Self {
+    fn new(of: Sinusoidal) -> Self {
         Self {
-            damping_ratio,
-            mass_ratio: 0.0,
+            of,
             log: Log::default(),
             fresh: true,
             v_before: 0.0,
-            free: Sinusoid::new(1.0, damping_ratio),
+            free: Sinusoid::new(1.0, of.damping_ratio),
             stuck: OnceCell::new(),
             turns: Vec::new(),
         }
     }
 
-    /// Prepares for a run of a structure of damping ratio ζ, likely that of the run before, and an absorber of
-    /// mass ratio μ.
-    fn serve(&mut self, damping_ratio: f64, mass_ratio: f64) {
-        if damping_ratio != self.damping_ratio {
-            (self.damping_ratio, self.free) = (damping_ratio, Sinusoid::new(1.0, damping_ratio));
+    /// Prepares for a run of a structure, likely with the damping ratio of the run before.
+    fn serve(&mut self, of: Sinusoidal) {
+        if of.damping_ratio != self.of.damping_ratio {
+            self.free = Sinusoid::new(1.0, of.damping_ratio);
         }
-        (self.mass_ratio, self.stuck, self.fresh) = (mass_ratio, OnceCell::new(), true);
+        (self.of, self.stuck, self.fresh) = (of, OnceCell::new(), true);
         self.log.clear();
     }
 
@@ -188,27 +191,50 @@ impl Sinusoids {
     /// The structure in a motion.
     #[inline(always)]
     fn structure(&self, entry: &Entry) -> &Sinusoid {
-        let stuck = || Sinusoid::new(1.0 + self.mass_ratio, self.damping_ratio);
+        let Sinusoidal { damping_ratio, mass_ratio, .. } = self.of;
+        let stuck = || Sinusoid::new(1.0 + mass_ratio, damping_ratio);
         if entry.stuck > 0.0 { self.stuck.get_or_init(stuck) } else { &self.free }
     }
 
     /// Energy of structure and absorber a time h after the begin of a motion.
     #[inline(always)]
     fn energy(&self, entry: &Entry, h: f64) -> f64 {
-        let [x, v] = self.structure(entry).after(entry.from(), h);
-        let absorber = if entry.stuck > 0.0 { v } else { entry.absorber };
-        (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber)
+        let [x, v] = self.after(entry, h);
+        let Sinusoidal { mass_ratio, gravity, .. } = self.of;
+        let fallen = gravity * h;
+        let (absorber, height) = if entry.stuck > 0.0 {
+            (v, entry.height)
+        } else {
+            let passed = h * (entry.absorber - 0.5 * fallen) - (x - entry.x);
+            (entry.absorber - fallen, entry.height + passed)
+        };
+        let moving = (x * x + v * v) * 0.5 + mass_ratio * 0.5 * (absorber * absorber);
+        moving + mass_ratio * gravity * height
+    }
+
+    /// The middle of a motion.
+    #[inline(always)]
+    fn middle(&self, entry: &Entry) -> f64 {
+        self.of.middle(entry.stuck > 0.0)
+    }
+
+    /// x and ẋ a time h after the begin of a motion.
+    #[inline(always)]
+    fn after(&self, entry: &Entry, h: f64) -> [f64; 2] {
+        let middle = self.middle(entry);
+        let [x, v] = self.structure(entry).after(entry.from(middle), h);
+        [middle + x, v]
     }
 
     /// Computes the first turning point of x in each motion.
     #[inline(always)]
     fn turn(&mut self, log: &[Entry]) {
         self.turns.clear();
-        let free = self.free;
+        let (free, middle) = (self.free, self.of.middle(false));
         for block in motions(log).chunks(BLOCK) {
             let [mut x, mut v, mut time, mut turned] = [[0.0; BLOCK]; 4];
             for (i, entry) in block.iter().enumerate() {
-                (x[i], v[i]) = (entry.x, entry.v);
+                [x[i], v[i]] = entry.from(middle);
             }
             for i in 0..BLOCK {
                 (time[i], turned[i]) = free.first_turn([x[i], v[i]]);
@@ -217,7 +243,7 @@ impl Sinusoids {
             for (turn, entry) in turns {
                 let stuck = entry.stuck > 0.0;
                 let turn =
-                    if stuck { self.structure(entry).first_turn(entry.from()) } else { turn };
+                    if stuck { self.structure(entry).first_turn(entry.from(0.0)) } else { turn };
                 self.turns.push(turn);
             }
         }
@@ -231,7 +257,7 @@ impl Sinusoids {
         entry: &Entry,
         until: f64,
     ) -> impl DoubleEndedIterator<Item = (f64, f64)> + use<> {
-        let structure = *self.structure(entry);
+        let (structure, middle) = (*self.structure(entry), self.middle(entry));
         let (first, x) = self.turns[k];
         let at = move |n: u64| (n as f64).mul_add(structure.half, first);
         let count = ((until - first) / structure.half).ceil();
@@ -240,20 +266,20 @@ impl Sinusoids {
         if count > 0 && at(count - 1) >= until {
             count -= 1;
         }
-        (0..count).map(move |n| (at(n), structure.later_turn(x, n)))
+        (0..count).map(move |n| (at(n), middle + structure.later_turn(x, n)))
     }
 
     /// Adds the energy lost in the structure's damper.
     #[inline(always)]
     fn lose<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
-        let free = self.free;
+        let (free, middle) = (self.free, self.of.middle(false));
         for (number, block) in motions(log).chunks(BLOCK).enumerate() {
             let [mut from_x, mut from_v, mut to_x, mut to_v, mut span, mut lost] =
                 [[0.0; BLOCK]; 6];
             let ends = &log[number * BLOCK + 1..];
             for (i, (entry, end)) in block.iter().zip(ends).enumerate() {
-                [from_x[i], from_v[i]] = entry.from();
-                [to_x[i], to_v[i]] = end.reached();
+                [from_x[i], from_v[i]] = entry.from(middle);
+                [to_x[i], to_v[i]] = end.reached(middle);
                 span[i] = length(entry, end);
             }
             for i in 0..BLOCK {
@@ -261,7 +287,10 @@ impl Sinusoids {
             }
             for (i, (entry, end)) in block.iter().zip(ends).enumerate() {
                 let lost = match entry.stuck > 0.0 {
-                    true => self.structure(entry).lost(entry.from(), end.reached(), span[i]),
+                    true => {
+                        let ends = [entry.from(0.0), end.reached(0.0)];
+                        self.structure(entry).lost(ends[0], ends[1], span[i])
+                    }
                     false => lost[i],
                 };
                 let viscous = &mut measures.ledger.viscous;
@@ -269,6 +298,12 @@ impl Sinusoids {
             }
         }
     }
+}
+
+/// The distance from wall − of an absorber at this distance from the wall of this sign.
+#[inline(always)]
+pub(crate) fn height(clearance: f64, side: f64, distance: f64) -> f64 {
+    pick(side > 0.0, 2.0 * clearance - distance, distance)
 }
 
 /// The motions that end within a log: all entries but the last.
@@ -316,13 +351,14 @@ impl<R: Real, S: System<Real = R>> Course<S> for Logged<'_> {
     #[inline(always)]
     fn largest(&self, k: usize) -> R {
         let entry = &self.log[k];
-        self.sinusoids.structure(entry).radius(entry.from()).into()
+        let middle = self.sinusoids.middle(entry);
+        (middle.abs() + self.sinusoids.structure(entry).radius(entry.from(middle))).into()
     }
 
     #[inline(always)]
     fn displacement(&self, k: usize, h: R) -> R {
         let entry = &self.log[k];
-        self.sinusoids.structure(entry).after(entry.from(), h.double())[0].into()
+        self.sinusoids.after(entry, h.double())[0].into()
     }
 
     #[inline(always)]
@@ -335,9 +371,12 @@ impl<R: Real, S: System<Real = R>> Course<S> for Logged<'_> {
     fn pass(&self, found: &[Option<Passage<R>>; 3], measures: &mut Measures<S>) {
         let of = |passage: &Passage<R>| {
             let Passage { motion, stretch, level } = passage;
+            let entry = &self.log[*motion];
+            let (middle, sign) = (self.sinusoids.middle(entry), level.double());
             sinusoid::Passage {
-                from: self.log[*motion].from(),
-                level: level.double(),
+                from: entry.from(middle),
+                level: sign - middle,
+                sign,
                 between: stretch.h.map(Real::double),
                 turn: self.sinusoids.turns[*motion],
             }

@@ -1,0 +1,149 @@
+//! Free masses of the exact tier whose line of motion is inclined: nothing but gravity acts along it.
+
+use super::exact::at_rest;
+use super::{Loaded, Tier, of_siva};
+use crate::absorber::siva::exact::InFlight;
+use crate::absorber::siva::{Siva, SivaState};
+use crate::absorber::system::Clock;
+use crate::force::{Drive, Push, Pushes, Smooth};
+use crate::host::oscillator::Equation;
+use crate::host::{self, DrivenHost, Host as _, Moment, Ramped, Source, Structure as _, Weight};
+use crate::number::arrays::{Lanes as _, arrays};
+use crate::number::compensated::DoubleDouble;
+
+arrays! {
+    /// The structure of one lane.
+    Scene, Scenes:
+    /// Gravity along the motion, in ωn² × length.
+    gravity,
+    /// The constants of the structure ([`host::Driven`]).
+    reach, step;
+    /// The lift of the spring in flight.
+    lift: DoubleDouble,
+    excess: [f64; 7],
+}
+
+/// The drive of a lane: gravity along the motion.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Leaning<'a> {
+    ramped: &'a Ramped,
+    weight: Weight,
+}
+
+impl Leaning<'_> {
+    #[inline(always)]
+    fn pushes_ever(&self) -> Pushes {
+        let value = DoubleDouble::new(self.weight.gravity);
+        Pushes { base: Push { value, ..Push::NONE }, ..Pushes::NONE }
+    }
+}
+
+impl Source for Leaning<'_> {
+    type Real = f64;
+
+    #[inline(always)]
+    fn pushes(&self, _from: &Moment, _time: Clock) -> Pushes {
+        self.pushes_ever()
+    }
+
+    #[inline(always)]
+    fn drive(&self, _moment: &Moment, _h: f64) -> Drive<f64> {
+        Drive::NONE
+    }
+
+    fn precise(&self, _time: Clock, _h: f64) -> Drive<DoubleDouble> {
+        let mut drive = Drive::NOTHING;
+        drive.base[0] = DoubleDouble::new(self.weight.gravity);
+        drive
+    }
+
+    #[inline(always)]
+    fn moves_base(&self) -> bool {
+        true
+    }
+
+    fn bends(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn weight(&self) -> Option<Weight> {
+        Some(self.weight)
+    }
+
+    #[inline(always)]
+    fn ramped(&self) -> Option<&Ramped> {
+        Some(self.ramped)
+    }
+}
+
+/// Free masses on structures of one damping ratio, each with its own gravity along the motion.
+#[derive(Debug)]
+pub(crate) struct ExactInclined<const W: usize> {
+    /// Held by value, so that the compiler knows that no store into a lane changes it.
+    ramped: Ramped,
+    equation: Equation,
+    scenes: Scenes<W>,
+}
+
+impl<const W: usize> Tier for ExactInclined<W> {
+    type System = Siva<DrivenHost>;
+    type State = SivaState<Moment>;
+    type Responses = ();
+    type Mass<'a> = InFlight<'a, host::Driven<Leaning<'a>>>;
+    const STAGED: bool = true;
+
+    fn new(system: &Siva<DrivenHost>) -> Self {
+        let equation = *system.host.free().equation();
+        let ramped = Ramped::new(1.0, system.host.damping_ratio());
+        Self { ramped, equation, scenes: Scenes::new() }
+    }
+
+    of_siva!();
+
+    #[inline(always)]
+    fn with<T>(
+        &self,
+        i: usize,
+        from: &Self::State,
+        act: impl FnOnce(&Self::Mass<'_>, &Self::State) -> T,
+    ) -> T {
+        let Scene { gravity, lift, reach, step, excess } = self.scenes.get(i);
+        let source = Leaning { ramped: &self.ramped, weight: Weight { gravity, lift } };
+        // The compiler leaves out what is computed with forces that are 0.
+        let mut from = *from;
+        from.host.phase.pushes = source.pushes_ever();
+        let Self { equation, .. } = *self;
+        let free = host::Driven { equation, source, base: [0.0; 5], reach, step, excess };
+        let course = free.course(&from.host);
+        act(&InFlight { free: &free, course: &course }, &from)
+    }
+
+    #[inline(always)]
+    fn longest(&self, i: usize) -> f64 {
+        self.scenes.reach[i]
+    }
+
+    fn load(&mut self, i: usize, from: &Loaded<'_, Self::System>) -> Option<Self::State> {
+        let host::Driven { source, reach, step, excess, .. } = from.system.host.free();
+        let Weight { gravity, lift } = source.weight()?;
+        let scene = Scene { gravity, lift, reach: *reach, step: *step, excess: *excess };
+        self.scenes.set(i, &scene);
+        Some(from.state)
+    }
+
+    fn unload(
+        &self,
+        state: &Self::State,
+        _system: &Siva<DrivenHost>,
+        _clock: Clock,
+    ) -> Self::State {
+        *state
+    }
+
+    fn idle(&mut self, i: usize) -> Self::State {
+        self.scenes.set(i, &Scene { step: 1.0, ..Scene::default() });
+        let time = Clock::ZERO;
+        at_rest(Moment { time, kicks: 0, smooth: Smooth::ALL, pushes: Pushes::NONE })
+    }
+}
