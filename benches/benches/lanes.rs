@@ -47,9 +47,9 @@ fn lanes(criterion: &mut Criterion) {
 /// Decays with a dashpot in the gap.
 fn damped(scenes: &[Job<Siva>]) -> Vec<Job<Coupled<Dashpot>>> {
     let damped = |Job { system, start, begin, limits, tier, .. }: &Job<Siva>| {
-        let [e, d] = [system.law_at(Wall::Plus).rebound, system.clearance()];
+        let [e, d] = [system.law_at(Wall::Plus, 0.0).rebound, system.clearance()];
         let (mu, zeta) = (system.mass_ratio(), system.damping_ratio());
-        let system = Dashpot([mu, e, d, zeta, 0.02]).mounted();
+        let system = Dashpot([mu, e, d, zeta, 0.02, 0.0]).mounted();
         Job { system, start: *start, begin: *begin, limits: *limits, steady: None, tier: *tier }
     };
     scenes.iter().map(damped).collect()

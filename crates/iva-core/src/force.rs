@@ -120,6 +120,11 @@ impl<R: Real> Force<R> {
         self.harmonics.len() == 1 && self.records.is_empty() && self.kicks.is_empty()
     }
 
+    /// The number of its impulses and jumps.
+    pub(crate) fn kicks(&self) -> u32 {
+        self.kicks.len() as u32
+    }
+
     /// The record, if it consists of one record only. (Its jumps are at its ends.)
     pub(crate) fn record_alone(&self) -> Option<&Record<R>> {
         let alone = self.harmonics.is_empty() && self.impulses().next().is_none();

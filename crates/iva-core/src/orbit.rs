@@ -250,10 +250,10 @@ impl Iterated for Siva<DrivenHost> {
                 in_lanes::iterate::<_, FreeMasses<FastDriven<FORCE, WIDE>, WIDE>>
             }
             (Tier::Exact, true) => {
-                in_lanes::iterate::<_, FreeMasses<ExactDriven<true, LANES>, LANES>>
+                in_lanes::iterate::<_, FreeMasses<ExactDriven<true, false, LANES>, LANES>>
             }
             (Tier::Exact, false) => {
-                in_lanes::iterate::<_, FreeMasses<ExactDriven<false, LANES>, LANES>>
+                in_lanes::iterate::<_, FreeMasses<ExactDriven<false, false, LANES>, LANES>>
             }
         };
         go_on(all, group, request, see);

@@ -14,6 +14,7 @@ pub mod oracle;
 pub mod pendulum;
 pub mod reference;
 pub mod rng;
+pub mod speed_law;
 pub mod stress;
 pub mod timeline;
 pub mod two_modes;

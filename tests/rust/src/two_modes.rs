@@ -284,16 +284,11 @@ impl System for TwoModes {
     }
 
     /// The dampers of both modes respond to the jumps of their velocities.
-    fn law_at(&self, _wall: Wall) -> LawAt {
+    fn law_at(&self, _wall: Wall, _approach: f64) -> LawAt {
         let [mass, rebound, _] = self.absorber;
         let impulse = (1.0 + rebound) / (1.0 / mass + self.mobility());
         let rise = |i: usize| 2.0 * self.damping_ratios[i] * self.frequencies[i] * self.shapes[i];
-        LawAt {
-            restitution: rebound,
-            rebound,
-            gain: impulse * self.mobility(),
-            pressure: impulse * self.seen(rise),
-        }
+        LawAt::constant(rebound, rebound, impulse * self.mobility(), impulse * self.seen(rise))
     }
 
     fn check_start(&self, _start: &[f64; 2]) -> Result<(), Invalid> {

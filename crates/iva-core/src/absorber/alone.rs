@@ -216,9 +216,9 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         false
     }
 
-    fn law_at(&self, _wall: Wall) -> LawAt<R> {
+    fn law_at(&self, _wall: Wall, _approach: R) -> LawAt<R> {
         let none = R::ZERO;
-        LawAt { restitution: none, rebound: none, gain: none, pressure: none }
+        LawAt::constant(none, none, none, none)
     }
 
     fn check_start(&self, start: &Point<R>) -> Result<(), Invalid> {

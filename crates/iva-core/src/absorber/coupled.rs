@@ -187,11 +187,11 @@ impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
         self.coupling.constants()[2]
     }
 
-    fn law_at(&self, _wall: Wall) -> LawAt<R> {
+    fn law_at(&self, _wall: Wall, _approach: R) -> LawAt<R> {
         let [mu, rebound, _] = self.coupling.constants();
         let gain = impact::primary_share(mu, rebound).value;
         let [_, pressure] = self.coupling.rates([R::ZERO, gain, R::ZERO, -(rebound + 1.0)]);
-        LawAt { restitution: rebound, rebound, gain, pressure }
+        LawAt::constant(rebound, rebound, gain, pressure)
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use crate::absorber::system::{System, Wall};
+use crate::absorber::system::{LawAt, System, Wall};
 
 mod coupled;
 mod piva;
@@ -37,8 +37,9 @@ pub trait Differentiable: System<Real = f64> {
     /// Derivative of the state after a time h stuck on a wall, where y and ẏ do not change, with respect to
     /// that before it.
     fn ride_tangent(&self, from: &Self::State, h: f64) -> Matrix4<f64>;
-    /// Derivative of the state just after an impact with respect to that just before, at a fixed instant.
-    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64>;
+    /// Derivative of the state just after an impact of an approach speed with respect to that just before, at a fixed
+    /// instant.
+    fn impact_matrix(&self, wall: Wall, approach: f64) -> Matrix4<f64>;
     /// Derivative of the state at the end of a chatter on a wall with respect to that after one of its
     /// rebounds.
     fn stick_matrix(&self, wall: Wall) -> Matrix4<f64>;
@@ -66,10 +67,11 @@ pub trait Differentiable: System<Real = f64> {
     }
 }
 
-/// The derivative of an impact of a free mass, from the primary's share of the gap velocity and e.
-pub fn free_mass_impact(share: f64, restitution: f64) -> Matrix4<f64> {
+/// The derivative of an impact of a free mass.
+pub fn free_mass_impact(law: &LawAt) -> Matrix4<f64> {
     let mut matrix = Matrix4::identity();
-    (matrix[(1, 3)], matrix[(3, 3)]) = (share, -restitution);
+    let [gained, rebound] = law.slopes();
+    (matrix[(1, 3)], matrix[(3, 3)]) = (gained, -rebound);
     matrix
 }
 

@@ -5,8 +5,11 @@
 //! `absorber/siva.rs`. It is applied by `collided` (`absorber/siva/state.rs`) in double-double, by `struck` in
 //! `absorber/plain/mass.rs` in the fast tier, and by `Coupled::impact` and `struck` in `absorber/coupled/trial.rs` for coupled
 //! masses. The law of a pendulum is `Law` in `absorber/piva/impact_law.rs`, applied in `absorber/piva/contact.rs`. The
-//! derivatives are in `absorber/derivatives`. Three places assume that e does not depend on the approach speed: the sum of
-//! a chatter ([`crate::absorber::chatter`]), what lanes take for a low rebound (`may_end` there), and `System::law_at`.
+//! derivatives are in `absorber/derivatives`.
+//!
+//! Where e depends on the approach speed, `System::law_at` and `System::impact` tell it
+//! ([`LawAt`](crate::absorber::system::LawAt)), and the sum of a chatter waits until e changes by less than rounding. Lanes
+//! assume a constant e (`may_end` in `absorber/chatter.rs`). An example is `tests/rust/src/speed_law.rs`.
 //!
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
 //! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.

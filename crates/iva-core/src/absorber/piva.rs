@@ -237,11 +237,10 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
     }
 
     /// The gain of the law is per W; divided by cosθ it is per gap velocity W cosθ.
-    fn law_at(&self, wall: Wall) -> LawAt<R> {
+    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
         let law = self.law(wall);
         let gain = law.impact_gain() / self.stops.cosine.value;
-        let (restitution, pressure) = (law.restitution, law.pressure_gain);
-        LawAt { restitution, rebound: law.ratio, gain, pressure }
+        LawAt::constant(law.restitution, law.ratio, gain, law.pressure_gain)
     }
 
     fn lever(&self) -> R {

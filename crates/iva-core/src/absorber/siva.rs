@@ -258,10 +258,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         self.offset
     }
 
-    fn law_at(&self, wall: Wall) -> LawAt<R> {
+    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
         let Law { restitution, share, .. } = *self.law(R::from(wall.sign()));
         let pressure = self.host.damping_ratio() * 2.0 * share.value;
-        LawAt { restitution, rebound: restitution, gain: share.value, pressure }
+        LawAt::constant(restitution, restitution, share.value, pressure)
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {

@@ -3,7 +3,7 @@
 //! The loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through these
 //! traits; a new absorber is one file that implements them.
 
-use crate::absorber::impact::Impact;
+use crate::absorber::impact::{Impact, primary_share};
 use crate::absorber::plain::Scene;
 use crate::error::Invalid;
 use crate::host::{Excitation, Sinusoidal};
@@ -34,18 +34,56 @@ pub struct Angle<R = f64> {
     pub rate: R,
 }
 
-/// The impact law at one wall, as far as it is the same for every impact there.
+/// The impact law at one wall, for impacts of one approach speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LawAt<R = f64> {
     /// Newton's coefficient e on the gap velocity.
     pub restitution: R,
-    /// The ratio of the speeds of consecutive rebounds of a chatter.
+    /// The speed of the rebound over the approach speed: the ratio of consecutive rebounds of a chatter.
     pub rebound: R,
     /// Velocity that the structure gains per gap velocity: the impulse over the mass of the structure.
     pub gain: R,
-    /// Rise of the pressure on the wall at an impact of unit approach speed: the damper responds to the jump of the
+    /// Rise of the pressure on the wall at an impact, over the approach speed: the damper responds to the jump of the
     /// structure's velocity.
     pub pressure: R,
+    /// The derivative of the speed of the rebound with respect to the approach speed.
+    pub slope: R,
+    /// A bound on how far `rebound` is from this value at any lower approach speed.
+    pub spread: R,
+}
+
+impl<R: Real> LawAt<R> {
+    /// A law that is the same at every approach speed.
+    pub fn constant(restitution: R, rebound: R, gain: R, pressure: R) -> Self {
+        Self { restitution, rebound, gain, pressure, slope: rebound, spread: R::ZERO }
+    }
+
+    /// The law of a free mass of mass ratio μ whose e depends on the approach speed w: e, de/dw, a bound on how far e
+    /// is from this value at any lower approach speed, and the damping ratio ζ of the structure.
+    pub fn of_free_mass(
+        mass_ratio: R,
+        [restitution, rate, spread]: [R; 3],
+        approach: R,
+        damping_ratio: R,
+    ) -> Self {
+        let gain = primary_share(mass_ratio, restitution).value;
+        let pressure = damping_ratio * 2.0 * gain;
+        let slope = restitution + rate * approach;
+        Self { slope, spread, ..Self::constant(restitution, restitution, gain, pressure) }
+    }
+
+    /// The derivatives of the velocity that the structure gains, and of the speed of the rebound, with respect to the
+    /// approach speed. The impulse grows with 1 + e.
+    pub fn slopes(&self) -> [R; 2] {
+        let Self { rebound, gain, slope, .. } = *self;
+        let steeper = if slope == rebound { R::ONE } else { (R::ONE + slope) / (R::ONE + rebound) };
+        [gain * steeper, slope]
+    }
+
+    /// True if rebounds from this speed on become ever lower.
+    pub fn dies_out(&self) -> bool {
+        self.rebound + self.spread < 1.0
+    }
 }
 
 /// The state after some steps of a flight, and the time that they take.
@@ -88,8 +126,8 @@ pub trait System {
     fn offset(&self) -> Self::Real {
         Self::Real::ZERO
     }
-    /// The impact law at a wall.
-    fn law_at(&self, wall: Wall) -> LawAt<Self::Real>;
+    /// The impact law at a wall, for impacts of an approach speed.
+    fn law_at(&self, wall: Wall, approach: Self::Real) -> LawAt<Self::Real>;
     /// Displacement of the absorber's centre of mass relative to the structure, per gap displacement: 1 for a
     /// free mass, L/b for a pendulum.
     fn lever(&self) -> Self::Real {

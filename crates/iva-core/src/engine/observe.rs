@@ -126,7 +126,7 @@ pub trait Observer<S: System> {
     fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State, S::Real>) {}
     /// The absorber sticks to its wall from an instant on, at the end of a summed chatter or at once.
     fn stick(&mut self, _system: &S, _from: &Instant<S::State, S::Real>) {}
-    /// A stuck absorber is released and flies from an instant on.
+    /// A stuck absorber is released, by itself or by an impulse, and flies from an instant on.
     fn release(&mut self, _system: &S, _from: &Instant<S::State, S::Real>) {}
     /// An impulse from outside: the state after it, and its work (0 at a jump of the force).
     fn impulse(&mut self, _system: &S, _state: &S::State, _work: S::Real) {}

@@ -348,6 +348,8 @@ impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let leave = self.system.distance(&after);
         if riding {
             if !presses(&leave) {
+                let from = Instant { time: self.progress.clock, state: after };
+                self.observer.release(self.system, &from);
                 self.end_episode(true);
             }
         } else if leave.value > 0.0 {

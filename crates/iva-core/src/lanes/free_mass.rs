@@ -16,11 +16,11 @@
 mod cycles;
 mod exact;
 mod fast;
-mod inclined;
 mod lane;
 mod listing;
 mod round;
 mod shown;
+mod unforced;
 
 use super::{ScalarRun, SideBySide, pick};
 use crate::absorber::plain::State;
@@ -36,11 +36,11 @@ use crate::number::arrays::{Laned, Lanes, any};
 
 pub(crate) use exact::{ExactDecays, ExactDriven};
 pub(crate) use fast::{FastDecays, FastDriven};
-pub(crate) use inclined::ExactInclined;
 use lane::Lane;
 use listing::Struck;
 use round::{Round, Rounds, commit, decide};
 use shown::keep_coasts;
+pub(crate) use unforced::ExactUnforced;
 
 /// Free masses of one tier and one kind of drive: what the motions of all lanes depend on.
 pub(crate) trait Tier: Sized {

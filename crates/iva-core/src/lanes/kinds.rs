@@ -4,10 +4,10 @@ use std::sync::atomic::AtomicBool;
 
 use super::decays::Decays;
 use super::forced::ForcedRuns;
-use super::free_mass::{ExactDecays, ExactDriven, ExactInclined, FastDecays, FastDriven};
+use super::free_mass::{ExactDecays, ExactDriven, ExactUnforced, FastDecays, FastDriven};
 use super::group::{Group, grouped};
 use super::piva::Swinging;
-use super::{Job, LANES, Listing, SideBySide, TakeListed, Tier, WIDE};
+use super::{Job, LANES, Listing, Logged, SideBySide, TakeListed, Tier, WIDE};
 use crate::absorber::alone::Alone;
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
@@ -59,13 +59,16 @@ fn decays<S: SideBySide>(job: &Job<S>) -> bool {
     job.system.sinusoidal().is_some() && job.steady.is_none()
 }
 
-/// True if nothing but gravity acts along the motion.
+/// True if gravity acts along the motion.
 fn leans(siva: &Siva<DrivenHost>) -> bool {
-    siva.gravity() != 0.0 && siva.force().is_some_and(Force::is_none)
+    siva.gravity() != 0.0
 }
 
-/// The key of decays on inclined lines of motion, beside their damping ratio.
-const INCLINED: f64 = 4.0;
+/// Part of the key of runs of a structure that could be driven: of decays on a level line, beside their damping ratio;
+/// and on an inclined line of decays, and of runs under a harmonic force, on the structure or its base.
+const LEVEL: f64 = 4.0;
+const INCLINED: f64 = 5.0;
+const FORCED: f64 = 6.0;
 
 impl SideBySide for Siva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
@@ -98,14 +101,15 @@ impl SideBySide for Alone<DrivenHost> {
 impl SideBySide for Siva<DrivenHost> {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let force = job.system.force()?;
-        if leans(&job.system) {
-            return decays(job).then(|| [job.system.damping_ratio(), INCLINED]);
+        if !force.lasts() {
+            let line = if leans(&job.system) { INCLINED } else { LEVEL };
+            return decays(job).then(|| [job.system.damping_ratio(), line]);
         }
         let wanted = job.steady.map_or_else(SteadyWanted::default, |(wanted, _)| wanted);
         let base = if force.moves_base() { 1.0 } else { 0.0 };
-        let tier = if job.tier == Tier::Fast { 2.0 } else { 0.0 };
-        let level = job.system.gravity() == 0.0;
-        (level && force.is_single()).then(|| [f64::from(wanted.bits()), base + tier])
+        let tier = if Self::tier(job) == Tier::Fast { 2.0 } else { 0.0 };
+        let inclined = if leans(&job.system) { FORCED } else { 0.0 };
+        force.is_single().then(|| [f64::from(wanted.bits()), base + tier + inclined])
     }
 
     fn shared(job: &Job<Self>) -> f64 {
@@ -114,25 +118,34 @@ impl SideBySide for Siva<DrivenHost> {
     }
 
     fn tier(job: &Job<Self>) -> Tier {
-        let forced = Self::common(job).is_some() && !leans(&job.system);
-        if forced { job.tier } else { Tier::Exact }
+        let single = job.system.force().is_some_and(Force::is_single);
+        if single && !leans(&job.system) { job.tier } else { Tier::Exact }
     }
 
     run_jobs!();
 
     fn run(group: Group<'_, Self>) {
-        if leans(group.leader()) {
-            group.run::<Decays<ExactInclined<LANES>, LANES>>();
+        let moves_base = group.leader().excitation().moves_base();
+        let driven = group.leader().excitation().is_driven();
+        let leans = leans(group.leader());
+        if leans && driven && moves_base {
+            group.run::<Logged<ExactDriven<true, true, LANES>, LANES>>();
+        } else if leans && driven {
+            group.run::<Logged<ExactDriven<false, true, LANES>, LANES>>();
+        } else if leans {
+            group.run::<Decays<ExactUnforced<true, LANES>, LANES>>();
+        } else if !driven {
+            group.run::<Decays<ExactUnforced<false, LANES>, LANES>>();
         } else if group.tier() == Tier::Fast {
-            if group.leader().excitation().moves_base() {
+            if moves_base {
                 group.run::<ForcedRuns<FastDriven<BASE, WIDE>, WIDE>>();
             } else {
                 group.run::<ForcedRuns<FastDriven<FORCE, WIDE>, WIDE>>();
             }
-        } else if group.leader().excitation().moves_base() {
-            group.run::<ForcedRuns<ExactDriven<true, LANES>, LANES>>();
+        } else if moves_base {
+            group.run::<ForcedRuns<ExactDriven<true, false, LANES>, LANES>>();
         } else {
-            group.run::<ForcedRuns<ExactDriven<false, LANES>, LANES>>();
+            group.run::<ForcedRuns<ExactDriven<false, false, LANES>, LANES>>();
         }
     }
 }

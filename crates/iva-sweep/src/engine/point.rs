@@ -295,7 +295,8 @@ impl<R: Real> Point<'_, R> {
                 for (index, impact) in impacts {
                     let angles = system.impact_angles(impact).filter(|_| design.scene.has_angle());
                     let estimate = seen.estimates.of_impact(index);
-                    let gained = system.law_at(impact.wall).gain * impact.approach_speed();
+                    let approach = impact.approach_speed();
+                    let gained = system.law_at(impact.wall, approach).gain * approach;
                     let peak_force = design.contact_rate.map(|rate| rate * gained);
                     let of_impact =
                         ImpactRow { index, impact, peak_force, angles, estimate, scale };

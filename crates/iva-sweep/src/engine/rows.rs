@@ -129,7 +129,7 @@ impl<'a, R: Real> RunRow<'a, R> {
         let gained = [Wall::Plus, Wall::Minus].map(|wall| {
             let speed = self.ended.tally.approach_speeds[wall.index()];
             // A pendulum that cannot reach its stops has no impact law.
-            if speed > 0.0 { self.scene.impact_gain(wall).abs() * speed } else { R::ZERO }
+            if speed > 0.0 { self.scene.impact_gain(wall, speed).abs() * speed } else { R::ZERO }
         });
         Some(R::larger(gained[0], gained[1]))
     }

@@ -74,8 +74,8 @@ impl<R: Real> Scene<R> {
         }
         Some(with_system!(self, |it| Absorber {
             mass_ratio: it.system.mass_ratio(),
-            restitution: it.system.law_at(Wall::Plus).restitution,
-            restitution_minus: it.system.law_at(Wall::Minus).restitution,
+            restitution: it.system.law_at(Wall::Plus, R::ZERO).restitution,
+            restitution_minus: it.system.law_at(Wall::Minus, R::ZERO).restitution,
             clearance: it.system.clearance(),
         }))
     }
@@ -111,9 +111,9 @@ impl<R: Real> Scene<R> {
         Some(with_system!(self, |it| it.system.walls_reachable()))
     }
 
-    /// Velocity that the structure gains in an impact on a wall, per gap velocity.
-    pub fn impact_gain(&self, wall: Wall) -> R {
-        with_system!(self, |it| it.system.law_at(wall).gain)
+    /// Velocity that the structure gains in an impact on a wall of an approach speed, per gap velocity.
+    pub fn impact_gain(&self, wall: Wall, approach: R) -> R {
+        with_system!(self, |it| it.system.law_at(wall, approach).gain)
     }
 
     /// The force that drives it; `None` in free decay.

@@ -70,8 +70,8 @@ impl System for Broken {
     fn clearance(&self) -> f64 {
         self.siva.clearance()
     }
-    fn law_at(&self, wall: Wall) -> LawAt {
-        self.siva.law_at(wall)
+    fn law_at(&self, wall: Wall, approach: f64) -> LawAt {
+        self.siva.law_at(wall, approach)
     }
     fn check_start(&self, start: &Start) -> Result<(), Invalid> {
         self.siva.check_start(start)

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
-    coupled::{Coupled, CoupledState, Coupling},
+    coupled::{Coupled, CoupledState},
     lanes::{self, Job, Listing, Tier},
     measures::Wanted,
     observe::Events,
@@ -16,32 +16,31 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
     system::{Start, System},
-    taylor::Number,
 };
 use iva_tests::{U, dashpot::Dashpot, rng::Rng};
 use nalgebra::{Matrix4, Vector4};
 
-/// μ, e, d, ζ and the constant γ of the dashpot.
-const NUMBERS: [f64; 5] = [0.15, 0.6, 0.4, 0.02, 0.3];
+/// μ, e, d, ζ, and the constants γ of the dashpot and κ of the spring.
+const NUMBERS: [f64; 6] = [0.15, 0.6, 0.4, 0.02, 0.3, 0.5];
 
 fn start<R: Real>() -> Start<R> {
     Start { displacement: R::ONE, ..Start::default() }
 }
 
-fn decay<R: Real>(numbers: [R; 5], duration: f64) -> Run<CoupledState<R>, R> {
+fn decay<R: Real>(numbers: [R; 6], duration: f64) -> Run<CoupledState<R>, R> {
     let limits = Limits::new(R::from(duration), numbers[2]);
     run(&Dashpot(numbers).mounted(), &start(), &limits).unwrap()
 }
 
 #[test]
-fn without_its_dashpot_it_is_a_free_mass() {
+fn without_dashpot_and_spring_it_is_a_free_mass() {
     let mut rng = Rng::new(5);
     let mut compared = 0;
     for _ in 0..200 {
         let [mu, e, d] =
             [rng.log_range(0.02, 0.4), rng.pick(&[0.0, 0.5, 0.8, 1.0]), rng.log_range(0.1, 1.5)];
         let zeta = rng.pick(&[0.0, 0.05, 0.3]);
-        let found = decay([mu, e, d, zeta, 0.0], 3.0 * TAU);
+        let found = decay([mu, e, d, zeta, 0.0, 0.0], 3.0 * TAU);
         let mut seen = (Events::default(), Errors::default());
         let siva = Siva::new(mu, e, d, zeta).unwrap();
         simulate(&siva, &start(), &Limits::new(3.0 * TAU, d), None, &mut seen).unwrap();
@@ -77,7 +76,7 @@ fn a_start_outside_its_gap_is_refused() {
 fn its_energies_add_up() {
     for gamma in [0.01, 0.3, 2.0] {
         for e in [0.0, 0.6, 1.0] {
-            let found = decay([0.15, e, 0.4, 0.02, gamma], 15.0 * TAU);
+            let found = decay([0.15, e, 0.4, 0.02, gamma, 0.5 * gamma], 15.0 * TAU);
             let m = found.measures;
             assert_eq!(found.tally.outcome, Outcome::Finished);
             assert!(m.energy_pivot > 0.0 && m.energy_viscous > 0.0);
@@ -103,7 +102,7 @@ fn its_errors_are_what_is_estimated() {
 
 #[test]
 fn its_derivatives_are_those_of_differences() {
-    for varied in 0..5 {
+    for varied in 0..6 {
         let numbers = std::array::from_fn(|i| Real::given(NUMBERS[i], i == varied));
         let found = decay::<Dual>(numbers, 2.0 * TAU);
         let step = 1e-9;
@@ -122,12 +121,12 @@ fn its_derivatives_are_those_of_differences() {
     }
 }
 
-/// Dashpots from weak to strong, in gaps from narrow to wide, with and without chatter and sticking.
+/// Dashpots and springs from weak to strong, in gaps from narrow to wide, with and without chatter and sticking.
 fn jobs() -> Vec<Job<Coupled<Dashpot>>> {
     let job = |k: u32| {
         let k = f64::from(k);
         let e = [0.0, 0.4, 0.6, 0.9, 1.0][k as usize % 5];
-        let system = Dashpot([0.15, e, 0.1 + 0.02 * k, 0.02, 0.01 * k]).mounted();
+        let system = Dashpot([0.15, e, 0.1 + 0.02 * k, 0.02, 0.01 * k, 0.03 * (k % 9.0)]).mounted();
         Job {
             begin: 0.0,
             system,
@@ -163,43 +162,12 @@ fn sweeps_of_it_are_its_runs() {
     assert!(seen.iter().all(|seen| *seen));
 }
 
-/// A free mass with a dashpot and a spring in its gap: μ, e, d, ζ, γ of the dashpot, and κ of the spring over the
-/// absorber's mass.
-#[derive(Debug, Clone, Copy)]
-struct Sprung([f64; 6]);
-
-impl Coupling for Sprung {
-    type Real = f64;
-
-    fn constants(&self) -> [f64; 3] {
-        let [mu, e, d, ..] = self.0;
-        [mu, e, d]
-    }
-
-    #[inline(always)]
-    fn rates<T: Number<Real = f64>>(&self, [x, v, y, w]: [T; 4]) -> [T; 2] {
-        let [mu, _, _, zeta, gamma, kappa] = self.0.map(T::from_real);
-        let pull = gamma * w + kappa * y;
-        let a = mu * pull - (x + (zeta + zeta) * v);
-        [a, -(a + pull)]
-    }
-
-    fn dampers(&self) -> [f64; 2] {
-        let [mu, _, _, zeta, gamma, _] = self.0;
-        [zeta * 2.0, mu * gamma]
-    }
-
-    fn spring(&self) -> f64 {
-        self.0[0] * self.0[5]
-    }
-}
-
 /// In a gap that it never crosses it is a tuned damper: the motion is e^{Mt} of its start. (A matrix exponential by
 /// another library; here for 40 times the reach of one series.)
 #[test]
 fn a_spring_in_a_wide_gap_makes_it_a_tuned_damper() {
     let [mu, zeta, gamma, kappa] = [0.1, 0.02, 0.2, 0.8];
-    let sprung = Coupled::new(Sprung([mu, 0.5, 100.0, zeta, gamma, kappa]));
+    let sprung = Dashpot([mu, 0.5, 100.0, zeta, gamma, kappa]).mounted();
     let duration = 30.0;
     let found = run(&sprung, &start(), &Limits::new(duration, 100.0)).unwrap();
     assert_eq!((found.tally.outcome, found.tally.impacts), (Outcome::Finished, 0));
@@ -235,7 +203,7 @@ fn energies_with_a_spring_add_up() {
     let mut episodes = 0;
     for kappa in [0.05, 0.8, 4.0] {
         for (e, gamma) in [(0.0, 0.3), (0.6, 0.05), (0.6, 2.0), (1.0, 0.0)] {
-            let sprung = Coupled::new(Sprung([0.15, e, 0.2, 0.02, gamma, kappa]));
+            let sprung = Dashpot([0.15, e, 0.2, 0.02, gamma, kappa]).mounted();
             let found = run(&sprung, &start(), &Limits::new(15.0 * TAU, 0.2)).unwrap();
             assert_eq!(found.tally.outcome, Outcome::Finished, "{kappa} {e} {gamma}");
             assert!(found.tally.impacts > 0, "{kappa} {e} {gamma}");
@@ -253,7 +221,7 @@ fn with_a_spring_it_is_a_pendulum_at_small_angles() {
     let [mu, d, zeta, ratio, pivot] = [0.1, 0.3, 0.02, 0.6, 0.05];
     let mut events = [0; 2];
     for e in [0.0, 0.4, 0.8] {
-        let sprung = Coupled::new(Sprung([mu, e, d, zeta, 2.0 * pivot * ratio, ratio * ratio]));
+        let sprung = Dashpot([mu, e, d, zeta, 2.0 * pivot * ratio, ratio * ratio]).mounted();
         let piva = Piva::new(Parameters {
             frequency_ratio: ratio,
             pivot_damping_ratio: pivot,

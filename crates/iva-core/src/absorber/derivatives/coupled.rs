@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::absorber::coupled::{Coupled, Coupling};
 use crate::absorber::impact::primary_share;
-use crate::absorber::system::{LawAt, System as _, Wall};
+use crate::absorber::system::{System as _, Wall};
 
 impl<C: Coupling<Real = f64>> Differentiable for Coupled<C> {
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
@@ -33,9 +33,8 @@ impl<C: Coupling<Real = f64>> Differentiable for Coupled<C> {
         tangent
     }
 
-    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64> {
-        let LawAt { gain, rebound, .. } = self.law_at(wall);
-        free_mass_impact(gain, rebound)
+    fn impact_matrix(&self, wall: Wall, approach: f64) -> Matrix4<f64> {
+        free_mass_impact(&self.law_at(wall, approach))
     }
 
     fn stick_matrix(&self, _wall: Wall) -> Matrix4<f64> {

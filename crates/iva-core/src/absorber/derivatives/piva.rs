@@ -106,7 +106,7 @@ impl<H: Host<Real = f64>> Differentiable for Piva<H> {
         stuck(self.host.loaded().equation(), h)
     }
 
-    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64> {
+    fn impact_matrix(&self, wall: Wall, _approach: f64) -> Matrix4<f64> {
         let mut jump = Matrix4::identity();
         let law = self.law(wall);
         (jump[(1, 3)], jump[(3, 3)]) = (law.impact_gain(), -law.ratio);

@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::structure::{columns, stuck};
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::absorber::siva::Siva;
-use crate::absorber::system::{LawAt, Point, System, Wall};
+use crate::absorber::system::{Point, System, Wall};
 use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -68,9 +68,8 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
     }
 
     #[inline(always)]
-    fn impact_matrix(&self, wall: Wall) -> Matrix4<f64> {
-        let LawAt { gain, rebound, .. } = self.law_at(wall);
-        free_mass_impact(gain, rebound)
+    fn impact_matrix(&self, wall: Wall, approach: f64) -> Matrix4<f64> {
+        free_mass_impact(&self.law_at(wall, approach))
     }
 
     /// With Y the gap displacement from the wall and σ = μ/(1 + μ), X = x + σY obeys

@@ -82,7 +82,7 @@ impl<H: Host<Real = f64>> Differentiable for Alone<H> {
         self.flight_tangent(from, h)
     }
 
-    fn impact_matrix(&self, _wall: Wall) -> Matrix4<f64> {
+    fn impact_matrix(&self, _wall: Wall, _approach: f64) -> Matrix4<f64> {
         Matrix4::identity()
     }
 

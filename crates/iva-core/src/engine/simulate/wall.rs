@@ -19,7 +19,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let (after, impact) = self.system.impact(&self.tally.state, self.progress.clock.value);
         let approach = impact.approach_speed();
         // With e = 1 no chatter dies out, so low impacts are listed immediately.
-        let dies_out = self.system.law_at(wall).rebound < 1.0 || approach == 0.0;
+        let dies_out = self.system.law_at(wall, approach).dies_out() || approach == 0.0;
         let low = dies_out && approach <= self.progress.floor;
         let counted = Counted { low, ..Counted::from(&impact) };
         self.progress = self.progress.struck(true, &counted);
@@ -48,7 +48,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
 
     /// A rebound from a pressing wall: the rest of the chatter is summed where the sum is exact to rounding.
     fn rebound(&mut self, state: &S::State, leave: &Jet<R>) {
-        let law = self.system.law_at(self.system.wall(state));
+        let law = self.system.law_at(self.system.wall(state), leave.rate);
         let mut rebound = Rebound {
             speed: leave.rate,
             pressure: -leave.curvature,
@@ -56,6 +56,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
             gain: law.pressure,
             fourth: R::ZERO,
             ratio: law.rebound,
+            spread: law.spread,
         };
         // Tests first without D⁗, which is expensive: most rebounds are far too high.
         let low = rebound.summable();
@@ -79,8 +80,9 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let mut clock = self.progress.clock;
         let begin = Contact { time: clock.value, states: [&state; 2], summed: true };
         self.observer.contact(self.system, &begin);
-        let ratio = self.system.law_at(self.system.wall(&state)).rebound;
-        while ratio * self.system.distance(&state).rate > 0.0
+        let wall = self.system.wall(&state);
+        let returns = |speed: R| self.system.law_at(wall, speed).rebound * speed > 0.0;
+        while returns(self.system.distance(&state).rate)
             && self.progress.counts.listed() < self.progress.max_impacts
         {
             if (self.progress.counts.impacts as u64).is_multiple_of(CANCEL_EVERY)

@@ -71,13 +71,21 @@ impl<R: Real> Forces<R> {
         Self { ramped: linear.then(made), ..self.clone() }
     }
 
-    /// The only force, if it is harmonic and nothing else acts along the motion.
+    /// The only force, if it is harmonic.
     #[inline(always)]
     fn single(&self) -> Option<&Harmonic<R>> {
         match self.force.harmonics() {
-            [harmonic] if self.weight.is_none() && self.force.is_single() => Some(harmonic),
+            [harmonic] if self.force.is_single() => Some(harmonic),
             _ => None,
         }
+    }
+
+    /// f/M and a_g of the only force at an instant with the accuracy of plain numbers.
+    #[inline(always)]
+    fn plainly(harmonic: &Harmonic<R>, time: Clock<R>) -> Pushes<R> {
+        let mut pushes = Pushes::NONE;
+        *pushes.on(harmonic.acts) = harmonic.plain_push(time);
+        pushes
     }
 
     /// The drive at an instant, when the first `kicks` impulses have acted, with the piece that acts from there on; that
@@ -110,7 +118,7 @@ impl<R: Real> Forces<R> {
     #[inline(always)]
     pub(super) fn near(&self, moment: &Moment<R>) -> Pushes<R> {
         match self.single() {
-            Some(_) => self.plain_pushes(moment, moment.time),
+            Some(harmonic) => Self::plainly(harmonic, moment.time),
             None => self.light(moment.pushes),
         }
     }
@@ -135,17 +143,17 @@ impl<R: Real> Source for Forces<R> {
 
     #[inline(always)]
     fn plain_pushes(&self, from: &Moment<R>, time: Clock<R>) -> Pushes<R> {
-        let Some(harmonic) = self.single() else { return self.pushes(from, time) };
-        let mut pushes = Pushes::NONE;
-        *pushes.on(harmonic.acts) = harmonic.plain_push(time);
-        pushes
+        match self.single() {
+            Some(harmonic) => self.heavy(Self::plainly(harmonic, time)),
+            None => self.pushes(from, time),
+        }
     }
 
     #[inline(always)]
     fn drive(&self, moment: &Moment<R>, h: R) -> Drive<R> {
-        let Moment { time, pushes, .. } = moment;
+        let (time, pushes) = (&moment.time, self.light(moment.pushes));
         if self.force.harmonics().is_empty() {
-            return Drive::linear(&self.light(*pushes), h);
+            return Drive::linear(&pushes, h);
         }
         let Some(harmonic) = self.single() else { return self.force.drive(*time, h) };
         match harmonic.acts {

@@ -28,6 +28,9 @@ pub struct Weight<R = f64> {
 }
 
 impl<R: Real> Weight<R> {
+    /// No gravity along the motion.
+    pub(crate) const NONE: Self = Self { gravity: R::ZERO, lift: DoubleDouble::ZERO };
+
     /// The weight on a structure whose absorber of mass ratio μ is in flight; `None` for G = 0.
     pub(super) fn new(gravity: R, mass_ratio: R) -> Option<Self> {
         let lift = DoubleDouble::new(gravity).times(mass_ratio);

@@ -7,7 +7,9 @@ use crate::absorber::system::Clock;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes, Smooth};
 use crate::host::oscillator::{Equation, Oscillator, Primary};
 use crate::host::steps::Responses;
-use crate::host::{self, DrivenHost, Host as _, HostState, Moment, Source, Steps, Structure};
+use crate::host::{
+    self, DrivenHost, Host as _, HostState, Moment, Source, Steps, Structure, Weight,
+};
 use crate::number::arrays::{Lanes as _, arrays};
 use crate::number::compensated::DoubleDouble;
 
@@ -92,75 +94,108 @@ arrays! {
     Scene, Scenes:
     /// The force: f/M or a_g = amplitude · cos(frequency · t + angle).
     amplitude, frequency, angle,
+    /// Gravity along the motion.
+    gravity,
     /// The constants of the structure ([`host::Driven`]).
     damping, growth, reach, step;
+    /// The lift of the spring in flight.
+    lift: DoubleDouble,
     excess: [f64; 7],
 }
 
-/// The force of a lane: one harmonic force, on the structure or its base.
+/// What acts on a lane: one harmonic force, on the structure or its base, and gravity along the motion if `HEAVY`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Single<const BASE: bool>(Harmonic);
+pub(crate) struct Single<const BASE: bool, const HEAVY: bool> {
+    harmonic: Harmonic,
+    weight: Weight,
+}
 
-impl<const BASE: bool> Single<BASE> {
-    /// f/M and a_g, one of which is `push`.
+impl<const BASE: bool, const HEAVY: bool> Single<BASE, HEAVY> {
+    /// f/M, and a_g plus gravity along the motion, where the force is `push`.
     #[inline(always)]
-    fn pushes_of(push: Push) -> Pushes {
-        if BASE {
+    fn pushes_of(&self, push: Push) -> Pushes {
+        let mut pushes = if BASE {
             Pushes { base: push, ..Pushes::NONE }
         } else {
             Pushes { primary: push, ..Pushes::NONE }
+        };
+        if HEAVY {
+            pushes.base.value = pushes.base.value.plus(self.weight.gravity);
+        }
+        pushes
+    }
+
+    /// The same pushes, without those that are known to be 0: the compiler leaves out what is computed with them.
+    #[inline(always)]
+    fn known(&self, pushes: &Pushes) -> Pushes {
+        match (BASE, HEAVY) {
+            (true, _) => Pushes { base: pushes.base, ..Pushes::NONE },
+            (false, false) => Pushes { primary: pushes.primary, ..Pushes::NONE },
+            (false, true) => self.pushes_of(pushes.primary),
         }
     }
 }
 
-impl<const BASE: bool> Source for Single<BASE> {
+impl<const BASE: bool, const HEAVY: bool> Source for Single<BASE, HEAVY> {
     type Real = f64;
     #[inline(always)]
     fn pushes(&self, _from: &Moment, time: Clock) -> Pushes {
-        Self::pushes_of(self.0.push(time))
+        self.pushes_of(self.harmonic.push(time))
     }
 
     #[inline(always)]
     fn plain_pushes(&self, _from: &Moment, time: Clock) -> Pushes {
-        Self::pushes_of(self.0.plain_push(time))
+        self.pushes_of(self.harmonic.plain_push(time))
     }
 
     #[inline(always)]
     fn drive(&self, moment: &Moment, h: f64) -> Drive<f64> {
-        let Pushes { primary, base } = &moment.pushes;
+        let Pushes { primary, mut base } = moment.pushes;
         if BASE {
-            Drive { base: self.0.onwards(base, h), ..Drive::NONE }
+            if HEAVY {
+                base.value = base.value.plus(-self.weight.gravity);
+            }
+            Drive { base: self.harmonic.onwards(&base, h), ..Drive::NONE }
         } else {
-            Drive { primary: self.0.onwards(primary, h), ..Drive::NONE }
+            Drive { primary: self.harmonic.onwards(&primary, h), ..Drive::NONE }
         }
     }
 
     fn precise(&self, time: Clock, h: f64) -> Drive<DoubleDouble> {
         let mut drive = Drive::NOTHING;
         let row = if BASE { &mut drive.base } else { &mut drive.primary };
-        self.0.add_precise(row, time, h);
+        self.harmonic.add_precise(row, time, h);
+        if HEAVY {
+            drive.base[0] = drive.base[0].plus(self.weight.gravity);
+        }
         drive
     }
 
     #[inline(always)]
     fn moves_base(&self) -> bool {
-        BASE
+        BASE || HEAVY
     }
 
     fn bends(&self) -> bool {
         false
     }
+
+    #[inline(always)]
+    fn weight(&self) -> Option<Weight> {
+        HEAVY.then_some(self.weight)
+    }
 }
 
-/// Free masses under one harmonic force each, on the structure or on its base.
+/// Free masses under one harmonic force each, on the structure or on its base, with gravity along the motion if
+/// `HEAVY`.
 #[derive(Debug)]
-pub(crate) struct ExactDriven<const BASE: bool, const W: usize>(Scenes<W>);
+pub(crate) struct ExactDriven<const BASE: bool, const HEAVY: bool, const W: usize>(Scenes<W>);
 
-impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
+impl<const BASE: bool, const HEAVY: bool, const W: usize> Tier for ExactDriven<BASE, HEAVY, W> {
     type System = Siva<DrivenHost>;
     type State = SivaState<Moment>;
     type Responses = ();
-    type Mass<'a> = InFlight<'a, host::Driven<Single<BASE>>>;
+    type Mass<'a> = InFlight<'a, host::Driven<Single<BASE, HEAVY>>>;
     const STAGED: bool = false;
 
     fn new(_system: &Siva<DrivenHost>) -> Self {
@@ -176,21 +211,17 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
         from: &Self::State,
         act: impl FnOnce(&Self::Mass<'_>, &Self::State) -> T,
     ) -> T {
-        let Scene { amplitude, frequency, angle: phase, damping, growth, reach, step, excess } =
-            self.0.get(i);
+        let Scene { amplitude, frequency, angle: phase, gravity, lift, .. } = self.0.get(i);
+        let Scene { damping, growth, reach, step, excess, .. } = self.0.get(i);
         let third = DoubleDouble::new(1.0).over(3.0);
-        let free = host::Driven {
-            equation: Equation { stiffness: 1.0, frequency: 1.0, damping, growth, third },
-            source: Single(Harmonic { amplitude, frequency, phase, acts: Acts::Primary }),
-            base: [0.0; 5],
-            reach,
-            step,
-            excess,
+        let source = Single {
+            harmonic: Harmonic { amplitude, frequency, phase, acts: Acts::Primary },
+            weight: Weight { gravity, lift },
         };
-        // The compiler leaves out what is computed with the other force, which is 0.
+        let equation = Equation { stiffness: 1.0, frequency: 1.0, damping, growth, third };
+        let free = host::Driven { equation, source, base: [0.0; 5], reach, step, excess };
         let mut from = *from;
-        let pushes = &mut from.host.phase.pushes;
-        *pushes = Single::<BASE>::pushes_of(if BASE { pushes.base } else { pushes.primary });
+        from.host.phase.pushes = source.known(&from.host.phase.pushes);
         let course = free.course(&from.host);
         act(&InFlight { free: &free, course: &course }, &from)
     }
@@ -201,12 +232,15 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
     }
 
     fn load(&mut self, i: usize, from: &Loaded<'_, Self::System>) -> Option<Self::State> {
-        let host::Driven { equation, reach, step, excess, .. } = from.system.host.free();
+        let host::Driven { equation, source, reach, step, excess, .. } = from.system.host.free();
+        let Weight { gravity, lift } = source.weight().unwrap_or(Weight::NONE);
         let harmonic = from.system.force().map(Force::harmonics)?.first()?;
         let scene = Scene {
             amplitude: harmonic.amplitude,
             frequency: harmonic.frequency,
             angle: harmonic.phase,
+            gravity,
+            lift,
             damping: equation.damping,
             growth: equation.growth,
             reach: *reach,
@@ -228,7 +262,7 @@ impl<const BASE: bool, const W: usize> Tier for ExactDriven<BASE, W> {
 
     fn idle(&mut self, i: usize) -> Self::State {
         self.0.set(i, &Scene { step: 1.0, ..Scene::default() });
-        let pushes = Single::<BASE>::pushes_of(Push::NONE);
-        at_rest(Moment { time: Clock::ZERO, kicks: 0, smooth: Smooth::ALL, pushes })
+        let (time, pushes) = (Clock::ZERO, Pushes::NONE);
+        at_rest(Moment { time, kicks: 0, smooth: Smooth::ALL, pushes })
     }
 }

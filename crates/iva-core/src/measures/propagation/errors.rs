@@ -273,7 +273,7 @@ impl Errors {
     /// to T = 2u/(A(1 − e)).
     fn of_tail<S: Differentiable>(&self, system: &S, after: &S::State) -> f64 {
         let leave = system.distance(after);
-        let left = 1.0 - system.law_at(system.wall(after)).rebound;
+        let left = 1.0 - system.law_at(system.wall(after), leave.rate).rebound;
         let whole = 2.0 * leave.rate / (leave.curvature.abs() * left);
         let speed = self.deviation(3) / leave.rate;
         let pressure = (self.deviation(0) + self.deviation(1)) / leave.curvature.abs();
@@ -313,11 +313,6 @@ impl<S: Differentiable> Observer<S> for Errors {
         if !S::LINEAR && !self.lost {
             let rates = [from, span.end].map(|state| system.rates(state));
             self.moved(system, span.length, M::RIDING, from, span.end, rates);
-        } else if self.begun.is_some_and(|begun| begun.riding != M::RIDING) {
-            // An impulse has ended a stick episode.
-            let (time, rates) = (span.start.value, system.rates(from));
-            self.end_motion(system, time, from, rates);
-            self.begin::<S>((time, rates), M::RIDING);
         }
     }
 

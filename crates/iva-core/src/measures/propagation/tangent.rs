@@ -15,7 +15,7 @@ pub(super) fn saltation<S: Differentiable>(
     wall: Wall,
     [before, after]: [&Vector4<f64>; 2],
 ) -> Matrix4<f64> {
-    let jump = system.impact_matrix(wall);
+    let jump = system.impact_matrix(wall, before[2].abs());
     let normal = Vector4::new(0.0, 0.0, 1.0 / before[2], 0.0);
     jump + (after - jump * before) * normal.transpose()
 }
@@ -112,9 +112,6 @@ impl<S: Differentiable> Observer<S> for Tangent {
                 true => system.ride_tangent(from, span.length),
                 false => system.flight_tangent(from, span.length),
             });
-        } else if self.begun.1 != M::RIDING {
-            // An impulse has ended a stick episode.
-            self.turn(system, from, span.start, M::RIDING);
         }
     }
 

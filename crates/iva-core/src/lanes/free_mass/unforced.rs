@@ -1,11 +1,12 @@
-//! Free masses of the exact tier whose line of motion is inclined: nothing but gravity acts along it.
+//! Free masses of the exact tier on which no lasting force acts: but gravity along an inclined line of motion, or impulses,
+//! of which a lane begins after the last one.
 
 use super::exact::at_rest;
 use super::{Loaded, Tier, of_siva};
 use crate::absorber::siva::exact::InFlight;
 use crate::absorber::siva::{Siva, SivaState};
 use crate::absorber::system::Clock;
-use crate::force::{Drive, Push, Pushes, Smooth};
+use crate::force::{Drive, Force, Push, Pushes, Smooth};
 use crate::host::oscillator::Equation;
 use crate::host::{self, DrivenHost, Host as _, Moment, Ramped, Source, Structure as _, Weight};
 use crate::number::arrays::{Lanes as _, arrays};
@@ -23,22 +24,25 @@ arrays! {
     excess: [f64; 7],
 }
 
-/// The drive of a lane: gravity along the motion.
+/// What acts on a lane: gravity along the motion, if `HEAVY`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Leaning<'a> {
+pub(crate) struct Unforced<'a, const HEAVY: bool> {
     ramped: &'a Ramped,
     weight: Weight,
 }
 
-impl Leaning<'_> {
+impl<const HEAVY: bool> Unforced<'_, HEAVY> {
     #[inline(always)]
     fn pushes_ever(&self) -> Pushes {
+        if !HEAVY {
+            return Pushes::NONE;
+        }
         let value = DoubleDouble::new(self.weight.gravity);
         Pushes { base: Push { value, ..Push::NONE }, ..Pushes::NONE }
     }
 }
 
-impl Source for Leaning<'_> {
+impl<const HEAVY: bool> Source for Unforced<'_, HEAVY> {
     type Real = f64;
 
     #[inline(always)]
@@ -53,13 +57,13 @@ impl Source for Leaning<'_> {
 
     fn precise(&self, _time: Clock, _h: f64) -> Drive<DoubleDouble> {
         let mut drive = Drive::NOTHING;
-        drive.base[0] = DoubleDouble::new(self.weight.gravity);
+        drive.base[0] = self.pushes_ever().base.value;
         drive
     }
 
     #[inline(always)]
     fn moves_base(&self) -> bool {
-        true
+        HEAVY
     }
 
     fn bends(&self) -> bool {
@@ -68,7 +72,7 @@ impl Source for Leaning<'_> {
 
     #[inline(always)]
     fn weight(&self) -> Option<Weight> {
-        Some(self.weight)
+        HEAVY.then_some(self.weight)
     }
 
     #[inline(always)]
@@ -77,20 +81,20 @@ impl Source for Leaning<'_> {
     }
 }
 
-/// Free masses on structures of one damping ratio, each with its own gravity along the motion.
+/// Free masses on structures of one damping ratio, each with its own gravity along the motion if `HEAVY`.
 #[derive(Debug)]
-pub(crate) struct ExactInclined<const W: usize> {
+pub(crate) struct ExactUnforced<const HEAVY: bool, const W: usize> {
     /// Held by value, so that the compiler knows that no store into a lane changes it.
     ramped: Ramped,
     equation: Equation,
     scenes: Scenes<W>,
 }
 
-impl<const W: usize> Tier for ExactInclined<W> {
+impl<const HEAVY: bool, const W: usize> Tier for ExactUnforced<HEAVY, W> {
     type System = Siva<DrivenHost>;
     type State = SivaState<Moment>;
     type Responses = ();
-    type Mass<'a> = InFlight<'a, host::Driven<Leaning<'a>>>;
+    type Mass<'a> = InFlight<'a, host::Driven<Unforced<'a, HEAVY>>>;
     const STAGED: bool = true;
 
     fn new(system: &Siva<DrivenHost>) -> Self {
@@ -109,7 +113,7 @@ impl<const W: usize> Tier for ExactInclined<W> {
         act: impl FnOnce(&Self::Mass<'_>, &Self::State) -> T,
     ) -> T {
         let Scene { gravity, lift, reach, step, excess } = self.scenes.get(i);
-        let source = Leaning { ramped: &self.ramped, weight: Weight { gravity, lift } };
+        let source = Unforced { ramped: &self.ramped, weight: Weight { gravity, lift } };
         // The compiler leaves out what is computed with forces that are 0.
         let mut from = *from;
         from.host.phase.pushes = source.pushes_ever();
@@ -125,20 +129,20 @@ impl<const W: usize> Tier for ExactInclined<W> {
     }
 
     fn load(&mut self, i: usize, from: &Loaded<'_, Self::System>) -> Option<Self::State> {
+        if from.state.host.phase.smooth.end.is_some() {
+            return None;
+        }
         let host::Driven { source, reach, step, excess, .. } = from.system.host.free();
-        let Weight { gravity, lift } = source.weight()?;
+        let Weight { gravity, lift } = source.weight().unwrap_or(Weight::NONE);
         let scene = Scene { gravity, lift, reach: *reach, step: *step, excess: *excess };
         self.scenes.set(i, &scene);
         Some(from.state)
     }
 
-    fn unload(
-        &self,
-        state: &Self::State,
-        _system: &Siva<DrivenHost>,
-        _clock: Clock,
-    ) -> Self::State {
-        *state
+    fn unload(&self, state: &Self::State, system: &Siva<DrivenHost>, _clock: Clock) -> Self::State {
+        let mut state = *state;
+        state.host.phase.kicks = system.force().map_or(0, Force::kicks);
+        state
     }
 
     fn idle(&mut self, i: usize) -> Self::State {
