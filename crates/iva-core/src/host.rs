@@ -254,6 +254,10 @@ pub trait Host: Excitation + Clone {
     fn steps(&self) -> Option<&Steps<Self::Real>> {
         None
     }
+    /// The state of the drive some steps later, which take this time.
+    fn waited(&self, phase: &Phase<Self>, _time: Clock<Self::Real>) -> Phase<Self> {
+        *phase
+    }
     /// The motion from point to point of a record that drives the structure.
     fn pieces(&self) -> Option<&Pieces<Self::Real>> {
         None

@@ -315,7 +315,8 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             return self.drifts(pieces, state, remaining);
         }
         let Some(steps) = self.host.steps() else { return (0, (*state, Clock::ZERO)) };
-        let within = [1.0 / self.clearance.double(), remaining.double()];
+        let smooth = self.host.smooth_for(&state.host.phase);
+        let within = [1.0 / self.clearance.double(), remaining.min(smooth).double()];
         let count = f64::dispatched(
             #[inline(always)]
             || coasts::count(steps, &state.in_doubles(), within) as usize,
@@ -331,8 +332,10 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         R::dispatched(
             #[inline(always)]
             || {
-                let by = steps.responses(count);
-                (coasts::after(steps, state, count as f64, by), steps.time(count as f64))
+                let (by, time) = (steps.responses(count), steps.time(count as f64));
+                let mut after = coasts::after(steps, state, count as f64, by);
+                after.host.phase = self.host.waited(&state.host.phase, time);
+                (after, time)
             },
         )
     }

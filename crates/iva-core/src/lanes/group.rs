@@ -139,6 +139,12 @@ impl<'a, S: SideBySide> Group<'a, S> {
         S::tier(&self.jobs[self.order[0]])
     }
 
+    /// True if anything but counts of impacts is computed of its runs.
+    pub(super) fn is_watched(&self) -> bool {
+        let steady = self.jobs[self.order[0]].steady.is_some();
+        steady || self.wanted != Wanted::NONE || !self.listing.is_empty()
+    }
+
     pub(crate) fn run<L: Lockstep<S>>(self) {
         Running::new(self).run::<L>();
     }

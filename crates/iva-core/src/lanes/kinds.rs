@@ -128,7 +128,10 @@ impl SideBySide for Siva<DrivenHost> {
         let moves_base = group.leader().excitation().moves_base();
         let driven = group.leader().excitation().is_driven();
         let leans = leans(group.leader());
-        if leans && driven && moves_base {
+        if leans && driven && group.is_watched() {
+            // Who sees flights would have them computed twice.
+            group.one_by_one();
+        } else if leans && driven && moves_base {
             group.run::<Logged<ExactDriven<true, true, LANES>, LANES>>();
         } else if leans && driven {
             group.run::<Logged<ExactDriven<false, true, LANES>, LANES>>();

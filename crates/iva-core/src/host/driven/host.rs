@@ -5,7 +5,8 @@ use std::sync::{Arc, OnceLock};
 
 use super::{Driven, Forces, Moment, Pieces, Place, Source, Weight};
 use crate::force::{Drive, Force, Pushes, Smooth};
-use crate::host::{Excitation, Host, Sinusoidal};
+use crate::host::sinusoid::MOST_DAMPED;
+use crate::host::{Excitation, Host, Sinusoidal, Steps};
 use crate::number::clock::Clock;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -22,6 +23,8 @@ pub struct DrivenHost<R: Real = f64> {
     /// Its motion from point to point of a record; `None` under any other force, with gravity along the motion, and
     /// in numbers without [`Real::FAST_PATHS`].
     pieces: OnceLock<Option<Arc<Pieces<R>>>>,
+    /// Its motion over whole steps between impulses; `None` if another force acts, or gravity along the motion.
+    steps: OnceLock<Option<Box<Steps<R>>>>,
 }
 
 impl<R: Real> DrivenHost<R> {
@@ -30,8 +33,8 @@ impl<R: Real> DrivenHost<R> {
     pub(crate) fn new(damping_ratio: R, mass_ratio: R, force: Force<R>, gravity: R) -> Self {
         let forces = Forces::new(force, Weight::new(gravity, mass_ratio));
         let free = Driven::new(R::ONE, damping_ratio, &forces);
-        let (loaded, pieces) = (OnceLock::new(), OnceLock::new());
-        Self { damping_ratio, mass_ratio, forces, free, loaded, pieces }
+        let (loaded, pieces, steps) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Self { damping_ratio, mass_ratio, forces, free, loaded, pieces, steps }
     }
 
     /// The pieces of the record that is its only force. Structures of one damping ratio under one record share them.
@@ -109,6 +112,20 @@ impl<R: Real> Host for DrivenHost<R> {
         let Pushes { primary: f, base: g } = phase.pushes;
         let [rate, second] = [f.rate.value, f.second.value];
         [rate, second, kicked, g.value.value, g.rate.value, g.second.value]
+    }
+
+    fn steps(&self) -> Option<&Steps<R>> {
+        let made = || {
+            let kicked = self.forces.weight().is_none() && !self.forces.force.lasts();
+            let has = kicked && R::FAST_PATHS && self.damping_ratio <= MOST_DAMPED;
+            let ramped = self.free.source.ramped().filter(|_| has)?;
+            Some(Box::new(Steps::new(ramped.oscillator())))
+        };
+        self.steps.get_or_init(made).as_deref()
+    }
+
+    fn waited(&self, phase: &Moment<R>, time: Clock<R>) -> Moment<R> {
+        phase.waited(time)
     }
 
     fn pieces(&self) -> Option<&Pieces<R>> {

@@ -37,6 +37,12 @@ impl<R: Real> Moment<R> {
         self.smooth.end.filter(ends).unwrap_or(self.time.plus(h))
     }
 
+    /// The same drive at a later instant of its piece.
+    #[inline(always)]
+    pub(crate) fn waited(&self, time: Clock<R>) -> Self {
+        Self { time: self.time.plus_parts(time.value, time.rest), ..*self }
+    }
+
     /// True if its piece has ended.
     #[inline(always)]
     pub(super) fn is_over(&self) -> bool {

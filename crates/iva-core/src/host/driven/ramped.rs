@@ -29,6 +29,11 @@ impl<R: Real> Ramped<R> {
         Self { oscillator: Oscillator::new(mass, damping_ratio), mass }
     }
 
+    /// The structure without drive.
+    pub(crate) fn oscillator(&self) -> &Oscillator<R> {
+        &self.oscillator
+    }
+
     /// The velocity and acceleration of the motion about the uniform one; `moves` is true if the base moves or gravity
     /// acts along the motion.
     #[inline(always)]

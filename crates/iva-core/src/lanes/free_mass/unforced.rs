@@ -4,11 +4,14 @@
 use super::exact::at_rest;
 use super::{Loaded, Tier, of_siva};
 use crate::absorber::siva::exact::InFlight;
-use crate::absorber::siva::{Siva, SivaState};
+use crate::absorber::siva::{Siva, SivaState, coasts};
 use crate::absorber::system::Clock;
 use crate::force::{Drive, Force, Push, Pushes, Smooth};
 use crate::host::oscillator::Equation;
-use crate::host::{self, DrivenHost, Host as _, Moment, Ramped, Source, Structure as _, Weight};
+use crate::host::steps::Responses;
+use crate::host::{
+    self, DrivenHost, Host as _, Moment, Ramped, Source, Steps, Structure as _, Weight,
+};
 use crate::number::arrays::{Lanes as _, arrays};
 use crate::number::compensated::DoubleDouble;
 
@@ -87,20 +90,22 @@ pub(crate) struct ExactUnforced<const HEAVY: bool, const W: usize> {
     /// Held by value, so that the compiler knows that no store into a lane changes it.
     ramped: Ramped,
     equation: Equation,
+    steps: Steps,
     scenes: Scenes<W>,
 }
 
 impl<const HEAVY: bool, const W: usize> Tier for ExactUnforced<HEAVY, W> {
     type System = Siva<DrivenHost>;
     type State = SivaState<Moment>;
-    type Responses = ();
+    type Responses = Responses;
     type Mass<'a> = InFlight<'a, host::Driven<Unforced<'a, HEAVY>>>;
     const STAGED: bool = true;
 
     fn new(system: &Siva<DrivenHost>) -> Self {
         let equation = *system.host.free().equation();
         let ramped = Ramped::new(1.0, system.host.damping_ratio());
-        Self { ramped, equation, scenes: Scenes::new() }
+        let steps = Steps::new(ramped.oscillator());
+        Self { ramped, equation, steps, scenes: Scenes::new() }
     }
 
     of_siva!();
@@ -126,6 +131,23 @@ impl<const HEAVY: bool, const W: usize> Tier for ExactUnforced<HEAVY, W> {
     #[inline(always)]
     fn longest(&self, i: usize) -> f64 {
         self.scenes.reach[i]
+    }
+
+    #[inline(always)]
+    fn steps(&self) -> Option<&Steps> {
+        if HEAVY { None } else { Some(&self.steps) }
+    }
+
+    #[inline(always)]
+    fn responses(steps: &Steps, count: usize) -> Responses {
+        steps.responses(count)
+    }
+
+    #[inline(always)]
+    fn coasted(steps: &Steps, state: &Self::State, count: f64, by: Responses) -> Self::State {
+        let mut after = coasts::after(steps, state, count, by);
+        after.host.phase = state.host.phase.waited(steps.time(count));
+        after
     }
 
     fn load(&mut self, i: usize, from: &Loaded<'_, Self::System>) -> Option<Self::State> {
