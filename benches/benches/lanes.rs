@@ -8,7 +8,8 @@ use std::hint::black_box;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use iva_benches::{
-    decays as scenes, driven_jobs, driven_pendulums, fast, swinging_decays, upright_decays,
+    decays as scenes, decays_after_a_blow, driven_jobs, driven_pendulums, fast, swinging_decays,
+    upright_decays,
 };
 use iva_core::coupled::Coupled;
 use iva_core::force::Acts;
@@ -38,6 +39,9 @@ fn lanes(criterion: &mut Criterion) {
     }
     if let Ok(scenes) = upright_decays(5, 0.45) {
         compare(criterion, "free masses, upright", &scenes);
+    }
+    if let Ok(scenes) = decays_after_a_blow(5, 0.45) {
+        compare(criterion, "free masses after a blow", &scenes);
     }
     if let Ok(scenes) = scenes(5, 0.45) {
         compare(criterion, "free masses with a dashpot in the gap", &damped(&scenes));

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::error::Invalid;
-use iva_core::force::{Acts, Force, Harmonic};
+use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
 use iva_core::lanes::{Job, SideBySide, Tier};
 use iva_core::measures::{Measures, Wanted};
@@ -82,6 +82,22 @@ pub fn upright_decays(masses: u32, narrowest: f64) -> Result<Vec<Job<Siva<Driven
         Job { system, start, begin, limits, steady, tier }
     };
     Ok(decays(masses, narrowest)?.into_iter().map(upright).collect())
+}
+
+/// The decays of [`decays`] after a blow on a structure at rest.
+///
+/// # Errors
+/// [`Invalid`] for a clearance of 0 or less.
+pub fn decays_after_a_blow(
+    masses: u32,
+    narrowest: f64,
+) -> Result<Vec<Job<Siva<DrivenHost>>>, Invalid> {
+    let struck = |Job { system, begin, limits, steady, tier, .. }: Job<Siva>| {
+        let blow = Impulse { velocity: 1.0, time: 0.0 };
+        let system = system.under(Force::new(Vec::new(), Vec::new(), &[blow])?);
+        Ok(Job { system, start: Start::default(), begin, limits, steady, tier })
+    };
+    decays(masses, narrowest)?.into_iter().map(struck).collect()
 }
 
 /// A free mass under a harmonic force for 60 cycles, with the window of its steady state.
