@@ -1,5 +1,7 @@
 //! What each stretch of motion changes in a run, whether the run is alone or in a lane: the clock, the counts, and how
-//! far the next stretch may go. Here, and nowhere else, the clock advances, a stretch is counted and so is an impact.
+//! far the next stretch may go. After a stretch and after an impact the event loop and the lanes advance the clock and the
+//! counts by these functions alone. The event loop sets them in three cases that lanes do not have: at the end of the
+//! run, where it lists rebounds of a summed chatter, and where a chatter ends in stick (`engine/simulate/wall.rs`).
 
 use super::counts::{Counted, Counts};
 use super::limits::{Limits, Outcome};

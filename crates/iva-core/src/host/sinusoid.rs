@@ -47,7 +47,7 @@ pub struct Sinusoidal {
 }
 
 impl Sinusoidal {
-    /// With these ζ, μ and G; `None` in other numbers than doubles, and above [`MOST_DAMPED`].
+    /// The structure of these ζ, μ and G; `None` in other numbers than doubles, and for ζ above [`MOST_DAMPED`].
     pub(super) fn of<R: Real>(numbers: [R; 3]) -> Option<Self> {
         let [damping_ratio, mass_ratio, gravity] = numbers.map(Real::double);
         let fits = TypeId::of::<R>() == TypeId::of::<f64>() && damping_ratio <= MOST_DAMPED;
