@@ -209,31 +209,3 @@ fn the_log_tells_what_the_stretches_tell() {
     println!("{compared} values, {levels} passages, worst {:.2} units", worst / U);
     assert!(compared > 3000 && levels > 100, "{compared} {levels}");
 }
-
-/// Absorbers that fall on a structure at a distance from the middle of its motion, μG, of up to a thousand times the
-/// motion: the peaks keep their digits, in units of the largest one.
-#[test]
-fn peaks_keep_their_digits_where_the_middle_of_the_motion_is_far_away() {
-    let mut rng = Rng::new(20_261_129);
-    let (mut compared, mut worst) = (0, 0.0_f64);
-    for _ in 0..200 {
-        let mut scene = Scene::random(&mut rng, false);
-        scene.numbers[2] = 1e-6;
-        scene.numbers[4] = rng.log_range(30.0, 3000.0);
-        scene.start = [rng.range(0.2, 2.0), 0.0, 1.5];
-        let plain = run(&scene.siva::<f64>(), &scene.start(), &scene.limits()).unwrap();
-        let exact = run(&scene.siva::<Twofold>(), &scene.start(), &scene.limits()).unwrap();
-        let flies = plain.tally.impacts > 1 && plain.peaks.len() == exact.peaks.len();
-        if !flies {
-            continue;
-        }
-        let largest = plain.peaks.iter().fold(0.0, |most: f64, it| most.max(it.displacement.abs()));
-        for (one, other) in plain.peaks.iter().zip(&exact.peaks) {
-            let off = (one.displacement - f64::from(other.displacement)).abs() / largest;
-            worst = worst.max(off);
-            compared += 1;
-        }
-    }
-    println!("{compared} peaks, worst {:.2} units", worst / U);
-    assert!(compared > 500 && worst <= 16.0 * U, "{compared} {:.2}", worst / U);
-}
