@@ -14,23 +14,25 @@ use iva_core::piva::{Angles, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, simulate};
 use iva_core::system::Start;
 
-/// Name, tolerance and angles of each bench.
-const WAYS: [(&str, f64, Angles); 5] = [
-    ("full accuracy", 0.0, Angles::Large),
-    ("tolerance 1e-12", 1e-12, Angles::Large),
-    ("tolerance 1e-9", 1e-9, Angles::Large),
-    ("tolerance 1e-6", 1e-6, Angles::Large),
-    ("small angles", 0.0, Angles::Small),
+/// Name, tolerance, angles and spring ratio of each bench.
+const WAYS: [(&str, f64, Angles, f64); 6] = [
+    ("full accuracy", 0.0, Angles::Large, 0.0),
+    ("tolerance 1e-12", 1e-12, Angles::Large, 0.0),
+    ("tolerance 1e-9", 1e-9, Angles::Large, 0.0),
+    ("tolerance 1e-6", 1e-6, Angles::Large, 0.0),
+    ("small angles", 0.0, Angles::Small, 0.0),
+    ("torsional spring", 0.0, Angles::Large, 0.4),
 ];
 
 fn pendulum(criterion: &mut Criterion) {
     let start = PivaStart::from(Start { displacement: 1.0, ..Start::default() });
     let limits = Limits::new(30.0 * TAU, 1.4);
-    for (name, tolerance, angles) in WAYS {
+    for (name, tolerance, angles, spring_ratio) in WAYS {
         let parameters = Parameters {
             frequency_ratio: 0.4,
             tolerance,
             angles,
+            spring_ratio,
             ..Parameters::point_bob(0.12, 0.5, 1.4, 0.0, 10.0)
         };
         let Ok(piva) = Piva::new(parameters) else { continue };

@@ -30,7 +30,7 @@ class Grid:
     """The scenes over three axes, and what all of them have in common.
 
     The `amplitude` is that of a harmonic force on the structure; without one it is a free decay.
-    A free mass has neither `frequency_ratio` nor `length`.
+    A free mass has neither `frequency_ratio` nor `length` nor `spring_ratio`.
     """
 
     over: dict[str, np.ndarray]
@@ -40,12 +40,13 @@ class Grid:
     amplitude: float = 0.0
     frequency_ratio: float = 0.0
     length: float = 0.0
+    spring_ratio: float = 0.0
 
     def __len__(self) -> int:
         """Return the number of points."""
         return len(self.points())
 
-    @lru_cache  # noqa: B019 - there are four grids
+    @lru_cache  # noqa: B019 - there are few grids
     def points(self) -> list[Point]:
         """Return all points, the last axis fastest; the mass ratio is 0.1 where no axis says it."""
         found = []
@@ -66,7 +67,8 @@ class Grid:
         first = self.points()[0]
         absorber: dict[str, Any] = first._asdict()
         frequency = absorber.pop("frequency")
-        pendulum: dict[str, Any] = {"frequency_ratio": self.frequency_ratio, "length": self.length}
+        names = ("frequency_ratio", "length", "spring_ratio")
+        pendulum: dict[str, Any] = {name: getattr(self, name) for name in names}
         force = iva.Harmonic(amplitude=self.amplitude, frequency=frequency)
         return {
             "primary": iva.Primary(damping_ratio=self.damping_ratio),
@@ -77,7 +79,7 @@ class Grid:
             "tables": ("summary",),
         }
 
-    @lru_cache  # noqa: B019 - there are four grids
+    @lru_cache  # noqa: B019 - there are few grids
     def chatters(self) -> np.ndarray:
         """Return which points have a chatter that ends in stick: others cannot run these."""
         result = iva.sweep(**self.scene(), over=self.over)
@@ -114,6 +116,7 @@ def driven(
 GRIDS = {
     "siva": decays((0.4, 1.3)),
     "piva": decays((0.6, 1.95), frequency_ratio=0.4, length=10.0),
+    "piva spring": decays((0.6, 1.95), frequency_ratio=0.3, length=3.0, spring_ratio=0.4),
     "siva driven": driven((0.5, 1.4), 0.1),
     "piva driven": driven((0.6, 1.95), 0.03, 4, 5, frequency_ratio=0.4, length=10.0),
 }

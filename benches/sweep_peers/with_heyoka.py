@@ -52,8 +52,12 @@ def system(grid: Grid) -> tuple[list[Any], Any]:
     mu, length = hy.par[0], grid.length
     gravity = grid.frequency_ratio**2 * length
     s, c = hy.sin(q), hy.cos(q)
-    a = (push + mu * s * (length * rate * rate + gravity * c)) / (1 + mu * s * s)
-    b = -(a * c + gravity * s) / length
+    pull = push + mu * s * (length * rate * rate + gravity * c)
+    spring = grid.spring_ratio**2 * q if grid.spring_ratio else 0.0
+    if grid.spring_ratio:
+        pull = pull + mu * length * c * spring
+    a = pull / (1 + mu * s * s)
+    b = -(a * c + gravity * s) / length - spring
     return [(x, v), (v, a), (q, rate), (rate, b), idle], length * s
 
 

@@ -20,6 +20,7 @@ class Pendulum:
     inertia_ratio: float
     frequency: float
     damping_ratio: float
+    spring_frequency: float
     small: bool
 
     @property

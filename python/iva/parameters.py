@@ -337,6 +337,9 @@ class Piva(Part):
         b > 0 from the pivot to the point of contact; the length by default.
     pivot_damping_ratio : float, optional
         Damping ratio ≥ 0 of the hanging pendulum; 0 by default.
+    spring_ratio : float, optional
+        σ = ωs/ωn ≥ 0 of a torsional spring in the pivot, of moment −k θ: ωs² = k/I is the frequency
+        of the pendulum on that spring alone. 0, no spring, by default. Its stops must be in reach.
     angles : {"large", "small"}, default "large"
         Exact, or linearised (sin θ = θ, cos θ = 1).
     impact_law : {"consistent", "printed"}, default "consistent"
@@ -376,6 +379,7 @@ class Piva(Part):
     inertia_ratio: float | None = None
     contact_distance: float | None = None
     pivot_damping_ratio: float | None = None
+    spring_ratio: float | None = None
     angles: Literal["large", "small"] = "large"
     impact_law: Literal["consistent", "printed"] = "consistent"
 

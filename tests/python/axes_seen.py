@@ -56,6 +56,16 @@ DECAYS: dict[str, Callable[[], iva.Run]] = {
             pivot_damping_ratio=0.1,
         )
     ),
+    "spring": lambda: decaying(
+        iva.Piva(
+            mass_ratio=0.1,
+            restitution=0.5,
+            clearance=1.2,
+            frequency_ratio=0.4,
+            length=2.0,
+            spring_ratio=0.5,
+        )
+    ),
     "over the top": lambda: decaying(
         iva.Piva(mass_ratio=0.1, restitution=0.5, clearance=3.0, frequency_ratio=0.4, length=2.0),
         start=iva.Start(displacement=1.0, angular_velocity=1.0),

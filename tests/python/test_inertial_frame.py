@@ -64,6 +64,7 @@ class Model:
     contact: float = 0.0
     gravity: float = 0.0
     pivot: float = 0.0  # 2 ζp ωp
+    spring: float = 0.0  # ωs²
     small: bool = False
 
     def sine(self, angle: Any) -> Any:
@@ -85,7 +86,7 @@ class Model:
         if not self.small:
             spring += self.mu * self.length * z[3] ** 2 * math.sin(z[1])
         moment = self.gravity * self.length * self.sine(z[1])
-        moment += self.kappa * self.length**2 * self.pivot * z[3]
+        moment += self.kappa * self.length**2 * (self.pivot * z[3] + self.spring * z[1])
         return np.array([spring, -self.mu * moment])
 
     def gap(self, z: Array) -> Any:
@@ -111,7 +112,9 @@ class Model:
     def energy(self, z: Array) -> float:
         rise = 0.5 * z[1] ** 2 if self.small else 1.0 - math.cos(z[1])
         spring = 0.5 * self.omega**2 * (z[0] - z[4]) ** 2
-        return self.kinetic(z) + float(spring + self.mu * self.gravity * self.length * rise)
+        bob = self.gravity * self.length * rise
+        bob += 0.5 * self.kappa * self.spring * (self.length * z[1]) ** 2
+        return self.kinetic(z) + float(spring + self.mu * bob)
 
 
 def model(scene: Scene) -> Model:
@@ -130,8 +133,9 @@ def model(scene: Scene) -> Model:
     gravity = kappa * length * (ratio * omega) ** 2 if ratio else 9.80665
     pivot = 2.0 * (absorber.pivot_damping_ratio or 0.0) * math.sqrt(gravity / (kappa * length))
     contact, small = absorber.contact_distance or length, absorber.angles == "small"
+    hung = replace(free, length=length, kappa=kappa, contact=contact, gravity=gravity)
     return replace(
-        free, length=length, kappa=kappa, contact=contact, gravity=gravity, pivot=pivot, small=small
+        hung, pivot=pivot, small=small, spring=((absorber.spring_ratio or 0.0) * omega) ** 2
     )
 
 
@@ -321,6 +325,7 @@ COMPOUND = replace(
     PIVA, clearance=0.9, inertia_ratio=1.3, contact_distance=2.6, pivot_damping_ratio=0.04
 )
 SMALL = replace(COMPOUND, angles="small")
+SPRUNG = replace(COMPOUND, clearance=1.6, spring_ratio=0.6)
 SHAKE = iva.Harmonic(base_acceleration=0.3, relative_frequency=0.9, phase=0.7)
 # Uneven steps, a jump at either end, one piece longer than a period and a knot 0.01 from the next.
 TIMES = [0.3, 1.1, 1.7, 2.9, 3.4, 4.6, 5.0, 5.9, 7.2, 7.21, 8.8, 9.5, 10.4, 11.6, 12.0, 13.3]
@@ -356,6 +361,10 @@ SCENES = {
     "piva, harmonic base": Scene(PIVA, [SHAKE]),
     "compound, harmonic base": Scene(COMPOUND, [SHAKE]),
     "small angles, harmonic base": Scene(SMALL, [SHAKE]),
+    "spring, harmonic base": Scene(SPRUNG, [SHAKE]),
+    "spring, small angles, impulses": Scene(replace(SMALL, spring_ratio=0.6), [*HITS]),
+    "spring, sum": Scene(SPRUNG, ALL),
+    "spring, plastic": Scene(replace(SPRUNG, clearance=0.6, restitution=0.0), [SHAKE], stays=6),
     "siva, recorded base": Scene(SIVA, [QUAKE]),
     "piva, recorded base": Scene(PIVA, [QUAKE]),
     "small angles, recorded base": Scene(SMALL, [QUAKE]),

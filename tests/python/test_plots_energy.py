@@ -63,12 +63,18 @@ FORCED: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("force", FORCED)
-@pytest.mark.parametrize("kind", ["mass", "pendulum"])
+@pytest.mark.parametrize("kind", ["mass", "pendulum", "spring"])
 def test_energy_under_force_is_what_was_put_in(force: str, kind: str) -> None:
     absorber = (
         iva.Siva(mass=0.3, restitution=0.6, gap_mm=4.0)
         if kind == "mass"
-        else iva.Piva(mass=0.3, length=0.1, restitution=0.6, gap_mm=4.0)
+        else iva.Piva(
+            mass=0.3,
+            length=0.1,
+            restitution=0.6,
+            gap_mm=4.0,
+            spring_ratio=0.7 if kind == "spring" else None,
+        )
     )
     run = iva.simulate(
         absorber,

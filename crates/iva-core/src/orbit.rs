@@ -263,7 +263,7 @@ impl Iterated for Siva<DrivenHost> {
 /// The key of pendulums that can go side by side; `None` if derivatives are wanted, which lanes do not compute.
 fn swinging<H: Host<Real = f64>>(piva: &Piva<H>, request: &Request<'_>) -> Option<[u64; 2]> {
     let Piva { pendulum, accuracy, .. } = piva;
-    let key = [accuracy.tolerance.to_bits(), u64::from(pendulum.small_angles)];
+    let key = [accuracy.tolerance.to_bits(), pendulum.equations() as u64];
     (!request.tangents).then_some(key)
 }
 

@@ -99,6 +99,7 @@ pub fn design<'py>(py: Python<'py>, spec: &Bound<'py, PyDict>) -> PyResult<Bound
         own.set_item("inertia_ratio", pendulum.inertia_ratio)?;
         own.set_item("frequency", pendulum.frequency_ratio * scale.natural_frequency)?;
         own.set_item("damping_ratio", pendulum.pivot_damping_ratio)?;
+        own.set_item("spring_frequency", pendulum.spring_ratio * scale.natural_frequency)?;
         own.set_item("small", spec.choices().angles == Angles::Small)?;
         PyResult::Ok(own)
     });

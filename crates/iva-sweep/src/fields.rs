@@ -248,6 +248,7 @@ fields! {
     InertiaRatio: Absorber "inertia_ratio" Ratio InertiaRatio "inertia" "moment of inertia about the pivot over m L²" Piva;
     ContactDistance: Absorber "contact_distance" Length Positive "contact" "from the pivot to the point that meets the stops (default: the length)" Piva;
     PivotDampingRatio: Absorber "pivot_damping_ratio" Ratio DampingRatio "pivot" "damping ratio of the hanging pendulum" Piva;
+    SpringRatio: Absorber "spring_ratio" Ratio NonNegative "spring" "frequency of the pendulum on a torsional spring in its pivot alone, over that of the bare primary system (default 0: no spring)" Piva;
     Amplitude: Force "amplitude" Acceleration Size "amplitude" "amplitude of the force over the primary mass, f/M";
     ForceAmplitude: Force "force" Force Size "amplitude" "amplitude of the force on the primary; needs a mass";
     BaseAcceleration: Force "base_acceleration" Acceleration Size "amplitude" "amplitude of the acceleration of the base, instead of a force";

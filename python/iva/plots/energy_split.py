@@ -176,7 +176,9 @@ def cumulative(parts: Numbers) -> Numbers:
 
 def finely(run: Run, design: Design) -> Motion:
     """Return the motion with enough samples, and both states of every impact and impulse."""
-    ratio = 0.0 if design.pendulum is None else design.pendulum.frequency / design.natural_frequency
+    pendulum = design.pendulum
+    swing = 0.0 if pendulum is None else np.hypot(pendulum.frequency, pendulum.spring_frequency)
+    ratio = swing / design.natural_frequency
     fastest = max(1.0, 2.0 * design.damping_ratio, ratio)
     rows = run.trajectory(int(min(SAMPLES * fastest, MOST_SAMPLES)))
     kicks = [force.time or 0.0 for force in listed(run.force) if isinstance(force, Impulse)]
@@ -213,14 +215,17 @@ def energies(design: Design, motion: Motion) -> tuple[Numbers, Numbers]:
     swing = arc_velocity(design, motion)
     across = pendulum.lever * motion["gap_velocity"]
     kinetic = velocity**2 + 2.0 * velocity * across + pendulum.inertia_ratio * swing**2
-    # g L (1 − cos θ), with g = κ L ωp²; of small angles g L θ²/2.
+    # g L (1 − cos θ), with g = κ L ωp²; of small angles g L θ²/2. Of a spring κ (ωs L θ)²/2.
     if pendulum.small:
-        height = 0.5 * (pendulum.lever * motion["gap_displacement"]) ** 2
+        arc = pendulum.lever * motion["gap_displacement"]
+        height = 0.5 * arc**2
     else:
         assert pendulum.length is not None
+        arc = pendulum.length * motion["angle"]
         height = 2.0 * (pendulum.length * np.sin(0.5 * motion["angle"])) ** 2
     gravity = pendulum.inertia_ratio * pendulum.frequency**2 * height
-    return structure, mass * (0.5 * kinetic + gravity)
+    spring = 0.5 * pendulum.inertia_ratio * (pendulum.spring_frequency * arc) ** 2
+    return structure, mass * (0.5 * kinetic + gravity + spring)
 
 
 def arc_velocity(design: Design, motion: Motion) -> Numbers:

@@ -59,6 +59,7 @@ NAMES = {
     "inertia_ratio": ("inertia ratio", "κ"),
     "contact_distance": ("contact distance", "b"),
     "pivot_damping_ratio": ("pivot damping ratio", "ζₚ"),
+    "spring_ratio": ("spring ratio", "σ = ωₛ/ωₙ"),
     "absorber.mass": ("absorber mass", "m"),
     "primary.mass": ("primary mass", "M"),
     "damping_ratio": ("damping ratio", "ζ"),

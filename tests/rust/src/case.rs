@@ -72,7 +72,7 @@ prop_compose! {
 }
 
 prop_compose! {
-    /// Pendulums, point bob and compound, with a clearance of 1.
+    /// Pendulums, point bob and compound, with a clearance of 1, some of them with a spring in the pivot.
     pub fn compound()(
         mu in 0.01..0.4,
         e in 0.0..0.95,
@@ -81,11 +81,13 @@ prop_compose! {
         length in 1.5..20.0,
         kappa in prop_oneof![Just(1.0), 1.0..1.5],
         contact in prop_oneof![Just(1.0), 0.8..1.5],
+        spring in prop_oneof![2 => Just(0.0), 1 => 0.1..1.2],
     ) -> Parameters {
         Parameters {
             frequency_ratio: r,
             inertia_ratio: kappa,
             contact_distance: contact * length,
+            spring_ratio: spring,
             ..Parameters::point_bob(mu, e, 1.0, zeta, length)
         }
     }

@@ -57,6 +57,7 @@ impl Segment {
         let (mu, zeta) = (Dd::from(p.mass_ratio), Dd::from(p.damping_ratio));
         let (length, kappa) = (Dd::from(p.length), Dd::from(p.inertia_ratio));
         let gravity = kappa * length * p.frequency_ratio * p.frequency_ratio;
+        let stiffness = Dd::from(p.spring_ratio) * p.spring_ratio;
         let pivot = Dd::from(2.0) * p.pivot_damping_ratio * p.frequency_ratio;
         let (mut s, mut c, mut ss) = (z, z, z);
         let mut m =
@@ -68,13 +69,14 @@ impl Segment {
         for k in 0..TERMS - 1 {
             let n = (k + 1) as f64;
             ss[k] = product(&m.rate, &m.rate, k);
-            // (1+μ) a + μL (α c − θ̇² s) = −x − 2ζu,   κL (α + ν θ̇) + a c + g s = 0
+            // (1+μ) a + μL (α c − θ̇² s) = −x − 2ζu,   κL (α + σ² θ + ν θ̇) + a c + g s = 0
             let rest = |f: &[Dd; TERMS], g: &[Dd; TERMS]| {
                 (1..=k).fold(Dd::ZERO, |sum, i| sum + f[i] * g[k - i])
             };
             let first = -(m.x[k] + zeta * 2.0 * m.u[k])
                 - mu * length * (rest(&c, &alpha) - product(&ss, &s, k));
-            let second = -(rest(&c, &a) + gravity * s[k] + kappa * length * pivot * m.rate[k]);
+            let turning = stiffness * m.angle[k] + pivot * m.rate[k];
+            let second = -(rest(&c, &a) + gravity * s[k] + kappa * length * turning);
             // [1+μ, μL c₀; c₀, κL] [a; α] = [first; second]
             let determinant = (Dd::ONE + mu) * kappa * length - mu * length * c[0] * c[0];
             a[k] = (first * kappa * length - mu * length * c[0] * second) / determinant;

@@ -2,7 +2,7 @@
 //! 15–17 with their misprints corrected; large angles, point bob or compound pendulum).
 //!
 //! The gap displacement is y = b sinθ, where b is the distance from the pivot to the point of contact, with
-//! walls at ±d. A flight is a Taylor series ([`crate::segment::taylor`]). Stuck on a wall the pendulum moves as one
+//! walls at ±d. A torsional spring may hold it in its pivot ([`Spring`]). A flight is a Taylor series ([`crate::segment::taylor`]). Stuck on a wall the pendulum moves as one
 //! mass with the primary ([`crate::absorber::ride`]), until gravity or the primary pulls it off.
 
 use crate::absorber::impact::{Impact, delay};
@@ -17,7 +17,7 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
 use crate::segment::flight::Jet;
-use crate::segment::taylor::{Pendulum, Series};
+use crate::segment::taylor::{Pendulum, Series, Spring};
 
 pub(crate) use contact::distance;
 pub use motion::PivaFlight;
@@ -61,6 +61,8 @@ pub struct Piva<H: Host = UndrivenHost> {
     pub(crate) parameters: Parameters<H::Real>,
     pub(crate) pendulum: Pendulum<H::Real>,
     pub(crate) stops: Stops<H::Real>,
+    /// r² d + σ² b θ at a wall: how strongly gravity and the spring pull the pendulum off it.
+    pull: DoubleDouble<H::Real>,
     /// The impact laws at wall + and at wall −.
     laws: [Law<H::Real>; 2],
     pub(crate) accuracy: Accuracy<H::Real>,
@@ -83,10 +85,16 @@ impl<R: Real> Piva<UndrivenHost<R>> {
             inertia_ratio,
             contact_distance,
             pivot_damping_ratio,
+            spring_ratio,
             angles,
             ..
         } = parameters;
         let lever = length / contact_distance;
+        let small_angles = angles == Angles::Small;
+        let spring = Spring::new(spring_ratio, small_angles);
+        // At small angles spring and gravity are one.
+        let held = if small_angles { spring.stiffness } else { R::ZERO };
+        let frequency_squared = frequency_ratio * frequency_ratio + held;
         let pendulum = Pendulum {
             mass_ratio,
             damping_ratio,
@@ -94,19 +102,25 @@ impl<R: Real> Piva<UndrivenHost<R>> {
             inertia_ratio,
             lever,
             coupling: R::ONE / (inertia_ratio * lever),
-            frequency_squared: frequency_ratio * frequency_ratio,
+            frequency_squared,
             pivot_damping: pivot_damping_ratio * 2.0 * frequency_ratio,
-            small_angles: angles == Angles::Small,
+            spring,
+            small_angles,
         };
-        let wall_cosine = pendulum.precise_cosine(DoubleDouble::new(clearance));
+        let wall = DoubleDouble::new(clearance);
+        let wall_cosine = pendulum.precise_cosine(wall);
+        let pull = DoubleDouble::new(frequency_squared).times(clearance);
+        let pull = pull + pendulum.arc(wall, wall_cosine).times(spring.acting());
         let law = Law::new(&parameters, parameters.restitution, &pendulum, wall_cosine);
         Ok(Self {
             parameters,
             pendulum,
             stops: Stops { cosine: wall_cosine, steep: parameters.has_steep_walls() },
+            pull,
             laws: [law; 2],
-            // At small angles full accuracy costs little, so it does not depend on the tolerance.
-            accuracy: Accuracy::of(if pendulum.small_angles {
+            // At small angles full accuracy costs little, so it does not depend on the tolerance; nor does that of
+            // pendulums with a spring, whose lanes have one order.
+            accuracy: Accuracy::of(if small_angles || spring.acts {
                 R::ZERO
             } else {
                 parameters.tolerance
@@ -117,10 +131,10 @@ impl<R: Real> Piva<UndrivenHost<R>> {
 
     /// The same absorber on the same structure under a force.
     pub fn under(&self, force: Force<R>) -> Piva<DrivenHost<R>> {
-        let Self { parameters, pendulum, stops, laws, accuracy, .. } = *self;
+        let Self { parameters, pendulum, stops, pull, laws, accuracy, .. } = *self;
         let Parameters { damping_ratio, mass_ratio, .. } = parameters;
         let host = DrivenHost::new(damping_ratio, mass_ratio, force, R::ZERO);
-        Piva { parameters, pendulum, stops, laws, accuracy, host }
+        Piva { parameters, pendulum, stops, pull, laws, accuracy, host }
     }
 }
 
@@ -171,8 +185,14 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
 
     /// Acceleration of gravity g = κ L r², in ωn² × length.
     pub fn gravity(&self) -> R {
-        let Parameters { inertia_ratio, length, .. } = self.parameters;
-        inertia_ratio * length * self.pendulum.frequency_squared
+        let Parameters { inertia_ratio, length, frequency_ratio, .. } = self.parameters;
+        inertia_ratio * length * (frequency_ratio * frequency_ratio)
+    }
+
+    /// θ in a state.
+    fn angle_of(&self, state: &PivaState<Phase<H>, R>) -> R {
+        let sine = state.y().value / self.pendulum.contact_distance;
+        if self.pendulum.small_angles { sine } else { R::atan2(sine, state.cosine.value) }
     }
 
     /// The first Taylor coefficients of the flight from a state, in powers of t.
@@ -182,16 +202,14 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
         state: &PivaState<Phase<H>, R>,
     ) -> Series<R, LENGTH> {
         let drive = self.host.drive_ahead(&state.phase);
-        let series = self.pendulum.beginning(&state.swing(), drive.as_ref());
+        let series = self.pendulum.beginning(&state.swing(&self.pendulum), drive.as_ref());
         at_rest_on_release(state, series)
     }
 
-    /// A at the release from a wall: Ẇ = 0 there, so β c A + r² y = 0.
+    /// A at the release from a wall: Ẇ = 0 there, so β c A + r² y + σ² φ = 0.
     fn release_acceleration(&self, wall: Wall) -> DoubleDouble<R> {
-        let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
-        let pull =
-            DoubleDouble::new(frequency_squared * -wall.sign()).times(self.parameters.clearance);
-        pull.over_sum(self.stops.cosine.times(coupling))
+        let pull = self.pull.times(-wall.sign());
+        pull.over_sum(self.stops.cosine.times(self.pendulum.coupling))
     }
 }
 
@@ -343,7 +361,14 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
         // 1 − cosθ without cancellation (θ²/2 at small angles).
         let rise = if c > 0.0 { sine * sine / (R::ONE + c) } else { R::ONE - c };
         let kinetic = v * v + v * 2.0 * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
-        (x * x + v * v) * 0.5 + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise)
+        let moving = (x * x + v * v) * 0.5;
+        let whole = moving + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise);
+        let Spring { stiffness, .. } = self.pendulum.spring;
+        if stiffness == 0.0 {
+            return whole;
+        }
+        let turned = self.angle_of(state) * length;
+        whole + mass_ratio * inertia_ratio * 0.5 * (stiffness * (turned * turned))
     }
 
     fn walls_reachable(&self) -> bool {
@@ -371,10 +396,8 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
     }
 
     fn angle(&self, state: &Self::State) -> Option<Angle<R>> {
-        let sine = state.y().value / self.pendulum.contact_distance;
-        let small = self.pendulum.small_angles;
-        let value = if small { sine } else { R::atan2(sine, state.cosine.value) };
-        Some(Angle { value, rate: state.w.value / self.pendulum.contact_distance })
+        let rate = state.w.value / self.pendulum.contact_distance;
+        Some(Angle { value: self.angle_of(state), rate })
     }
 
     fn impact_angles(&self, impact: &Impact<R>) -> Option<[Angle<R>; 2]> {
@@ -397,10 +420,9 @@ impl<R: Real, H: Host<Real = R>> Stuck for Piva<H> {
         PivaState { phase, primary, ..*state }
     }
 
-    /// −s β cosθ A − r² d: gravity pulls the pendulum off the wall.
+    /// −s β cosθ A − r² d − σ² b |θ|: gravity and the spring pull the pendulum off the wall.
     fn pressure(&self, wall: Wall) -> [R; 2] {
-        let Pendulum { coupling, frequency_squared, .. } = self.pendulum;
-        let factor = coupling * self.stops.cosine.value * -wall.sign();
-        [factor, -(frequency_squared * self.parameters.clearance)]
+        let factor = self.pendulum.coupling * self.stops.cosine.value * -wall.sign();
+        [factor, -self.pull.value]
     }
 }

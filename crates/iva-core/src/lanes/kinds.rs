@@ -37,16 +37,20 @@ macro_rules! run_jobs {
 macro_rules! with_steps {
     ($piva:expr, $host:ty, $lanes:ident => $body:expr) => {{
         use $crate::lanes::piva::Steps;
-        use $crate::segment::taylor::{ORDER, with_order};
+        use $crate::segment::taylor::{Equations, ORDER, with_order};
         let piva: &$crate::absorber::piva::Piva<$host> = $piva;
-        // At small angles the order is always the highest.
-        match (piva.accuracy.order, piva.pendulum.small_angles) {
-            (order, false) => with_order!(order, N => {
-                type $lanes = Steps<$host, N, false>;
+        match piva.pendulum.equations() {
+            Equations::Large => with_order!(piva.accuracy.order, N => {
+                type $lanes = Steps<$host, N, false, false>;
                 $body
             }),
-            (_, true) => {
-                type $lanes = Steps<$host, ORDER, true>;
+            // The order of the others is always the highest.
+            Equations::Small => {
+                type $lanes = Steps<$host, ORDER, true, false>;
+                $body
+            }
+            Equations::Sprung => {
+                type $lanes = Steps<$host, ORDER, false, true>;
                 $body
             }
         }
@@ -157,8 +161,8 @@ impl SideBySide for Siva<DrivenHost> {
 fn swinging<H: Swinging>(piva: &Piva<H>, steady: SteadyWanted) -> [f64; 2] {
     let Piva { pendulum, accuracy, .. } = piva;
     let damped = if pendulum.pivot_damping == 0.0 { 0.0 } else { 1.0 };
-    let small = if pendulum.small_angles { 1000.0 } else { 0.0 };
-    [accuracy.tolerance, small + damped + 2.0 * f64::from(steady.bits())]
+    let equations = 1000.0 * f64::from(pendulum.equations() as u8);
+    [accuracy.tolerance, equations + damped + 2.0 * f64::from(steady.bits())]
 }
 
 impl SideBySide for Piva {

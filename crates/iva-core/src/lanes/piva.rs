@@ -39,7 +39,7 @@ use scene::{Scene, Scenes};
 
 /// Lanes side by side whose series have the order N.
 #[derive(Debug)]
-pub(crate) struct Steps<H: Swinging, const N: usize, const SMALL: bool> {
+pub(crate) struct Steps<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> {
     scenes: Scenes<LANES>,
     lanes: Lanes<H::Instant, LANES>,
     rounds: Rounds<H::Instant, LANES>,
@@ -106,7 +106,9 @@ impl Shared {
 /// Number of impacts after which observers are told of them, so that a long run needs no more memory.
 const MOST_STRUCK: usize = 256;
 
-impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
+impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
+    Steps<H, N, SMALL, SPRUNG>
+{
     /// Idle lanes for pendulums like this one.
     fn with(piva: &Piva<H>, shared: Shared) -> Self {
         let scene = Scene::of(piva);
@@ -130,7 +132,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
     #[inline(always)]
     fn round(&mut self) -> bool {
         let Self { scenes, lanes, rounds, rows, shared, .. } = self;
-        Stages::<H, LANES, N, SMALL> { scenes, lanes, rounds, rows, shared }.run();
+        Stages::<H, LANES, N, SMALL, SPRUNG> { scenes, lanes, rounds, rows, shared }.run();
         let full = self.log();
         let Self { lanes, rounds, shared, begins, .. } = self;
         let mut shown = false;
@@ -210,7 +212,8 @@ impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
     }
 }
 
-impl<H: Swinging, const N: usize, const SMALL: bool> Lockstep<Piva<H>> for Steps<H, N, SMALL>
+impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Lockstep<Piva<H>>
+    for Steps<H, N, SMALL, SPRUNG>
 where
     Piva<H>: SideBySide,
 {
@@ -280,7 +283,9 @@ where
     }
 }
 
-impl<H: Swinging, const N: usize, const SMALL: bool> Cycling<Piva<H>> for Steps<H, N, SMALL> {
+impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool> Cycling<Piva<H>>
+    for Steps<H, N, SMALL, SPRUNG>
+{
     const WIDTH: usize = LANES;
 
     fn cycling(leader: &Piva<H>) -> Self {

@@ -2,6 +2,7 @@
 
 use super::compensated::DoubleDouble;
 use super::real::Real;
+use super::trigonometry::{close_angle, plain_angle};
 
 /// Runs code for each number below an end that the compiler knows, without a loop.
 macro_rules! unrolled {
@@ -53,6 +54,8 @@ pub trait Number:
     fn fused(self, factor: Self, addend: Self) -> Self {
         self * factor + addend
     }
+    /// The angle within [−π/2, π/2] that has this sine and cosine.
+    fn angle(sine: Self, cosine: Self) -> Self;
 }
 
 impl<R: Real> Number for R {
@@ -70,6 +73,10 @@ impl<R: Real> Number for R {
     fn fused(self, factor: Self, addend: Self) -> Self {
         self.mul_add(factor, addend)
     }
+    #[inline(always)]
+    fn angle(sine: Self, cosine: Self) -> Self {
+        plain_angle(sine, cosine)
+    }
 }
 
 impl<R: Real> Number for DoubleDouble<R> {
@@ -85,5 +92,9 @@ impl<R: Real> Number for DoubleDouble<R> {
     #[inline(always)]
     fn over(h: R) -> Self {
         DoubleDouble::new(R::ONE).over(h)
+    }
+    #[inline(always)]
+    fn angle(sine: Self, cosine: Self) -> Self {
+        close_angle(sine, cosine)
     }
 }

@@ -58,6 +58,50 @@ pub fn plain_sine_cosine<R: Real>(angle: DoubleDouble<R>) -> (R, R) {
     (if down { -s } else { s }, if left { -c } else { c })
 }
 
+/// The angle within [−π/2, π/2] that has this sine and cosine, with an error of about a unit in the last place, without
+/// branches.
+#[inline(always)]
+pub fn plain_angle<R: Real>(sine: R, cosine: R) -> R {
+    close_angle(DoubleDouble::new(sine), DoubleDouble::new(cosine)).value
+}
+
+/// The angle within [−π/2, π/2] that has this sine and cosine, with an error of at most 2⁻⁵⁷ of the angle: by one step of
+/// Newton's method.
+#[inline(always)]
+pub fn close_angle<R: Real>(sine: DoubleDouble<R>, cosine: DoubleDouble<R>) -> DoubleDouble<R> {
+    let near = DoubleDouble::new(rough_angle(sine.value, cosine.value));
+    let (s, c) = R::precise_sincos(near);
+    // The sine of what is left.
+    near + (sine * c - cosine * s)
+}
+
+/// The same with an error of some units in the last place: by the series of the arctangent of the tangent of its eighth.
+#[inline(always)]
+fn rough_angle<R: Real>(sine: R, cosine: R) -> R {
+    /// The coefficients −1/3, 1/5, … of the arctangent.
+    const TERMS: [f64; 11] = odd_reciprocals();
+    if R::EPSILON < 1e-17 {
+        return R::atan2(sine, cosine);
+    }
+    let halved = |tangent: R| tangent / (R::ONE + tangent.mul_add(tangent, R::ONE).sqrt());
+    let eighth = halved(halved(sine / (R::ONE + cosine)));
+    let z = eighth * eighth;
+    let series = TERMS.iter().rev().fold(R::ZERO, |sum, term| sum.mul_add(z, R::from(*term)));
+    eighth.mul_add(z * series, eighth) * 8.0
+}
+
+/// The numbers −1/3, 1/5, −1/7, ….
+const fn odd_reciprocals<const K: usize>() -> [f64; K] {
+    let mut terms = [0.0; K];
+    let mut k = 0;
+    while k < K {
+        let term = 1.0 / (2 * k + 3) as f64;
+        terms[k] = if k % 2 == 0 { -term } else { term };
+        k += 1;
+    }
+    terms
+}
+
 pub(crate) const fn negated<const K: usize>(mut terms: [f64; K]) -> [f64; K] {
     let mut k = 0;
     while k < K {
@@ -115,6 +159,25 @@ pub fn sine_cosine<R: Real, T: Number<Real = R>>(angle: T) -> (T, T) {
 mod tests {
     use super::*;
     use crate::number::compensated::DoubleDouble;
+
+    /// The angle that a sine and a cosine were computed from.
+    #[test]
+    fn an_angle_is_found_from_its_sine_and_cosine() {
+        let quarter = DoubleDouble::new(std::f64::consts::FRAC_PI_2);
+        let mut worst = [0.0f64; 2];
+        for k in -3000..=3000 {
+            let share = f64::from(k) / 3000.0;
+            // Small ones too.
+            for angle in [quarter.times(share), quarter.times(share.powi(15))] {
+                let (s, c) = sine_cosine(angle);
+                let (plain, close) = (plain_angle(s.value, c.value), close_angle(s, c));
+                let size = angle.value.abs().max(f64::MIN_POSITIVE);
+                worst[0] = worst[0].max(angle.minus(plain).abs() / size);
+                worst[1] = worst[1].max((close - angle).value.abs() / size);
+            }
+        }
+        assert!(worst[0] <= 3e-16 && worst[1] <= 7e-18, "{worst:?}");
+    }
 
     #[test]
     fn plain_sine_and_cosine_are_off_by_a_unit_in_the_last_place_at_most() {

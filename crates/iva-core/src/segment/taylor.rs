@@ -9,7 +9,7 @@
 //! ```
 //!
 //! with β = b/(κL), λ = L/b, r² = g/(κL), ν = 2ζp r (physics: Lagrange's equations of the paper's
-//! Eqs. 4 and 5, with their misprints mended, for a compound bob). The last equation is momentum: with
+//! Eqs. 4 and 5, with their misprints mended, for a compound bob). A [`Spring`] in the pivot adds a term to Ẇ. The last equation is momentum: with
 //! ÿ = (c W)˙ it is linear in the newest coefficient of a, so that each order costs three
 //! convolutions and no division (`segment/taylor/recurrence.rs`).
 //!
@@ -25,6 +25,7 @@ pub use crate::number::series::{Number, ORDER, Row};
 
 use recurrence::Recurrence;
 pub use remainder::Remainder;
+pub use spring::Spring;
 
 /// Runs code with an order of [`crate::absorber::piva`] as a constant.
 macro_rules! with_order {
@@ -53,6 +54,7 @@ pub(crate) use with_order;
 
 mod recurrence;
 mod remainder;
+mod spring;
 
 /// The orders in use.
 pub(crate) const ORDERS: [usize; 4] = [10, 16, 18, ORDER];
@@ -76,8 +78,21 @@ pub struct Pendulum<R = f64> {
     pub frequency_squared: R,
     /// ν = 2ζp r.
     pub pivot_damping: R,
+    /// The spring in the pivot.
+    pub spring: Spring<R>,
     /// sinθ = θ and cosθ = 1: then c stays 1 and the equations are linear.
     pub small_angles: bool,
+}
+
+/// The forms that the equations take. Lanes compute one of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Equations {
+    /// With sinθ and cosθ.
+    Large,
+    /// Linear.
+    Small,
+    /// With sinθ, cosθ and the θ of a spring.
+    Sprung,
 }
 
 laned!(
@@ -91,11 +106,12 @@ laned!(
         coupling: f64,
         frequency_squared: f64,
         pivot_damping: f64,
+        spring: Spring,
         small_angles: bool,
     }
 );
 
-/// A state between events: x, u, y, W and c.
+/// A state between events: x, u, y, W and c, and the arc φ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swing<T> {
     /// Displacement of the primary.
@@ -108,6 +124,8 @@ pub struct Swing<T> {
     pub w: T,
     /// cosθ.
     pub c: T,
+    /// φ = b θ, for the spring in the pivot ([`Pendulum::arc`]).
+    pub arc: T,
 }
 
 /// The series of a step of length h; entry k belongs to (t/h)ᵏ.
@@ -128,6 +146,15 @@ pub struct Series<T, const LENGTH: usize = { ORDER + 1 }> {
 }
 
 impl<R: Real> Pendulum<R> {
+    /// The form of the equations.
+    pub(crate) fn equations(&self) -> Equations {
+        match (self.small_angles, self.spring.acts) {
+            (true, _) => Equations::Small,
+            (false, true) => Equations::Sprung,
+            (false, false) => Equations::Large,
+        }
+    }
+
     /// The same equations in other numbers.
     pub fn map<Q>(&self, number: impl Fn(R) -> Q) -> Pendulum<Q> {
         Pendulum {
@@ -139,6 +166,7 @@ impl<R: Real> Pendulum<R> {
             coupling: number(self.coupling),
             frequency_squared: number(self.frequency_squared),
             pivot_damping: number(self.pivot_damping),
+            spring: self.spring.map(&number),
             small_angles: self.small_angles,
         }
     }
@@ -147,7 +175,8 @@ impl<R: Real> Pendulum<R> {
     pub fn fastest(&self) -> R {
         let zeta = self.damping_ratio;
         let primary = zeta + (R::ONE + zeta * zeta).sqrt();
-        let hanging = (self.frequency_squared * (R::ONE + self.mass_ratio)).sqrt();
+        let stiffness = self.frequency_squared + self.spring.acting();
+        let hanging = (stiffness * (R::ONE + self.mass_ratio)).sqrt();
         primary.max(hanging).max(self.pivot_damping)
     }
 
@@ -155,6 +184,13 @@ impl<R: Real> Pendulum<R> {
     #[inline(always)]
     pub fn swing(&self, w: R) -> R {
         if self.small_angles { R::ZERO } else { w.abs() / self.contact_distance }
+    }
+
+    /// The arc φ = b θ at a gap displacement and cosθ, for the spring; 0 where that has no term of its own.
+    #[inline(always)]
+    pub fn arc<T: Number<Real = R>>(&self, y: T, cosine: T) -> T {
+        let b = self.contact_distance;
+        self.spring.arc(b, y / T::from_real(b), cosine)
     }
 
     /// cosθ at a gap displacement, of a pendulum that hangs below its pivot.

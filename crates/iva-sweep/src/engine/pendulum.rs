@@ -55,6 +55,7 @@ pub(crate) fn parameters<R: Real>(
         inertia_ratio,
         contact_distance: given.get(FieldId::ContactDistance).unwrap_or(length),
         pivot_damping_ratio: given.get(FieldId::PivotDampingRatio).unwrap_or(R::ZERO),
+        spring_ratio: given.get(FieldId::SpringRatio).unwrap_or(R::ZERO),
         angles: match angles {
             Angles::Large => piva::Angles::Large,
             Angles::Small => piva::Angles::Small,

@@ -199,6 +199,9 @@ pub fn extreme(rng: &mut Rng) -> Scene {
         if rng.unit() < 0.25 {
             p.angles = Angles::Small;
         }
+        if rng.unit() < 0.25 && clearance < p.contact_distance {
+            p.spring_ratio = rng.log_range(1e-3, 3.0);
+        }
     }
     if rng.unit() < 0.15 {
         (scene.max_impacts, scene.max_work) = (100, 400);

@@ -18,7 +18,7 @@ use iva_tests::rng::Rng;
 
 use crate::side_by_side::{alone_wanting, together_wanting};
 
-/// Random pendulums: light and heavy, with hard and soft walls and damped and undamped pivots, under a force
+/// Random pendulums: light and heavy, with hard and soft walls, damped and undamped pivots and some with a spring, under a force
 /// or on a moving base, with or without a transient that is left out; a few under two forces, or with an
 /// impulse.
 fn driven(rng: &mut Rng, steady: SteadyWanted, tolerance: f64) -> Vec<Job<Piva<DrivenHost>>> {
@@ -28,6 +28,7 @@ fn driven(rng: &mut Rng, steady: SteadyWanted, tolerance: f64) -> Vec<Job<Piva<D
         let parameters = Parameters {
             frequency_ratio: rng.range(0.1, 1.5),
             pivot_damping_ratio: rng.pick(&[0.0, 0.03]),
+            spring_ratio: [0.0, 0.7, 0.0][i % 3],
             angles: if i % 5 == 4 { Angles::Small } else { Angles::Large },
             tolerance,
             ..Parameters::point_bob(

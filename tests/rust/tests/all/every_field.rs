@@ -97,7 +97,7 @@ pub(crate) fn usual(field: FieldId) -> f64 {
         F::ClearanceMm => 5.0,
         F::Gap => 0.01,
         F::GapMm => 10.0,
-        F::FrequencyRatio => 0.2,
+        F::FrequencyRatio | F::SpringRatio => 0.2,
         F::Length | F::ContactDistance => 0.4,
         F::Gravity => 9.0,
         F::Inclination => 0.3,

@@ -246,6 +246,7 @@ fn derivatives_of_pendulums_are_right() {
             (F::Length, clearance * rng.range(1.3, 20.0)),
             (F::InertiaRatio, rng.range(1.01, 1.3)),
             (F::PivotDampingRatio, rng.range(0.01, 0.1)),
+            (F::SpringRatio, rng.range(0.1, 1.0)),
             (F::Amplitude, rng.range(0.01, 0.3)),
             (F::ForceFrequency, rng.range(0.5, 1.5)),
             (F::Phase, rng.range(-1.0, 1.0)),
@@ -258,12 +259,13 @@ fn derivatives_of_pendulums_are_right() {
             check.gradient(&spec, field, value, &|changed| {
                 let mut all = fields.map(|(_, value)| Twofold::from(value));
                 all[number] = changed;
-                let [mass, e, d, zeta, x, ratio, length, kappa, pivot, amplitude, frequency, phase] =
-                    all;
+                let [mass, e, d, zeta, x, ratio, length, kappa, pivot, spring, ..] = all;
+                let [.., amplitude, frequency, phase] = all;
                 let parameters = Parameters {
                     frequency_ratio: ratio,
                     inertia_ratio: kappa,
                     pivot_damping_ratio: pivot,
+                    spring_ratio: spring,
                     ..Parameters::point_bob(mass, e, d, zeta, length)
                 };
                 let harmonic = Harmonic { amplitude, frequency, phase, acts: Acts::Primary };

@@ -121,7 +121,7 @@ fn random_trajectories(count: usize) -> Vec<Trajectory<Mass>> {
     (0..count).map(one).collect()
 }
 
-/// Pendulums at large angles and small, some without force, in full accuracy and with a tolerance.
+/// Pendulums at large angles and small, some without force, some with a spring, in full accuracy and with a tolerance.
 fn random_pendulums<H: Host<Real = f64>>(
     count: usize,
     under: impl Fn(Piva, Harmonic) -> Piva<H>,
@@ -135,7 +135,8 @@ fn random_pendulums<H: Host<Real = f64>>(
         let bob = Parameters::point_bob(uniform(0.02, 0.3), uniform(0.2, 0.9), d, 0.02, 2.0);
         let angles = if k.is_multiple_of(3) { Angles::Small } else { Angles::Large };
         let (frequency_ratio, tolerance) = (uniform(0.1, 1.0), [0.0, 1e-9][k % 2]);
-        let parameters = Parameters { frequency_ratio, angles, tolerance, ..bob };
+        let spring_ratio = [0.0, 0.0, 0.0, 0.4][k % 4];
+        let parameters = Parameters { frequency_ratio, angles, tolerance, spring_ratio, ..bob };
         let harmonic = Harmonic { amplitude: uniform(0.02, 0.3), frequency, phase, acts };
         let piva = under(Piva::new(parameters).unwrap(), harmonic);
         let start = Start {

@@ -25,18 +25,19 @@ impl<H: Host<Real = f64>> Piva<H> {
             let b = self.parameters.contact_distance;
             cosine.slopes[2] = -y / (b * b * from.cosine.value);
         }
+        let (pendulum, y) = (self.pendulum.map(Dual::constant), Dual::variable(y, 2));
         let start = Swing {
             x: Dual::variable(from.primary.x.value, 0),
             u: Dual::variable(from.primary.v.value, 1),
-            y: Dual::variable(y, 2),
+            y,
             w: Dual::variable(from.w.value, 3),
             c: cosine,
+            arc: pendulum.arc(y, cosine),
         };
         let drive = self.host.drive(&from.phase, h).map(|drive| Drive {
             primary: drive.primary.map(Dual::constant),
             base: drive.base.map(Dual::constant),
         });
-        let pendulum = self.pendulum.map(Dual::constant);
         let series: Series<Dual<4>> =
             pendulum.series_to::<_, _, N>(&start, drive.as_ref(), h.into());
         // At t = 1 a polynomial is the sum of its coefficients; small ones are added first.
@@ -66,7 +67,8 @@ impl<H: Host<Real = f64>> Differentiable for Piva<H> {
         let driven = self.host.drive_ahead::<3>(&state.phase).as_ref().map_or(0.0, Drive::size);
         let (y, w) = (state.y().value.abs(), state.w.value.abs());
         let (x, u) = (state.primary.x.value.abs(), state.primary.v.value.abs());
-        let swing = frequency_squared * y + pivot_damping * w;
+        let wound = self.pendulum.spring.acting() * self.pendulum.arc(y, cosine);
+        let swing = frequency_squared * y + wound + pivot_damping * w;
         let turning = if self.pendulum.small_angles { 0.0 } else { y * w * w / (b * b) };
         let on_primary = driven + x + 2.0 * damping_ratio * u;
         let primary = (on_primary + mass_ratio * lever * (turning + swing))

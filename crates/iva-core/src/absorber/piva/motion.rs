@@ -12,7 +12,7 @@ use crate::number::real::Real;
 use crate::segment::flight::{
     Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Side, Travel, Turns,
 };
-use crate::segment::taylor::{ORDER, Row, Series, Swing, horner, with_order};
+use crate::segment::taylor::{ORDER, Row, Series, horner, with_order};
 
 /// The pendulum free in its gap.
 #[derive(Debug, Clone)]
@@ -48,7 +48,7 @@ impl<'a, R: Real, H: Host<Real = R>> PivaFlight<'a, H> {
         let step = R::power_of_two(longest);
         let most = longest / step;
         let drive = piva.host.drive(&from.phase, step);
-        let series = piva.pendulum.series(&from.swing(), drive.as_ref(), step, order);
+        let series = piva.pendulum.series(&from.swing(&piva.pendulum), drive.as_ref(), step, order);
         let series = at_rest_on_release(&from, series);
         let size = drive.as_ref().map_or(R::ZERO, Drive::size);
         let Some(share) = piva.share_proved(&series, (step, most), &from, size) else {
@@ -121,8 +121,7 @@ impl<'a, R: Real, H: Host<Real = R>> PivaFlight<'a, H> {
         order: usize,
     ) -> Series<DoubleDouble<R>> {
         let from = &self.from;
-        let start =
-            Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
+        let start = from.precise_swing(&self.piva.pendulum, cosine);
         let drive = self.piva.host.precise_drive(&from.phase, h);
         self.piva.pendulum.series(&start, drive.as_ref(), h, order)
     }

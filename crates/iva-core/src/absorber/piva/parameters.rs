@@ -24,8 +24,11 @@ pub struct Parameters<R = f64> {
     pub inertia_ratio: R,
     /// b, the distance from the pivot to the point of contact; L for a point bob.
     pub contact_distance: R,
-    /// ζp, damping ratio of the pivot.
+    /// ζp, damping ratio of the pivot: that of the pendulum hanging without spring.
     pub pivot_damping_ratio: R,
+    /// σ, the frequency of the pendulum on the torsional spring of its pivot alone, over that of the primary:
+    /// σ² = k/(m κL²) in ωn². 0 without spring.
+    pub spring_ratio: R,
     /// The equations of motion: exact, or linearised for small angles.
     pub angles: Angles,
     /// The impact law: consistent, or as the paper prints it.
@@ -83,6 +86,7 @@ impl<R: Real> Parameters<R> {
             inertia_ratio: R::ONE,
             contact_distance: length,
             pivot_damping_ratio: R::ZERO,
+            spring_ratio: R::ZERO,
             angles: Angles::Large,
             impact_law: ImpactLaw::Consistent,
             tolerance: R::ZERO,
@@ -114,6 +118,7 @@ impl<R: Real> Parameters<R> {
         range::positive("absorber.contact_distance", self.contact_distance)?;
         range::damping_ratio("absorber.pivot_damping_ratio", self.pivot_damping_ratio)?;
         range::tolerance("run.tolerance", self.tolerance)?;
+        self.check_spring()?;
         if (1.0..=range::LARGEST_RATIO).contains(&self.inertia_ratio.double()) {
             return Ok(());
         }
@@ -122,5 +127,22 @@ impl<R: Real> Parameters<R> {
             number(self.inertia_ratio),
             format!("give a number from 1 to {:e}", range::LARGEST_RATIO),
         ))
+    }
+
+    /// A spring needs walls that the pendulum reaches, so that it cannot turn round its pivot.
+    fn check_spring(&self) -> Result<(), Invalid> {
+        if self.spring_ratio == 0.0 {
+            return Ok(());
+        }
+        range::positive("absorber.spring_ratio", self.spring_ratio)?;
+        let Self { clearance, contact_distance, angles, .. } = *self;
+        if angles == Angles::Small || clearance < contact_distance {
+            return Ok(());
+        }
+        let most = number(contact_distance);
+        let rule = format!(
+            "with a spring in its pivot the pendulum must reach its stops: give less than {most}"
+        );
+        Err(Invalid::new("absorber.clearance", number(clearance), rule))
     }
 }

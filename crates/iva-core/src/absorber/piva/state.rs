@@ -5,7 +5,7 @@ use crate::host::oscillator::Primary;
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::taylor::Swing;
+use crate::segment::taylor::{Pendulum, Swing};
 
 /// The state of primary and pendulum between events.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,14 +57,21 @@ impl<R: Real, P> PivaState<P, R> {
 
     /// The variables of the Taylor series.
     #[inline(always)]
-    pub(crate) fn swing(&self) -> Swing<R> {
-        Swing {
-            x: self.primary.x.value,
-            u: self.primary.v.value,
-            y: self.y().value,
-            w: self.w.value,
-            c: self.cosine.value,
-        }
+    pub(crate) fn swing(&self, pendulum: &Pendulum<R>) -> Swing<R> {
+        let (y, c) = (self.y().value, self.cosine.value);
+        let Primary { x, v } = self.primary;
+        Swing { x: x.value, u: v.value, y, w: self.w.value, c, arc: pendulum.arc(y, c) }
+    }
+
+    /// The same to twice the precision, with this cosine.
+    #[inline(always)]
+    pub(super) fn precise_swing(
+        &self,
+        pendulum: &Pendulum<R>,
+        c: DoubleDouble<R>,
+    ) -> Swing<DoubleDouble<R>> {
+        let (y, Primary { x, v }) = (self.y(), self.primary);
+        Swing { x, u: v, y, w: self.w, c, arc: pendulum.arc(y, c) }
     }
 
     /// Distance to a wall.

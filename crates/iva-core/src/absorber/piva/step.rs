@@ -11,7 +11,7 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::polynomial::horners;
 use crate::segment::quintic::{monomials, root};
-use crate::segment::taylor::{ORDER, Pendulum, Row, Series, Swing, refined_cosine, unrolled};
+use crate::segment::taylor::{ORDER, Pendulum, Row, Series, refined_cosine, unrolled};
 
 /// Beyond this |sinθ| the cosine is taken from its own series: √(1 − sin²θ) loses digits there.
 pub(crate) const STEEP: f64 = 0.7;
@@ -50,8 +50,7 @@ impl<R: Real, P: Copy> Step<'_, P, R> {
         }
         let (t, from, series) = (h / self.length, self.from, self.series);
         let cosine = self.precise_cosine();
-        let start =
-            Swing { x: from.primary.x, u: from.primary.v, y: from.y(), w: from.w, c: cosine };
+        let start = from.precise_swing(self.pendulum, cosine);
         let first: Series<DoubleDouble<R>, 2> = self.pendulum.beginning(&start, drive);
         let [x, u, y, w, c] =
             from_two::<_, N, 5>([&series.x, &series.u, &series.y, &series.w, &series.c], t);

@@ -19,7 +19,7 @@ use crate::number::arrays::{Laned, Lanes as _, any, laned};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{Arc, Losses};
-use crate::segment::taylor::{ORDER, Pendulum, Remainder, Series, unrolled};
+use crate::segment::taylor::{ORDER, Pendulum, Remainder, Series, Spring, unrolled};
 
 /// The results of one round of a lane.
 #[derive(Debug, Clone, Copy)]
@@ -98,7 +98,14 @@ laned!(
 );
 
 /// The stages of a round of lanes whose series have the order N.
-pub(super) struct Stages<'a, H: Swinging, const W: usize, const N: usize, const SMALL: bool> {
+pub(super) struct Stages<
+    'a,
+    H: Swinging,
+    const W: usize,
+    const N: usize,
+    const SMALL: bool,
+    const SPRUNG: bool,
+> {
     pub scenes: &'a Scenes<W>,
     pub lanes: &'a Lanes<H::Instant, W>,
     pub rounds: &'a mut Rounds<H::Instant, W>,
@@ -106,7 +113,9 @@ pub(super) struct Stages<'a, H: Swinging, const W: usize, const N: usize, const 
     pub shared: &'a Shared,
 }
 
-impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, H, W, N, SMALL> {
+impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool, const SPRUNG: bool>
+    Stages<'_, H, W, N, SMALL, SPRUNG>
+{
     /// All stages.
     #[inline(always)]
     pub fn run(&mut self) {
@@ -136,7 +145,8 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, 
     fn scene(&self, i: usize) -> Scene {
         let scene = self.scenes.get(i);
         // Known to the compiler, so that nothing is computed for both.
-        Scene { pendulum: Pendulum { small_angles: SMALL, ..scene.pendulum }, ..scene }
+        let spring = Spring { acts: SPRUNG, ..scene.pendulum.spring };
+        Scene { pendulum: Pendulum { small_angles: SMALL, spring, ..scene.pendulum }, ..scene }
     }
 
     /// Value and rate of the force at the begin of the step.
@@ -173,7 +183,7 @@ impl<H: Swinging, const W: usize, const N: usize, const SMALL: bool> Stages<'_, 
     fn expand(&mut self) {
         for i in 0..W {
             let (pendulum, state) = (self.scene(i).pendulum, self.lanes.state.get(i));
-            let (swing, h) = (state.swing(), self.rounds.step[i]);
+            let (swing, h) = (state.swing(&pendulum), self.rounds.step[i]);
             let drive = if H::DRIVEN { Some(self.rows.drive(i)) } else { None };
             let mut series: Series<f64> =
                 pendulum.series_to::<_, { ORDER + 1 }, N>(&swing, drive.as_ref(), h);

@@ -105,7 +105,7 @@ impl Scene {
     pub fn ahead<H: Swinging, const LENGTH: usize>(&self, state: &Laid<H>) -> Series<f64, LENGTH> {
         let push = H::plain_push(self, state.phase);
         let drive = if H::DRIVEN { Some(self.pushes(&push).ahead()) } else { None };
-        self.pendulum.beginning(&state.swing(), drive.as_ref())
+        self.pendulum.beginning(&state.swing(&self.pendulum), drive.as_ref())
     }
 
     /// The impact at an instant, and the state after it.

@@ -11,7 +11,9 @@ use crate::number::arrays::Lanes as _;
 use crate::number::real::Real;
 use crate::segment::flight::Motion;
 
-impl<H: Swinging, const N: usize, const SMALL: bool> Steps<H, N, SMALL> {
+impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
+    Steps<H, N, SMALL, SPRUNG>
+{
     /// True if the observers of a lane are to see the step that it has done.
     pub(super) fn is_shown(&self, i: usize) -> bool {
         let shows = self.shared.shows_all || self.rounds.quiet[i] == 0.0;

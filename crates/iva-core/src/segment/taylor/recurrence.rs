@@ -4,7 +4,7 @@
 //! coefficients up to the order k) the recurrences of [`super`] read
 //!
 //! ```text
-//! c_{k+1} = −h/((k+1) b²) Y      R = β A + r² y_k + ν W_k      W_{k+1} = −h/(k+1) (β c₀ a_k + R)
+//! c_{k+1} = −h/((k+1) b²) Y      R = β A + r² y_k + σ² φ_k + ν W_k      W_{k+1} = −h/(k+1) (β c₀ a_k + R)
 //! D a_k = f_k − x_k − 2ζ u_k − μλ ((k+1)/h B − c₀ R),    D = 1 + μ − (μ/κ) c₀²
 //! ```
 //!
@@ -14,7 +14,7 @@
 //! multiplied and divided by D beforehand, and from a_{k−1} to a_k two fused multiply-adds are left. The
 //! orders of a series in doubles are unrolled.
 
-use super::{Number, Pendulum, Series, Swing};
+use super::{Number, Pendulum, Series, Spring, Swing};
 use crate::force::Drive;
 use crate::number::real::Real;
 
@@ -30,6 +30,10 @@ struct Constants<T> {
     c0: T,
     y0: T,
     w0: T,
+    /// φ₀, σ², and the factor of φ_k in a_k: for a spring only.
+    arc: T,
+    stiffness: T,
+    of_arc: T,
     /// 1/D.
     freed: T,
     /// Factor of u_k in a_k.
@@ -56,6 +60,7 @@ pub(super) struct Recurrence<'a, T, const LENGTH: usize> {
     drive: Option<&'a Drive<T, LENGTH>>,
     constants: Constants<T>,
     small_angles: bool,
+    sprung: bool,
     /// (c W)_k without c₀ W_k.
     swept: T,
 }
@@ -95,6 +100,9 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Recurrence<'a, T, LE
             c0,
             y0,
             w0,
+            arc: start.arc,
+            stiffness: n(pendulum.spring.stiffness),
+            of_arc: pull * c0 * n(pendulum.spring.stiffness),
             freed,
             of_u: -(n(damping_ratio * 2.0) * freed),
             of_b: -pull,
@@ -105,8 +113,8 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Recurrence<'a, T, LE
             of_w: pull * c0 * nu,
             of_turn: pull * turn,
         };
-        let small_angles = pendulum.small_angles;
-        Self { series, drive, constants, small_angles, swept: n(R::ZERO) }
+        let (small_angles, sprung) = (pendulum.small_angles, pendulum.spring.acts);
+        Self { series, drive, constants, small_angles, sprung, swept: n(R::ZERO) }
     }
 
     /// From order k to k + 1 (of a: to k).
@@ -123,6 +131,11 @@ impl<'a, R: Real, T: Number<Real = R>, const LENGTH: usize> Recurrence<'a, T, LE
         // Everything but W_k and a_{k−1}.
         let mut a = is.of_gap.fused(y, is.freed * (driven - x));
         let mut rest = is.r2 * y;
+        if self.sprung {
+            let arc = if k > 0 { Spring::wound(is.step, k, s.w[k - 1]) } else { is.arc };
+            a = is.of_arc.fused(arc, a);
+            rest = is.stiffness.fused(arc, rest);
+        }
         let (mut yw, mut cw) = (zero, zero);
         if !self.small_angles && k > 0 {
             let sums = convolutions(&s.y, &s.w, &s.c, &s.a, k);

@@ -11,12 +11,13 @@
 //! and the defects, over H and relative to sᴺ, are at most
 //!
 //! ```text
-//! ẋ: |u_N|          ẏ: U(c, W)          b ċ: U(y, W)/b          Ẇ: β U(c, a) + r² |y_N| + ν |W_N|
+//! ẋ: |u_N|          ẏ: U(c, W)          b ċ: U(y, W)/b          Ẇ: β U(c, a) + r² |y_N| + σ² |φ_N| + ν |W_N|
+//! φ̇: |W_N|
 //! momentum: ρ = μλ (V/H + S_W(0) defect(ċ) + defect(Ẇ)) + |x_N| + 2ζ |u_N| + what is left out of f/M
 //! u̇: ρ/D + what is left out of the base's acceleration          Ẇ, through a: β ρ/D
 //! ```
 //!
-//! The error e of (x, u) and of (y, W/F, b c), F a rate that measures W, obeys e′ ≤ Λ e + δ sᴺ from
+//! The error e of (x, u) and of (y, W/F, b c, φ), F a rate that measures W, obeys e′ ≤ Λ e + δ sᴺ from
 //! e(0) = 0: Λ is a matrix of two by two numbers, the partial derivatives of the equations, δ the defects. The series of
 //! the solution of e′ = Λ e + δ sᴺ gives
 //!
@@ -66,7 +67,7 @@ impl<R: Real> Remainder<R> {
         (h, most): (R, R),
     ) -> Self {
         let sums = Sums::new::<N>(series, most);
-        let defects = Defects::new(pendulum, &sums, driven, h * most);
+        let defects = Defects::new(pendulum, &sums, driven, h * most, N);
         let [primary, gap, within] = defects.grown(pendulum, fastest, &sums, N as f64);
         Self { order: N, most, left_out: [primary, gap], within }
     }
@@ -133,8 +134,9 @@ struct Sums<R> {
     u_last: R,
     /// |y_N|.
     y_last: R,
-    /// |W_N|.
+    /// |W_N| and |W_{N−1}|.
     w_last: R,
+    w_before: R,
     /// S_W(0).
     w: R,
     /// S_a(0).
@@ -188,6 +190,7 @@ impl<R: Real> Sums<R> {
             u_last: size(&series.u, N),
             y_last: size(&series.y, N),
             w_last: size(&series.w, N),
+            w_before: size(&series.w, N - 1),
             w,
             a,
             cw,
@@ -211,17 +214,26 @@ struct Defects<R> {
     y: R,
     bc: R,
     w: R,
+    arc: R,
 }
 
 impl<R: Real> Defects<R> {
     #[inline(always)]
-    fn new(pendulum: &Pendulum<R>, sums: &Sums<R>, driven: [R; 2], length: R) -> Self {
+    fn new(
+        pendulum: &Pendulum<R>,
+        sums: &Sums<R>,
+        driven: [R; 2],
+        length: R,
+        order: usize,
+    ) -> Self {
         let Pendulum { mass_ratio, damping_ratio, contact_distance: b, lever, coupling, .. } =
             *pendulum;
         let y = length * sums.cw;
         let bc = if pendulum.small_angles { R::ZERO } else { length * sums.yw / b };
+        let arc_last = length * sums.w_before / (order as f64);
         let own = coupling * sums.ca
             + pendulum.frequency_squared * sums.y_last
+            + pendulum.spring.defect(arc_last)
             + pendulum.pivot_damping * sums.w_last;
         // D = 1 + μ − (μ/κ) c².
         let freed = R::ONE + mass_ratio * (R::ONE - R::ONE / pendulum.inertia_ratio);
@@ -241,6 +253,7 @@ impl<R: Real> Defects<R> {
             y,
             bc,
             w: length * (own + coupling * acceleration),
+            arc: if pendulum.spring.acts { length * sums.w_last } else { R::ZERO },
         }
     }
 
@@ -255,6 +268,7 @@ impl<R: Real> Defects<R> {
             coupling,
             frequency_squared: r2,
             pivot_damping: nu,
+            spring,
             small_angles,
             ..
         } = *pendulum;
@@ -265,15 +279,16 @@ impl<R: Real> Defects<R> {
         let pull = coupling * (sums.a + self.acceleration) * over_b;
         let pulled = nonlinear((pull + NEIGHBOURHOOD) * WIDER);
         let wide = R::from(WIDER);
-        // Partial derivatives of a: by x and u together, by y, W/F and b c together.
+        // Partial derivatives of a: by x and u together, by y, W/F, b c and φ together.
         let by_primary = (R::ONE + damping_ratio * 2.0) * self.over_inertia;
         let centrifugal = turning * (turning + fastest * wide * 2.0 + nu);
-        let hanging = (r2 + nonlinear(r2) + fastest * nu) * wide;
+        let wound = spring.steepness();
+        let hanging = (r2 + nonlinear(r2) + wound + fastest * nu) * wide;
         let by_gap = (centrifugal + hanging + pulled * wide * 2.0)
             * (mass_ratio * lever * self.over_inertia);
         let growth = self.length / (order + 2.0);
         let swung = turning + fastest * wide; // of y, of b c
-        let own = coupling * by_gap * wide + pulled + r2; // of W
+        let own = coupling * by_gap * wide + pulled + r2 + wound; // of W
         let gap = R::larger(swung, own / fastest + nu) * growth;
         let primary = R::larger(R::ONE, by_primary) * growth;
         let to_primary = by_gap * growth;
@@ -282,8 +297,8 @@ impl<R: Real> Defects<R> {
         let [kept_primary, kept_gap] = [R::ONE - primary, R::ONE - gap];
         let determinant = kept_primary * kept_gap - to_primary * to_gap;
         let grown = (R::from(MARGIN) / (order + 1.0)) / determinant;
-        let delta =
-            [R::larger(self.x, self.u), R::larger(R::larger(self.y, self.bc), self.w / fastest)];
+        let turned = R::larger(self.w / fastest, self.arc);
+        let delta = [R::larger(self.x, self.u), R::larger(R::larger(self.y, self.bc), turned)];
         let of_primary = (kept_gap * delta[0] + to_primary * delta[1]) * grown;
         let of_gap = (kept_primary * delta[1] + to_gap * delta[0]) * grown;
         // Within the neighbourhood: y, W and c, a, and D by how far c² + y²/b² is from 1.

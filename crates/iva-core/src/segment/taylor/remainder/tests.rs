@@ -4,7 +4,7 @@
 use super::*;
 use crate::force::{Acts, Force, Harmonic};
 use crate::number::compensated::DoubleDouble;
-use crate::segment::taylor::Swing;
+use crate::segment::taylor::{Spring, Swing};
 
 /// Longer than any series in use.
 const LONG: usize = 121;
@@ -18,6 +18,7 @@ fn no_series_leaves_out_more_than_its_bound() {
         let kappa = 1.0 + part(13) * part(7);
         let lever = 0.6 + part(29);
         let angle = 2.1 * part(17) - 1.0;
+        let small_angles = index % 7 == 0;
         let pendulum = Pendulum {
             mass_ratio: 0.01 + 2.0 * part(31) * part(5),
             damping_ratio: 0.3 * part(3),
@@ -27,15 +28,17 @@ fn no_series_leaves_out_more_than_its_bound() {
             coupling: 1.0 / (kappa * lever),
             frequency_squared: 4.0 * part(11) * part(19),
             pivot_damping: 0.4 * part(23),
-            small_angles: index % 7 == 0,
+            spring: Spring::new(if index % 3 == 0 { 3.0 * part(61) } else { 0.0 }, small_angles),
+            small_angles,
         };
-        let cosine = if pendulum.small_angles { 1.0 } else { angle.cos() };
+        let (y, cosine) = (2.0 * angle.sin(), if small_angles { 1.0 } else { angle.cos() });
         let start = Swing {
             x: part(37) - 0.5,
             u: part(41) - 0.5,
-            y: 2.0 * angle.sin(),
+            y,
             w: 4.0 * (part(43) - 0.5),
             c: cosine,
+            arc: pendulum.arc(y, cosine),
         };
         // Every other scene is driven, now and then hard and fast, by force or base.
         let acts = if index % 4 == 1 { Acts::Primary } else { Acts::Base };
