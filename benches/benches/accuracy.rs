@@ -4,10 +4,10 @@
 //! `cargo bench -p iva-benches --bench accuracy`. The exact times are those of `tests/reference`, to 30
 //! digits, for the decimals given there; the run has the nearest doubles as input.
 
+use iva_core::absorber::{Absorber, Start};
 use iva_core::piva::{Piva, PivaStart};
 use iva_core::run::run;
 use iva_core::simulate::Limits;
-use iva_core::system::{Start, System};
 use iva_tests::dd::Dd;
 use iva_tests::reference::{Expected, forced_scenes, piva_scenes, scenes};
 use iva_tests::{timeline::marks, units};
@@ -22,7 +22,7 @@ struct Scene {
     rounded: Vec<f64>,
 }
 
-fn scene<S: System<Real = f64>>(
+fn scene<S: Absorber<Real = f64>>(
     name: &str,
     system: &S,
     start: &S::Start,

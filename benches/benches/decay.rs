@@ -7,11 +7,11 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use iva_core::absorber::Start;
 use iva_core::measures::{Measures, Wanted};
 use iva_core::run::run;
 use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
-use iva_core::system::Start;
 
 /// μ, e, γ, ζ of the scenes: few strong impacts; a long chatter; many impacts with little loss.
 const SCENES: [(&str, [f64; 4]); 3] = [

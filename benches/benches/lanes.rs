@@ -11,13 +11,13 @@ use iva_benches::{
     decays as scenes, decays_after_a_blow, driven_jobs, driven_pendulums, fast, swinging_decays,
     upright_decays,
 };
+use iva_core::absorber::{Absorber, ImpactLaw, Wall};
 use iva_core::coupled::Coupled;
 use iva_core::force::Acts;
 use iva_core::lanes::{self, Job, Listing, SideBySide};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::simulate::simulate;
 use iva_core::siva::Siva;
-use iva_core::system::{System, Wall};
 use iva_tests::dashpot::Dashpot;
 
 fn lanes(criterion: &mut Criterion) {

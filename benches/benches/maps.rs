@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use iva_core::{
+    absorber::Start,
     error::Invalid,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
@@ -14,7 +15,6 @@ use iva_core::{
     orbit::{Cycle, Iterated, Request, Trajectory, iterate},
     piva::{Parameters, Piva, PivaStart},
     siva::Siva,
-    system::Start,
 };
 
 const TRAJECTORIES: usize = 256;

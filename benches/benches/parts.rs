@@ -7,16 +7,16 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use iva_benches::START;
+use iva_core::absorber::{Absorber, Start};
 use iva_core::contact::first_contact;
 use iva_core::flight::Motion;
 use iva_core::piva::{Parameters, Piva, PivaStart};
 use iva_core::run::run;
 use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
-use iva_core::system::{Start, System};
 
 /// Times a flight from a state to its end, the search of that flight for a contact, and the impact there.
-fn of_a_run<S: System<Real = f64>>(
+fn of_a_run<S: Absorber<Real = f64>>(
     criterion: &mut Criterion,
     name: &str,
     system: &S,
@@ -45,7 +45,7 @@ fn of_a_run<S: System<Real = f64>>(
 }
 
 /// Times a whole chatter: the first impact on a pressing wall, and all that follow until it sticks.
-fn chatter<S: System<Real = f64>>(
+fn chatter<S: Absorber<Real = f64>>(
     criterion: &mut Criterion,
     name: &str,
     system: &S,

@@ -9,10 +9,10 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use iva_core::absorber::Start;
 use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Angles, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, simulate};
-use iva_core::system::Start;
 
 /// Name, tolerance, angles and spring ratio of each bench.
 const WAYS: [(&str, f64, Angles, f64); 6] = [

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use iva_core::absorber::{Absorber, Start, Wall};
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
@@ -12,7 +13,6 @@ use iva_core::piva::{Parameters, Piva};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyWanted, Window};
-use iva_core::system::{Start, System, Wall};
 
 /// The start of all scenes: displaced by 1, at rest.
 pub const START: Start =

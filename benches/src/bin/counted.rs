@@ -10,6 +10,7 @@ use iva_benches::{
     START, decays, driven, driven_jobs, driven_measures, driven_pendulums, fast, swinging_decays,
     upright_decays,
 };
+use iva_core::absorber::Absorber;
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic};
 use iva_core::lanes::{self, Job, SideBySide};
@@ -17,7 +18,6 @@ use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Parameters, Piva};
 use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
-use iva_core::system::System;
 
 type Run = fn() -> Result<(), Invalid>;
 
@@ -68,7 +68,7 @@ fn pendulum(restitution: f64, clearance: f64) -> Parameters {
     }
 }
 
-fn decay<S: System<Real = f64>>(system: &S, start: &S::Start) -> Result<(), Invalid> {
+fn decay<S: Absorber<Real = f64>>(system: &S, start: &S::Start) -> Result<(), Invalid> {
     let limits = Limits::new(30.0 * TAU, system.clearance());
     let mut measures = Measures::<S>::new(Wanted::ALL);
     black_box(simulate(black_box(system), start, &limits, None, &mut measures)?);

@@ -5,11 +5,11 @@
 //! cargo run --release -p iva-core --example decay
 //! ```
 
+use iva_core::absorber::Start;
 use iva_core::error::Invalid;
 use iva_core::run::{Run, run, states};
 use iva_core::simulate::{Limits, Outcome};
 use iva_core::siva::Siva;
-use iva_core::system::Start;
 
 /// A structure in SI units. The core computes in natural ones: ωn = 1, M = 1, lengths as given.
 struct Structure {

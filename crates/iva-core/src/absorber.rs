@@ -1,16 +1,149 @@
 //! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`coupled`], a free
 //! mass with a spring and a dashpot in its gap.
 //!
-//! [`system`] is the interface that an absorber implements. [`impact`] is the law of an impact, [`chatter`] that of
-//! infinitely many; [`ride`] is what follows them, the motion with the absorber stuck to its wall.
+//! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
+//! traits, each of which builds on the one before; a new absorber is one file that implements them.
+//!
+//! * [`OnStructure`] is what a run sees of the structure: its motion, what drives it, and its energy.
+//! * [`ImpactLaw`] is the law of one impact, and its limit for infinitely many. [`impact`] has the formulas of an impact,
+//!   [`chatter`] the sum of infinitely many.
+//! * [`Absorber`] is the rest: the gap, the start, the flight in the gap, and the ride on a wall. [`ride`] is the motion
+//!   with the absorber stuck to its wall.
 
 pub mod alone;
 pub mod chatter;
 pub mod coupled;
 pub mod derivatives;
 pub mod impact;
+mod impact_law;
+mod on_structure;
 pub mod piva;
 pub(crate) mod plain;
 pub mod ride;
 pub mod siva;
-pub mod system;
+
+use crate::absorber::impact::Impact;
+use crate::absorber::plain::Scene;
+use crate::error::Invalid;
+use crate::number::real::Real;
+use crate::segment::flight::{Curve, Jet, Motion};
+
+pub use crate::number::clock::Clock;
+pub use crate::segment::place::{Point, Wall};
+pub use impact_law::{ImpactLaw, LawAt};
+pub use on_structure::OnStructure;
+
+/// State at time zero, in natural units (time in 1/ωn, lengths in the user's unit).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Start<R = f64> {
+    /// Displacement x of the primary system.
+    pub displacement: R,
+    /// Velocity ẋ of the primary system.
+    pub velocity: R,
+    /// Gap displacement y.
+    pub gap_displacement: R,
+    /// Gap velocity w.
+    pub gap_velocity: R,
+}
+
+/// Angle of a pendulum and its rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angle<R = f64> {
+    /// θ from the hanging position, in [−π, π].
+    pub value: R,
+    /// θ̇ in ωn.
+    pub rate: R,
+}
+
+/// The state after some steps of a flight, and the time that they take.
+pub type Coasted<State, R = f64> = (State, Clock<R>);
+
+/// An absorber on its primary system.
+///
+/// A state in flight measures the gap from the wall last touched: its *distance* is ≥ 0 and
+/// exactly 0 at a contact, so that a rebound keeps its relative accuracy however low it is.
+pub trait Absorber: ImpactLaw {
+    /// The form in which a start is given.
+    type Start: Copy + std::fmt::Debug;
+    /// The flight of the absorber in its gap; its curve is the distance to the wall last touched.
+    type Flight<'a>: Motion<Real = Self::Real, State = Self::State>
+        + Curve<Real = Self::Real, Sample = Self::State>
+    where
+        Self: 'a;
+    /// The stick episode on a wall; its curve is the pressure on that wall per unit mass.
+    type Ride<'a>: Motion<Real = Self::Real, State = Self::State>
+        + Curve<Real = Self::Real, Sample = Self::State>
+    where
+        Self: 'a;
+
+    /// One-sided clearance d, half of the total play.
+    fn clearance(&self) -> Self::Real;
+    /// The middle of the gap, as a value of y: the walls are at y = offset ± d.
+    fn offset(&self) -> Self::Real {
+        Self::Real::ZERO
+    }
+    /// Displacement of the absorber's centre of mass relative to the structure, per gap displacement: 1 for a
+    /// free mass, L/b for a pendulum.
+    fn lever(&self) -> Self::Real {
+        Self::Real::ONE
+    }
+
+    /// Checks that a start lies in the gap.
+    ///
+    /// # Errors
+    /// [`Invalid`] naming the field.
+    fn check_start(&self, _start: &Self::Start) -> Result<(), Invalid> {
+        Ok(())
+    }
+    /// The state of a start, with the drive at an instant. Its distance is exactly 0 at a wall.
+    fn begin_at(&self, start: &Self::Start, time: Clock<Self::Real>) -> Self::State;
+
+    /// The state of a start at time zero.
+    fn begin(&self, start: &Self::Start) -> Self::State {
+        self.begin_at(start, Clock::ZERO)
+    }
+    /// The flight from a state.
+    fn flight(&self, state: &Self::State) -> Self::Flight<'_>;
+    /// The stick episode on the wall that the state touches.
+    fn ride(&self, state: &Self::State) -> Self::Ride<'_>;
+    /// How many steps (of one length, or pieces of a record) a flight is proved to go on without meeting a wall
+    /// within the time `remaining`; and the state after them, with the time that they take.
+    fn coasts(
+        &self,
+        state: &Self::State,
+        _remaining: Self::Real,
+    ) -> (usize, Coasted<Self::State, Self::Real>) {
+        (0, (*state, Clock::ZERO))
+    }
+    /// The state after some of these steps, and the time that they take.
+    fn coasted(&self, state: &Self::State, _steps: usize) -> Coasted<Self::State, Self::Real> {
+        (*state, Clock::ZERO)
+    }
+    /// The wall that distances are measured from.
+    fn wall(&self, state: &Self::State) -> Wall;
+    /// Distance to that wall and its derivatives in free motion.
+    fn distance(&self, state: &Self::State) -> Jet<Self::Real>;
+    /// The state in contact with `wall`, and how much later it is: the small distance left over by rounding
+    /// is covered at constant rate.
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, Self::Real);
+    /// The state at the release, with distance, rate and pressure exactly 0, and the time from the given
+    /// state to it.
+    fn release(&self, state: &Self::State) -> (Self::State, Self::Real);
+    /// True if the absorber can reach its walls at all.
+    fn walls_reachable(&self) -> bool {
+        true
+    }
+    /// A free mass on a level line under one harmonic force, or on a base that it moves, in doubles. Its measures
+    /// are computed from a log.
+    fn forced(&self) -> Option<Scene> {
+        None
+    }
+    /// Angle and angular velocity of a pendulum; `None` for an absorber without angle.
+    fn angle(&self, _state: &Self::State) -> Option<Angle<Self::Real>> {
+        None
+    }
+    /// Angles and angular velocities just before and just after an impact.
+    fn impact_angles(&self, _impact: &Impact<Self::Real>) -> Option<[Angle<Self::Real>; 2]> {
+        None
+    }
+}

@@ -34,7 +34,7 @@ mod running;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::absorber::system::System;
+use crate::absorber::OnStructure;
 use crate::engine::observe::Events;
 use crate::engine::simulate::{Limits, Run, Tally};
 use crate::error::Invalid;
@@ -99,7 +99,7 @@ impl Tier {
 }
 
 /// The result of a run: how it ended, its measures, and those of its steady state if they were asked for.
-pub type Ended<S> = (Tally<<S as System>::State>, MeasureValues, Option<SteadyValues>);
+pub type Ended<S> = (Tally<<S as OnStructure>::State>, MeasureValues, Option<SteadyValues>);
 
 /// An absorber whose runs can go side by side. By default they go one by one.
 pub trait SideBySide: Differentiable + Sized {

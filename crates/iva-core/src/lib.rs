@@ -16,10 +16,10 @@
 //! |---|---|---|
 //! | M, ωn, ζ, f | primary system, natural frequency, damping ratio, force | [`host`] |
 //! | m, μ = m/M | absorber, mass ratio | [`siva`] |
-//! | e | restitution | [`impact`] |
-//! | d | clearance, half of the total play | [`system::System::clearance`] |
+//! | e | restitution | [`impact`], [`absorber::LawAt`] |
+//! | d | clearance, half of the total play | [`absorber::Absorber::clearance`] |
 //! | y, w = ẏ | gap displacement, gap velocity (y = x₁ − x) | [`flight::GapPoint`] |
-//! | τ | time in 1/ωn | [`system::Clock`] |
+//! | τ | time in 1/ωn | [`absorber::Clock`] |
 //!
 //! Natural units throughout: ωn = 1, M = 1, lengths as the user gives them. The rooms, each of which knows only those
 //! above it:
@@ -30,7 +30,7 @@
 //! | [`force`] | what drives the structure: harmonics, records, impulses |
 //! | [`segment`] | a stretch of smooth motion ([`flight`]), its power series ([`taylor`]), and the search for the first event in it with proof ([`roots`], [`contact`]) |
 //! | [`host`] | the primary structure: an [`oscillator`] and what drives it; it knows no absorber |
-//! | [`absorber`] | the interface of an absorber ([`system`]); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), and of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
+//! | [`absorber`] | the interface of an absorber, which is three traits: what a run sees of the structure ([`OnStructure`](absorber::OnStructure)), the impact law ([`ImpactLaw`](absorber::ImpactLaw)), and the rest ([`Absorber`](absorber::Absorber)); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), and of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
 //! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
 //! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`], the interface of measures that need one file only, such as [`measures::near_wall`]; [`summary`] joins them |
 //! | [`lanes`] | the event loop for many runs side by side, with the same observers |
@@ -53,8 +53,8 @@
 //!
 //! `CONTRIBUTING.md` tells how to add a measure or a field, `docs/adding-an-absorber.md` how to add an
 //! absorber. A run has one absorber with one gap: for two absorbers on one structure, state, search for contacts, event loop and
-//! tables would need a second gap. Another structure, such as one with two modes, is a [`system::System`] of its own; an
-//! example is `tests/rust/src/two_modes.rs`.
+//! tables would need a second gap. Another structure, such as one with two modes, is an [`absorber::OnStructure`] of its own, with the
+//! absorber that is on it; an example is `tests/rust/src/two_modes.rs`.
 //!
 //! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight ends with a
 //! contact and proof that none came earlier, or with proof that there is none (see [`roots`]). The one case
@@ -69,7 +69,7 @@
 //! appear in measures and in [`theory`] only.
 //!
 //! ```
-//! use iva_core::{run::run, simulate::{Limits, Outcome}, siva::Siva, system::Start};
+//! use iva_core::{absorber::Start, run::run, simulate::{Limits, Outcome}, siva::Siva};
 //!
 //! let siva = Siva::new(0.15, 0.5, 0.6, 0.0)?; // μ, e, d, ζ
 //! let start = Start { displacement: 1.0, ..Start::default() };
@@ -95,7 +95,7 @@ pub mod segment;
 pub mod theory;
 
 // What users name, without its room.
-pub use absorber::{chatter, coupled, impact, piva, siva, system};
+pub use absorber::{chatter, coupled, impact, piva, siva};
 pub use engine::{observe, simulate};
 pub use host::oscillator;
 pub use measures::{extremes, peaks, propagation, sample, steady, summary};

@@ -3,7 +3,7 @@
 //! None is *the* damping ratio. All are taken from the exact motion during the run: no samples, no envelope
 //! fits to sampled data. Reference amplitude A₀ = |x(0)|, or the first peak when x(0) = 0.
 
-use crate::absorber::system::{Point, System};
+use crate::absorber::{Absorber, Point};
 use crate::engine::observe::{Contact, Each, Observer, Span};
 use crate::engine::simulate::{Instant, Outcome, Tally};
 use crate::host::Excitation;
@@ -120,7 +120,7 @@ pub struct MeasureValues<R = f64> {
 
 /// An observer that computes the measures of a run.
 #[derive(Debug, Clone)]
-pub struct Measures<S: System> {
+pub struct Measures<S: Absorber> {
     pub(crate) wanted: Wanted,
     pub(crate) values: MeasureValues<S::Real>,
     pub(crate) duration: S::Real,
@@ -157,7 +157,7 @@ pub(crate) struct Reference<R = f64> {
     pub settled: bool,
 }
 
-impl<R: Real, S: System<Real = R>> Measures<S> {
+impl<R: Real, S: Absorber<Real = R>> Measures<S> {
     /// Computes the wanted groups of measures.
     pub fn new(wanted: Wanted) -> Self {
         Self {
@@ -274,7 +274,7 @@ impl<R: Real, S: System<Real = R>> Measures<S> {
     }
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for Measures<S> {
+impl<R: Real, S: Absorber<Real = R>> Observer<S> for Measures<S> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         let Instant { time, state } = from;
         let (sinusoids, stretches) = (self.decay.take(), self.stretches.take());

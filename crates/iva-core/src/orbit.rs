@@ -17,7 +17,7 @@ use crate::absorber::alone::Alone;
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
 use crate::absorber::siva::Siva;
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock, OnStructure};
 use crate::engine::simulate::{Instant, Limits, Outcome, Run};
 use crate::error::{Invalid, number};
 use crate::force::Force;
@@ -53,7 +53,7 @@ pub struct Image<State> {
 
 /// A trajectory: the state that it begins with, and the cycle that is repeated.
 #[derive(Debug, Clone)]
-pub struct Trajectory<S: System> {
+pub struct Trajectory<S: Absorber> {
     /// The absorber on its structure.
     pub system: S,
     /// The state at the begin of the first cycle, with the drive of that instant.
@@ -64,7 +64,7 @@ pub struct Trajectory<S: System> {
     pub tier: Tier,
 }
 
-impl<S: System<Real = f64>> Trajectory<S> {
+impl<S: Absorber<Real = f64>> Trajectory<S> {
     /// A trajectory from a start at the begin of a cycle.
     ///
     /// # Errors
@@ -143,7 +143,8 @@ pub fn map<S: Differentiable>(
 }
 
 /// The receiver of images: the index of a trajectory, and its next image. Where it breaks, that trajectory ends.
-pub type See<'a, S> = &'a mut dyn FnMut(usize, &Image<<S as System>::State>) -> ControlFlow<()>;
+pub type See<'a, S> =
+    &'a mut dyn FnMut(usize, &Image<<S as OnStructure>::State>) -> ControlFlow<()>;
 
 /// What is computed of trajectories.
 #[derive(Debug, Clone, Copy, Default)]

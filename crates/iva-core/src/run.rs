@@ -1,7 +1,7 @@
 //! One run with the usual observers, in one call.
 
+use crate::absorber::Absorber;
 use crate::absorber::impact::Impact;
-use crate::absorber::system::System;
 use crate::engine::observe::{Events, StickEpisode};
 use crate::engine::simulate::{Limits, Tally, simulate};
 use crate::error::{Invalid, number};
@@ -28,7 +28,7 @@ pub struct Run<S, R = f64> {
 ///
 /// # Errors
 /// [`Invalid`] if the start or a limit is not usable.
-pub fn run<S: System>(
+pub fn run<S: Absorber>(
     system: &S,
     start: &S::Start,
     limits: &Limits<S::Real>,
@@ -51,7 +51,7 @@ pub fn run<S: System>(
 ///
 /// # Errors
 /// [`Invalid`] if the start, a limit or an instant is not usable.
-pub fn states<S: System<Real = f64>>(
+pub fn states<S: Absorber<Real = f64>>(
     system: &S,
     start: &S::Start,
     limits: &Limits,

@@ -12,12 +12,12 @@
 
 use std::sync::atomic::AtomicBool;
 
+use iva_core::absorber::Absorber;
 use iva_core::impact::Impact;
 use iva_core::observe::{Contact, Events, Observer};
 use iva_core::propagation::Errors;
 use iva_core::real::dual::Dual;
 use iva_core::simulate::simulate_from;
-use iva_core::system::System;
 
 use crate::choices::{Kind, only};
 use crate::columns::columns;
@@ -195,7 +195,7 @@ impl Grazings {
     }
 }
 
-impl<S: System<Real = Dual>> Observer<S> for Grazings {
+impl<S: Absorber<Real = Dual>> Observer<S> for Grazings {
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, Dual>) {
         let Contact { states: [before, _], summed, .. } = contact;
         if !summed {
@@ -223,7 +223,7 @@ impl<S: System<Real = Dual>> Observer<S> for Grazings {
     }
 }
 
-impl<S: System<Real = Dual>> Estimates<S> for Grazings {
+impl<S: Absorber<Real = Dual>> Estimates<S> for Grazings {
     fn of_impact(&self, index: usize) -> Estimate<Dual> {
         Estimate { time: None, near_grazing: self.impacts.get(index).map(|(_, met)| *met) }
     }

@@ -5,10 +5,10 @@
 use std::sync::atomic::AtomicBool;
 
 use arrow_array::RecordBatch;
+use iva_core::absorber::Angle;
 use iva_core::error::{Invalid, number};
 use iva_core::sample::{Sampler, State};
 use iva_core::simulate::simulate_from;
-use iva_core::system::Angle;
 
 use crate::columns::tables as entries;
 

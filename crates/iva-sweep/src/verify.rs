@@ -19,10 +19,10 @@ use crate::side_by_side;
 use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
 use crate::tables::{Cell, Content, TableBuilder, schema_of};
+use iva_core::absorber::Absorber;
 use iva_core::lanes::Tier;
 use iva_core::real::Real;
 use iva_core::real::twofold::Twofold;
-use iva_core::system::System;
 
 /// The results of a verification.
 #[derive(Debug, Clone)]
@@ -158,4 +158,4 @@ fn rows<R: Real>(
     Ok(rows)
 }
 
-impl<S: System> Estimates<S> for () {}
+impl<S: Absorber> Estimates<S> for () {}

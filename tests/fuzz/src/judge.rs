@@ -1,6 +1,7 @@
 //! Runs a scene with everything that a sweep can observe, and judges what comes out: a run labelled
 //! finished has numbers only, and no wall was passed.
 
+use iva_core::absorber::Point;
 use iva_core::error::Invalid;
 use iva_core::force::Force;
 use iva_core::measures::{MeasureValues, Measures, Wanted};
@@ -10,7 +11,6 @@ use iva_core::propagation::{Differentiable, Errors};
 use iva_core::sample::{Sampler, State};
 use iva_core::simulate::{Limits, Outcome, Tally, simulate};
 use iva_core::steady::{Steady, SteadyValues, SteadyWanted, Window, without_absorber};
-use iva_core::system::Point;
 
 use crate::scene::{Absorber, Scene};
 use crate::walls::Walls;

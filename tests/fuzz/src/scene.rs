@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use arbitrary::Arbitrary;
+use iva_core::absorber::Start;
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic, History, Impulse, Record};
 use iva_core::host::DrivenHost;
@@ -10,7 +11,6 @@ use iva_core::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
 use iva_core::steady::Window;
-use iva_core::system::Start;
 
 /// More forces of one sort are left out.
 const FORCES: usize = 3;

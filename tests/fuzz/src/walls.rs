@@ -1,8 +1,8 @@
 //! The absorber stays between its walls.
 
+use iva_core::absorber::Absorber;
 use iva_core::flight::Motion;
 use iva_core::observe::{Observer, Span};
-use iva_core::system::System;
 
 /// Rounding of a distance, over the clearance: an extremum within 16 · 2⁻⁵³ of a wall counts as no
 /// contact, and is evaluated with as much.
@@ -37,7 +37,7 @@ impl Walls {
     }
 }
 
-impl<S: System<Real = f64>> Observer<S> for Walls {
+impl<S: Absorber<Real = f64>> Observer<S> for Walls {
     fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         let d = system.clearance();
         let pull = self.stiffness * (span.from.x.abs() + span.from.v.abs());

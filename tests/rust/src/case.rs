@@ -1,7 +1,7 @@
 //! Random decays and pendulums for the property tests.
 
 use crate::{Run, dd::Dd, oracle::Scene};
-use iva_core::{piva::Parameters, run::run, simulate::Limits, siva::Siva, system::Start};
+use iva_core::{absorber::Start, piva::Parameters, run::run, simulate::Limits, siva::Siva};
 use proptest::prelude::*;
 
 /// A random decay, natural units.

@@ -12,7 +12,7 @@ use crate::{
     flight::{Segment, root},
     rng::Rng,
 };
-use iva_core::{siva::Siva, system::Start};
+use iva_core::{absorber::Start, siva::Siva};
 
 /// Parameters and start of a free decay, natural units.
 #[derive(Debug, Clone, Copy)]

@@ -2,6 +2,7 @@
 //! have, in one file. The rest is that of a free mass with Newton's law.
 
 use iva_core::{
+    absorber::{Absorber, Clock, ImpactLaw, LawAt, OnStructure, Point, Start, Wall},
     error::Invalid,
     flight::Jet,
     host::UndrivenHost,
@@ -10,7 +11,6 @@ use iva_core::{
     propagation::{Differentiable, free_mass_impact},
     real::Real,
     siva::{Siva, SivaState},
-    system::{Clock, LawAt, Point, Start, System, Wall},
 };
 use nalgebra::{Matrix4, Vector4};
 
@@ -48,14 +48,33 @@ impl<R: Real> Softening<R> {
     }
 }
 
-impl<R: Real> System for Softening<R> {
+impl<R: Real> OnStructure for Softening<R> {
     type Real = R;
     type Excitation = UndrivenHost<R>;
     type State = SivaState<(), R>;
-    type Start = Start<R>;
-    type Flight<'a> = <Siva<UndrivenHost<R>> as System>::Flight<'a>;
-    type Ride<'a> = <Siva<UndrivenHost<R>> as System>::Ride<'a>;
 
+    fn excitation(&self) -> &UndrivenHost<R> {
+        self.siva.excitation()
+    }
+
+    fn phase(_state: &Self::State) -> &() {
+        &()
+    }
+
+    fn mass_ratio(&self) -> R {
+        self.siva.mass_ratio()
+    }
+
+    fn primary(&self, state: &Self::State) -> Point<R> {
+        self.siva.primary(state)
+    }
+
+    fn energy(&self, state: &Self::State) -> R {
+        self.siva.energy(state)
+    }
+}
+
+impl<R: Real> ImpactLaw for Softening<R> {
     fn law_at(&self, _wall: Wall, approach: R) -> LawAt<R> {
         let (mu, zeta) = (self.siva.mass_ratio(), self.siva.damping_ratio());
         LawAt::of_free_mass(mu, self.restitution(approach), approach, zeta)
@@ -66,50 +85,50 @@ impl<R: Real> System for Softening<R> {
         self.at(approach).impact(state, time)
     }
 
-    fn excitation(&self) -> &UndrivenHost<R> {
-        self.siva.excitation()
-    }
-    fn phase(_state: &Self::State) -> &() {
-        &()
-    }
-    fn mass_ratio(&self) -> R {
-        self.siva.mass_ratio()
-    }
-    fn clearance(&self) -> R {
-        self.siva.clearance()
-    }
-    fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
-        self.siva.check_start(start)
-    }
-    fn begin_at(&self, start: &Start<R>, time: Clock<R>) -> Self::State {
-        self.siva.begin_at(start, time)
-    }
-    fn flight(&self, state: &Self::State) -> Self::Flight<'_> {
-        self.siva.flight(state)
-    }
-    fn ride(&self, state: &Self::State) -> Self::Ride<'_> {
-        self.siva.ride(state)
-    }
-    fn wall(&self, state: &Self::State) -> Wall {
-        self.siva.wall(state)
-    }
-    fn distance(&self, state: &Self::State) -> Jet<R> {
-        self.siva.distance(state)
-    }
-    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
-        self.siva.touch(state, wall)
-    }
     fn stick(&self, state: &Self::State) -> (Self::State, R) {
         self.siva.stick(state)
     }
+}
+
+impl<R: Real> Absorber for Softening<R> {
+    type Start = Start<R>;
+    type Flight<'a> = <Siva<UndrivenHost<R>> as Absorber>::Flight<'a>;
+    type Ride<'a> = <Siva<UndrivenHost<R>> as Absorber>::Ride<'a>;
+
+    fn clearance(&self) -> R {
+        self.siva.clearance()
+    }
+
+    fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
+        self.siva.check_start(start)
+    }
+
+    fn begin_at(&self, start: &Start<R>, time: Clock<R>) -> Self::State {
+        self.siva.begin_at(start, time)
+    }
+
+    fn flight(&self, state: &Self::State) -> Self::Flight<'_> {
+        self.siva.flight(state)
+    }
+
+    fn ride(&self, state: &Self::State) -> Self::Ride<'_> {
+        self.siva.ride(state)
+    }
+
+    fn wall(&self, state: &Self::State) -> Wall {
+        self.siva.wall(state)
+    }
+
+    fn distance(&self, state: &Self::State) -> Jet<R> {
+        self.siva.distance(state)
+    }
+
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
+        self.siva.touch(state, wall)
+    }
+
     fn release(&self, state: &Self::State) -> (Self::State, R) {
         self.siva.release(state)
-    }
-    fn primary(&self, state: &Self::State) -> Point<R> {
-        self.siva.primary(state)
-    }
-    fn energy(&self, state: &Self::State) -> R {
-        self.siva.energy(state)
     }
 }
 

@@ -5,13 +5,13 @@
 //! sinusoids in closed form, and the gap obeys ÿ = −ẍ. An impulse P at the absorber changes q̇ᵢ by φᵢP.
 
 use iva_core::{
+    absorber::{Absorber, Clock, ImpactLaw, LawAt, OnStructure, Point, Start, Wall},
     compensated::DoubleDouble,
     error::Invalid,
     flight::{Curve, GapPoint, Jet, Losses, Motion},
     host::Still,
     impact::Impact,
     siva::check_start,
-    system::{Clock, LawAt, Point, Start, System, Wall},
     taylor::{Number, ORDER, Row, horner},
 };
 
@@ -258,14 +258,10 @@ impl<const STUCK: bool> Curve for Segment<'_, STUCK> {
     }
 }
 
-impl System for TwoModes {
+impl OnStructure for TwoModes {
     type Real = f64;
     type Excitation = Still;
     type State = State;
-    /// The start of the absorber, and the modal displacements.
-    type Start = [f64; 2];
-    type Flight<'a> = Segment<'a, false>;
-    type Ride<'a> = Segment<'a, true>;
 
     fn excitation(&self) -> &Still {
         Still::NONE
@@ -279,16 +275,60 @@ impl System for TwoModes {
         self.absorber[0]
     }
 
-    fn clearance(&self) -> f64 {
-        self.absorber[2]
+    fn primary(&self, state: &State) -> Point {
+        Point { x: self.seen(|i| state.modes[i][0]), v: self.seen(|i| state.modes[i][1]) }
     }
 
+    fn energy(&self, state: &State) -> f64 {
+        let mode = |i: usize| {
+            let [q, v] = state.modes[i];
+            0.5 * (v * v + (self.frequencies[i] * q).powi(2))
+        };
+        let absorber = self.primary(state).v - state.side * state.rate;
+        mode(0) + mode(1) + 0.5 * self.absorber[0] * absorber * absorber
+    }
+}
+
+impl ImpactLaw for TwoModes {
     /// The dampers of both modes respond to the jumps of their velocities.
     fn law_at(&self, _wall: Wall, _approach: f64) -> LawAt {
         let [mass, rebound, _] = self.absorber;
         let impulse = (1.0 + rebound) / (1.0 / mass + self.mobility());
         let rise = |i: usize| 2.0 * self.damping_ratios[i] * self.frequencies[i] * self.shapes[i];
         LawAt::constant(rebound, rebound, impulse * self.mobility(), impulse * self.seen(rise))
+    }
+
+    fn impact(&self, state: &State, time: f64) -> (State, Impact) {
+        let [_, e, _] = self.absorber;
+        let (after, energy_loss) = self.struck(state, e);
+        let impact = Impact {
+            time,
+            wall: self.wall(state),
+            displacement: self.primary(state).x,
+            velocity_before: self.primary(state).v,
+            velocity_after: self.primary(&after).v,
+            gap_velocity_before: -state.side * state.rate,
+            gap_velocity_after: -after.side * after.rate,
+            lever: 1.0,
+            energy_loss,
+        };
+        (after, impact)
+    }
+
+    fn stick(&self, state: &State) -> (State, f64) {
+        let (stuck, lost) = self.struck(state, 0.0);
+        (State { distance: 0.0, rate: 0.0, ..stuck }, lost)
+    }
+}
+
+impl Absorber for TwoModes {
+    /// The start of the absorber, and the modal displacements.
+    type Start = [f64; 2];
+    type Flight<'a> = Segment<'a, false>;
+    type Ride<'a> = Segment<'a, true>;
+
+    fn clearance(&self) -> f64 {
+        self.absorber[2]
     }
 
     fn check_start(&self, _start: &[f64; 2]) -> Result<(), Invalid> {
@@ -326,42 +366,7 @@ impl System for TwoModes {
         (State { side: turn * end.side, distance: 0.0, rate: turn * end.rate, ..end }, later)
     }
 
-    fn impact(&self, state: &State, time: f64) -> (State, Impact) {
-        let [_, e, _] = self.absorber;
-        let (after, energy_loss) = self.struck(state, e);
-        let impact = Impact {
-            time,
-            wall: self.wall(state),
-            displacement: self.primary(state).x,
-            velocity_before: self.primary(state).v,
-            velocity_after: self.primary(&after).v,
-            gap_velocity_before: -state.side * state.rate,
-            gap_velocity_after: -after.side * after.rate,
-            lever: 1.0,
-            energy_loss,
-        };
-        (after, impact)
-    }
-
-    fn stick(&self, state: &State) -> (State, f64) {
-        let (stuck, lost) = self.struck(state, 0.0);
-        (State { distance: 0.0, rate: 0.0, ..stuck }, lost)
-    }
-
     fn release(&self, state: &State) -> (State, f64) {
         (*state, 0.0)
-    }
-
-    fn primary(&self, state: &State) -> Point {
-        Point { x: self.seen(|i| state.modes[i][0]), v: self.seen(|i| state.modes[i][1]) }
-    }
-
-    fn energy(&self, state: &State) -> f64 {
-        let mode = |i: usize| {
-            let [q, v] = state.modes[i];
-            0.5 * (v * v + (self.frequencies[i] * q).powi(2))
-        };
-        let absorber = self.primary(state).v - state.side * state.rate;
-        mode(0) + mode(1) + 0.5 * self.absorber[0] * absorber * absorber
     }
 }

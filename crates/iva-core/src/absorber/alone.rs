@@ -1,7 +1,7 @@
 //! The structure without absorber, as a system for the event loop.
 
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{Clock, LawAt, Point, System, Wall};
+use crate::absorber::{Absorber, Clock, ImpactLaw, LawAt, OnStructure, Point, Wall};
 use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -181,19 +181,10 @@ impl<R: Real, H: Host<Real = R>> Curve for AloneFlight<'_, H> {
     }
 }
 
-impl<R: Real, H: Host<Real = R>> System for Alone<H> {
+impl<R: Real, H: Host<Real = R>> OnStructure for Alone<H> {
     type Real = R;
     type Excitation = H;
     type State = HostState<Phase<H>, R>;
-    type Start = Point<R>;
-    type Flight<'a>
-        = AloneFlight<'a, H>
-    where
-        H: 'a;
-    type Ride<'a>
-        = AloneFlight<'a, H>
-    where
-        H: 'a;
 
     fn excitation(&self) -> &H {
         &self.host
@@ -207,6 +198,57 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         R::ZERO
     }
 
+    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
+        self.host.state(like.phase, state.primary)
+    }
+
+    fn primary(&self, state: &Self::State) -> Point<R> {
+        Point { x: state.primary.x.value, v: state.primary.v.value }
+    }
+
+    fn energy(&self, state: &Self::State) -> R {
+        let Point { x, v } = self.primary(state);
+        (x * x + v * v) * 0.5
+    }
+
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
+        self.host.sinusoidal()
+    }
+
+    fn apply_impulse(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {
+        let Primary { x, v } = state.primary;
+        self.host.state(self.host.after_impulse(&state.phase), Primary { x, v: v.plus(velocity) })
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> ImpactLaw for Alone<H> {
+    fn law_at(&self, _wall: Wall, _approach: R) -> LawAt<R> {
+        let none = R::ZERO;
+        LawAt::constant(none, none, none, none)
+    }
+
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        let (none, primary) = ([R::ZERO; 2], self.primary(state));
+        let impact = Impact::of_free_mass(none, time, Wall::Plus, primary, R::ZERO);
+        (*state, impact)
+    }
+
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        (*state, R::ZERO)
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> Absorber for Alone<H> {
+    type Start = Point<R>;
+    type Flight<'a>
+        = AloneFlight<'a, H>
+    where
+        H: 'a;
+    type Ride<'a>
+        = AloneFlight<'a, H>
+    where
+        H: 'a;
+
     /// 1: there are no walls, and defaults that are a share of the clearance stay usable.
     fn clearance(&self) -> R {
         R::ONE
@@ -214,11 +256,6 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
 
     fn walls_reachable(&self) -> bool {
         false
-    }
-
-    fn law_at(&self, _wall: Wall, _approach: R) -> LawAt<R> {
-        let none = R::ZERO;
-        LawAt::constant(none, none, none, none)
     }
 
     fn check_start(&self, start: &Point<R>) -> Result<(), Invalid> {
@@ -229,10 +266,6 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
     fn begin_at(&self, start: &Point<R>, time: Clock<R>) -> Self::State {
         let primary = Primary { x: DoubleDouble::new(start.x), v: DoubleDouble::new(start.v) };
         self.host.state(self.host.begin_at(time), primary)
-    }
-
-    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
-        self.host.state(like.phase, state.primary)
     }
 
     fn flight(&self, state: &Self::State) -> AloneFlight<'_, H> {
@@ -256,35 +289,7 @@ impl<R: Real, H: Host<Real = R>> System for Alone<H> {
         (*state, R::ZERO)
     }
 
-    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
-        let (none, primary) = ([R::ZERO; 2], self.primary(state));
-        let impact = Impact::of_free_mass(none, time, Wall::Plus, primary, R::ZERO);
-        (*state, impact)
-    }
-
-    fn stick(&self, state: &Self::State) -> (Self::State, R) {
-        (*state, R::ZERO)
-    }
-
     fn release(&self, state: &Self::State) -> (Self::State, R) {
         (*state, R::ZERO)
-    }
-
-    fn primary(&self, state: &Self::State) -> Point<R> {
-        Point { x: state.primary.x.value, v: state.primary.v.value }
-    }
-
-    fn energy(&self, state: &Self::State) -> R {
-        let Point { x, v } = self.primary(state);
-        (x * x + v * v) * 0.5
-    }
-
-    fn sinusoidal(&self) -> Option<Sinusoidal> {
-        self.host.sinusoidal()
-    }
-
-    fn apply_impulse(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {
-        let Primary { x, v } = state.primary;
-        self.host.state(self.host.after_impulse(&state.phase), Primary { x, v: v.plus(velocity) })
     }
 }

@@ -14,7 +14,7 @@
 
 use crate::absorber::impact::{self, Impact};
 use crate::absorber::siva::check_start;
-use crate::absorber::system::{Clock, LawAt, Point, Start, System, Wall};
+use crate::absorber::{Absorber, Clock, ImpactLaw, LawAt, OnStructure, Point, Start, Wall};
 use crate::error::Invalid;
 use crate::host::Still;
 use crate::number::arrays::laned;
@@ -157,19 +157,10 @@ impl<R: Real, C: Coupling<Real = R>> Coupled<C> {
     }
 }
 
-impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
+impl<R: Real, C: Coupling<Real = R>> OnStructure for Coupled<C> {
     type Real = R;
     type Excitation = Still<R>;
     type State = CoupledState<R>;
-    type Start = Start<R>;
-    type Flight<'a>
-        = Segment<'a, C, false>
-    where
-        Self: 'a;
-    type Ride<'a>
-        = Segment<'a, C, true>
-    where
-        Self: 'a;
 
     fn excitation(&self) -> &Still<R> {
         Still::NONE
@@ -183,15 +174,53 @@ impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
         self.coupling.constants()[0]
     }
 
-    fn clearance(&self) -> R {
-        self.coupling.constants()[2]
+    fn primary(&self, state: &CoupledState<R>) -> Point<R> {
+        Point { x: state.x, v: state.v }
     }
 
+    fn energy(&self, state: &CoupledState<R>) -> R {
+        let ([mu, ..], [x, v, y, w]) = (self.coupling.constants(), self.variables(state));
+        (x * x + v * v + mu * (v + w) * (v + w) + self.coupling.spring() * (y * y)) * 0.5
+    }
+}
+
+impl<R: Real, C: Coupling<Real = R>> ImpactLaw for Coupled<C> {
     fn law_at(&self, _wall: Wall, _approach: R) -> LawAt<R> {
         let [mu, rebound, _] = self.coupling.constants();
         let gain = impact::primary_share(mu, rebound).value;
         let [_, pressure] = self.coupling.rates([R::ZERO, gain, R::ZERO, -(rebound + 1.0)]);
         LawAt::constant(rebound, rebound, gain, pressure)
+    }
+
+    fn impact(&self, state: &CoupledState<R>, time: R) -> (CoupledState<R>, Impact<R>) {
+        let ([mu, e, _], wall) = (self.coupling.constants(), self.wall(state));
+        let [x, v, _, w] = self.variables(state);
+        let impact = Impact::of_free_mass([mu, e], time, wall, Point { x, v }, w);
+        (CoupledState { v: impact.velocity_after, rate: -e * state.rate, ..*state }, impact)
+    }
+
+    fn stick(&self, state: &CoupledState<R>) -> (CoupledState<R>, R) {
+        let ([mu, ..], wall) = (self.coupling.constants(), self.wall(state));
+        let [x, v, _, w] = self.variables(state);
+        let impact = Impact::of_free_mass([mu, R::ZERO], R::ZERO, wall, Point { x, v }, w);
+        let v = impact.velocity_after;
+        (CoupledState { v, distance: R::ZERO, rate: R::ZERO, ..*state }, impact.energy_loss)
+    }
+}
+
+impl<R: Real, C: Coupling<Real = R>> Absorber for Coupled<C> {
+    type Start = Start<R>;
+    type Flight<'a>
+        = Segment<'a, C, false>
+    where
+        Self: 'a;
+    type Ride<'a>
+        = Segment<'a, C, true>
+    where
+        Self: 'a;
+
+    fn clearance(&self) -> R {
+        self.coupling.constants()[2]
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
@@ -231,35 +260,11 @@ impl<R: Real, C: Coupling<Real = R>> System for Coupled<C> {
         (CoupledState { side, distance: R::ZERO, rate, ..end }, later)
     }
 
-    fn impact(&self, state: &CoupledState<R>, time: R) -> (CoupledState<R>, Impact<R>) {
-        let ([mu, e, _], wall) = (self.coupling.constants(), self.wall(state));
-        let [x, v, _, w] = self.variables(state);
-        let impact = Impact::of_free_mass([mu, e], time, wall, Point { x, v }, w);
-        (CoupledState { v: impact.velocity_after, rate: -e * state.rate, ..*state }, impact)
-    }
-
-    fn stick(&self, state: &CoupledState<R>) -> (CoupledState<R>, R) {
-        let ([mu, ..], wall) = (self.coupling.constants(), self.wall(state));
-        let [x, v, _, w] = self.variables(state);
-        let impact = Impact::of_free_mass([mu, R::ZERO], R::ZERO, wall, Point { x, v }, w);
-        let v = impact.velocity_after;
-        (CoupledState { v, distance: R::ZERO, rate: R::ZERO, ..*state }, impact.energy_loss)
-    }
-
     fn release(&self, state: &CoupledState<R>) -> (CoupledState<R>, R) {
         // At the release the pressure is 0; x is set to the displacement for that.
         let [_, pressure] = self.coupling.rates(self.variables(state));
         let [_, per_x] = self.coupling.rates([R::ONE, R::ZERO, R::ZERO, R::ZERO]);
         let x = if per_x == 0.0 { state.x } else { state.x - pressure / per_x };
         (CoupledState { x, ..*state }, R::ZERO)
-    }
-
-    fn primary(&self, state: &CoupledState<R>) -> Point<R> {
-        Point { x: state.x, v: state.v }
-    }
-
-    fn energy(&self, state: &CoupledState<R>) -> R {
-        let ([mu, ..], [x, v, y, w]) = (self.coupling.constants(), self.variables(state));
-        (x * x + v * v + mu * (v + w) * (v + w) + self.coupling.spring() * (y * y)) * 0.5
     }
 }

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-use crate::absorber::system::{LawAt, System, Wall};
+use crate::absorber::{Absorber, LawAt, Wall};
 
 mod coupled;
 mod piva;
@@ -13,7 +13,7 @@ mod siva;
 mod structure;
 
 /// A system whose motion can be differentiated.
-pub trait Differentiable: System<Real = f64> {
+pub trait Differentiable: Absorber<Real = f64> {
     /// True if the derivatives of the motion are those of a linear equation: known for any length, and the same
     /// from any state. Then the estimate needs the states at events only.
     const LINEAR: bool = false;

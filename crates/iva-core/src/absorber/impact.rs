@@ -7,14 +7,14 @@
 //! masses. The law of a pendulum is `Law` in `absorber/piva/impact_law.rs`, applied in `absorber/piva/contact.rs`. The
 //! derivatives are in `absorber/derivatives`.
 //!
-//! Where e depends on the approach speed, `System::law_at` and `System::impact` tell it
-//! ([`LawAt`](crate::absorber::system::LawAt)), and the sum of a chatter waits until e changes by less than rounding. Lanes
+//! Where e depends on the approach speed, `Absorber::law_at` and `Absorber::impact` tell it
+//! ([`LawAt`](crate::absorber::LawAt)), and the sum of a chatter waits until e changes by less than rounding. Lanes
 //! assume a constant e (`may_end` in `absorber/chatter.rs`). An example is `tests/rust/src/speed_law.rs`.
 //!
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
 //! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.
 
-use crate::absorber::system::{Point, Wall};
+use crate::absorber::{Point, Wall};
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::{Real, pick};

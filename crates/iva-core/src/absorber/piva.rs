@@ -7,7 +7,7 @@
 
 use crate::absorber::impact::{Impact, delay};
 use crate::absorber::ride::{Ride, Stuck};
-use crate::absorber::system::{Angle, Clock, LawAt, Point, System, Wall};
+use crate::absorber::{Absorber, Angle, Clock, LawAt, OnStructure, Point, Wall};
 use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -224,19 +224,10 @@ fn at_rest_on_release<R: Real, P, const LENGTH: usize>(
     series
 }
 
-impl<R: Real, H: Host<Real = R>> System for Piva<H> {
+impl<R: Real, H: Host<Real = R>> OnStructure for Piva<H> {
     type Real = R;
     type Excitation = H;
     type State = PivaState<Phase<H>, R>;
-    type Start = PivaStart<R>;
-    type Flight<'a>
-        = PivaFlight<'a, H>
-    where
-        H: 'a;
-    type Ride<'a>
-        = Ride<'a, Self>
-    where
-        H: 'a;
 
     fn excitation(&self) -> &H {
         &self.host
@@ -250,15 +241,98 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
         self.parameters.mass_ratio
     }
 
-    fn clearance(&self) -> R {
-        self.parameters.clearance
+    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
+        PivaState { phase: like.phase, ..*state }
     }
 
+    fn primary(&self, state: &Self::State) -> Point<R> {
+        Point { x: state.primary.x.value, v: state.primary.v.value }
+    }
+
+    fn energy(&self, state: &Self::State) -> R {
+        let Point { x, v } = self.primary(state);
+        let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
+        let Pendulum { lever, contact_distance, .. } = self.pendulum;
+        let (y, w, c) = (state.y().value, state.w.value, state.cosine.value);
+        let sine = y / contact_distance;
+        // 1 − cosθ without cancellation (θ²/2 at small angles).
+        let rise = if c > 0.0 { sine * sine / (R::ONE + c) } else { R::ONE - c };
+        let kinetic = v * v + v * 2.0 * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
+        let moving = (x * x + v * v) * 0.5;
+        let whole = moving + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise);
+        let Spring { stiffness, .. } = self.pendulum.spring;
+        if stiffness == 0.0 {
+            return whole;
+        }
+        let turned = self.angle_of(state) * length;
+        whole + mass_ratio * inertia_ratio * 0.5 * (stiffness * (turned * turned))
+    }
+
+    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
+        let Pendulum { mass_ratio, coupling, .. } = self.pendulum;
+        let mass = DoubleDouble::new(R::ONE).plus(mass_ratio);
+        let phase = self.host.after_impulse(&state.phase);
+        if stuck {
+            let gained = DoubleDouble::new(velocity).over_sum(mass);
+            let primary = state.primary.faster_by(gained);
+            return PivaState { phase, primary, released: false, ..*state };
+        }
+        let gained = DoubleDouble::new(velocity).over_sum(self.pendulum.inertia(state.y()));
+        let swing = gained.times(-coupling).times_sum(state.cosine);
+        PivaState {
+            phase,
+            primary: state.primary.faster_by(gained),
+            w: state.w + swing,
+            released: false,
+            ..*state
+        }
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> crate::absorber::ImpactLaw for Piva<H> {
     /// The gain of the law is per W; divided by cosθ it is per gap velocity W cosθ.
     fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
         let law = self.law(wall);
         let gain = law.impact_gain() / self.stops.cosine.value;
         LawAt::constant(law.restitution, law.ratio, gain, law.pressure_gain)
+    }
+
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        R::dispatched(
+            #[inline(always)]
+            || self.law(state.wall).struck(state, time, self.pendulum.lever),
+        )
+    }
+
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        let (v, law) = (state.primary.v, self.law(state.wall));
+        let gained = law.stick(state.w);
+        let Parameters { mass_ratio, damping_ratio, .. } = self.parameters;
+        let damping = damping_ratio * 2.0 / (R::ONE + mass_ratio);
+        let [farther, faster] = law.surplus_of_tail(state.w, &self.distance(state), damping);
+        let stuck = PivaState {
+            primary: Primary { x: state.primary.x.plus(farther), v: (v + gained).plus(faster) },
+            distance: DoubleDouble::ZERO,
+            w: DoubleDouble::ZERO,
+            ..*state
+        };
+        (stuck, law.stick_loss(v.value, state.w.value))
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> Absorber for Piva<H> {
+    type Start = PivaStart<R>;
+    type Flight<'a>
+        = PivaFlight<'a, H>
+    where
+        H: 'a;
+    type Ride<'a>
+        = Ride<'a, Self>
+    where
+        H: 'a;
+
+    fn clearance(&self) -> R {
+        self.parameters.clearance
     }
 
     fn lever(&self) -> R {
@@ -271,10 +345,6 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
 
     fn begin_at(&self, start: &PivaStart<R>, time: Clock<R>) -> Self::State {
         self.first_state(start, time)
-    }
-
-    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
-        PivaState { phase: like.phase, ..*state }
     }
 
     fn flight(&self, state: &Self::State) -> PivaFlight<'_, H> {
@@ -307,28 +377,6 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
         )
     }
 
-    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
-        R::dispatched(
-            #[inline(always)]
-            || self.law(state.wall).struck(state, time, self.pendulum.lever),
-        )
-    }
-
-    fn stick(&self, state: &Self::State) -> (Self::State, R) {
-        let (v, law) = (state.primary.v, self.law(state.wall));
-        let gained = law.stick(state.w);
-        let Parameters { mass_ratio, damping_ratio, .. } = self.parameters;
-        let damping = damping_ratio * 2.0 / (R::ONE + mass_ratio);
-        let [farther, faster] = law.surplus_of_tail(state.w, &self.distance(state), damping);
-        let stuck = PivaState {
-            primary: Primary { x: state.primary.x.plus(farther), v: (v + gained).plus(faster) },
-            distance: DoubleDouble::ZERO,
-            w: DoubleDouble::ZERO,
-            ..*state
-        };
-        (stuck, law.stick_loss(v.value, state.w.value))
-    }
-
     fn release(&self, state: &Self::State) -> (Self::State, R) {
         // The wall stops pressing where x is at the balance for the A of a release.
         let Primary { x, v } = state.primary;
@@ -348,51 +396,8 @@ impl<R: Real, H: Host<Real = R>> System for Piva<H> {
         (PivaState { phase, primary, distance, w, released: true, ..*state }, later)
     }
 
-    fn primary(&self, state: &Self::State) -> Point<R> {
-        Point { x: state.primary.x.value, v: state.primary.v.value }
-    }
-
-    fn energy(&self, state: &Self::State) -> R {
-        let Point { x, v } = self.primary(state);
-        let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
-        let Pendulum { lever, contact_distance, .. } = self.pendulum;
-        let (y, w, c) = (state.y().value, state.w.value, state.cosine.value);
-        let sine = y / contact_distance;
-        // 1 − cosθ without cancellation (θ²/2 at small angles).
-        let rise = if c > 0.0 { sine * sine / (R::ONE + c) } else { R::ONE - c };
-        let kinetic = v * v + v * 2.0 * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
-        let moving = (x * x + v * v) * 0.5;
-        let whole = moving + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise);
-        let Spring { stiffness, .. } = self.pendulum.spring;
-        if stiffness == 0.0 {
-            return whole;
-        }
-        let turned = self.angle_of(state) * length;
-        whole + mass_ratio * inertia_ratio * 0.5 * (stiffness * (turned * turned))
-    }
-
     fn walls_reachable(&self) -> bool {
         self.stop_reachable()
-    }
-
-    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
-        let Pendulum { mass_ratio, coupling, .. } = self.pendulum;
-        let mass = DoubleDouble::new(R::ONE).plus(mass_ratio);
-        let phase = self.host.after_impulse(&state.phase);
-        if stuck {
-            let gained = DoubleDouble::new(velocity).over_sum(mass);
-            let primary = state.primary.faster_by(gained);
-            return PivaState { phase, primary, released: false, ..*state };
-        }
-        let gained = DoubleDouble::new(velocity).over_sum(self.pendulum.inertia(state.y()));
-        let swing = gained.times(-coupling).times_sum(state.cosine);
-        PivaState {
-            phase,
-            primary: state.primary.faster_by(gained),
-            w: state.w + swing,
-            released: false,
-            ..*state
-        }
     }
 
     fn angle(&self, state: &Self::State) -> Option<Angle<R>> {

@@ -1,7 +1,7 @@
 //! An absorber stuck on a wall: one mass 1 + μ on the spring and damper of its structure, until the pressure on the wall
 //! changes sign.
 
-use crate::absorber::system::{System, Wall};
+use crate::absorber::{Absorber, Wall};
 use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -10,7 +10,7 @@ use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Row
 use crate::segment::taylor::ORDER;
 
 /// An absorber that can stick to a host.
-pub trait Stuck: System<Excitation = <Self as Stuck>::Host> {
+pub trait Stuck: Absorber<Excitation = <Self as Stuck>::Host> {
     /// The host.
     type Host: Host<Real = Self::Real>;
     /// Displacement and velocity of the structure in a state.

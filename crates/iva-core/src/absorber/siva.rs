@@ -11,7 +11,9 @@ use std::any::TypeId;
 use crate::absorber::impact::{self, Impact};
 use crate::absorber::plain::Scene;
 use crate::absorber::ride::{Ride, Stuck};
-use crate::absorber::system::{Clock, Coasted, LawAt, Point, Start, System, Wall};
+use crate::absorber::{
+    Absorber, Clock, Coasted, ImpactLaw, LawAt, OnStructure, Point, Start, Wall,
+};
 use crate::error::{Invalid, number};
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -224,19 +226,10 @@ pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result
     Ok(())
 }
 
-impl<R: Real, H: Host<Real = R>> System for Siva<H> {
+impl<R: Real, H: Host<Real = R>> OnStructure for Siva<H> {
     type Real = R;
     type Excitation = H;
     type State = SivaState<Phase<H>, R>;
-    type Start = Start<R>;
-    type Flight<'a>
-        = SivaFlight<'a, H>
-    where
-        H: 'a;
-    type Ride<'a>
-        = Ride<'a, Self>
-    where
-        H: 'a;
 
     fn excitation(&self) -> &H {
         &self.host
@@ -250,18 +243,99 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         self.mass_ratio
     }
 
+    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
+        let host = self.host.state(like.host.phase, state.host.primary);
+        SivaState { host, ..*state }
+    }
+
+    fn primary(&self, state: &Self::State) -> Point<R> {
+        let Primary { x, v } = state.host.primary;
+        Point { x: x.value, v: v.value }
+    }
+
+    fn sinusoidal(&self) -> Option<Sinusoidal> {
+        self.host.sinusoidal()
+    }
+
+    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
+        let phase = self.host.after_impulse(&state.host.phase);
+        let Primary { x, v } = state.host.primary;
+        let mass = DoubleDouble::new(R::ONE).plus(self.mass_ratio);
+        let gained = if stuck {
+            DoubleDouble::new(velocity).over_sum(mass)
+        } else {
+            DoubleDouble::new(velocity)
+        };
+        let host = self.host.state(phase, Primary { x, v: v + gained });
+        let rate = if stuck { state.rate } else { state.rate.plus(state.side * velocity) };
+        SivaState { host, rate, ..*state }
+    }
+
+    fn energy(&self, state: &Self::State) -> R {
+        let Point { x, v } = self.primary(state);
+        let absorber = v + state.gap_velocity();
+        let moving = (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber);
+        let gravity = self.host.gravity();
+        if gravity == 0.0 {
+            return moving;
+        }
+        moving + self.mass_ratio * gravity * self.height(state)
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> ImpactLaw for Siva<H> {
+    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
+        let Law { restitution, share, .. } = *self.law(R::from(wall.sign()));
+        let pressure = self.host.damping_ratio() * 2.0 * share.value;
+        LawAt::constant(restitution, restitution, share.value, pressure)
+    }
+
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        let s = state.side;
+        let approach = -state.rate.value;
+        let law = self.law(s);
+        let after = collided(self.host.free(), state, true, law);
+        let impact = Impact {
+            time,
+            wall: self.wall(state),
+            displacement: state.host.primary.x.value,
+            velocity_before: state.host.primary.v.value,
+            velocity_after: after.host.primary.v.value,
+            gap_velocity_before: s * approach,
+            gap_velocity_after: after.gap_velocity(),
+            lever: R::ONE,
+            energy_loss: law.lost(approach),
+        };
+        (after, impact)
+    }
+
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        let loss = impact::energy_loss(self.mass_ratio, R::ZERO, state.rate.value);
+        let primary = state.host.primary.jumped(-state.side, state.rate, self.stick_share);
+        let host = self.host.state(state.host.phase, primary);
+        let stuck =
+            SivaState { host, distance: DoubleDouble::ZERO, rate: DoubleDouble::ZERO, ..*state };
+        (stuck, loss)
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
+    type Start = Start<R>;
+    type Flight<'a>
+        = SivaFlight<'a, H>
+    where
+        H: 'a;
+    type Ride<'a>
+        = Ride<'a, Self>
+    where
+        H: 'a;
+
     fn clearance(&self) -> R {
         self.clearance
     }
 
     fn offset(&self) -> R {
         self.offset
-    }
-
-    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
-        let Law { restitution, share, .. } = *self.law(R::from(wall.sign()));
-        let pressure = self.host.damping_ratio() * 2.0 * share.value;
-        LawAt::constant(restitution, restitution, share.value, pressure)
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
@@ -294,11 +368,6 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             distance: if touching { DoubleDouble::ZERO } else { distance },
             rate: DoubleDouble::new(-s * start.gap_velocity),
         }
-    }
-
-    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
-        let host = self.host.state(like.host.phase, state.host.primary);
-        SivaState { host, ..*state }
     }
 
     #[inline]
@@ -375,34 +444,6 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         (SivaState { host, side, distance: DoubleDouble::ZERO, rate }, later)
     }
 
-    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
-        let s = state.side;
-        let approach = -state.rate.value;
-        let law = self.law(s);
-        let after = collided(self.host.free(), state, true, law);
-        let impact = Impact {
-            time,
-            wall: self.wall(state),
-            displacement: state.host.primary.x.value,
-            velocity_before: state.host.primary.v.value,
-            velocity_after: after.host.primary.v.value,
-            gap_velocity_before: s * approach,
-            gap_velocity_after: after.gap_velocity(),
-            lever: R::ONE,
-            energy_loss: law.lost(approach),
-        };
-        (after, impact)
-    }
-
-    fn stick(&self, state: &Self::State) -> (Self::State, R) {
-        let loss = impact::energy_loss(self.mass_ratio, R::ZERO, state.rate.value);
-        let primary = state.host.primary.jumped(-state.side, state.rate, self.stick_share);
-        let host = self.host.state(state.host.phase, primary);
-        let stuck =
-            SivaState { host, distance: DoubleDouble::ZERO, rate: DoubleDouble::ZERO, ..*state };
-        (stuck, loss)
-    }
-
     fn release(&self, state: &Self::State) -> (Self::State, R) {
         // The release is where A = 0. With x set to the balance, the pressure is exactly 0.
         let HostState { primary: Primary { x, v }, phase, .. } = state.host;
@@ -420,11 +461,6 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
         )
     }
 
-    fn primary(&self, state: &Self::State) -> Point<R> {
-        let Primary { x, v } = state.host.primary;
-        Point { x: x.value, v: v.value }
-    }
-
     fn forced(&self) -> Option<Scene> {
         let force = self.host.force().filter(|force| force.is_single())?;
         let harmonic = force.harmonics().first()?.in_doubles();
@@ -437,35 +473,6 @@ impl<R: Real, H: Host<Real = R>> System for Siva<H> {
             harmonic,
             moves_base: force.moves_base(),
         })
-    }
-
-    fn sinusoidal(&self) -> Option<Sinusoidal> {
-        self.host.sinusoidal()
-    }
-
-    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
-        let phase = self.host.after_impulse(&state.host.phase);
-        let Primary { x, v } = state.host.primary;
-        let mass = DoubleDouble::new(R::ONE).plus(self.mass_ratio);
-        let gained = if stuck {
-            DoubleDouble::new(velocity).over_sum(mass)
-        } else {
-            DoubleDouble::new(velocity)
-        };
-        let host = self.host.state(phase, Primary { x, v: v + gained });
-        let rate = if stuck { state.rate } else { state.rate.plus(state.side * velocity) };
-        SivaState { host, rate, ..*state }
-    }
-
-    fn energy(&self, state: &Self::State) -> R {
-        let Point { x, v } = self.primary(state);
-        let absorber = v + state.gap_velocity();
-        let moving = (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber);
-        let gravity = self.host.gravity();
-        if gravity == 0.0 {
-            return moving;
-        }
-        moving + self.mass_ratio * gravity * self.height(state)
     }
 }
 

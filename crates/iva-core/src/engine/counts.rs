@@ -1,7 +1,7 @@
 //! The counts and sums of the impacts of a run: those of the event loop, and of lanes.
 
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{Clock, Wall};
+use crate::absorber::{Clock, Wall};
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::{Real, pick};

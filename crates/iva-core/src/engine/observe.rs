@@ -1,7 +1,7 @@
 //! Observers of a run: measures, records and samplers implement [`Observer`].
 
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{Clock, Point, System, Wall};
+use crate::absorber::{Absorber, Clock, OnStructure, Point, Wall};
 use crate::engine::simulate::{Instant, Tally};
 use crate::number::real::Real;
 use crate::segment::flight::Motion;
@@ -31,7 +31,7 @@ impl<'a, M: Motion> Span<'a, M> {
         [from, to]: [&'a Instant<M::State, M::Real>; 2],
     ) -> Self
     where
-        S: System<Real = M::Real, State = M::State>,
+        S: OnStructure<Real = M::Real, State = M::State>,
     {
         Self {
             motion,
@@ -78,7 +78,7 @@ impl<State, R: Real> Contact<'_, State, R> {
     /// `least`, or the largest |ẍ + a_g| just before and after a rebound of a summed tail if that is larger. Between
     /// such rebounds nothing is larger: |ẍ + a_g| changes by the jumps of ẋ in the damper. Other contacts give
     /// `least`: the spans around them hold their accelerations.
-    pub fn hardest_shaking<S: System<Real = R, State = State>>(&self, system: &S, least: R) -> R {
+    pub fn hardest_shaking<S: Absorber<Real = R, State = State>>(&self, system: &S, least: R) -> R {
         if !self.summed {
             return least;
         }
@@ -91,7 +91,7 @@ impl<State, R: Real> Contact<'_, State, R> {
 pub type Each<'a, M> = &'a dyn Fn(&mut dyn FnMut(&Span<'_, M>));
 
 /// Notified of everything that happens in a run, in order of time.
-pub trait Observer<S: System> {
+pub trait Observer<S: Absorber> {
     /// The run begins, and will end at the instant `duration`.
     fn start(&mut self, _system: &S, _from: &Instant<S::State, S::Real>, _duration: S::Real) {}
     /// A span of smooth motion.
@@ -143,7 +143,7 @@ pub trait Observer<S: System> {
     fn end(&mut self, _system: &S, _tally: &Tally<S::State, S::Real>) {}
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for () {
+impl<R: Real, S: Absorber<Real = R>> Observer<S> for () {
     fn looks_within(&self) -> bool {
         false
     }
@@ -152,7 +152,7 @@ impl<R: Real, S: System<Real = R>> Observer<S> for () {
 /// An observer behind a pointer is one.
 macro_rules! pointed_to {
     ($($pointer:ty),*) => {$(
-        impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for $pointer {
+        impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Observer<S> for $pointer {
             fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
                 (**self).start(system, from, duration);
             }
@@ -199,7 +199,7 @@ macro_rules! pointed_to {
 }
 pointed_to!(&mut O, Box<O>);
 
-impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
+impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         if let Some(observer) = self {
             observer.start(system, from, duration);
@@ -265,7 +265,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
     }
 }
 
-impl<R: Real, S: System<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
+impl<R: Real, S: Absorber<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         self.0.start(system, from, duration);
         self.1.start(system, from, duration);
@@ -329,7 +329,7 @@ pub struct Events<R = f64> {
     pub episodes: Vec<StickEpisode<R>>,
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for Events<R> {
+impl<R: Real, S: Absorber<Real = R>> Observer<S> for Events<R> {
     fn looks_within(&self) -> bool {
         false
     }

@@ -1,10 +1,10 @@
 //! The event loop: flight → contact → impact → chatter or stick → release.
 //!
-//! It knows the absorber only as a [`System`] and its observers only as an [`Observer`].
+//! It knows the absorber only as an [`Absorber`] and its observers only as an [`Observer`].
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock};
 use crate::engine::counts::Counts;
 use crate::engine::observe::{Observer, Span, StickEpisode};
 use crate::engine::progress::Progress;
@@ -30,7 +30,7 @@ pub(crate) use coast::show_coast;
 ///
 /// # Errors
 /// [`Invalid`] if the start does not lie in the gap or a limit is not usable.
-pub fn simulate<R: Real, S: System<Real = R>, O: Observer<S>>(
+pub fn simulate<R: Real, S: Absorber<Real = R>, O: Observer<S>>(
     system: &S,
     start: &S::Start,
     limits: &Limits<R>,
@@ -45,7 +45,7 @@ pub fn simulate<R: Real, S: System<Real = R>, O: Observer<S>>(
 ///
 /// # Errors
 /// As [`simulate`], and if the run would end before it begins.
-pub fn simulate_from<R: Real, S: System<Real = R>, O: Observer<S>>(
+pub fn simulate_from<R: Real, S: Absorber<Real = R>, O: Observer<S>>(
     system: &S,
     start: &S::Start,
     time: R,
@@ -69,7 +69,7 @@ pub fn simulate_from<R: Real, S: System<Real = R>, O: Observer<S>>(
 ///
 /// # Errors
 /// [`Invalid`] if a limit is not usable, or does not lie after the instant.
-pub fn resume<S: System, O: Observer<S>>(
+pub fn resume<S: Absorber, O: Observer<S>>(
     system: &S,
     from: &Instant<S::State, S::Real>,
     limits: &Limits<S::Real>,
@@ -90,7 +90,7 @@ pub fn resume<S: System, O: Observer<S>>(
 }
 
 /// A run in progress.
-pub(crate) struct Run<'a, S: System, O> {
+pub(crate) struct Run<'a, S: Absorber, O> {
     pub system: &'a S,
     pub limits: &'a Limits<S::Real>,
     pub cancel: Option<&'a AtomicBool>,
@@ -111,7 +111,7 @@ const CANCEL_EVERY: u64 = 1024;
 /// at a release, and the run ends as `not_finite`.
 const PRESSURE_ULPS: f64 = 1024.0;
 
-impl<S: System, O> Run<'_, S, O> {
+impl<S: Absorber, O> Run<'_, S, O> {
     /// True if the run is in a flight that a lane can take over. Low impacts of a streak wait for the decision whether
     /// they are listed.
     pub(crate) fn is_for_lanes(&self) -> bool {
@@ -128,7 +128,7 @@ impl<S: System, O> Run<'_, S, O> {
     }
 }
 
-impl<'a, R: Real, S: System<Real = R>, O: Observer<S>> Run<'a, S, O> {
+impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
     /// A run that has not begun.
     pub(crate) fn new(
         system: &'a S,

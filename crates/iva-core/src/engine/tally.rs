@@ -1,7 +1,7 @@
 //! What a run has come to: its counts and sums, and an instant of it.
 
 use super::limits::Outcome;
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock};
 use crate::number::real::Real;
 
 /// Counts and sums of a run, in natural units.
@@ -64,7 +64,7 @@ impl<State: Copy, R: Real> Tally<State, R> {
 /// An instant of a run, and the state at that instant.
 ///
 /// The state of a driven system holds the instant of its drive. It is this instant, unless the state was made
-/// for another one ([`System::begin_at`]).
+/// for another one ([`Absorber::begin_at`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instant<State, R = f64> {
     /// The instant, in 1/ωn.
@@ -75,12 +75,12 @@ pub struct Instant<State, R = f64> {
 
 impl<State, R: Real> Instant<State, R> {
     /// A start at time zero.
-    pub fn start<S: System<Real = R, State = State>>(system: &S, start: &S::Start) -> Self {
+    pub fn start<S: Absorber<Real = R, State = State>>(system: &S, start: &S::Start) -> Self {
         Self::at(system, start, R::ZERO)
     }
 
     /// A start at an instant.
-    pub fn at<S: System<Real = R, State = State>>(system: &S, start: &S::Start, time: R) -> Self {
+    pub fn at<S: Absorber<Real = R, State = State>>(system: &S, start: &S::Start, time: R) -> Self {
         let time = Clock::new(time);
         Self { time, state: system.begin_at(start, time) }
     }

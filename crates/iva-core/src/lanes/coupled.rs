@@ -2,11 +2,11 @@
 
 use super::free_mass::{self, Loaded};
 use super::{Group, Job, LANES, Logged, SideBySide};
+use crate::absorber::Clock;
 use crate::absorber::coupled::{Coupled, CoupledState, Coupling};
 use crate::absorber::plain::State;
 use crate::absorber::siva::Law;
 use crate::absorber::siva::trial::FreeMass;
-use crate::absorber::system::Clock;
 
 /// The coupled masses of all lanes.
 #[derive(Debug)]

@@ -1,14 +1,14 @@
 //! Lanes in which trajectories go from cycle to cycle ([`crate::orbit`]).
 
 use super::Loaded;
-use crate::absorber::system::System;
+use crate::absorber::Absorber;
 use crate::engine::simulate::Run;
 use crate::measures::forced::Forced;
 use crate::measures::propagation::Tangent;
 
 /// A set of such lanes. A lane takes a run over, and can repeat
 /// it from another state.
-pub(crate) trait Cycling<S: System<Real = f64>>: Sized {
+pub(crate) trait Cycling<S: Absorber<Real = f64>>: Sized {
     /// Number of lanes.
     const WIDTH: usize;
     /// Idle lanes for absorbers like this one.

@@ -26,7 +26,7 @@ use super::{ScalarRun, SideBySide, pick};
 use crate::absorber::plain::State;
 use crate::absorber::siva::trial::{FreeMass, Sight, search};
 use crate::absorber::siva::{Law, coasts};
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock, OnStructure};
 use crate::engine::simulate::{Run, Tally};
 use crate::host::Steps;
 use crate::measures::forced::Forced;
@@ -63,7 +63,7 @@ pub(crate) trait Tier: Sized {
     /// The impact laws at wall + and at wall −.
     fn laws(system: &Self::System) -> [Law; 2];
     /// A state in plain doubles.
-    fn in_doubles(state: &<Self::System as System>::State) -> State;
+    fn in_doubles(state: &<Self::System as OnStructure>::State) -> State;
     /// Uses the motion of a lane from a state.
     fn with<T>(
         &self,
@@ -106,7 +106,7 @@ pub(crate) trait Tier: Sized {
         state: &Self::State,
         system: &Self::System,
         clock: Clock,
-    ) -> <Self::System as System>::State;
+    ) -> <Self::System as OnStructure>::State;
     /// [`Tier::unload`] for who needs no derivatives of the force.
     #[inline(always)]
     fn shown(
@@ -114,7 +114,7 @@ pub(crate) trait Tier: Sized {
         state: &Self::State,
         system: &Self::System,
         clock: Clock,
-    ) -> <Self::System as System>::State {
+    ) -> <Self::System as OnStructure>::State {
         self.unload(state, system, clock)
     }
     /// Makes a lane idle; its state.
@@ -140,7 +140,7 @@ type TierRun<'a, T> = ScalarRun<'a, <T as Tier>::System>;
 
 /// An instant of a run from which a lane goes on.
 #[derive(Debug)]
-pub(crate) struct Loaded<'a, S: System> {
+pub(crate) struct Loaded<'a, S: Absorber> {
     pub system: &'a S,
     pub clock: Clock,
     pub state: S::State,
@@ -156,7 +156,7 @@ macro_rules! of_siva {
         }
 
         fn in_doubles(
-            state: &<Self::System as $crate::absorber::system::System>::State,
+            state: &<Self::System as $crate::absorber::OnStructure>::State,
         ) -> $crate::absorber::plain::State {
             state.in_doubles()
         }

@@ -8,11 +8,11 @@ use super::free_mass::{ExactDecays, ExactDriven, ExactUnforced, FastDecays, Fast
 use super::group::{Group, grouped};
 use super::piva::Swinging;
 use super::{Job, LANES, Listing, Logged, SideBySide, TakeListed, Tier, WIDE};
+use crate::absorber::OnStructure;
 use crate::absorber::alone::Alone;
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
 use crate::absorber::siva::Siva;
-use crate::absorber::system::System;
 use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::{DrivenHost, Excitation, UndrivenHost};

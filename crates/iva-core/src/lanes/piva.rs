@@ -20,7 +20,7 @@ use super::{Cycling, Job, LANES, Listing, Loaded, Lockstep, ScalarRun, SideBySid
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::step::Turning;
 use crate::absorber::piva::{Piva, PivaState, PivaStates};
-use crate::absorber::system::{Clock, Start, System};
+use crate::absorber::{Absorber, Clock, Start};
 use crate::engine::simulate::Run;
 use crate::host::Phase;
 use crate::host::oscillator::Primary;

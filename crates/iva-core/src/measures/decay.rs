@@ -8,7 +8,7 @@
 //! and the largest |x| of the last period from the end back, to the first motion that does not matter.
 
 use super::{CLOSE, Measures, Wanted, late};
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock};
 use crate::measures::peaks::Monotone;
 use crate::number::real::Real;
 
@@ -19,7 +19,7 @@ mod sinusoids;
 mod stretches;
 
 /// The motions in a log, in order of time. Times within a motion count from its start.
-pub(super) trait Course<S: System> {
+pub(super) trait Course<S: Absorber> {
     /// Number of motions.
     fn count(&self) -> usize;
     /// The instant from which the times within a motion count.
@@ -55,7 +55,7 @@ pub(crate) fn looks(wanted: Wanted, time: f64) -> bool {
     wanted.decay() || (wanted.first_period && time <= f64::TURN.value)
 }
 
-impl<S: System> Measures<S> {
+impl<S: Absorber> Measures<S> {
     /// Takes the motions in a log.
     #[inline(always)]
     pub(super) fn take_course(&mut self, course: &impl Course<S>) {

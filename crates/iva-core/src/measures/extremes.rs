@@ -4,7 +4,7 @@
 //! accelerations leave open whether anything grows.
 
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{System, Wall};
+use crate::absorber::{Absorber, Wall};
 use crate::engine::observe::{Contact, Each, Observer, Span};
 use crate::engine::simulate::{Instant, Outcome, Tally};
 use crate::number::real::Real;
@@ -60,7 +60,7 @@ impl<R: Real> Extremes<R> {
 
     /// True if a span of length h surely raises no extreme: a displacement leaves its chord by at most h²/8 times its
     /// largest acceleration.
-    fn covers<S: System<Real = R>, M>(&self, system: &S, span: &Span<'_, M>) -> bool
+    fn covers<S: Absorber<Real = R>, M>(&self, system: &S, span: &Span<'_, M>) -> bool
     where
         M: Motion<Real = R, State = S::State>,
     {
@@ -101,7 +101,7 @@ impl<R: Real> Extremes<R> {
     }
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for Extremes<R> {
+impl<R: Real, S: Absorber<Real = R>> Observer<S> for Extremes<R> {
     fn start(&mut self, system: &S, _from: &Instant<S::State, R>, _duration: R) {
         let (middle, d) = (system.offset(), system.clearance());
         *self = Self { walls: [middle - d, middle + d], ..Self::new(self.from) };

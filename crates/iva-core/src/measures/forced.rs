@@ -11,7 +11,7 @@
 use crate::absorber::impact::Impact;
 use crate::absorber::plain::responses::Responses;
 use crate::absorber::plain::{BASE, FORCE, Scene, State, Structure};
-use crate::absorber::system::{Clock, Point, Wall};
+use crate::absorber::{Clock, Point, Wall};
 use crate::host::oscillator::Equation;
 use crate::measures::Wanted;
 use crate::measures::steady::{Steady, SteadyWanted, Strobed};

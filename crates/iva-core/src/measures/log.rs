@@ -4,7 +4,7 @@
 //! while it sticks. So an entry holds where a motion begins, and its end is the begin of the next. The whole
 //! motion can be made again from that ([`crate::host::sinusoid`]).
 
-use crate::absorber::system::Clock;
+use crate::absorber::Clock;
 use crate::host::sinusoid::Motion;
 use crate::number::compensated::DoubleDouble;
 

@@ -3,7 +3,7 @@
 //! A [`Pass`] takes the polynomials of each stretch from [`Passes`], for any absorber and any number type. To offer a
 //! pass to users, name it in a column of the table.
 
-use crate::absorber::system::System;
+use crate::absorber::Absorber;
 use crate::engine::observe::{Observer, Span};
 use crate::engine::simulate::{Instant, Outcome, Tally};
 use crate::number::real::Real;
@@ -46,7 +46,7 @@ impl<R: Real> Passes<R> {
     }
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for Passes<R> {
+impl<R: Real, S: Absorber<Real = R>> Observer<S> for Passes<R> {
     fn start(&mut self, system: &S, _from: &Instant<S::State, R>, _duration: R) {
         let (middle, d) = (system.offset(), system.clearance());
         self.known = true;

@@ -1,6 +1,6 @@
 //! Peaks of the primary displacement, one per half cycle.
 
-use crate::absorber::system::System;
+use crate::absorber::OnStructure;
 use crate::engine::observe::Span;
 use crate::number::real::Real;
 use crate::segment::flight::{Jet, Motion, Rows, Turns};
@@ -29,7 +29,7 @@ pub(crate) struct Monotone<R = f64> {
 }
 
 /// Hands out the stretches of a span on which x is monotonic, in order.
-pub(crate) fn monotone<R: Real, S: System<Real = R>, M: Motion<Real = R, State = S::State>>(
+pub(crate) fn monotone<R: Real, S: OnStructure<Real = R>, M: Motion<Real = R, State = S::State>>(
     span: &Span<'_, M>,
     mut take: impl FnMut(&Monotone<R>),
 ) {

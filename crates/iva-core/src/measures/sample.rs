@@ -1,7 +1,7 @@
 //! The motion at given instants, evaluated exactly and never interpolated.
 
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{Angle, Clock, System};
+use crate::absorber::{Absorber, Angle, Clock};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::wall::presses;
 use crate::engine::simulate::{Instant, Outcome, Tally};
@@ -34,7 +34,7 @@ pub struct State<R = f64> {
 }
 
 /// Absolute accelerations of structure and absorber at a state, with the absorber free in its gap.
-fn accelerations<S: System>(system: &S, state: &S::State) -> [S::Real; 2] {
+fn accelerations<S: Absorber>(system: &S, state: &S::State) -> [S::Real; 2] {
     let flight = system.flight(state);
     let structure = flight.acceleration(S::Real::ZERO);
     // A state in contact may hold the acceleration of a state close by, so it is computed anew.
@@ -43,7 +43,7 @@ fn accelerations<S: System>(system: &S, state: &S::State) -> [S::Real; 2] {
 }
 
 /// ÿ of an absorber free in its gap: the distance to a wall s is d − s y.
-fn gap_acceleration<S: System>(system: &S, state: &S::State) -> S::Real {
+fn gap_acceleration<S: Absorber>(system: &S, state: &S::State) -> S::Real {
     -(system.distance(state).curvature * system.wall(state).sign())
 }
 
@@ -77,7 +77,7 @@ impl<R: Real> Sampler<R> {
     }
 
     /// Takes the next sample, a time h after the begin of a motion.
-    fn take<S: System<Real = R>, M: Motion<Real = R, State = S::State>>(
+    fn take<S: Absorber<Real = R>, M: Motion<Real = R, State = S::State>>(
         &mut self,
         system: &S,
         motion: &M,
@@ -106,7 +106,7 @@ impl<R: Real> Sampler<R> {
     }
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for Sampler<R> {
+impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
     fn start(&mut self, _system: &S, from: &Instant<S::State, R>, duration: R) {
         // A sample at the begin may be a rounding before it.
         let early = |time: &&R| **time + **time * SLACK < from.time.value;

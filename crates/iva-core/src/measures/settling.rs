@@ -2,7 +2,7 @@
 //!
 //! Of a motion without closed form only the stretch of the last crossing is kept; its root is solved once, at the end.
 
-use crate::absorber::system::System;
+use crate::absorber::Absorber;
 use crate::measures::peaks::Monotone;
 use crate::measures::{Stretch, in_motion};
 use crate::number::real::Real;
@@ -14,7 +14,7 @@ pub(crate) const LEVELS: [f64; 3] = [0.10, 0.05, 0.02];
 
 /// The last crossing of one level.
 #[derive(Debug, Clone)]
-pub(crate) struct LastCrossing<S: System> {
+pub(crate) struct LastCrossing<S: Absorber> {
     share: S::Real,
     crossing: Option<Crossing<S>>,
     /// Its instant, if that is already known.
@@ -23,13 +23,13 @@ pub(crate) struct LastCrossing<S: System> {
 
 /// A stretch on which |x| falls below the level once.
 #[derive(Debug, Clone)]
-struct Crossing<S: System> {
+struct Crossing<S: Absorber> {
     stretch: Stretch<S::State, S::Real>,
     /// The level, with the sign of x.
     level: S::Real,
 }
 
-impl<R: Real, S: System<Real = R>> LastCrossing<S> {
+impl<R: Real, S: Absorber<Real = R>> LastCrossing<S> {
     /// Watches |x| = share · A₀.
     pub fn new(share: R) -> Self {
         Self { share, crossing: None, instant: None }

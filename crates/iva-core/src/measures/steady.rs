@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{System, Wall};
+use crate::absorber::{Absorber, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Outcome, Tally};
 use crate::host::Excitation;
@@ -222,7 +222,7 @@ fn whole<R: Real>(cycles: R) -> R {
     if (cycles - near).abs() <= near * (16.0 * f64::EPSILON) { near } else { cycles }
 }
 
-impl<R: Real, S: System<Real = R>> Observer<S> for Steady<R> {
+impl<R: Real, S: Absorber<Real = R>> Observer<S> for Steady<R> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         let (base_moves, driven) =
             (system.excitation().moves_base(), system.excitation().is_driven());

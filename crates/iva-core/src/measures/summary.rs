@@ -6,7 +6,7 @@
 
 use crate::absorber::impact::Impact;
 use crate::absorber::plain::State;
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock};
 use crate::engine::observe::{Contact, Each, Observer, Span, StickEpisode};
 use crate::engine::simulate::{Instant, Tally};
 use crate::measures::forced::Forced;
@@ -18,7 +18,7 @@ use crate::segment::flight::Motion;
 
 /// An observer of the measures of a run, and of those of its steady state; beside it another one.
 #[derive(Debug)]
-pub struct Summary<S: System, O = ()> {
+pub struct Summary<S: Absorber, O = ()> {
     pub(crate) measures: Measures<S>,
     pub(crate) steady: Option<Steady<S::Real>>,
     /// The measures of the steady state that are wanted.
@@ -29,14 +29,14 @@ pub struct Summary<S: System, O = ()> {
     pub(crate) beside: O,
 }
 
-impl<R: Real, S: System<Real = R>> Summary<S> {
+impl<R: Real, S: Absorber<Real = R>> Summary<S> {
     /// Computes the wanted measures, and those of the steady state in a window if there is one.
     pub fn new(wanted: Wanted, steady: Option<(SteadyWanted, Window<R>)>) -> Self {
         Self::with(wanted, steady, ())
     }
 }
 
-impl<R: Real, S: System<Real = R>, O> Summary<S, O> {
+impl<R: Real, S: Absorber<Real = R>, O> Summary<S, O> {
     /// Computes the wanted measures, with another observer beside it.
     pub(crate) fn with(
         wanted: Wanted,
@@ -99,7 +99,7 @@ impl<R: Real, S: System<Real = R>, O> Summary<S, O> {
 }
 
 /// A state in flight in plain doubles, without its force.
-fn in_doubles<S: System>(system: &S, state: &S::State) -> State {
+fn in_doubles<S: Absorber>(system: &S, state: &S::State) -> State {
     let (primary, gap) = (system.primary(state), system.distance(state));
     State {
         x: primary.x.double(),
@@ -111,7 +111,7 @@ fn in_doubles<S: System>(system: &S, state: &S::State) -> State {
     }
 }
 
-impl<R: Real, S: System<Real = R>, O: Observer<S>> Observer<S> for Summary<S, O> {
+impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Observer<S> for Summary<S, O> {
     fn start(&mut self, system: &S, from: &Instant<S::State, R>, duration: R) {
         self.beside.start(system, from, duration);
         self.measures.start(system, from, duration);

@@ -4,7 +4,7 @@
 //! left to the event loop, in the run of that cycle, until the lane can take over again.
 
 use super::{Image, Iterated, Request, See, Trajectory, Turn, begun, image};
-use crate::absorber::system::Clock;
+use crate::absorber::Clock;
 use crate::engine::simulate::{Limits, Outcome};
 use crate::lanes::{Cycling, Loaded, Tier};
 use crate::measures::Wanted;

@@ -6,8 +6,8 @@ use nalgebra::{Matrix4, Schur, Vector4};
 
 use super::Complex;
 use super::half_cycle::{FreeMotion, HalfCycle};
+use crate::absorber::Start;
 use crate::absorber::piva::Parameters;
-use crate::absorber::system::Start;
 use crate::error::{Invalid, number};
 use crate::force::{Acts, Harmonic};
 use crate::range;

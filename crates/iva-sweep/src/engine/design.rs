@@ -16,6 +16,7 @@ use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
 use iva_core::absorber::alone::Alone;
+use iva_core::absorber::{Absorber, Point, Start};
 use iva_core::force::Force;
 use iva_core::lanes::Tier;
 use iva_core::piva::Piva;
@@ -23,7 +24,6 @@ use iva_core::real::Real;
 use iva_core::simulate::Limits;
 use iva_core::siva::Siva;
 use iva_core::steady::{self, Bare, Window};
-use iva_core::system::{Point, Start, System};
 
 pub use crate::spec::Spec;
 

@@ -1,8 +1,8 @@
 //! A free mass whose line of motion may be inclined: gravity along it, and the start of the absorber.
 
+use iva_core::absorber::Start;
 use iva_core::compensated::DoubleDouble;
 use iva_core::real::Real;
-use iva_core::system::Start;
 
 use super::given::Given;
 use super::scale::Scale;

@@ -1,8 +1,8 @@
 //! Length, gravity and frequency of a pendulum: from two of them the third follows (g = κ L ωp²).
 
+use iva_core::absorber::Start;
 use iva_core::piva::{self, Given as Stated, Parameters, PivaStart};
 use iva_core::real::Real;
-use iva_core::system::Start;
 
 use super::given::Given;
 use super::scale::Scale;

@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::absorber::alone::Alone;
+use iva_core::absorber::{Absorber, OnStructure};
 use iva_core::extremes::Extremes;
 use iva_core::host::{DrivenHost, Excitation, UndrivenHost};
 use iva_core::lanes::Listing;
@@ -17,7 +18,6 @@ use iva_core::simulate::simulate_from;
 use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyWanted, Strobe};
 use iva_core::summary::Summary;
-use iva_core::system::System;
 
 use super::design::Design;
 use super::ended::Ended;
@@ -136,7 +136,7 @@ impl Request {
     }
 
     /// True if the extremes of a run are wanted.
-    pub fn wants_extremes<S: System>(&self, system: &S) -> bool {
+    pub fn wants_extremes<S: OnStructure>(&self, system: &S) -> bool {
         self.summary
             && (self.extremes || (self.extremes_of_decays && !system.excitation().is_driven()))
     }
@@ -151,7 +151,7 @@ impl Request {
     }
 
     /// The measures of the steady state that are wanted; `None` in free decay, and if nothing is taken from its window.
-    pub fn steady_of<S: System>(&self, system: &S) -> Option<SteadyWanted> {
+    pub fn steady_of<S: OnStructure>(&self, system: &S) -> Option<SteadyWanted> {
         let windowed = self.steady != SteadyWanted::default()
             || self.wants_extremes(system)
             || !self.named.is_empty();
@@ -160,7 +160,7 @@ impl Request {
 }
 
 /// An observer that estimates the errors of a run.
-pub(crate) trait Estimates<S: System>: Observer<S> {
+pub(crate) trait Estimates<S: Absorber>: Observer<S> {
     /// The estimate for an impact.
     fn of_impact(&self, _index: usize) -> Estimate<S::Real> {
         Estimate::default()
@@ -238,7 +238,7 @@ pub(crate) struct Seen<'a, R, E> {
 }
 
 impl<R: Real> Point<'_, R> {
-    fn run<S: System<Real = R>, E: Estimates<S>>(
+    fn run<S: Absorber<Real = R>, E: Estimates<S>>(
         &self,
         system: &S,
         start: &S::Start,
@@ -279,7 +279,7 @@ impl<R: Real> Point<'_, R> {
         Ok(Ended { extremes, named, condition, digits, ..ended })
     }
 
-    fn rows<S: System<Real = R>, E: Estimates<S>>(
+    fn rows<S: Absorber<Real = R>, E: Estimates<S>>(
         &self,
         table: Table,
         system: &S,

@@ -7,13 +7,13 @@ use super::design::Design;
 use super::ended::Ended;
 use super::scale::Scale;
 use super::scene::Scene;
+use iva_core::absorber::{Angle, Wall};
 use iva_core::extremes::ExtremeValues;
 use iva_core::impact::Impact;
 use iva_core::observe::StickEpisode;
 use iva_core::peaks::Peak;
 use iva_core::real::Real;
 use iva_core::steady::{SteadyValues, Strobe};
-use iva_core::system::{Angle, Wall};
 
 use crate::columns::SUMMARY;
 use crate::columns::tables as entries;

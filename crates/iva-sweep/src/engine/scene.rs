@@ -1,17 +1,17 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
 use iva_core::absorber::alone::Alone;
+use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};
 use iva_core::host::{DrivenHost, Excitation, Host, UndrivenHost};
 use iva_core::piva::{self, Piva};
 use iva_core::real::Real;
 use iva_core::siva::Siva;
-use iva_core::system::{Point, System, Wall};
 
 /// A system of the core with its start.
 #[derive(Debug, Clone)]
-pub struct Mounted<S: System> {
+pub struct Mounted<S: absorber::Absorber> {
     /// The absorber on its structure, or the structure alone.
     pub system: S,
     /// State at time zero.

@@ -3,6 +3,7 @@
 use super::watch::Watch;
 use crate::rng::Rng;
 use iva_core::{
+    absorber::{Absorber, Start},
     error::Invalid,
     force::{Acts, Force, Harmonic},
     piva::{Angles, Parameters, Piva},
@@ -10,7 +11,6 @@ use iva_core::{
     sample::State,
     simulate::{Limits, simulate},
     siva::Siva,
-    system::{Start, System},
 };
 use std::f64::consts::TAU;
 
@@ -129,7 +129,7 @@ impl Scene {
         }
     }
 
-    fn watched<S: System<Real = f64>>(
+    fn watched<S: Absorber<Real = f64>>(
         &self,
         system: &S,
         start: &S::Start,

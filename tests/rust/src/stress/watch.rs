@@ -4,12 +4,12 @@
 use super::Report;
 use crate::{U, dd::Dd};
 use iva_core::{
+    absorber::Absorber,
     flight::{Losses, Motion},
     impact::Impact,
     observe::{Observer, Span, StickEpisode},
     piva::{Angles, Parameters},
     simulate::{Instant, Outcome, Tally},
-    system::System,
 };
 
 /// Number of impacts that are kept.
@@ -132,7 +132,7 @@ impl Watch {
     }
 }
 
-impl<S: System<Real = f64>> Observer<S> for Watch {
+impl<S: Absorber<Real = f64>> Observer<S> for Watch {
     fn start(&mut self, system: &S, Instant { state, .. }: &Instant<S::State>, _duration: f64) {
         self.energy[0] = system.energy(state);
     }

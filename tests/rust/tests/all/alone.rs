@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 
 use iva_core::{
     absorber::alone::Alone,
+    absorber::{OnStructure, Point},
     force::{Acts, Force, Harmonic},
     propagation::Errors,
     real::twofold::Twofold,
     run::{run, states},
     simulate::{Limits, Outcome, simulate},
     steady::{Steady, SteadyWanted, Window},
-    system::{Point, System},
 };
 
 /// x and ẋ of ẍ + 2ζẋ + x = 0 from (1, 0), for ζ below, at and above 1.

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::{Absorber, Clock, ImpactLaw, LawAt, OnStructure, Point, Start, Wall},
     error::Invalid,
     flight::Jet,
     host::UndrivenHost,
@@ -9,7 +10,6 @@ use iva_core::{
     run::run,
     simulate::{Limits, Outcome},
     siva::{Siva, SivaState},
-    system::{Clock, LawAt, Point, Start, System, Wall},
 };
 
 /// What is wrong: the restitution used for one of the two velocities, or the instant of a release.
@@ -30,14 +30,33 @@ struct Broken {
     wrong: f64,
 }
 
-impl System for Broken {
+impl OnStructure for Broken {
     type Real = f64;
     type Excitation = UndrivenHost;
-    type Start = Start;
     type State = SivaState;
-    type Flight<'a> = <Siva as System>::Flight<'a>;
-    type Ride<'a> = <Siva as System>::Ride<'a>;
 
+    fn excitation(&self) -> &UndrivenHost {
+        self.siva.excitation()
+    }
+
+    fn phase(_state: &SivaState) -> &() {
+        &()
+    }
+
+    fn mass_ratio(&self) -> f64 {
+        self.siva.mass_ratio()
+    }
+
+    fn primary(&self, state: &SivaState) -> Point {
+        self.siva.primary(state)
+    }
+
+    fn energy(&self, state: &SivaState) -> f64 {
+        self.siva.energy(state)
+    }
+}
+
+impl ImpactLaw for Broken {
     fn impact(&self, state: &SivaState, time: f64) -> (SivaState, Impact) {
         let (_, mut impact) = self.siva.impact(state, time);
         let (mu, w) = (self.siva.mass_ratio(), impact.gap_velocity_before);
@@ -58,54 +77,55 @@ impl System for Broken {
         (self.siva.begin(&after), impact)
     }
 
-    fn excitation(&self) -> &UndrivenHost {
-        self.siva.excitation()
-    }
-    fn phase(_state: &SivaState) -> &() {
-        &()
-    }
-    fn mass_ratio(&self) -> f64 {
-        self.siva.mass_ratio()
-    }
-    fn clearance(&self) -> f64 {
-        self.siva.clearance()
-    }
     fn law_at(&self, wall: Wall, approach: f64) -> LawAt {
         self.siva.law_at(wall, approach)
     }
-    fn check_start(&self, start: &Start) -> Result<(), Invalid> {
-        self.siva.check_start(start)
-    }
-    fn begin_at(&self, start: &Start, time: Clock) -> SivaState {
-        self.siva.begin_at(start, time)
-    }
-    fn flight(&self, state: &SivaState) -> Self::Flight<'_> {
-        self.siva.flight(state)
-    }
-    fn ride(&self, state: &SivaState) -> Self::Ride<'_> {
-        self.siva.ride(state)
-    }
-    fn wall(&self, state: &SivaState) -> Wall {
-        self.siva.wall(state)
-    }
-    fn distance(&self, state: &SivaState) -> Jet {
-        self.siva.distance(state)
-    }
-    fn touch(&self, state: &SivaState, wall: Wall) -> (SivaState, f64) {
-        self.siva.touch(state, wall)
-    }
+
     fn stick(&self, state: &SivaState) -> (SivaState, f64) {
         self.siva.stick(state)
     }
+}
+
+impl Absorber for Broken {
+    type Start = Start;
+    type Flight<'a> = <Siva as Absorber>::Flight<'a>;
+    type Ride<'a> = <Siva as Absorber>::Ride<'a>;
+
+    fn clearance(&self) -> f64 {
+        self.siva.clearance()
+    }
+
+    fn check_start(&self, start: &Start) -> Result<(), Invalid> {
+        self.siva.check_start(start)
+    }
+
+    fn begin_at(&self, start: &Start, time: Clock) -> SivaState {
+        self.siva.begin_at(start, time)
+    }
+
+    fn flight(&self, state: &SivaState) -> Self::Flight<'_> {
+        self.siva.flight(state)
+    }
+
+    fn ride(&self, state: &SivaState) -> Self::Ride<'_> {
+        self.siva.ride(state)
+    }
+
+    fn wall(&self, state: &SivaState) -> Wall {
+        self.siva.wall(state)
+    }
+
+    fn distance(&self, state: &SivaState) -> Jet {
+        self.siva.distance(state)
+    }
+
+    fn touch(&self, state: &SivaState, wall: Wall) -> (SivaState, f64) {
+        self.siva.touch(state, wall)
+    }
+
     fn release(&self, state: &SivaState) -> (SivaState, f64) {
         let (after, later) = self.siva.release(state);
         (after, if matches!(self.fault, Fault::Release) { self.wrong } else { later })
-    }
-    fn primary(&self, state: &SivaState) -> Point {
-        self.siva.primary(state)
-    }
-    fn energy(&self, state: &SivaState) -> f64 {
-        self.siva.energy(state)
     }
 }
 

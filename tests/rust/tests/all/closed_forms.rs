@@ -5,10 +5,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::approx_constant)]
 
 use iva_core::{
+    absorber::{Start, Wall},
     run::{run, states},
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::{Start, Wall},
 };
 use iva_tests::{
     Run, U, UNITS_ALLOWED,

@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    absorber::{Absorber, OnStructure, Start},
     compensated::DoubleDouble,
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
@@ -17,7 +18,6 @@ use iva_core::{
     simulate::{Instant, Limits, Outcome, resume, simulate},
     siva::Siva,
     steady::{Steady, SteadyWanted, Window},
-    system::{Start, System},
 };
 use iva_tests::rng::Rng;
 use nalgebra::Matrix4;
@@ -169,7 +169,7 @@ fn impulses_up_to_the_begin_are_over() {
 /// An observer that ends a run after a number of impacts.
 struct After(u64);
 
-impl<S: System> Observer<S> for After {
+impl<S: Absorber> Observer<S> for After {
     fn impact(&mut self, _system: &S, _impact: &Impact<S::Real>) {
         self.0 = self.0.saturating_sub(1);
     }

@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::{Absorber, ImpactLaw, Start, Wall},
     compensated::DoubleDouble,
     contact::first_contact,
     flight::{Curve, Jet, Motion, Side},
     piva::{Parameters, Piva},
     siva::Siva,
-    system::{Start, System, Wall},
 };
 use iva_tests::{
     U,
@@ -126,7 +126,7 @@ fn the_precise_distance_of_a_pendulum_leaves_out_less_than_the_band() {
 
 #[test]
 fn the_pressure_gain_is_the_rise_of_the_pressure_at_a_slow_impact() {
-    fn rise<S: System<Real = f64, Start: From<Start>>>(
+    fn rise<S: Absorber<Real = f64, Start: From<Start>>>(
         system: &S,
         clearance: f64,
         approach: f64,

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use iva_core::absorber::{Absorber, Start};
 use iva_core::force::{Acts, Force, Harmonic, Impulse};
 use iva_core::host::DrivenHost;
 use iva_core::lanes::{Job, Tier};
@@ -12,7 +13,6 @@ use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
 use iva_core::steady::{Steady, SteadyWanted, Window};
 use iva_core::summary::Summary;
-use iva_core::system::{Start, System};
 
 use crate::side_by_side::{alone, alone_wanting, together, together_wanting};
 

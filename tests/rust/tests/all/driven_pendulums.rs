@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    absorber::Start,
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
     lanes::{Job, Tier},
@@ -12,7 +13,6 @@ use iva_core::{
     piva::{Angles, Parameters, Piva},
     simulate::Limits,
     steady::{SteadyWanted, Window},
-    system::Start,
 };
 use iva_tests::rng::Rng;
 

@@ -9,12 +9,12 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use iva_core::{
+    absorber::Start,
     force::{Acts, Force, Harmonic},
     observe::Events,
     piva::{Angles, ImpactLaw, Parameters, Piva},
     propagation::{Differentiable, Errors},
     simulate::{Limits, simulate},
-    system::Start,
 };
 use iva_sweep::{
     choices::{Choices, Kind as Kinds},

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use iva_core::{
     absorber::alone::Alone,
+    absorber::{Absorber, Start},
     extremes::{ExtremeValues, Extremes},
     force::{Acts, Force, Harmonic, History, Record},
     measures::{Measures, Wanted},
@@ -16,11 +17,10 @@ use iva_core::{
     simulate::{Limits, simulate, simulate_from},
     siva::Siva,
     steady::{Steady, SteadyWanted, Window},
-    system::{Start, System},
 };
 use iva_tests::{U, rng::Rng};
 
-fn extremes<S: System<Real = f64>>(system: &S, start: &S::Start, duration: f64) -> ExtremeValues {
+fn extremes<S: Absorber<Real = f64>>(system: &S, start: &S::Start, duration: f64) -> ExtremeValues {
     let mut found = Extremes::new(0.0);
     let limits = Limits::new(duration, system.clearance());
     simulate(system, start, &limits, None, &mut found).unwrap();
@@ -81,17 +81,17 @@ fn without_absorber_there_is_an_acceleration() {
     // Released from x = 1 without damping: |ẍ| = 1 at the start. After a step a of the base acceleration
     // |A| = |x| reaches 2a.
     let alone = Alone::new(0.0).unwrap();
-    let found = extremes(&alone, &iva_core::system::Point { x: 1.0, v: 0.0 }, 10.0);
+    let found = extremes(&alone, &iva_core::absorber::Point { x: 1.0, v: 0.0 }, 10.0);
     assert!((found.acceleration.unwrap() - 1.0).abs() <= 4.0 * U);
     let base = History::new(vec![0.0, 40.0], vec![0.25, 0.25]).unwrap();
     let base = Record { history: Arc::new(base), scale: 1.0, rate: 1.0, acts: Acts::Base };
     let shaken = alone.under(Force::new(Vec::new(), vec![base], &[]).unwrap());
-    let found = extremes(&shaken, &iva_core::system::Point { x: 0.0, v: 0.0 }, 10.0);
+    let found = extremes(&shaken, &iva_core::absorber::Point { x: 0.0, v: 0.0 }, 10.0);
     assert!((found.acceleration.unwrap() - 0.5).abs() <= 8.0 * U, "{found:?}");
 }
 
 /// Samples of a run stay below its extremes, and come as close to them as the sampling interval allows.
-fn assert_above_samples<S: System<Real = f64>>(system: &S, start: &S::Start, gravity: f64) {
+fn assert_above_samples<S: Absorber<Real = f64>>(system: &S, start: &S::Start, gravity: f64) {
     let (duration, count) = (12.0, 24_000);
     let times = (0..=count).map(|k| duration * f64::from(k) / f64::from(count)).collect();
     let limits = Limits::new(duration, system.clearance());

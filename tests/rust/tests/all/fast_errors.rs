@@ -4,13 +4,13 @@
 use std::fmt::Debug;
 
 use iva_core::{
+    absorber::Start,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     lanes::{Job, SideBySide, Tier},
     propagation::{Differentiable, Errors},
     simulate::{Limits, Outcome, Tally, simulate},
     siva::Siva,
-    system::Start,
 };
 use iva_tests::{U, rng::Rng};
 

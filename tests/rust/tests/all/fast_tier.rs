@@ -8,6 +8,7 @@
 use std::{f64::consts::TAU, fmt::Debug};
 
 use iva_core::{
+    absorber::Start,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     lanes::{self, Ended, Job, SideBySide, Tier},
@@ -16,7 +17,6 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
     steady::{SteadyValues, SteadyWanted, Window},
-    system::Start,
 };
 use iva_tests::{
     U, UNITS_ALLOWED,

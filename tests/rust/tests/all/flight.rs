@@ -5,7 +5,7 @@
 //! the initial size.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use iva_core::{run::states, simulate::Limits, siva::Siva, system::Start};
+use iva_core::{absorber::Start, run::states, simulate::Limits, siva::Siva};
 use iva_tests::{U, UNITS_ALLOWED, dd::Dd};
 
 /// Clearance that no flight here reaches: |y| ≤ |x0| + |ẋ0| t + |x| < 94.

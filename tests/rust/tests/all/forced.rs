@@ -4,6 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use iva_core::{
+    absorber::{Absorber, Start},
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
     piva::{Parameters, Piva},
@@ -11,7 +12,6 @@ use iva_core::{
     run::{Run, run, states},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::{
     U, UNITS_ALLOWED,
@@ -178,7 +178,7 @@ impl MovingBase {
     /// frame.
     fn both<S>(&self, under: impl Fn(Force) -> S, x: f64, duration: f64) -> [Run<S::State>; 2]
     where
-        S: System<Real = f64, Start: From<Start>>,
+        S: Absorber<Real = f64, Start: From<Start>>,
     {
         let (Harmonic { frequency, phase, .. }, moved) = (self.acceleration, self.moved());
         let seen = vec![
@@ -200,7 +200,7 @@ impl MovingBase {
     /// Both runs have the same impacts at the same times, and ledgers that close.
     fn is_a_force<S>(&self, under: impl Fn(Force) -> S, x: f64) -> TestCaseResult
     where
-        S: System<Real = f64, Start: From<Start>>,
+        S: Absorber<Real = f64, Start: From<Start>>,
     {
         let [one, other] = self.both(under, x, 12.0);
         // Rounding of the inputs, some ulp of 1 + a/Ω², grows by a factor of a few at each impact.
@@ -224,7 +224,7 @@ impl MovingBase {
 /// A mirrored scene gives the same bits; a phase advanced by a full turn gives the same run within rounding.
 fn mirror_and_turn<S>(under: impl Fn(Force) -> S, force: Harmonic, x: f64) -> TestCaseResult
 where
-    S: System<Real = f64, Start: From<Start>>,
+    S: Absorber<Real = f64, Start: From<Start>>,
 {
     let scene = |amplitude: f64, phase: f64, displacement: f64| {
         let harmonic = Harmonic { amplitude, phase, ..force };
@@ -374,7 +374,7 @@ proptest! {
 /// Runs with many stick episodes a cycle close the ledger and agree in both frames.
 fn many_sticks<S>(under: impl Fn(Force) -> S, damping_ratio: f64)
 where
-    S: System<Real = f64, Start: From<Start>>,
+    S: Absorber<Real = f64, Start: From<Start>>,
 {
     let acceleration = Harmonic { amplitude: 0.3, frequency: 0.8, phase: 0.4, acts: Acts::Base };
     let [one, other] = MovingBase { acceleration, damping_ratio }.both(under, 0.5, 40.0 * TAU);

@@ -11,6 +11,7 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use iva_core::{
+    absorber::{Absorber, Start},
     force::{Acts, Force, Harmonic},
     impact::Impact,
     piva::{Parameters, Piva, PivaStart},
@@ -18,7 +19,6 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_sweep::{
     choices::{Choices, Kind},
@@ -41,7 +41,7 @@ struct Numbers {
     summary: Vec<(&'static str, Option<Twofold>)>,
 }
 
-fn numbers<S: System<Real = Twofold>>(system: &S, start: &S::Start, duration: f64) -> Numbers {
+fn numbers<S: Absorber<Real = Twofold>>(system: &S, start: &S::Start, duration: f64) -> Numbers {
     let limits = Limits::new(duration.into(), system.clearance());
     let run: Run<S::State, Twofold> = run(system, start, &limits).unwrap();
     assert_eq!(run.tally.outcome, Outcome::Finished);

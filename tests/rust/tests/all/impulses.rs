@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::{Absorber, OnStructure, Start},
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
     piva::{Given, Parameters, Piva, PivaStart},
@@ -9,7 +10,6 @@ use iva_core::{
     sample::State,
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::{
     case::compound,
@@ -24,7 +24,7 @@ fn kicks(impulses: &[[f64; 2]]) -> Force {
 
 fn kicked<S>(system: &S, start: Start, duration: f64) -> Run<S::State>
 where
-    S: System<Real = f64, Start: From<Start>>,
+    S: Absorber<Real = f64, Start: From<Start>>,
 {
     let run = run(system, &start.into(), &Limits::new(duration, system.clearance())).unwrap();
     assert_eq!(run.tally.outcome, Outcome::Finished);
@@ -130,7 +130,7 @@ fn an_impulse_in_the_instant_of_an_impact_follows_it() {
     }
 }
 
-fn closes_the_ledger<S: System<Real = f64, Start: From<Start>>>(system: &S) -> TestCaseResult {
+fn closes_the_ledger<S: Absorber<Real = f64, Start: From<Start>>>(system: &S) -> TestCaseResult {
     let run = kicked(system, Start { displacement: 1.0, ..Start::default() }, 60.0);
     let m = &run.measures;
     let turned = m.energy_initial + m.energy_viscous + run.tally.energy_impacts + m.energy_pivot;

@@ -9,6 +9,7 @@
 use std::sync::Arc;
 
 use iva_core::{
+    absorber::{OnStructure, Start},
     force::{Acts, Force, Harmonic, History, Record},
     host::DrivenHost,
     measures::{Measures, Wanted},
@@ -17,7 +18,6 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::{U, UNITS_ALLOWED, rng::Rng, units};
 

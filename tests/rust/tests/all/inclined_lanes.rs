@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Start,
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
     lanes::{Job, Tier},
@@ -13,7 +14,6 @@ use iva_core::{
     simulate::{Limits, simulate},
     siva::Siva,
     steady::{SteadyWanted, Window},
-    system::Start,
 };
 use iva_tests::{U, rng::Rng};
 

@@ -6,12 +6,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::{Absorber, Start},
     flight::Motion,
     observe::{Observer, Span},
     run::{run, states},
     simulate::{Limits, Outcome, simulate},
     siva::{Siva, SivaState},
-    system::{Start, System},
 };
 use iva_tests::{
     U,

@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use iva_core::absorber::{Absorber, Start};
 use iva_core::force::{Acts, Force, Harmonic};
 use iva_core::lanes::{self, Job, LANES, SideBySide, Tier};
 use iva_core::measures::Wanted;
@@ -14,7 +15,6 @@ use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
 use iva_core::simulate::{Limits, Outcome};
 use iva_core::siva::Siva;
 use iva_core::steady::{SteadyWanted, Window};
-use iva_core::system::{Start, System};
 use iva_tests::case::{any_case, compound};
 use iva_tests::cases;
 use proptest::prelude::*;

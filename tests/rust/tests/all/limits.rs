@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::{Start, Wall},
     error::Invalid,
     run::{run, states},
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::{Start, Wall},
 };
 use iva_tests::Run;
 

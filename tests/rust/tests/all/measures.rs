@@ -9,10 +9,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Start,
     run::{Run, run, states},
     simulate::Limits,
     siva::SivaState,
-    system::Start,
 };
 use iva_tests::{
     U,

@@ -6,12 +6,12 @@ use std::sync::atomic::AtomicBool;
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
+use iva_core::absorber::Start;
 use iva_core::measures::near_wall::NearWall;
 use iva_core::measures::pass::Passes;
 use iva_core::observe::Events;
 use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
-use iva_core::system::Start;
 use iva_sweep::choices::Kind;
 use iva_sweep::columns::Selection;
 use iva_sweep::gradients::gradients;

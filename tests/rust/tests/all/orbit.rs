@@ -7,6 +7,7 @@ use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_core::{
+    absorber::{Absorber, Clock, OnStructure, Start, Wall},
     force::{Acts, Force, Harmonic},
     host::{DrivenHost, Host},
     lanes::Tier,
@@ -14,7 +15,6 @@ use iva_core::{
     piva::{Angles, Parameters, Piva, PivaStart},
     simulate::{Instant, Limits, Outcome, resume},
     siva::Siva,
-    system::{Clock, Start, System, Wall},
 };
 use iva_tests::rng::Rng;
 use nalgebra::{Complex, Matrix4};
@@ -59,7 +59,7 @@ fn orbits() -> Vec<(String, Trajectory<Mass>, Value)> {
 }
 
 /// x, ẋ, y and ẏ of a state.
-fn places(siva: &Mass, state: &<Mass as System>::State) -> [f64; 4] {
+fn places(siva: &Mass, state: &<Mass as OnStructure>::State) -> [f64; 4] {
     let (primary, gap) = (siva.primary(state), siva.distance(state));
     let side = siva.wall(state).sign();
     [primary.x, primary.v, side * (siva.clearance() - gap.value), -side * gap.rate]

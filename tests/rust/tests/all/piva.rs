@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Start,
     piva::{ImpactLaw, Parameters, Piva},
     run::run,
     simulate::{Limits, Outcome},
-    system::Start,
 };
 use iva_tests::{
     U, UNITS_ALLOWED, case::compound, dd::Dd, oracle::Kind, pendulum::extremum,

@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Start,
     piva::{Angles, Given, Parameters, Piva, PivaStart},
     run::{run, states},
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::Start,
     taylor::{Pendulum, Series, Spring, Swing, horner},
 };
 use iva_tests::{

@@ -5,7 +5,7 @@
 //! the answer may be "undecided" (which counts as no contact) or must be right.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use iva_core::{run::run, simulate::Limits, siva::Siva, system::Start};
+use iva_core::{absorber::Start, run::run, simulate::Limits, siva::Siva};
 use iva_tests::{
     U, UNITS_ALLOWED,
     dd::Dd,

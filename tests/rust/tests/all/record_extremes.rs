@@ -5,12 +5,12 @@
 use std::sync::Arc;
 
 use iva_core::{
+    absorber::Point,
     absorber::alone::Alone,
     force::{Acts, Force, History, Impulse, Record},
     run::states,
     simulate::{Limits, simulate},
     steady::{Steady, SteadyWanted, Window},
-    system::Point,
 };
 use iva_tests::cases;
 use proptest::prelude::*;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use iva_core::{
+    absorber::{Absorber, Start},
     force::{Acts, Force, Harmonic, History, Impulse, Record},
     host::DrivenHost,
     impact::Impact,
@@ -12,7 +13,6 @@ use iva_core::{
     run::{Run, run, states},
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::{
     UNITS_ALLOWED,
@@ -43,7 +43,7 @@ fn start(displacement: f64) -> Start {
 
 fn driven<S>(under: impl Fn(Force) -> S, force: &Force, from: f64, duration: f64) -> Run<S::State>
 where
-    S: System<Real = f64, Start: From<Start>>,
+    S: Absorber<Real = f64, Start: From<Start>>,
 {
     let system = under(force.clone());
     let limits = Limits::new(duration, system.clearance());
@@ -95,7 +95,7 @@ fn broken_line(cuts: u32) -> Vec<[f64; 2]> {
     points
 }
 
-fn cuts_move_no_event<S: System<Real = f64, Start: From<Start>>>(
+fn cuts_move_no_event<S: Absorber<Real = f64, Start: From<Start>>>(
     under: impl Fn(Force) -> S,
     acts: Acts,
 ) {
@@ -125,7 +125,7 @@ fn cutting_the_lines_moves_no_event() {
     }
 }
 
-fn samples_converge<S: System<Real = f64, Start: From<Start>>>(
+fn samples_converge<S: Absorber<Real = f64, Start: From<Start>>>(
     under: impl Fn(Force) -> S,
     acts: Acts,
 ) {
@@ -162,7 +162,7 @@ fn a_sampled_harmonic_converges_at_second_order() {
 }
 
 /// Checks that there are at least a thousand impacts, and that the ledger closes.
-fn assert_closed<S: System<Real = f64, Start: From<Start>>>(
+fn assert_closed<S: Absorber<Real = f64, Start: From<Start>>>(
     under: impl Fn(Force) -> S,
     force: &Force,
     duration: f64,
@@ -227,7 +227,7 @@ impl Scene {
     /// A run that begins at `later` finds the impacts after that instant.
     fn may_begin<S>(&self, under: impl Fn(Force) -> S, later: f64) -> TestCaseResult
     where
-        S: System<Real = f64, Start: From<Start>>,
+        S: Absorber<Real = f64, Start: From<Start>>,
     {
         let run_from = |zero: f64, more: f64, begin: Start| {
             let system = under(self.force(zero, more));
@@ -278,7 +278,9 @@ impl Scene {
     }
 }
 
-fn walls_and_ledger_hold<S: System<Real = f64, Start: From<Start>>>(system: &S) -> TestCaseResult {
+fn walls_and_ledger_hold<S: Absorber<Real = f64, Start: From<Start>>>(
+    system: &S,
+) -> TestCaseResult {
     let begin = start(0.5).into();
     let limits = Limits::new(40.0, system.clearance());
     let run = run(system, &begin, &limits).unwrap();

@@ -4,6 +4,7 @@
 use std::{sync::mpsc, thread, time::Duration};
 
 use iva_core::{
+    absorber::{Absorber, Start},
     force::{Acts, Force, Harmonic},
     impact::Impact,
     observe::Observer,
@@ -13,7 +14,6 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
     steady::{Steady, SteadyWanted, Window},
-    system::{Start, System},
 };
 use iva_tests::{UNITS_ALLOWED, dd::Dd, driven::mass, pendulum, units};
 
@@ -21,7 +21,7 @@ use iva_tests::{UNITS_ALLOWED, dd::Dd, driven::mass, pendulum, units};
 /// abandoned.)
 fn outcome<S>(system: S, start: S::Start, duration: f64) -> Option<Outcome>
 where
-    S: System<Real = f64> + Send + 'static,
+    S: Absorber<Real = f64> + Send + 'static,
     S::Start: Send,
 {
     let (done, ended) = mpsc::channel();
@@ -83,7 +83,7 @@ fn a_heavy_pendulum_meets_its_wall_on_time() {
     assert!(failures.is_empty(), "{failures:?}");
 }
 
-fn mirrored<S: System<Real = f64>>(system: [&S; 2], start: [S::Start; 2]) -> bool {
+fn mirrored<S: Absorber<Real = f64>>(system: [&S; 2], start: [S::Start; 2]) -> bool {
     let limits = Limits::new(30.0, system[0].clearance());
     let [a, b] = [0, 1].map(|i| run(system[i], &start[i], &limits).unwrap());
     a.impacts.len() == b.impacts.len()
@@ -179,13 +179,13 @@ fn a_release_by_a_strong_force_keeps_the_ledger() {
 #[derive(Default)]
 struct Instants(Vec<f64>);
 
-impl<S: System<Real = f64>> Observer<S> for Instants {
+impl<S: Absorber<Real = f64>> Observer<S> for Instants {
     fn impact(&mut self, _system: &S, impact: &Impact) {
         self.0.push(impact.time);
     }
 }
 
-fn strobes_count_what_is_kept<S: System<Real = f64, Start: From<Start>>>(system: &S) {
+fn strobes_count_what_is_kept<S: Absorber<Real = f64, Start: From<Start>>>(system: &S) {
     let start = Start { displacement: 1.0, ..Start::default() }.into();
     let limits = Limits { chatter_floor: 0.1, ..Limits::new(20.0, 0.05) };
     let mut all = Instants::default();

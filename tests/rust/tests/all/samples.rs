@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::{OnStructure, Start},
     extremes::Extremes,
     force::{Acts, Force, Harmonic},
     sample::{Sampler, State},
     simulate::{Limits, Outcome, simulate, simulate_from},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::rng::Rng;
 

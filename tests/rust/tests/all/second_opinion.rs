@@ -12,6 +12,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    absorber::{self, Start},
     force::{Acts, Force, Harmonic},
     impact::Impact,
     piva::{Angles, Parameters, Piva},
@@ -19,7 +20,6 @@ use iva_core::{
     sample::State,
     simulate::Limits,
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::{
     naive::{self, Absorber, Drive, Scene},
@@ -120,7 +120,12 @@ fn simulated(scene: &Scene, end: f64) -> Answer {
     }
 }
 
-fn answer<S: System<Real = f64>>(system: &S, start: &S::Start, clearance: f64, end: f64) -> Answer {
+fn answer<S: absorber::Absorber<Real = f64>>(
+    system: &S,
+    start: &S::Start,
+    clearance: f64,
+    end: f64,
+) -> Answer {
     let limits = Limits { chatter_floor: 1e-9, ..Limits::new(end, clearance) };
     let Run { impacts, episodes, .. } = run(system, start, &limits).unwrap();
     let last = states(system, start, &limits, &[end]).unwrap()[0];

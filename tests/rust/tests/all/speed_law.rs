@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    absorber::{Absorber, OnStructure, Start, Wall},
     lanes::{self, Job, Listing, Tier},
     measures::Wanted,
     observe::Events,
@@ -13,7 +14,6 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::{Siva, SivaState},
-    system::{Start, System, Wall},
 };
 use iva_tests::{U, speed_law::Softening};
 

@@ -8,13 +8,13 @@
 use std::sync::Arc;
 
 use iva_core::{
+    absorber::{Absorber, Start},
     force::{Acts, Force, History, Record},
     observe::Events,
     piva::{Parameters, Piva, PivaStart},
     sample::{Sampler, State},
     simulate::{Limits, Outcome, simulate_from},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::rng::Rng;
 
@@ -47,7 +47,7 @@ fn force(rng: &mut Rng, omega: f64, jump: f64) -> Force {
 }
 
 /// The states at `times`, and how the run ended.
-fn moved<S: System<Real = f64>>(
+fn moved<S: Absorber<Real = f64>>(
     system: &S,
     start: &S::Start,
     begin: f64,
@@ -76,7 +76,7 @@ fn compared(a: &[State], b: &[State]) -> (f64, bool) {
 }
 
 /// Compares runs that begin at a jump, exactly or a rounding off, with one that begins a little earlier.
-fn at_a_jump<S: System<Real = f64>>(system: &S, start: &S::Start, jump: f64) -> (f64, bool) {
+fn at_a_jump<S: Absorber<Real = f64>>(system: &S, start: &S::Start, jump: f64) -> (f64, bool) {
     let times = LATER.map(|later| jump + later);
     let earlier = moved(system, start, jump * (1.0 - EARLIER), &times);
     let mut worst = (0.0, false);

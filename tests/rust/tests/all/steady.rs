@@ -4,6 +4,7 @@
 use std::f64::consts::{PI, TAU};
 
 use iva_core::{
+    absorber::{Absorber, Start},
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     piva::{Parameters, Piva},
@@ -11,7 +12,6 @@ use iva_core::{
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
     steady::{Regime, Steady, SteadyWanted, Window},
-    system::{Start, System},
     theory::{SymmetricScene, masri_caughey},
 };
 use iva_tests::driven::mass;
@@ -33,7 +33,7 @@ fn start(displacement: f64, velocity: f64) -> Start {
 /// than the fourth power of their distance. Flights, coasts and stick episodes.
 #[test]
 fn decays_have_amplitudes_too() {
-    fn check<S: System<Real = f64>>(system: &S, start: &S::Start, from: f64) {
+    fn check<S: Absorber<Real = f64>>(system: &S, start: &S::Start, from: f64) {
         let (duration, count) = (from + 12.0, 24_000);
         let wanted = SteadyWanted { amplitude: true, rms: true, ..SteadyWanted::default() };
         let mut steady = Steady::new(Window { from, cycle: None }, wanted);

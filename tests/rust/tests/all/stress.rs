@@ -8,13 +8,13 @@
 use std::sync::Arc;
 
 use iva_core::{
+    absorber::{Absorber, OnStructure, Start},
     force::{Acts, Force, History, Record},
     observe::Observer,
     piva::{Parameters, Piva, PivaStart},
     run::{run, states},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::{
     U,
@@ -165,7 +165,7 @@ impl Grazing<'_> {
     }
 }
 
-fn first_of<S: System<Real = f64>>(
+fn first_of<S: Absorber<Real = f64>>(
     system: &S,
     start: &S::Start,
     d: f64,
@@ -341,7 +341,7 @@ struct Counted {
     spans: u64,
 }
 
-impl<S: System<Real = f64>> Observer<S> for Counted {
+impl<S: Absorber<Real = f64>> Observer<S> for Counted {
     fn span<M: iva_core::flight::Motion<Real = f64, State = S::State>>(
         &mut self,
         _system: &S,

@@ -8,13 +8,13 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, RecordBatch};
 use iva_core::{
+    absorber::{Absorber, Start},
     error::Invalid,
     force::{Acts, Force, Harmonic, Impulse},
     piva::{Parameters, Piva},
     run::run,
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_sweep::{
     choices::Choices,
@@ -33,7 +33,7 @@ fn refused<T: std::fmt::Debug>(result: Result<T, Invalid>, field: &str, value: f
     assert!(!error.value.is_empty() && !error.allowed.is_empty());
 }
 
-fn goes<S: System<Real = f64>>(system: &S, start: &S::Start, what: &str)
+fn goes<S: Absorber<Real = f64>>(system: &S, start: &S::Start, what: &str)
 where
     S::State: PartialEq,
 {

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, UInt32Type};
 use arrow_array::{Array, RecordBatch};
+use iva_core::absorber::Absorber;
 use iva_core::simulate::{Limits, simulate};
-use iva_core::system::System;
 use iva_sweep::axis::Axis;
 use iva_sweep::choices::{Choices, Kind};
 use iva_sweep::columns::{SUMMARY, Selection, columns};
@@ -353,6 +353,6 @@ fn work_of(study: &Study) -> u64 {
     }
 }
 
-fn tally<S: System<Real = f64>>(system: &S, start: &S::Start, limits: &Limits) -> u64 {
+fn tally<S: Absorber<Real = f64>>(system: &S, start: &S::Start, limits: &Limits) -> u64 {
     simulate(system, start, limits, None, &mut ()).unwrap().work
 }

@@ -4,12 +4,12 @@
 use std::f64::consts::{PI, TAU};
 
 use iva_core::{
+    absorber::{OnStructure, Start, Wall},
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     run::{Run, run, states},
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::{Start, System, Wall},
     theory::{Complex, Orbit, SymmetricScene, masri_caughey, slow_manifold},
 };
 use iva_tests::driven::mass;
@@ -37,7 +37,7 @@ fn absorber(scene: &SymmetricScene, phase: f64) -> Siva<DrivenHost> {
     mass(mass_ratio, restitution, clearance, damping_ratio)(force)
 }
 
-type Result = Run<<Siva<DrivenHost> as System>::State>;
+type Result = Run<<Siva<DrivenHost> as OnStructure>::State>;
 
 /// A run of a number of half cycles and a quarter, from just after the impact on wall +.
 fn follow(scene: &SymmetricScene, orbit: &Orbit, half_cycles: f64) -> Result {

@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    absorber::{Absorber, OnStructure, Start},
     coupled::{Coupled, CoupledState},
     lanes::{self, Job, Listing, Tier},
     measures::Wanted,
@@ -15,7 +16,6 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_tests::{U, dashpot::Dashpot, rng::Rng};
 use nalgebra::{Matrix4, Vector4};

@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    absorber::{Absorber, OnStructure, Start, Wall},
     force::{Acts, Force, Harmonic},
     host::{DrivenHost, UndrivenHost},
     lanes::{self, Job, Listing, SideBySide, Tier},
@@ -16,7 +17,6 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
-    system::{Start, System, Wall},
 };
 use iva_tests::U;
 

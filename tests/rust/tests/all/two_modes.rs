@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::{
+    absorber::Start,
     run::run,
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::Start,
 };
 use iva_tests::two_modes::TwoModes;
 

@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::{
+    absorber::{Start, Wall},
     force::Force,
     lanes::{self, Job, Tier},
     measures::Wanted,
@@ -14,7 +15,6 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
-    system::{Start, Wall},
 };
 use iva_tests::{U, rng::Rng};
 

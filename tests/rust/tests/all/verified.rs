@@ -10,6 +10,7 @@ use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
 use iva_core::{
+    absorber::{Absorber, Start},
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     piva::{Parameters, Piva, PivaStart},
@@ -17,7 +18,6 @@ use iva_core::{
     run::{Run, run},
     simulate::{Limits, Outcome},
     siva::Siva,
-    system::{Start, System},
 };
 use iva_sweep::{
     design::Spec,
@@ -56,7 +56,7 @@ fn marks<S>(run: &Run<S, Twofold>) -> Vec<(Kind, f64, Twofold)> {
     marks
 }
 
-fn check<S: System<Real = Twofold>>(
+fn check<S: Absorber<Real = Twofold>>(
     name: &str,
     system: &S,
     start: &S::Start,

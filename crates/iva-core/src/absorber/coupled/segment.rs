@@ -2,7 +2,7 @@
 
 use super::{Coupled, CoupledState, Coupling, jet};
 use crate::absorber::siva::trial::fast_flight;
-use crate::absorber::system::{System, Wall};
+use crate::absorber::{Absorber, Wall};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{Curve, FastFlight, GapPoint, Jet, Losses, Motion};

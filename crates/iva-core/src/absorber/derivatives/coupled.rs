@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::absorber::coupled::{Coupled, Coupling};
 use crate::absorber::impact::primary_share;
-use crate::absorber::system::{System as _, Wall};
+use crate::absorber::{ImpactLaw, Wall};
 
 impl<C: Coupling<Real = f64>> Differentiable for Coupled<C> {
     fn rates(&self, state: &Self::State) -> Vector4<f64> {

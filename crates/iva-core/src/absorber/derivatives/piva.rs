@@ -4,8 +4,8 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::Differentiable;
 use super::structure::stuck;
+use crate::absorber::Wall;
 use crate::absorber::piva::{Piva, PivaState, STEEP, Sizes};
-use crate::absorber::system::Wall;
 use crate::force::Drive;
 use crate::host::{Host, Phase, Structure};
 use crate::number::real::Real;
@@ -137,7 +137,7 @@ impl<H: Host<Real = f64>> Differentiable for Piva<H> {
 mod tests {
     use super::*;
     use crate::absorber::piva::{Parameters, PivaStart};
-    use crate::absorber::system::{Start, System};
+    use crate::absorber::{Absorber, Start};
     use crate::force::{Acts, Force, Harmonic};
     use crate::segment::flight::Motion;
 

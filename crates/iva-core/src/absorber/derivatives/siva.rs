@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::structure::{columns, stuck};
 use super::{Differentiable, free_mass_impact, free_mass_stick};
 use crate::absorber::siva::Siva;
-use crate::absorber::system::{Point, System, Wall};
+use crate::absorber::{Absorber, ImpactLaw, OnStructure, Point, Wall};
 use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Structure};
 use crate::number::compensated::DoubleDouble;

@@ -3,8 +3,8 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::Differentiable;
+use crate::absorber::Wall;
 use crate::absorber::alone::Alone;
-use crate::absorber::system::Wall;
 use crate::host::oscillator::Equation;
 use crate::host::{Host, HostState, Structure};
 

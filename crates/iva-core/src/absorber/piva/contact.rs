@@ -2,8 +2,8 @@
 
 use super::impact_law::Law;
 use super::{PivaState, Stops};
+use crate::absorber::Wall;
 use crate::absorber::impact::{Impact, delay};
-use crate::absorber::system::Wall;
 use crate::host::oscillator::Primary;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::{Real, pick};

@@ -36,7 +36,7 @@ pub(crate) struct Law<R = f64> {
     surplus: DoubleDouble<R>,
     /// True for the printed law, whose energy losses need the general formula.
     printed: bool,
-    /// See [`crate::absorber::system::LawAt`].
+    /// See [`crate::absorber::LawAt`].
     pub pressure_gain: R,
 }
 

@@ -4,7 +4,7 @@ use super::gap::Gap;
 use super::integrals::{Integrands, square};
 use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
-use crate::absorber::system::{System, Wall};
+use crate::absorber::{Absorber, Wall};
 use crate::force::Drive;
 use crate::host::{Host, Phase, Structure};
 use crate::number::compensated::DoubleDouble;

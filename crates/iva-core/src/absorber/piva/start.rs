@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Piva, PivaState};
-use crate::absorber::system::{Clock, Start, Wall};
+use crate::absorber::{Clock, Start, Wall};
 use crate::error::{Invalid, number};
 use crate::host::oscillator::Primary;
 use crate::host::{Host, Phase, Structure};

@@ -1,6 +1,6 @@
 //! The state of a structure and its pendulum between events.
 
-use crate::absorber::system::Wall;
+use crate::absorber::Wall;
 use crate::host::oscillator::Primary;
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;

@@ -85,7 +85,7 @@ mod tests {
     use super::*;
     use crate::absorber::siva::Siva;
     use crate::absorber::siva::motion::arrived;
-    use crate::absorber::system::{Start, System};
+    use crate::absorber::{Absorber, Start};
     use crate::host::Host;
 
     /// The fractional parts of multiples of an irrational number.

@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::passage::Passage;
 use super::pieces::Drifting;
 use super::{Siva, SivaState};
-use crate::absorber::system::{Point, System, Wall};
+use crate::absorber::{Absorber, OnStructure, Point, Wall};
 use crate::host::{Flown, Host, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;

@@ -5,7 +5,7 @@
 //! between two points that are h apart: no wall is met between points that are farther from both walls than that.
 
 use super::{Siva, SivaState};
-use crate::absorber::system::Coasted;
+use crate::absorber::Coasted;
 use crate::host::oscillator::Primary;
 use crate::host::{Block, Host, HostState, Phase, Pieces, Place, Plain, Structure};
 use crate::number::compensated::DoubleDouble;
@@ -204,7 +204,7 @@ mod tests {
 
     use super::*;
     use crate::absorber::siva::motion::SivaFlight;
-    use crate::absorber::system::{Clock, Start, System};
+    use crate::absorber::{Absorber, Clock, Start};
     use crate::force::{Acts, Force, History, Record};
     use crate::host::DrivenHost;
     use crate::segment::flight::{Losses, Motion, Quantity};

@@ -1,11 +1,11 @@
 //! Coasting: steps of a flight too far from the walls to meet one.
 
 use super::{Instant, Run};
-use crate::absorber::system::{Coasted, System};
+use crate::absorber::{Absorber, Coasted};
 use crate::engine::observe::{Observer, Span};
 use crate::number::real::Real;
 
-impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
+impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Lets an absorber that is too far from its walls to meet one fly on for some steps, each of which is computed
     /// from the first state.
     pub(super) fn coast(&mut self) {
@@ -21,7 +21,7 @@ impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
 }
 
 /// Shows an observer some steps of a coast from an instant on, with the state after them.
-pub(crate) fn show_coast<'a, R: Real, S: System<Real = R>, O: Observer<S>>(
+pub(crate) fn show_coast<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>>(
     system: &'a S,
     begin: &Instant<S::State, R>,
     (count, end): (usize, Coasted<S::State, R>),

@@ -3,7 +3,7 @@
 use super::{CANCEL_EVERY, Instant, Run, is_finite};
 use crate::absorber::chatter::{Rebound, first_search};
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock};
 use crate::engine::counts::Counted;
 use crate::engine::observe::{Contact, Observer, StickEpisode};
 use crate::host::Excitation;
@@ -12,7 +12,7 @@ use crate::segment::contact::first_contact;
 use crate::segment::flight::Side;
 use crate::segment::flight::{Curve, Jet, Motion};
 
-impl<R: Real, S: System<Real = R>, O: Observer<S>> Run<'_, S, O> {
+impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Applies the impact law to the state in contact, and decides what follows.
     pub(super) fn apply_impact(&mut self) {
         let wall = self.system.wall(&self.tally.state);

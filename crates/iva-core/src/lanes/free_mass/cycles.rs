@@ -1,9 +1,9 @@
 //! Trajectories of free masses from cycle to cycle.
 
 use super::{FreeMasses, Loaded, Tier};
+use crate::absorber::Clock;
 use crate::absorber::plain::State;
 use crate::absorber::siva::{Siva, SivaState};
-use crate::absorber::system::Clock;
 use crate::engine::simulate::Run;
 use crate::host::{Host, Phase};
 use crate::lanes::{Cycling, SideBySide};

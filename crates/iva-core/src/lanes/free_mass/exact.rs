@@ -1,9 +1,9 @@
 //! Free masses of the exact tier: states in double-double.
 
 use super::{Loaded, Tier, of_siva};
+use crate::absorber::Clock;
 use crate::absorber::siva::exact::InFlight;
 use crate::absorber::siva::{Siva, SivaState, coasts};
-use crate::absorber::system::Clock;
 use crate::force::{Acts, Drive, Force, Harmonic, Push, Pushes, Smooth};
 use crate::host::oscillator::{Equation, Oscillator, Primary};
 use crate::host::steps::Responses;

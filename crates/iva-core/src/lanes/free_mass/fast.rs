@@ -1,11 +1,11 @@
 //! Free masses of the fast tier: states in plain doubles.
 
 use super::{Loaded, Tier, of_siva};
+use crate::absorber::Clock;
 use crate::absorber::plain::mass::Mass;
 use crate::absorber::plain::responses::{OfLane, Responses, Tables};
 use crate::absorber::plain::{BASE, FREE, State, Structure, Structures};
 use crate::absorber::siva::{Siva, SivaState, coasts};
-use crate::absorber::system::Clock;
 use crate::force::{Pushes, Smooth};
 use crate::host::oscillator::{Equation, Primary};
 use crate::host::{DrivenHost, Host, Moment, Phase, Steps};

@@ -3,7 +3,7 @@
 use super::Tier;
 use crate::absorber::siva::Law;
 use crate::absorber::siva::trial::Trial;
-use crate::absorber::system::{Clock, System as _};
+use crate::absorber::{Absorber as _, Clock};
 use crate::engine::progress::Progress;
 use crate::engine::simulate::Run;
 use crate::lanes::SideBySide;

@@ -5,7 +5,7 @@ use crate::absorber::impact::Impact;
 use crate::absorber::plain::State;
 use crate::absorber::siva::trial::FreeMass as _;
 use crate::absorber::siva::{Siva, SivaState};
-use crate::absorber::system::{Clock, Wall};
+use crate::absorber::{Clock, Wall};
 use crate::host::{Host, Phase};
 use crate::number::arrays::Lanes as _;
 use crate::number::real::Real as _;

@@ -2,10 +2,10 @@
 //! clock and the next trial.
 
 use super::lane::Lane;
+use crate::absorber::Clock;
 use crate::absorber::chatter::may_end;
 use crate::absorber::plain::State;
 use crate::absorber::siva::trial::{FreeMass, Landing, Sight, TRIES, Trial, land};
-use crate::absorber::system::Clock;
 use crate::engine::counts::Counted;
 use crate::lanes::pick;
 use crate::number::arrays::{Laned, arrays};

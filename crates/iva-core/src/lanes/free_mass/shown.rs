@@ -3,7 +3,7 @@
 use super::round::Round;
 use super::{FreeMasses, Stretch, Tier};
 use crate::absorber::siva::trial::{FreeMass as _, Sight};
-use crate::absorber::system::System;
+use crate::absorber::{Absorber, ImpactLaw, OnStructure};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, show_coast};
 use crate::number::arrays::Lanes as _;
@@ -13,7 +13,7 @@ use crate::number::real::Real as _;
 const MOST_FLIGHTS: usize = 256;
 
 /// The state of a system in the lanes of a tier.
-type State<T> = <<T as Tier>::System as System>::State;
+type State<T> = <<T as Tier>::System as OnStructure>::State;
 
 impl<T: Tier, const W: usize> FreeMasses<T, W> {
     /// Keeps the flights of a lane from now on.

@@ -3,9 +3,9 @@
 
 use super::exact::at_rest;
 use super::{Loaded, Tier, of_siva};
+use crate::absorber::Clock;
 use crate::absorber::siva::exact::InFlight;
 use crate::absorber::siva::{Siva, SivaState, coasts};
-use crate::absorber::system::Clock;
 use crate::force::{Drive, Force, Push, Pushes, Smooth};
 use crate::host::oscillator::Equation;
 use crate::host::steps::Responses;

@@ -1,8 +1,8 @@
 //! What drives pendulums in lanes: nothing, or one harmonic force.
 
 use super::scene::Scene;
+use crate::absorber::Clock;
 use crate::absorber::piva::PivaState;
-use crate::absorber::system::Clock;
 use crate::force::{Push, Smooth};
 use crate::host::{DrivenHost, Host, Moment, Phase, UndrivenHost};
 use crate::number::arrays::Laned;

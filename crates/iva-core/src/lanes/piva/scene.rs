@@ -1,9 +1,9 @@
 //! What the run of a lane does not change: pendulum, walls and force.
 
 use super::drive::{Laid, Swinging};
+use crate::absorber::Wall;
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::{Law, Piva, PivaState, Stops};
-use crate::absorber::system::Wall;
 use crate::force::{Acts, Drive, Harmonic, Push, Pushes};
 use crate::lanes::pick;
 use crate::number::arrays::{Laned, laned};

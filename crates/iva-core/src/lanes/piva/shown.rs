@@ -4,7 +4,7 @@ use super::Steps;
 use super::drive::{Swinging, raised, seen};
 use super::round::Round;
 use crate::absorber::piva::{Known, Piva, PivaFlight};
-use crate::absorber::system::System;
+use crate::absorber::{Absorber, OnStructure};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::lanes::ScalarRun;
 use crate::number::arrays::Lanes as _;
@@ -73,7 +73,7 @@ impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>
 }
 
 /// Shows an observer a step, with the contact that ends it.
-fn show<S: System, M: Motion<Real = S::Real, State = S::State>>(
+fn show<S: Absorber, M: Motion<Real = S::Real, State = S::State>>(
     system: &S,
     span: &Span<'_, M>,
     contact: Option<&Contact<'_, S::State, S::Real>>,

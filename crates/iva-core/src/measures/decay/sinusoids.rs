@@ -8,7 +8,7 @@
 use std::cell::OnceCell;
 
 use super::{Course, Measures, Passage, looks};
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock};
 use crate::engine::observe::Span;
 use crate::host::Sinusoidal;
 use crate::host::sinusoid::{self, Sinusoid};
@@ -48,7 +48,7 @@ pub(crate) fn keeps(wanted: Wanted, time: f64) -> bool {
     wanted.ledger || looks(wanted, time)
 }
 
-impl<S: System> Measures<S> {
+impl<S: Absorber> Measures<S> {
     /// Prepares the log of a run whose decay has a closed form, if a measure needs one.
     pub(in crate::measures) fn log_decay(
         &mut self,
@@ -177,7 +177,7 @@ impl Sinusoids {
     /// Takes the motions between these entries, of which the last one is the begin of a motion that is not
     /// taken yet.
     #[inline(always)]
-    fn measure<S: System>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
+    fn measure<S: Absorber>(&mut self, measures: &mut Measures<S>, log: &[Entry]) {
         measures.moving |= log.len() > 1;
         if measures.wanted.decay() {
             self.turn(log);
@@ -271,7 +271,7 @@ impl Sinusoids {
 
     /// Adds the energy lost in the structure's damper.
     #[inline(always)]
-    fn lose<S: System>(&self, measures: &mut Measures<S>, log: &[Entry]) {
+    fn lose<S: Absorber>(&self, measures: &mut Measures<S>, log: &[Entry]) {
         let (free, middle) = (self.free, self.of.middle(false));
         for (number, block) in motions(log).chunks(BLOCK).enumerate() {
             let [mut from_x, mut from_v, mut to_x, mut to_v, mut span, mut lost] =
@@ -323,7 +323,7 @@ struct Logged<'a> {
     log: &'a [Entry],
 }
 
-impl<R: Real, S: System<Real = R>> Course<S> for Logged<'_> {
+impl<R: Real, S: Absorber<Real = R>> Course<S> for Logged<'_> {
     #[inline(always)]
     fn count(&self) -> usize {
         motions(self.log).len()

@@ -1,7 +1,7 @@
 //! The log of a decay whose motions have no closed form: its stretches in which x is monotonic.
 
 use super::{Course, Measures, Passage, looks};
-use crate::absorber::system::{Clock, System};
+use crate::absorber::{Absorber, Clock};
 use crate::engine::observe::Span;
 use crate::measures::peaks::{Monotone, monotone};
 use crate::number::real::Real;
@@ -25,13 +25,13 @@ const FULL: usize = 128;
 
 /// The stretches of a run in order of time, as far as no measure has taken them.
 #[derive(Debug, Clone)]
-pub(crate) struct Stretches<S: System> {
+pub(crate) struct Stretches<S: Absorber> {
     stretches: Vec<Stretch<S::State, S::Real>>,
     /// Number of stretches of a full log.
     full: usize,
 }
 
-impl<S: System> Stretches<S> {
+impl<S: Absorber> Stretches<S> {
     /// An empty log, in the memory of another one.
     pub fn new(spare: Option<Self>) -> Self {
         let mut stretches = spare.map(|spare| spare.stretches).unwrap_or_default();
@@ -52,7 +52,7 @@ impl<S: System> Stretches<S> {
     }
 }
 
-impl<S: System> Measures<S> {
+impl<S: Absorber> Measures<S> {
     /// Logs the stretches of a span of a decay.
     pub(in crate::measures) fn log_stretches<M>(&mut self, system: &S, span: &Span<'_, M>)
     where
@@ -91,7 +91,7 @@ impl<S: System> Measures<S> {
 }
 
 /// The stretches of a system.
-struct Logged<'a, S: System> {
+struct Logged<'a, S: Absorber> {
     system: &'a S,
     log: &'a [Stretch<S::State, S::Real>],
 }
@@ -110,7 +110,7 @@ macro_rules! in_motion {
 }
 pub(crate) use in_motion;
 
-impl<R: Real, S: System<Real = R>> Course<S> for Logged<'_, S> {
+impl<R: Real, S: Absorber<Real = R>> Course<S> for Logged<'_, S> {
     fn count(&self) -> usize {
         self.log.len()
     }
@@ -153,8 +153,8 @@ impl<R: Real, S: System<Real = R>> Course<S> for Logged<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::FULL;
+    use crate::absorber::Start;
     use crate::absorber::piva::{Parameters, Piva, PivaStart};
-    use crate::absorber::system::Start;
     use crate::engine::simulate::{Limits, simulate};
     use crate::error::Invalid;
     use crate::measures::{Measures, Wanted};

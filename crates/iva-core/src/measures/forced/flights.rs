@@ -1,7 +1,7 @@
 //! The entries of the log of a driven run.
 
 use crate::absorber::plain::{State, Structure};
-use crate::absorber::system::{Clock, Wall};
+use crate::absorber::{Clock, Wall};
 use crate::measures::steady::Steady;
 use crate::number::arrays::{Lanes as _, arrays};
 use crate::number::compensated::DoubleDouble;

@@ -5,7 +5,7 @@ use nalgebra::{Matrix4, Vector4};
 use super::tangent::{released, saltation};
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
-use crate::absorber::system::{Point, Wall};
+use crate::absorber::{Point, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
 use crate::segment::flight::Motion;

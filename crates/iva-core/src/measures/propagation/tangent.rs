@@ -3,7 +3,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use crate::absorber::derivatives::Differentiable;
-use crate::absorber::system::{Clock, System, Wall};
+use crate::absorber::{Absorber, Clock, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
 use crate::segment::flight::Motion;
@@ -52,7 +52,7 @@ impl Tangent {
     }
 
     /// At the begin of a run from a state at an instant.
-    pub(crate) fn at<S: System>(system: &S, state: &S::State, time: Clock) -> Self {
+    pub(crate) fn at<S: Absorber>(system: &S, state: &S::State, time: Clock) -> Self {
         Self { begun: (time, false), wall: system.wall(state), ..Self::default() }
     }
 

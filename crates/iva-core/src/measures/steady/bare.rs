@@ -3,8 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use super::{Steady, SteadyValues, SteadyWanted, Window};
+use crate::absorber::Point;
 use crate::absorber::alone::Alone;
-use crate::absorber::system::Point;
 use crate::engine::simulate::{Limits, simulate_from};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};

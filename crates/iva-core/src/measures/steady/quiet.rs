@@ -1,7 +1,7 @@
 //! Flights that change nothing in the measures of a steady state but ∫x², so that lanes need not show them.
 
 use super::{Steady, SteadyWanted};
-use crate::absorber::system::Clock;
+use crate::absorber::Clock;
 use crate::number::arrays::{Laned, laned};
 use crate::number::clock::SLACK;
 use crate::number::compensated::DoubleDouble;

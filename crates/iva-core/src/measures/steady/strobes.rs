@@ -2,7 +2,7 @@
 
 use super::regime::RETURNS_KEPT;
 use super::{Steady, largest_in};
-use crate::absorber::system::{Clock, Point};
+use crate::absorber::{Clock, Point};
 use crate::engine::observe::Span;
 use crate::measures::sample::span_ends;
 use crate::number::clock::SLACK;

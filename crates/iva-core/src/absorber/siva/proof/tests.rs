@@ -2,11 +2,11 @@
 //! function.
 
 use super::*;
+use crate::absorber::Absorber;
 use crate::absorber::siva::exact::InFlight;
 use crate::absorber::siva::motion::{SivaFlight, arrived};
 use crate::absorber::siva::trial::{Trial, search};
 use crate::absorber::siva::{Siva, SivaState};
-use crate::absorber::system::System;
 use crate::force::{Acts, Force, Harmonic};
 use crate::host::oscillator::Primary;
 use crate::host::{DrivenHost, Host, HostState, Phase, Structure};
