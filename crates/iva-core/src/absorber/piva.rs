@@ -2,12 +2,13 @@
 //! 15–17 with their misprints corrected; large angles, point bob or compound pendulum).
 //!
 //! The gap displacement is y = b sinθ, where b is the distance from the pivot to the point of contact, with
-//! walls at ±d. A torsional spring may hold it in its pivot ([`Spring`]). A flight is a Taylor series ([`crate::segment::taylor`]). Stuck on a wall the pendulum moves as one
-//! mass with the primary ([`crate::absorber::ride`]), until gravity or the primary pulls it off.
+//! walls at ±d. A torsional spring may hold it in its pivot ([`Spring`]). A flight is a Taylor series
+//! ([`crate::segment::taylor`]). Stuck on a wall the pendulum moves as one mass with the primary
+//! ([`crate::absorber::ride`]), until gravity, the spring or the primary pulls it off.
 
 use crate::absorber::impact::{Impact, delay};
 use crate::absorber::ride::{Ride, Stuck};
-use crate::absorber::{Absorber, Angle, Clock, LawAt, OnStructure, Point, Wall};
+use crate::absorber::{Absorber, Angle, Clock, Wall};
 use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::oscillator::Primary;
@@ -38,6 +39,7 @@ mod gap;
 mod impact_law;
 pub(crate) mod integrals;
 mod motion;
+mod on_structure;
 mod parameters;
 mod start;
 mod state;
@@ -222,102 +224,6 @@ fn at_rest_on_release<R: Real, P, const LENGTH: usize>(
         (series.w[1], series.y[2]) = (R::ZERO, R::ZERO);
     }
     series
-}
-
-impl<R: Real, H: Host<Real = R>> OnStructure for Piva<H> {
-    type Real = R;
-    type Excitation = H;
-    type State = PivaState<Phase<H>, R>;
-
-    fn excitation(&self) -> &H {
-        &self.host
-    }
-
-    fn phase(state: &Self::State) -> &Phase<H> {
-        &state.phase
-    }
-
-    fn mass_ratio(&self) -> R {
-        self.parameters.mass_ratio
-    }
-
-    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
-        PivaState { phase: like.phase, ..*state }
-    }
-
-    fn primary(&self, state: &Self::State) -> Point<R> {
-        Point { x: state.primary.x.value, v: state.primary.v.value }
-    }
-
-    fn energy(&self, state: &Self::State) -> R {
-        let Point { x, v } = self.primary(state);
-        let Parameters { mass_ratio, inertia_ratio, length, .. } = self.parameters;
-        let Pendulum { lever, contact_distance, .. } = self.pendulum;
-        let (y, w, c) = (state.y().value, state.w.value, state.cosine.value);
-        let sine = y / contact_distance;
-        // 1 − cosθ without cancellation (θ²/2 at small angles).
-        let rise = if c > 0.0 { sine * sine / (R::ONE + c) } else { R::ONE - c };
-        let kinetic = v * v + v * 2.0 * lever * (c * w) + inertia_ratio * (lever * w) * (lever * w);
-        let moving = (x * x + v * v) * 0.5;
-        let whole = moving + mass_ratio * (kinetic * 0.5 + self.gravity() * length * rise);
-        let Spring { stiffness, .. } = self.pendulum.spring;
-        if stiffness == 0.0 {
-            return whole;
-        }
-        let turned = self.angle_of(state) * length;
-        whole + mass_ratio * inertia_ratio * 0.5 * (stiffness * (turned * turned))
-    }
-
-    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
-        let Pendulum { mass_ratio, coupling, .. } = self.pendulum;
-        let mass = DoubleDouble::new(R::ONE).plus(mass_ratio);
-        let phase = self.host.after_impulse(&state.phase);
-        if stuck {
-            let gained = DoubleDouble::new(velocity).over_sum(mass);
-            let primary = state.primary.faster_by(gained);
-            return PivaState { phase, primary, released: false, ..*state };
-        }
-        let gained = DoubleDouble::new(velocity).over_sum(self.pendulum.inertia(state.y()));
-        let swing = gained.times(-coupling).times_sum(state.cosine);
-        PivaState {
-            phase,
-            primary: state.primary.faster_by(gained),
-            w: state.w + swing,
-            released: false,
-            ..*state
-        }
-    }
-}
-
-impl<R: Real, H: Host<Real = R>> crate::absorber::ImpactLaw for Piva<H> {
-    /// The gain of the law is per W; divided by cosθ it is per gap velocity W cosθ.
-    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
-        let law = self.law(wall);
-        let gain = law.impact_gain() / self.stops.cosine.value;
-        LawAt::constant(law.restitution, law.ratio, gain, law.pressure_gain)
-    }
-
-    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
-        R::dispatched(
-            #[inline(always)]
-            || self.law(state.wall).struck(state, time, self.pendulum.lever),
-        )
-    }
-
-    fn stick(&self, state: &Self::State) -> (Self::State, R) {
-        let (v, law) = (state.primary.v, self.law(state.wall));
-        let gained = law.stick(state.w);
-        let Parameters { mass_ratio, damping_ratio, .. } = self.parameters;
-        let damping = damping_ratio * 2.0 / (R::ONE + mass_ratio);
-        let [farther, faster] = law.surplus_of_tail(state.w, &self.distance(state), damping);
-        let stuck = PivaState {
-            primary: Primary { x: state.primary.x.plus(farther), v: (v + gained).plus(faster) },
-            distance: DoubleDouble::ZERO,
-            w: DoubleDouble::ZERO,
-            ..*state
-        };
-        (stuck, law.stick_loss(v.value, state.w.value))
-    }
 }
 
 impl<R: Real, H: Host<Real = R>> Absorber for Piva<H> {

@@ -8,22 +8,20 @@
 
 use std::any::TypeId;
 
-use crate::absorber::impact::{self, Impact};
+use crate::absorber::impact;
 use crate::absorber::plain::Scene;
 use crate::absorber::ride::{Ride, Stuck};
-use crate::absorber::{
-    Absorber, Clock, Coasted, ImpactLaw, LawAt, OnStructure, Point, Start, Wall,
-};
+use crate::absorber::{Absorber, Clock, Coasted, Start, Wall};
 use crate::error::{Invalid, number};
 use crate::force::Force;
 use crate::host::oscillator::Primary;
-use crate::host::{DrivenHost, Host, HostState, Phase, Sinusoidal, Structure, UndrivenHost};
-use crate::number::arrays::laned;
+use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
 use crate::segment::flight::{GapPoint, Jet};
 
+pub(crate) use impact_law::Law;
 pub use motion::SivaFlight;
 pub use parameters::Parameters;
 pub use state::SivaState;
@@ -31,7 +29,9 @@ pub(crate) use state::collided;
 
 pub(crate) mod coasts;
 pub(crate) mod exact;
+mod impact_law;
 pub(crate) mod motion;
+mod on_structure;
 mod parameters;
 mod passage;
 mod pieces;
@@ -54,32 +54,6 @@ pub struct Siva<H: Host = UndrivenHost> {
     /// Share of the gap velocity that the primary gains when the absorber sticks: that for e = 0.
     pub(crate) stick_share: DoubleDouble<H::Real>,
     pub(crate) host: H,
-}
-
-/// The impact law at one wall.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Law<R = f64> {
-    /// Newton's coefficient e on the gap velocity.
-    pub restitution: R,
-    /// Share of the gap velocity that the primary gains.
-    pub share: DoubleDouble<R>,
-    /// The energy lost at an approach speed of 1.
-    loss: R,
-}
-
-laned!(Law, Laws { restitution: f64, share: DoubleDouble, loss: f64 });
-
-impl<R: Real> Law<R> {
-    pub(crate) fn new(mass_ratio: R, restitution: R) -> Self {
-        let share = impact::primary_share(mass_ratio, restitution);
-        Self { restitution, share, loss: impact::energy_loss(mass_ratio, restitution, R::ONE) }
-    }
-
-    /// The energy lost in an impact with this approach speed.
-    #[inline(always)]
-    pub(crate) fn lost(&self, approach: R) -> R {
-        self.loss * (approach * approach)
-    }
 }
 
 impl<R: Real> From<Parameters<R>> for Siva<UndrivenHost<R>> {
@@ -224,99 +198,6 @@ pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result
         ));
     }
     Ok(())
-}
-
-impl<R: Real, H: Host<Real = R>> OnStructure for Siva<H> {
-    type Real = R;
-    type Excitation = H;
-    type State = SivaState<Phase<H>, R>;
-
-    fn excitation(&self) -> &H {
-        &self.host
-    }
-
-    fn phase(state: &Self::State) -> &Phase<H> {
-        &state.host.phase
-    }
-
-    fn mass_ratio(&self) -> R {
-        self.mass_ratio
-    }
-
-    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
-        let host = self.host.state(like.host.phase, state.host.primary);
-        SivaState { host, ..*state }
-    }
-
-    fn primary(&self, state: &Self::State) -> Point<R> {
-        let Primary { x, v } = state.host.primary;
-        Point { x: x.value, v: v.value }
-    }
-
-    fn sinusoidal(&self) -> Option<Sinusoidal> {
-        self.host.sinusoidal()
-    }
-
-    fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
-        let phase = self.host.after_impulse(&state.host.phase);
-        let Primary { x, v } = state.host.primary;
-        let mass = DoubleDouble::new(R::ONE).plus(self.mass_ratio);
-        let gained = if stuck {
-            DoubleDouble::new(velocity).over_sum(mass)
-        } else {
-            DoubleDouble::new(velocity)
-        };
-        let host = self.host.state(phase, Primary { x, v: v + gained });
-        let rate = if stuck { state.rate } else { state.rate.plus(state.side * velocity) };
-        SivaState { host, rate, ..*state }
-    }
-
-    fn energy(&self, state: &Self::State) -> R {
-        let Point { x, v } = self.primary(state);
-        let absorber = v + state.gap_velocity();
-        let moving = (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber);
-        let gravity = self.host.gravity();
-        if gravity == 0.0 {
-            return moving;
-        }
-        moving + self.mass_ratio * gravity * self.height(state)
-    }
-}
-
-impl<R: Real, H: Host<Real = R>> ImpactLaw for Siva<H> {
-    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
-        let Law { restitution, share, .. } = *self.law(R::from(wall.sign()));
-        let pressure = self.host.damping_ratio() * 2.0 * share.value;
-        LawAt::constant(restitution, restitution, share.value, pressure)
-    }
-
-    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
-        let s = state.side;
-        let approach = -state.rate.value;
-        let law = self.law(s);
-        let after = collided(self.host.free(), state, true, law);
-        let impact = Impact {
-            time,
-            wall: self.wall(state),
-            displacement: state.host.primary.x.value,
-            velocity_before: state.host.primary.v.value,
-            velocity_after: after.host.primary.v.value,
-            gap_velocity_before: s * approach,
-            gap_velocity_after: after.gap_velocity(),
-            lever: R::ONE,
-            energy_loss: law.lost(approach),
-        };
-        (after, impact)
-    }
-
-    fn stick(&self, state: &Self::State) -> (Self::State, R) {
-        let loss = impact::energy_loss(self.mass_ratio, R::ZERO, state.rate.value);
-        let primary = state.host.primary.jumped(-state.side, state.rate, self.stick_share);
-        let host = self.host.state(state.host.phase, primary);
-        let stuck =
-            SivaState { host, distance: DoubleDouble::ZERO, rate: DoubleDouble::ZERO, ..*state };
-        (stuck, loss)
-    }
 }
 
 impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {

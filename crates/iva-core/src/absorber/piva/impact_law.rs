@@ -2,7 +2,11 @@
 //! prints it.
 
 use super::parameters::{ImpactLaw, Parameters};
-use crate::absorber::impact::primary_share;
+use super::{Piva, PivaState};
+use crate::absorber::impact::{Impact, primary_share};
+use crate::absorber::{Absorber, LawAt, Wall};
+use crate::host::Host;
+use crate::host::oscillator::Primary;
 use crate::number::arrays::laned;
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::{Real, pick};
@@ -187,5 +191,36 @@ impl<R: Real> Law<R> {
         let jump_a =
             (-damping_ratio * 2.0 * jump_u + self.pull * c * pivot_damping * jump_w) / inertia;
         -c * (coupling * c * jump_a + pivot_damping * jump_w)
+    }
+}
+
+impl<R: Real, H: Host<Real = R>> crate::absorber::ImpactLaw for Piva<H> {
+    /// The gain of the law is per W; divided by cosθ it is per gap velocity W cosθ.
+    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
+        let law = self.law(wall);
+        let gain = law.impact_gain() / self.stops.cosine.value;
+        LawAt::constant(law.restitution, law.ratio, gain, law.pressure_gain)
+    }
+
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        R::dispatched(
+            #[inline(always)]
+            || self.law(state.wall).struck(state, time, self.pendulum.lever),
+        )
+    }
+
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        let (v, law) = (state.primary.v, self.law(state.wall));
+        let gained = law.stick(state.w);
+        let Parameters { mass_ratio, damping_ratio, .. } = self.parameters;
+        let damping = damping_ratio * 2.0 / (R::ONE + mass_ratio);
+        let [farther, faster] = law.surplus_of_tail(state.w, &self.distance(state), damping);
+        let stuck = PivaState {
+            primary: Primary { x: state.primary.x.plus(farther), v: (v + gained).plus(faster) },
+            distance: DoubleDouble::ZERO,
+            w: DoubleDouble::ZERO,
+            ..*state
+        };
+        (stuck, law.stick_loss(v.value, state.w.value))
     }
 }
