@@ -14,8 +14,8 @@ use iva_benches::{
 use iva_core::absorber::{Absorber, ImpactLaw, Wall};
 use iva_core::coupled::Coupled;
 use iva_core::force::Acts;
-use iva_core::lanes::{self, Job, Listing, SideBySide};
 use iva_core::measures::{Measures, Wanted};
+use iva_core::run::side_by_side::{self, Job, Listing, SideBySide};
 use iva_core::simulate::simulate;
 use iva_core::siva::Siva;
 use iva_tests::dashpot::Dashpot;
@@ -75,7 +75,7 @@ fn driven<S: SideBySide + Clone>(criterion: &mut Criterion, name: &str, jobs: &[
         group.bench_function(way, |bencher| {
             bencher.iter(|| {
                 for jobs in black_box(jobs).chunks(size) {
-                    let ended = lanes::run(jobs, wanted, None, &mut |_, ended| {
+                    let ended = side_by_side::run(jobs, wanted, None, &mut |_, ended| {
                         black_box(ended);
                     });
                     black_box(ended.is_ok());
@@ -120,7 +120,7 @@ fn beside<S: SideBySide>(group: &mut BenchmarkGroup<'_, WallTime>, scenes: &[Job
     ] {
         group.bench_function(way, |bencher| {
             bencher.iter(|| {
-                lanes::run(black_box(scenes), wanted, None, &mut |_, decayed| {
+                side_by_side::run(black_box(scenes), wanted, None, &mut |_, decayed| {
                     black_box(decayed);
                 })
             });
@@ -129,7 +129,7 @@ fn beside<S: SideBySide>(group: &mut BenchmarkGroup<'_, WallTime>, scenes: &[Job
     let errors = Listing { errors: true, ..Listing::default() };
     group.bench_function("side by side, impacts and errors", |bencher| {
         bencher.iter(|| {
-            lanes::run_listed(
+            side_by_side::run_listed(
                 black_box(scenes),
                 (none, &errors),
                 None,

@@ -11,9 +11,9 @@ use iva_core::{
     error::Invalid,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
-    lanes::Tier,
     orbit::{Cycle, Iterated, Request, Trajectory, iterate},
     piva::{Parameters, Piva, PivaStart},
+    run::side_by_side::Tier,
     siva::Siva,
 };
 

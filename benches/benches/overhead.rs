@@ -9,8 +9,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use iva_core::error::Invalid;
-use iva_core::lanes::{self, Job, Tier};
 use iva_core::measures::Wanted;
+use iva_core::run::side_by_side::{self, Job, Tier};
 use iva_core::siva::Siva;
 use iva_sweep::axis::Axis;
 use iva_sweep::design::Spec;
@@ -75,7 +75,7 @@ fn main() -> Result<(), SweepError> {
         let scenes = scenes(&study)?;
         let begin = Instant::now();
         for chunk in scenes.chunks(CHUNK) {
-            lanes::run(chunk, Wanted::ALL, None, &mut |_, decayed| {
+            side_by_side::run(chunk, Wanted::ALL, None, &mut |_, decayed| {
                 black_box(decayed);
             })?;
         }

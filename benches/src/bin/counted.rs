@@ -13,9 +13,9 @@ use iva_benches::{
 use iva_core::absorber::Absorber;
 use iva_core::error::Invalid;
 use iva_core::force::{Acts, Force, Harmonic};
-use iva_core::lanes::{self, Job, SideBySide};
 use iva_core::measures::{Measures, Wanted};
 use iva_core::piva::{Parameters, Piva};
+use iva_core::run::side_by_side::{self, Job, SideBySide};
 use iva_core::simulate::{Limits, simulate};
 use iva_core::siva::Siva;
 
@@ -56,7 +56,7 @@ const IMPACTS: Wanted = Wanted::NONE;
 
 /// Runs jobs side by side.
 fn count<S: SideBySide>(jobs: &[Job<S>], wanted: Wanted) -> Result<(), Invalid> {
-    lanes::run(jobs, wanted, None, &mut |_, ended| {
+    side_by_side::run(jobs, wanted, None, &mut |_, ended| {
         black_box(ended);
     })
 }

@@ -33,28 +33,34 @@
 //! | [`absorber`] | the interface of an absorber, which is three traits: what a run sees of the structure ([`OnStructure`](absorber::OnStructure)), the impact law ([`ImpactLaw`](absorber::ImpactLaw)), and the rest ([`Absorber`](absorber::Absorber)); a free mass ([`siva`]), a pendulum ([`piva`]), a free mass with a spring and a dashpot in its gap ([`coupled`]); the formulas of an impact, with a list of the places that apply them ([`impact`]), and of infinitely many ([`chatter`]); the motion with the absorber stuck to its wall ([`absorber::ride`]) |
 //! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
 //! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`], the interface of measures that need one file only, such as [`measures::near_wall`]; [`summary`] joins them |
-//! | [`lanes`] | the event loop for many runs side by side, with the same observers |
+//! | [`run`] | making runs: one alone with the usual observers, in one call ([`run::run`]); many side by side in the lanes of vector instructions, with the same observers ([`run::side_by_side`]) |
 //! | [`orbit`] | maps over whole cycles of a drive, one or many side by side, with derivatives: what periodic orbits, basins and exponents are made of |
 //! | [`theory`] | steady states known in closed form; no run uses it |
 //!
-//! [`run`] runs a system with the usual observers in one call; [`range`] holds the ranges of numbers that a run accepts.
+//! [`range`] holds the ranges of numbers that a run accepts.
+//!
+//! Where to look:
+//!
+//! | what | where |
+//! |---|---|
+//! | the impact law | the trait [`absorber::ImpactLaw`] is what the event loop asks; the formulas, and a list of the files that apply them, are in [`impact`]; an example of another law is `tests/rust/src/speed_law.rs` |
+//! | a new measure | one file with a [`measures::pass::Pass`] beside [`measures::near_wall`], and an entry in `crates/iva-sweep/src/columns/tables.rs`; `CONTRIBUTING.md` has all steps |
+//! | a new field of a study | a row in `crates/iva-sweep/src/fields.rs`, and its meaning in `crates/iva-sweep/src/engine/design.rs`; `CONTRIBUTING.md` has all steps |
+//! | another kind of absorber | one file in `absorber/` that implements [`absorber::OnStructure`], [`absorber::ImpactLaw`] and [`absorber::Absorber`]; the shortest complete one is [`coupled`]; `docs/adding-an-absorber.md` has all steps |
+//! | another structure | the same three traits, with the absorber that is on it: `tests/rust/src/two_modes.rs` has two modes |
+//! | a second absorber on one structure | there is no place for it yet: an [`absorber::Absorber`] has one gap. A second gap would need its own wall and distance there, its own search for contacts and stick episodes in the event loop (`engine/simulate.rs`, `engine/simulate/wall.rs`), a name in [`impact::Impact`], its own variables in the derivatives (`absorber/derivatives.rs`), and columns in the tables. Of [`absorber::OnStructure`], `mass_ratio` and `apply_impulse` assume one absorber |
 //!
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
 //! run. The flights of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier
-//! (`absorber/siva/trial.rs`, `lanes/free_mass.rs`). Of pendulums under force, measures see only the steps
-//! that may change a peak or an extreme; lanes add up the sums (`lanes/piva.rs`). Observers that look within flights see
-//! every step of a pendulum (`lanes/piva/shown.rs`); lanes of free masses keep the flights until their runs show them
-//! (`lanes/free_mass/shown.rs`).
+//! (`absorber/siva/trial.rs`, `run/free_mass.rs`). Of pendulums under force, measures see only the steps
+//! that may change a peak or an extreme; lanes add up the sums (`run/piva.rs`). Observers that look within flights see
+//! every step of a pendulum (`run/piva/shown.rs`); lanes of free masses keep the flights until their runs show them
+//! (`run/free_mass/shown.rs`).
 //!
 //! **Measures.** Those of a decay are functions of its log (`measures/decay.rs`), whether it ran alone or in a lane. The
 //! log of a free mass holds the begins of its motions, which are damped sinusoids, also where gravity acts along the motion; that
 //! of any other absorber the stretches in which x is monotonic. The measures of a free mass under one harmonic force are computed from a log of its flights
 //! (`measures/forced.rs`).
-//!
-//! `CONTRIBUTING.md` tells how to add a measure or a field, `docs/adding-an-absorber.md` how to add an
-//! absorber. A run has one absorber with one gap: for two absorbers on one structure, state, search for contacts, event loop and
-//! tables would need a second gap. Another structure, such as one with two modes, is an [`absorber::OnStructure`] of its own, with the
-//! absorber that is on it; an example is `tests/rust/src/two_modes.rs`.
 //!
 //! **What is guaranteed.** No contact is stepped over and none invented: every stretch of flight ends with a
 //! contact and proof that none came earlier, or with proof that there is none (see [`roots`]). The one case
@@ -85,7 +91,6 @@ pub mod engine;
 pub mod error;
 pub mod force;
 pub mod host;
-pub mod lanes;
 pub mod measures;
 pub mod number;
 pub mod orbit;

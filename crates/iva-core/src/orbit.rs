@@ -6,7 +6,7 @@
 //! but the number of impacts. The derivative of the map ([`Tangent`]) is the monodromy matrix of a periodic orbit.
 //!
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
-//! of pendulums side by side in lanes ([`crate::lanes`]), with the bits of [`map`] in the exact tier.
+//! of pendulums side by side in lanes ([`crate::run::side_by_side`]), with the bits of [`map`] in the exact tier.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -22,10 +22,10 @@ use crate::engine::simulate::{Instant, Limits, Outcome, Run};
 use crate::error::{Invalid, number};
 use crate::force::Force;
 use crate::host::{DrivenHost, Excitation, Host, UndrivenHost};
-use crate::lanes::free_mass::{ExactDriven, FastDriven, FreeMasses};
-use crate::lanes::{LANES, SideBySide, Tier, WIDE, with_steps};
 use crate::measures::propagation::{Differentiable, Tangent};
 use crate::range;
+use crate::run::free_mass::{ExactDriven, FastDriven, FreeMasses};
+use crate::run::side_by_side::{LANES, SideBySide, Tier, WIDE, with_steps};
 
 mod in_lanes;
 

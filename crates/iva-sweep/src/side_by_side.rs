@@ -5,7 +5,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::lanes::{self, Job, Listed, SideBySide};
+use iva_core::run::side_by_side::{self, Job, Listed, SideBySide};
 
 use crate::engine::design::Design;
 use crate::engine::ended::Ended;
@@ -90,7 +90,7 @@ impl Part<'_> {
         }
         let mut refused = None;
         let mut take =
-            |index: usize, (tally, measures, steady): &lanes::Ended<S>, listed: Listed| {
+            |index: usize, (tally, measures, steady): &side_by_side::Ended<S>, listed: Listed| {
                 let (place, tier) = (places[index], S::tier(&jobs[index]));
                 let found = (tally.without_state(), *measures, *steady);
                 match Ended::new(&designs[place], found, tier, request.reduction, cancel) {
@@ -104,7 +104,7 @@ impl Part<'_> {
                     Err(error) => refused = Some(error),
                 }
             };
-        lanes::run_listed(&jobs, (request.measures(), &listing), Some(cancel), &mut take)?;
+        side_by_side::run_listed(&jobs, (request.measures(), &listing), Some(cancel), &mut take)?;
         refused.map_or(Ok(()), Err)
     }
 }

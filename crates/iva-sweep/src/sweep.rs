@@ -12,8 +12,8 @@ use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
-use iva_core::lanes::{Listed, Tier};
 use iva_core::propagation::{Differentiable, Errors};
+use iva_core::run::side_by_side::{Listed, Tier};
 use iva_core::simulate::Outcome;
 
 use crate::done::Done;

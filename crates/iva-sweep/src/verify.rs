@@ -20,9 +20,9 @@ use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
 use crate::tables::{Cell, Content, TableBuilder, schema_of};
 use iva_core::absorber::Absorber;
-use iva_core::lanes::Tier;
 use iva_core::real::Real;
 use iva_core::real::twofold::Twofold;
+use iva_core::run::side_by_side::Tier;
 
 /// The results of a verification.
 #[derive(Debug, Clone)]

@@ -7,9 +7,9 @@ use iva_core::{
     flight::Jet,
     host::UndrivenHost,
     impact::Impact,
-    lanes::SideBySide,
     propagation::{Differentiable, free_mass_impact},
     real::Real,
+    run::side_by_side::SideBySide,
     siva::{Siva, SivaState},
 };
 use nalgebra::{Matrix4, Vector4};

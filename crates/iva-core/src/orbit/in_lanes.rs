@@ -6,12 +6,12 @@
 use super::{Image, Iterated, Request, See, Trajectory, Turn, begun, image};
 use crate::absorber::Clock;
 use crate::engine::simulate::{Limits, Outcome};
-use crate::lanes::{Cycling, Loaded, Tier};
 use crate::measures::Wanted;
 use crate::measures::forced::Forced;
 use crate::measures::propagation::Tangent;
 use crate::measures::steady::SteadyWanted;
 use crate::number::real::Real;
+use crate::run::side_by_side::{Cycling, Loaded, Tier};
 
 /// Number of evaluations between two checks of the cancel flag.
 const CANCEL_EVERY: u32 = 1024;
@@ -34,7 +34,7 @@ pub(super) fn iterate<S: Iterated, L: Cycling<S>>(
             for i in 0..L::WIDTH {
                 all.go_on(&mut lanes, i);
             }
-            while all.is_live() && !crate::lanes::is_set(given.request.cancel) {
+            while all.is_live() && !crate::run::side_by_side::is_set(given.request.cancel) {
                 for _ in 0..CANCEL_EVERY {
                     if lanes.evaluate() {
                         all.serve(&mut lanes);

@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::extremes::ExtremeValues;
-use iva_core::lanes::Tier;
 use iva_core::measures::MeasureValues;
 use iva_core::real::Real;
+use iva_core::run::side_by_side::Tier;
 use iva_core::simulate::Tally;
 use iva_core::steady::{Bare, SteadyValues};
 

@@ -8,9 +8,9 @@ use iva_core::{
     absorber::Start,
     force::{Acts, Force, Harmonic, Impulse},
     host::DrivenHost,
-    lanes::{Job, Tier},
     measures::Wanted,
     piva::{Angles, Parameters, Piva},
+    run::side_by_side::{Job, Tier},
     simulate::Limits,
     steady::{SteadyWanted, Window},
 };

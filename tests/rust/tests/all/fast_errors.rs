@@ -7,8 +7,8 @@ use iva_core::{
     absorber::Start,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
-    lanes::{Job, SideBySide, Tier},
     propagation::{Differentiable, Errors},
+    run::side_by_side::{Job, SideBySide, Tier},
     simulate::{Limits, Outcome, Tally, simulate},
     siva::Siva,
 };

@@ -11,9 +11,9 @@ use iva_core::{
     absorber::Start,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
-    lanes::{self, Ended, Job, SideBySide, Tier},
     measures::{MeasureValues, Wanted},
     propagation::{Differentiable, Errors},
+    run::side_by_side::{self, Ended, Job, SideBySide, Tier},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
     steady::{SteadyValues, SteadyWanted, Window},
@@ -35,7 +35,8 @@ const MEDIAN_ALLOWED: f64 = 1.0;
 /// The results of runs in a tier, in the order of the jobs.
 pub(crate) fn all<S: SideBySide>(jobs: &[Job<S>], wanted: Wanted) -> Vec<Ended<S>> {
     let mut found: Vec<Option<Ended<S>>> = vec![None; jobs.len()];
-    lanes::run(jobs, wanted, None, &mut |i, ended: &Ended<S>| found[i] = Some(*ended)).unwrap();
+    side_by_side::run(jobs, wanted, None, &mut |i, ended: &Ended<S>| found[i] = Some(*ended))
+        .unwrap();
     found.into_iter().map(Option::unwrap).collect()
 }
 

@@ -1,6 +1,6 @@
 //! Runs side by side equal single runs bit for bit.
 //!
-//! Everything that `lanes::run` hands out is compared. Floats are printed with all their digits, so equal
+//! Everything that `side_by_side::run` hands out is compared. Floats are printed with all their digits, so equal
 //! texts are equal bits.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_core::absorber::{Absorber, Start};
 use iva_core::force::{Acts, Force, Harmonic};
-use iva_core::lanes::{self, Job, LANES, SideBySide, Tier};
 use iva_core::measures::Wanted;
 use iva_core::piva::{Angles, Given, Parameters, Piva, PivaStart};
+use iva_core::run::side_by_side::{self, Job, LANES, SideBySide, Tier};
 use iva_core::simulate::{Limits, Outcome};
 use iva_core::siva::Siva;
 use iva_core::steady::{SteadyWanted, Window};
@@ -227,7 +227,7 @@ fn cancelled_runs_come_back_as_they_are() {
             std::thread::sleep(std::time::Duration::from_millis(20));
             cancel.store(true, Ordering::Relaxed);
         });
-        lanes::run(&endless, Wanted::ALL, Some(&cancel), &mut |i, (tally, ..)| {
+        side_by_side::run(&endless, Wanted::ALL, Some(&cancel), &mut |i, (tally, ..)| {
             found.push((i, tally.outcome, tally.impacts));
         })
         .unwrap();
@@ -245,7 +245,7 @@ fn a_bad_start_is_refused_before_anything_runs() {
     let mut scenes = grid();
     scenes[7].start.gap_displacement = 100.0;
     let mut taken = 0;
-    let error = lanes::run(&scenes, Wanted::ALL, None, &mut |_, _| taken += 1).unwrap_err();
+    let error = side_by_side::run(&scenes, Wanted::ALL, None, &mut |_, _| taken += 1).unwrap_err();
     assert_eq!((error.field.as_str(), taken), ("start.gap_displacement", 0));
 }
 

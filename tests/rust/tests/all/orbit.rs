@@ -10,9 +10,9 @@ use iva_core::{
     absorber::{Absorber, Clock, OnStructure, Start, Wall},
     force::{Acts, Force, Harmonic},
     host::{DrivenHost, Host},
-    lanes::Tier,
     orbit::{Cycle, Image, Iterated, Request, Trajectory, iterate, map},
     piva::{Angles, Parameters, Piva, PivaStart},
+    run::side_by_side::Tier,
     simulate::{Instant, Limits, Outcome, resume},
     siva::Siva,
 };

@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use iva_core::extremes::Extremes;
-use iva_core::lanes::{self, Ended, Job, Listed, Listing, NewPass, SideBySide};
 use iva_core::measures::Wanted;
 use iva_core::measures::near_wall::NearWall;
 use iva_core::measures::pass::{Pass, Passes};
 use iva_core::observe::Events;
 use iva_core::propagation::Errors;
+use iva_core::run::side_by_side::{self, Ended, Job, Listed, Listing, NewPass, SideBySide};
 use iva_core::simulate::simulate_from;
 use iva_core::steady::Steady;
 use iva_core::summary::Summary;
@@ -48,7 +48,7 @@ pub(crate) fn together<S: SideBySide>(scenes: &[Job<S>]) -> Vec<String> {
 
 pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted) -> Vec<String> {
     let mut found = vec![String::new(); scenes.len()];
-    lanes::run(scenes, wanted, None, &mut |i, decayed: &Ended<S>| {
+    side_by_side::run(scenes, wanted, None, &mut |i, decayed: &Ended<S>| {
         assert!(found[i].is_empty(), "scene {i} came twice");
         found[i] = format!("{decayed:?}");
     })
@@ -66,10 +66,15 @@ pub(crate) fn together_wanting<S: SideBySide>(scenes: &[Job<S>], wanted: Wanted)
     ];
     let mut listed = listings.map(|listing| {
         let mut listed = vec![Listed::default(); scenes.len()];
-        lanes::run_listed(scenes, (wanted, &listing), None, &mut |i, ended: &Ended<S>, more| {
-            assert_eq!(found[i], format!("{ended:?}"), "scene {i} by {listing:?}");
-            listed[i] = more;
-        })
+        side_by_side::run_listed(
+            scenes,
+            (wanted, &listing),
+            None,
+            &mut |i, ended: &Ended<S>, more| {
+                assert_eq!(found[i], format!("{ended:?}"), "scene {i} by {listing:?}");
+                listed[i] = more;
+            },
+        )
         .unwrap();
         listed
     });

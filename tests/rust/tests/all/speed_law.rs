@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 
 use iva_core::{
     absorber::{Absorber, OnStructure, Start, Wall},
-    lanes::{self, Job, Listing, Tier},
     measures::Wanted,
     observe::Events,
     propagation::{Errors, Tangent},
     real::{Real, dual::Dual, twofold::Twofold},
+    run::side_by_side::{self, Job, Listing, Tier},
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::{Siva, SivaState},
@@ -167,14 +167,19 @@ fn sweeps_of_it_are_its_runs() {
         })
         .collect();
     let (mut seen, all) = (0, Listing { events: true, errors: true, ..Listing::default() });
-    lanes::run_listed(&jobs, (Wanted::ALL, &all), None, &mut |i, (tally, measures, _), listed| {
-        let Job { system, start, limits, .. } = &jobs[i];
-        let alone = run(system, start, limits).unwrap();
-        assert_eq!((*tally, *measures), (alone.tally, alone.measures), "{i}");
-        assert_eq!(listed.events.unwrap().impacts, alone.impacts, "{i}");
-        assert_eq!(listed.errors.unwrap().impacts.len(), alone.impacts.len(), "{i}");
-        seen += 1;
-    })
+    side_by_side::run_listed(
+        &jobs,
+        (Wanted::ALL, &all),
+        None,
+        &mut |i, (tally, measures, _), listed| {
+            let Job { system, start, limits, .. } = &jobs[i];
+            let alone = run(system, start, limits).unwrap();
+            assert_eq!((*tally, *measures), (alone.tally, alone.measures), "{i}");
+            assert_eq!(listed.events.unwrap().impacts, alone.impacts, "{i}");
+            assert_eq!(listed.errors.unwrap().impacts.len(), alone.impacts.len(), "{i}");
+            seen += 1;
+        },
+    )
     .unwrap();
     assert_eq!(seen, jobs.len());
 }

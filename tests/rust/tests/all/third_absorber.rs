@@ -7,12 +7,12 @@ use std::f64::consts::TAU;
 use iva_core::{
     absorber::{Absorber, OnStructure, Start},
     coupled::{Coupled, CoupledState},
-    lanes::{self, Job, Listing, Tier},
     measures::Wanted,
     observe::Events,
     piva::{Angles, Parameters, Piva},
     propagation::Errors,
     real::{Real, dual::Dual, twofold::Twofold},
+    run::side_by_side::{self, Job, Listing, Tier},
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
@@ -145,19 +145,24 @@ fn sweeps_of_it_are_its_runs() {
     let jobs = jobs();
     let mut seen = vec![false; jobs.len()];
     let all = Listing { events: true, errors: true, envelope: true, ..Listing::default() };
-    lanes::run_listed(&jobs, (Wanted::ALL, &all), None, &mut |i, (tally, measures, _), listed| {
-        let Job { system, start, limits, .. } = &jobs[i];
-        let alone = run(system, start, limits).unwrap();
-        assert_eq!((*tally, *measures), (alone.tally, alone.measures), "{i}");
-        let events = listed.events.unwrap();
-        assert_eq!((events.impacts, events.episodes), (alone.impacts, alone.episodes), "{i}");
-        assert_eq!(listed.envelope.unwrap(), alone.peaks, "{i}");
-        let mut truth = Errors::default();
-        simulate(system, start, limits, None, &mut truth).unwrap();
-        let told = |it: &Errors| format!("{:?} {:?}", it.impacts, it.condition());
-        assert_eq!(told(&listed.errors.unwrap()), told(&truth), "{i}");
-        seen[i] = true;
-    })
+    side_by_side::run_listed(
+        &jobs,
+        (Wanted::ALL, &all),
+        None,
+        &mut |i, (tally, measures, _), listed| {
+            let Job { system, start, limits, .. } = &jobs[i];
+            let alone = run(system, start, limits).unwrap();
+            assert_eq!((*tally, *measures), (alone.tally, alone.measures), "{i}");
+            let events = listed.events.unwrap();
+            assert_eq!((events.impacts, events.episodes), (alone.impacts, alone.episodes), "{i}");
+            assert_eq!(listed.envelope.unwrap(), alone.peaks, "{i}");
+            let mut truth = Errors::default();
+            simulate(system, start, limits, None, &mut truth).unwrap();
+            let told = |it: &Errors| format!("{:?} {:?}", it.impacts, it.condition());
+            assert_eq!(told(&listed.errors.unwrap()), told(&truth), "{i}");
+            seen[i] = true;
+        },
+    )
     .unwrap();
     assert!(seen.iter().all(|seen| *seen));
 }

@@ -8,13 +8,15 @@ use iva_core::{
     absorber::{Absorber, OnStructure, Start, Wall},
     force::{Acts, Force, Harmonic},
     host::{DrivenHost, UndrivenHost},
-    lanes::{self, Job, Listing, SideBySide, Tier},
     measures::Wanted,
     observe::Events,
     piva::{Angles, Given, Parameters, Piva, PivaStart},
     propagation::{Errors, Tangent},
     real::{Real, dual::Dual, twofold::Twofold},
-    run::{Run, run},
+    run::{
+        Run, run,
+        side_by_side::{self, Job, Listing, SideBySide, Tier},
+    },
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
 };
@@ -205,7 +207,7 @@ fn the_derivative_of_a_run_is_that_of_differences() {
 }
 
 /// Sweeps go in lanes; their bits are those of single runs.
-fn side_by_side<S: SideBySide<Real = f64>>(mount: impl Fn(Piva<UndrivenHost>) -> S)
+fn swept_alike<S: SideBySide<Real = f64>>(mount: impl Fn(Piva<UndrivenHost>) -> S)
 where
     PivaStart: Into<S::Start>,
     S::State: PartialEq,
@@ -221,23 +223,28 @@ where
         })
         .collect();
     let (mut seen, all) = (0, Listing { events: true, errors: true, ..Listing::default() });
-    lanes::run_listed(&jobs, (Wanted::ALL, &all), None, &mut |i, (tally, measures, _), listed| {
-        let Job { system, start, limits, .. } = &jobs[i];
-        let alone = run(system, start, limits).unwrap();
-        assert!(*tally == alone.tally && *measures == alone.measures, "{i}");
-        let Events { impacts, episodes } = listed.events.unwrap();
-        assert!(impacts == alone.impacts && episodes == alone.episodes, "{i}");
-        assert_eq!(listed.errors.unwrap().impacts.len(), alone.impacts.len(), "{i}");
-        seen += 1;
-    })
+    side_by_side::run_listed(
+        &jobs,
+        (Wanted::ALL, &all),
+        None,
+        &mut |i, (tally, measures, _), listed| {
+            let Job { system, start, limits, .. } = &jobs[i];
+            let alone = run(system, start, limits).unwrap();
+            assert!(*tally == alone.tally && *measures == alone.measures, "{i}");
+            let Events { impacts, episodes } = listed.events.unwrap();
+            assert!(impacts == alone.impacts && episodes == alone.episodes, "{i}");
+            assert_eq!(listed.errors.unwrap().impacts.len(), alone.impacts.len(), "{i}");
+            seen += 1;
+        },
+    )
     .unwrap();
     assert_eq!(seen, jobs.len());
 }
 
 #[test]
 fn sweeps_of_it_are_its_runs() {
-    side_by_side(|piva| piva);
-    side_by_side::<Piva<DrivenHost>>(|piva| piva.under(force()));
+    swept_alike(|piva| piva);
+    swept_alike::<Piva<DrivenHost>>(|piva| piva.under(force()));
 }
 
 #[test]

@@ -6,12 +6,12 @@ use std::f64::consts::TAU;
 use iva_core::{
     absorber::{Start, Wall},
     force::Force,
-    lanes::{self, Job, Tier},
     measures::Wanted,
     observe::Events,
     piva::{Parameters, Piva},
     propagation::Errors,
     real::{Real, twofold::Twofold},
+    run::side_by_side::{self, Job, Tier},
     run::{Run, run},
     simulate::{Limits, Outcome, simulate},
     siva::Siva,
@@ -227,7 +227,7 @@ fn beside_others_it_runs_as_alone() {
         jobs.push(Job { system, start, begin: 0.0, limits, steady: None, tier: Tier::Exact });
     }
     let mut seen = 0;
-    lanes::run(&jobs, Wanted::ALL, None, &mut |index, (tally, measures, _)| {
+    side_by_side::run(&jobs, Wanted::ALL, None, &mut |index, (tally, measures, _)| {
         let alone = run(&jobs[index].system, &jobs[index].start, &jobs[index].limits).unwrap();
         assert_eq!((tally, measures), (&alone.tally, &alone.measures));
         seen += 1;

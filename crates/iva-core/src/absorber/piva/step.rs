@@ -1,7 +1,7 @@
 //! One step of flight: states and turning points from its series.
 //!
 //! For an order N that the compiler knows and without branches, so that many can go side by side
-//! ([`crate::lanes`]).
+//! ([`crate::run::side_by_side`]).
 
 use super::PivaState;
 use crate::force::Drive;

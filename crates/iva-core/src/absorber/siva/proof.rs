@@ -2,7 +2,7 @@
 //!
 //! Nearly every stretch of flight is simple: it meets no wall, or one wall once and at a finite rate. A fast
 //! flight proves that it is simple or gives up; then the stretch is searched by [`crate::segment::contact`]. The code
-//! has no branches, so that many flights can go side by side ([`crate::lanes`]).
+//! has no branches, so that many flights can go side by side ([`crate::run::side_by_side`]).
 //!
 //! **Proof.** Distance, rate and curvature at both ends of a stretch of length L define a quintic H. With
 //! M = L⁶ max |D⁽⁶⁾|, [`crate::segment::quintic`] bounds the error D − H. In a flight that starts on the wall the

@@ -16,7 +16,7 @@ mod rows;
 mod scene;
 mod shown;
 
-use super::{Cycling, Job, LANES, Listing, Loaded, Lockstep, ScalarRun, SideBySide};
+use super::side_by_side::{Cycling, Job, LANES, Listing, Loaded, Lockstep, ScalarRun, SideBySide};
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::step::Turning;
 use crate::absorber::piva::{Piva, PivaState, PivaStates};

@@ -1,6 +1,6 @@
 //! Lanes in which trajectories go from cycle to cycle ([`crate::orbit`]).
 
-use super::Loaded;
+use super::side_by_side::Loaded;
 use crate::absorber::Absorber;
 use crate::engine::simulate::Run;
 use crate::measures::forced::Forced;

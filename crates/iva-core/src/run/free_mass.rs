@@ -22,7 +22,7 @@ mod round;
 mod shown;
 mod unforced;
 
-use super::{ScalarRun, SideBySide, pick};
+use super::side_by_side::{ScalarRun, SideBySide};
 use crate::absorber::plain::State;
 use crate::absorber::siva::trial::{FreeMass, Sight, search};
 use crate::absorber::siva::{Law, coasts};
@@ -33,6 +33,7 @@ use crate::measures::forced::Forced;
 use crate::measures::height;
 use crate::measures::log::Entry;
 use crate::number::arrays::{Laned, Lanes, any};
+use crate::number::real::pick;
 
 pub(crate) use exact::{ExactDecays, ExactDriven};
 pub(crate) use fast::{FastDecays, FastDriven};

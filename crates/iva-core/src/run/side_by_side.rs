@@ -5,8 +5,8 @@
 //! [`LANES`] runs advance in lockstep, one per lane, and every operation is done for all of them by vector
 //! instructions. Three things make that possible:
 //!
-//! * **A stretch has no branches.** The trials of a free mass (`lanes/free_mass.rs`) and the steps of a
-//!   pendulum (`lanes/piva.rs`) are written for one lane and one number type. The compiler turns a loop over
+//! * **A stretch has no branches.** The trials of a free mass (`run/free_mass.rs`) and the steps of a
+//!   pendulum (`run/piva.rs`) are written for one lane and one number type. The compiler turns a loop over
 //!   arrays of lanes into vector code for AVX-512, AVX2 or the baseline, chosen at run time. Every lane
 //!   computes all cases and selects its own.
 //! * **What is not simple goes to the event loop.** Each lane belongs to a run of the event loop. Where a
@@ -21,17 +21,6 @@
 //! In the fast tier the lanes of free masses hold plain doubles. Their results do not depend on the other lanes
 //! either, but differ from those of the event loop in the last bits.
 
-mod coupled;
-mod cycling;
-mod decays;
-mod forced;
-pub(crate) mod free_mass;
-mod group;
-mod kinds;
-mod logged;
-pub(crate) mod piva;
-mod running;
-
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::absorber::OnStructure;
@@ -45,14 +34,13 @@ use crate::measures::propagation::{Differentiable, Errors};
 use crate::measures::steady::{SteadyValues, SteadyWanted, Strobe, Window};
 use crate::measures::summary::Summary;
 use crate::measures::{MeasureValues, Wanted};
-use crate::number::real::pick;
-use group::grouped;
+use crate::run::group::grouped;
 
-pub(crate) use cycling::Cycling;
-pub(crate) use free_mass::Loaded;
-pub use group::Group;
-pub(crate) use kinds::with_steps;
-pub(crate) use logged::Logged;
+pub(crate) use crate::run::cycling::Cycling;
+pub(crate) use crate::run::free_mass::Loaded;
+pub use crate::run::group::Group;
+pub(crate) use crate::run::kinds::with_steps;
+pub(crate) use crate::run::logged::Logged;
 
 /// Number of runs side by side.
 pub const LANES: usize = 8;
@@ -83,7 +71,7 @@ pub enum Tier {
     /// Full accuracy: states in double-double where that matters.
     #[default]
     Exact,
-    /// Less accurate by some rounding units: free masses in plain doubles (`lanes/free_mass.rs`), pendulums
+    /// Less accurate by some rounding units: free masses in plain doubles (`run/free_mass.rs`), pendulums
     /// with steps of a larger tolerance.
     Fast,
 }
@@ -230,7 +218,7 @@ pub(crate) type Told = (Option<Events>, Option<Box<Errors>>);
 pub(crate) type Looks = (Option<Extremes>, Passes<f64>);
 
 /// A run and its index among the jobs.
-type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
+pub(super) type IndexedRun<'a, S> = (usize, ScalarRun<'a, S>);
 
 /// Makes runs and hands out each result with the index of its job, in the order in which they end. In the
 /// exact tier every result is bit for bit that of [`simulate`](crate::engine::simulate::simulate) with the same

@@ -5,8 +5,8 @@ use crate::absorber::Wall;
 use crate::absorber::impact::Impact;
 use crate::absorber::piva::{Law, Piva, PivaState, Stops};
 use crate::force::{Acts, Drive, Harmonic, Push, Pushes};
-use crate::lanes::pick;
 use crate::number::arrays::{Laned, laned};
+use crate::number::real::pick;
 use crate::segment::taylor::{ORDER, Pendulum, Series, unrolled};
 
 /// A pendulum under one harmonic force, which may be 0.

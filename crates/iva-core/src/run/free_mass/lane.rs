@@ -6,8 +6,8 @@ use crate::absorber::siva::trial::Trial;
 use crate::absorber::{Absorber as _, Clock};
 use crate::engine::progress::Progress;
 use crate::engine::simulate::Run;
-use crate::lanes::SideBySide;
 use crate::number::arrays::{Laned as _, arrays};
+use crate::run::side_by_side::SideBySide;
 
 arrays! {
     /// The variables of one run.

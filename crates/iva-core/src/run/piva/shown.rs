@@ -6,9 +6,9 @@ use super::round::Round;
 use crate::absorber::piva::{Known, Piva, PivaFlight};
 use crate::absorber::{Absorber, OnStructure};
 use crate::engine::observe::{Contact, Observer, Span};
-use crate::lanes::ScalarRun;
 use crate::number::arrays::Lanes as _;
 use crate::number::real::Real;
+use crate::run::side_by_side::ScalarRun;
 use crate::segment::flight::Motion;
 
 impl<H: Swinging, const N: usize, const SMALL: bool, const SPRUNG: bool>

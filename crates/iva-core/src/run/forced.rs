@@ -2,7 +2,7 @@
 //! it goes on. Measures are computed when a log is full or its run has ended ([`crate::measures::forced`]).
 
 use super::free_mass::{FreeMasses, Tier};
-use super::{Job, Listing, Lockstep, ScalarRun};
+use super::side_by_side::{Job, Listing, Lockstep, ScalarRun};
 use crate::absorber::siva::Siva;
 use crate::host::DrivenHost;
 use crate::measures::Wanted;

@@ -6,11 +6,12 @@ use crate::absorber::piva::{PARTS, Piva, PivaState};
 use crate::engine::counts::Counted;
 use crate::engine::progress::Progress;
 use crate::engine::simulate::Run;
-use crate::lanes::{ScalarRun, pick};
 use crate::measures::Ledger;
 use crate::measures::steady::{Quiet, Steady};
 use crate::number::arrays::{Laned, laned};
 use crate::number::real::Real;
+use crate::number::real::pick;
+use crate::run::side_by_side::ScalarRun;
 
 use super::round::Round;
 

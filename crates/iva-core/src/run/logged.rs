@@ -2,7 +2,7 @@
 //! begins, and notify their observers of them. So whatever is computed of a run alone is computed of a lane.
 
 use super::free_mass::{FreeMasses, Tier};
-use super::{Job, Listing, Lockstep, ScalarRun};
+use super::side_by_side::{Job, Listing, Lockstep, ScalarRun};
 use crate::measures::Wanted;
 
 /// Lanes of free masses whose observers see every flight.

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use super::running::Running;
-use super::{
+use super::side_by_side::{
     Job, Listed, Listing, Lockstep, ScalarRun, SideBySide, TakeListed, Tier, Watch, is_set,
 };
 use crate::engine::observe::Events;

@@ -2,7 +2,7 @@
 
 use std::iter::repeat_with;
 
-use super::{Group, IndexedRun, Lockstep, SideBySide, Watch, is_set};
+use super::side_by_side::{Group, IndexedRun, Lockstep, SideBySide, Watch, is_set};
 use crate::engine::simulate::Tally;
 use crate::number::real::Real;
 

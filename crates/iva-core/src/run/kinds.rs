@@ -7,7 +7,7 @@ use super::forced::ForcedRuns;
 use super::free_mass::{ExactDecays, ExactDriven, ExactUnforced, FastDecays, FastDriven};
 use super::group::{Group, grouped};
 use super::piva::Swinging;
-use super::{Job, LANES, Listing, Logged, SideBySide, TakeListed, Tier, WIDE};
+use super::side_by_side::{Job, LANES, Listing, Logged, SideBySide, TakeListed, Tier, WIDE};
 use crate::absorber::OnStructure;
 use crate::absorber::alone::Alone;
 use crate::absorber::piva::Piva;
@@ -36,7 +36,7 @@ macro_rules! run_jobs {
 /// Runs code with the kind of lanes for pendulums like this one.
 macro_rules! with_steps {
     ($piva:expr, $host:ty, $lanes:ident => $body:expr) => {{
-        use $crate::lanes::piva::Steps;
+        use $crate::run::piva::Steps;
         use $crate::segment::taylor::{Equations, ORDER, with_order};
         let piva: &$crate::absorber::piva::Piva<$host> = $piva;
         match piva.pendulum.equations() {

@@ -14,10 +14,10 @@ use crate::absorber::piva::integrals::{self, Integrands};
 use crate::absorber::piva::step::{Step, Turning};
 use crate::absorber::piva::{PivaState, distance};
 use crate::force::{Drive, Push};
-use crate::lanes::pick;
 use crate::number::arrays::{Laned, Lanes as _, any, laned};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
+use crate::number::real::pick;
 use crate::segment::flight::{Arc, Losses};
 use crate::segment::taylor::{ORDER, Pendulum, Remainder, Series, Spring, unrolled};
 

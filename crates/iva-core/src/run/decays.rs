@@ -2,7 +2,7 @@
 //! as the event loop does where it goes on. Measures are computed from the log ([`crate::measures`]).
 
 use super::free_mass::{FreeMasses, Tier};
-use super::{Job, Listing, Lockstep, ScalarRun, SideBySide};
+use super::side_by_side::{Job, Listing, Lockstep, ScalarRun, SideBySide};
 use crate::absorber::siva::{Siva, SivaState};
 use crate::host::{Host, Phase};
 use crate::measures::log::Log;

@@ -1,7 +1,7 @@
 //! Coupled masses in lanes.
 
 use super::free_mass::{self, Loaded};
-use super::{Group, Job, LANES, Logged, SideBySide};
+use super::side_by_side::{Group, Job, LANES, Logged, SideBySide};
 use crate::absorber::Clock;
 use crate::absorber::coupled::{Coupled, CoupledState, Coupling};
 use crate::absorber::plain::State;

@@ -7,8 +7,8 @@ use crate::absorber::chatter::may_end;
 use crate::absorber::plain::State;
 use crate::absorber::siva::trial::{FreeMass, Landing, Sight, TRIES, Trial, land};
 use crate::engine::counts::Counted;
-use crate::lanes::pick;
 use crate::number::arrays::{Laned, arrays};
+use crate::number::real::pick;
 
 arrays! {
     /// The results of one round of a lane.

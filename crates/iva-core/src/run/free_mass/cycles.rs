@@ -6,10 +6,10 @@ use crate::absorber::plain::State;
 use crate::absorber::siva::{Siva, SivaState};
 use crate::engine::simulate::Run;
 use crate::host::{Host, Phase};
-use crate::lanes::{Cycling, SideBySide};
 use crate::measures::forced::Forced;
 use crate::measures::propagation::Tangent;
 use crate::number::arrays::Lanes as _;
+use crate::run::side_by_side::{Cycling, SideBySide};
 
 impl<H: Host<Real = f64>, T: Tier<System = Siva<H>>, const W: usize> Cycling<Siva<H>>
     for FreeMasses<T, W>
