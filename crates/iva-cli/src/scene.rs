@@ -203,11 +203,15 @@ fn forces(designs: &[Design], units: UnitSystem) -> Vec<String> {
     lines
 }
 
-/// The line on the pendulum: frequency ratio, length, gravity, and stops out of reach.
+/// The line on the pendulum: frequency ratio, spring, length, gravity, and stops out of reach.
 fn pendulum(designs: &[Design], units: UnitSystem) -> String {
     let ratio =
         range(designs, |design| design.scene.pendulum().map_or(f64::NAN, |p| p.frequency_ratio));
     let mut text = format!("Pendulum: frequency ratio {ratio}");
+    let spring = |design: &Design| design.scene.pendulum().map_or(0.0, |p| p.spring_ratio);
+    if designs.iter().any(|design| spring(design) != 0.0) {
+        let _ = write!(text, ", spring ratio {}", range(designs, spring));
+    }
     if designs.iter().all(|design| design.scene.has_angle()) {
         let si = units == UnitSystem::Si;
         let (metre, gravity_unit) = if si { (" m", " m/s²") } else { ("", "") };

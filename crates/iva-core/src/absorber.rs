@@ -2,7 +2,7 @@
 //! mass with a spring and a dashpot in its gap.
 //!
 //! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
-//! traits, each of which builds on the one before; a new absorber is one file that implements them.
+//! traits, each of which builds on the one before; a new absorber implements them, in one file or in a folder.
 //!
 //! * [`OnStructure`] is what a run sees of the structure: its motion, what drives it, and its energy.
 //! * [`ImpactLaw`] is the law of one impact, and its limit for infinitely many. [`impact`] has the formulas of an impact,

@@ -39,16 +39,16 @@
 //!
 //! [`range`] holds the ranges of numbers that a run accepts.
 //!
-//! Where to look:
+//! Where to look (paths without `crates` or `tests` are those of this crate's `src`):
 //!
 //! | what | where |
 //! |---|---|
-//! | the impact law | the trait [`absorber::ImpactLaw`] is what the event loop asks; the formulas, and a list of the files that apply them, are in [`impact`]; an example of another law is `tests/rust/src/speed_law.rs` |
-//! | a new measure | one file with a [`measures::pass::Pass`] beside [`measures::near_wall`], and an entry in `crates/iva-sweep/src/columns/tables.rs`; `CONTRIBUTING.md` has all steps |
-//! | a new field of a study | a row in `crates/iva-sweep/src/fields.rs`, and its meaning in `crates/iva-sweep/src/engine/design.rs`; `CONTRIBUTING.md` has all steps |
-//! | another kind of absorber | one file in `absorber/` that implements [`absorber::OnStructure`], [`absorber::ImpactLaw`] and [`absorber::Absorber`]; the shortest complete one is [`coupled`]; `docs/adding-an-absorber.md` has all steps |
+//! | the impact law | the trait [`absorber::ImpactLaw`] is what the event loop asks; `absorber/siva/impact_law.rs` and `absorber/piva/impact_law.rs` implement it for a free mass and a pendulum; the formulas, and a list of the places that apply them, are in [`impact`]; an example of another law is `tests/rust/src/speed_law.rs` |
+//! | a new measure | one that is computed where it is asked for by name: one file with a [`measures::pass::Pass`] beside [`measures::near_wall`], and an entry in `crates/iva-sweep/src/columns/tables.rs`; one of every run: a field of [`measures::MeasureValues`]; `CONTRIBUTING.md` has all steps of both |
+//! | a new field of a scene, for studies, sweeps and Python | a row in `crates/iva-sweep/src/fields.rs`, and its meaning in `crates/iva-sweep/src/engine/design.rs`; `CONTRIBUTING.md` has all steps |
+//! | another kind of absorber | a file or folder in `absorber/` that implements [`absorber::OnStructure`], [`absorber::ImpactLaw`] and [`absorber::Absorber`], with the motions of flight and ride ([`flight::Motion`], [`flight::Curve`]); the shortest that goes side by side is [`coupled`]; `docs/adding-an-absorber.md` has all steps |
 //! | another structure | the same three traits, with the absorber that is on it: `tests/rust/src/two_modes.rs` has two modes |
-//! | a second absorber on one structure | there is no place for it yet: an [`absorber::Absorber`] has one gap. A second gap would need its own wall and distance there, its own search for contacts and stick episodes in the event loop (`engine/simulate.rs`, `engine/simulate/wall.rs`), a name in [`impact::Impact`], its own variables in the derivatives (`absorber/derivatives.rs`), and columns in the tables. Of [`absorber::OnStructure`], `mass_ratio` and `apply_impulse` assume one absorber |
+//! | a second absorber on one structure | there is no place for it yet: an [`absorber::Absorber`] has one gap. A second gap would need its own wall and distance there, its own search for contacts and stick episodes in the event loop (`engine/simulate.rs`, `engine/simulate/wall.rs`), a name in [`impact::Impact`], its own variables in the derivatives (`absorber/derivatives.rs`), and columns in the tables; the sum of a chatter (`absorber/chatter.rs`) would have to end before the other absorber meets a wall. Two methods of [`absorber::OnStructure`], `mass_ratio` and `apply_impulse`, speak of one absorber |
 //!
 //! **Lanes.** A lane holds copies of the variables that change in simple flights, and hands everything else back to its
 //! run. The flights of free masses are written once, for lanes and loop, generic in the numbers of the accuracy tier

@@ -195,6 +195,7 @@ const fn or_all(kinds: &'static [Kind]) -> &'static [Kind] {
     if kinds.is_empty() { &Kind::ALL } else { kinds }
 }
 
+/// Each row: identifier, part, name, quantity, allowed numbers, group, help, and the kinds that have it (all if none is said).
 macro_rules! fields {
     ($($id:ident: $part:ident $name:literal $quantity:ident $allowed:ident $group:literal $help:literal $($kind:ident)*;)*) => {
         /// Index of a field in [`FIELDS`].

@@ -1,15 +1,19 @@
 //! The impact law of two masses (paper, Eqs. 9–14): momentum is conserved and the gap velocity w
 //! turns into −e w.
 //!
-//! This file holds the formulas. The law of a free mass at one wall, with the energy lost, is `Law` in
-//! `absorber/siva.rs`. It is applied by `collided` (`absorber/siva/state.rs`) in double-double, by `struck` in
-//! `absorber/plain/mass.rs` in the fast tier, and by `Coupled::impact` and `struck` in `absorber/coupled/trial.rs` for coupled
-//! masses. The law of a pendulum is `Law` in `absorber/piva/impact_law.rs`, applied in `absorber/piva/contact.rs`. The
-//! derivatives are in `absorber/derivatives`.
+//! This file holds the formulas. The event loop asks each absorber for its law by the trait
+//! [`ImpactLaw`](crate::absorber::ImpactLaw). The law of a free mass at one wall, with the energy lost, is `Law` in
+//! `absorber/siva/impact_law.rs`, which also has the trait. It is applied by `collided` (`absorber/siva/state.rs`) in
+//! double-double, by `struck` in `absorber/plain/mass.rs` in the fast tier, and by `Coupled::impact` and `struck` in
+//! `absorber/coupled/trial.rs` for coupled masses; the energy that it takes by `commit` in `run/free_mass/round.rs` and the record of
+//! an impact by `run/free_mass/listing.rs`, both for lanes. The law of a pendulum is `Law` in `absorber/piva/impact_law.rs`, applied in
+//! `absorber/piva/contact.rs`. Sticks are impacts with e = 0, in `stick` of the same files. The derivatives are in
+//! `absorber/derivatives`.
 //!
-//! Where e depends on the approach speed, `Absorber::law_at` and `Absorber::impact` tell it
+//! Where e depends on the approach speed, `ImpactLaw::law_at` and `ImpactLaw::impact` tell it
 //! ([`LawAt`](crate::absorber::LawAt)), and the sum of a chatter waits until e changes by less than rounding. Lanes
-//! assume a constant e (`may_end` in `absorber/chatter.rs`). An example is `tests/rust/src/speed_law.rs`.
+//! read `Law`, whose e is constant. An example is `tests/rust/src/speed_law.rs`: a free mass in another coat, with its own
+//! `ImpactLaw`, which hands everything else on.
 //!
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an
 //! impact (Eqs. 7, 8) lack the approach condition wall · w > 0; the event loop requires it.

@@ -1,4 +1,4 @@
-//! Sine and cosine to the precision of a number type, at most double-double.
+//! Sine and cosine, and the angle that has them, to the precision of a number type, at most double-double.
 
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -58,15 +58,15 @@ pub fn plain_sine_cosine<R: Real>(angle: DoubleDouble<R>) -> (R, R) {
     (if down { -s } else { s }, if left { -c } else { c })
 }
 
-/// The angle within [−π/2, π/2] that has this sine and cosine, with an error of about a unit in the last place, without
-/// branches.
+/// The angle within [−π/2, π/2] that has this sine and cosine, whose squares sum to 1, with an error of about a unit in the
+/// last place. In doubles it has no branches.
 #[inline(always)]
 pub fn plain_angle<R: Real>(sine: R, cosine: R) -> R {
     close_angle(DoubleDouble::new(sine), DoubleDouble::new(cosine)).value
 }
 
-/// The angle within [−π/2, π/2] that has this sine and cosine, with an error of at most 2⁻⁵⁷ of the angle: by one step of
-/// Newton's method.
+/// The angle within [−π/2, π/2] that has this sine and cosine, whose squares sum to 1. In doubles its error is at most
+/// 2⁻⁵⁷ of the angle: one step of Newton's method from an angle in plain numbers.
 #[inline(always)]
 pub fn close_angle<R: Real>(sine: DoubleDouble<R>, cosine: DoubleDouble<R>) -> DoubleDouble<R> {
     let near = DoubleDouble::new(rough_angle(sine.value, cosine.value));
@@ -75,7 +75,8 @@ pub fn close_angle<R: Real>(sine: DoubleDouble<R>, cosine: DoubleDouble<R>) -> D
     near + (sine * c - cosine * s)
 }
 
-/// The same with an error of some units in the last place: by the series of the arctangent of the tangent of its eighth.
+/// The angle that has this sine and cosine with an error of some units in the last place: 8 arctan(tan θ/8) by the series
+/// of the arctangent; in numbers finer than doubles, which have more digits than that series, by their own function.
 #[inline(always)]
 fn rough_angle<R: Real>(sine: R, cosine: R) -> R {
     /// The coefficients −1/3, 1/5, … of the arctangent.

@@ -24,7 +24,7 @@ pub struct DrivenHost<R: Real = f64> {
     /// in numbers without [`Real::FAST_PATHS`].
     pieces: OnceLock<Option<Arc<Pieces<R>>>>,
     /// Its motion over whole steps between impulses; `None` if another force acts, or gravity along the motion.
-    steps: OnceLock<Option<Box<Steps<R>>>>,
+    steps: OnceLock<Option<Arc<Steps<R>>>>,
 }
 
 impl<R: Real> DrivenHost<R> {
@@ -35,6 +35,16 @@ impl<R: Real> DrivenHost<R> {
         let free = Driven::new(R::ONE, damping_ratio, &forces);
         let (loaded, pieces, steps) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         Self { damping_ratio, mass_ratio, forces, free, loaded, pieces, steps }
+    }
+
+    fn shared_steps(&self) -> &Option<Arc<Steps<R>>> {
+        let made = || {
+            let kicked = self.forces.weight().is_none() && !self.forces.force.lasts();
+            let has = kicked && R::FAST_PATHS && self.damping_ratio <= MOST_DAMPED;
+            let ramped = self.free.source.ramped().filter(|_| has)?;
+            Some(Arc::new(Steps::new(ramped.oscillator())))
+        };
+        self.steps.get_or_init(made)
     }
 
     /// The pieces of the record that is its only force. Structures of one damping ratio under one record share them.
@@ -114,14 +124,14 @@ impl<R: Real> Host for DrivenHost<R> {
         [rate, second, kicked, g.value.value, g.rate.value, g.second.value]
     }
 
+    fn share(&self, like: &Self) {
+        self.free.source.share(&like.free.source);
+        let steps = like.shared_steps().clone();
+        self.steps.get_or_init(|| steps);
+    }
+
     fn steps(&self) -> Option<&Steps<R>> {
-        let made = || {
-            let kicked = self.forces.weight().is_none() && !self.forces.force.lasts();
-            let has = kicked && R::FAST_PATHS && self.damping_ratio <= MOST_DAMPED;
-            let ramped = self.free.source.ramped().filter(|_| has)?;
-            Some(Box::new(Steps::new(ramped.oscillator())))
-        };
-        self.steps.get_or_init(made).as_deref()
+        self.shared_steps().as_deref()
     }
 
     fn waited(&self, phase: &Moment<R>, time: Clock<R>) -> Moment<R> {

@@ -1,6 +1,6 @@
 //! The drive of a structure, as its motion uses it.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::{Moment, Ramped, Weight};
 use crate::force::{Acts, Drive, Force, Harmonic, Pushes, Smooth};
@@ -54,7 +54,15 @@ pub struct Forces<R = f64> {
     pub(super) force: Arc<Force<R>>,
     moves_base: bool,
     weight: Option<Weight<R>>,
-    ramped: Option<Box<Ramped<R>>>,
+    ramped: Option<Closed<R>>,
+}
+
+/// The motion in closed form of a mass on a structure of damping ratio ζ; made by the first flight.
+#[derive(Debug, Clone)]
+struct Closed<R> {
+    mass: R,
+    damping_ratio: R,
+    made: OnceLock<Arc<Ramped<R>>>,
 }
 
 impl<R: Real> Forces<R> {
@@ -67,8 +75,17 @@ impl<R: Real> Forces<R> {
     /// The same forces on a structure of this mass.
     pub(super) fn on_mass(&self, mass: R, damping_ratio: R) -> Self {
         let linear = self.force.harmonics().is_empty();
-        let made = || Box::new(Ramped::new(mass, damping_ratio));
-        Self { ramped: linear.then(made), ..self.clone() }
+        let closed = Closed { mass, damping_ratio, made: OnceLock::new() };
+        Self { ramped: linear.then_some(closed), ..self.clone() }
+    }
+
+    /// Takes the motion in closed form over from the same mass on a structure of the same ζ.
+    pub(super) fn share(&self, like: &Self) {
+        if let (Some(own), Some(like)) = (&self.ramped, &like.ramped) {
+            // Looked up before the cell is initialised: forces may share with themselves.
+            let made = Arc::clone(like.get());
+            own.made.get_or_init(|| made);
+        }
     }
 
     /// The only force, if it is harmonic.
@@ -129,6 +146,19 @@ impl<R: Real> Forces<R> {
     }
 }
 
+impl<R: PartialEq> PartialEq for Closed<R> {
+    fn eq(&self, other: &Self) -> bool {
+        self.mass == other.mass && self.damping_ratio == other.damping_ratio
+    }
+}
+
+impl<R: Real> Closed<R> {
+    #[inline(always)]
+    fn get(&self) -> &Arc<Ramped<R>> {
+        self.made.get_or_init(|| Arc::new(Ramped::new(self.mass, self.damping_ratio)))
+    }
+}
+
 impl<R: Real> Source for Forces<R> {
     type Real = R;
     #[inline(always)]
@@ -186,6 +216,6 @@ impl<R: Real> Source for Forces<R> {
 
     #[inline(always)]
     fn ramped(&self) -> Option<&Ramped<R>> {
-        self.ramped.as_deref()
+        self.ramped.as_ref().map(|closed| &**closed.get())
     }
 }

@@ -1,6 +1,7 @@
 //! Bound on the truncation error of a series, from the defects of its polynomials in the equations of motion.
 //!
-//! Let x, u, y, W, c and a be the polynomials of the step, of order N (a: N − 1), in powers of s = t/H up to s = 1.
+//! In the notation of [`super`], let x, u, y, W, c, φ and a be the polynomials of a step of length H, of order N (a: N − 1), in
+//! powers of s = t/H up to s = 1.
 //! The recurrences cancel the equations up to order N − 1, so that each equation is left with terms from sᴺ on.
 //! With S_g(m) = Σ_{j≥m} |g_j|, the coefficients of a product f g from order N on sum to at most
 //!
@@ -8,7 +9,7 @@
 //! U(f, g) = Σ_i |f_i| S_g(N − i)          Σ_{j>N} j |(c W)_j| ≤ V = Σ_i |c_i| Σ_{m>N−i} (i + m) |W_m|
 //! ```
 //!
-//! and the defects, over H and relative to sᴺ, are at most
+//! and the defects, divided by H and by sᴺ, are at most
 //!
 //! ```text
 //! ẋ: |u_N|          ẏ: U(c, W)          b ċ: U(y, W)/b          Ẇ: β U(c, a) + r² |y_N| + σ² |φ_N| + ν |W_N|
@@ -17,8 +18,8 @@
 //! u̇: ρ/D + what is left out of the base's acceleration          Ẇ, through a: β ρ/D
 //! ```
 //!
-//! The error e of (x, u) and of (y, W/F, b c, φ), F a rate that measures W, obeys e′ ≤ Λ e + δ sᴺ from
-//! e(0) = 0: Λ is a matrix of two by two numbers, the partial derivatives of the equations, δ the defects. The series of
+//! The error e of (x, u) and of (y, W/F, b c, φ), F at least the fastest rate of the equations, obeys e′ ≤ Λ e + δ sᴺ from
+//! e(0) = 0: Λ is a matrix of two by two bounds on sums of partial derivatives of the equations, δ the defects. The series of
 //! the solution of e′ = Λ e + δ sᴺ gives
 //!
 //! ```text
@@ -27,8 +28,8 @@
 //!
 //! as the comparison theorem for quasimonotone systems allows (W. Walter, *Differential and integral inequalities*,
 //! 1970). A defect that sets in so late leaves the growth e^Λ no time. Λ holds on a neighbourhood of the polynomials
-//! that the bound must turn out to stay within ([`Remainder::within`]); |c| ≤ 1 and |y| ≤ b hold there because c² + y²/b² = 1 is left by no
-//! more than the defects.
+//! that the bound must turn out to stay within ([`Remainder::within`]); |c| ≤ 1 and |y| ≤ b hold there up to a factor of 1.01, because c² + y²/b² = 1 is left by no
+//! more than the defects; |φ| grows by no more than H |W| from its begin.
 //!
 //! The rounding of the coefficients is no part of the bound; a margin covers that of its own sums.
 
@@ -273,7 +274,7 @@ impl<R: Real> Defects<R> {
             ..
         } = *pendulum;
         let over_b = R::ONE / b;
-        // Bounds on θ̇ = W/b and on β a/b on the neighbourhood, and on y/b; at small angles all three are without effect.
+        // Bounds on θ̇ = W/b and on β a/b on the neighbourhood; at small angles neither has an effect.
         let nonlinear = |size: R| if small_angles { R::ZERO } else { size };
         let turning = nonlinear((sums.w * over_b + NEIGHBOURHOOD) * WIDER);
         let pull = coupling * (sums.a + self.acceleration) * over_b;
@@ -282,7 +283,7 @@ impl<R: Real> Defects<R> {
         // Partial derivatives of a: by x and u together, by y, W/F, b c and φ together.
         let by_primary = (R::ONE + damping_ratio * 2.0) * self.over_inertia;
         let centrifugal = turning * (turning + fastest * wide * 2.0 + nu);
-        let wound = spring.steepness();
+        let wound = spring.steepness(self.length * turning);
         let hanging = (r2 + nonlinear(r2) + wound + fastest * nu) * wide;
         let by_gap = (centrifugal + hanging + pulled * wide * 2.0)
             * (mass_ratio * lever * self.over_inertia);

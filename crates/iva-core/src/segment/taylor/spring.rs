@@ -1,13 +1,13 @@
 //! A torsional spring in the pivot of a pendulum, of moment −k θ.
 //!
-//! With the arc φ = b θ and σ² = k/(m κL²) the swing obeys
+//! With the arc φ = b θ and σ² = k/(m κL²) the swing obeys, in the notation of [`super`],
 //!
 //! ```text
 //! Ẇ = −(β a c + r² y + σ² φ + ν W)        φ̇ = W
 //! ```
 //!
-//! so the coefficients of φ beyond the first are those of W. The first, b θ, follows from sinθ and cosθ. At small
-//! angles φ = y, and σ² adds to r².
+//! Each coefficient of φ follows from that of W before it; that of order 0, b θ, from sinθ and cosθ. At small angles
+//! φ = y, and σ² adds to r².
 
 use super::Number;
 use crate::number::arrays::laned;
@@ -24,7 +24,8 @@ pub struct Spring<R = f64> {
 
 laned!(Spring, Springs { stiffness: f64, acts: bool });
 
-/// A bound on |θ|: with a spring the pendulum stays between its stops, below its pivot.
+/// A bound on |θ| at the begin of a step, a little more than π/2: with a spring the pendulum stays between its stops, below
+/// its pivot.
 const QUARTER: f64 = 1.58;
 
 impl<R: Real> Spring<R> {
@@ -59,15 +60,16 @@ impl<R: Real> Spring<R> {
         h * T::reciprocal(k) * before
     }
 
-    /// What the spring leaves out of the equation of W: the term of the last order of φ.
+    /// What the series leaves out of the spring's term in the equation of W: σ² φ of the last order.
     #[inline(always)]
     pub fn defect(&self, arc_last: R) -> R {
         self.acting() * arc_last
     }
 
-    /// A bound on the sum of the partial derivatives of its term σ² φ c by φ and by c.
+    /// A bound on the sum of the partial derivatives of σ² φ c, its term in the equation of a, by φ and by b c;
+    /// `turned` bounds how far the pendulum turns in the step.
     #[inline(always)]
-    pub fn steepness(&self) -> R {
-        self.acting() * (1.0 + QUARTER)
+    pub fn steepness(&self, turned: R) -> R {
+        self.acting() * (turned + (1.0 + QUARTER))
     }
 }
