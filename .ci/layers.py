@@ -47,9 +47,7 @@ FORBIDDEN_WORDS = [
 ]
 
 # The rooms of the core: each imports from itself and from those before it.
-ROOMS = (
-    "error number range force segment host absorber engine measures run orbit theory".split()
-)
+ROOMS = "error number range force segment host absorber engine measures run orbit theory".split()
 
 
 def code(path: Path) -> list[tuple[int, str]]:
