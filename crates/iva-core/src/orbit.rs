@@ -5,6 +5,7 @@
 //! that equal states at its begin have equal states at its end, to the bit. No table is made and nothing is measured
 //! but the number of impacts. The derivative of the map ([`Tangent`]) is the monodromy matrix of a periodic orbit.
 //!
+//! [`periodic::find`] finds a periodic orbit near a trajectory, [`multipliers`] are the eigenvalues of its monodromy matrix.
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
 //! of pendulums side by side in lanes ([`crate::run::side_by_side`]), with the bits of [`map`] in the exact tier.
 
@@ -27,7 +28,12 @@ use crate::range;
 use crate::run::free_mass::{ExactDriven, FastDriven, FreeMasses};
 use crate::run::side_by_side::{LANES, SideBySide, Tier, WIDE, with_steps};
 
+mod coordinates;
 mod in_lanes;
+pub mod multipliers;
+pub mod periodic;
+
+pub use coordinates::Coordinates;
 
 /// The stretch of time that a map covers, in 1/ωn: whole cycles of the drive, from one of its phases on.
 #[derive(Debug, Clone, Copy, PartialEq)]

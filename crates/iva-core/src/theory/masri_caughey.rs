@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Matrix4, Schur, Vector4};
+use nalgebra::{Matrix4, Vector4};
 
 use super::Complex;
 use super::half_cycle::{FreeMotion, HalfCycle};
@@ -10,6 +10,7 @@ use crate::absorber::Start;
 use crate::absorber::piva::Parameters;
 use crate::error::{Invalid, number};
 use crate::force::{Acts, Harmonic};
+use crate::orbit::multipliers;
 use crate::range;
 
 /// Frequencies Ω that are accepted, in ωn; outside, an angle of the half cycle loses its digits.
@@ -18,8 +19,6 @@ const FREQUENCIES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 const LARGEST_DAMPING: f64 = 100.0;
 /// det(1 + Φ) of the free half cycle below which the impacts resonate even without a force.
 const RESONANT: f64 = 1e-20;
-/// Largest number of iterations for the eigenvalues; some ten are needed.
-const EIGENVALUE_STEPS: usize = 1000;
 
 /// A free mass in its gap on a primary system under one harmonic, in natural units (ωn = 1, primary
 /// mass 1).
@@ -72,8 +71,7 @@ pub struct Orbit {
     pub admissible: bool,
     /// Multipliers of the half cycle: the eigenvalues of the derivative of the state just after the next
     /// impact, mirrored, with respect to the state just after an impact. Largest first; those of the whole
-    /// cycle are their squares. Their product is e² exp(−2ζπ/Ω). NaN if the iteration for them does not
-    /// converge, which is not known to happen.
+    /// cycle are their squares. Their product is e² exp(−2ζπ/Ω).
     pub multipliers: [Complex<f64>; 4],
     /// True if all multipliers are smaller than 1, so that small disturbances decay. Without any loss (e = 1,
     /// ζ = 0) they are neutral at best, and rounding decides.
@@ -311,14 +309,5 @@ fn eigenvalues(map: &Matrix4<f64>, frequency: f64) -> [Complex<f64>; 4] {
     // In time units of 1/Ω displacements and velocities are of one size.
     let units = Vector4::new(frequency, 1.0, frequency, 1.0);
     let scaled = Matrix4::from_fn(|row, column| units[row] * map[(row, column)] / units[column]);
-    // The iteration has no exceptional shifts and can stall where multipliers lie on the unit circle; for the
-    // transpose it takes another path to the same eigenvalues.
-    let attempt = |matrix| Schur::try_new(matrix, f64::EPSILON, EIGENVALUE_STEPS);
-    let found = attempt(scaled).or_else(|| attempt(scaled.transpose()));
-    let Some(found) = found.map(|schur| schur.complex_eigenvalues()) else {
-        return [Complex::new(f64::NAN, f64::NAN); 4];
-    };
-    let mut eigenvalues = [found[0], found[1], found[2], found[3]];
-    eigenvalues.sort_by(|p, q| q.norm().total_cmp(&p.norm()).then(q.im.total_cmp(&p.im)));
-    eigenvalues
+    multipliers::multipliers(&scaled)
 }

@@ -30,6 +30,7 @@ mod measures;
 mod near_wall;
 mod neighbours;
 mod orbit;
+mod periodic;
 mod piva;
 mod piva_flight;
 mod planted;

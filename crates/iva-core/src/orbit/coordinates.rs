@@ -1,0 +1,57 @@
+//! The state as four numbers, in which orbits are sought: those that [`Differentiable`] speaks of.
+
+use nalgebra::Vector4;
+
+use crate::absorber::piva::{Given, Piva, PivaStart};
+use crate::absorber::siva::Siva;
+use crate::absorber::{Absorber, OnStructure, Start};
+use crate::host::Host;
+use crate::measures::propagation::Differentiable;
+
+/// An absorber whose states in flight follow from x, ẋ, y and ẏ (W = b θ̇ in place of ẏ for a pendulum) and the phase of
+/// the drive.
+pub trait Coordinates: Differentiable {
+    /// These numbers of a state.
+    fn coordinates(&self, state: &Self::State) -> Vector4<f64>;
+    /// The start with these numbers; `None` if they are of no place in the gap.
+    fn start_at(&self, numbers: &Vector4<f64>) -> Option<Self::Start>;
+}
+
+/// y from the distance to a wall.
+fn gap_displacement<S: Absorber<Real = f64>>(system: &S, state: &S::State) -> f64 {
+    let side = system.wall(state).sign();
+    system.offset() + side * (system.clearance() - system.distance(state).value)
+}
+
+impl<H: Host<Real = f64>> Coordinates for Siva<H>
+where
+    Self: Differentiable + Absorber<Start = Start>,
+{
+    fn coordinates(&self, state: &Self::State) -> Vector4<f64> {
+        let (primary, side) = (self.primary(state), self.wall(state).sign());
+        let rate: f64 = self.distance(state).rate;
+        Vector4::new(primary.x, primary.v, gap_displacement(self, state), -side * rate)
+    }
+
+    fn start_at(&self, numbers: &Vector4<f64>) -> Option<Start> {
+        let [displacement, velocity, gap_displacement, gap_velocity] = (*numbers).into();
+        let start = Start { displacement, velocity, gap_displacement, gap_velocity };
+        self.check_start(&start).is_ok().then_some(start)
+    }
+}
+
+impl<H: Host<Real = f64>> Coordinates for Piva<H> {
+    fn coordinates(&self, state: &Self::State) -> Vector4<f64> {
+        let primary = self.primary(state);
+        let rate = self.angle(state).map_or(f64::NAN, |angle| angle.rate);
+        let w = rate * self.parameters().contact_distance;
+        Vector4::new(primary.x, primary.v, gap_displacement(self, state), w)
+    }
+
+    fn start_at(&self, numbers: &Vector4<f64>) -> Option<PivaStart> {
+        let [displacement, velocity, y, w] = (*numbers).into();
+        let rate = Given::Angle(w / self.parameters().contact_distance);
+        let start = PivaStart { displacement, velocity, place: Given::Gap(y), rate };
+        self.check_start(&start).is_ok().then_some(start)
+    }
+}

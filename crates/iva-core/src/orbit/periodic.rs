@@ -1,0 +1,255 @@
+//! Periodic orbits: fixed points of the map over whole cycles, by Newton's method with the exact derivative.
+//!
+//! The map is not smooth where its section meets an impact. So the section is moved first, to the middle of the longest
+//! flight between two impacts. An orbit that is its own mirror image half a cycle later is a fixed
+//! point of the half map (the map over half a cycle, and the mirror): at a pitchfork the full map is singular there,
+//! the half map is not.
+//!
+//! A motion without impacts is never isolated, as the absorber may stand anywhere in its gap: the map is singular,
+//! and no orbit is found.
+
+use std::sync::atomic::AtomicBool;
+
+use nalgebra::{Complex, Matrix4, Vector4};
+
+use super::coordinates::Coordinates;
+use super::multipliers::{largest_first, multipliers};
+use super::{Cycle, Image, Trajectory, map};
+use crate::absorber::Clock;
+use crate::engine::observe::{Events, Observer};
+use crate::engine::simulate::{Instant, Limits, Outcome, resume};
+use crate::error::Invalid;
+
+/// Most steps of Newton's method.
+const MOST_STEPS: u32 = 40;
+/// Most halvings of a step that makes the residual larger or leaves the gap.
+const MOST_HALVINGS: u32 = 12;
+/// The residual, over the size of the state, of what counts as an orbit.
+const CLOSED: f64 = 1e-10;
+/// A step of this size over that of the state is rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// A periodic orbit.
+#[derive(Debug, Clone)]
+pub struct Orbit<S: Coordinates> {
+    /// The trajectory along it: its cycle begins in the middle of the longest flight between two impacts.
+    pub trajectory: Trajectory<S>,
+    /// Number of impacts in a cycle that are listed ([`Limits::chatter_floor`]).
+    pub impacts: u64,
+    /// True if it was sought as its own mirror image half a cycle later.
+    pub symmetric: bool,
+    /// The derivative of the map over the cycle, in [`Coordinates`].
+    pub monodromy: Matrix4<f64>,
+    /// Its eigenvalues, largest first: the Floquet multipliers.
+    pub multipliers: [Complex<f64>; 4],
+    /// Those of the half map of a symmetric orbit; the multipliers are their squares.
+    pub half_multipliers: Option<[Complex<f64>; 4]>,
+    /// The largest difference between a coordinate and its image, over the size of the state.
+    pub residual: f64,
+    /// Number of steps of Newton's method.
+    pub steps: u32,
+}
+
+impl<S: Coordinates> Orbit<S> {
+    /// True if all multipliers are smaller than 1.
+    pub fn is_stable(&self) -> bool {
+        self.multipliers.iter().all(|multiplier| multiplier.norm() < 1.0)
+    }
+}
+
+/// Why no orbit was found.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Missed {
+    /// The cycle has no length, or begins before time zero.
+    Invalid(Invalid),
+    /// A cycle did not end, or the search was cancelled.
+    Cycle(Outcome),
+    /// The trajectory has less than two impacts in three cycles, or the orbit none.
+    NoImpacts,
+    /// The map has the multiplier 1, or −1 in the half map.
+    Singular,
+    /// The residual does not fall; it is this over the size of the state.
+    Stalled(f64),
+}
+
+impl From<Invalid> for Missed {
+    fn from(invalid: Invalid) -> Self {
+        Missed::Invalid(invalid)
+    }
+}
+
+/// The map of a search: over the whole cycle, or over half of it with the mirror.
+struct Sought<'a, S: Coordinates> {
+    trajectory: Trajectory<S>,
+    symmetric: bool,
+    cancel: Option<&'a AtomicBool>,
+}
+
+/// A point, its image less itself, and the derivative of the map.
+#[derive(Clone, Copy)]
+struct Tried {
+    at: Vector4<f64>,
+    off: Vector4<f64>,
+    derivative: Matrix4<f64>,
+    impacts: u64,
+}
+
+impl<S: Coordinates + Clone> Sought<'_, S> {
+    /// The image of a point in the gap.
+    fn image(&self, at: &Vector4<f64>) -> Result<Option<Image<S::State>>, Missed> {
+        let Trajectory { system, cycle: Cycle { begin, length }, .. } = &self.trajectory;
+        let Some(start) = system.start_at(at) else { return Ok(None) };
+        let state = system.begin_at(&start, Clock::new(*begin));
+        let length = if self.symmetric { 0.5 * length } else { *length };
+        let cycle = Cycle { begin: *begin, length };
+        let trajectory = Trajectory { state, cycle, ..self.trajectory.clone() };
+        Ok(Some(map(&trajectory, true, self.cancel)?))
+    }
+
+    /// Tries a point; `None` if it is out of the gap.
+    fn tried(&self, at: Vector4<f64>) -> Result<Option<Tried>, Missed> {
+        let Some(image) = self.image(&at)? else { return Ok(None) };
+        let Image { state, impacts, outcome, tangent } = image;
+        let (Outcome::Finished, Some(tangent)) = (outcome, tangent) else {
+            return Err(Missed::Cycle(outcome));
+        };
+        let mirror = if self.symmetric { -1.0 } else { 1.0 };
+        let off = self.trajectory.system.coordinates(&state) * mirror - at;
+        Ok(Some(Tried { at, off, derivative: tangent * mirror, impacts }))
+    }
+
+    /// The size of a state.
+    fn size(&self, at: &Vector4<f64>) -> f64 {
+        at.amax().max(self.trajectory.system.clearance())
+    }
+
+    /// Newton's method from a point: the solution and the number of steps.
+    fn solved(&self, from: Vector4<f64>) -> Result<(Tried, u32), Missed> {
+        let mut best = self.tried(from)?.ok_or(Missed::Stalled(f64::INFINITY))?;
+        for step in 1..=MOST_STEPS {
+            let size = self.size(&best.at);
+            let system = Matrix4::identity() - best.derivative;
+            let newton = system.lu().solve(&best.off).ok_or(Missed::Singular)?;
+            if newton.amax() <= ROUNDING * size {
+                return Ok((best, step));
+            }
+            match self.nearer(&best, &newton)? {
+                Some(next) => best = next,
+                // The residual is down to rounding, or does not fall.
+                None if best.off.amax() <= CLOSED * size => return Ok((best, step)),
+                None => break,
+            }
+        }
+        Err(Missed::Stalled(best.off.amax() / self.size(&best.at)))
+    }
+
+    /// The point after a step of Newton's method or, where the residual does not fall, after a part of it.
+    fn nearer(&self, from: &Tried, newton: &Vector4<f64>) -> Result<Option<Tried>, Missed> {
+        let mut share = 1.0;
+        for _ in 0..MOST_HALVINGS {
+            match self.tried(from.at + newton * share) {
+                Ok(Some(tried)) if tried.off.amax() < from.off.amax() => return Ok(Some(tried)),
+                Err(Missed::Cycle(Outcome::Cancelled)) => {
+                    return Err(Missed::Cycle(Outcome::Cancelled));
+                }
+                _ => share *= 0.5,
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The middle of the longest flight between two events; `None` without two impacts.
+fn longest_flight(events: &Events) -> Option<f64> {
+    // Where something happens, and whether a flight follows.
+    let impacts = events.impacts.iter().map(|impact| (impact.time, true));
+    let sticks = events.episodes.iter().map(|episode| (episode.stick_time, false));
+    let releases = events.episodes.iter().filter_map(|it| it.release_time).map(|time| (time, true));
+    let mut marks: Vec<_> = impacts.chain(sticks).chain(releases).collect();
+    marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let flights = marks.windows(2).filter(|pair| pair[0].1);
+    let longest = flights.max_by(|a, b| (a[1].0 - a[0].0).total_cmp(&(b[1].0 - b[0].0)))?;
+    Some(0.5 * (longest[0].0 + longest[1].0))
+}
+
+/// The state of a trajectory at a later instant.
+fn reached<S: Coordinates>(
+    trajectory: &Trajectory<S>,
+    instant: f64,
+    cancel: Option<&AtomicBool>,
+    observer: &mut impl Observer<S>,
+) -> Result<S::State, Missed> {
+    let Trajectory { system, state, cycle, .. } = trajectory;
+    let from = Instant { time: Clock::new(cycle.begin), state: *state };
+    let limits = Limits::new(instant, system.clearance());
+    let tally = resume(system, &from, &limits, cancel, observer)?;
+    match tally.outcome {
+        Outcome::Finished => Ok(tally.state),
+        outcome => Err(Missed::Cycle(outcome)),
+    }
+}
+
+/// A trajectory that begins in the middle of the longest flight between two impacts of another: in its first two cycles or,
+/// where the second impact comes just after them, in its first three.
+fn moved<S: Coordinates + Clone>(
+    trajectory: &Trajectory<S>,
+    cancel: Option<&AtomicBool>,
+) -> Result<Trajectory<S>, Missed> {
+    let Trajectory { system, cycle: Cycle { begin, length }, .. } = trajectory;
+    let flight = |cycles: f64| {
+        let mut events = Events::default();
+        reached(trajectory, begin + cycles * length, cancel, &mut events)?;
+        longest_flight(&events).ok_or(Missed::NoImpacts)
+    };
+    let middle = flight(2.0).or_else(|_| flight(3.0))?;
+    let state = reached(trajectory, middle, cancel, &mut ())?;
+    // The phase of the drive is the same in every cycle.
+    let begin = begin + (middle - begin).rem_euclid(*length);
+    let start = system.start_at(&system.coordinates(&state)).ok_or(Missed::NoImpacts)?;
+    let state = system.begin_at(&start, Clock::new(begin));
+    Ok(Trajectory { state, cycle: Cycle { begin, length: *length }, ..trajectory.clone() })
+}
+
+/// The periodic orbit near a trajectory, of the period of its cycle. If it is `symmetric`, the drive must change its sign
+/// after half a cycle, the walls be alike and the motion level.
+///
+/// # Errors
+/// [`Missed`] says why there is none, or why none was found.
+pub fn find<S: Coordinates + Clone>(
+    trajectory: &Trajectory<S>,
+    symmetric: bool,
+    cancel: Option<&AtomicBool>,
+) -> Result<Orbit<S>, Missed> {
+    trajectory.limits()?;
+    let trajectory = moved(trajectory, cancel)?;
+    let from = trajectory.system.coordinates(&trajectory.state);
+    let sought = Sought { trajectory, symmetric, cancel };
+    let (solved, steps) = sought.solved(from)?;
+    if solved.impacts == 0 {
+        return Err(Missed::NoImpacts);
+    }
+    let residual = solved.off.amax() / sought.size(&solved.at);
+    let mut trajectory = sought.trajectory;
+    let system = &trajectory.system;
+    if let Some(start) = system.start_at(&solved.at) {
+        trajectory.state = system.begin_at(&start, Clock::new(trajectory.cycle.begin));
+    }
+    let half = symmetric.then_some(solved.derivative);
+    let (monodromy, impacts) = match half {
+        Some(half) => (half * half, 2 * solved.impacts),
+        None => (solved.derivative, solved.impacts),
+    };
+    let half_multipliers = half.as_ref().map(multipliers);
+    let squares = |half: [Complex<f64>; 4]| largest_first(half.map(|it| it * it));
+    let all = half_multipliers.map_or_else(|| multipliers(&monodromy), squares);
+    Ok(Orbit {
+        trajectory,
+        impacts,
+        symmetric,
+        monodromy,
+        multipliers: all,
+        half_multipliers,
+        residual,
+        steps,
+    })
+}
