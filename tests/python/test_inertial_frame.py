@@ -364,7 +364,9 @@ SCENES = {
     "spring, harmonic base": Scene(SPRUNG, [SHAKE]),
     "spring, small angles, impulses": Scene(replace(SMALL, spring_ratio=0.6), [*HITS]),
     "spring, sum": Scene(SPRUNG, ALL),
-    "spring, plastic": Scene(replace(SPRUNG, clearance=0.6, restitution=0.0), [SHAKE], stays=6),
+    "spring, plastic": Scene(
+        replace(SPRUNG, clearance=0.6, restitution=0.0), [SHAKE], 27.5, stays=8
+    ),
     "siva, recorded base": Scene(SIVA, [QUAKE]),
     "piva, recorded base": Scene(PIVA, [QUAKE]),
     "small angles, recorded base": Scene(SMALL, [QUAKE]),
