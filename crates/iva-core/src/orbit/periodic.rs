@@ -64,7 +64,7 @@ pub enum Missed {
     Invalid(Invalid),
     /// A cycle did not end, or the search was cancelled.
     Cycle(Outcome),
-    /// The trajectory has less than two impacts in three cycles, or the orbit none.
+    /// There are less than two impacts in three cycles, or a cycle without.
     NoImpacts,
     /// The map has the multiplier 1, or −1 in the half map.
     Singular,
@@ -127,6 +127,9 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
     fn solved(&self, from: Vector4<f64>) -> Result<(Tried, u32), Missed> {
         let mut best = self.tried(from)?.ok_or(Missed::Stalled(f64::INFINITY))?;
         for step in 1..=MOST_STEPS {
+            if best.impacts == 0 {
+                return Err(Missed::NoImpacts);
+            }
             let size = self.size(&best.at);
             let system = Matrix4::identity() - best.derivative;
             let newton = system.lu().solve(&best.off).ok_or(Missed::Singular)?;
@@ -225,9 +228,6 @@ pub fn find<S: Coordinates + Clone>(
     let from = trajectory.system.coordinates(&trajectory.state);
     let sought = Sought { trajectory, symmetric, cancel };
     let (solved, steps) = sought.solved(from)?;
-    if solved.impacts == 0 {
-        return Err(Missed::NoImpacts);
-    }
     let residual = solved.off.amax() / sought.size(&solved.at);
     let mut trajectory = sought.trajectory;
     let system = &trajectory.system;
