@@ -26,6 +26,8 @@ const MOST_STEPS: u32 = 40;
 const MOST_HALVINGS: u32 = 12;
 /// The residual, over the size of the state, of what counts as an orbit.
 const CLOSED: f64 = 1e-10;
+/// By how much rounding may have grown after two cycles, over the square of the derivative.
+const GROWN: f64 = 1e-12;
 /// A step of this size over that of the state is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -70,6 +72,9 @@ pub enum Missed {
     Singular,
     /// The residual does not fall; it is this over the size of the state.
     Stalled(f64),
+    /// The run from the point found does not come back to it, by this over the size of the state: the cycle is not one of the
+    /// drive, or the scene is not symmetric.
+    NotPeriodic(f64),
 }
 
 impl From<Invalid> for Missed {
@@ -239,6 +244,14 @@ pub fn find<S: Coordinates + Clone>(
         Some(half) => (half * half, 2 * solved.impacts),
         None => (solved.derivative, solved.impacts),
     };
+    // The map sets the drive back; a run does not.
+    let Cycle { begin, length } = trajectory.cycle;
+    let later = reached(&trajectory, begin + 2.0 * length, cancel, &mut ())?;
+    let off = (trajectory.system.coordinates(&later) - solved.at).amax();
+    let off = off / trajectory.system.clearance().max(solved.at.amax());
+    if off.is_nan() || off > CLOSED + GROWN * monodromy.amax().powi(2) {
+        return Err(Missed::NotPeriodic(off));
+    }
     let half_multipliers = half.as_ref().map(multipliers);
     let squares = |half: [Complex<f64>; 4]| largest_first(half.map(|it| it * it));
     let all = half_multipliers.map_or_else(|| multipliers(&monodromy), squares);

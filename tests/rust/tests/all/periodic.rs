@@ -235,6 +235,16 @@ fn symmetric_orbits_are_those_of_the_closed_form() {
 
 #[test]
 fn orbits_that_are_no_orbits_are_not_found() {
+    // Of a cycle that is not one of the drive, and by the half map where the walls are unlike.
+    let record = &records(include_str!("../../../reference/orbits.json"))[0];
+    let whole = cycle(record, 0.0);
+    let other = Cycle { length: 1.01 * whole.length, ..whole };
+    let begun = trajectory(mass(record), &truth(record), other);
+    assert!(find(&begun, false, None).is_err());
+    let shifted = mass(record).with_offset(0.3).unwrap();
+    let begun = trajectory(shifted, &truth(record), whole);
+    let refused = find(&begun, true, None);
+    assert!(matches!(refused, Err(Missed::NotPeriodic(_))), "{refused:?}");
     // Without an impact in the cycle.
     let siva = Siva::new(0.1, 0.6, 5.0, 0.05).unwrap().under(force(0.1, 1.3));
     let cycle = Cycle { begin: 0.0, length: TAU / 1.3 };
