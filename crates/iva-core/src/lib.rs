@@ -34,7 +34,7 @@
 //! | [`engine`] | the event loop ([`simulate`]) and the interface of its observers ([`observe`]); it knows no absorber by name and no measure |
 //! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`], the interface of measures that need one file only, such as [`measures::near_wall`]; [`summary`] joins them |
 //! | [`run`] | making runs: one alone with the usual observers, in one call ([`run::run`]); many side by side in the lanes of vector instructions, with the same observers ([`run::side_by_side`]) |
-//! | [`orbit`] | maps over whole cycles of a drive, one or many side by side, with derivatives ([`orbit::map`], [`orbit::iterate`]); periodic orbits ([`orbit::periodic`]) and their [`orbit::multipliers`] |
+//! | [`orbit`] | maps over whole cycles of a drive, one or many side by side, with derivatives ([`orbit::map`], [`orbit::iterate`]); periodic orbits ([`orbit::periodic`]) and their [`orbit::multipliers`]; how they change with a number of the scene ([`orbit::branch`], on the equations of [`orbit::chain`]), and curves of their special points over two numbers ([`orbit::curve`]) |
 //! | [`theory`] | steady states known in closed form; no run uses it |
 //!
 //! [`range`] holds the ranges of numbers that a run accepts.

@@ -6,6 +6,8 @@
 //! but the number of impacts. The derivative of the map ([`Tangent`]) is the monodromy matrix of a periodic orbit.
 //!
 //! [`periodic::find`] finds a periodic orbit near a trajectory, [`multipliers`] are the eigenvalues of its monodromy matrix.
+//! [`branch::follow`] follows an orbit over a number of its scene and locates the special points ([`conditions`]) on the way,
+//! [`branch::switch`] goes from such a point to the branch that begins there, [`curve::curve`] follows the point over two numbers.
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
 //! of pendulums side by side in lanes ([`crate::run::side_by_side`]), with the bits of [`map`] in the exact tier.
 
@@ -28,12 +30,21 @@ use crate::range;
 use crate::run::free_mass::{ExactDriven, FastDriven, FreeMasses};
 use crate::run::side_by_side::{LANES, SideBySide, Tier, WIDE, with_steps};
 
+pub mod branch;
+pub mod chain;
+pub mod conditions;
+mod continuation;
 mod coordinates;
+pub mod curve;
+mod family;
 mod in_lanes;
+mod margins;
 pub mod multipliers;
 pub mod periodic;
+mod sequence;
 
 pub use coordinates::Coordinates;
+pub use family::Scenes;
 
 /// The stretch of time that a map covers, in 1/ωn: whole cycles of the drive, from one of its phases on.
 #[derive(Debug, Clone, Copy, PartialEq)]

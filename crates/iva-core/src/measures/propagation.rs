@@ -26,6 +26,7 @@
 pub use crate::absorber::derivatives::{Differentiable, free_mass_impact, free_mass_stick};
 pub use errors::{Errors, TimeError};
 pub use tangent::Tangent;
+pub(crate) use tangent::saltation;
 
 mod errors;
 mod tangent;

@@ -6,6 +6,7 @@ mod absorber_fields;
 mod alone;
 mod arcs;
 mod bouncing_ball;
+mod branches;
 mod broken_law;
 mod closed_forms;
 mod continued;

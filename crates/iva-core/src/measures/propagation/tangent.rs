@@ -10,7 +10,7 @@ use crate::segment::flight::Motion;
 
 /// The saltation matrix of an impact between two states, with the rates ż at both.
 #[inline(always)]
-pub(super) fn saltation<S: Differentiable>(
+pub(crate) fn saltation<S: Differentiable>(
     system: &S,
     wall: Wall,
     [before, after]: [&Vector4<f64>; 2],

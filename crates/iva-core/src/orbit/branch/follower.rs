@@ -1,0 +1,233 @@
+//! The following of a branch to one side.
+
+use nalgebra::DVector;
+
+use super::super::conditions::{Condition, Kind, Tests};
+use super::super::continuation::{Curve, OnCurve, distance, solved};
+use super::super::coordinates::Coordinates;
+use super::super::family::Family;
+use super::halves::{difference, origin};
+use super::{Along, BranchPoint, End, SpecialPoint, multipliers_of};
+use crate::run::side_by_side::is_set;
+
+/// Smallest and first step along a branch, in scales, and by how much a step grows.
+const SHORTEST: f64 = 1e-7;
+const FIRST: f64 = 1e-3;
+const GROWTH: f64 = 1.5;
+/// Least cosine of the angle between the tangents at two neighbouring points.
+const STRAIGHT: f64 = 0.95;
+/// A step may lead so far, in its length.
+const FARTHEST: f64 = 2.0;
+/// Most halvings of a stretch of a branch in which a special point is sought.
+const MOST_HALVINGS: u32 = 40;
+/// Size of a multiplier's imaginary part from which a pair on the unit circle counts as complex, and how far it may be
+/// off the circle.
+const COMPLEX: f64 = 1e-6;
+const ON_CIRCLE: f64 = 1e-6;
+
+/// A point of the curve, with its numbers.
+#[derive(Clone)]
+pub(super) struct Stop {
+    pub on: OnCurve,
+    pub tests: Tests,
+    pub at: BranchPoint,
+}
+
+/// The end of a side: its last point, if it was found, the reason, and the condition that is met there.
+struct Ending {
+    last: Option<Stop>,
+    why: End,
+    condition: Option<Condition>,
+}
+
+/// One side of a branch, from its first point on.
+#[derive(Default)]
+pub(super) struct Side {
+    pub points: Vec<BranchPoint>,
+    pub special: Vec<SpecialPoint>,
+}
+
+/// The following of a branch.
+pub(super) struct Follower<'a, S> {
+    pub family: &'a Family<'a, S>,
+    pub along: Along<'a>,
+    /// 1 towards larger lengths, −1 towards smaller ones.
+    pub towards: f64,
+}
+
+impl<S: Coordinates> Follower<'_, S> {
+    fn curve(&self) -> Curve<'_> {
+        Curve { equations: self.family, scales: self.family.scales.clone() }
+    }
+
+    /// The index of the number that is changed.
+    fn number(&self) -> usize {
+        self.family.chain.unknowns()
+    }
+
+    fn apart(&self, a: &Stop, b: &DVector<f64>) -> f64 {
+        distance(&a.on.point, b, &self.family.scales)
+    }
+
+    /// A point of the curve with its numbers.
+    pub fn stop(&self, on: OnCurve, length: f64) -> Option<Stop> {
+        let (system, passed, cycle) = self.family.passed(&on.point, false)?;
+        let tests = Tests::new(&system, &passed, cycle);
+        let (all, half) = multipliers_of(&passed.map, self.family.chain.symmetric);
+        let at = BranchPoint {
+            value: on.point[self.number()],
+            length,
+            unknowns: on.point.as_slice()[..self.number()].to_vec(),
+            multipliers: all,
+            half_multipliers: half,
+            margin: tests.margin(),
+            slowest: tests.slowest(),
+        };
+        Some(Stop { on, tests, at })
+    }
+
+    /// A point further along the curve than another one.
+    fn beyond(&self, from: &Stop, on: OnCurve) -> Option<Stop> {
+        let length = from.at.length + self.towards * self.apart(from, &on.point);
+        self.stop(on, length)
+    }
+
+    /// The orbit at a value of the number near these unknowns, with the tangent in the direction that is followed.
+    pub fn first(&self, unknowns: &[f64], value: f64) -> Option<Stop> {
+        let mut point = DVector::from_element(self.number() + 1, value);
+        point.rows_mut(0, unknowns.len()).copy_from_slice(unknowns);
+        let mut normal = DVector::zeros(point.len());
+        normal[self.number()] = self.towards;
+        self.stop(self.curve().nearby(&point, &normal)?, 0.0)
+    }
+
+    /// The point where a condition is met on the stretch of the curve between two points.
+    fn located(&self, condition: Condition, [from, to]: [&Stop; 2]) -> Option<Stop> {
+        let value = |stop: &Stop| self.family.condition(&stop.on.point, condition);
+        let equations = |at: &DVector<f64>| self.family.with_condition(at, condition);
+        let (mut from, mut to) = (from.clone(), to.clone());
+        for _ in 0..MOST_HALVINGS {
+            let (a, b) = (value(&from)?, value(&to).unwrap_or(f64::NAN));
+            let share = if a * b < 0.0 { a / (a - b) } else { 0.5 };
+            let guess = &from.on.point + (&to.on.point - &from.on.point) * share;
+            let length = self.apart(&from, &to.on.point);
+            if let Some(point) = solved(&guess, &self.family.scales, &equations) {
+                // Within the stretch, or off by rounding.
+                if distance(&point, &guess, &self.family.scales) <= length.max(SHORTEST) {
+                    return self.beyond(&from, OnCurve { point, ..from.on.clone() });
+                }
+            }
+            // Closer to the sign change.
+            let middle = self.beyond(&from, self.curve().next(&from.on, 0.5 * length)?)?;
+            if (value(&middle)? < 0.0) == (a < 0.0) { from = middle } else { to = middle }
+        }
+        None
+    }
+
+    /// The special point at a condition; `None` if it is none.
+    fn special(&self, condition: Condition, at: BranchPoint) -> Option<SpecialPoint> {
+        let kind = condition.kind();
+        // Two real multipliers whose product is 1 are no special point.
+        let is_one = kind != Kind::NeimarkSacker || {
+            let own = at.half_multipliers.unwrap_or(at.multipliers);
+            let mut complex = own.iter().filter(|it| it.im > COMPLEX);
+            complex.any(|it| (it.norm() - 1.0).abs() < ON_CIRCLE)
+        };
+        let [low, high] = self.along.between;
+        (is_one && (low..=high).contains(&at.value)).then_some(SpecialPoint { condition, at })
+    }
+
+    /// The next point after a step.
+    fn next(&self, now: &Stop, step: f64) -> Option<Stop> {
+        let next = self.beyond(now, self.curve().next(&now.on, step)?)?;
+        let straight = next.on.tangent.dot(&now.on.tangent) > STRAIGHT;
+        (straight && self.apart(now, &next.on.point) < FARTHEST * step).then_some(next)
+    }
+
+    /// The end of the branch between two points, if it ends there.
+    fn ending(&self, [now, next]: [&Stop; 2]) -> Option<Ending> {
+        let halves = [now, next].map(|stop| difference(self.family, &stop.on.point));
+        if let [Some(a), Some(b)] = halves
+            && a * b < 0.0
+            && let Some((condition, point)) =
+                origin(self.family, [&now.on.point, &next.on.point], a / (a - b))
+        {
+            let last = self.beyond(now, OnCurve { point, ..now.on.clone() });
+            return Some(Ending { last, why: End::Origin, condition: Some(condition) });
+        }
+        let broken = next.tests.broken();
+        if let Some(first) = broken.first().copied() {
+            let found = broken
+                .into_iter()
+                .filter_map(|condition| Some((condition, self.located(condition, [now, next])?)));
+            let along = |stop: &Stop| self.towards * stop.at.length;
+            let nearest = found.min_by(|(_, a), (_, b)| along(a).total_cmp(&along(b)));
+            let (condition, last) = nearest.map_or((first, None), |(it, last)| (it, Some(last)));
+            let grazes = condition.kind() == Kind::Grazing;
+            let why = if grazes { End::Grazing } else { End::ImpactVanishes };
+            return Some(Ending { last, why, condition: Some(condition) });
+        }
+        let [low, high] = self.along.between;
+        let bound = next.at.value.clamp(low, high);
+        (bound != next.at.value).then(|| {
+            let on = self.curve().where_unknown_is(&next.on, self.number(), bound);
+            let last = on.and_then(|on| self.beyond(now, on));
+            Ending { last, why: End::Range, condition: None }
+        })
+    }
+
+    /// The special points between two points and up to a length, in order.
+    fn between(&self, [now, next]: [&Stop; 2], limit: f64) -> Vec<SpecialPoint> {
+        let met = now.tests.met(&next.tests, self.family.chain.symmetric);
+        let find = |condition| {
+            let at = self.located(condition, [now, next])?.at;
+            let before = (limit - at.length) * self.towards >= 0.0;
+            self.special(condition, at).filter(|_| before)
+        };
+        let mut found: Vec<_> = met.into_iter().filter_map(find).collect();
+        let along = |point: &SpecialPoint| self.towards * point.at.length;
+        found.sort_by(|a, b| along(a).total_cmp(&along(b)));
+        found
+    }
+
+    /// Follows the branch from a point on.
+    pub fn side(&self, first: &Stop) -> (Side, End) {
+        let (mut now, mut side) = (first.clone(), Side::default());
+        let mut step = FIRST.min(self.along.longest);
+        while side.points.len() < self.along.most_points {
+            if is_set(self.along.cancel) {
+                return (side, End::Cancelled);
+            }
+            let next = self.next(&now, step);
+            let ending = next.as_ref().and_then(|next| self.ending([&now, next]));
+            let lost = ending.as_ref().is_some_and(|ending| ending.last.is_none());
+            let Some(next) = next.filter(|_| !lost) else {
+                step *= 0.5;
+                if step < SHORTEST {
+                    return (side, End::Stalled);
+                }
+                continue;
+            };
+            let last = ending.as_ref().and_then(|ending| ending.last.as_ref());
+            let limit = last.unwrap_or(&next).at.length;
+            side.special.append(&mut self.between([&now, &next], limit));
+            if let Some(Ending { last: Some(last), why, condition }) = ending {
+                let special = condition.and_then(|it| self.special(it, last.at.clone()));
+                side.special.extend(special);
+                side.points.push(last.at);
+                return (side, why);
+            }
+            side.points.push(next.at.clone());
+            let turned = next.on.tangent.dot(&first.on.tangent);
+            if side.points.len() > 4
+                && self.apart(&next, &first.on.point) < step
+                && turned > STRAIGHT
+            {
+                return (side, End::Closed);
+            }
+            now = next;
+            step = (step * GROWTH).min(self.along.longest);
+        }
+        (side, End::Points)
+    }
+}

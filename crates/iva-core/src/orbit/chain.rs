@@ -1,0 +1,206 @@
+//! A periodic orbit as a boundary-value problem in its impact times.
+//!
+//! The sequence of walls is given. The unknowns are the instant of the first impact, the state after it (x, ẋ, and ẏ or
+//! W = b θ̇, on the wall), and the instants of the other impacts; the equations say that the absorber is at its wall at each
+//! instant, and that the state after one cycle is that at its begin. Between impacts the motion flies on whether or
+//! not it stays in the gap, and an impact takes place whether or not the absorber moves towards the wall. So all
+//! equations stay smooth where an impact vanishes or a new one would begin: there only the *admissibility* of the
+//! solution is lost, by the sign of a speed or of a margin. No section of the motion is fixed that an impact could
+//! meet.
+//!
+//! Of an orbit that is its own mirror image half a cycle later, only half the cycle is solved for.
+
+use nalgebra::{DMatrix, DVector, Matrix4, Matrix4xX, RowDVector, Vector4};
+
+use super::coordinates::Coordinates;
+use crate::absorber::{Clock, Wall};
+use crate::measures::propagation::saltation;
+use crate::segment::flight::Motion;
+
+/// Unknowns besides the instants of the impacts after the first: its instant, x, ẋ and ẏ (or W) after it.
+const FIRST: usize = 4;
+/// The coordinates that these unknowns are.
+const FREE: [usize; 3] = [0, 1, 3];
+/// The coordinate that a wall fixes.
+const GAP: usize = 2;
+
+/// The sequence of impacts of an orbit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Chain {
+    /// The walls in order; of a symmetric orbit those of the first half of the cycle.
+    pub walls: Vec<Wall>,
+    /// True if the second half of the cycle is the mirror image of the first.
+    pub symmetric: bool,
+    /// Number of cycles of the scene that it takes to repeat.
+    pub cycles: u32,
+}
+
+/// A flight of a chain: the state after its first impact, the instant of that, and the time to the next impact.
+#[derive(Debug, Clone)]
+pub(super) struct Flown<State> {
+    pub from: State,
+    pub begin: f64,
+    pub length: f64,
+}
+
+/// What a chain comes to for some values of its unknowns.
+#[derive(Debug, Clone)]
+pub(super) struct Passed<State> {
+    /// The left-hand sides of the equations: lengths and velocities.
+    pub residual: DVector<f64>,
+    /// Their derivatives with respect to the unknowns; empty if they were not asked for.
+    pub jacobian: DMatrix<f64>,
+    /// The derivative of the map over the chain, in [`Coordinates`]: of a symmetric orbit that of the half map with the
+    /// mirror.
+    pub map: Matrix4<f64>,
+    /// The approach speed of each impact; below 0 where the absorber would move away from the wall.
+    pub speeds: Vec<f64>,
+    /// The flights after each impact.
+    pub flights: Vec<Flown<State>>,
+}
+
+/// y of a wall.
+fn place<S: Coordinates>(system: &S, wall: Wall) -> f64 {
+    system.offset() + system.clearance() * wall.sign()
+}
+
+/// The state after a flight that is not ended by walls, and the derivative with respect to the state at its begin.
+pub(super) fn flown<S: Coordinates>(
+    system: &S,
+    from: &S::State,
+    length: f64,
+) -> Option<(S::State, Matrix4<f64>)> {
+    let (mut state, mut left, mut tangent) = (*from, length, Matrix4::identity());
+    if S::LINEAR {
+        tangent = system.flight_tangent(from, length);
+    }
+    while left > 0.0 {
+        let flight = system.flight(&state);
+        let step = flight.reach().min(left);
+        if step.is_nan() || step <= 0.0 {
+            return None;
+        }
+        if !S::LINEAR {
+            tangent = system.flight_tangent(&state, step) * tangent;
+        }
+        state = flight.arrival(step);
+        left -= step;
+    }
+    (left == 0.0).then_some((state, tangent))
+}
+
+impl Chain {
+    /// Number of impacts until the motion repeats.
+    pub fn impacts(&self) -> usize {
+        self.walls.len() * if self.symmetric { 2 } else { 1 }
+    }
+
+    /// The time that the chain takes where a cycle of the scene takes this time: of a symmetric orbit half the time until
+    /// the motion repeats.
+    pub(super) fn length(&self, cycle: f64) -> f64 {
+        cycle * f64::from(self.cycles) * if self.symmetric { 0.5 } else { 1.0 }
+    }
+
+    /// Number of unknowns and of equations.
+    pub fn unknowns(&self) -> usize {
+        FIRST - 1 + self.walls.len()
+    }
+
+    /// The wall of impact i, where the last one is the first of the next cycle, or the mirror image of the first.
+    fn wall(&self, i: usize) -> Wall {
+        match self.walls.get(i) {
+            Some(wall) => *wall,
+            None if self.symmetric => self.walls[0].opposite(),
+            None => self.walls[0],
+        }
+    }
+
+    /// The instant of impact i of a chain of a length.
+    pub(super) fn instant(&self, unknowns: &[f64], length: f64, i: usize) -> f64 {
+        match i {
+            0 => unknowns[0],
+            _ if i == self.walls.len() => unknowns[0] + length,
+            _ => unknowns[FIRST - 1 + i],
+        }
+    }
+
+    /// −1 where the state at the end is to be the mirror image of that at the begin, else 1.
+    fn sign(&self) -> f64 {
+        if self.symmetric { -1.0 } else { 1.0 }
+    }
+
+    /// The chain of a cycle of this length (of a symmetric orbit half of it) for values of its unknowns; `None` where the
+    /// instants are not in order or a state is beyond what the system can have.
+    pub(super) fn passed<S: Coordinates>(
+        &self,
+        system: &S,
+        length: f64,
+        unknowns: &[f64],
+        derivatives: bool,
+    ) -> Option<Passed<S::State>> {
+        let (count, size) = (self.walls.len(), self.unknowns());
+        let instants: Vec<f64> = (0..=count).map(|i| self.instant(unknowns, length, i)).collect();
+        let in_order = instants.windows(2).all(|pair| pair[0] < pair[1]);
+        if !(in_order && unknowns.iter().all(|it| it.is_finite())) {
+            return None;
+        }
+        let columns = if derivatives { size } else { 0 };
+        let mut residual = DVector::zeros(size);
+        let mut jacobian = DMatrix::zeros(if derivatives { size } else { 0 }, columns);
+        let mut map = Matrix4::identity();
+        let (mut speeds, mut flights) = (Vec::with_capacity(count), Vec::with_capacity(count));
+
+        let [x, v, w] = [unknowns[1], unknowns[2], unknowns[3]];
+        let first = Vector4::new(x, v, place(system, self.wall(0)), w);
+        let mut state = system.begin_at(&system.start_at(&first)?, Clock::new(instants[0]));
+        // How the state after the current impact depends on the unknowns.
+        let mut carried = Matrix4xX::zeros(columns);
+        if derivatives {
+            for (k, coordinate) in FREE.into_iter().enumerate() {
+                carried[(coordinate, 1 + k)] = 1.0;
+            }
+        }
+        for i in 1..=count {
+            let wall = self.wall(i);
+            let (begin, end) = (instants[i - 1], instants[i]);
+            let flight = Flown { from: state, begin, length: end - begin };
+            let leaving = system.rates(&state);
+            let (arrived, tangent) = flown(system, &state, flight.length)?;
+            flights.push(flight);
+            let mut contact = system.coordinates(&arrived);
+            let row = if i < count { i - 1 } else { size - FIRST };
+            residual[row] = contact[GAP] - place(system, wall);
+            contact[GAP] = place(system, wall);
+            let touching = system.begin_at(&system.start_at(&contact)?, Clock::new(end));
+            let before = system.rates(&touching);
+            speeds.push(before[GAP] * wall.sign());
+            let (after, _) = system.impact(&touching, end);
+            let jump = system.impact_matrix(wall, before[GAP].abs());
+            let rates = system.rates(&after);
+            if derivatives {
+                carried = tangent * carried;
+                let mut add = |column: usize, by: Vector4<f64>| {
+                    carried.column_mut(column).iter_mut().zip(by.iter()).for_each(|(a, b)| *a += b);
+                };
+                let column = |i: usize| if i.is_multiple_of(count) { 0 } else { FIRST - 1 + i };
+                add(column(i - 1), -(tangent * leaving));
+                add(column(i), before);
+                jacobian.row_mut(row).copy_from(&RowDVector::from(carried.row(GAP)));
+                carried.row_mut(GAP).fill(0.0);
+                carried = jump * carried;
+            }
+            map = saltation(system, wall, [&before, &rates]) * tangent * map;
+            state = after;
+        }
+        let last = system.coordinates(&state);
+        for (k, coordinate) in FREE.into_iter().enumerate() {
+            let row = size - FREE.len() + k;
+            residual[row] = last[coordinate] - self.sign() * first[coordinate];
+            if derivatives {
+                jacobian.row_mut(row).copy_from(&RowDVector::from(carried.row(coordinate)));
+                jacobian[(row, 1 + k)] -= self.sign();
+            }
+        }
+        Some(Passed { residual, jacobian, map: map * self.sign(), speeds, flights })
+    }
+}

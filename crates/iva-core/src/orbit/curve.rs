@@ -1,0 +1,186 @@
+//! Curves of special points over two numbers of a scene.
+//!
+//! A curve consists of the points where the equations of an orbit and one condition (`orbit/conditions.rs`) hold together. It
+//! is followed in both directions by the continuation that follows branches, and ends where a number leaves its range or
+//! where another impact would begin or vanish.
+
+use std::sync::atomic::AtomicBool;
+
+use nalgebra::{Complex, DVector};
+
+use super::branch::{End, SpecialPoint, multipliers_of, scales};
+use super::chain::Chain;
+use super::conditions::{Condition, Tests};
+use super::continuation::{Curve, OnCurve, distance, kernel};
+use super::coordinates::Coordinates;
+use super::family::{Conditioned, Family, Scenes};
+use crate::run::side_by_side::is_set;
+
+/// First and smallest step along a curve, in scales, and by how much a step grows.
+const FIRST: f64 = 1e-3;
+const SHORTEST: f64 = 1e-6;
+const GROWTH: f64 = 1.5;
+/// Least cosine of the angle between the tangents at two neighbouring points, and how far a step may lead, in its length.
+const STRAIGHT: f64 = 0.95;
+const FARTHEST: f64 = 2.0;
+
+/// How a curve is followed.
+#[derive(Debug, Clone, Copy)]
+pub struct AlongCurve<'a> {
+    /// The ranges of the two numbers.
+    pub between: [[f64; 2]; 2],
+    /// Values of the first number at which a point is wanted wherever the curve comes by.
+    pub at: &'a [f64],
+    /// Most points in each direction.
+    pub most_points: usize,
+    /// Longest step, as a share of the ranges and of the sizes of the unknowns.
+    pub longest: f64,
+    /// A flag that ends it.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+/// A point of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurvePoint {
+    /// The two numbers.
+    pub values: [f64; 2],
+    /// The unknowns of the chain.
+    pub unknowns: Vec<f64>,
+    /// The multipliers of the orbit, largest first.
+    pub multipliers: [Complex<f64>; 4],
+}
+
+/// A curve of special points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpecialCurve {
+    /// The condition that holds on it.
+    pub condition: Condition,
+    /// Its points in order.
+    pub points: Vec<CurvePoint>,
+    /// Why it ends on either side.
+    pub ends: [End; 2],
+}
+
+/// The following of a curve to one side.
+struct Follower<'a, 'b, S> {
+    family: &'a Family<'b, S>,
+    condition: Condition,
+    along: AlongCurve<'b>,
+}
+
+impl<S: Coordinates> Follower<'_, '_, S> {
+    fn point(&self, at: &DVector<f64>) -> Option<CurvePoint> {
+        let count = self.family.chain.unknowns();
+        let (_, passed, _) = self.family.passed(at, false)?;
+        let (multipliers, _) = multipliers_of(&passed.map, self.family.chain.symmetric);
+        let values = [at[count], at[count + 1]];
+        Some(CurvePoint { values, unknowns: at.as_slice()[..count].to_vec(), multipliers })
+    }
+
+    /// Why the orbit at a point is not one that a run makes; the condition of the curve is none.
+    fn broken(&self, at: &DVector<f64>) -> Option<End> {
+        let (system, passed, cycle) = self.family.passed(at, false)?;
+        let broken = Tests::new(&system, &passed, cycle).broken();
+        let broken = broken.into_iter().find(|broken| *broken != self.condition)?;
+        Some(match broken {
+            Condition::Grazing { .. } => End::Grazing,
+            _ => End::ImpactVanishes,
+        })
+    }
+
+    /// The points to one side of a point.
+    fn side(&self, first: &OnCurve) -> (Vec<CurvePoint>, End) {
+        let equations = Conditioned { family: self.family, condition: self.condition };
+        let scales = &self.family.scales;
+        let curve = Curve { equations: &equations, scales: scales.clone() };
+        let count = self.family.chain.unknowns();
+        let (mut now, mut points) = (first.clone(), Vec::new());
+        let mut step = FIRST.min(self.along.longest);
+        while points.len() < self.along.most_points {
+            if is_set(self.along.cancel) {
+                return (points, End::Cancelled);
+            }
+            let next = curve.next(&now, step).filter(|next| {
+                next.tangent.dot(&now.tangent) > STRAIGHT
+                    && distance(&next.point, &now.point, scales) < FARTHEST * step
+            });
+            let Some(next) = next else {
+                step *= 0.5;
+                if step < SHORTEST {
+                    return (points, End::Stalled);
+                }
+                continue;
+            };
+            if let Some(end) = self.broken(&next.point) {
+                if step > SHORTEST {
+                    step *= 0.5;
+                    continue;
+                }
+                return (points, end);
+            }
+            let (from, to) = (now.point[count], next.point[count]);
+            let mut wanted: Vec<f64> = self
+                .along
+                .at
+                .iter()
+                .copied()
+                .filter(|at| (from - at) * (at - to) >= 0.0 && *at != from)
+                .collect();
+            wanted.sort_by(|a, b| ((a - from).abs()).total_cmp(&(b - from).abs()));
+            for at in wanted {
+                let there = curve.where_unknown_is(&now, count, at);
+                points.extend(there.and_then(|there| self.point(&there.point)));
+            }
+            let outside = (0..2).find(|k| {
+                let [low, high] = self.along.between[*k];
+                !(low..=high).contains(&next.point[count + k])
+            });
+            if let Some(k) = outside {
+                let [low, high] = self.along.between[k];
+                let bound = next.point[count + k].clamp(low, high);
+                let last = curve.where_unknown_is(&now, count + k, bound);
+                points.extend(last.and_then(|last| self.point(&last.point)));
+                return (points, End::Range);
+            }
+            points.extend(self.point(&next.point));
+            if points.len() > 4 && distance(&next.point, &first.point, scales) < step {
+                return (points, End::Closed);
+            }
+            now = next;
+            step = (step * GROWTH).min(self.along.longest);
+        }
+        (points, End::Points)
+    }
+}
+
+/// Follows the curve of a special point over two numbers, of which it has these values; its chain is that of the branch that
+/// it is on. `None` if the special point is not one of these scenes.
+pub fn curve<S: Coordinates>(
+    scenes: Scenes<'_, S>,
+    chain: &Chain,
+    special: &SpecialPoint,
+    values: [f64; 2],
+    along: AlongCurve<'_>,
+) -> Option<SpecialCurve> {
+    let condition = special.condition;
+    let ranges = along.between.map(|[low, high]| high - low);
+    let scales = scales(chain, &special.at.unknowns, &ranges);
+    let family = Family { scenes, chain: chain.clone(), scales };
+    let point = special.at.unknowns.iter().copied().chain(values);
+    let point = DVector::from_iterator(chain.unknowns() + 2, point);
+    let (_, derivatives) = family.with_condition(&point, condition)?;
+    let mut tangent = kernel(&derivatives, &family.scales)?;
+    if tangent[chain.unknowns()] < 0.0 {
+        tangent.neg_mut();
+    }
+    let equations = Conditioned { family: &family, condition };
+    let first =
+        Curve { equations: &equations, scales: family.scales.clone() }.nearby(&point, &tangent)?;
+    let follower = Follower { family: &family, condition, along };
+    let back = OnCurve { tangent: -&first.tangent, ..first.clone() };
+    let ((mut points, before), (after, end)) = (follower.side(&back), follower.side(&first));
+    points.reverse();
+    points.extend(follower.point(&first.point));
+    points.extend(after);
+    Some(SpecialCurve { condition, points, ends: [before, end] })
+}

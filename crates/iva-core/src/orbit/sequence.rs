@@ -1,0 +1,113 @@
+//! From an orbit to its chain of impacts and back.
+
+use nalgebra::Vector4;
+
+use super::chain::{Chain, flown};
+use super::coordinates::Coordinates;
+use super::periodic::{Missed, Orbit, find};
+use super::{Cycle, Trajectory};
+use crate::absorber::{Clock, Wall};
+use crate::engine::observe::{Contact, Observer};
+use crate::engine::simulate::{Instant, Limits, Outcome, resume};
+
+/// The impacts of a run: the instant, the wall, and the coordinates just after.
+#[derive(Debug, Default)]
+struct Sequence {
+    impacts: Vec<(f64, Wall, Vector4<f64>)>,
+    sticks: bool,
+}
+
+impl<S: Coordinates> Observer<S> for Sequence {
+    fn looks_within(&self) -> bool {
+        false
+    }
+
+    fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
+        let Contact { time, states: [before, after], summed } = *contact;
+        self.sticks |= summed;
+        self.impacts.push((time, system.wall(before), system.coordinates(after)));
+    }
+
+    fn stick(&mut self, _system: &S, _from: &Instant<S::State>) {
+        self.sticks = true;
+    }
+}
+
+/// Why an orbit has no chain of impacts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoChain {
+    /// The absorber sticks to a wall.
+    Sticks,
+    /// There are no impacts, or the run did not end.
+    NoImpacts,
+    /// The second half of the cycle is not the mirror image of the first.
+    NotSymmetric,
+}
+
+impl Chain {
+    /// The chain of an orbit that takes some cycles of the drive, with the values of its unknowns.
+    ///
+    /// # Errors
+    /// [`NoChain`] if it has none.
+    pub fn of<S: Coordinates>(orbit: &Orbit<S>, cycles: u32) -> Result<(Self, Vec<f64>), NoChain> {
+        let Trajectory { system, state, cycle, .. } = &orbit.trajectory;
+        let from = Instant { time: Clock::new(cycle.begin), state: *state };
+        let limits = Limits::new(cycle.begin + cycle.length, system.clearance());
+        let mut seen = Sequence::default();
+        let tally = resume(system, &from, &limits, None, &mut seen);
+        if !tally.is_ok_and(|tally| tally.outcome == Outcome::Finished) {
+            return Err(NoChain::NoImpacts);
+        }
+        let Sequence { impacts, sticks } = seen;
+        let Some((begin, _, after)) = impacts.first().copied() else {
+            return Err(NoChain::NoImpacts);
+        };
+        if sticks {
+            return Err(NoChain::Sticks);
+        }
+        let count = if orbit.symmetric { impacts.len() / 2 } else { impacts.len() };
+        let all: Vec<Wall> = impacts.iter().map(|(_, wall, _)| *wall).collect();
+        if orbit.symmetric {
+            let mirrored = (0..count).all(|i| all.get(i + count) == Some(&all[i].opposite()));
+            if !mirrored || all.len() != 2 * count {
+                return Err(NoChain::NotSymmetric);
+            }
+        }
+        let chain = Chain { walls: all[..count].to_vec(), symmetric: orbit.symmetric, cycles };
+        let mut unknowns = vec![begin, after[0], after[1], after[3]];
+        unknowns.extend(impacts[1..count].iter().map(|(time, ..)| *time));
+        Ok((chain, unknowns))
+    }
+
+    /// The orbit of values of the unknowns, where a cycle of the scene has a length: it begins in the middle of the longest
+    /// flight, and is found anew by a run, which meets exactly the impacts of an admissible chain.
+    ///
+    /// # Errors
+    /// [`Missed`] if there is no such orbit, or it has other impacts than the chain.
+    pub fn orbit<S: Coordinates + Clone>(
+        &self,
+        system: &S,
+        cycle: f64,
+        unknowns: &[f64],
+    ) -> Result<Orbit<S>, Missed> {
+        let lost = Missed::Stalled(f64::INFINITY);
+        let passed = self.passed(system, self.length(cycle), unknowns, false);
+        let passed = passed.ok_or(lost.clone())?;
+        let longest = passed.flights.iter().max_by(|a, b| a.length.total_cmp(&b.length));
+        let flight = longest.ok_or(lost.clone())?;
+        let half = 0.5 * flight.length;
+        let (middle, _) = flown(system, &flight.from, half).ok_or(lost.clone())?;
+        let start = system.start_at(&system.coordinates(&middle)).ok_or(lost)?;
+        let length = cycle * f64::from(self.cycles);
+        let begin = (flight.begin + half).rem_euclid(length);
+        let state = system.begin_at(&start, Clock::new(begin));
+        let tier = crate::run::side_by_side::Tier::Exact;
+        let cycle = Cycle { begin, length };
+        let trajectory = Trajectory { system: system.clone(), state, cycle, tier };
+        let orbit = find(&trajectory, self.symmetric, None)?;
+        if orbit.impacts as usize != self.impacts() {
+            return Err(Missed::Stalled(orbit.residual));
+        }
+        Ok(orbit)
+    }
+}
