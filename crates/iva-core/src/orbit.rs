@@ -41,7 +41,7 @@ mod in_lanes;
 mod margins;
 pub mod multipliers;
 pub mod periodic;
-mod sequence;
+pub mod sequence;
 
 pub use coordinates::Coordinates;
 pub use family::Scenes;
