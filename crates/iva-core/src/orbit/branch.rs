@@ -56,6 +56,8 @@ pub struct BranchPoint {
     pub multipliers: [Complex<f64>; 4],
     /// Those of the half map of a symmetric orbit.
     pub half_multipliers: Option<[Complex<f64>; 4]>,
+    /// Largest |x|.
+    pub amplitude: f64,
     /// The smallest distance of an extremum of the gap displacement between two impacts from the wall that the absorber turns
     /// back from; infinite without one.
     pub margin: f64,

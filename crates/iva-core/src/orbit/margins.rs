@@ -48,34 +48,33 @@ fn zero([mut a, mut b]: [f64; 2], [mut at_a, mut at_b]: [f64; 2], of: impl Fn(f6
     b
 }
 
-/// All extrema between the impacts of a chain over a cycle of this length.
-pub(super) fn extrema<S: Coordinates>(
-    system: &S,
+/// Shows each instant of a chain at which a rate vanishes: the index of the flight, the instant, the motion with the time in
+/// it, and the rate shortly before. The rate at the begin of a flight is that of its first state.
+fn turnings<'a, S: Coordinates>(
+    system: &'a S,
     flights: &[Flown<S::State>],
     cycle: f64,
-) -> Vec<Extremum> {
+    rates: (impl Fn(&S::State) -> f64, impl Fn(&S::Flight<'a>, f64) -> f64),
+    mut see: impl FnMut((usize, f64), (&S::Flight<'a>, f64), f64),
+) {
     let spacing = SPACING.min(cycle / LEAST_LOOKS);
-    let mut found = Vec::new();
-    for (flight, flown) in flights.iter().enumerate() {
+    for (index, flown) in flights.iter().enumerate() {
         let (mut state, mut begin, mut left) = (flown.from, flown.begin, flown.length);
-        let mut before = system.rates(&state)[2];
+        let mut before = (rates.0)(&state);
         while left > 0.0 {
             let motion = system.flight(&state);
             let length = motion.reach().min(left);
             if length.is_nan() || length <= 0.0 {
                 break;
             }
-            let rate = |h: f64| motion.gap(h).w;
+            let rate = |h: f64| (rates.1)(&motion, h);
             let looks = (length / spacing).ceil();
             for look in 1..=looks as usize {
                 let [from, to] = [look - 1, look].map(|look| length * (look as f64 / looks));
                 let now = rate(to);
                 if before * now < 0.0 {
                     let h = zero([from, to], [before, now], rate);
-                    let wall = if before > 0.0 { Wall::Plus } else { Wall::Minus };
-                    let place = system.coordinates(&motion.state(h))[2] - system.offset();
-                    let margin = system.clearance() - wall.sign() * place;
-                    found.push(Extremum { flight, wall, time: begin + h, margin });
+                    see((index, begin + h), (&motion, h), before);
                 }
                 if now != 0.0 {
                     before = now;
@@ -86,5 +85,42 @@ pub(super) fn extrema<S: Coordinates>(
             left -= length;
         }
     }
+}
+
+/// All extrema between the impacts of a chain over a cycle of this length.
+pub(super) fn extrema<S: Coordinates>(
+    system: &S,
+    flights: &[Flown<S::State>],
+    cycle: f64,
+) -> Vec<Extremum> {
+    let mut found = Vec::new();
+    let rates = (
+        |state: &S::State| system.rates(state)[2],
+        |motion: &S::Flight<'_>, h: f64| motion.gap(h).w,
+    );
+    turnings(system, flights, cycle, rates, |(flight, time), (motion, h), before| {
+        let wall = if before > 0.0 { Wall::Plus } else { Wall::Minus };
+        let place = system.coordinates(&motion.state(h))[2] - system.offset();
+        let margin = system.clearance() - wall.sign() * place;
+        found.push(Extremum { flight, wall, time, margin });
+    });
     found
+}
+
+/// The largest displacement of the structure in the flights of a chain, to either side.
+pub(super) fn amplitude<S: Coordinates>(
+    system: &S,
+    flights: &[Flown<S::State>],
+    cycle: f64,
+) -> f64 {
+    let begins = flights.iter().map(|flown| system.primary(&flown.from).x.abs());
+    let mut largest = begins.fold(0.0, f64::max);
+    let rates = (
+        |state: &S::State| system.primary(state).v,
+        |motion: &S::Flight<'_>, h: f64| motion.primary(h).rate,
+    );
+    turnings(system, flights, cycle, rates, |_, (motion, h), _| {
+        largest = largest.max(motion.primary(h).value.abs());
+    });
+    largest
 }

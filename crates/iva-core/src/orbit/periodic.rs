@@ -128,6 +128,32 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
         at.amax().max(self.trajectory.system.clearance())
     }
 
+    /// The orbit through a point that is on it.
+    fn orbit(&self, solved: &Tried, steps: u32) -> Orbit<S> {
+        let mut trajectory = self.trajectory.clone();
+        let system = &trajectory.system;
+        if let Some(start) = system.start_at(&solved.at) {
+            trajectory.state = system.begin_at(&start, Clock::new(trajectory.cycle.begin));
+        }
+        let half = self.symmetric.then_some(solved.derivative);
+        let (monodromy, impacts) = match half {
+            Some(half) => (half * half, 2 * solved.impacts),
+            None => (solved.derivative, solved.impacts),
+        };
+        let half_multipliers = half.as_ref().map(multipliers);
+        let squares = |half: [Complex<f64>; 4]| largest_first(half.map(|it| it * it));
+        Orbit {
+            trajectory,
+            impacts,
+            symmetric: self.symmetric,
+            monodromy,
+            multipliers: half_multipliers.map_or_else(|| multipliers(&monodromy), squares),
+            half_multipliers,
+            residual: solved.off.amax() / self.size(&solved.at),
+            steps,
+        }
+    }
+
     /// Newton's method from a point: the solution and the number of steps.
     fn solved(&self, from: Vector4<f64>) -> Result<(Tried, u32), Missed> {
         let mut best = self.tried(from)?.ok_or(Missed::Stalled(f64::INFINITY))?;
@@ -233,36 +259,30 @@ pub fn find<S: Coordinates + Clone>(
     let from = trajectory.system.coordinates(&trajectory.state);
     let sought = Sought { trajectory, symmetric, cancel };
     let (solved, steps) = sought.solved(from)?;
-    let residual = solved.off.amax() / sought.size(&solved.at);
-    let mut trajectory = sought.trajectory;
-    let system = &trajectory.system;
-    if let Some(start) = system.start_at(&solved.at) {
-        trajectory.state = system.begin_at(&start, Clock::new(trajectory.cycle.begin));
-    }
-    let half = symmetric.then_some(solved.derivative);
-    let (monodromy, impacts) = match half {
-        Some(half) => (half * half, 2 * solved.impacts),
-        None => (solved.derivative, solved.impacts),
-    };
+    let orbit = sought.orbit(&solved, steps);
     // The map sets the drive back; a run does not.
-    let Cycle { begin, length } = trajectory.cycle;
-    let later = reached(&trajectory, begin + 2.0 * length, cancel, &mut ())?;
-    let off = (trajectory.system.coordinates(&later) - solved.at).amax();
-    let off = off / trajectory.system.clearance().max(solved.at.amax());
-    if off.is_nan() || off > CLOSED + GROWN * monodromy.amax().powi(2) {
+    let Cycle { begin, length } = orbit.trajectory.cycle;
+    let later = reached(&orbit.trajectory, begin + 2.0 * length, cancel, &mut ())?;
+    let system = &orbit.trajectory.system;
+    let off = (system.coordinates(&later) - solved.at).amax();
+    let off = off / system.clearance().max(solved.at.amax());
+    if off.is_nan() || off > CLOSED + GROWN * orbit.monodromy.amax().powi(2) {
         return Err(Missed::NotPeriodic(off));
     }
-    let half_multipliers = half.as_ref().map(multipliers);
-    let squares = |half: [Complex<f64>; 4]| largest_first(half.map(|it| it * it));
-    let all = half_multipliers.map_or_else(|| multipliers(&monodromy), squares);
-    Ok(Orbit {
-        trajectory,
-        impacts,
-        symmetric,
-        monodromy,
-        multipliers: all,
-        half_multipliers,
-        residual,
-        steps,
-    })
+    Ok(orbit)
+}
+
+/// The orbit of a trajectory that is already on one, as exactly as the residual tells.
+///
+/// # Errors
+/// [`Missed`] if the cycle does not end.
+pub(super) fn through<S: Coordinates + Clone>(
+    trajectory: Trajectory<S>,
+    symmetric: bool,
+    cancel: Option<&AtomicBool>,
+) -> Result<Orbit<S>, Missed> {
+    let at = trajectory.system.coordinates(&trajectory.state);
+    let sought = Sought { trajectory, symmetric, cancel };
+    let tried = sought.tried(at)?.ok_or(Missed::Stalled(f64::INFINITY))?;
+    Ok(sought.orbit(&tried, 0))
 }

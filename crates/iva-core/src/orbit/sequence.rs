@@ -4,11 +4,12 @@ use nalgebra::Vector4;
 
 use super::chain::{Chain, flown};
 use super::coordinates::Coordinates;
-use super::periodic::{Missed, Orbit, find};
+use super::periodic::{Missed, Orbit, through};
 use super::{Cycle, Trajectory};
 use crate::absorber::{Clock, Wall};
 use crate::engine::observe::{Contact, Observer};
 use crate::engine::simulate::{Instant, Limits, Outcome, resume};
+use crate::run::side_by_side::Tier;
 
 /// The impacts of a run: the instant, the wall, and the coordinates just after.
 #[derive(Debug, Default)]
@@ -79,11 +80,12 @@ impl Chain {
         Ok((chain, unknowns))
     }
 
-    /// The orbit of values of the unknowns, where a cycle of the scene has a length: it begins in the middle of the longest
-    /// flight, and is found anew by a run, which meets exactly the impacts of an admissible chain.
+    /// The orbit of values of the unknowns, where a cycle of the scene has a length. It begins in the middle of the longest
+    /// flight; its multipliers and residual are those of a run from there. At a grazing, and where an impact vanishes, the run
+    /// may have an impact more or less than the chain.
     ///
     /// # Errors
-    /// [`Missed`] if there is no such orbit, or it has other impacts than the chain.
+    /// [`Missed`] if there is no such orbit.
     pub fn orbit<S: Coordinates + Clone>(
         &self,
         system: &S,
@@ -97,17 +99,13 @@ impl Chain {
         let flight = longest.ok_or(lost.clone())?;
         let half = 0.5 * flight.length;
         let (middle, _) = flown(system, &flight.from, half).ok_or(lost.clone())?;
-        let start = system.start_at(&system.coordinates(&middle)).ok_or(lost)?;
+        let at = system.coordinates(&middle);
+        let start = system.start_at(&at).ok_or(lost)?;
         let length = cycle * f64::from(self.cycles);
         let begin = (flight.begin + half).rem_euclid(length);
         let state = system.begin_at(&start, Clock::new(begin));
-        let tier = crate::run::side_by_side::Tier::Exact;
         let cycle = Cycle { begin, length };
-        let trajectory = Trajectory { system: system.clone(), state, cycle, tier };
-        let orbit = find(&trajectory, self.symmetric, None)?;
-        if orbit.impacts as usize != self.impacts() {
-            return Err(Missed::Stalled(orbit.residual));
-        }
-        Ok(orbit)
+        let trajectory = Trajectory { system: system.clone(), state, cycle, tier: Tier::Exact };
+        through(trajectory, self.symmetric, None)
     }
 }

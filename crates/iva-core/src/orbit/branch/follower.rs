@@ -6,6 +6,7 @@ use super::super::conditions::{Condition, Kind, Tests};
 use super::super::continuation::{Curve, OnCurve, distance, solved};
 use super::super::coordinates::Coordinates;
 use super::super::family::Family;
+use super::super::margins::amplitude;
 use super::halves::{difference, origin};
 use super::{Along, BranchPoint, End, SpecialPoint, multipliers_of};
 use crate::run::side_by_side::is_set;
@@ -80,6 +81,7 @@ impl<S: Coordinates> Follower<'_, S> {
             unknowns: on.point.as_slice()[..self.number()].to_vec(),
             multipliers: all,
             half_multipliers: half,
+            amplitude: amplitude(&system, &passed.flights, cycle),
             margin: tests.margin(),
             slowest: tests.slowest(),
         };
