@@ -8,6 +8,9 @@
 //! [`periodic::find`] finds a periodic orbit near a trajectory, [`multipliers`] are the eigenvalues of its monodromy matrix.
 //! [`branch::follow`] follows an orbit over a number of its scene and locates the special points ([`conditions`]) on the way,
 //! [`branch::switch`] goes from such a point to the branch that begins there, [`curve::curve`] follows the point over two numbers.
+//! [`periodic::find`] finds a periodic orbit near a trajectory, [`multipliers`] are the eigenvalues of its monodromy matrix,
+//! with errors and an exact identity in [`spectrum`]; [`description`] has the events and extremes of one cycle of it, and
+//! [`symmetry`] chooses between the map and the half map.
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
 //! of pendulums side by side in lanes ([`crate::run::side_by_side`]), with the bits of [`map`] in the exact tier.
 
@@ -37,11 +40,15 @@ mod continuation;
 mod coordinates;
 pub mod curve;
 mod family;
+pub mod description;
 mod in_lanes;
 mod margins;
 pub mod multipliers;
 pub mod periodic;
 pub mod sequence;
+mod rounding;
+pub mod spectrum;
+pub mod symmetry;
 
 pub use coordinates::Coordinates;
 pub use family::Scenes;

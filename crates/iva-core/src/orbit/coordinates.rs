@@ -2,7 +2,7 @@
 
 use nalgebra::Vector4;
 
-use crate::absorber::piva::{Given, Piva, PivaStart};
+use crate::absorber::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use crate::absorber::siva::Siva;
 use crate::absorber::{Absorber, OnStructure, Start};
 use crate::host::Host;
@@ -15,6 +15,9 @@ pub trait Coordinates: Differentiable {
     fn coordinates(&self, state: &Self::State) -> Vector4<f64>;
     /// The start with these numbers; `None` if they are of no place in the gap.
     fn start_at(&self, numbers: &Vector4<f64>) -> Option<Self::Start>;
+    /// The rate at which a small volume of states shrinks in flight at a gap displacement, in ωn: −div ż, in the coordinates
+    /// that momenta and places make. `None` if an impact does not shrink it by e².
+    fn contraction(&self, gap_displacement: f64) -> Option<f64>;
 }
 
 /// y from the distance to a wall.
@@ -38,6 +41,11 @@ where
         let start = Start { displacement, velocity, gap_displacement, gap_velocity };
         self.check_start(&start).is_ok().then_some(start)
     }
+
+    /// 2ζ.
+    fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
+        Some(2.0 * self.damping_ratio())
+    }
 }
 
 impl<H: Host<Real = f64>> Coordinates for Piva<H> {
@@ -53,5 +61,20 @@ impl<H: Host<Real = f64>> Coordinates for Piva<H> {
         let rate = Given::Angle(w / self.parameters().contact_distance);
         let start = PivaStart { displacement, velocity, place: Given::Gap(y), rate };
         self.check_start(&start).is_ok().then_some(start)
+    }
+
+    /// The trace of the damping matrix over the mass matrix, (2ζ κ + 2ζp r κ (1 + μ))/(κ (1 + μ) − μ cos²θ).
+    fn contraction(&self, gap_displacement: f64) -> Option<f64> {
+        let Parameters { mass_ratio, damping_ratio, inertia_ratio, contact_distance, .. } =
+            *self.parameters();
+        let Parameters { frequency_ratio, pivot_damping_ratio, angles, impact_law, .. } =
+            *self.parameters();
+        let sine = gap_displacement / contact_distance;
+        let cosine_squared = if angles == Angles::Small { 1.0 } else { 1.0 - sine * sine };
+        let total = 1.0 + mass_ratio;
+        let pivot = 2.0 * pivot_damping_ratio * frequency_ratio;
+        let damped = inertia_ratio * (2.0 * damping_ratio + pivot * total);
+        let rate = damped / (inertia_ratio * total - mass_ratio * cosine_squared);
+        (impact_law == ImpactLaw::Consistent).then_some(rate)
     }
 }

@@ -207,7 +207,7 @@ fn longest_flight(events: &Events) -> Option<f64> {
 }
 
 /// The state of a trajectory at a later instant.
-fn reached<S: Coordinates>(
+pub(super) fn reached<S: Coordinates>(
     trajectory: &Trajectory<S>,
     instant: f64,
     cancel: Option<&AtomicBool>,

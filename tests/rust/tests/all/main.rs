@@ -31,6 +31,7 @@ mod measures;
 mod near_wall;
 mod neighbours;
 mod orbit;
+mod orbit_description;
 mod periodic;
 mod piva;
 mod piva_flight;

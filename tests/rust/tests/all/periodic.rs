@@ -22,26 +22,26 @@ use iva_tests::rng::Rng;
 use nalgebra::{Complex, Vector4};
 use serde_json::Value;
 
-fn number(value: &Value) -> f64 {
+pub fn number(value: &Value) -> f64 {
     value.as_str().unwrap().parse().unwrap()
 }
 
-fn force(amplitude: f64, frequency: f64) -> Force {
+pub fn force(amplitude: f64, frequency: f64) -> Force {
     Force::harmonic(vec![Harmonic { amplitude, frequency, phase: 0.0, acts: Acts::Primary }])
         .unwrap()
 }
 
 /// The records of a file, with the number of their scene by name and the cycle from an instant on.
-fn records(text: &str) -> Vec<Value> {
+pub fn records(text: &str) -> Vec<Value> {
     serde_json::from_str(text).unwrap()
 }
 
-fn cycle(record: &Value, begin: f64) -> Cycle {
+pub fn cycle(record: &Value, begin: f64) -> Cycle {
     let periods = record["forcing_periods"].as_f64().unwrap();
     Cycle { begin, length: periods * TAU / number(&record["scene"]["frequency"]) }
 }
 
-fn mass(record: &Value) -> Siva<DrivenHost> {
+pub fn mass(record: &Value) -> Siva<DrivenHost> {
     let key = |name: &str| number(&record["scene"][name]);
     let [mu, e, d, zeta] = ["mass_ratio", "restitution", "clearance", "damping_ratio"].map(key);
     let force = force(key("force_amplitude_per_mass"), key("frequency"));
@@ -49,19 +49,19 @@ fn mass(record: &Value) -> Siva<DrivenHost> {
 }
 
 /// x, ẋ, y and ẏ at time 0.
-fn truth(record: &Value) -> Vector4<f64> {
+pub fn truth(record: &Value) -> Vector4<f64> {
     let at = |name: &str| number(&record["state_at_time_0"][name]);
     Vector4::new(at("displacement"), at("velocity"), at("gap_displacement"), at("gap_velocity"))
 }
 
 /// The trajectory from four numbers on.
-fn trajectory<S: Coordinates>(system: S, at: &Vector4<f64>, cycle: Cycle) -> Trajectory<S> {
+pub fn trajectory<S: Coordinates>(system: S, at: &Vector4<f64>, cycle: Cycle) -> Trajectory<S> {
     let start = system.start_at(at).unwrap();
     Trajectory::new(system, &start, cycle).unwrap()
 }
 
 /// The coordinates of an orbit at a phase of the drive: at an instant that is not before its section.
-fn at_instant<S: Coordinates>(orbit: &Orbit<S>, instant: f64) -> Vector4<f64> {
+pub fn at_instant<S: Coordinates>(orbit: &Orbit<S>, instant: f64) -> Vector4<f64> {
     let Trajectory { system, state, cycle, .. } = &orbit.trajectory;
     let from = Instant { time: Clock::new(cycle.begin), state: *state };
     let limits = Limits::new(instant, system.clearance());
@@ -69,7 +69,7 @@ fn at_instant<S: Coordinates>(orbit: &Orbit<S>, instant: f64) -> Vector4<f64> {
     system.coordinates(&tally.state)
 }
 
-fn complex(values: &Value) -> Vec<Complex<f64>> {
+pub fn complex(values: &Value) -> Vec<Complex<f64>> {
     let one = |pair: &Value| Complex::new(number(&pair[0]), number(&pair[1]));
     values.as_array().unwrap().iter().map(one).collect()
 }
@@ -98,6 +98,32 @@ fn judge<S: Coordinates>(name: &str, orbit: &Orbit<S>, record: &Value) {
         let worst = off(&half, &record["half_map_multipliers"]);
         assert!(worst <= 1e-13, "{name}, half: {worst:e}");
     }
+}
+
+/// The trajectory from just after the impact of a record of a pendulum, off by something in each coordinate.
+pub fn swinging(record: &Value, mut off: impl FnMut() -> f64) -> Trajectory<Piva<DrivenHost>> {
+    let key = |name: &str| number(&record["scene"][name]);
+    let [mu, e, d, zeta] = ["mass_ratio", "restitution", "clearance", "damping_ratio"].map(key);
+    let small = record["angles"] == "small";
+    let length = record["length"].as_f64().unwrap_or(d);
+    let parameters = Parameters {
+        frequency_ratio: key("frequency_ratio"),
+        angles: if small { Angles::Small } else { Angles::Large },
+        ..Parameters::point_bob(mu, e, d, zeta, length)
+    };
+    let driven = force(key("force_amplitude_per_mass"), key("frequency"));
+    let piva = Piva::new(parameters).unwrap().under(driven);
+    let impact = |name: &str| number(&record["impact"][name]);
+    let after = if small { "gap_velocity_after" } else { "angle_velocity_after" };
+    let factor = if small { 1.0 } else { length };
+    let wall = record["impact"]["wall"].as_f64().unwrap();
+    let start = PivaStart {
+        displacement: impact("displacement") + off(),
+        velocity: impact("velocity_after") + off(),
+        place: Given::Gap(wall * (d - off().abs())),
+        rate: Given::Angle((factor * impact(after) + off()) / length),
+    };
+    Trajectory::new(piva, &start, cycle(record, impact("time"))).unwrap()
 }
 
 /// From the truth, off by up to 10⁻³ in each coordinate, by the map and, where it is symmetric, by the half map.
@@ -160,35 +186,12 @@ fn the_reference_orbits_of_pendulums_are_found_from_nearby() {
     let mut rng = Rng::new(52);
     for record in records(include_str!("../../../reference/orbits_piva.json")) {
         let name = record["id"].as_str().unwrap();
-        let key = |name: &str| number(&record["scene"][name]);
-        let [mu, e, d, zeta] = ["mass_ratio", "restitution", "clearance", "damping_ratio"].map(key);
-        let small = record["angles"] == "small";
-        let length = record["length"].as_f64().unwrap_or(d);
-        let parameters = Parameters {
-            frequency_ratio: key("frequency_ratio"),
-            angles: if small { Angles::Small } else { Angles::Large },
-            ..Parameters::point_bob(mu, e, d, zeta, length)
-        };
-        let driven = force(key("force_amplitude_per_mass"), key("frequency"));
-        let piva = Piva::new(parameters).unwrap().under(driven);
-        let impact = |name: &str| number(&record["impact"][name]);
-        let after = if small { "gap_velocity_after" } else { "angle_velocity_after" };
-        let factor = if small { 1.0 } else { length };
-        let wall = record["impact"]["wall"].as_f64().unwrap();
         for symmetric in [false, true] {
             if symmetric && record["symmetric"] == false {
                 continue;
             }
             for _ in 0..5 {
-                let mut off = || rng.range(-1e-3, 1e-3);
-                let start = PivaStart {
-                    displacement: impact("displacement") + off(),
-                    velocity: impact("velocity_after") + off(),
-                    place: Given::Gap(wall * (d - off().abs())),
-                    rate: Given::Angle((factor * impact(after) + off()) / length),
-                };
-                let cycle = cycle(&record, impact("time"));
-                let begun = Trajectory::new(piva.clone(), &start, cycle).unwrap();
+                let begun = swinging(&record, || rng.range(-1e-3, 1e-3));
                 let orbit = find(&begun, symmetric, None).unwrap_or_else(|missed| {
                     panic!("{name} {symmetric}: {missed:?}");
                 });

@@ -51,6 +51,11 @@ impl Tangent {
         &self.derivative
     }
 
+    /// The derivative since this was last called, or since the begin of the run; from here on it is that of what follows.
+    pub(crate) fn take(&mut self) -> Matrix4<f64> {
+        std::mem::replace(&mut self.derivative, Matrix4::identity())
+    }
+
     /// At the begin of a run from a state at an instant.
     pub(crate) fn at<S: Absorber>(system: &S, state: &S::State, time: Clock) -> Self {
         Self { begun: (time, false), wall: system.wall(state), ..Self::default() }

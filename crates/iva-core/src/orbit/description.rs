@@ -1,0 +1,190 @@
+//! What a run over one cycle of a periodic orbit shows: its events, its largest displacement, and how close it comes to a
+//! grazing.
+
+use std::sync::atomic::AtomicBool;
+
+use super::Cycle;
+use super::coordinates::Coordinates;
+use super::periodic::{Missed, Orbit, reached};
+use crate::absorber::Wall;
+use crate::absorber::impact::Impact;
+use crate::engine::observe::{Contact, Events, Observer, Span, StickEpisode};
+use crate::engine::simulate::Instant;
+use crate::segment::flight::{Motion, Travel};
+use crate::segment::polynomial::{jet, largest, turned, turnings};
+use crate::segment::quadrature::{node, weight};
+
+/// Number of nodes of the quadrature in a span.
+const NODES: usize = 9;
+
+/// One cycle of a periodic orbit, in natural units.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Description {
+    /// Its listed impacts in order of time.
+    pub impacts: Vec<Impact>,
+    /// Its stick episodes in order of the instant of their stick.
+    pub episodes: Vec<StickEpisode>,
+    /// Largest |x|; `None` if the motion has no power series.
+    pub amplitude: Option<f64>,
+    /// The smallest distance of an extremum of y between impacts to a wall, those within the chatters of stick episodes
+    /// apart: it is 0 at a grazing. `None` if there is no such extremum.
+    pub grazing_margin: Option<f64>,
+    /// The smallest and the largest approach speed of its impacts; with a stick episode there is no smallest one.
+    pub approach_speeds: [Option<f64>; 2],
+    /// ∫ of [`Coordinates::contraction`] over the cycle; `None` with a stick episode, too.
+    pub contraction: Option<f64>,
+}
+
+/// The description of a periodic orbit, from one more run over its cycle.
+///
+/// # Errors
+/// [`Missed`] if that run does not end.
+pub fn describe<S: Coordinates>(
+    orbit: &Orbit<S>,
+    cancel: Option<&AtomicBool>,
+) -> Result<Description, Missed> {
+    let Cycle { begin, length } = orbit.trajectory.cycle;
+    let mut seen = (Events::default(), Extrema::default());
+    reached(&orbit.trajectory, begin + length, cancel, &mut seen)?;
+    let (Events { impacts, episodes }, extrema) = seen;
+    let speeds = || impacts.iter().map(Impact::approach_speed);
+    let smallest = speeds().reduce(f64::min).filter(|_| episodes.is_empty());
+    let approach_speeds = [smallest, speeds().reduce(f64::max)];
+    let contraction = extrema.contraction.filter(|_| episodes.is_empty());
+    let amplitude = (!extrema.unknown).then_some(extrema.amplitude);
+    let chatters =
+        |time: f64| episodes.iter().any(|it| (it.start_time..=it.stick_time).contains(&time));
+    let between = extrema.turns.iter().filter(|(time, _)| !chatters(*time));
+    let grazing_margin = between.map(|(_, distance)| *distance).reduce(f64::min);
+    Ok(Description { impacts, episodes, amplitude, grazing_margin, approach_speeds, contraction })
+}
+
+impl Description {
+    /// The same cycle from another instant on: every event is moved by whole cycles into the cycle that begins there, an
+    /// episode with its stick.
+    #[must_use]
+    pub fn seen_from(mut self, instant: f64, length: f64) -> Self {
+        let later = |time: f64| -((time - instant) / length).floor() * length;
+        for impact in &mut self.impacts {
+            impact.time += later(impact.time);
+        }
+        for episode in &mut self.episodes {
+            let shift = later(episode.stick_time);
+            episode.start_time += shift;
+            episode.stick_time += shift;
+            episode.release_time = episode.release_time.map(|time| time + shift);
+        }
+        self.impacts.sort_by(|a, b| a.time.total_cmp(&b.time));
+        self.episodes.sort_by(|a, b| a.stick_time.total_cmp(&b.stick_time));
+        self
+    }
+
+    /// The mirror image of the cycle: every event comes earlier by a time, at the other wall, with the other sign.
+    #[must_use]
+    pub fn mirrored(mut self, earlier: f64) -> Self {
+        for impact in &mut self.impacts {
+            *impact = Impact {
+                time: impact.time - earlier,
+                wall: impact.wall.opposite(),
+                displacement: -impact.displacement,
+                velocity_before: -impact.velocity_before,
+                velocity_after: -impact.velocity_after,
+                gap_velocity_before: -impact.gap_velocity_before,
+                gap_velocity_after: -impact.gap_velocity_after,
+                ..*impact
+            };
+        }
+        for episode in &mut self.episodes {
+            episode.wall = episode.wall.opposite();
+            episode.start_time -= earlier;
+            episode.stick_time -= earlier;
+            episode.release_time = episode.release_time.map(|time| time - earlier);
+        }
+        self
+    }
+
+    /// The walls in order of time: `+` or `-` for an impact, and `(+)` or `(-)` for a stick episode with all its impacts,
+    /// where its stick begins.
+    pub fn walls(&self, length: f64) -> String {
+        let within = |time: f64, episode: &StickEpisode| {
+            // The chatter may have begun in the cycle before.
+            let since = (time - episode.start_time).rem_euclid(length);
+            since <= episode.stick_time - episode.start_time
+        };
+        let single = |impact: &&Impact| !self.episodes.iter().any(|it| within(impact.time, it));
+        let sign = |wall: Wall| if wall == Wall::Plus { "+" } else { "-" };
+        let impacts = self.impacts.iter().filter(single);
+        let mut marks: Vec<(f64, String)> =
+            impacts.map(|impact| (impact.time, sign(impact.wall).to_owned())).collect();
+        let sticks = self.episodes.iter();
+        marks.extend(sticks.map(|it| (it.stick_time, format!("({})", sign(it.wall)))));
+        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        marks.into_iter().map(|(_, mark)| mark).collect()
+    }
+}
+
+/// An observer of the extrema between impacts, and of the contraction.
+#[derive(Debug, Default)]
+struct Extrema {
+    amplitude: f64,
+    /// The instant of each extremum of y, and its distance to the closer wall.
+    turns: Vec<(f64, f64)>,
+    contraction: Option<f64>,
+    /// ẏ at the end of the last span, if it was one of the flight that goes on.
+    rate: Option<f64>,
+    /// True if a motion had no power series.
+    unknown: bool,
+}
+
+impl Extrema {
+    fn turn<S: Coordinates>(&mut self, system: &S, time: f64, y: f64) {
+        let distance = system.clearance() - (y - system.offset()).abs();
+        self.turns.push((time, distance));
+    }
+
+    /// A span of flight from an instant on, of length t in units of the power series.
+    fn flight<S: Coordinates>(&mut self, system: &S, travel: &Travel, from: f64, t: f64) {
+        let gap = &travel.gap[..=travel.rows.order];
+        let [y, begin, ..] = jet(gap, 0.0);
+        // An extremum where two spans meet.
+        if self.rate.is_some_and(|rate| (rate > 0.0) != (begin > 0.0)) {
+            self.turn(system, from, y);
+        }
+        for bracket in turnings(gap, t) {
+            let (at, y) = turned(|t| jet(gap, t), bracket);
+            self.turn(system, from + at * travel.rows.step, y);
+        }
+        self.rate = Some(jet(gap, t)[1]);
+        let node = |n: usize| {
+            let y = jet(gap, node::<f64, NODES>(n, [0.0, t]))[0];
+            Some(system.contraction(y)? * weight::<f64, NODES>(n))
+        };
+        let mean = (0..NODES).map(node).sum::<Option<f64>>();
+        let before = self.contraction;
+        self.contraction = before.zip(mean).map(|(sum, mean)| sum + mean * t * travel.rows.step);
+    }
+}
+
+impl<S: Coordinates> Observer<S> for Extrema {
+    fn start(&mut self, _system: &S, _from: &Instant<S::State>, _duration: f64) {
+        *self = Self { contraction: Some(0.0), ..Self::default() };
+    }
+
+    fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
+        let Some(travel) = span.motion.travel() else {
+            self.unknown = true;
+            return;
+        };
+        let t = span.length / travel.rows.step;
+        self.amplitude = largest(&travel.rows.x[..=travel.rows.order], [0.0, t], self.amplitude);
+        if M::RIDING {
+            self.rate = None;
+        } else {
+            self.flight(system, &travel, span.start.value, t);
+        }
+    }
+
+    fn contact(&mut self, _system: &S, _contact: &Contact<'_, S::State>) {
+        self.rate = None;
+    }
+}
