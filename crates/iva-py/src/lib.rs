@@ -8,6 +8,7 @@
 mod arguments;
 mod arrow_table;
 mod calls;
+mod dynamics;
 mod errors;
 mod files;
 mod folder;
@@ -28,6 +29,8 @@ mod _iva {
         check, check_choices, column_units, design, fields, gradients, larger_is_better, main,
         primary_units, simulate, state, states, trajectory, verify,
     };
+    #[pymodule_export]
+    use super::dynamics::orbit;
     #[pymodule_export]
     use super::errors::IvaError;
     #[pymodule_export]

@@ -14,6 +14,7 @@ pub mod choices;
 pub mod columns;
 pub mod cube;
 pub mod done;
+pub mod dynamics;
 pub mod engine;
 pub mod fields;
 pub mod forces;

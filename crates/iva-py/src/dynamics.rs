@@ -1,0 +1,151 @@
+//! Periodic orbits for Python, in the user's units.
+
+use iva_sweep::dynamics::{
+    self as engine, Asked, Course, Found, Impact, Missed, Outcome, State, StickEpisode,
+};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arguments;
+use crate::errors::invalid;
+use crate::worker;
+
+/// The periodic orbit near the start of a scene: a dict of what is told of it, or of `reason` and `message`.
+#[pyfunction]
+pub fn orbit<'py>(
+    py: Python<'py>,
+    spec: &Bound<'_, PyDict>,
+    periods: u32,
+    symmetric: Option<bool>,
+    settle: u64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let spec = arguments::spec(spec)?;
+    let asked = Asked { periods, symmetric, settle };
+    let work = move |shared: &worker::Shared| engine::orbit(&spec, asked, &shared.cancel);
+    match worker::run_any(py, None, work)?.map_err(invalid)? {
+        Ok(found) => shown(py, &found),
+        Err(missed) => {
+            let (reason, message) = words(&missed);
+            let dict = PyDict::new(py);
+            dict.set_item("reason", reason)?;
+            dict.set_item("message", message)?;
+            Ok(dict)
+        }
+    }
+}
+
+/// The reason why no orbit was found as a word, and a sentence.
+fn words(missed: &Missed) -> (&'static str, String) {
+    match missed {
+        Missed::Invalid(invalid) => ("invalid", invalid.to_string()),
+        Missed::Cycle(outcome) => {
+            let why = match outcome {
+                Outcome::ImpactLimit => "has more impacts than a run may have",
+                Outcome::WorkLimit => "has more stretches of motion than a run may have",
+                Outcome::NotFinite => "leaves the range of numbers",
+                Outcome::Finished | Outcome::Cancelled | Outcome::Stopped => "was stopped",
+            };
+            (outcome.name(), format!("a run over one cycle {why}"))
+        }
+        Missed::NoImpacts => {
+            let rule = "the motion has no impacts, or fewer than two in three cycles; without impacts no orbit is \
+                        isolated, as the absorber may stand anywhere in its gap";
+            ("no_impacts", rule.to_owned())
+        }
+        Missed::Singular => {
+            let rule = "the orbit is not isolated: it has the multiplier 1, as at a fold or a pitchfork (a symmetric \
+                        orbit at a pitchfork is found with symmetric=True)";
+            ("singular", rule.to_owned())
+        }
+        Missed::Stalled(residual) => {
+            let message = format!(
+                "Newton's method ends {residual:.1e} of the size of the state from an orbit; give a start that is closer \
+                 to one, more cycles to settle, or another number of periods"
+            );
+            ("stalled", message)
+        }
+        Missed::NotPeriodic(off) => {
+            let message = format!(
+                "a run from the point found does not come back to it, by {off:.1e} of the size of the state"
+            );
+            ("not_periodic", message)
+        }
+    }
+}
+
+/// All that is told of an orbit.
+fn shown<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("course", course(py, &found.course)?)?;
+    let mirrored = found.mirrored.as_ref().map(|it| course(py, it));
+    dict.set_item("mirrored", mirrored.transpose()?)?;
+    dict.set_item("period", found.length)?;
+    dict.set_item("walls_of_start", &found.walls_of_start)?;
+    dict.set_item("least_periods", found.least_periods)?;
+    dict.set_item("symmetric", found.symmetric)?;
+    let spectrum = &found.spectrum;
+    dict.set_item("multipliers", spectrum.multipliers.map(|it| (it.re, it.im)))?;
+    dict.set_item("multiplier_errors", spectrum.errors)?;
+    let (half, errors) = spectrum.half.unzip();
+    dict.set_item("half_multipliers", half.map(|half| half.map(|it| (it.re, it.im))))?;
+    dict.set_item("half_multiplier_errors", errors)?;
+    dict.set_item("rank", spectrum.rank)?;
+    dict.set_item("determinant_error", spectrum.determinant_error)?;
+    dict.set_item("stable", found.stable)?;
+    dict.set_item("residual", found.residual)?;
+    dict.set_item("amplitude", found.amplitude)?;
+    dict.set_item("grazing_margin", found.grazing_margin)?;
+    let [slowest, fastest] = found.approach_speeds;
+    dict.set_item("approach_speed_min", slowest)?;
+    dict.set_item("approach_speed_max", fastest)?;
+    Ok(dict)
+}
+
+/// One cycle: state, impacts, episodes and walls.
+fn course<'py>(py: Python<'py>, course: &Course) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("state", state(py, &course.state)?)?;
+    let impacts = course.impacts.iter().map(|it| impact(py, it));
+    dict.set_item("impacts", impacts.collect::<PyResult<Vec<_>>>()?)?;
+    let episodes = course.episodes.iter().map(|it| episode(py, it));
+    dict.set_item("episodes", episodes.collect::<PyResult<Vec<_>>>()?)?;
+    dict.set_item("walls", &course.walls)?;
+    Ok(dict)
+}
+
+fn state<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("time", state.time)?;
+    dict.set_item("displacement", state.displacement)?;
+    dict.set_item("velocity", state.velocity)?;
+    dict.set_item("gap_displacement", state.gap_displacement)?;
+    dict.set_item("gap_velocity", state.gap_velocity)?;
+    dict.set_item("angle", state.angle.map(|angle| angle.value))?;
+    dict.set_item("angular_velocity", state.angle.map(|angle| angle.rate))?;
+    Ok(dict)
+}
+
+fn impact<'py>(py: Python<'py>, impact: &Impact) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("time", impact.time)?;
+    dict.set_item("wall", impact.wall.number())?;
+    dict.set_item("displacement", impact.displacement)?;
+    dict.set_item("velocity_before", impact.velocity_before)?;
+    dict.set_item("velocity_after", impact.velocity_after)?;
+    dict.set_item("absorber_velocity_before", impact.absorber_velocity_before())?;
+    dict.set_item("absorber_velocity_after", impact.absorber_velocity_after())?;
+    dict.set_item("approach_velocity", impact.gap_velocity_before)?;
+    dict.set_item("energy_loss", impact.energy_loss)?;
+    Ok(dict)
+}
+
+fn episode<'py>(py: Python<'py>, episode: &StickEpisode) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("wall", episode.wall.number())?;
+    dict.set_item("start_time", episode.start_time)?;
+    dict.set_item("stick_time", episode.stick_time)?;
+    dict.set_item("release_time", episode.release_time)?;
+    dict.set_item("impacts", episode.impacts)?;
+    dict.set_item("energy_loss", episode.energy_loss)?;
+    Ok(dict)
+}

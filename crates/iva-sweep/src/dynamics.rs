@@ -1,0 +1,237 @@
+//! Periodic orbits of a given scene, in the user's units, see [`iva_core::orbit`].
+//!
+//! [`Family::new`] makes of a spec, and of a value of one of its fields, the system under its harmonic drive with the cycle
+//! that an orbit repeats; [`orbit`] finds one.
+
+use std::ops::ControlFlow::{Break, Continue};
+use std::sync::atomic::AtomicBool;
+
+use iva_core::absorber::Clock;
+use iva_core::error::Invalid;
+use iva_core::observe::{Events, Observer};
+use iva_core::orbit::description::{Description, describe};
+use iva_core::orbit::periodic::find;
+use iva_core::orbit::spectrum::spectrum;
+use iva_core::orbit::symmetry::{find_any, find_either};
+use iva_core::orbit::{Coordinates, Cycle, Iterated, Request, Trajectory, iterate};
+use iva_core::sample::Sampler;
+use iva_core::simulate::{Instant, Limits, resume};
+
+use crate::design::Spec;
+use course::mirrored;
+use family::with_member;
+
+mod course;
+mod family;
+
+pub use course::Course;
+pub use family::{Family, Member};
+pub use iva_core::impact::Impact;
+pub use iva_core::observe::StickEpisode;
+pub use iva_core::orbit::periodic::{Missed, Orbit};
+pub use iva_core::orbit::spectrum::Spectrum;
+pub use iva_core::sample::State;
+pub use iva_core::simulate::Outcome;
+
+/// What is asked of an orbit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Asked {
+    /// Number of periods of the drive after which it repeats.
+    pub periods: u32,
+    /// True: one that is its own mirror image half a cycle later is sought, by the half map. False: any, by the map. `None`:
+    /// see [`find_either`].
+    pub symmetric: Option<bool>,
+    /// Number of periods of the drive that are run first.
+    pub settle: u64,
+}
+
+/// A periodic orbit, in the user's units.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// The orbit.
+    pub course: Course,
+    /// Its mirror image: minus the motion half a period of the drive later or, of an odd number of periods, half a cycle
+    /// later. `None` if that is no motion, as the walls are unlike or the motion is not level.
+    pub mirrored: Option<Course>,
+    /// The length of a cycle.
+    pub length: f64,
+    /// The walls that the run from the start meets in a cycle: the sequence that the search began with.
+    pub walls_of_start: String,
+    /// Number of periods of the drive after which the motion repeats: a divisor of the one asked for.
+    pub least_periods: u32,
+    /// True if it is its own mirror image half a cycle later.
+    pub symmetric: bool,
+    /// Its multipliers with their errors, its rank and the error of the determinant.
+    pub spectrum: Spectrum,
+    /// True if all multipliers are smaller than 1.
+    pub stable: bool,
+    /// The largest difference between a coordinate and its image, over the size of the state, in natural units.
+    pub residual: f64,
+    /// Largest |x|.
+    pub amplitude: Option<f64>,
+    /// See [`Description::grazing_margin`].
+    pub grazing_margin: Option<f64>,
+    /// Smallest and largest approach speed.
+    pub approach_speeds: [Option<f64>; 2],
+}
+
+/// The periodic orbit near the start of a spec, or near what its run settles on; or why none was found.
+///
+/// # Errors
+/// [`Invalid`] as [`Family::new`], or if a symmetric orbit is asked for where there is none.
+pub fn orbit(
+    spec: &Spec,
+    asked: Asked,
+    cancel: &AtomicBool,
+) -> Result<Result<Found, Missed>, Invalid> {
+    let family = Family::new(spec, None, asked.periods)?;
+    let odd = asked.periods % 2 == 1;
+    if asked.symmetric == Some(true) && !(family.mirrors && odd) {
+        let rule = if odd {
+            "the mirror image of a motion is one only with like walls in the middle and a level line of motion"
+        } else {
+            "an orbit of an even number of periods is never its own mirror image half a cycle later"
+        };
+        return Err(Invalid::new("symmetric", "True", rule));
+    }
+    let found = with_member!(&family.member, |it| found(&family, it, asked, cancel));
+    match found {
+        Err(Missed::Invalid(invalid)) => Err(invalid),
+        other => Ok(other),
+    }
+}
+
+/// The orbit near a trajectory, with all that is told of it.
+fn found<S: Coordinates + Iterated + Clone>(
+    family: &Family,
+    trajectory: &Trajectory<S>,
+    asked: Asked,
+    cancel: &AtomicBool,
+) -> Result<Found, Missed> {
+    let cancel = Some(cancel);
+    let trajectory = settled(trajectory, family.period, asked.settle, cancel)?;
+    let odd = asked.periods % 2 == 1;
+    let orbit = match asked.symmetric {
+        Some(true) => find(&trajectory, true, cancel)?,
+        _ if !(family.mirrors && odd) => find(&trajectory, false, cancel)?,
+        Some(false) => find_any(&trajectory, cancel)?,
+        None => find_either(&trajectory, cancel)?,
+    };
+    let description = describe(&orbit, cancel)?;
+    let spectrum = spectrum(&orbit, &description, cancel)?;
+    let Cycle { begin, length } = trajectory.cycle;
+    let shift = 0.5 * if odd { length } else { family.period };
+    let states = sampled(&orbit.trajectory, &[begin + length, begin + length + shift], cancel)?;
+    let [at, later] = states[..] else { return Err(Missed::Cycle(Outcome::NotFinite)) };
+    let course = |state: State, description: Description| {
+        let description = description.seen_from(begin, length);
+        family.course(&State { time: begin, ..state }, &description, length)
+    };
+    let scale = &family.scale;
+    Ok(Found {
+        course: course(at, description.clone()),
+        mirrored: family
+            .mirrors
+            .then(|| course(mirrored(&later), description.clone().mirrored(shift))),
+        length: scale.time(length),
+        walls_of_start: walls(&trajectory, cancel)?,
+        least_periods: least_periods(&orbit, asked.periods, cancel)?,
+        symmetric: orbit.symmetric,
+        spectrum,
+        stable: orbit.is_stable(),
+        residual: orbit.residual,
+        amplitude: description.amplitude,
+        grazing_margin: description.grazing_margin,
+        approach_speeds: description
+            .approach_speeds
+            .map(|it| it.map(|speed| scale.velocity(speed))),
+    })
+}
+
+/// The trajectory after some periods of the drive.
+fn settled<S: Coordinates + Iterated + Clone>(
+    trajectory: &Trajectory<S>,
+    period: f64,
+    settle: u64,
+    cancel: Option<&AtomicBool>,
+) -> Result<Trajectory<S>, Missed> {
+    if settle == 0 {
+        return Ok(trajectory.clone());
+    }
+    let cycle = Cycle { length: period, ..trajectory.cycle };
+    let single = [Trajectory { cycle, ..trajectory.clone() }];
+    let (mut count, mut last, mut outcome) = (0, trajectory.state, Outcome::Cancelled);
+    iterate(&single, Request { tangents: false, cancel }, &mut |_, image| {
+        (count, last, outcome) = (count + 1, image.state, image.outcome);
+        if count < settle { Continue(()) } else { Break(()) }
+    })?;
+    match outcome {
+        Outcome::Finished if count == settle => Ok(trajectory.from(&last)),
+        Outcome::Finished => Err(Missed::Cycle(Outcome::Cancelled)),
+        outcome => Err(Missed::Cycle(outcome)),
+    }
+}
+
+/// Shows the run of a trajectory up to an instant to an observer.
+fn shown<S: Coordinates>(
+    trajectory: &Trajectory<S>,
+    instant: f64,
+    cancel: Option<&AtomicBool>,
+    observer: &mut impl Observer<S>,
+) -> Result<(), Missed> {
+    let Trajectory { system, state, cycle, .. } = trajectory;
+    let from = Instant { time: Clock::new(cycle.begin), state: *state };
+    let limits = Limits::new(instant, system.clearance());
+    match resume(system, &from, &limits, cancel, observer)?.outcome {
+        Outcome::Finished => Ok(()),
+        outcome => Err(Missed::Cycle(outcome)),
+    }
+}
+
+/// The states of a trajectory at increasing instants.
+fn sampled<S: Coordinates>(
+    trajectory: &Trajectory<S>,
+    instants: &[f64],
+    cancel: Option<&AtomicBool>,
+) -> Result<Vec<State>, Missed> {
+    let mut sampler = Sampler::at(instants.to_vec());
+    let last = instants.last().copied().unwrap_or(trajectory.cycle.begin);
+    shown(trajectory, last, cancel, &mut sampler)?;
+    Ok(sampler.states)
+}
+
+/// The walls that a run over one cycle meets.
+fn walls<S: Coordinates>(
+    trajectory: &Trajectory<S>,
+    cancel: Option<&AtomicBool>,
+) -> Result<String, Missed> {
+    let Cycle { begin, length } = trajectory.cycle;
+    let mut events = Events::default();
+    shown(trajectory, begin + length, cancel, &mut events)?;
+    let Events { impacts, episodes } = events;
+    let description = Description { impacts, episodes, ..Description::default() };
+    Ok(description.walls(length))
+}
+
+/// By how much a state may differ from an equal one, over its size.
+const SAME: f64 = 1e-8;
+
+/// The least number of periods after which an orbit of so many periods repeats.
+fn least_periods<S: Coordinates>(
+    orbit: &Orbit<S>,
+    periods: u32,
+    cancel: Option<&AtomicBool>,
+) -> Result<u32, Missed> {
+    let Trajectory { system, state, cycle: Cycle { begin, length }, .. } = &orbit.trajectory;
+    let at = system.coordinates(state);
+    for divisor in (1..periods).filter(|divisor| periods.is_multiple_of(*divisor)) {
+        let share = f64::from(divisor) / f64::from(periods);
+        let later = Limits::new(begin + length * share, system.clearance());
+        let from = Instant { time: Clock::new(*begin), state: *state };
+        let end = resume(system, &from, &later, cancel, &mut ())?.state;
+        if (system.coordinates(&end) - at).amax() <= SAME * at.amax().max(system.clearance()) {
+            return Ok(divisor);
+        }
+    }
+    Ok(periods)
+}

@@ -1,0 +1,91 @@
+//! One cycle of an orbit, in the user's units.
+
+use iva_core::absorber::Angle;
+use iva_core::impact::Impact;
+use iva_core::observe::StickEpisode;
+use iva_core::orbit::description::Description;
+use iva_core::sample::State;
+
+use super::family::Family;
+use crate::units::Scale;
+
+/// One cycle of an orbit from the phase of the drive at the start on, in the user's units.
+#[derive(Debug, Clone)]
+pub struct Course {
+    /// The state at that phase.
+    pub state: State,
+    /// The impacts.
+    pub impacts: Vec<Impact>,
+    /// The stick episodes.
+    pub episodes: Vec<StickEpisode>,
+    /// The walls in order of time, see [`Description::walls`].
+    pub walls: String,
+}
+
+impl Family {
+    /// A cycle in the user's units.
+    pub(super) fn course(&self, state: &State, cycle: &Description, length: f64) -> Course {
+        Course {
+            state: given(&self.scale, self.has_angle, state),
+            impacts: cycle.impacts.iter().map(|it| impact(&self.scale, it)).collect(),
+            episodes: cycle.episodes.iter().map(|it| episode(&self.scale, it)).collect(),
+            walls: cycle.walls(length),
+        }
+    }
+}
+
+/// The mirror image of a state.
+pub(super) fn mirrored(state: &State) -> State {
+    State {
+        displacement: -state.displacement,
+        velocity: -state.velocity,
+        gap_displacement: -state.gap_displacement,
+        gap_velocity: -state.gap_velocity,
+        wall: -state.wall,
+        acceleration: -state.acceleration,
+        absorber_acceleration: -state.absorber_acceleration,
+        angle: state.angle.map(|it| Angle { value: -it.value, rate: -it.rate }),
+        ..*state
+    }
+}
+
+/// A state in the user's units.
+fn given(scale: &Scale, has_angle: bool, state: &State) -> State {
+    let angle = state.angle.filter(|_| has_angle).map(|mut angle| {
+        angle.rate = scale.angular_velocity(angle.rate);
+        angle
+    });
+    State {
+        time: scale.time(state.time),
+        velocity: scale.velocity(state.velocity),
+        gap_velocity: scale.velocity(state.gap_velocity),
+        acceleration: scale.acceleration(state.acceleration),
+        absorber_acceleration: scale.acceleration(state.absorber_acceleration),
+        angle,
+        ..*state
+    }
+}
+
+/// An impact in the user's units.
+fn impact(scale: &Scale, impact: &Impact) -> Impact {
+    Impact {
+        time: scale.time(impact.time),
+        velocity_before: scale.velocity(impact.velocity_before),
+        velocity_after: scale.velocity(impact.velocity_after),
+        gap_velocity_before: scale.velocity(impact.gap_velocity_before),
+        gap_velocity_after: scale.velocity(impact.gap_velocity_after),
+        energy_loss: scale.energy(impact.energy_loss),
+        ..*impact
+    }
+}
+
+/// A stick episode in the user's units.
+fn episode(scale: &Scale, episode: &StickEpisode) -> StickEpisode {
+    StickEpisode {
+        start_time: scale.time(episode.start_time),
+        stick_time: scale.time(episode.stick_time),
+        release_time: episode.release_time.map(|time| scale.time(time)),
+        energy_loss: scale.energy(episode.energy_loss),
+        ..*episode
+    }
+}

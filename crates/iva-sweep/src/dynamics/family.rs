@@ -1,0 +1,117 @@
+//! The system of a scene under one harmonic drive, at any value of any of its fields.
+
+use std::f64::consts::TAU;
+
+use iva_core::error::Invalid;
+use iva_core::force::Force;
+use iva_core::host::DrivenHost;
+use iva_core::orbit::{Cycle, Trajectory};
+use iva_core::piva::Piva;
+use iva_core::siva::Siva;
+
+use crate::choices::Kind;
+use crate::design::{Design, Spec};
+use crate::fields::FieldId;
+use crate::forces::Nature;
+use crate::scene::{Mounted, Scene};
+use crate::slot::Slot;
+use crate::units::{Scale, UnitSystem};
+
+/// A system under one harmonic drive, with its start, in natural units.
+#[derive(Debug, Clone)]
+pub struct Family {
+    /// The system, and the trajectory from the start on: its cycle begins at the instant of the start.
+    pub member: Member,
+    /// The period of the drive.
+    pub period: f64,
+    /// True if the mirror image of a motion half a period later is a motion: the walls are alike, and the motion level.
+    pub mirrors: bool,
+    /// True if a pendulum has an angle to report.
+    pub has_angle: bool,
+    /// Factors from natural units to the user's.
+    pub scale: Scale,
+    /// The user's units.
+    pub units: UnitSystem,
+}
+
+/// The trajectory of one kind of absorber.
+#[derive(Debug, Clone)]
+pub enum Member {
+    /// A free mass.
+    Siva(Box<Trajectory<Siva<DrivenHost>>>),
+    /// A pendulum.
+    Piva(Box<Trajectory<Piva<DrivenHost>>>),
+}
+
+/// Code for the trajectory of a member of any kind.
+macro_rules! with_member {
+    ($member:expr, |$trajectory:ident| $body:expr) => {
+        match $member {
+            $crate::dynamics::family::Member::Siva($trajectory) => $body,
+            $crate::dynamics::family::Member::Piva($trajectory) => $body,
+        }
+    };
+}
+pub(crate) use with_member;
+
+impl Family {
+    /// The system of a spec with a cycle of so many periods of its drive; `at` is the value of a field that takes the place
+    /// of what the spec has.
+    ///
+    /// # Errors
+    /// [`Invalid`] if something is missing or out of range, the value is, or the scene is no absorber under one harmonic
+    /// force or motion of the base.
+    pub fn new(spec: &Spec, at: Option<(Slot, f64)>, periods: u32) -> Result<Self, Invalid> {
+        let mut spec = spec.clone();
+        if let Some((slot, value)) = at {
+            spec.replace(slot, value)?;
+        }
+        check_kind(&spec)?;
+        spec.replace(FieldId::Cycles, f64::from(periods))?;
+        let Design { scene, begin, scale, units, .. } = spec.design()?;
+        let harmonic = scene.force().filter(|it| it.is_single()).and_then(harmonic_frequency);
+        let frequency = harmonic.ok_or_else(|| not_periodic(&spec))?;
+        let period = TAU / frequency;
+        let cycle = Cycle { begin, length: f64::from(periods) * period };
+        let like = scene.absorber().is_some_and(|it| it.restitution == it.restitution_minus);
+        let level = scene.gravity_along().is_none_or(|along| along == 0.0);
+        let mirrors = like && level && scene.gap_offset() == 0.0;
+        let has_angle = scene.has_angle();
+        let member = match scene {
+            Scene::DrivenSiva(Mounted { system, start, .. }) => {
+                Member::Siva(Box::new(Trajectory::new(system, &start, cycle)?))
+            }
+            Scene::DrivenPiva(mounted) => {
+                let Mounted { system, start, .. } = *mounted;
+                Member::Piva(Box::new(Trajectory::new(system, &start, cycle)?))
+            }
+            _ => return Err(not_periodic(&spec)),
+        };
+        Ok(Self { member, period, mirrors, has_angle, scale, units })
+    }
+}
+
+fn harmonic_frequency(force: &Force) -> Option<f64> {
+    force.harmonics().first().map(|harmonic| harmonic.frequency)
+}
+
+/// Checks that there is an absorber, and one harmonic drive.
+fn check_kind(spec: &Spec) -> Result<(), Invalid> {
+    if spec.choices().kind == Kind::None {
+        let rule = "an orbit is one of an absorber; give a free mass or a pendulum";
+        return Err(Invalid::new("absorber.kind", Kind::None.name(), rule));
+    }
+    match spec.forces() {
+        [force] if force.record.is_none() && force.nature() == Nature::Harmonic => Ok(()),
+        _ => Err(not_periodic(spec)),
+    }
+}
+
+fn not_periodic(spec: &Spec) -> Invalid {
+    let rule = "an orbit is one under a single harmonic force or motion of the base";
+    match spec.forces().len() {
+        0 => Invalid::missing("force", rule),
+        1 => Invalid::new("force", "one that is not harmonic", rule),
+        count => Invalid::new("force", format!("a list of {count}"), rule),
+    }
+}
