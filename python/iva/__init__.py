@@ -23,9 +23,9 @@ Examples
 # What type checkers call typing.TYPE_CHECKING: typing itself takes 2 ms to import.
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from iva import dynamics, sampling, theory
     from iva import paper as paper
     from iva import plots as plots
-    from iva import sampling, theory
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
     from iva.choosing import best, pareto, robust
     from iva.forces import Harmonic, Impulse, Recorded
@@ -59,6 +59,7 @@ __all__ = [
     "Verification",
     "__version__",
     "best",
+    "dynamics",
     "pareto",
     "read",
     "robust",
@@ -91,6 +92,7 @@ _HOMES = {
     "Verification": "run_tables",
     "__version__": "_iva",
     "best": "choosing",
+    "dynamics": "dynamics",
     "paper": "paper",
     "pareto": "choosing",
     "plots": "plots",

@@ -1,0 +1,210 @@
+"""The search for a periodic orbit: from a start, a state, a run or a theory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from iva import _iva, theory
+from iva.dynamics.orbits import Course, Episode, Impact, Missed, Orbit
+from iva.forces import Harmonic, listed
+from iva.millimetres import warn_of_metres
+from iva.parameters import Piva, Primary, Siva, Start, numbers, shown
+from iva.scenes import scene
+from iva.simulation import Run, state_of
+from iva.spelling import spell_checked
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Any
+
+#: Most periods of the force in a cycle of an orbit.
+MOST_PERIODS = 1000
+#: Most periods that are run before the search.
+MOST_SETTLING = 10**9
+NAMES = ("displacement", "velocity", "gap_displacement", "gap_velocity")
+
+
+@spell_checked
+def orbit(
+    absorber: Siva | Piva,
+    primary: Primary,
+    *,
+    force: Harmonic | Sequence[Harmonic],
+    start: Start | Run | theory.Orbit | Orbit | Iterable[float],
+    periods: int = 1,
+    symmetric: bool | None = None,
+    settle: int = 0,
+) -> Orbit | Missed:
+    """Find the periodic orbit near a start, by Newton's method; stable or not.
+
+    Parameters
+    ----------
+    absorber : Siva or Piva
+        A free mass, or a pendulum.
+    primary : Primary
+        The primary system; what it is given decides the units.
+    force : Harmonic
+        One harmonic force, or motion of the base.
+    start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,)
+        Where the search begins: a start, the last state of a run, the start of an orbit, or
+        displacement and velocity of the primary system, gap displacement and gap velocity at time
+        zero. The instant of the start sets the phase of the force at which `state` and `start` of
+        the result are given.
+    periods : int, default 1
+        Number n of periods of the force after which the orbit repeats, up to 1000.
+    symmetric : bool, optional
+        True: an orbit that is its own mirror image half a cycle later, by the map over half a
+        cycle, which stays regular at a pitchfork; then n is odd, the walls are alike, and the
+        motion is level. False: any orbit, by the map over the whole cycle. By default the half map
+        is solved first where the start is no more than four times as far from its mirror image
+        half a cycle later as from itself a cycle later, otherwise the map over the whole; and then
+        the other, if no orbit is found. The result says whether the orbit is symmetric.
+    settle : int, default 0
+        Number of periods of the force to run before the search.
+
+    Returns
+    -------
+    Orbit or Missed
+        The orbit, or why none was found: an orbit is true, a `Missed` is false.
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If a value is missing or out of range, the start lies outside the gap, or the force is not
+        one harmonic force.
+    KeyboardInterrupt
+        On Ctrl-C, within about a second.
+
+    Notes
+    -----
+    The search moves the section of the map to the middle of the longest flight between two impacts.
+    Without impacts there is no isolated orbit, for the absorber may stand anywhere in its gap; a
+    free mass has none with impacts on one wall only.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> found = orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=200)
+    >>> found.walls, found.symmetric, found.stable
+    ('+-', True, True)
+    >>> round(abs(found.multipliers[0]), 6)
+    0.722149
+    """
+    begin = start_of(start)
+    forces = listed(force)
+    made = scene(absorber, primary, begin, forces, {})
+    warn_of_metres(made)
+    asked = (
+        whole("periods", periods, 1, MOST_PERIODS),
+        either("symmetric", symmetric),
+        whole("settle", settle, 0, MOST_SETTLING),
+    )
+    found = _iva.orbit(made, *asked)
+    if "reason" in found:
+        return Missed(**found)
+    # Only a scene under one harmonic force has come so far.
+    [single] = (one for one in forces if isinstance(one, Harmonic))
+    reference = begin if given_relative(absorber) else None
+    here = course(found.pop("course"), reference)
+    image = found.pop("mirrored")
+    for name in ("multipliers", "half_multipliers"):
+        parts = found[name]
+        found[name] = None if parts is None else tuple(complex(*pair) for pair in parts)
+    for name in ("multiplier_errors", "half_multiplier_errors"):
+        found[name] = None if found[name] is None else tuple(found[name])
+    return Orbit(
+        absorber=absorber,
+        primary=primary,
+        force=single,
+        periods=asked[0],
+        state=here.state,
+        start=here.start,
+        impacts=here.impacts,
+        episodes=here.episodes,
+        walls=here.walls,
+        image=None if image is None else course(image, reference),
+        **found,
+    )
+
+
+def course(made: dict[str, Any], reference: Start | None) -> Course:
+    """Return a cycle that the compiled part describes; `reference` is of a relative clearance."""
+    row = made["state"]
+    start = state_of(row, Start() if reference is None else reference)
+    if reference is None:
+        kept = {name: getattr(start, name) for name in Start.__slots__ if name != "reference"}
+        start = Start(**kept)
+    return Course(
+        state=tuple(row[name] for name in NAMES),
+        start=start,
+        impacts=tuple(Impact(**fields) for fields in made["impacts"]),
+        episodes=tuple(Episode(**fields) for fields in made["episodes"]),
+        walls=made["walls"],
+    )
+
+
+def given_relative(absorber: Siva | Piva) -> bool:
+    """Return whether the clearance is a multiple of a displacement."""
+    return absorber.relative_clearance is not None
+
+
+def start_of(start: object) -> Start:
+    """Return the start that a search begins with.
+
+    Raises
+    ------
+    TypeError
+        If it is nothing that has a start.
+    ValueError
+        If it is a sequence of another length than 4.
+    """
+    if isinstance(start, Start):
+        return start
+    if isinstance(start, (theory.Orbit, Orbit)):
+        return start.start
+    if isinstance(start, Run):
+        return state_of(start.trajectory(1).row(-1, named=True), start.start)
+    if isinstance(start, Iterable) and not isinstance(start, str):
+        values = numbers("start", start)
+        if len(values) != len(NAMES):
+            rule = f"give {', '.join(NAMES)}"
+            raise ValueError(f"start has {len(values)} numbers: {rule}")
+        return Start(**dict(zip(NAMES, values, strict=True)))
+    rule = "give an iva.Start, four numbers, a run or an orbit"
+    raise TypeError(f"start = {shown(start)}: {rule}")
+
+
+def whole(field: str, value: object, least: int, most: int) -> int:
+    """Return a whole number within a range.
+
+    Raises
+    ------
+    TypeError
+        If it is not a whole number.
+    ValueError
+        If it is out of range.
+    """
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise TypeError(f"{field} = {shown(value)}: give a whole number")
+    count: int = value.__index__()
+    if not least <= count <= most:
+        raise ValueError(f"{field} = {shown(count)}: give a whole number from {least} to {most}")
+    return count
+
+
+def either(field: str, value: object) -> bool | None:
+    """Return a truth value or ``None``.
+
+    Raises
+    ------
+    TypeError
+        If it is neither.
+    """
+    if value is not None and not isinstance(value, bool):
+        raise TypeError(f"{field} = {shown(value)}: give True, False or None")
+    return value
