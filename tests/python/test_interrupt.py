@@ -42,3 +42,35 @@ def test_a_signal_ends_a_sweep_within_about_a_second() -> None:
     # A second is the aim; a busy machine may need more.
     assert float(said[1]) - sent < 3.0
     assert job.returncode == 130
+
+
+SETTLING = """
+import sys, time
+import iva
+print("ready", flush=True)
+try:
+    iva.dynamics.orbit(
+        iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5), iva.Primary(damping_ratio=0.05),
+        force=iva.Harmonic(amplitude=1.0, frequency=1.0), start=(0, 0, 0, 0.1), settle=10**9)
+except KeyboardInterrupt:
+    print("interrupted", time.time(), flush=True)
+    sys.exit(130)
+print("finished", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal to one process")
+def test_a_signal_ends_the_search_for_an_orbit() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", SETTLING], stdout=subprocess.PIPE, text=True
+    ) as job:
+        assert job.stdout is not None
+        assert job.stdout.readline() == "ready\n"
+        time.sleep(0.5)
+        sent = time.time()
+        os.kill(job.pid, signal.SIGINT)
+        said = job.stdout.readline().split()
+        job.wait(timeout=30)
+    assert said[0] == "interrupted"
+    assert float(said[1]) - sent < 3.0
+    assert job.returncode == 130
