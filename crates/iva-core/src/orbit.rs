@@ -13,6 +13,8 @@
 //! [`symmetry`] chooses between the map and the half map.
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
 //! of pendulums side by side in lanes ([`crate::run::side_by_side`]), with the bits of [`map`] in the exact tier.
+//!
+//! [`lyapunov`] has the exponents along trajectories.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -24,7 +26,7 @@ use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
 use crate::absorber::siva::Siva;
 use crate::absorber::{Absorber, Clock, OnStructure};
-use crate::engine::simulate::{Instant, Limits, Outcome, Run};
+use crate::engine::simulate::{Instant, Limits, Outcome, Run, Tally};
 use crate::error::{Invalid, number};
 use crate::force::Force;
 use crate::host::{DrivenHost, Excitation, Host, UndrivenHost};
@@ -43,6 +45,7 @@ mod family;
 pub mod description;
 mod in_lanes;
 mod margins;
+pub mod lyapunov;
 pub mod multipliers;
 pub mod periodic;
 pub mod sequence;
@@ -69,10 +72,14 @@ pub struct Image<State> {
     pub state: State,
     /// Number of impacts in the cycle that are listed ([`Limits::chatter_floor`]).
     pub impacts: u64,
+    /// Number of rides in it: stick episodes, with that which it begins in.
+    pub rides: u64,
     /// How the cycle has ended; unless it is [`Outcome::Finished`], the state is that where it ended.
     pub outcome: Outcome,
     /// Derivative of (x, ẋ, y, ẏ) at the end with respect to that at the begin, if it was asked for.
     pub tangent: Option<Matrix4<f64>>,
+    /// Its determinant, of the same sign and more exact than that computed from it; 0 with a ride.
+    pub volume: Option<f64>,
 }
 
 /// A trajectory: the state that it begins with, and the cycle that is repeated.
@@ -143,12 +150,18 @@ fn begun<'a, S: Differentiable>(
     run
 }
 
+/// The derivative at the end of a cycle, and its determinant, if they are computed.
+fn derivative<S: Absorber>(run: &Turn<'_, S>) -> (Option<Matrix4<f64>>, Option<f64>) {
+    run.observer.as_ref().map(|tangent| (*tangent.derivative(), tangent.volume())).unzip()
+}
+
 /// The image at the end of a cycle, with the drive of a state at its begin.
 fn image<S: Differentiable>(run: &mut Turn<'_, S>, begin: &S::State) -> Image<S::State> {
     let tally = run.finish();
     let state = run.system.with_drive_of(&tally.state, begin);
-    let tangent = run.observer.as_ref().map(|tangent| *tangent.derivative());
-    Image { state, impacts: tally.impacts, outcome: tally.outcome, tangent }
+    let (tangent, volume) = derivative(run);
+    let Tally { impacts, episodes: rides, outcome, .. } = tally;
+    Image { state, impacts, rides, outcome, tangent, volume }
 }
 
 /// The image of the first state of a trajectory, with the derivative of the map or without.

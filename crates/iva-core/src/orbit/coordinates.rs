@@ -4,7 +4,7 @@ use nalgebra::Vector4;
 
 use crate::absorber::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use crate::absorber::siva::Siva;
-use crate::absorber::{Absorber, OnStructure, Start};
+use crate::absorber::{Absorber, ImpactLaw, OnStructure, Start, Wall};
 use crate::host::Host;
 use crate::measures::propagation::Differentiable;
 
@@ -18,6 +18,11 @@ pub trait Coordinates: Differentiable {
     /// The rate at which a small volume of states shrinks in flight at a gap displacement, in ωn: −div ż, in the coordinates
     /// that momenta and places make. `None` if an impact does not shrink it by e².
     fn contraction(&self, gap_displacement: f64) -> Option<f64>;
+    /// ln |det| of the derivative of the motion over a time with this number of impacts and no ride, where it depends on
+    /// nothing else.
+    fn known_log_volume(&self, _time: f64, _impacts: u64) -> Option<f64> {
+        None
+    }
 }
 
 /// y from the distance to a wall.
@@ -45,6 +50,13 @@ where
     /// 2ζ.
     fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
         Some(2.0 * self.damping_ratio())
+    /// Of equal walls: 2 N ln e − 2 ζ τ. The damper takes ẋ, an impact turns two velocities by −e: w⁺ = −e w⁻ and the instant of
+    /// the impact, which moves by δy/w.
+    fn known_log_volume(&self, time: f64, impacts: u64) -> Option<f64> {
+        let [plus, minus] =
+            [Wall::Plus, Wall::Minus].map(|wall| self.law_at(wall, 1.0).restitution);
+        let damped = 2.0 * self.host.damping_ratio() * time;
+        (plus == minus).then(|| 2.0 * impacts as f64 * plus.ln() - damped)
     }
 }
 

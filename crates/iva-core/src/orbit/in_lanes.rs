@@ -3,7 +3,7 @@
 //! A lane flies through one cycle; at its end it begins the next one by itself, from the image. What is not simple is
 //! left to the event loop, in the run of that cycle, until the lane can take over again.
 
-use super::{Image, Iterated, Request, See, Trajectory, Turn, begun, image};
+use super::{Image, Iterated, Request, See, Trajectory, Turn, begun, derivative, image};
 use crate::absorber::Clock;
 use crate::engine::simulate::{Limits, Outcome};
 use crate::measures::Wanted;
@@ -133,12 +133,14 @@ impl<S: Iterated> Turns<'_, '_, S> {
         let (system, position) = (turn.system, *position);
         let Trajectory { state, cycle, .. } = self.given.trajectory(position);
         let state = system.with_drive_of(&lanes.shown(i, system), state);
-        let tangent = turn.observer.as_mut().map(|tangent| {
+        if let Some(tangent) = &mut turn.observer {
             tangent.turn(system, &state, Clock::new(turn.limits.duration), false);
-            *tangent.derivative()
-        });
+        }
+        let (tangent, volume) = derivative(turn);
         let (impacts, outcome) = (lanes.impacts(i), Outcome::Finished);
-        let image = Image { state, impacts, outcome, tangent };
+        // The rides of this cycle; the run goes on with the next.
+        let rides = std::mem::take(&mut turn.tally.episodes);
+        let image = Image { state, impacts, rides, outcome, tangent, volume };
         let clock = Clock::new(cycle.begin);
         let from = Loaded { system, clock, state, forced: forced.as_deref() };
         if (self.see)(self.given.group[position], &image).is_break() {

@@ -114,7 +114,7 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
     /// Tries a point; `None` if it is out of the gap.
     fn tried(&self, at: Vector4<f64>) -> Result<Option<Tried>, Missed> {
         let Some(image) = self.image(&at)? else { return Ok(None) };
-        let Image { state, impacts, outcome, tangent } = image;
+        let Image { state, impacts, outcome, tangent, .. } = image;
         let (Outcome::Finished, Some(tangent)) = (outcome, tangent) else {
             return Err(Missed::Cycle(outcome));
         };

@@ -27,6 +27,7 @@ mod inclined_lanes;
 mod invariants;
 mod lanes;
 mod limits;
+mod lyapunov;
 mod measures;
 mod near_wall;
 mod neighbours;

@@ -33,6 +33,8 @@ pub(super) fn released() -> Matrix4<f64> {
 #[derive(Debug, Clone)]
 pub struct Tangent {
     derivative: Matrix4<f64>,
+    /// The product of the determinants of its factors.
+    volume: f64,
     /// The instant at which the current motion of a linear system has begun, and whether the absorber is stuck.
     begun: (Clock, bool),
     wall: Wall,
@@ -41,7 +43,7 @@ pub struct Tangent {
 impl Default for Tangent {
     fn default() -> Self {
         let (begun, wall) = ((Clock::ZERO, false), Wall::Plus);
-        Self { derivative: Matrix4::identity(), begun, wall }
+        Self { derivative: Matrix4::identity(), volume: 1.0, begun, wall }
     }
 }
 
@@ -54,6 +56,10 @@ impl Tangent {
     /// The derivative since this was last called, or since the begin of the run; from here on it is that of what follows.
     pub(crate) fn take(&mut self) -> Matrix4<f64> {
         std::mem::replace(&mut self.derivative, Matrix4::identity())
+    /// Its determinant, as the product of those of its factors: next to a grazing the determinant of the derivative itself
+    /// is lost in rounding. 0 after a stick.
+    pub fn volume(&self) -> f64 {
+        self.volume
     }
 
     /// At the begin of a run from a state at an instant.
@@ -64,6 +70,13 @@ impl Tangent {
     #[inline(always)]
     fn carry(&mut self, map: &Matrix4<f64>) {
         self.derivative = map * self.derivative;
+    }
+
+    /// As [`Tangent::carry`], by a smooth motion.
+    #[inline(always)]
+    fn move_on(&mut self, map: &Matrix4<f64>) {
+        self.carry(map);
+        self.volume *= map.determinant();
     }
 
     /// The motion of a linear system ends at an instant, and another one begins.
@@ -78,7 +91,7 @@ impl Tangent {
         let (begin, was_riding) = self.begun;
         let h = (time - begin).value;
         if S::LINEAR && h > 0.0 {
-            self.carry(&match was_riding {
+            self.move_on(&match was_riding {
                 true => system.ride_tangent(state, h),
                 false => system.flight_tangent(state, h),
             });
@@ -98,6 +111,9 @@ impl Tangent {
         self.wall = system.wall(before);
         let rates = [&system.rates(before), &system.rates(after)];
         self.carry(&saltation(system, self.wall, rates));
+        // det S = det J nᵀJ⁻¹f⁺/(nᵀf⁻), and an impact does not move the absorber.
+        let jump = system.impact_matrix(self.wall, rates[0][2].abs());
+        self.volume *= jump.determinant() * (rates[1][2] / rates[0][2]);
     }
 }
 
@@ -113,7 +129,7 @@ impl<S: Differentiable> Observer<S> for Tangent {
     fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         let from = span.motion.origin();
         if !S::LINEAR {
-            self.carry(&match M::RIDING {
+            self.move_on(&match M::RIDING {
                 true => system.ride_tangent(from, span.length),
                 false => system.flight_tangent(from, span.length),
             });
@@ -129,6 +145,7 @@ impl<S: Differentiable> Observer<S> for Tangent {
 
     fn stick(&mut self, system: &S, _from: &Instant<S::State>) {
         self.carry(&system.stick_matrix(self.wall));
+        self.volume = 0.0;
         self.begun.1 = true;
     }
 

@@ -1,0 +1,258 @@
+//! Lyapunov exponents: the mean rates at which neighbouring motions separate, from the exact derivatives of cycle after cycle.
+//!
+//! Four small differences are carried along a trajectory and made orthogonal after each cycle (QR), as G. Benettin et al.
+//! (Meccanica 15 (1980) 9–30) do for smooth systems; impacts are in the derivatives. The last difference has what the other three
+//! leave of the determinant of the derivative, which is known more exactly than the difference itself where an impact is next to
+//! grazing. Without rides the sum of the exponents of a free mass is
+//! 2 ln e times the number of impacts per time, less 2 ζ, in every run however short: how far the sum found is from that is part
+//! of the result.
+//!
+//! A ride takes two dimensions out of four: the absorber leaves its wall at rest, wherever it has come from. With a ride in the
+//! cycles that count two exponents are −∞.
+
+use std::ops::ControlFlow::{self, Break, Continue};
+use std::sync::atomic::AtomicBool;
+
+use nalgebra::{Matrix4, Vector4};
+
+use super::coordinates::Coordinates;
+use super::{Image, Iterated, Request, Trajectory, iterate};
+use crate::engine::simulate::Outcome;
+use crate::error::Invalid;
+
+/// Number of blocks that each trajectory is divided into, for standard errors.
+const BLOCKS: u64 = 16;
+/// Most cycles of a trajectory.
+const MOST_CYCLES: u64 = 1 << 40;
+
+/// Which cycles of a trajectory are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Window {
+    /// Number of cycles that are left out first.
+    pub discard: u64,
+    /// Number of cycles that follow.
+    pub keep: u64,
+}
+
+/// The Lyapunov exponents of an attractor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    /// The exponents, in ωn, largest first; −∞ for what a ride takes away. NaN if no cycle was completed.
+    pub exponents: [f64; 4],
+    /// Their standard errors: from the means of blocks of cycles or, if that is larger, from those of whole trajectories. NaN from less
+    /// than two blocks, 0 where the exponent is −∞.
+    pub standard_errors: [f64; 4],
+    /// The sum of the exponents less 2 ln e times the number of impacts per time, plus 2 ζ: rounding. Of the trajectory
+    /// where it is largest; `None` if there are rides, or the walls are unlike, or for a pendulum.
+    pub sum_error: Option<f64>,
+    /// Mean number of listed impacts in a cycle. Without rides all impacts are listed; with rides their number depends on
+    /// the floor, [`Limits::chatter_floor`](crate::engine::simulate::Limits::chatter_floor).
+    pub impacts: f64,
+    /// Its standard error.
+    pub impacts_error: f64,
+    /// Number of rides in the cycles that count.
+    pub rides: u64,
+    /// Number of cycles that count, of all trajectories together.
+    pub cycles: u64,
+    /// How the first trajectory ended that did not come to the end of its window; else [`Outcome::Finished`].
+    pub outcome: Outcome,
+}
+
+impl Spectrum {
+    /// The dimension of the attractor in the section of the strobe after J. L. Kaplan and J. A. Yorke (1979): the number of exponents, largest
+    /// first, whose sum is not yet negative, and the share of the next one that makes it zero.
+    pub fn dimension(&self) -> f64 {
+        let mut sum = 0.0;
+        for (count, exponent) in self.exponents.iter().enumerate() {
+            if sum + exponent < 0.0 {
+                return count as f64 + sum / exponent.abs();
+            }
+            sum += exponent;
+        }
+        4.0
+    }
+}
+
+/// Makes the columns of a matrix orthonormal, one after the other (E. Schmidt, modified); the logarithms of their lengths before.
+fn orthonormal(matrix: &mut Matrix4<f64>) -> [f64; 4] {
+    let mut logs = [f64::NEG_INFINITY; 4];
+    for (j, log) in logs.iter_mut().enumerate() {
+        let mut column: Vector4<f64> = matrix.column(j).into();
+        for i in 0..j {
+            let other = matrix.column(i);
+            column -= other * other.dot(&column);
+        }
+        let length = column.norm();
+        if length > 0.0 {
+            *log = length.ln();
+            column /= length;
+        }
+        matrix.set_column(j, &column);
+    }
+    logs
+}
+
+/// Replaces the last two columns of a matrix, so that all are orthonormal.
+fn complete(matrix: &mut Matrix4<f64>) {
+    matrix.fixed_columns_mut::<2>(2).fill(0.0);
+    for j in 2..4 {
+        let left = Matrix4::identity() - *matrix * matrix.transpose();
+        // Of the unit vectors that with the longest part across the columns before: it is at least ½ long.
+        let lengths: Vector4<f64> = left.diagonal();
+        let column = left.column(lengths.imax()).normalize();
+        matrix.set_column(j, &column);
+    }
+}
+
+/// Sums over cycles.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    logs: [f64; 4],
+    impacts: u64,
+    rides: u64,
+    cycles: u64,
+}
+
+impl Sums {
+    fn plus(mut self, other: &Self) -> Self {
+        self.logs = [0, 1, 2, 3].map(|k| self.logs[k] + other.logs[k]);
+        self.impacts += other.impacts;
+        self.rides += other.rides;
+        self.cycles += other.cycles;
+        self
+    }
+
+    /// The means per time of the logarithms, and per cycle of the impacts.
+    fn means(&self, length: f64) -> [f64; 5] {
+        let cycles = self.cycles as f64;
+        let [a, b, c, d] = self.logs.map(|log| log / (cycles * length));
+        [a, b, c, d, self.impacts as f64 / cycles]
+    }
+}
+
+/// A trajectory with its four differences.
+struct Carried {
+    differences: Matrix4<f64>,
+    seen: u64,
+    blocks: Vec<Sums>,
+    /// True once a ride in a cycle that counts has taken two dimensions.
+    flat: bool,
+    outcome: Outcome,
+}
+
+impl Carried {
+    fn new() -> Self {
+        let outcome = Outcome::Cancelled;
+        let differences = Matrix4::identity();
+        Self { differences, seen: 0, blocks: vec![], flat: false, outcome }
+    }
+
+    /// Carries the differences through one more cycle.
+    fn take<State>(&mut self, image: &Image<State>, window: Window) -> ControlFlow<()> {
+        self.outcome = image.outcome;
+        let Image {
+            tangent: Some(tangent), volume: Some(volume), outcome: Outcome::Finished, ..
+        } = image
+        else {
+            return Break(());
+        };
+        self.differences = tangent * self.differences;
+        let mut logs = orthonormal(&mut self.differences);
+        if volume.abs() >= f64::MIN_POSITIVE {
+            logs[3] = volume.abs().ln() - (logs[0] + logs[1] + logs[2]);
+        }
+        let counts = self.seen >= window.discard;
+        self.flat |= counts && image.rides > 0;
+        if image.rides > 0 || self.flat {
+            // What rounding has left of the two differences that are lost.
+            (logs[2], logs[3]) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+            complete(&mut self.differences);
+        }
+        if counts {
+            let Image { impacts, rides, .. } = *image;
+            let block = (self.seen - window.discard) * BLOCKS / window.keep;
+            self.blocks.resize(block as usize + 1, Sums::default());
+            let one = Sums { logs, impacts, rides, cycles: 1 };
+            let last = &mut self.blocks[block as usize];
+            *last = last.plus(&one);
+        }
+        self.seen += 1;
+        if self.seen < window.discard + window.keep { Continue(()) } else { Break(()) }
+    }
+
+    fn total(&self) -> Sums {
+        self.blocks.iter().fold(Sums::default(), Sums::plus)
+    }
+}
+
+/// The standard error of the mean of numbers; NaN of less than two.
+fn standard_error(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = numbers.clone().count() as f64;
+    let mean = numbers.clone().sum::<f64>() / count;
+    let squares: f64 = numbers.map(|number| (number - mean).powi(2)).sum();
+    (squares / ((count - 1.0) * count)).sqrt()
+}
+
+/// The exponents along trajectories of one scene from several starts, which go side by side. Cycles that are left out turn
+/// the differences into their directions.
+///
+/// # Errors
+/// [`Invalid`] if nothing is to be kept, or a cycle has no length or begins before time zero.
+pub fn lyapunov<S: Iterated + Coordinates>(
+    trajectories: &[Trajectory<S>],
+    window: Window,
+    cancel: Option<&AtomicBool>,
+) -> Result<Spectrum, Invalid> {
+    if window.keep == 0
+        || window.discard.checked_add(window.keep).is_none_or(|all| all > MOST_CYCLES)
+    {
+        let rule = format!("keep at least 1 cycle, and run at most {MOST_CYCLES}");
+        return Err(Invalid::new("window.keep", window.keep.to_string(), rule));
+    }
+    let mut all: Vec<Carried> = trajectories.iter().map(|_| Carried::new()).collect();
+    let request = Request { tangents: true, cancel };
+    iterate(trajectories, request, &mut |index, image| all[index].take(image, window))?;
+    Ok(spectrum(trajectories, &all))
+}
+
+/// The result of trajectories that have been run.
+fn spectrum<S: Iterated + Coordinates>(
+    trajectories: &[Trajectory<S>],
+    all: &[Carried],
+) -> Spectrum {
+    let length = trajectories.first().map_or(f64::NAN, |first| first.cycle.length);
+    let total = all.iter().map(Carried::total).fold(Sums::default(), |sums, one| sums.plus(&one));
+    let means = total.means(length);
+    let blocks: Vec<_> =
+        all.iter().flat_map(|one| &one.blocks).map(|sums| sums.means(length)).collect();
+    let wholes: Vec<_> = all.iter().map(|one| one.total().means(length)).collect();
+    let errors = [0, 1, 2, 3, 4].map(|k| {
+        if means[k] == f64::NEG_INFINITY {
+            return 0.0;
+        }
+        let [within, between] =
+            [&blocks, &wholes].map(|of| standard_error(of.iter().map(|it| it[k])));
+        f64::max(within, between)
+    });
+    let sum_errors = trajectories.iter().zip(all).map(|(trajectory, one)| {
+        let Sums { logs, impacts, rides, cycles } = one.total();
+        let time = cycles as f64 * length;
+        let known = trajectory.system.known_log_volume(time, impacts).filter(|_| rides == 0)?;
+        Some((logs.iter().sum::<f64>() - known) / time)
+    });
+    let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    let sum_errors: Option<Vec<f64>> = sum_errors.collect();
+    let mut ranked: Vec<_> = (0..4).map(|k| (means[k], errors[k])).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let unfinished = all.iter().map(|one| one.outcome).find(|it| *it != Outcome::Finished);
+    Spectrum {
+        exponents: [0, 1, 2, 3].map(|k| ranked[k].0),
+        standard_errors: [0, 1, 2, 3].map(|k| ranked[k].1),
+        sum_error: sum_errors.and_then(|them| them.into_iter().reduce(larger)),
+        impacts: means[4],
+        impacts_error: errors[4],
+        rides: total.rides,
+        cycles: total.cycles,
+        outcome: unfinished.unwrap_or(Outcome::Finished),
+    }
+}
