@@ -14,7 +14,7 @@
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
 //! of pendulums side by side in lanes ([`crate::run::side_by_side`]), with the bits of [`map`] in the exact tier.
 //!
-//! [`lyapunov`] has the exponents along trajectories.
+//! [`lyapunov`] has the exponents along trajectories, [`diagram`] follows steady states from one value of a parameter to the next.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -43,6 +43,7 @@ mod coordinates;
 pub mod curve;
 mod family;
 pub mod description;
+pub mod diagram;
 mod in_lanes;
 mod margins;
 pub mod lyapunov;

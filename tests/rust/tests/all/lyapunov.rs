@@ -84,7 +84,6 @@ fn exponents_are_those_of_the_references() {
             None => drawn(&mut rng, given, 8),
         };
         let found = lyapunov(&starts, Window { discard: 300, keep: 3000 }, None).unwrap();
-        println!("{name} {found:?} {}", found.dimension());
         assert_eq!((found.outcome, found.rides, found.cycles), (Outcome::Finished, 0, 24_000));
         assert!(is_zero(found.sum_error), "{name}: {:?}", found.sum_error);
         for k in 0..4 {
@@ -121,7 +120,6 @@ fn exponents_of_an_orbit_are_those_of_its_multipliers() {
         Start { displacement: -1.1, velocity: 0.33, gap_displacement: -4.04, gap_velocity: 3.26 };
     let orbit = find(&Trajectory::new(siva, &near, cycle).unwrap(), true, None).unwrap();
     let known = multipliers(&orbit.monodromy).map(|it| it.norm().ln() / cycle.length);
-    println!("{found:?} {known:?}");
     for (found, known) in found.exponents.iter().zip(known) {
         // Of a pair the sum is found at once, each of the two to the angle between the differences over the time.
         assert!((found - known).abs() < 4.0 / (4000.0 * cycle.length), "{found} {known}");
@@ -132,13 +130,13 @@ fn exponents_of_an_orbit_are_those_of_its_multipliers() {
     assert_eq!((found.impacts, found.rides), (2.0, 0));
 }
 
-/// Of 300 scenes, with few impacts and many, wherever there is no ride. The determinant of a cycle with many impacts at a low e is of
-/// the size of its rounding errors.
+/// Of 100 scenes, with few impacts and many, wherever there is no ride. Next to a grazing, and with many impacts at a low e,
+/// the determinant of the derivative itself is lost in its rounding errors.
 #[test]
 fn the_sum_is_exact_without_rides() {
     let mut rng = Rng::new(63);
     let (mut count, mut worst, mut rides) = (0, 0.0f64, 0);
-    for _ in 0..300 {
+    for _ in 0..100 {
         let given = [
             rng.range(0.01, 0.5),
             rng.range(0.2, 0.95),
@@ -151,9 +149,6 @@ fn the_sum_is_exact_without_rides() {
         let found = lyapunov(&starts, Window { discard: 20, keep: 200 }, None).unwrap();
         match found.sum_error {
             Some(error) => {
-                if error.abs() > 1e-13 {
-                    println!("{given:?} {error:e} {} {:?}", found.impacts, found.exponents);
-                }
                 (count, worst) = (count + 1, worst.max(error.abs()));
                 assert!(found.exponents.iter().all(|it| it.is_finite()));
             }
@@ -166,7 +161,7 @@ fn the_sum_is_exact_without_rides() {
         }
     }
     println!("{count} without rides, worst {worst:e}; {rides} with");
-    assert!(count > 100 && rides > 10 && worst <= 1e-12, "{count} {rides} {worst:e}");
+    assert!(count > 50 && rides > 5 && worst <= 1e-12, "{count} {rides} {worst:e}");
 }
 
 /// Scene S1 of the references: the absorber rides on each wall in each cycle, and the multipliers that are not 0 are
@@ -176,7 +171,6 @@ fn a_ride_takes_two_exponents() {
     let given = [0.1, 0.5, 0.25, 0.02, 1.0, 0.7];
     let starts = drawn(&mut Rng::new(64), given, 1);
     let found = lyapunov(&starts, Window { discard: 200, keep: 100 }, None).unwrap();
-    println!("{found:?}");
     assert_eq!(found.exponents[2..], [f64::NEG_INFINITY; 2]);
     assert_eq!(found.standard_errors[2..], [0.0; 2]);
     assert_eq!((found.sum_error, found.rides), (None, 200));

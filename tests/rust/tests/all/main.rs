@@ -11,6 +11,7 @@ mod broken_law;
 mod closed_forms;
 mod continued;
 mod decisions;
+mod diagram;
 mod driven_lanes;
 mod driven_pendulums;
 mod errors;
