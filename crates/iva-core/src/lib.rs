@@ -35,6 +35,7 @@
 //! | [`measures`] | observers: decay and energies, peaks, [`steady`] states, [`extremes`], [`sample`]s, how errors grow in a run and its derivative ([`propagation`]); [`measures::pass`], the interface of measures that need one file only, such as [`measures::near_wall`]; [`summary`] joins them |
 //! | [`run`] | making runs: one alone with the usual observers, in one call ([`run::run`]); many side by side in the lanes of vector instructions, with the same observers ([`run::side_by_side`]) |
 //! | [`orbit`] | maps over whole cycles of a drive, one or many side by side, with derivatives ([`orbit::map`], [`orbit::iterate`]); periodic orbits ([`orbit::periodic`]) and their [`orbit::multipliers`]; how they change with a number of the scene ([`orbit::branch`], on the equations of [`orbit::chain`]), and curves of their special points over two numbers ([`orbit::curve`]) |
+//! | [`orbit`] | maps over whole cycles of a drive, one or many side by side, with derivatives ([`orbit::map`], [`orbit::iterate`]); periodic orbits ([`orbit::periodic`]) and their [`orbit::multipliers`]; Lyapunov exponents ([`orbit::lyapunov`]), bifurcation diagrams ([`orbit::diagram`]), attractors ([`orbit::attractors`]) and their [`orbit::basins`] |
 //! | [`theory`] | steady states known in closed form; no run uses it |
 //!
 //! [`range`] holds the ranges of numbers that a run accepts.
@@ -72,7 +73,7 @@
 //! The motion is computed with + − × ÷ √ and the fused multiply-add only, each rounded as IEEE 754 demands,
 //! and with the sines of the `libm` crate, built from the same operations (for the phase of a force and the
 //! angle of a start). So a run has the same bits on every machine of one architecture. Logarithms and π
-//! appear in measures and in [`theory`] only.
+//! appear in measures, in exponents and entropies of [`orbit`], and in [`theory`] only.
 //!
 //! ```
 //! use iva_core::{absorber::Start, run::run, simulate::{Limits, Outcome}, siva::Siva};

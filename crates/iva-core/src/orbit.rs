@@ -14,7 +14,9 @@
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
 //! of pendulums side by side in lanes ([`crate::run::side_by_side`]), with the bits of [`map`] in the exact tier.
 //!
-//! [`lyapunov`] has the exponents along trajectories, [`diagram`] follows steady states from one value of a parameter to the next.
+//! [`lyapunov`] has the exponents along trajectories, [`diagram`] follows steady states from one value of a parameter to the next,
+//! [`attractors`] finds what many starts end in, [`basins`] which start ends where: there a trajectory is decided once
+//! it is in the [`neighbourhood`] of an orbit; [`basin_entropy`] tells how uncertain that is.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -39,6 +41,9 @@ pub mod branch;
 pub mod chain;
 pub mod conditions;
 mod continuation;
+pub mod attractors;
+pub mod basin_entropy;
+pub mod basins;
 mod coordinates;
 pub mod curve;
 mod family;
@@ -48,6 +53,7 @@ mod in_lanes;
 mod margins;
 pub mod lyapunov;
 pub mod multipliers;
+pub mod neighbourhood;
 pub mod periodic;
 pub mod sequence;
 mod rounding;

@@ -5,6 +5,8 @@
 mod absorber_fields;
 mod alone;
 mod arcs;
+mod attractors;
+mod basins;
 mod bouncing_ball;
 mod branches;
 mod broken_law;
