@@ -1,10 +1,10 @@
 //! Attractors: what many starts end in, and how often.
 //!
-//! A trajectory is followed from strobe to strobe. Where strobes repeat after n cycles, Newton's method finds the orbit that they
-//! settle on ([`periodic::find`](super::periodic::find)); trajectories on the same orbit are counted together, whichever of its n strobes they have come
-//! to. A motion without impacts is a class of its own: the absorber may stand anywhere in its gap. What does not repeat is aperiodic, or
-//! has a transient that is longer than the trajectory: a torus, chaos, a modulated response; exponents
-//! ([`lyapunov`](super::lyapunov)) tell which.
+//! A trajectory is followed from strobe to strobe. Where strobes repeat after n cycles, Newton's method finds the orbit
+//! that they settle on ([`periodic::find`](super::periodic::find)); trajectories on the same orbit are counted together,
+//! whichever of its n strobes they have come to. A motion without impacts is a class of its own: the absorber may stand
+//! anywhere in its gap. What does not repeat is aperiodic (a torus, chaos, a modulated response; exponents tell which,
+//! [`lyapunov`](super::lyapunov)), or has a transient that is longer than the trajectory.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::AtomicBool;
@@ -25,6 +25,8 @@ const REPEATS: f64 = 1e-7;
 const NEAR: f64 = 1e-4;
 /// Number of cycles until Newton's method is tried again, after it has found no stable orbit nearby.
 const AGAIN: u64 = 64;
+/// Most cycles of an orbit that is sought.
+const MOST_PERIODS: u32 = 1000;
 
 /// What is sought.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -285,6 +287,3 @@ pub fn attractors<S: Iterated + Coordinates + Clone>(
     iterate(trajectories, request, &mut see)?;
     Ok(Found { attractors: searching.attractors, classes })
 }
-
-/// Most cycles of an orbit that is sought.
-const MOST_PERIODS: u32 = 1000;

@@ -1,8 +1,9 @@
 //! Basins of attraction: which attractor each of many starts ends in.
 //!
-//! A start is decided as soon as its trajectory is in the verified neighbourhood of an orbit ([`neighbourhoods`](super::neighbourhood::neighbourhoods)). On the way
-//! the rounding errors of each cycle are carried by the exact derivatives, P → Φ P Φᵀ + Q: where they grow so much that another
-//! path may have been taken, the start is not sure.
+//! A start is decided as soon as its trajectory is in the neighbourhood of an orbit, which has been tried
+//! ([`neighbourhoods`](super::neighbourhood::neighbourhoods)). On the way the rounding errors of each cycle are carried
+//! by the exact derivatives, P → Φ P Φᵀ + Q: where they grow so much that another path may have been taken, the start is
+//! not sure.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::AtomicBool;
@@ -17,6 +18,8 @@ use crate::error::Invalid;
 
 /// The largest rounding error on the way, over the size of the state, with which a start is sure.
 const SURE: f64 = 1e-7;
+/// The rounding error of a cycle, over the size of the state.
+const ROUNDING: f64 = f64::EPSILON;
 /// Strobes whose distance over the size of the state is at most this repeat.
 const REPEATS: f64 = 1e-9;
 
@@ -104,9 +107,6 @@ impl Way {
         cell.cycles >= most_cycles
     }
 }
-
-/// The rounding error of a cycle, over the size of the state.
-const ROUNDING: f64 = f64::EPSILON;
 
 /// Where trajectories of one scene end, which go side by side; `neighbourhoods` are those of its attractors. Trajectories may be divided
 /// among several calls in any way.
