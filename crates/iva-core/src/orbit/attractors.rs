@@ -80,7 +80,7 @@ impl<S: Coordinates> Attractor<S> {
 /// What starts have ended in.
 #[derive(Debug, Clone)]
 pub struct Found<S: Coordinates> {
-    /// The periodic attractors, in the order in which they were found.
+    /// The periodic attractors, in the order of the starts that found them.
     pub attractors: Vec<Attractor<S>>,
     /// The class of each start.
     pub classes: Vec<Class>,
@@ -187,30 +187,37 @@ impl<S: Coordinates + Clone> Searching<'_, S> {
             None => Some((orbit, strobes)),
         }
     }
+}
 
-    /// The class of a trajectory, if one more strobe decides it.
-    fn class(
-        &mut self,
-        trajectory: &Trajectory<S>,
+/// What one more strobe says of a trajectory.
+enum Told<State> {
+    /// What it ends in.
+    Class(Class),
+    /// At this state its strobes repeat after some cycles.
+    Repeats(State, u64),
+}
+
+impl Search {
+    /// What one more image says of a trajectory, if anything.
+    fn told<S: Coordinates>(
+        &self,
+        system: &S,
         image: &Image<S::State>,
         strobes: &mut Strobes,
-    ) -> Option<Class> {
+    ) -> Option<Told<S::State>> {
         if image.outcome != Outcome::Finished {
-            return Some(Class::Unfinished(image.outcome));
+            return Some(Told::Class(Class::Unfinished(image.outcome)));
         }
-        let system = &trajectory.system;
         let strobe = (system.coordinates(&image.state), image.impacts);
         match strobes.repeat(strobe, system.clearance()) {
-            Some((_, 0)) => return Some(Class::NoImpacts),
+            Some((_, 0)) => return Some(Told::Class(Class::NoImpacts)),
             Some((periods, _)) if strobes.count >= strobes.next_try => {
-                if let Some(index) = self.attractor(&trajectory.from(&image.state), periods) {
-                    return Some(Class::Periodic(index));
-                }
                 strobes.next_try = strobes.count + AGAIN;
+                return Some(Told::Repeats(image.state, periods));
             }
             _ => {}
         }
-        (strobes.count >= self.search.most_cycles).then_some(Class::Aperiodic)
+        (strobes.count >= self.most_cycles).then_some(Told::Class(Class::Aperiodic))
     }
 }
 
@@ -275,15 +282,36 @@ pub fn attractors<S: Iterated + Coordinates + Clone>(
     let mut classes = vec![Class::Unfinished(Outcome::Cancelled); trajectories.len()];
     let mut searching = Searching { search, cancel, attractors: vec![] };
     let request = Request { tangents: false, cancel };
-    let mut see = |index: usize, image: &Image<S::State>| -> ControlFlow<()> {
-        match searching.class(&trajectories[index], image, &mut all[index]) {
-            Some(class) => {
-                classes[index] = class;
-                Break(())
-            }
-            None => Continue(()),
+    let mut open: Vec<usize> = (0..trajectories.len()).collect();
+    let mut going: Vec<Trajectory<S>> = trajectories.to_vec();
+    // Orbits are sought in the order of the starts, so that the result does not depend on which trajectory is ahead.
+    while !open.is_empty() {
+        let mut told: Vec<Option<Told<S::State>>> = open.iter().map(|_| None).collect();
+        let mut see = |k: usize, image: &Image<S::State>| -> ControlFlow<()> {
+            told[k] = search.told(&going[k].system, image, &mut all[open[k]]);
+            if told[k].is_none() { Continue(()) } else { Break(()) }
+        };
+        iterate(&going, request, &mut see)?;
+        let mut left = (vec![], vec![]);
+        for ((index, trajectory), told) in open.iter().zip(&going).zip(told) {
+            classes[*index] = match told {
+                None => Class::Unfinished(Outcome::Cancelled),
+                Some(Told::Class(class)) => class,
+                Some(Told::Repeats(state, periods)) => {
+                    let trajectory = trajectory.from(&state);
+                    match searching.attractor(&trajectory, periods) {
+                        Some(attractor) => Class::Periodic(attractor),
+                        None if all[*index].count >= search.most_cycles => Class::Aperiodic,
+                        None => {
+                            left.0.push(*index);
+                            left.1.push(trajectory);
+                            continue;
+                        }
+                    }
+                }
+            };
         }
-    };
-    iterate(trajectories, request, &mut see)?;
+        (open, going) = left;
+    }
     Ok(Found { attractors: searching.attractors, classes })
 }
