@@ -5,12 +5,11 @@
 //! that equal states at its begin have equal states at its end, to the bit. No table is made and nothing is measured
 //! but the number of impacts. The derivative of the map ([`Tangent`]) is the monodromy matrix of a periodic orbit.
 //!
-//! [`periodic::find`] finds a periodic orbit near a trajectory, [`multipliers`] are the eigenvalues of its monodromy matrix.
-//! [`branch::follow`] follows an orbit over a number of its scene and locates the special points ([`conditions`]) on the way,
-//! [`branch::switch`] goes from such a point to the branch that begins there, [`curve::curve`] follows the point over two numbers.
 //! [`periodic::find`] finds a periodic orbit near a trajectory, [`multipliers`] are the eigenvalues of its monodromy matrix,
 //! with errors and an exact identity in [`spectrum`]; [`description`] has the events and extremes of one cycle of it, and
 //! [`symmetry`] chooses between the map and the half map.
+//! [`branch::follow`] follows an orbit over a number of its scene and locates the special points ([`conditions`]) on the way,
+//! [`branch::switch`] goes from such a point to the branch that begins there, [`curve::curve`] follows the point over two numbers.
 //! [`iterate`] goes on from image to image for many trajectories, those of free masses under one harmonic force and those
 //! of pendulums side by side in lanes ([`crate::run::side_by_side`]), with the bits of [`map`] in the exact tier.
 //!
@@ -37,26 +36,26 @@ use crate::range;
 use crate::run::free_mass::{ExactDriven, FastDriven, FreeMasses};
 use crate::run::side_by_side::{LANES, SideBySide, Tier, WIDE, with_steps};
 
+pub mod attractors;
+pub mod basin_entropy;
+pub mod basins;
 pub mod branch;
 pub mod chain;
 pub mod conditions;
 mod continuation;
-pub mod attractors;
-pub mod basin_entropy;
-pub mod basins;
 mod coordinates;
 pub mod curve;
-mod family;
 pub mod description;
 pub mod diagram;
+mod family;
 mod in_lanes;
-mod margins;
 pub mod lyapunov;
+mod margins;
 pub mod multipliers;
 pub mod neighbourhood;
 pub mod periodic;
-pub mod sequence;
 mod rounding;
+pub mod sequence;
 pub mod spectrum;
 pub mod symmetry;
 

@@ -4,7 +4,7 @@ use nalgebra::Vector4;
 
 use crate::absorber::piva::{Angles, Given, ImpactLaw, Parameters, Piva, PivaStart};
 use crate::absorber::siva::Siva;
-use crate::absorber::{Absorber, ImpactLaw, OnStructure, Start, Wall};
+use crate::absorber::{Absorber, ImpactLaw as _, OnStructure, Start, Wall};
 use crate::host::Host;
 use crate::measures::propagation::Differentiable;
 
@@ -50,6 +50,8 @@ where
     /// 2ζ.
     fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
         Some(2.0 * self.damping_ratio())
+    }
+
     /// Of equal walls: 2 N ln e − 2 ζ τ. The damper takes ẋ, an impact turns two velocities by −e: w⁺ = −e w⁻ and the instant of
     /// the impact, which moves by δy/w.
     fn known_log_volume(&self, time: f64, impacts: u64) -> Option<f64> {

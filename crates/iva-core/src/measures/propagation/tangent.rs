@@ -56,6 +56,8 @@ impl Tangent {
     /// The derivative since this was last called, or since the begin of the run; from here on it is that of what follows.
     pub(crate) fn take(&mut self) -> Matrix4<f64> {
         std::mem::replace(&mut self.derivative, Matrix4::identity())
+    }
+
     /// Its determinant, as the product of those of its factors: next to a grazing the determinant of the derivative itself
     /// is lost in rounding. 0 after a stick.
     pub fn volume(&self) -> f64 {
