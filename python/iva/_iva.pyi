@@ -17,9 +17,11 @@ __all__ = [
     "check_choices",
     "check_files",
     "column_units",
+    "curve",
     "design",
     "empty_tables",
     "fields",
+    "follow",
     "gradients",
     "larger_is_better",
     "main",
@@ -27,6 +29,7 @@ __all__ = [
     "metadata",
     "on_slow_manifold",
     "orbit",
+    "orbit_at",
     "primary_units",
     "read_record",
     "read_table",
@@ -35,7 +38,9 @@ __all__ = [
     "state",
     "states",
     "sweep_into",
+    "switch",
     "trajectory",
+    "unit_system",
     "verify",
     "visible",
 ]
@@ -44,6 +49,9 @@ SCHEMA_VERSION: Final[int]
 VERSION: Final[str]
 
 _Spec = dict[str, Any]
+_Chain = tuple[Sequence[int], bool, int]
+_Point = tuple[_Chain, tuple[str, int, int], float, Sequence[float]]
+_Steps = tuple[tuple[float, float], float, int]
 
 class IvaError(RuntimeError): ...
 
@@ -134,6 +142,7 @@ def read_record(path: str | PathLike[str], kind: str | None = None) -> Record: .
 def fields(part: str, kind: str) -> list[tuple[str, str, str]]: ...
 def check(part: str, values: Sequence[tuple[str, float]]) -> None: ...
 def primary_units(spec: _Spec) -> str: ...
+def unit_system(spec: _Spec) -> str: ...
 def design(spec: _Spec) -> dict[str, Any]: ...
 def check_choices(words: Sequence[tuple[str, str]]) -> None: ...
 def column_units(system: str, swept: Sequence[str]) -> tuple[str, dict[str, dict[str, str]]]: ...
@@ -159,6 +168,21 @@ def state(spec: _Spec, time: float) -> ArrowTable: ...
 def states(spec: _Spec, times: Sequence[float]) -> ArrowTable: ...
 def masri_caughey(spec: _Spec) -> dict[str, Any]: ...
 def orbit(spec: _Spec, periods: int, symmetric: bool | None, settle: int) -> dict[str, Any]: ...
+def follow(
+    spec: _Spec, periods: int, symmetric: bool, over: str, steps: _Steps
+) -> dict[str, Any]: ...
+def switch(spec: _Spec, point: _Point, over: str, steps: _Steps) -> dict[str, Any]: ...
+def orbit_at(
+    spec: _Spec, given: _Chain, over: str, value: float, unknowns: Sequence[float]
+) -> dict[str, Any]: ...
+def curve(
+    spec: _Spec,
+    point: _Point,
+    over: tuple[str, str],
+    values: tuple[float, float],
+    between: tuple[tuple[float, float], tuple[float, float]],
+    steps: tuple[Sequence[float], float, int],
+) -> dict[str, Any]: ...
 def slow_manifold(spec: _Spec) -> dict[str, Any]: ...
 def on_slow_manifold(spec: _Spec, theta: float) -> tuple[float, float, bool]: ...
 def metadata(path: str | PathLike[str]) -> dict[str, str]: ...

@@ -73,6 +73,12 @@ pub fn primary_units(spec: &Bound<'_, PyDict>) -> PyResult<&'static str> {
     Ok(arguments::spec(spec)?.units().map_err(invalid)?.sentence())
 }
 
+/// The name of the units that the fields of a primary system set: si, seconds or natural.
+#[pyfunction]
+pub fn unit_system(spec: &Bound<'_, PyDict>) -> PyResult<&'static str> {
+    Ok(arguments::spec(spec)?.units().map_err(invalid)?.name())
+}
+
 /// The numbers of a scene in the user's units, whatever alternatives they were given by; of a pendulum its own
 /// besides, without length and contact distance where nothing depends on them.
 #[pyfunction]

@@ -35,7 +35,7 @@ pub fn orbit<'py>(
 }
 
 /// The reason why no orbit was found as a word, and a sentence.
-fn words(missed: &Missed) -> (&'static str, String) {
+pub(crate) fn words(missed: &Missed) -> (&'static str, String) {
     match missed {
         Missed::Invalid(invalid) => ("invalid", invalid.to_string()),
         Missed::Cycle(outcome) => {
@@ -74,7 +74,7 @@ fn words(missed: &Missed) -> (&'static str, String) {
 }
 
 /// All that is told of an orbit.
-fn shown<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, PyDict>> {
+pub(crate) fn shown<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("course", course(py, &found.course)?)?;
     let mirrored = found.mirrored.as_ref().map(|it| course(py, it));

@@ -7,6 +7,7 @@
 
 mod arguments;
 mod arrow_table;
+mod branches;
 mod calls;
 mod dynamics;
 mod errors;
@@ -25,9 +26,11 @@ mod _iva {
     #[pymodule_export]
     use super::arrow_table::ArrowTable;
     #[pymodule_export]
+    use super::branches::{curve, follow, orbit_at, switch};
+    #[pymodule_export]
     use super::calls::{
         check, check_choices, column_units, design, fields, gradients, larger_is_better, main,
-        primary_units, simulate, state, states, trajectory, verify,
+        primary_units, simulate, state, states, trajectory, unit_system, verify,
     };
     #[pymodule_export]
     use super::dynamics::orbit;

@@ -21,6 +21,7 @@ use crate::design::Spec;
 use course::mirrored;
 use family::with_member;
 
+pub mod branches;
 mod course;
 mod family;
 
@@ -117,9 +118,22 @@ fn found<S: Coordinates + Iterated + Clone>(
         Some(false) => find_any(&trajectory, cancel)?,
         None => find_either(&trajectory, cancel)?,
     };
-    let description = describe(&orbit, cancel)?;
-    let spectrum = spectrum(&orbit, &description, cancel)?;
-    let Cycle { begin, length } = trajectory.cycle;
+    let walls_of_start = walls(&trajectory, cancel)?;
+    let found = told(family, trajectory.cycle.begin, (&orbit, asked.periods), cancel)?;
+    Ok(Found { walls_of_start, ..found })
+}
+
+/// All that is told of an orbit of so many periods, seen from an instant that sets the phase of the drive.
+fn told<S: Coordinates + Clone>(
+    family: &Family,
+    begin: f64,
+    (orbit, periods): (&Orbit<S>, u32),
+    cancel: Option<&AtomicBool>,
+) -> Result<Found, Missed> {
+    let odd = !periods.is_multiple_of(2);
+    let description = describe(orbit, cancel)?;
+    let spectrum = spectrum(orbit, &description, cancel)?;
+    let length = orbit.trajectory.cycle.length;
     let shift = 0.5 * if odd { length } else { family.period };
     let states = sampled(&orbit.trajectory, &[begin + length, begin + length + shift], cancel)?;
     let [at, later] = states[..] else { return Err(Missed::Cycle(Outcome::NotFinite)) };
@@ -134,8 +148,8 @@ fn found<S: Coordinates + Iterated + Clone>(
             .mirrors
             .then(|| course(mirrored(&later), description.clone().mirrored(shift))),
         length: scale.time(length),
-        walls_of_start: walls(&trajectory, cancel)?,
-        least_periods: least_periods(&orbit, asked.periods, cancel)?,
+        walls_of_start: description.walls(length),
+        least_periods: least_periods(orbit, periods, cancel)?,
         symmetric: orbit.symmetric,
         spectrum,
         stable: orbit.is_stable(),

@@ -105,23 +105,34 @@ def orbit(
         whole("settle", settle, 0, MOST_SETTLING),
     )
     found = _iva.orbit(made, *asked)
-    if "reason" in found:
-        return Missed(**found)
     # Only a scene under one harmonic force has come so far.
     [single] = (one for one in forces if isinstance(one, Harmonic))
+    return orbit_of(found, (absorber, primary, single), asked[0], begin)
+
+
+def orbit_of(
+    found: dict[str, Any],
+    parts: tuple[Siva | Piva, Primary, Harmonic],
+    periods: int,
+    begin: Start,
+) -> Orbit | Missed:
+    """Return an orbit that the compiled part describes, or why there is none."""
+    if "reason" in found:
+        return Missed(**found)
+    absorber, primary, force = parts
     reference = begin if given_relative(absorber) else None
     here = course(found.pop("course"), reference)
     image = found.pop("mirrored")
     for name in ("multipliers", "half_multipliers"):
-        parts = found[name]
-        found[name] = None if parts is None else tuple(complex(*pair) for pair in parts)
+        pairs = found[name]
+        found[name] = None if pairs is None else tuple(complex(*pair) for pair in pairs)
     for name in ("multiplier_errors", "half_multiplier_errors"):
         found[name] = None if found[name] is None else tuple(found[name])
     return Orbit(
         absorber=absorber,
         primary=primary,
-        force=single,
-        periods=asked[0],
+        force=force,
+        periods=periods,
         state=here.state,
         start=here.start,
         impacts=here.impacts,

@@ -32,6 +32,7 @@ except ModuleNotFoundError as _missing:
         raise
     raise ImportError("iva.plots needs matplotlib: pip install 'iva-dynamics[plots]'") from None
 
+from iva.plots.bifurcations import branch, multipliers
 from iva.plots.energy_split import energy
 from iva.plots.frequency_response import forced_response
 from iva.plots.histories import decay, velocities
@@ -45,11 +46,13 @@ from iva.plots.styles import style
 __all__ = [
     "animate",
     "animation",
+    "branch",
     "curves",
     "decay",
     "energy",
     "forced_response",
     "heatmap",
+    "multipliers",
     "phase",
     "raster",
     "style",

@@ -1,6 +1,8 @@
 //! The multipliers of a monodromy matrix.
 
-use nalgebra::{Complex, Matrix4, Schur};
+use nalgebra::{Matrix4, Schur};
+
+pub use nalgebra::Complex;
 
 /// Most iterations of a Schur decomposition: it converges in some ten, or hardly ever.
 const MOST_ITERATIONS: usize = 200;

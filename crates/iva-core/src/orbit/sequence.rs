@@ -81,7 +81,7 @@ impl Chain {
     }
 
     /// The orbit of values of the unknowns, where a cycle of the scene has a length. It begins in the middle of the longest
-    /// flight; its multipliers and residual are those of a run from there. At a grazing, and where an impact vanishes, the run
+    /// flight, not before an instant and within a cycle from there; its multipliers and residual are those of a run from there. At a grazing, and where an impact vanishes, the run
     /// may have an impact more or less than the chain.
     ///
     /// # Errors
@@ -91,6 +91,7 @@ impl Chain {
         system: &S,
         cycle: f64,
         unknowns: &[f64],
+        not_before: f64,
     ) -> Result<Orbit<S>, Missed> {
         let lost = Missed::Stalled(f64::INFINITY);
         let passed = self.passed(system, self.length(cycle), unknowns, false);
@@ -102,7 +103,7 @@ impl Chain {
         let at = system.coordinates(&middle);
         let start = system.start_at(&at).ok_or(lost)?;
         let length = cycle * f64::from(self.cycles);
-        let begin = (flight.begin + half).rem_euclid(length);
+        let begin = not_before + (flight.begin + half - not_before).rem_euclid(length);
         let state = system.begin_at(&start, Clock::new(begin));
         let cycle = Cycle { begin, length };
         let trajectory = Trajectory { system: system.clone(), state, cycle, tier: Tier::Exact };

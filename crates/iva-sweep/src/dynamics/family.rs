@@ -43,6 +43,24 @@ pub enum Member {
     Piva(Box<Trajectory<Piva<DrivenHost>>>),
 }
 
+/// A kind of absorber that a member can be of.
+pub trait OfMember: Sized + iva_core::absorber::Absorber {
+    /// The trajectory of a member; `None` if it is one of another kind.
+    fn of(member: Member) -> Option<Trajectory<Self>>;
+}
+
+impl OfMember for Siva<DrivenHost> {
+    fn of(member: Member) -> Option<Trajectory<Self>> {
+        if let Member::Siva(trajectory) = member { Some(*trajectory) } else { None }
+    }
+}
+
+impl OfMember for Piva<DrivenHost> {
+    fn of(member: Member) -> Option<Trajectory<Self>> {
+        if let Member::Piva(trajectory) = member { Some(*trajectory) } else { None }
+    }
+}
+
 /// Code for the trajectory of a member of any kind.
 macro_rules! with_member {
     ($member:expr, |$trajectory:ident| $body:expr) => {

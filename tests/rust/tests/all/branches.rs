@@ -144,7 +144,7 @@ fn the_branches_have_the_points_of_the_references() {
 fn judge(record: &Value, over: &str, branch: &Branch) {
     let found = |at: &BranchPoint| {
         let (system, cycle) = scene(record, &[(over, at.value)]).unwrap();
-        branch.chain.orbit(&system, cycle, &at.unknowns)
+        branch.chain.orbit(&system, cycle, &at.unknowns, 0.0)
     };
     for special in &branch.special {
         let at = &special.at;

@@ -1,0 +1,372 @@
+//! Branches of periodic orbits over a field of a scene, and curves of their special points over two fields.
+//!
+//! A field is given in the user's units, and so is a row, but for the unknowns of its chain: those are in natural units. Lengths
+//! along a branch are those of [`iva_core::orbit::branch`], shares of the range and of the sizes of the unknowns.
+
+use std::sync::atomic::AtomicBool;
+
+use iva_core::error::{Invalid, number};
+use iva_core::orbit::branch::{self, Along, Branch, BranchPoint, SpecialPoint};
+use iva_core::orbit::curve::{self, AlongCurve, CurvePoint};
+use iva_core::orbit::periodic::find;
+use iva_core::orbit::sequence::NoChain;
+use iva_core::orbit::{Coordinates, Trajectory};
+
+use super::family::{Family, OfMember, with_member};
+use super::{Found, Missed, told};
+use crate::design::Spec;
+use crate::fields::FieldId;
+use crate::slot::Slot;
+use crate::units::Scale;
+
+pub use iva_core::absorber::Wall;
+pub use iva_core::orbit::branch::End;
+pub use iva_core::orbit::chain::Chain;
+pub use iva_core::orbit::conditions::{Condition, Kind};
+pub use iva_core::orbit::multipliers::Complex;
+
+/// How a branch is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    /// The field that is changed.
+    pub over: Slot,
+    /// Its range, in the user's units.
+    pub between: [f64; 2],
+    /// Longest step, as a share of the range and of the sizes of the unknowns.
+    pub longest: f64,
+    /// Most points in each direction.
+    pub most_points: usize,
+}
+
+/// A point of a branch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The field that is changed.
+    pub value: f64,
+    /// Length along the branch.
+    pub arclength: f64,
+    /// Largest |x|.
+    pub amplitude: f64,
+    /// The multipliers, largest first.
+    pub multipliers: [Complex<f64>; 4],
+    /// True if all are smaller than 1.
+    pub stable: bool,
+    /// Smallest distance of an extremum of the gap displacement between impacts from the wall that the absorber turns back
+    /// from; infinite without one.
+    pub grazing_margin: f64,
+    /// Smallest approach speed.
+    pub approach_speed_min: f64,
+    /// The unknowns of the chain, in natural units.
+    pub unknowns: Vec<f64>,
+}
+
+/// A special point of a branch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Special {
+    /// What happens there.
+    pub condition: Condition,
+    /// The orbit.
+    pub row: Row,
+}
+
+/// A branch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Its sequence of impacts.
+    pub chain: Chain,
+    /// Its points in order.
+    pub rows: Vec<Row>,
+    /// The special points in the same order.
+    pub special: Vec<Special>,
+    /// Why it ends on either side.
+    pub ends: [End; 2],
+}
+
+/// Why a branch was not followed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NoBranch {
+    /// There is no orbit at the start.
+    Missed(Missed),
+    /// The absorber sticks to a wall in the orbit.
+    Sticks,
+    /// The orbit was not found as a solution of the equations of its chain, or no branch begins at the point.
+    Lost,
+}
+
+/// The scene with other values of some fields, and the absorber in the middle of its gap, where it fits any clearance.
+fn changed(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Spec, Invalid> {
+    let mut spec = spec.clone();
+    for (slot, value) in slots.iter().zip(values) {
+        spec.replace(*slot, *value)?;
+    }
+    let middle = spec.get(FieldId::GapOffset);
+    let middle = middle.or(spec.get(FieldId::GapOffsetMm).map(|offset| offset / 1000.0));
+    spec.replace(FieldId::GapDisplacement, middle.unwrap_or(0.0))?;
+    Ok(spec)
+}
+
+fn family_at(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Family, Invalid> {
+    Family::new(&changed(spec, slots, values)?, None, 1)
+}
+
+/// The scenes of a spec at values of some fields: the system, and the period of its drive.
+fn scenes<'a, S: OfMember>(
+    spec: &'a Spec,
+    slots: &'a [Slot],
+) -> impl Fn(&[f64]) -> Result<(S, f64), Invalid> + 'a {
+    move |values| {
+        let Family { member, period, .. } = family_at(spec, slots, values)?;
+        let other = || Invalid::missing("absorber", "give one of the kind of the orbit");
+        Ok((S::of(member).ok_or_else(other)?.system, period))
+    }
+}
+
+/// Checks fields and their ranges.
+fn check(spec: &Spec, slots: &[Slot], between: &[[f64; 2]]) -> Result<(), Invalid> {
+    for [low, high] in between {
+        if low.is_nan() || high.is_nan() || low >= high {
+            let shown = format!("({}, {})", number(*low), number(*high));
+            return Err(Invalid::new("between", shown, "give two numbers, the smaller one first"));
+        }
+    }
+    for end in [0, 1] {
+        let values: Vec<_> = between.iter().map(|range| range[end]).collect();
+        family_at(spec, slots, &values)?;
+    }
+    Ok(())
+}
+
+impl Row {
+    fn new(spec: &Spec, slots: &[Slot], at: &BranchPoint) -> Self {
+        let scale = family_at(spec, slots, &[at.value]).map(|family| family.scale);
+        let natural = Scale { natural_frequency: 1.0, mass: 1.0 };
+        Self {
+            value: at.value,
+            arclength: at.length,
+            amplitude: at.amplitude,
+            multipliers: at.multipliers,
+            stable: at.is_stable(),
+            grazing_margin: at.margin,
+            approach_speed_min: scale.unwrap_or(natural).velocity(at.slowest),
+            unknowns: at.unknowns.clone(),
+        }
+    }
+}
+
+impl Followed {
+    fn new(spec: &Spec, slots: &[Slot], branch: &Branch) -> Self {
+        let Branch { chain, points, special, ends } = branch;
+        let special = special.iter().map(|SpecialPoint { condition, at }| Special {
+            condition: *condition,
+            row: Row::new(spec, slots, at),
+        });
+        Self {
+            chain: chain.clone(),
+            rows: points.iter().map(|at| Row::new(spec, slots, at)).collect(),
+            special: special.collect(),
+            ends: *ends,
+        }
+    }
+}
+
+/// The value of a field in a spec.
+///
+/// # Errors
+/// [`Invalid`] if the spec gives the quantity in another way, or not at all.
+pub fn value_of(spec: &Spec, slot: Slot) -> Result<f64, Invalid> {
+    let given = spec.given().find(|(other, _)| *other == slot || other.field == slot.field);
+    given.map(|(_, value)| value).ok_or_else(|| {
+        Invalid::missing(
+            slot.path(),
+            "give the scene by the field that the branch is followed over",
+        )
+    })
+}
+
+/// Follows the branch of the orbit near the start of a spec, over a field.
+///
+/// # Errors
+/// [`Invalid`] for a field or a range that the scene does not allow, and as [`super::orbit`].
+pub fn follow(
+    spec: &Spec,
+    (periods, symmetric): (u32, bool),
+    way: &Way,
+    cancel: &AtomicBool,
+) -> Result<Result<Followed, NoBranch>, Invalid> {
+    let slots = [way.over];
+    let value = value_of(spec, way.over)?;
+    check(spec, &slots, &[way.between])?;
+    let [low, high] = way.between;
+    if !(low..=high).contains(&value) {
+        let rule =
+            format!("the orbit is outside the range from {} to {}", number(low), number(high));
+        return Err(Invalid::new(way.over.path(), number(value), rule));
+    }
+    let family = Family::new(spec, None, periods)?;
+    with_member!(&family.member, |it| followed(
+        spec,
+        it,
+        (periods, symmetric),
+        (way, value),
+        cancel
+    ))
+}
+
+fn along<'a>(way: &Way, cancel: &'a AtomicBool) -> Along<'a> {
+    let Way { between, longest, most_points, .. } = *way;
+    Along { between, most_points, longest, cancel: Some(cancel) }
+}
+
+fn followed<S: OfMember + Coordinates + Clone>(
+    spec: &Spec,
+    trajectory: &Trajectory<S>,
+    (periods, symmetric): (u32, bool),
+    (way, value): (&Way, f64),
+    cancel: &AtomicBool,
+) -> Result<Result<Followed, NoBranch>, Invalid> {
+    let orbit = match find(trajectory, symmetric, Some(cancel)) {
+        Ok(orbit) => orbit,
+        Err(Missed::Invalid(invalid)) => return Err(invalid),
+        Err(missed) => return Ok(Err(NoBranch::Missed(missed))),
+    };
+    let (chain, unknowns) = match Chain::of(&orbit, periods) {
+        Ok(both) => both,
+        Err(NoChain::Sticks) => return Ok(Err(NoBranch::Sticks)),
+        Err(NoChain::NoImpacts | NoChain::NotSymmetric) => return Ok(Err(NoBranch::Lost)),
+    };
+    let slots = [way.over];
+    let scenes = scenes::<S>(spec, &slots);
+    let branch = branch::follow(&scenes, (&chain, &unknowns), value, along(way, cancel));
+    Ok(branch.map(|it| Followed::new(spec, &slots, &it)).ok_or(NoBranch::Lost))
+}
+
+/// A special point as the core knows it.
+fn special(condition: Condition, value: f64, unknowns: &[f64]) -> SpecialPoint {
+    let none = Complex::new(f64::NAN, 0.0);
+    let at = BranchPoint {
+        value,
+        length: 0.0,
+        unknowns: unknowns.to_vec(),
+        multipliers: [none; 4],
+        half_multipliers: None,
+        amplitude: f64::NAN,
+        margin: f64::NAN,
+        slowest: f64::NAN,
+    };
+    SpecialPoint { condition, at }
+}
+
+/// A special point on a branch: its chain, what happens there, the value of the field, and the unknowns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Begin {
+    /// The chain of the branch.
+    pub chain: Chain,
+    /// What happens there.
+    pub condition: Condition,
+    /// The field that is changed.
+    pub value: f64,
+    /// The unknowns of the chain, in natural units.
+    pub unknowns: Vec<f64>,
+}
+
+/// Follows the branch that begins at a special point of another.
+///
+/// # Errors
+/// As [`follow`].
+pub fn switch(
+    spec: &Spec,
+    begin: &Begin,
+    way: &Way,
+    cancel: &AtomicBool,
+) -> Result<Result<Followed, NoBranch>, Invalid> {
+    let slots = [way.over];
+    check(spec, &slots, &[way.between])?;
+    let family = family_at(spec, &slots, &[begin.value])?;
+    let point = special(begin.condition, begin.value, &begin.unknowns);
+    let branch = with_member!(&family.member, |it| {
+        let scenes = scenes_like(it, spec, &slots);
+        branch::switch(&scenes, &begin.chain, &point, along(way, cancel))
+    });
+    Ok(branch.map(|it| Followed::new(spec, &slots, &it)).ok_or(NoBranch::Lost))
+}
+
+/// [`scenes`] of the kind of a trajectory.
+fn scenes_like<'a, S: OfMember>(
+    _like: &Trajectory<S>,
+    spec: &'a Spec,
+    slots: &'a [Slot],
+) -> impl Fn(&[f64]) -> Result<(S, f64), Invalid> + 'a {
+    scenes::<S>(spec, slots)
+}
+
+/// The orbit at a point of a branch.
+///
+/// # Errors
+/// As [`follow`].
+pub fn orbit_at(
+    spec: &Spec,
+    chain: &Chain,
+    (over, value): (Slot, f64),
+    unknowns: &[f64],
+    cancel: &AtomicBool,
+) -> Result<Result<Found, Missed>, Invalid> {
+    let spec = changed(spec, &[over], &[value])?;
+    let family = Family::new(&spec, None, chain.cycles)?;
+    Ok(with_member!(&family.member, |it| {
+        chain
+            .orbit(&it.system, family.period, unknowns, it.cycle.begin)
+            .and_then(|orbit| told(&family, it.cycle.begin, (&orbit, chain.cycles), Some(cancel)))
+    }))
+}
+
+/// How a curve is followed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveWay {
+    /// The two fields.
+    pub over: [Slot; 2],
+    /// Their ranges, in the user's units.
+    pub between: [[f64; 2]; 2],
+    /// Values of the first field at which a point is wanted wherever the curve comes by.
+    pub at: Vec<f64>,
+    /// Longest step, as a share of the ranges and of the sizes of the unknowns.
+    pub longest: f64,
+    /// Most points in each direction.
+    pub most_points: usize,
+}
+
+/// A curve of special points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curved {
+    /// Its points: the two fields, the multipliers, and the unknowns in natural units.
+    pub points: Vec<CurvePoint>,
+    /// Why it ends on either side.
+    pub ends: [End; 2],
+}
+
+/// Follows the curve of a special point over two fields, of which it has these values; `None` if it is no curve.
+///
+/// # Errors
+/// As [`follow`].
+pub fn follow_curve(
+    spec: &Spec,
+    begin: &Begin,
+    values: [f64; 2],
+    way: &CurveWay,
+    cancel: &AtomicBool,
+) -> Result<Option<Curved>, Invalid> {
+    check(spec, &way.over, &way.between)?;
+    let family = family_at(spec, &way.over, &values)?;
+    let point = special(begin.condition, begin.value, &begin.unknowns);
+    let along = AlongCurve {
+        between: way.between,
+        at: &way.at,
+        most_points: way.most_points,
+        longest: way.longest,
+        cancel: Some(cancel),
+    };
+    let found = with_member!(&family.member, |it| {
+        let scenes = scenes_like(it, spec, &way.over);
+        curve::curve(&scenes, &begin.chain, &point, values, along)
+    });
+    Ok(found.map(|curve| Curved { points: curve.points, ends: curve.ends }))
+}

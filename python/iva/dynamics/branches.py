@@ -1,0 +1,400 @@
+"""Branches of periodic orbits: how an orbit changes with a number of its scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+from iva import _iva
+from iva.dynamics.orbits import Missed, Orbit, rounded
+from iva.dynamics.search import MOST_PERIODS, orbit_of, whole
+from iva.forces import Harmonic, written
+from iva.parameters import Piva, Primary, Siva, Start, shown, spec
+from iva.scenes import scene
+from iva.spelling import spell_checked
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from typing import Any
+
+    import polars as pl
+
+    from iva.dynamics.orbits import Four
+
+#: Most points of a branch to either side.
+MOST_POINTS = 10**6
+#: The walls, the symmetry and the number of periods of a sequence of impacts.
+Chain = tuple[tuple[int, ...], bool, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The scene of a branch, with the number that is changed."""
+
+    absorber: Siva | Piva
+    primary: Primary
+    force: Harmonic
+    start: Start
+    over: str
+
+    def part(self, name: str) -> tuple[str, str]:
+        """Return the part of the scene that has a number, and the name of the number there.
+
+        Raises
+        ------
+        ValueError
+            If no part has it.
+        """
+        part, _, plain = name.rpartition(".")
+        for key in ("absorber", "primary", "force"):
+            has = plain in (one.name for one in fields(getattr(self, key)))
+            if has and part in ("", key):
+                return key, plain
+        raise ValueError(f"{name}: no such number of the absorber, the primary system or the force")
+
+    def given(self, name: str) -> float:
+        """Return a number of the scene.
+
+        Raises
+        ------
+        ValueError
+            If the scene does not give it.
+        """
+        key, plain = self.part(name)
+        value = getattr(getattr(self, key), plain)
+        if not isinstance(value, (int, float)):
+            raise ValueError(f"{name} is missing: give the scene by the numbers that are changed")
+        return float(value)
+
+    def at(self, value: float) -> Scene:
+        """Return the scene with another value of the number that is changed."""
+        key, plain = self.part(self.over)
+        return replace(self, **{key: replace(getattr(self, key), **{plain: value})})
+
+    def spec(self) -> dict[str, Any]:
+        """Return the whole scene for the compiled part."""
+        return scene(self.absorber, self.primary, self.start, self.force, {})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """A point of a branch, in the units of the primary system.
+
+    Parameters
+    ----------
+    value : float
+        The number that is changed.
+    arclength : float
+        Length along the branch, in shares of the range and of the sizes of the state.
+    amplitude : float
+        Largest |x|.
+    multipliers : tuple of complex, length 4
+        Floquet multipliers, largest first. Not finite where the speed of an impact is 0.
+    stable : bool
+        All multipliers are smaller than 1.
+    grazing_margin : float
+        Smallest distance of an extremum of the gap displacement between impacts to the wall that the
+        absorber turns back from; infinite without one.
+    approach_speed_min : float
+        Smallest approach speed of its impacts.
+    unknowns : tuple of float
+        In natural units: the instant of the first impact, x, ẋ and ẏ (of a pendulum b θ̇) after it,
+        and the instants of the others; of a symmetric orbit those of half a cycle.
+    """
+
+    value: float
+    arclength: float
+    amplitude: float
+    multipliers: Four
+    stable: bool
+    grazing_margin: float
+    approach_speed_min: float
+    unknowns: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Point:
+    """A special point of a branch.
+
+    Parameters
+    ----------
+    kind : str
+        ``fold``, ``pitchfork``, ``flip``, ``neimark_sacker``, ``grazing`` or ``impact_vanishes``.
+    row : Row
+        The orbit there, as a point of the branch.
+    """
+
+    kind: str
+    row: Row
+    scene: Scene
+    chain: Chain
+    condition: tuple[str, int, int]
+
+    @property
+    def value(self) -> float:
+        """The number that is changed, where it happens."""
+        return self.row.value
+
+    @property
+    def orbit(self) -> Orbit | Missed:
+        """The orbit there."""
+        return orbit_at(self.scene, self.chain, self.row)
+
+    def __repr__(self) -> str:
+        """Show kind, number and multipliers."""
+        largest = rounded(self.row.multipliers[0])
+        return f"Point: {self.kind} at {self.scene.over} = {self.value!r}, multiplier {largest}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Branch:
+    """A branch of periodic orbits with one sequence of impacts; it is true.
+
+    Parameters
+    ----------
+    scene : Scene
+        Absorber, primary system, force, and the number that is changed.
+    between : tuple of float, length 2
+        The range of the number.
+    chain : tuple
+        Walls (+1 and −1) of the impacts until the motion repeats, of a symmetric orbit those of half
+        of it; whether it is symmetric; and the number of periods of the force until it repeats.
+    rows : tuple of Row
+        Its points in order; the first is at the end that is reached towards smaller numbers.
+    points : tuple of Point
+        Its special points, in the same order.
+    ends : tuple of str, length 2
+        Why it ends on either side: ``range``, ``grazing``, ``impact_vanishes``, ``origin`` (the
+        pitchfork or flip where it begins), ``closed``, ``stalled`` or ``points``.
+
+    Notes
+    -----
+    Pseudo-arclength continuation (H. B. Keller) of the boundary-value problem in the instants of the
+    impacts; special points by Newton's method on the orbit and its condition together.
+    """
+
+    scene: Scene
+    between: tuple[float, float]
+    chain: Chain
+    rows: tuple[Row, ...]
+    points: tuple[Point, ...]
+    ends: tuple[str, str]
+    steps: tuple[float, int]
+
+    @property
+    def symmetric(self) -> bool:
+        """True if the orbits are their own mirror images half a cycle later."""
+        return self.chain[1]
+
+    @property
+    def periods(self) -> int:
+        """Number of periods of the force after which the orbits repeat."""
+        return self.chain[2]
+
+    @property
+    def walls(self) -> str:
+        """The walls of the impacts until the motion repeats, ``+`` and ``-``, from one of them on."""
+        walls, symmetric, _ = self.chain
+        both = (*walls, *(-wall for wall in walls)) if symmetric else walls
+        return "".join("+" if wall > 0 else "-" for wall in both)
+
+    @property
+    def impacts(self) -> int:
+        """Number of impacts until the motion repeats."""
+        return len(self.walls)
+
+    @property
+    def table(self) -> pl.DataFrame:
+        """Its points as a frame.
+
+        One row a point: value, arclength, amplitude, impacts, walls, stable, largest_multiplier (its
+        size), grazing_margin, approach_speed_min, and the parts multiplier_1_re, multiplier_1_im, …
+        """
+        import polars as pl
+
+        plain = ("value", "arclength", "amplitude", "stable", "grazing_margin")
+        columns: dict[str, list[object]] = {
+            name: [getattr(row, name) for row in self.rows]
+            for name in (*plain, "approach_speed_min")
+        }
+        sizes = [abs(row.multipliers[0]) for row in self.rows]
+        frame = pl.DataFrame(columns).with_columns(
+            pl.Series("largest_multiplier", sizes),
+            pl.lit(self.impacts).alias("impacts"),
+            pl.lit(self.walls).alias("walls"),
+        )
+        parts = [
+            pl.Series(
+                f"multiplier_{k + 1}_{name}", [getattr(row.multipliers[k], of) for row in self.rows]
+            )
+            for k in range(4)
+            for name, of in (("re", "real"), ("im", "imag"))
+        ]
+        return frame.with_columns(parts)
+
+    def orbit(self, index: int) -> Orbit | Missed:
+        """Return the orbit of a row.
+
+        Parameters
+        ----------
+        index : int
+            The index of the row.
+
+        Raises
+        ------
+        IndexError
+            If there is no such row.
+        """
+        return orbit_at(self.scene, self.chain, self.rows[index])
+
+    def switch(self, index: int) -> Branch | Missed:
+        """Follow the branch that begins at a special point, within the same range.
+
+        At a pitchfork that of the asymmetric orbits (their mirror images are another one); at a flip
+        that of the orbits that take twice as long; at a grazing that with the impact that begins
+        there; where an impact vanishes that without it. Where this branch itself begins at the
+        point, it is the branch that it begins on.
+
+        Parameters
+        ----------
+        index : int
+            The index of the point.
+
+        Raises
+        ------
+        IndexError
+            If there is no such point.
+        """
+        point = self.points[index]
+        given = (point.chain, point.condition, point.value, point.row.unknowns)
+        steps = (self.between, *self.steps)
+        found = _iva.switch(self.scene.spec(), given, self.scene.over, steps)
+        return branch(found, self.scene, self.between, self.steps)
+
+    def __repr__(self) -> str:
+        """Show its range, impacts, ends and special points."""
+        shape = "symmetric" if self.symmetric else "asymmetric"
+        values = [row.value for row in self.rows]
+        span = f"{min(values):.6g} to {max(values):.6g}"
+        count = f"{self.impacts} impacts {self.walls} in {self.periods} periods"
+        stable = sum(row.stable for row in self.rows)
+        lines = [
+            f"Branch: {self.scene.over} from {span}, {shape}, {count}",
+            f"  {len(self.rows)} orbits, {stable} of them stable; ends: {', '.join(self.ends)}",
+        ]
+        lines += [f"  {point.kind} at {point.value:.12g}" for point in self.points]
+        parts = (self.scene.absorber, self.scene.primary, self.scene.force)
+        lines += [f"  {written(part)}" for part in parts]
+        lines.append(f"  {_iva.primary_units(spec(self.scene.primary))}")
+        return "\n".join(lines)
+
+
+@spell_checked
+def follow(
+    orbit: Orbit,
+    *,
+    over: str,
+    between: tuple[float, float],
+    step: float = 0.02,
+    most_points: int = 2000,
+) -> Branch | Missed:
+    """Follow a periodic orbit over a number of its scene, in both directions and around folds.
+
+    Parameters
+    ----------
+    orbit : Orbit
+        The orbit to begin with; it may be unstable.
+    over : str
+        The number that is changed, by the name that a sweep has for it, such as ``"clearance"`` or
+        ``"force.frequency"``; the scene must give it.
+    between : tuple of float, length 2
+        Its range, in the unit that it is given in.
+    step : float, default 0.02
+        Longest step along the branch, as a share of the range and of the sizes of the state.
+    most_points : int, default 2000
+        Most points to either side.
+
+    Returns
+    -------
+    Branch or Missed
+        The branch, or why it was not followed: a branch is true, a `Missed` is false. Orbits with
+        stick episodes cannot be followed.
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If the scene does not have the number, or the range is not one of it.
+    KeyboardInterrupt
+        On Ctrl-C, within about a second.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> first = iva.dynamics.orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=200)
+    >>> found = follow(first, over="clearance", between=(3.0, 8.0))
+    >>> [(point.kind, round(point.value, 6)) for point in found.points]
+    [('pitchfork', 4.239825), ('neimark_sacker', 6.716345)]
+    """
+    if not isinstance(orbit, Orbit):
+        raise TypeError(f"orbit = {shown(orbit)}: give an orbit that dynamics.orbit has found")
+    made = Scene(orbit.absorber, orbit.primary, orbit.force, orbit.start, over)
+    low, high = between
+    steps = (float(step), whole("most_points", most_points, 1, MOST_POINTS))
+    if not 0.0 < steps[0] <= 1.0:
+        raise ValueError(f"step = {shown(step)}: give a number above 0, up to 1")
+    given = ((float(low), float(high)), *steps)
+    found = _iva.follow(made.spec(), orbit.least_periods, orbit.symmetric, over, given)
+    return branch(found, made, (float(low), float(high)), steps)
+
+
+def complexes(pairs: list[tuple[float, float]]) -> Four:
+    """Return multipliers that the compiled part describes."""
+    one, two, three, four = (complex(*pair) for pair in pairs)
+    return one, two, three, four
+
+
+def row(made: dict[str, Any]) -> Row:
+    """Return a point that the compiled part describes."""
+    made["multipliers"] = complexes(made["multipliers"])
+    made["unknowns"] = tuple(made["unknowns"])
+    return Row(**made)
+
+
+def branch(
+    found: dict[str, Any],
+    scene: Scene,
+    between: tuple[float, float],
+    steps: tuple[float, int],
+) -> Branch | Missed:
+    """Return a branch that the compiled part describes, or why there is none."""
+    if "reason" in found:
+        return Missed(**found)
+    walls, symmetric, cycles = found["chain"]
+    chain = (tuple(walls), symmetric, cycles)
+    points = []
+    for made in found["points"]:
+        kind, index, wall = made.pop("condition")
+        condition = (kind, index, wall)
+        points.append(
+            Point(kind=kind, row=row(made), scene=scene, chain=chain, condition=condition)
+        )
+    return Branch(
+        scene=scene,
+        between=between,
+        chain=chain,
+        rows=tuple(row(made) for made in found["rows"]),
+        points=tuple(points),
+        ends=tuple(found["ends"]),
+        steps=steps,
+    )
+
+
+def orbit_at(scene: Scene, chain: Chain, row: Row) -> Orbit | Missed:
+    """Return the orbit at a point of a branch."""
+    found = _iva.orbit_at(scene.spec(), chain, scene.over, row.value, row.unknowns)
+    there = scene.at(row.value)
+    parts = (there.absorber, there.primary, there.force)
+    return orbit_of(found, parts, chain[2], scene.start)

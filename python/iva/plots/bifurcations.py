@@ -1,0 +1,197 @@
+"""Branches of periodic orbits, and their multipliers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+from operator import attrgetter
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from iva import _iva
+from iva.dynamics.branches import Branch
+from iva.parameters import shown, spec
+from iva.plots.labels import labelled, of_column
+from iva.plots.styles import BLACK, BLUE, GREY, VERMILLION, drawing_on, legend_above
+from iva.spelling import spell_checked
+
+#: Kind of a special point → marker and words.
+MARKERS = {
+    "fold": (">", "fold"),
+    "pitchfork": ("s", "pitchfork"),
+    "flip": ("D", "flip"),
+    "neimark_sacker": ("o", "Neimark–Sacker"),
+    "grazing": ("x", "grazing"),
+    "impact_vanishes": ("+", "impact vanishes"),
+}
+#: Columns of a branch that are drawn → words, symbol and quantity.
+COLUMNS = {
+    "amplitude": ("amplitude", "max |x|", "displacement"),
+    "largest_multiplier": ("largest multiplier", "|λ|", ""),
+    "grazing_margin": ("margin to a grazing", "", "displacement"),
+    "approach_speed_min": ("smallest approach speed", "", "velocity"),
+}
+
+
+@spell_checked
+def branch(
+    branches: Branch | Iterable[Branch],
+    y: str = "amplitude",
+    *,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw branches of periodic orbits: full lines where they are stable, dashed where not.
+
+    Parameters
+    ----------
+    branches : Branch or iterable of Branch
+        Branches over the same number.
+    y : str, default "amplitude"
+        The column to draw: ``amplitude``, ``largest_multiplier``, ``grazing_margin`` or
+        ``approach_speed_min``.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If there is no branch, the branches are over different numbers, or there is no such column.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> first = iva.dynamics.orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=200)
+    >>> found = iva.dynamics.follow(first, over="clearance", between=(3.0, 8.0))
+    >>> axes = branch(found)
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('clearance d (length)', 'amplitude max |x| (length)')
+    """
+    given = listed(branches)
+    if y not in COLUMNS:
+        raise ValueError(f"y = {shown(y)}: give {', '.join(COLUMNS)}")
+    words, symbol, of = COLUMNS[y]
+    units = units_of(given[0])
+    with drawing_on(ax) as axes:
+        for one in given:
+            lines(axes, one, y)
+        marked(axes, given, y)
+        axes.set_xlabel(of_column(given[0].scene.over, units.get(given[0].scene.over, "")))
+        axes.set_ylabel(labelled(words, symbol, units.get(of, "")))
+        axes.plot([], [], color=BLUE, label="stable")
+        axes.plot([], [], color=GREY, linestyle="--", label="unstable")
+        legend_above(axes, 3, "")
+    return axes
+
+
+def lines(axes: Axes, one: Branch, y: str) -> None:
+    """Draw a branch in stretches of equal stability, each up to the first point of the next."""
+    frame = one.table
+    across, up = (frame[name].to_numpy() for name in ("value", y))
+    stable = frame["stable"].to_numpy()
+    begin = 0
+    for is_stable, group in groupby(stable):
+        end = begin + len(list(group))
+        part = slice(begin, min(end + 1, len(stable)))
+        look = {"color": BLUE} if is_stable else {"color": GREY, "linestyle": "--"}
+        axes.plot(across[part], up[part], label="_branch", **look)
+        begin = end
+
+
+def marked(axes: Axes, branches: Sequence[Branch], y: str) -> None:
+    """Draw the special points, each kind with its marker and one entry in the legend."""
+    points = [point for one in branches for point in one.points]
+    by_kind = attrgetter("kind")
+    for kind, group in groupby(sorted(points, key=by_kind), key=by_kind):
+        rows = [point.row for point in group]
+        marker, label = MARKERS[kind]
+        up = [height(row, y) for row in rows]
+        across = [row.value for row in rows]
+        axes.plot(across, up, marker, color=VERMILLION, markersize=4, label=label, fillstyle="none")
+
+
+def height(row: object, y: str) -> float:
+    """Return the value of a column at a special point."""
+    if y == "largest_multiplier":
+        return abs(getattr(row, "multipliers")[0])
+    value: float = getattr(row, y)
+    return value
+
+
+@spell_checked
+def multipliers(branches: Branch | Iterable[Branch], *, ax: Axes | None = None) -> Axes:
+    """Draw the Floquet multipliers of branches in the complex plane, with the unit circle.
+
+    Parameters
+    ----------
+    branches : Branch or iterable of Branch
+        The branches; multipliers of size up to 2 are drawn.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError, ValueError
+        As :func:`branch`.
+    """
+    given = listed(branches)
+    with drawing_on(ax) as axes:
+        turn = np.linspace(0.0, 2.0 * math.pi, 361)
+        axes.plot(np.cos(turn), np.sin(turn), color=BLACK, linewidth=0.6)
+        every = np.array([row.multipliers for one in given for row in one.rows])
+        stable = np.array([row.stable for one in given for row in one.rows])
+        for which, colour, label in ((stable, BLUE, "stable"), (~stable, VERMILLION, "unstable")):
+            values = every[which].ravel()
+            axes.plot(values.real, values.imag, ".", color=colour, markersize=1.5, label=label)
+        axes.set_xlim(-2.0, 2.0)
+        axes.set_ylim(-1.3, 1.3)
+        axes.set_aspect("equal")
+        axes.set_xlabel("Re λ")
+        axes.set_ylabel("Im λ")
+        legend_above(axes, 2, "")
+    return axes
+
+
+def listed(branches: Branch | Iterable[Branch]) -> list[Branch]:
+    """Return branches as a list.
+
+    Raises
+    ------
+    TypeError
+        If one is none.
+    ValueError
+        If there is none, or they are over different numbers.
+    """
+    given = [branches] if isinstance(branches, Branch) else list(branches)
+    for one in given:
+        if not isinstance(one, Branch):
+            raise TypeError(f"branches: {shown(one)} is none; give those of iva.dynamics.follow")
+    numbers = {one.scene.over for one in given}
+    if len(numbers) != 1:
+        rule = "give branches over one number" if numbers else "give at least one"
+        raise ValueError(f"branches: {rule}")
+    return given
+
+
+def units_of(one: Branch) -> dict[str, str]:
+    """Return the units of the number that is changed, of displacements and of velocities."""
+    system = _iva.unit_system(spec(one.scene.primary))
+    _, tables = _iva.column_units(system, [one.scene.over])
+    impacts = tables["impacts"]
+    found: dict[str, str] = dict(tables["summary"])
+    found["displacement"] = impacts["displacement"]
+    found["velocity"] = impacts["velocity_before"]
+    return found

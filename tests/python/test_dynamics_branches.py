@@ -1,0 +1,171 @@
+"""Branches of periodic orbits and curves of their special points, against 30-digit references."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+
+import polars as pl
+import pytest
+
+import iva
+from iva import dynamics
+
+REFERENCE = Path(__file__).parents[1] / "reference"
+
+
+def read(name: str) -> dict[str, dict]:
+    return {one["id"]: one for one in json.loads((REFERENCE / name).read_text())}
+
+
+POINTS, CURVES = read("bifurcations.json"), read("bifurcation_curves.json")
+
+
+@pytest.fixture(scope="module")
+def first() -> dynamics.Orbit:
+    """The symmetric orbit with two impacts of family A, which a run settles on."""
+    siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    primary = iva.Primary(damping_ratio=0.05)
+    found = dynamics.orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=200)
+    assert isinstance(found, dynamics.Orbit)
+    return found
+
+
+@pytest.fixture(scope="module")
+def branch(first: dynamics.Orbit) -> dynamics.Branch:
+    found = dynamics.follow(first, over="clearance", between=(0.5, 13.0))
+    assert isinstance(found, dynamics.Branch)
+    return found
+
+
+def near(branch: dynamics.Branch, name: str) -> dynamics.Point:
+    """Return the point of a branch that a reference has, within 1e-12 (1e-11 for a grazing)."""
+    truth = POINTS[name]
+    value = float(truth["value"])
+    found = min(
+        (point for point in branch.points if point.kind == truth["type"]),
+        key=lambda point: abs(point.value - value),
+    )
+    within = 1e-11 if found.kind == "grazing" else 1e-12
+    assert abs(found.value - value) < within, name
+    return found
+
+
+def test_a_branch_has_the_points_of_the_references_and_leads_to_others(branch):
+    assert branch.symmetric and branch.impacts == 2 and branch.ends[0] == "grazing"
+    kinds = [point.kind for point in branch.points]
+    assert kinds == ["grazing", "pitchfork", "neimark_sacker", "fold", "impact_vanishes"]
+    for name in ("A-pitchfork", "A-neimark-sacker", "A-fold-symmetric", "A-grazing-symmetric"):
+        near(branch, name)
+    asymmetric = branch.switch(1)
+    assert isinstance(asymmetric, dynamics.Branch)
+    assert not asymmetric.symmetric and asymmetric.ends == ("origin", "grazing")
+    near(asymmetric, "A-grazing-asymmetric")
+    flip = near(asymmetric, "A-flip")
+    doubled = asymmetric.switch(asymmetric.points.index(flip))
+    assert isinstance(doubled, dynamics.Branch) and doubled.periods == 2
+    near(doubled, "A-flip-2")
+    near(doubled, "A-grazing-4:2")
+    four = branch.switch(0)
+    assert isinstance(four, dynamics.Branch) and four.walls in ("--++", "++--", "-++-", "+--+")
+    near(four, "A-fold-4:1")
+    near(four, "A-pitchfork-4:1")
+    assert not branch.switch(2) and not branch.switch(3)
+
+
+def test_the_orbit_of_a_row_is_one_and_has_its_multipliers(branch):
+    for index in range(5, len(branch.rows) - 5, 40):
+        row, orbit = branch.rows[index], branch.orbit(index)
+        assert isinstance(orbit, dynamics.Orbit)
+        assert orbit.absorber.clearance == row.value
+        assert len(orbit.impacts) == branch.impacts
+        assert orbit.stable == row.stable and orbit.residual < 1e-12
+        assert orbit.amplitude == pytest.approx(row.amplitude, rel=1e-12)
+        assert orbit.grazing_margin == pytest.approx(row.grazing_margin, rel=1e-9)
+        assert abs(orbit.multipliers[0] - row.multipliers[0]) < 1e-11 * (
+            1 + abs(row.multipliers[0])
+        )
+    special = branch.points[1].orbit
+    assert isinstance(special, dynamics.Orbit) and abs(special.half_multipliers[0] + 1) < 1e-12
+
+
+def test_what_a_branch_says_of_itself(branch):
+    table = branch.table
+    assert isinstance(table, pl.DataFrame) and table.height == len(branch.rows)
+    assert table["impacts"].unique().to_list() == [2]
+    assert table["arclength"].is_sorted()
+    assert "pitchfork at 4.23982548" in repr(branch) and "natural" in repr(branch)
+    assert repr(branch.points[1]).startswith("Point: pitchfork at clearance = 4.2398")
+    again = pickle.loads(pickle.dumps(branch))
+    assert again == branch and again.table.equals(table)
+
+
+def test_a_scene_in_newtons_has_the_same_branch(first):
+    """Ω and the times scale with ωn, forces with M ωn²; lengths are the same."""
+    mass, frequency = 3.0, 7.0
+    siva = iva.Siva(mass=0.2 * mass, restitution=0.7, clearance=4.5)
+    primary = iva.Primary(mass=mass, natural_frequency=frequency, damping_ratio=0.05)
+    force = iva.Harmonic(force=mass * frequency**2, frequency=frequency)
+    start = iva.Start(gap_velocity=0.1 * frequency)
+    orbit = dynamics.orbit(siva, primary, force=force, start=start, settle=200)
+    found = dynamics.follow(orbit, over="absorber.clearance", between=(3.0, 8.0))
+    assert [point.kind for point in found.points] == ["pitchfork", "neimark_sacker"]
+    near(found, "A-pitchfork")
+    over_force = dynamics.follow(orbit, over="force.force", between=(1.0, 300.0))
+    scaled = 4.5 / float(POINTS["A-pitchfork"]["value"]) * mass * frequency**2
+    kinds = {point.kind: point.value for point in over_force.points}
+    assert kinds["pitchfork"] == pytest.approx(scaled, rel=1e-13)
+
+
+def test_curves_are_those_of_the_references(branch):
+    truth = CURVES["T1"]
+    at = [float(frequency) for frequency, _ in truth["points"]]
+    pitchfork = branch.points[1]
+    found = dynamics.curve(
+        pitchfork,
+        over=("force.frequency", "clearance"),
+        between=((0.89, 1.16), (1.0, 10.0)),
+        at=at,
+    )
+    assert isinstance(found, dynamics.Curve) and found.kind == "pitchfork"
+    values = dict(found.values)
+    for frequency, clearance in truth["points"]:
+        assert abs(values[float(frequency)] - float(clearance)) < 1e-12
+    assert found.table.columns == ["force.frequency", "clearance", "largest_multiplier"]
+    assert pickle.loads(pickle.dumps(found)) == found
+    assert repr(found).startswith("Curve: pitchfork")
+
+
+def test_bad_input_is_one_sentence(first, branch):
+    with pytest.raises(ValueError, match="clearance"):
+        dynamics.follow(first, over="clearance", between=(-1.0, 3.0))
+    with pytest.raises(ValueError, match="outside the range"):
+        dynamics.follow(first, over="clearance", between=(1.0, 3.0))
+    with pytest.raises(ValueError, match="smaller one first"):
+        dynamics.follow(first, over="clearance", between=(8.0, 3.0))
+    with pytest.raises(ValueError, match="gap"):
+        dynamics.follow(first, over="gap", between=(1.0, 13.0))
+    with pytest.raises(ValueError, match="nonsense"):
+        dynamics.follow(first, over="nonsense", between=(1.0, 3.0))
+    with pytest.raises(ValueError, match="step"):
+        dynamics.follow(first, over="clearance", between=(1.0, 13.0), step=0.0)
+    with pytest.raises(TypeError, match="orbit"):
+        dynamics.follow("orbit", over="clearance", between=(1.0, 3.0))
+    with pytest.raises(TypeError, match="point"):
+        dynamics.curve(branch, over=("clearance", "mass_ratio"), between=((1, 2), (1, 2)))
+    with pytest.raises(ValueError, match="one of them clearance"):
+        dynamics.curve(
+            branch.points[1], over=("restitution", "mass_ratio"), between=((0, 1), (0, 1))
+        )
+
+
+def test_an_orbit_with_sticks_is_refused_with_a_reason():
+    siva = iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=0.25)
+    force = iva.Harmonic(amplitude=1.0, frequency=0.7)
+    primary = iva.Primary(damping_ratio=0.02)
+    orbit = dynamics.orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=300)
+    assert isinstance(orbit, dynamics.Orbit) and orbit.episodes
+    found = dynamics.follow(orbit, over="clearance", between=(0.2, 0.4))
+    assert not found and found.reason == "sticks"
