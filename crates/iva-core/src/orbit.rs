@@ -257,7 +257,9 @@ pub fn iterate<S: Iterated>(
     let mut order: Vec<usize> = (0..trajectories.len()).collect();
     order.sort_by_key(key);
     for group in order.chunk_by(|a, b| key(a) == key(b)) {
-        if key(&group[0]).is_some() {
+        // One alone is faster without lanes; in the exact tier the bits are the same.
+        let alone = group.len() == 1 && trajectories[group[0]].tier == Tier::Exact;
+        if key(&group[0]).is_some() && !alone {
             S::iterate_group((trajectories, &limits), group, request, see);
         } else {
             for index in group {
