@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from pathlib import Path
+from typing import Any
 
 import polars as pl
 import pytest
@@ -15,7 +16,7 @@ from iva import dynamics
 REFERENCE = Path(__file__).parents[1] / "reference"
 
 
-def read(name: str) -> dict[str, dict]:
+def read(name: str) -> dict[str, Any]:
     return {one["id"]: one for one in json.loads((REFERENCE / name).read_text())}
 
 
@@ -24,7 +25,7 @@ POINTS, CURVES = read("bifurcations.json"), read("bifurcation_curves.json")
 
 @pytest.fixture(scope="module")
 def first() -> dynamics.Orbit:
-    """The symmetric orbit with two impacts of family A, which a run settles on."""
+    """Return the symmetric orbit with two impacts of family A, which a run settles on."""
     siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
     force = iva.Harmonic(amplitude=1.0, frequency=1.0)
     primary = iva.Primary(damping_ratio=0.05)
@@ -53,56 +54,70 @@ def near(branch: dynamics.Branch, name: str) -> dynamics.Point:
     return found
 
 
-def test_a_branch_has_the_points_of_the_references_and_leads_to_others(branch):
-    assert branch.symmetric and branch.impacts == 2 and branch.ends[0] == "grazing"
+def test_a_branch_has_the_points_of_the_references_and_leads_on(
+    branch: dynamics.Branch,
+) -> None:
+    assert branch.symmetric
+    assert branch.impacts == 2
+    assert branch.ends[0] == "grazing"
     kinds = [point.kind for point in branch.points]
     assert kinds == ["grazing", "pitchfork", "neimark_sacker", "fold", "impact_vanishes"]
     for name in ("A-pitchfork", "A-neimark-sacker", "A-fold-symmetric", "A-grazing-symmetric"):
         near(branch, name)
     asymmetric = branch.switch(1)
     assert isinstance(asymmetric, dynamics.Branch)
-    assert not asymmetric.symmetric and asymmetric.ends == ("origin", "grazing")
+    assert not asymmetric.symmetric
+    assert asymmetric.ends == ("origin", "grazing")
     near(asymmetric, "A-grazing-asymmetric")
     flip = near(asymmetric, "A-flip")
     doubled = asymmetric.switch(asymmetric.points.index(flip))
-    assert isinstance(doubled, dynamics.Branch) and doubled.periods == 2
+    assert isinstance(doubled, dynamics.Branch)
+    assert doubled.periods == 2
     near(doubled, "A-flip-2")
     near(doubled, "A-grazing-4:2")
     four = branch.switch(0)
-    assert isinstance(four, dynamics.Branch) and four.walls in ("--++", "++--", "-++-", "+--+")
+    assert isinstance(four, dynamics.Branch)
+    assert four.walls in ("--++", "++--", "-++-", "+--+")
     near(four, "A-fold-4:1")
     near(four, "A-pitchfork-4:1")
-    assert not branch.switch(2) and not branch.switch(3)
+    assert not branch.switch(2)
+    assert not branch.switch(3)
 
 
-def test_the_orbit_of_a_row_is_one_and_has_its_multipliers(branch):
+def test_the_orbit_of_a_row_is_one_and_has_its_multipliers(branch: dynamics.Branch) -> None:
     for index in range(5, len(branch.rows) - 5, 40):
         row, orbit = branch.rows[index], branch.orbit(index)
         assert isinstance(orbit, dynamics.Orbit)
         assert orbit.absorber.clearance == row.value
         assert len(orbit.impacts) == branch.impacts
-        assert orbit.stable == row.stable and orbit.residual < 1e-12
+        assert orbit.stable == row.stable
+        assert orbit.residual < 1e-12
         assert orbit.amplitude == pytest.approx(row.amplitude, rel=1e-12)
         assert orbit.grazing_margin == pytest.approx(row.grazing_margin, rel=1e-9)
         assert abs(orbit.multipliers[0] - row.multipliers[0]) < 1e-11 * (
             1 + abs(row.multipliers[0])
         )
     special = branch.points[1].orbit
-    assert isinstance(special, dynamics.Orbit) and abs(special.half_multipliers[0] + 1) < 1e-12
+    assert isinstance(special, dynamics.Orbit)
+    assert special.half_multipliers is not None
+    assert abs(special.half_multipliers[0] + 1) < 1e-12
 
 
-def test_what_a_branch_says_of_itself(branch):
+def test_what_a_branch_says_of_itself(branch: dynamics.Branch) -> None:
     table = branch.table
-    assert isinstance(table, pl.DataFrame) and table.height == len(branch.rows)
+    assert isinstance(table, pl.DataFrame)
+    assert table.height == len(branch.rows)
     assert table["impacts"].unique().to_list() == [2]
     assert table["arclength"].is_sorted()
-    assert "pitchfork at 4.23982548" in repr(branch) and "natural" in repr(branch)
+    assert "pitchfork at 4.23982548" in repr(branch)
+    assert "natural" in repr(branch)
     assert repr(branch.points[1]).startswith("Point: pitchfork at clearance = 4.2398")
     again = pickle.loads(pickle.dumps(branch))
-    assert again == branch and again.table.equals(table)
+    assert again == branch
+    assert again.table.equals(table)
 
 
-def test_a_scene_in_newtons_has_the_same_branch(first):
+def test_a_scene_in_newtons_has_the_same_branch() -> None:
     """Ω and the times scale with ωn, forces with M ωn²; lengths are the same."""
     mass, frequency = 3.0, 7.0
     siva = iva.Siva(mass=0.2 * mass, restitution=0.7, clearance=4.5)
@@ -110,16 +125,19 @@ def test_a_scene_in_newtons_has_the_same_branch(first):
     force = iva.Harmonic(force=mass * frequency**2, frequency=frequency)
     start = iva.Start(gap_velocity=0.1 * frequency)
     orbit = dynamics.orbit(siva, primary, force=force, start=start, settle=200)
+    assert isinstance(orbit, dynamics.Orbit)
     found = dynamics.follow(orbit, over="absorber.clearance", between=(3.0, 8.0))
+    assert isinstance(found, dynamics.Branch)
     assert [point.kind for point in found.points] == ["pitchfork", "neimark_sacker"]
     near(found, "A-pitchfork")
-    over_force = dynamics.follow(orbit, over="force.force", between=(1.0, 300.0))
+    over_force = dynamics.follow(orbit, over="force.force", between=(100.0, 300.0))
+    assert isinstance(over_force, dynamics.Branch)
     scaled = 4.5 / float(POINTS["A-pitchfork"]["value"]) * mass * frequency**2
     kinds = {point.kind: point.value for point in over_force.points}
     assert kinds["pitchfork"] == pytest.approx(scaled, rel=1e-13)
 
 
-def test_curves_are_those_of_the_references(branch):
+def test_curves_are_those_of_the_references(branch: dynamics.Branch) -> None:
     truth = CURVES["T1"]
     at = [float(frequency) for frequency, _ in truth["points"]]
     pitchfork = branch.points[1]
@@ -129,7 +147,8 @@ def test_curves_are_those_of_the_references(branch):
         between=((0.89, 1.16), (1.0, 10.0)),
         at=at,
     )
-    assert isinstance(found, dynamics.Curve) and found.kind == "pitchfork"
+    assert isinstance(found, dynamics.Curve)
+    assert found.kind == "pitchfork"
     values = dict(found.values)
     for frequency, clearance in truth["points"]:
         assert abs(values[float(frequency)] - float(clearance)) < 1e-12
@@ -138,7 +157,7 @@ def test_curves_are_those_of_the_references(branch):
     assert repr(found).startswith("Curve: pitchfork")
 
 
-def test_bad_input_is_one_sentence(first, branch):
+def test_bad_input_is_one_sentence(first: dynamics.Orbit, branch: dynamics.Branch) -> None:
     with pytest.raises(ValueError, match="clearance"):
         dynamics.follow(first, over="clearance", between=(-1.0, 3.0))
     with pytest.raises(ValueError, match="outside the range"):
@@ -152,20 +171,22 @@ def test_bad_input_is_one_sentence(first, branch):
     with pytest.raises(ValueError, match="step"):
         dynamics.follow(first, over="clearance", between=(1.0, 13.0), step=0.0)
     with pytest.raises(TypeError, match="orbit"):
-        dynamics.follow("orbit", over="clearance", between=(1.0, 3.0))
+        dynamics.follow("orbit", over="clearance", between=(1.0, 3.0))  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="point"):
-        dynamics.curve(branch, over=("clearance", "mass_ratio"), between=((1, 2), (1, 2)))
+        dynamics.curve(branch, over=("clearance", "mass_ratio"), between=((1, 2), (1, 2)))  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="one of them clearance"):
         dynamics.curve(
             branch.points[1], over=("restitution", "mass_ratio"), between=((0, 1), (0, 1))
         )
 
 
-def test_an_orbit_with_sticks_is_refused_with_a_reason():
+def test_an_orbit_with_sticks_is_refused_with_a_reason() -> None:
     siva = iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=0.25)
     force = iva.Harmonic(amplitude=1.0, frequency=0.7)
     primary = iva.Primary(damping_ratio=0.02)
     orbit = dynamics.orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=300)
-    assert isinstance(orbit, dynamics.Orbit) and orbit.episodes
+    assert isinstance(orbit, dynamics.Orbit)
+    assert orbit.episodes
     found = dynamics.follow(orbit, over="clearance", between=(0.2, 0.4))
-    assert not found and found.reason == "sticks"
+    assert isinstance(found, dynamics.Missed)
+    assert found.reason == "sticks"

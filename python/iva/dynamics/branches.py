@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 
 from iva import _iva
 from iva.dynamics.orbits import Missed, Orbit, rounded
-from iva.dynamics.search import MOST_PERIODS, orbit_of, whole
+from iva.dynamics.search import orbit_of, whole
 from iva.forces import Harmonic, written
 from iva.parameters import Piva, Primary, Siva, Start, shown, spec
 from iva.scenes import scene
@@ -92,8 +92,8 @@ class Row:
     stable : bool
         All multipliers are smaller than 1.
     grazing_margin : float
-        Smallest distance of an extremum of the gap displacement between impacts to the wall that the
-        absorber turns back from; infinite without one.
+        Smallest distance of an extremum of the gap displacement between impacts to the wall that
+        the absorber turns back from; infinite without one.
     approach_speed_min : float
         Smallest approach speed of its impacts.
     unknowns : tuple of float
@@ -156,8 +156,9 @@ class Branch:
     between : tuple of float, length 2
         The range of the number.
     chain : tuple
-        Walls (+1 and −1) of the impacts until the motion repeats, of a symmetric orbit those of half
-        of it; whether it is symmetric; and the number of periods of the force until it repeats.
+        Walls (+1 and −1) of the impacts until the motion repeats, of a symmetric orbit those of
+        half of it; whether it is symmetric; and the number of periods of the force until it
+        repeats.
     rows : tuple of Row
         Its points in order; the first is at the end that is reached towards smaller numbers.
     points : tuple of Point
@@ -168,8 +169,8 @@ class Branch:
 
     Notes
     -----
-    Pseudo-arclength continuation (H. B. Keller) of the boundary-value problem in the instants of the
-    impacts; special points by Newton's method on the orbit and its condition together.
+    Pseudo-arclength continuation (H. B. Keller) of the boundary-value problem in the instants of
+    the impacts; special points by Newton's method on the orbit and its condition together.
     """
 
     scene: Scene
@@ -192,7 +193,7 @@ class Branch:
 
     @property
     def walls(self) -> str:
-        """The walls of the impacts until the motion repeats, ``+`` and ``-``, from one of them on."""
+        """The walls of the impacts until the motion repeats, ``+`` and ``-``."""
         walls, symmetric, _ = self.chain
         both = (*walls, *(-wall for wall in walls)) if symmetric else walls
         return "".join("+" if wall > 0 else "-" for wall in both)
@@ -206,8 +207,8 @@ class Branch:
     def table(self) -> pl.DataFrame:
         """Its points as a frame.
 
-        One row a point: value, arclength, amplitude, impacts, walls, stable, largest_multiplier (its
-        size), grazing_margin, approach_speed_min, and the parts multiplier_1_re, multiplier_1_im, …
+        One row a point: value, arclength, amplitude, impacts, walls, stable, largest_multiplier
+        (its size), grazing_margin, approach_speed_min, and the parts multiplier_1_re, multiplier_1_im, …
         """
         import polars as pl
 
@@ -249,9 +250,9 @@ class Branch:
     def switch(self, index: int) -> Branch | Missed:
         """Follow the branch that begins at a special point, within the same range.
 
-        At a pitchfork that of the asymmetric orbits (their mirror images are another one); at a flip
-        that of the orbits that take twice as long; at a grazing that with the impact that begins
-        there; where an impact vanishes that without it. Where this branch itself begins at the
+        At a pitchfork that of the asymmetric orbits (their mirror images are another one); at a
+        flip that of the orbits that take twice as long; at a grazing that with the impact that
+        begins there; where an impact vanishes that without it. Where this branch itself begins at the
         point, it is the branch that it begins on.
 
         Parameters

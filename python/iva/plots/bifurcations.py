@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from iva import _iva
-from iva.dynamics.branches import Branch
+from iva.dynamics.branches import Branch, Row
 from iva.parameters import shown, spec
 from iva.plots.labels import labelled, of_column
 from iva.plots.styles import BLACK, BLUE, GREY, VERMILLION, drawing_on, legend_above
@@ -102,8 +102,8 @@ def lines(axes: Axes, one: Branch, y: str) -> None:
     for is_stable, group in groupby(stable):
         end = begin + len(list(group))
         part = slice(begin, min(end + 1, len(stable)))
-        look = {"color": BLUE} if is_stable else {"color": GREY, "linestyle": "--"}
-        axes.plot(across[part], up[part], label="_branch", **look)
+        colour, dashes = (BLUE, "-") if is_stable else (GREY, "--")
+        axes.plot(across[part], up[part], color=colour, linestyle=dashes, label="_branch")
         begin = end
 
 
@@ -119,10 +119,10 @@ def marked(axes: Axes, branches: Sequence[Branch], y: str) -> None:
         axes.plot(across, up, marker, color=VERMILLION, markersize=4, label=label, fillstyle="none")
 
 
-def height(row: object, y: str) -> float:
+def height(row: Row, y: str) -> float:
     """Return the value of a column at a special point."""
     if y == "largest_multiplier":
-        return abs(getattr(row, "multipliers")[0])
+        return abs(row.multipliers[0])
     value: float = getattr(row, y)
     return value
 
