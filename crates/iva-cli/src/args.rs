@@ -92,6 +92,20 @@ pub enum Command {
                             Nothing is written. A few points spread over the study are run for the \
                             estimate.")]
     Check(CheckArgs),
+    /// Find the periodic orbit near the start of a study, stable or not, with its multipliers
+    #[command(
+        after_help = "Example: the motion that a structure under a harmonic force settles on\n\n  \
+                            iva orbit my.toml --settle 300\n\n\
+                            The study has one [force] or motion of the base, harmonic, and no [sweep]."
+    )]
+    Orbit(OrbitArgs),
+    /// Follow that orbit over a field of the study, and find where it changes its kind
+    #[command(after_help = "Example: over the clearance, with a table of its points\n\n  \
+                            iva branch my.toml --settle 300 --over clearance --from 0.5 --to 8 \\\n      \
+                            --csv branch.csv\n\n\
+                            Printed are folds, pitchforks, flips, Neimark-Sacker points, grazings and\n\
+                            impacts that vanish. The study gives the field itself.")]
+    Branch(BranchArgs),
     /// Draw the figures of the paper anew; needs Python: pip install 'iva-dynamics[plots]'
     #[command(disable_help_flag = true)]
     Reproduce(ReproduceArgs),
@@ -186,6 +200,49 @@ pub struct CheckArgs {
     /// The study file (TOML)
     #[arg(value_name = "STUDY.toml")]
     pub study: PathBuf,
+}
+
+/// Arguments of `iva orbit`.
+#[derive(Debug, Args)]
+pub struct OrbitArgs {
+    /// The study file (TOML)
+    #[arg(value_name = "STUDY.toml")]
+    pub study: PathBuf,
+    /// Number of periods of the force after which the orbit repeats
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub periods: u32,
+    /// Number of periods that are run before the search
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub settle: u64,
+    /// Only an orbit that is its own mirror image half a cycle later
+    #[arg(long)]
+    pub symmetric: bool,
+}
+
+/// Arguments of `iva branch`.
+#[derive(Debug, Args)]
+pub struct BranchArgs {
+    /// The orbit to begin with.
+    #[command(flatten)]
+    pub orbit: OrbitArgs,
+    /// The field that is changed, such as clearance or force.frequency
+    #[arg(long, value_name = "FIELD")]
+    pub over: String,
+    /// Its smallest value
+    #[arg(long, value_name = "LOW", allow_negative_numbers = true)]
+    pub from: f64,
+    /// Its largest value
+    #[arg(long, value_name = "HIGH", allow_negative_numbers = true)]
+    pub to: f64,
+    /// Longest step, as a share of the range and of the sizes of the state
+    #[arg(long, value_name = "SHARE", default_value_t = 0.02)]
+    pub step: f64,
+    /// Most points to either side
+    #[arg(long, value_name = "N", default_value_t = 2000)]
+    pub points: usize,
+    /// Write the points of the branch to this file
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
 }
 
 /// Arguments of `iva reproduce`, which only the Python package understands: anything.

@@ -4,13 +4,14 @@ use iva_sweep::dynamics::branches::{
     self as engine, Begin, Chain, Complex, Condition, CurveWay, Curved, End, Followed, NoBranch,
     Row, Wall, Way,
 };
+use iva_sweep::dynamics::words::words;
 use iva_sweep::slot::Slot;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arguments;
-use crate::dynamics::{shown, words};
+use crate::dynamics::shown;
 use crate::errors::invalid;
 use crate::worker;
 
@@ -140,7 +141,7 @@ pub fn curve<'py>(
         engine::follow_curve(&spec, &begin, values, &way, &shared.cancel)
     };
     let Some(Curved { points, ends }) = worker::run_any(py, None, work)?.map_err(invalid)? else {
-        return failed(py, lost());
+        return failed(py, NoBranch::Lost.words());
     };
     let dict = PyDict::new(py);
     dict.set_item("values", points.iter().map(|it| it.values).collect::<Vec<_>>())?;
@@ -167,24 +168,13 @@ fn failed<'py>(
     Ok(dict)
 }
 
-fn lost() -> (&'static str, String) {
-    let message = "the equations of the orbit with its sequence of impacts were not solved; or no branch begins at this kind of point";
-    ("lost", message.to_owned())
-}
-
 fn answer<'py>(
     py: Python<'py>,
     followed: Result<Followed, NoBranch>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let Followed { chain, rows, special, ends } = match followed {
         Ok(followed) => followed,
-        Err(NoBranch::Missed(missed)) => return failed(py, words(&missed)),
-        Err(NoBranch::Sticks) => {
-            let message =
-                "the absorber sticks to a wall; only orbits of single impacts can be followed";
-            return failed(py, ("sticks", message.to_owned()));
-        }
-        Err(NoBranch::Lost) => return failed(py, lost()),
+        Err(none) => return failed(py, none.words()),
     };
     let dict = PyDict::new(py);
     dict.set_item("chain", given_chain(&chain))?;

@@ -1,8 +1,7 @@
 //! Periodic orbits for Python, in the user's units.
 
-use iva_sweep::dynamics::{
-    self as engine, Asked, Course, Found, Impact, Missed, Outcome, State, StickEpisode,
-};
+use iva_sweep::dynamics::words::words;
+use iva_sweep::dynamics::{self as engine, Asked, Course, Found, Impact, State, StickEpisode};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -30,45 +29,6 @@ pub fn orbit<'py>(
             dict.set_item("reason", reason)?;
             dict.set_item("message", message)?;
             Ok(dict)
-        }
-    }
-}
-
-/// The reason why no orbit was found as a word, and a sentence.
-pub(crate) fn words(missed: &Missed) -> (&'static str, String) {
-    match missed {
-        Missed::Invalid(invalid) => ("invalid", invalid.to_string()),
-        Missed::Cycle(outcome) => {
-            let why = match outcome {
-                Outcome::ImpactLimit => "has more impacts than a run may have",
-                Outcome::WorkLimit => "has more stretches of motion than a run may have",
-                Outcome::NotFinite => "leaves the range of numbers",
-                Outcome::Finished | Outcome::Cancelled | Outcome::Stopped => "was stopped",
-            };
-            (outcome.name(), format!("a run over one cycle {why}"))
-        }
-        Missed::NoImpacts => {
-            let rule = "the motion has no impacts, or fewer than two in three cycles; without impacts no orbit is \
-                        isolated, as the absorber may stand anywhere in its gap";
-            ("no_impacts", rule.to_owned())
-        }
-        Missed::Singular => {
-            let rule = "the orbit is not isolated: it has the multiplier 1, as at a fold or a pitchfork (a symmetric \
-                        orbit at a pitchfork is found with symmetric=True)";
-            ("singular", rule.to_owned())
-        }
-        Missed::Stalled(residual) => {
-            let message = format!(
-                "Newton's method ends {residual:.1e} of the size of the state from an orbit; give a start that is closer \
-                 to one, more cycles to settle, or another number of periods"
-            );
-            ("stalled", message)
-        }
-        Missed::NotPeriodic(off) => {
-            let message = format!(
-                "a run from the point found does not come back to it, by {off:.1e} of the size of the state"
-            );
-            ("not_periodic", message)
         }
     }
 }

@@ -24,6 +24,7 @@ use family::with_member;
 pub mod branches;
 mod course;
 mod family;
+pub mod words;
 
 pub use course::Course;
 pub use family::{Family, Member};

@@ -208,7 +208,8 @@ class Branch:
         """Its points as a frame.
 
         One row a point: value, arclength, amplitude, impacts, walls, stable, largest_multiplier
-        (its size), grazing_margin, approach_speed_min, and the parts multiplier_1_re, multiplier_1_im, …
+        (its size), grazing_margin, approach_speed_min, and the parts of the multipliers,
+        multiplier_1_re, multiplier_1_im, …
         """
         import polars as pl
 
@@ -252,8 +253,8 @@ class Branch:
 
         At a pitchfork that of the asymmetric orbits (their mirror images are another one); at a
         flip that of the orbits that take twice as long; at a grazing that with the impact that
-        begins there; where an impact vanishes that without it. Where this branch itself begins at the
-        point, it is the branch that it begins on.
+        begins there; where an impact vanishes that without it. Where this branch itself begins at
+        the point, it is the branch that it begins on.
 
         Parameters
         ----------

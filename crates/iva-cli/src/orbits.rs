@@ -1,0 +1,212 @@
+//! `iva orbit` and `iva branch`: periodic orbits of the scene of a study, and how they change with one of its fields.
+
+use std::fmt::Write as _;
+use std::sync::atomic::Ordering;
+
+use iva_study::error::Kept;
+use iva_study::study_file::{StudyFile, read_study};
+use iva_sweep::design::Spec;
+use iva_sweep::dynamics::branches::{Complex, Followed, Row, Special, Way, follow};
+use iva_sweep::dynamics::words::words;
+use iva_sweep::dynamics::{Asked, Found, orbit};
+use iva_sweep::fields::{FieldId, Quantity};
+use iva_sweep::slot::Slot;
+use iva_sweep::units::UnitSystem;
+
+use crate::args::{BranchArgs, OrbitArgs};
+use crate::cell::short;
+use crate::error::Error;
+use crate::interrupt;
+
+/// Significant digits of what is printed; of where a special point is, and of multipliers.
+const DIGITS: usize = 6;
+const ALL_DIGITS: usize = 15;
+
+/// The scene of a study without a sweep, and its units.
+fn scene(args: &OrbitArgs) -> Result<(StudyFile, UnitSystem), Error> {
+    let file = read_study(&args.study)?;
+    if !file.study.sampling.is_empty() {
+        let study = args.study.display();
+        let rule = format!("{study} has a [sweep] section; an orbit is one of a single scene");
+        return Err(Error::Refused(rule));
+    }
+    let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
+    Ok((file, units))
+}
+
+/// Finds the orbit that is asked for.
+fn found(file: &StudyFile, args: &OrbitArgs) -> Result<Found, Error> {
+    let OrbitArgs { periods, settle, symmetric, .. } = *args;
+    let asked = Asked { periods, symmetric: symmetric.then_some(true), settle };
+    let cancel = interrupt::listen();
+    let answer = orbit(&file.study.spec, asked, cancel);
+    if cancel.load(Ordering::Relaxed) {
+        return Err(iva_study::Error::Interrupted(Kept::nothing()).into());
+    }
+    answer
+        .map_err(|invalid| file.source.locate(&invalid))?
+        .map_err(|missed| Error::Refused(format!("no orbit: {}", words(&missed).1)))
+}
+
+/// Finds a periodic orbit; returns the text to print.
+///
+/// # Errors
+/// What [`read_study`] refuses, a scene that has no orbits, or the reason why none was found.
+pub(crate) fn orbit_command(args: &OrbitArgs) -> Result<String, Error> {
+    let (file, units) = scene(args)?;
+    Ok(described(&found(&file, args)?, units))
+}
+
+/// A number with its unit.
+fn measured(value: f64, quantity: Quantity, units: UnitSystem) -> String {
+    match units.unit(quantity) {
+        "1" => short(value, DIGITS),
+        unit => format!("{} {unit}", short(value, DIGITS)),
+    }
+}
+
+fn complex(value: &Complex<f64>) -> String {
+    if value.im == 0.0 {
+        return short(value.re, DIGITS);
+    }
+    let sign = if value.im < 0.0 { '-' } else { '+' };
+    format!("{} {sign} {}i", short(value.re, DIGITS), short(value.im.abs(), DIGITS))
+}
+
+/// An orbit, for the terminal.
+fn described(found: &Found, units: UnitSystem) -> String {
+    let Found { course, spectrum, .. } = found;
+    let kind = if found.stable { "stable" } else { "unstable" };
+    let shape = if found.symmetric { "symmetric" } else { "asymmetric" };
+    let mut out = format!(
+        "{kind}, {shape} orbit: {} impacts {} in {}\n\n",
+        course.impacts.len(),
+        course.walls,
+        measured(found.length, Quantity::Time, units)
+    );
+    let mut line = |name: &str, text: String| {
+        let _ = writeln!(out, "  {name:<24}{text}");
+    };
+    for (name, multiplier) in ["multipliers", "", "", ""].iter().zip(&spectrum.multipliers) {
+        line(name, complex(multiplier));
+    }
+    line("rank", spectrum.rank.to_string());
+    if let Some(amplitude) = found.amplitude {
+        line("amplitude", measured(amplitude, Quantity::Length, units));
+    }
+    if let Some(margin) = found.grazing_margin {
+        line("grazing margin", measured(margin, Quantity::Length, units));
+    }
+    line("residual", short(found.residual, 3));
+    let state = &course.state;
+    for (name, value, quantity) in [
+        ("at time", state.time, Quantity::Time),
+        ("displacement", state.displacement, Quantity::Length),
+        ("velocity", state.velocity, Quantity::Velocity),
+        ("gap displacement", state.gap_displacement, Quantity::Length),
+        ("gap velocity", state.gap_velocity, Quantity::Velocity),
+    ] {
+        let unit = units.unit(quantity);
+        line(name, format!("{} {unit}", short(value, ALL_DIGITS)));
+    }
+    out
+}
+
+/// Follows the branch of an orbit; returns the text to print.
+///
+/// # Errors
+/// As [`orbit_command`]; for a field that the study does not give, or a range that it does not allow.
+pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
+    let (file, units) = scene(&args.orbit)?;
+    let start = found(&file, &args.orbit)?;
+    let located = |invalid| file.source.locate(&invalid);
+    let over = Slot::from_key(&args.over).map_err(located)?;
+    let [low, high] = [args.from, args.to];
+    let way = Way { over, between: [low, high], longest: args.step, most_points: args.points };
+    let spec = on_orbit(&file.study.spec, &start).map_err(located)?;
+    let cancel = interrupt::listen();
+    let followed = follow(&spec, (start.least_periods, start.symmetric), &way, cancel);
+    if cancel.load(Ordering::Relaxed) {
+        return Err(iva_study::Error::Interrupted(Kept::nothing()).into());
+    }
+    let followed = followed
+        .map_err(located)?
+        .map_err(|none| Error::Refused(format!("no branch: {}", none.words().1)))?;
+    if let Some(path) = &args.csv {
+        let failed = |reason| {
+            Error::Refused(format!("--csv {}: it cannot be written: {reason}", path.display()))
+        };
+        std::fs::write(path, table(&followed, &args.over)).map_err(failed)?;
+    }
+    Ok(told(&followed, over, units))
+}
+
+/// The scene with the start on the orbit.
+fn on_orbit(spec: &Spec, found: &Found) -> Result<Spec, iva_sweep::Invalid> {
+    let (mut spec, state) = (spec.clone(), &found.course.state);
+    spec.replace(FieldId::Displacement, state.displacement)?;
+    spec.replace(FieldId::Velocity, state.velocity)?;
+    match state.angle {
+        Some(angle) => {
+            spec.replace(FieldId::Angle, angle.value)?;
+            spec.replace(FieldId::AngularVelocity, angle.rate)?;
+        }
+        None => {
+            spec.replace(FieldId::GapDisplacement, state.gap_displacement)?;
+            spec.replace(FieldId::GapVelocity, state.gap_velocity)?;
+        }
+    }
+    Ok(spec)
+}
+
+/// A branch, for the terminal.
+fn told(followed: &Followed, over: Slot, units: UnitSystem) -> String {
+    let Followed { chain, rows, special, ends } = followed;
+    let stable = rows.iter().filter(|row| row.stable).count();
+    let shape = if chain.symmetric { "symmetric" } else { "asymmetric" };
+    let values = || rows.iter().map(|row| row.value);
+    let name = over.path();
+    let mut out = format!(
+        "{} {shape} orbits with {} impacts in {} periods, {stable} of them stable\n\n  {name} from {} to {}; \
+         ends: {}, {}\n\n",
+        rows.len(),
+        chain.impacts(),
+        chain.cycles,
+        short(values().fold(f64::INFINITY, f64::min), DIGITS),
+        measured(values().fold(f64::NEG_INFINITY, f64::max), over.info().quantity, units),
+        ends[0].name(),
+        ends[1].name(),
+    );
+    for Special { condition, row } in special {
+        let kind = condition.kind().name();
+        let _ = writeln!(
+            out,
+            "  {kind:<16} {:<24} multiplier {}",
+            short(row.value, ALL_DIGITS),
+            complex(&row.multipliers[0])
+        );
+    }
+    out
+}
+
+/// The rows of a branch as CSV.
+fn table(followed: &Followed, over: &str) -> String {
+    let mut out = format!("{over},arclength,amplitude,stable,grazing_margin,approach_speed_min");
+    for k in 1..=4 {
+        let _ = write!(out, ",multiplier_{k}_re,multiplier_{k}_im");
+    }
+    out.push('\n');
+    for row in &followed.rows {
+        let Row { value, arclength, amplitude, stable, grazing_margin, .. } = row;
+        let _ = write!(
+            out,
+            "{value},{arclength},{amplitude},{stable},{grazing_margin},{}",
+            row.approach_speed_min
+        );
+        for multiplier in &row.multipliers {
+            let _ = write!(out, ",{},{}", multiplier.re, multiplier.im);
+        }
+        out.push('\n');
+    }
+    out
+}
