@@ -2,23 +2,26 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::f64::consts::TAU;
+use std::ops::ControlFlow::{Break, Continue};
 
 use iva_core::{
-    absorber::Start,
+    absorber::{Start, Wall},
     error::Invalid,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     orbit::{
-        Cycle, Trajectory,
+        Cycle, Request, Trajectory,
         branch::{Along, Branch, BranchPoint, End, follow, switch},
         chain::Chain,
         conditions::Condition,
         curve::{AlongCurve, curve},
+        iterate,
         periodic::{Orbit, find},
     },
     piva::{Angles, Given, Parameters, Piva, PivaStart},
     siva::Siva,
 };
+use iva_tests::rng::Rng;
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -280,4 +283,48 @@ fn branches_of_pendulums_have_the_points_of_the_references() {
         println!("{} {off:e}", truth["id"]);
         assert!(off < 1e-11, "{off:e}");
     }
+}
+
+/// Branches of random scenes, from what they settle on: every special point is one, every orbit between them one that a run
+/// makes, and none has impacts on one wall only.
+#[test]
+fn branches_of_random_scenes_are_made_of_orbits() {
+    let mut rng = Rng::new(81);
+    let (mut count, mut points, mut special) = (0, 0, 0);
+    while count < 12 {
+        let key = |name: &str, value: f64| (name.to_owned(), Value::from(value.to_string()));
+        let given = [
+            key("mass_ratio", rng.range(0.02, 0.3)),
+            key("restitution", rng.range(0.3, 0.9)),
+            key("clearance", rng.range(0.5, 4.0)),
+            key("damping_ratio", rng.range(0.01, 0.1)),
+            key("force_amplitude_per_mass", 1.0),
+            key("frequency", rng.range(0.7, 1.4)),
+        ];
+        let record = serde_json::json!({ "scene": Value::Object(given.into_iter().collect()) });
+        let (system, period) = scene(&record, &[]).unwrap();
+        let clearance = number(&record["scene"]["clearance"]);
+        let start = Start { gap_velocity: 0.3, ..Start::default() };
+        let cycle = Cycle { begin: 0.0, length: period };
+        let begun = Trajectory::new(system, &start, cycle).unwrap();
+        let (mut cycles, mut last) = (0, begun.state);
+        iterate(std::slice::from_ref(&begun), Request::default(), &mut |_, image| {
+            (cycles, last) = (cycles + 1, image.state);
+            if cycles < 150 { Continue(()) } else { Break(()) }
+        })
+        .unwrap();
+        let Ok(orbit) = find(&begun.from(&last), false, None) else { continue };
+        let Ok((chain, unknowns)) = Chain::of(&orbit, 1) else { continue };
+        let scenes = |values: &[f64]| scene(&record, &[("clearance", values[0])]);
+        let along = Along::new([0.2, 6.0]);
+        let Some(found) = follow(&scenes, (&chain, &unknowns), clearance, along) else { continue };
+        let walls = |wall| found.chain.walls.contains(&wall);
+        assert!(walls(Wall::Plus) && walls(Wall::Minus), "{record}");
+        assert!(!found.ends.contains(&End::Points), "{record} {:?}", found.ends);
+        judge(&record, "clearance", &found);
+        (count, points) = (count + 1, points + found.points.len());
+        special += found.special.len();
+    }
+    println!("{count} branches, {points} orbits, {special} special points");
+    assert!(special > 20, "{special}");
 }
