@@ -70,6 +70,15 @@ impl<S: Coordinates> Attractor<S> {
         self.strobes.len()
     }
 
+    /// True if its mirror image is another orbit, which is counted with it.
+    pub fn is_pair(&self, clearance: f64) -> bool {
+        let first = self.mirrored.as_ref().and_then(|them| them.first());
+        first.is_some_and(|strobe| {
+            let near = NEAR * clearance.max(strobe.amax());
+            self.strobes.iter().all(|own| (own - strobe).amax() > near)
+        })
+    }
+
     /// True if a strobe is within a distance of one of its own, or of its mirror image.
     fn is_at(&self, strobe: &Vector4<f64>, within: f64) -> bool {
         let all = self.strobes.iter().chain(self.mirrored.iter().flatten());
@@ -104,6 +113,27 @@ impl<S: Coordinates> Found<S> {
         let all = self.classes.len() as f64;
         let share = count as f64 / all;
         Share { count, share, standard_error: (share * (1.0 - share) / all).sqrt() }
+    }
+
+    /// Adds what more starts of the same scene have ended in. Attractors that both have found count as one.
+    pub fn join(&mut self, more: Self, clearance: f64) {
+        let places: Vec<usize> =
+            more.attractors.into_iter().map(|it| self.place(it, clearance)).collect();
+        self.classes.extend(more.classes.into_iter().map(|class| match class {
+            Class::Periodic(index) => Class::Periodic(places[index]),
+            other => other,
+        }));
+    }
+
+    /// The index of an attractor, which is added if it is new.
+    fn place(&mut self, attractor: Attractor<S>, clearance: f64) -> usize {
+        let strobe = attractor.strobes.first().copied().unwrap_or_default();
+        let near = NEAR * clearance.max(strobe.amax());
+        let known = self.attractors.iter().position(|it| it.is_at(&strobe, near));
+        known.unwrap_or_else(|| {
+            self.attractors.push(attractor);
+            self.attractors.len() - 1
+        })
     }
 }
 

@@ -105,7 +105,7 @@ fn complete(matrix: &mut Matrix4<f64>) {
 }
 
 /// Sums over cycles.
-#[derive(Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     logs: [f64; 4],
     impacts: u64,
@@ -130,8 +130,9 @@ impl Sums {
     }
 }
 
-/// A trajectory with its four differences.
-struct Carried {
+/// What the four differences of a trajectory have come to.
+#[derive(Debug, Clone)]
+pub struct Carried {
     differences: Matrix4<f64>,
     seen: u64,
     blocks: Vec<Sums>,
@@ -203,6 +204,18 @@ pub fn lyapunov<S: Iterated + Coordinates>(
     window: Window,
     cancel: Option<&AtomicBool>,
 ) -> Result<Spectrum, Invalid> {
+    Ok(spectrum(trajectories, &carried(trajectories, window, cancel)?))
+}
+
+/// The differences along trajectories of one scene, for [`spectrum`]. Trajectories may be divided among several calls in any way.
+///
+/// # Errors
+/// As [`lyapunov`].
+pub fn carried<S: Iterated + Coordinates>(
+    trajectories: &[Trajectory<S>],
+    window: Window,
+    cancel: Option<&AtomicBool>,
+) -> Result<Vec<Carried>, Invalid> {
     if window.keep == 0
         || window.discard.checked_add(window.keep).is_none_or(|all| all > MOST_CYCLES)
     {
@@ -212,11 +225,11 @@ pub fn lyapunov<S: Iterated + Coordinates>(
     let mut all: Vec<Carried> = trajectories.iter().map(|_| Carried::new()).collect();
     let request = Request { tangents: true, cancel };
     iterate(trajectories, request, &mut |index, image| all[index].take(image, window))?;
-    Ok(spectrum(trajectories, &all))
+    Ok(all)
 }
 
-/// The result of trajectories that have been run.
-fn spectrum<S: Iterated + Coordinates>(
+/// The exponents of trajectories, with the differences that were carried along them in the same order.
+pub fn spectrum<S: Iterated + Coordinates>(
     trajectories: &[Trajectory<S>],
     all: &[Carried],
 ) -> Spectrum {
