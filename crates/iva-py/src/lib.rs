@@ -7,6 +7,7 @@
 
 mod arguments;
 mod arrow_table;
+mod attractors;
 mod branches;
 mod calls;
 mod dynamics;
@@ -25,6 +26,8 @@ use pyo3::prelude::*;
 mod _iva {
     #[pymodule_export]
     use super::arrow_table::ArrowTable;
+    #[pymodule_export]
+    use super::attractors::{attractors, basins, diagram, lyapunov};
     #[pymodule_export]
     use super::branches::{curve, follow, orbit_at, switch};
     #[pymodule_export]

@@ -21,10 +21,15 @@ use crate::design::Spec;
 use course::mirrored;
 use family::with_member;
 
+pub mod attractors;
+pub mod basins;
 pub mod branches;
 mod course;
+pub mod diagram;
 mod family;
 pub mod words;
+pub mod lyapunov;
+pub mod starts;
 
 pub use course::Course;
 pub use family::{Family, Member};

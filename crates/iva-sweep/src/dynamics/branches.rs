@@ -12,10 +12,9 @@ use iva_core::orbit::periodic::find;
 use iva_core::orbit::sequence::NoChain;
 use iva_core::orbit::{Coordinates, Trajectory};
 
-use super::family::{Family, OfMember, with_member};
+use super::family::{Family, OfMember, middled, with_member};
 use super::{Found, Missed, told};
 use crate::design::Spec;
-use crate::fields::FieldId;
 use crate::slot::Slot;
 use crate::units::Scale;
 
@@ -99,10 +98,7 @@ fn changed(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Spec, Invalid>
     for (slot, value) in slots.iter().zip(values) {
         spec.replace(*slot, *value)?;
     }
-    let middle = spec.get(FieldId::GapOffset);
-    let middle = middle.or(spec.get(FieldId::GapOffsetMm).map(|offset| offset / 1000.0));
-    spec.replace(FieldId::GapDisplacement, middle.unwrap_or(0.0))?;
-    Ok(spec)
+    middled(&spec)
 }
 
 fn family_at(spec: &Spec, slots: &[Slot], values: &[f64]) -> Result<Family, Invalid> {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use iva_core::error::Invalid;
-use iva_core::force::Force;
+use iva_core::force::{Force, Harmonic};
 use iva_core::host::DrivenHost;
 use iva_core::orbit::{Cycle, Trajectory};
 use iva_core::piva::Piva;
@@ -24,6 +24,8 @@ pub struct Family {
     pub member: Member,
     /// The period of the drive.
     pub period: f64,
+    /// The amplitude of the steady state of the structure without absorber; infinite for one without damping in resonance.
+    pub amplitude: f64,
     /// True if the mirror image of a motion half a period later is a motion: the walls are alike, and the motion level.
     pub mirrors: bool,
     /// True if a pendulum has an angle to report.
@@ -87,9 +89,11 @@ impl Family {
         check_kind(&spec)?;
         spec.replace(FieldId::Cycles, f64::from(periods))?;
         let Design { scene, begin, scale, units, .. } = spec.design()?;
-        let harmonic = scene.force().filter(|it| it.is_single()).and_then(harmonic_frequency);
-        let frequency = harmonic.ok_or_else(|| not_periodic(&spec))?;
+        let harmonic = scene.force().filter(|it| it.is_single()).and_then(harmonic);
+        let Harmonic { amplitude, frequency, .. } = harmonic.ok_or_else(|| not_periodic(&spec))?;
         let period = TAU / frequency;
+        let damped = 2.0 * scene.damping_ratio() * frequency;
+        let amplitude = amplitude.abs() / damped.hypot(1.0 - frequency * frequency);
         let cycle = Cycle { begin, length: f64::from(periods) * period };
         let like = scene.absorber().is_some_and(|it| it.restitution == it.restitution_minus);
         let level = scene.gravity_along().is_none_or(|along| along == 0.0);
@@ -105,12 +109,12 @@ impl Family {
             }
             _ => return Err(not_periodic(&spec)),
         };
-        Ok(Self { member, period, mirrors, has_angle, scale, units })
+        Ok(Self { member, period, amplitude, mirrors, has_angle, scale, units })
     }
 }
 
-fn harmonic_frequency(force: &Force) -> Option<f64> {
-    force.harmonics().first().map(|harmonic| harmonic.frequency)
+fn harmonic(force: &Force) -> Option<Harmonic> {
+    force.harmonics().first().copied()
 }
 
 /// Checks that there is an absorber, and one harmonic drive.
@@ -132,4 +136,13 @@ fn not_periodic(spec: &Spec) -> Invalid {
         1 => Invalid::new("force", "one that is not harmonic", rule),
         count => Invalid::new("force", format!("a list of {count}"), rule),
     }
+}
+
+/// The scene with the absorber in the middle of its gap, where it fits any clearance.
+pub(super) fn middled(spec: &Spec) -> Result<Spec, Invalid> {
+    let mut spec = spec.clone();
+    let middle = spec.get(FieldId::GapOffset);
+    let middle = middle.or(spec.get(FieldId::GapOffsetMm).map(|offset| offset / 1000.0));
+    spec.replace(FieldId::GapDisplacement, middle.unwrap_or(0.0))?;
+    Ok(spec)
 }

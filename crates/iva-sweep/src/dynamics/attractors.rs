@@ -1,0 +1,139 @@
+//! The attractors of a scene, in the user's units, see [`iva_core::orbit::attractors`].
+
+use std::sync::atomic::AtomicBool;
+
+use iva_core::error::Invalid;
+use iva_core::orbit::Trajectory;
+use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
+use iva_core::orbit::symmetry::find_any;
+
+use super::family::{Family, with_member};
+use super::starts::{Bounds, Drawn, Numbers, Startable};
+use super::{Found, Missed, Outcome, told};
+use crate::design::Spec;
+use crate::sweep::SweepError;
+use crate::workers::Workers;
+
+/// Number of starts that a worker takes at once.
+const TOGETHER: usize = 64;
+
+/// A periodic attractor.
+#[derive(Debug, Clone)]
+pub struct Attracting {
+    /// The orbit.
+    pub found: Found,
+    /// Number of periods of the drive after which it repeats.
+    pub periods: u32,
+    /// True if its mirror image is another orbit, which is counted with it.
+    pub pair: bool,
+    /// Number of starts that end in it.
+    pub count: usize,
+}
+
+/// What starts end in.
+#[derive(Debug, Clone)]
+pub struct Inventory {
+    /// The periodic attractors, in the order of the starts that found them.
+    pub attractors: Vec<Attracting>,
+    /// Number of starts that end in a motion without impacts.
+    pub no_impacts: usize,
+    /// Number of starts whose strobes do not repeat.
+    pub aperiodic: usize,
+    /// The first of these.
+    pub aperiodic_start: Option<Numbers>,
+    /// How cycles ended that did not finish, one for each such start.
+    pub unfinished: Vec<Outcome>,
+    /// The box of the starts.
+    pub bounds: Bounds,
+}
+
+/// What starts that are drawn end in. An orbit and its mirror image count as one.
+///
+/// # Errors
+/// [`SweepError::Invalid`] as [`Family::new`], for orbits of no period or of too many, or if a box has starts outside the gap.
+pub fn attractors(
+    spec: &Spec,
+    drawn: Drawn,
+    (most_periods, most_cycles): (u32, u64),
+    cancel: &AtomicBool,
+) -> Result<Inventory, SweepError> {
+    let family = Family::new(spec, None, 1)?;
+    let search = Search { most_periods, most_cycles, join_mirrored: family.mirrors };
+    with_member!(&family.member, |it| inventory(&family, it, drawn, search, cancel))
+}
+
+fn inventory<S: Startable>(
+    family: &Family,
+    like: &Trajectory<S>,
+    drawn: Drawn,
+    search: Search,
+    cancel: &AtomicBool,
+) -> Result<Inventory, SweepError> {
+    let starts = family.drawn(like, drawn)?;
+    let found = searched(&starts.trajectories, search, cancel)?;
+    let clearance = like.system.clearance();
+    let mut attractors = vec![];
+    for (index, attractor) in found.attractors.iter().enumerate() {
+        let share = found.share(|class| *class == Class::Periodic(index));
+        let Ok(told) = told_of(family, like, attractor, cancel) else { continue };
+        let (pair, periods) = (attractor.is_pair(clearance), attractor.periods() as u32);
+        attractors.push(Attracting { found: told, periods, pair, count: share.count });
+    }
+    let first = found.classes.iter().position(|class| *class == Class::Aperiodic);
+    let unfinished = found.classes.iter().filter_map(|class| match class {
+        Class::Unfinished(outcome) => Some(*outcome),
+        _ => None,
+    });
+    Ok(Inventory {
+        attractors,
+        no_impacts: found.share(|class| *class == Class::NoImpacts).count,
+        aperiodic: found.share(|class| *class == Class::Aperiodic).count,
+        aperiodic_start: first.map(|index| starts.numbers[index]),
+        unfinished: unfinished.collect(),
+        bounds: starts.bounds,
+    })
+}
+
+/// What trajectories end in, found by all workers.
+pub(super) fn searched<S: Startable>(
+    trajectories: &[Trajectory<S>],
+    search: Search,
+    cancel: &AtomicBool,
+) -> Result<core::Found<S>, SweepError> {
+    let groups: Vec<_> = trajectories.chunks(TOGETHER).collect();
+    let one = |group: u64| core::attractors(groups[group as usize], search, Some(cancel));
+    let parts = Workers::new(None)?.map(groups.len() as u64, one);
+    let clearance = trajectories.first().map_or(f64::NAN, |first| first.system.clearance());
+    let mut all = core::Found { attractors: vec![], classes: vec![] };
+    for part in parts {
+        all.join(part?, clearance);
+    }
+    Ok(all)
+}
+
+/// All that is told of an attractor, at the phase of the starts.
+pub(super) fn told_of<S: Startable>(
+    family: &Family,
+    like: &Trajectory<S>,
+    attractor: &Attractor<S>,
+    cancel: &AtomicBool,
+) -> Result<Found, Missed> {
+    let periods = attractor.periods() as u32;
+    let cancel = Some(cancel);
+    let orbit = &attractor.orbit;
+    let maybe_symmetric = family.mirrors && !periods.is_multiple_of(2);
+    let orbit = match maybe_symmetric {
+        true => find_any(&orbit.trajectory, cancel).unwrap_or_else(|_| orbit.clone()),
+        false => orbit.clone(),
+    };
+    told(family, like.cycle.begin, (&orbit, periods), cancel)
+}
+
+/// The trajectories from given starts.
+pub(super) fn begun<S: Startable>(
+    family: &Family,
+    like: &Trajectory<S>,
+    starts: &[Numbers],
+) -> Result<Vec<Trajectory<S>>, Invalid> {
+    starts.iter().map(|numbers| S::begun(like, &family.scale, *numbers)).collect()
+}

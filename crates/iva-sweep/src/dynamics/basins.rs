@@ -1,0 +1,171 @@
+//! Basins of attraction over two numbers of the start, in the user's units, see [`iva_core::orbit::basins`].
+
+use std::sync::atomic::AtomicBool;
+
+use iva_core::error::Invalid;
+use iva_core::orbit::Trajectory;
+use iva_core::orbit::attractors::{Class, Search};
+use iva_core::orbit::basin_entropy::entropy;
+use iva_core::orbit::basins::{Cell, Ending};
+use iva_core::orbit::neighbourhood::neighbourhoods;
+
+use super::Found;
+use super::attractors::{begun, searched, told_of};
+use super::family::{Family, with_member};
+use super::starts::{Numbers, Startable};
+use crate::design::Spec;
+use crate::sweep::SweepError;
+use crate::workers::Workers;
+
+pub use iva_core::orbit::basin_entropy::Entropy;
+
+/// The label of a cell that is not decided.
+pub const UNDECIDED: i32 = -1;
+/// The label of a cell that ends in a motion without impacts.
+pub const NO_IMPACTS: i32 = -2;
+/// Most cells whose ends are looked at for attractors.
+const MOST_SEARCHED: usize = 256;
+/// So many times as many cycles as a cell has are run in search of attractors.
+const SEARCHED_TIMES: u64 = 10;
+
+/// A grid of starts: the other two numbers are those of the start of the spec.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plane {
+    /// Which of [`NAMES`](super::starts::NAMES) goes across and which goes up.
+    pub axes: [usize; 2],
+    /// The values of each.
+    pub values: [Vec<f64>; 2],
+}
+
+/// What is asked of basins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked {
+    /// The starts of known orbits, in the order of their labels; `None`: orbits are found from the cells.
+    pub orbits: Option<Vec<Numbers>>,
+    /// Most periods of an orbit.
+    pub most_periods: u32,
+    /// Most cycles of a cell.
+    pub most_cycles: u64,
+    /// Side of the boxes of the entropy, in cells.
+    pub side: usize,
+}
+
+/// Basins.
+#[derive(Debug, Clone)]
+pub struct Basins {
+    /// The attractors, in the order of their labels.
+    pub attractors: Vec<Found>,
+    /// Number of periods after which each repeats.
+    pub periods: Vec<u32>,
+    /// The labels, row by row upwards: index of an attractor, [`NO_IMPACTS`] or [`UNDECIDED`].
+    pub labels: Vec<i32>,
+    /// The same where also cells that rounding errors may have decided have a label.
+    pub likely: Vec<i32>,
+    /// Number of cycles until each was known.
+    pub cycles: Vec<u64>,
+    /// The entropy of the likely labels.
+    pub entropy: Option<Entropy>,
+}
+
+/// The basins of a scene.
+///
+/// # Errors
+/// [`SweepError::Invalid`] as [`Family::new`], or if a start lies outside the gap.
+pub fn basins(
+    spec: &Spec,
+    plane: &Plane,
+    asked: &Asked,
+    cancel: &AtomicBool,
+) -> Result<Basins, SweepError> {
+    let family = Family::new(spec, None, 1)?;
+    with_member!(&family.member, |it| labelled(&family, it, (plane, asked), cancel))
+}
+
+fn labelled<S: Startable>(
+    family: &Family,
+    like: &Trajectory<S>,
+    (plane, asked): (&Plane, &Asked),
+    cancel: &AtomicBool,
+) -> Result<Basins, SweepError> {
+    let given: Numbers = like.system.coordinates(&like.state).into();
+    let starts = plane.starts(like.system.numbers(&family.scale, given));
+    let sought = asked.orbits.clone().unwrap_or_else(|| spread(&starts));
+    let search = Search {
+        most_periods: asked.most_periods,
+        most_cycles: asked.most_cycles.saturating_mul(SEARCHED_TIMES),
+        join_mirrored: false,
+    };
+    let found = searched(&begun(family, like, &sought)?, search, cancel)?;
+    let known = match asked.orbits {
+        None => found.attractors,
+        Some(_) => found
+            .classes
+            .iter()
+            .filter_map(|class| match class {
+                Class::Periodic(index) => found.attractors.get(*index).cloned(),
+                _ => None,
+            })
+            .collect(),
+    };
+    let near = neighbourhoods(like, &known, Some(cancel));
+    let columns = plane.values[0].len();
+    let rows = plane.values[1].len() as u64;
+    let row = |row: u64| -> Result<Vec<Cell>, Invalid> {
+        let first = row as usize * columns;
+        let trajectories = begun(family, like, &starts[first..first + columns])?;
+        iva_core::orbit::basins::basins(&trajectories, &near, asked.most_cycles, Some(cancel))
+    };
+    let rows = Workers::new(None)?.map(rows, row);
+    let cells = rows.into_iter().collect::<Result<Vec<_>, Invalid>>()?.concat();
+    let told = known.iter().map(|it| told_of(family, like, it, cancel));
+    let attractors = told.collect::<Result<Vec<_>, _>>();
+    let likely: Vec<i32> = cells.iter().map(ending).collect();
+    let decided = |label: &i32| match *label {
+        UNDECIDED => None,
+        NO_IMPACTS => Some(known.len()),
+        label => usize::try_from(label).ok(),
+    };
+    let classes: Vec<Option<usize>> = likely.iter().map(decided).collect();
+    let sure = |(cell, likely): (&Cell, &i32)| if cell.is_sure() { *likely } else { UNDECIDED };
+    Ok(Basins {
+        attractors: attractors.unwrap_or_default(),
+        periods: known.iter().map(|it| it.periods() as u32).collect(),
+        labels: cells.iter().zip(&likely).map(sure).collect(),
+        cycles: cells.iter().map(|cell| cell.cycles).collect(),
+        entropy: entropy(&classes, columns, asked.side),
+        likely,
+    })
+}
+
+/// The label of a cell, whether it is sure or not.
+fn ending(cell: &Cell) -> i32 {
+    match cell.ending {
+        Ending::Attractor(index) => i32::try_from(index).unwrap_or(UNDECIDED),
+        Ending::NoImpacts => NO_IMPACTS,
+        Ending::Open(_) => UNDECIDED,
+    }
+}
+
+impl Plane {
+    /// The starts of all cells, row by row upwards.
+    fn starts(&self, given: Numbers) -> Vec<Numbers> {
+        let [across, up] = &self.values;
+        let cell = |x: f64, y: f64| {
+            let mut numbers = given;
+            (numbers[self.axes[0]], numbers[self.axes[1]]) = (x, y);
+            numbers
+        };
+        up.iter().flat_map(|y| across.iter().map(move |x| cell(*x, *y))).collect()
+    }
+}
+
+/// Some of many starts, spread evenly.
+fn spread(starts: &[Numbers]) -> Vec<Numbers> {
+    if starts.len() <= MOST_SEARCHED {
+        return starts.to_vec();
+    }
+    // The multiples of the golden ratio: no two of them are in the same row or column for long.
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let place = |k: usize| (k as f64 * GOLDEN).fract() * starts.len() as f64;
+    (0..MOST_SEARCHED).map(|k| starts[place(k) as usize]).collect()
+}

@@ -1,0 +1,117 @@
+//! Bifurcation diagrams over a field of a scene, in the user's units, see [`iva_core::orbit::diagram`].
+
+use std::sync::atomic::AtomicBool;
+
+use iva_core::error::{Invalid, number};
+use iva_core::host::DrivenHost;
+use iva_core::orbit::Trajectory;
+use iva_core::orbit::diagram::{self, Column};
+use iva_core::piva::Piva;
+use iva_core::siva::Siva;
+
+use super::Outcome;
+use super::family::{Family, Member, OfMember, middled};
+use super::starts::{Numbers, Startable};
+use crate::design::Spec;
+use crate::fields::Part;
+use crate::slot::Slot;
+use crate::sweep::SweepError;
+use crate::units::Scale;
+use crate::workers::Workers;
+
+pub use iva_core::orbit::diagram::Direction;
+pub use iva_core::orbit::lyapunov::Window;
+
+/// The strobes for one value of the field, in one direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strobes {
+    /// The value.
+    pub value: f64,
+    /// The direction.
+    pub direction: Direction,
+    /// Displacement, velocity, gap displacement and gap velocity at each strobe.
+    pub states: Vec<Numbers>,
+    /// Number of listed impacts in the cycle before each strobe.
+    pub impacts: Vec<u64>,
+    /// How the last cycle ended.
+    pub outcome: Outcome,
+}
+
+/// The strobes for increasing values of a field, in each direction one after the other. The first value of a direction begins from
+/// the start of the spec. Directions go on threads of their own.
+///
+/// # Errors
+/// [`SweepError::Invalid`] as [`Family::new`], if the field is one of the start or of the run, or the values do not increase.
+pub fn diagram(
+    spec: &Spec,
+    (over, values): (Slot, &[f64]),
+    directions: &[Direction],
+    window: Window,
+    cancel: &AtomicBool,
+) -> Result<Vec<Strobes>, SweepError> {
+    check(over, values)?;
+    // Where a motion does not go on from the last value, it begins in the middle of the gap, which fits any clearance.
+    let middle = middled(spec)?;
+    let families = |from: &Spec, values: &[f64]| -> Result<Vec<Family>, Invalid> {
+        values.iter().map(|value| Family::new(from, Some((over, *value)), 1)).collect()
+    };
+    let all = families(&middle, values)?;
+    let one = |index: u64| -> Result<Vec<Strobes>, Invalid> {
+        let direction = directions[index as usize];
+        let first = if direction == Direction::Up { 0 } else { values.len() - 1 };
+        let begin = Family::new(spec, Some((over, values[first])), 1)?;
+        let mut all = all.clone();
+        all[first] = begin;
+        match &all[first].member {
+            Member::Siva(_) => strobes::<Siva<DrivenHost>>(all, values, direction, window, cancel),
+            Member::Piva(_) => strobes::<Piva<DrivenHost>>(all, values, direction, window, cancel),
+        }
+    };
+    let parts = Workers::new(None)?.map(directions.len() as u64, one);
+    let parts: Result<Vec<_>, Invalid> = parts.into_iter().collect();
+    Ok(parts?.concat())
+}
+
+/// Checks the field and its values.
+fn check(over: Slot, values: &[f64]) -> Result<(), Invalid> {
+    if matches!(over.info().part, Part::Start | Part::Run) {
+        let rule = "give a number of the absorber, the primary system or the force";
+        return Err(Invalid::new("over", over.path(), rule));
+    }
+    if values.is_empty() {
+        return Err(Invalid::missing(over.path(), "give at least one value"));
+    }
+    match values.windows(2).find(|pair| pair[0].is_nan() || pair[1].is_nan() || pair[0] >= pair[1])
+    {
+        Some(pair) => {
+            Err(Invalid::new(over.path(), number(pair[1]), "give values in increasing order"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The strobes of one direction.
+fn strobes<S: OfMember + Startable>(
+    families: Vec<Family>,
+    values: &[f64],
+    direction: Direction,
+    window: Window,
+    cancel: &AtomicBool,
+) -> Result<Vec<Strobes>, Invalid> {
+    let (mut trajectories, mut scales) = (vec![], vec![]);
+    for Family { member, scale, .. } in families {
+        trajectories.extend(S::of(member));
+        scales.push(scale);
+    }
+    let columns = diagram::diagram(&trajectories, direction, window, Some(cancel))?;
+    let rows = columns.into_iter().zip(&trajectories).zip(scales).zip(values);
+    let shown =
+        |(((column, trajectory), scale), value): (((Column, &Trajectory<S>), Scale), &f64)| {
+            let system = &trajectory.system;
+            let states =
+                column.strobes.iter().map(|it| system.numbers(&scale, it.at.into())).collect();
+            let impacts = column.strobes.iter().map(|it| it.impacts).collect();
+            Strobes { value: *value, direction, states, impacts, outcome: column.outcome }
+        };
+    Ok(rows.map(shown).collect())
+}

@@ -1,0 +1,67 @@
+//! Lyapunov exponents of a scene, in the user's units, see [`iva_core::orbit::lyapunov`].
+
+use std::sync::atomic::AtomicBool;
+
+use iva_core::error::Invalid;
+use iva_core::orbit::Trajectory;
+use iva_core::orbit::lyapunov::{Spectrum, carried, spectrum};
+
+use super::diagram::Window;
+use super::family::{Family, with_member};
+use super::starts::{Bounds, Drawn, Startable};
+use crate::design::Spec;
+use crate::sweep::SweepError;
+use crate::workers::Workers;
+
+/// Number of trajectories that go side by side on one thread.
+const TOGETHER: usize = 4;
+
+/// The exponents, per unit of the user's time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exponents {
+    /// The exponents and all that is told of them; rates are per unit of the user's time.
+    pub spectrum: Spectrum,
+    /// The dimension of the attractor in the section of the strobe.
+    pub dimension: f64,
+    /// The box of the starts, in the user's units.
+    pub bounds: Bounds,
+}
+
+/// The exponents along trajectories from starts that are drawn.
+///
+/// # Errors
+/// [`SweepError::Invalid`] as [`Family::new`], or if a box has starts outside the gap.
+pub fn lyapunov(
+    spec: &Spec,
+    drawn: Drawn,
+    window: Window,
+    cancel: &AtomicBool,
+) -> Result<Exponents, SweepError> {
+    let family = Family::new(spec, None, 1)?;
+    with_member!(&family.member, |it| exponents(&family, it, drawn, window, cancel))
+}
+
+fn exponents<S: Startable>(
+    family: &Family,
+    like: &Trajectory<S>,
+    drawn: Drawn,
+    window: Window,
+    cancel: &AtomicBool,
+) -> Result<Exponents, SweepError> {
+    let starts = family.drawn(like, drawn)?;
+    let groups: Vec<_> = starts.trajectories.chunks(TOGETHER).collect();
+    let one = |group: u64| carried(groups[group as usize], window, Some(cancel));
+    let all = Workers::new(None)?.map(groups.len() as u64, one);
+    let all: Result<Vec<_>, Invalid> = all.into_iter().collect();
+    let natural = spectrum(&starts.trajectories, &all?.concat());
+    // A rate per 1/ωn → one per unit of the user's time.
+    let rate = |it: f64| family.scale.velocity(it);
+    let dimension = natural.dimension();
+    let spectrum = Spectrum {
+        exponents: natural.exponents.map(rate),
+        standard_errors: natural.standard_errors.map(rate),
+        sum_error: natural.sum_error.map(rate),
+        ..natural
+    };
+    Ok(Exponents { spectrum, dimension, bounds: starts.bounds })
+}

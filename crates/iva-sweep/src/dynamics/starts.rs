@@ -1,0 +1,159 @@
+//! Starts in the user's units, given or drawn at random.
+
+use iva_core::absorber::{Absorber, Clock, OnStructure, Start};
+use iva_core::error::{Invalid, number};
+use iva_core::orbit::{Coordinates, Iterated, Trajectory};
+
+use super::family::Family;
+use crate::cube::{Cube, Method};
+use crate::units::Scale;
+
+/// Displacement and velocity of the structure, gap displacement and gap velocity.
+pub type Numbers = [f64; 4];
+/// The range of each of these.
+pub type Bounds = [[f64; 2]; 4];
+
+/// The names of the numbers of a start.
+pub const NAMES: [&str; 4] = ["displacement", "velocity", "gap_displacement", "gap_velocity"];
+/// How far starts around a given one are from it, over the size of the state.
+const AROUND: f64 = 1e-6;
+
+/// Starts that are drawn at random.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawn {
+    /// Their number.
+    pub count: u64,
+    /// The seed that they follow from.
+    pub seed: u64,
+    /// The box that they are spread evenly in.
+    pub within: Within,
+}
+
+/// The box of starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Within {
+    /// That of [`Family::bounds`].
+    Usual,
+    /// This one.
+    Given(Bounds),
+    /// A small one around the start of the spec, which is the first start.
+    Close,
+}
+
+/// An absorber whose states are given and shown by the numbers of a start.
+pub(super) trait Startable:
+    OnStructure<State: Send + Sync> + Coordinates + Iterated + Clone + Send + Sync
+{
+    /// The trajectory of the same scene from other numbers, in the user's units.
+    fn begun(
+        like: &Trajectory<Self>,
+        scale: &Scale,
+        numbers: Numbers,
+    ) -> Result<Trajectory<Self>, Invalid>;
+
+    /// The numbers of coordinates, in the user's units.
+    fn numbers(&self, scale: &Scale, coordinates: Numbers) -> Numbers;
+}
+
+impl<S> Startable for S
+where
+    S: OnStructure<State: Send + Sync> + Coordinates + Iterated + Clone + Send + Sync,
+    S::Start: From<Start>,
+{
+    fn begun(
+        like: &Trajectory<Self>,
+        scale: &Scale,
+        numbers: Numbers,
+    ) -> Result<Trajectory<Self>, Invalid> {
+        let [displacement, velocity, gap_displacement, gap_velocity] = numbers;
+        let natural = 1.0 / scale.velocity(1.0);
+        let (velocity, gap_velocity) = (velocity * natural, gap_velocity * natural);
+        let start = Start { displacement, velocity, gap_displacement, gap_velocity };
+        let begun = Trajectory::new(like.system.clone(), &start.into(), like.cycle)?;
+        Ok(Trajectory { tier: like.tier, ..begun })
+    }
+
+    fn numbers(&self, scale: &Scale, coordinates: Numbers) -> Numbers {
+        let [x, v, y, w] = coordinates;
+        // Of a pendulum the last coordinate is b θ̇, and the gap velocity b θ̇ cos θ.
+        let start = self.start_at(&coordinates.into());
+        let gap_velocity = start.map_or(w, |start| {
+            let state = self.begin_at(&start, Clock::new(0.0));
+            -self.wall(&state).sign() * self.distance(&state).rate
+        });
+        [x, scale.velocity(v), y, scale.velocity(gap_velocity)]
+    }
+}
+
+impl Family {
+    /// The usual box of starts, in the user's units: displacement and velocity of the structure up to those of its steady state
+    /// without absorber, the whole gap, and gap velocities up to the same velocity.
+    pub(super) fn bounds<S: Absorber<Real = f64>>(&self, system: &S) -> Bounds {
+        let frequency = std::f64::consts::TAU / self.period;
+        let (middle, clearance) = (system.offset(), system.clearance());
+        let x = if self.amplitude.is_finite() { self.amplitude } else { clearance };
+        let v = self.scale.velocity(x * frequency);
+        [[-x, x], [-v, v], [middle - clearance, middle + clearance], [-v, v]]
+    }
+
+    /// Trajectories from starts that are drawn, and their numbers, with the box in which they are.
+    pub(super) fn drawn<S: Startable>(
+        &self,
+        like: &Trajectory<S>,
+        drawn: Drawn,
+    ) -> Result<Starts<S>, Invalid> {
+        let system = &like.system;
+        let gap = [-1.0, 1.0].map(|side| system.offset() + side * system.clearance());
+        let given: Numbers = system.coordinates(&like.state).into();
+        let given = system.numbers(&self.scale, given);
+        let bounds = match drawn.within {
+            Within::Usual => self.bounds(system),
+            Within::Given(bounds) => checked(bounds)?,
+            Within::Close => {
+                let size = AROUND * given[0].abs().max(system.clearance());
+                let sizes = [size, self.scale.velocity(size)];
+                let around = |k: usize| [given[k] - sizes[k % 2], given[k] + sizes[k % 2]];
+                let [x, v, y, w] = [0, 1, 2, 3].map(around);
+                [x, v, y.map(|y| y.clamp(gap[0], gap[1])), w]
+            }
+        };
+        let cube = Cube::new(Method::Random, drawn.count, drawn.seed, false, 4)
+            .map_err(|error| Invalid::new("starts", drawn.count.to_string(), error.to_string()))?;
+        let (mut trajectories, mut numbers) = (vec![], vec![]);
+        for point in 0..drawn.count {
+            let one = [0, 1, 2, 3].map(|axis| {
+                let [low, high] = bounds[axis];
+                low + (high - low) * cube.coordinate(point, axis)
+            });
+            if point == 0 && drawn.within == Within::Close {
+                trajectories.push(like.clone());
+                numbers.push(given);
+            } else {
+                trajectories.push(S::begun(like, &self.scale, one)?);
+                numbers.push(one);
+            }
+        }
+        Ok(Starts { trajectories, numbers, bounds })
+    }
+}
+
+/// Trajectories from starts.
+pub(super) struct Starts<S: Absorber> {
+    pub trajectories: Vec<Trajectory<S>>,
+    /// Their starts, in the user's units.
+    pub numbers: Vec<Numbers>,
+    /// The box in which they are.
+    pub bounds: Bounds,
+}
+
+/// Checks a box.
+fn checked(bounds: Bounds) -> Result<Bounds, Invalid> {
+    for (name, [low, high]) in NAMES.into_iter().zip(bounds) {
+        if !(low.is_finite() && high.is_finite() && low <= high) {
+            let shown = format!("({}, {})", number(low), number(high));
+            let rule = "give two numbers, the smaller one first";
+            return Err(Invalid::new(format!("box.{name}"), shown, rule));
+        }
+    }
+    Ok(bounds)
+}
