@@ -13,17 +13,21 @@ __all__ = [
     "Record",
     "Study",
     "SweepFolder",
+    "attractors",
+    "basins",
     "check",
     "check_choices",
     "check_files",
     "column_units",
     "curve",
     "design",
+    "diagram",
     "empty_tables",
     "fields",
     "follow",
     "gradients",
     "larger_is_better",
+    "lyapunov",
     "main",
     "masri_caughey",
     "metadata",
@@ -52,6 +56,9 @@ _Spec = dict[str, Any]
 _Chain = tuple[Sequence[int], bool, int]
 _Point = tuple[_Chain, tuple[str, int, int], float, Sequence[float]]
 _Steps = tuple[tuple[float, float], float, int]
+_Numbers = tuple[float, float, float, float]
+_Range = tuple[float, float]
+_Starts = tuple[int, int, tuple[_Range, _Range, _Range, _Range] | None, bool]
 
 class IvaError(RuntimeError): ...
 
@@ -182,6 +189,24 @@ def curve(
     values: tuple[float, float],
     between: tuple[tuple[float, float], tuple[float, float]],
     steps: tuple[Sequence[float], float, int],
+) -> dict[str, Any]: ...
+def diagram(
+    spec: _Spec,
+    over: str,
+    values: Sequence[float],
+    directions: Sequence[str],
+    window: tuple[int, int],
+) -> dict[str, Any]: ...
+def lyapunov(spec: _Spec, starts: _Starts, window: tuple[int, int]) -> dict[str, Any]: ...
+def attractors(
+    spec: _Spec, starts: _Starts, most_periods: int, most_cycles: int
+) -> dict[str, Any]: ...
+def basins(
+    spec: _Spec,
+    over: tuple[str, str],
+    values: tuple[Sequence[float], Sequence[float]],
+    orbits: Sequence[_Numbers] | None,
+    limits: tuple[int, int, int],
 ) -> dict[str, Any]: ...
 def slow_manifold(spec: _Spec) -> dict[str, Any]: ...
 def on_slow_manifold(spec: _Spec, theta: float) -> tuple[float, float, bool]: ...

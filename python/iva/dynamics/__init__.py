@@ -5,23 +5,47 @@ stable or not, by Newton's method with the exact derivative of the motion, and t
 multipliers. :func:`follow` follows it over any number of the scene and locates the special points
 on the way: folds, pitchforks, flips, Neimark–Sacker points, grazings. From each the branch that
 begins there is followed in turn, and :func:`curve` follows the point over two numbers.
+
+What a machine does is told by :func:`diagram`, which follows steady states up and down,
+:func:`attractors`, which finds all that many starts end in, :func:`basins`, which start ends where,
+:func:`lyapunov`, whether neighbouring motions separate, :func:`regimes`, what kinds of motion there
+are, and :func:`section`, which shows a run at instants that repeat.
 """
 
+from iva.dynamics.basin_maps import Basins, basins
 from iva.dynamics.branches import Branch, Point, Row, follow
 from iva.dynamics.curves import Curve, curve
+from iva.dynamics.diagrams import Diagram, Outcome, diagram
+from iva.dynamics.exponents import Spectrum, lyapunov
+from iva.dynamics.inventories import Attractor, Attractors, attractors
+from iva.dynamics.kinds import Regime, regimes
 from iva.dynamics.orbits import Episode, Impact, Missed, Orbit
 from iva.dynamics.search import orbit
+from iva.dynamics.sections import section
 
 __all__ = [
+    "Attractor",
+    "Attractors",
+    "Basins",
     "Branch",
     "Curve",
+    "Diagram",
     "Episode",
     "Impact",
     "Missed",
     "Orbit",
+    "Outcome",
     "Point",
+    "Regime",
     "Row",
+    "Spectrum",
+    "attractors",
+    "basins",
     "curve",
+    "diagram",
     "follow",
+    "lyapunov",
     "orbit",
+    "regimes",
+    "section",
 ]

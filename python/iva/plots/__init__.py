@@ -41,20 +41,24 @@ from iva.plots.maps import heatmap
 from iva.plots.moving_pictures import animate, animation
 from iva.plots.parameter_curves import curves
 from iva.plots.phase_plane import phase
+from iva.plots.steady_states import basins, diagram, section
 from iva.plots.styles import style
 
 __all__ = [
     "animate",
     "animation",
+    "basins",
     "branch",
     "curves",
     "decay",
+    "diagram",
     "energy",
     "forced_response",
     "heatmap",
     "multipliers",
     "phase",
     "raster",
+    "section",
     "style",
     "velocities",
 ]

@@ -1,0 +1,317 @@
+"""Basins of attraction: which steady state each start ends in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from iva import _iva
+from iva.dynamics.diagrams import MOST_CYCLES, single
+from iva.dynamics.inventories import Attractors
+from iva.dynamics.orbits import Orbit
+from iva.dynamics.search import MOST_PERIODS, NAMES, orbit_of, start_of, whole
+from iva.forces import Harmonic, written
+from iva.millimetres import warn_of_metres
+from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
+from iva.scenes import scene
+from iva.spelling import spell_checked
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from iva import theory
+    from iva.simulation import Run
+
+#: Labels of cells, row by row.
+Labels = NDArray[np.int32]
+#: Label of a cell that is not decided, and of one that ends without impacts.
+UNDECIDED, NO_IMPACTS = -1, -2
+#: Most cells of a grid.
+MOST_CELLS = 10**7
+#: Most cells along the side of a box.
+MOST_SIDE = 1000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False, eq=False)
+class Basins:
+    """Basins of attraction over two numbers of the start.
+
+    Parameters
+    ----------
+    absorber : Siva or Piva
+        The absorber.
+    primary : Primary
+        The primary system.
+    force : Harmonic
+        The force.
+    start : Start
+        The start; two of its numbers are replaced.
+    over : tuple of str, length 2
+        The number across and the number up.
+    x, y : ndarray of float, shape (nx,) and (ny,)
+        Their values.
+    attractors : tuple of Orbit
+        The periodic attractors; their labels are their indices.
+    labels : ndarray of int, shape (ny, nx)
+        The label of each cell: index of an attractor, −2 for a motion without impacts, −1 where it
+        is not decided, by then or for sure.
+    likely : ndarray of int, shape (ny, nx)
+        The same, where also those cells have a label that rounding errors may have decided.
+    cycles : ndarray of int, shape (ny, nx)
+        Number of periods of the force until each cell was decided.
+    entropy : float or None
+        Basin entropy of the likely labels, in boxes of `side` × `side` cells: 0 where each box has
+        one label, at most ln of the number of labels. ``None`` without labels.
+    boundary_entropy : float or None
+        The same of the boxes with more than one label; above ln 2 the boundary is fractal. ``None``
+        where there are none.
+    side : int
+        Side of these boxes, in cells.
+    """
+
+    absorber: Siva | Piva
+    primary: Primary
+    force: Harmonic
+    start: Start
+    over: tuple[str, str]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    attractors: tuple[Orbit, ...]
+    labels: Labels
+    likely: Labels
+    cycles: NDArray[np.int64]
+    entropy: float | None
+    boundary_entropy: float | None
+    side: int
+
+    @property
+    def fractions(self) -> dict[int, float]:
+        """Likely label → its share of all cells; −1 for the cells that have none."""
+        labels, counts = np.unique(self.likely, return_counts=True)
+        pairs = zip(labels.tolist(), counts.tolist(), strict=True)
+        return {label: count / self.likely.size for label, count in pairs}
+
+    @property
+    def undecided(self) -> float:
+        """Share of the cells whose label is not sure: of −1 in `labels`."""
+        return float(np.mean(self.labels == UNDECIDED))
+
+    def __eq__(self, other: object) -> bool:
+        """Compare the scene and all numbers."""
+        if not isinstance(other, Basins):
+            return NotImplemented
+        pairs = ((getattr(self, one.name), getattr(other, one.name)) for one in fields(self))
+        return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b for a, b in pairs)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        """Show the grid, the share of each label, the entropies and the scene."""
+        across, up = self.over
+        lines = [f"Basins: {self.x.size} values of {across}, {self.y.size} of {up}"]
+        for label, share in self.fractions.items():
+            lines.append(f"  {share:.4f} {self.name_of(label)}")
+        lines.append(f"  {self.undecided:.4f} of the cells not sure")
+        if self.entropy is not None:
+            of = self.boundary_entropy
+            boundary = "" if of is None else f", of the boundary {of:.4g}"
+            lines.append(f"  entropy {self.entropy:.4g}{boundary} (boxes of {self.side} cells)")
+        parts = (self.absorber, self.primary, self.force, self.start)
+        lines += [f"  {written(part)}" for part in parts]
+        lines.append(f"  {_iva.primary_units(spec(self.primary))}")
+        return "\n".join(lines)
+
+    def name_of(self, label: int) -> str:
+        """Return the words for a label.
+
+        Parameters
+        ----------
+        label : int
+            Index of an attractor, −1 or −2.
+
+        Raises
+        ------
+        IndexError
+            If there is no such attractor.
+        """
+        if label == UNDECIDED:
+            return "undecided"
+        if label == NO_IMPACTS:
+            return "no impacts"
+        orbit = self.attractors[label]
+        return f"{len(orbit.impacts)}:{orbit.periods}, {label}"
+
+
+@spell_checked
+def basins(
+    absorber: Siva | Piva,
+    primary: Primary,
+    *,
+    force: Harmonic | Sequence[Harmonic],
+    over: Mapping[str, Iterable[float]],
+    start: Start | Run | theory.Orbit | Orbit | Iterable[float] | None = None,
+    attractors: Attractors | Sequence[Orbit] | None = None,
+    most_cycles: int = 150,
+    most_periods: int = 16,
+    side: int = 4,
+) -> Basins:
+    """Find which periodic attractor each start of a grid ends in.
+
+    Parameters
+    ----------
+    absorber : Siva or Piva
+        A free mass, or a pendulum.
+    primary : Primary
+        The primary system; what it is given decides the units.
+    force : Harmonic
+        One harmonic force, or motion of the base.
+    over : mapping of str to sequence of float
+        The number across and the number up with their values: two of ``displacement``,
+        ``velocity``, ``gap_displacement`` and ``gap_velocity``.
+    start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,), optional
+        The other two numbers and the instant, as for :func:`orbit`; 0 by default.
+    attractors : Attractors or sequence of Orbit, optional
+        The attractors to tell apart, of the same scene, and at the phase of the start; the orbits
+        of mirror pairs have a label each. By default those that up to 256 of the cells end in.
+    most_cycles : int, default 150
+        Most periods of the force that are run from each cell; what has come to no orbit by then is
+        undecided, as is what ends in chaos or on a torus.
+    most_periods : int, default 16
+        Most periods after which an orbit repeats, up to 1000.
+    side : int, default 4
+        Side of the boxes of the entropies, in cells.
+
+    Returns
+    -------
+    Basins
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If a value is missing or out of range, a start lies outside the gap, the force is not one
+        harmonic force, or the orbits are of another scene.
+    KeyboardInterrupt
+        On Ctrl-C, within about a second.
+
+    Notes
+    -----
+    A cell is decided as soon as it is so near to an orbit that it stays there; that region has been
+    tried with many points, not proven. Rounding errors are carried along by the exact derivative:
+    where they reach 10⁻⁷ of the state on the way, the label is not sure. Entropies: A. Daza et al.,
+    Scientific Reports 6 (2016) 31416.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.4)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> x, v = np.linspace(-4, 4, 12), np.linspace(-4, 4, 8)
+    >>> found = basins(siva, primary, force=force, over={"displacement": x, "velocity": v})
+    >>> found.labels.shape, len(found.attractors)
+    ((8, 12), 2)
+    """
+    names, values = plane(over)
+    begin = Start() if start is None else start_of(start)
+    made = scene(absorber, primary, begin, force, {})
+    warn_of_metres(made)
+    one = None
+    if attractors is not None:
+        one = [numbers_of(orbit) for orbit in known(attractors, (absorber, primary, force), begin)]
+        if not one:
+            raise ValueError("attractors: there is none; leave them out to find some")
+    limits = (
+        whole("most_periods", most_periods, 1, MOST_PERIODS),
+        whole("most_cycles", most_cycles, 1, MOST_CYCLES),
+        whole("side", side, 1, MOST_SIDE),
+    )
+    found = _iva.basins(made, names, values, one, limits)
+    parts = (absorber, primary, single(force))
+    orbits = []
+    for described, periods in zip(found["orbits"], found["periods"], strict=True):
+        orbit = orbit_of(described, parts, periods, begin)
+        assert isinstance(orbit, Orbit)
+        orbits.append(orbit)
+    shape = (len(values[1]), len(values[0]))
+    return Basins(
+        absorber=absorber,
+        primary=primary,
+        force=parts[2],
+        start=begin,
+        over=names,
+        x=np.array(values[0]),
+        y=np.array(values[1]),
+        attractors=tuple(orbits),
+        labels=np.array(found["labels"], np.int32).reshape(shape),
+        likely=np.array(found["likely"], np.int32).reshape(shape),
+        cycles=np.array(found["cycles"], np.int64).reshape(shape),
+        entropy=found["entropy"],
+        boundary_entropy=found["boundary_entropy"],
+        side=limits[2],
+    )
+
+
+def plane(over: object) -> tuple[tuple[str, str], tuple[list[float], list[float]]]:
+    """Return names and values of the two numbers of a grid.
+
+    Raises
+    ------
+    TypeError
+        If it is no mapping of names to numbers.
+    ValueError
+        If there are not two numbers of the start, or there are too many cells.
+    """
+    rule = f"give values of two of {', '.join(NAMES)}"
+    if not isinstance(over, Mapping):
+        raise TypeError(f"over = {shown(over)}: {rule}")
+    if len(over) != 2 or not set(over) <= set(NAMES):
+        raise ValueError(f"over of {shown(list(over))}: {rule}")
+    across, up = over
+    one, other = (numbers(f"over[{name!r}]", over[name]) for name in (across, up))
+    if not 0 < len(one) * len(other) <= MOST_CELLS:
+        raise ValueError(f"over has {len(one)} × {len(other)} cells: give 1 to {MOST_CELLS}")
+    return (across, up), (one, other)
+
+
+def known(given: object, parts: tuple[object, object, object], begin: Start) -> list[Orbit]:
+    """Return the orbits that are given, with both of each mirror pair.
+
+    Raises
+    ------
+    TypeError
+        If something is no orbit.
+    ValueError
+        If one is of another scene, or at another phase.
+    """
+    orbits: list[Orbit] = []
+    if isinstance(given, Attractors):
+        for one in given.attractors:
+            orbits += [one.orbit, one.orbit.mirror()] if one.pair else [one.orbit]
+    else:
+        orbits += given if isinstance(given, (list, tuple)) else (given,)  # type: ignore[arg-type]
+    absorber, primary, force = parts
+    for orbit in orbits:
+        if not isinstance(orbit, Orbit):
+            raise TypeError(f"attractors: {shown(orbit)} is no orbit of iva.dynamics")
+        if (orbit.absorber, orbit.primary) != (absorber, primary) or orbit.force != single_of(
+            force
+        ):
+            raise ValueError("attractors: give orbits of the same absorber, primary and force")
+        if (orbit.start.time or 0.0) != (begin.time or 0.0):
+            raise ValueError("attractors: give orbits that begin at the instant of the start")
+    return orbits
+
+
+def single_of(force: object) -> object:
+    """Return the force, or that of a list of one."""
+    return force[0] if isinstance(force, (list, tuple)) and len(force) == 1 else force
+
+
+def numbers_of(orbit: Orbit) -> tuple[float, float, float, float]:
+    """Return the numbers of the start of an orbit."""
+    return orbit.state

@@ -1,0 +1,241 @@
+"""Bifurcation diagrams: what steady states do while a number of their scene goes up and down."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from iva import _iva
+from iva.dynamics.orbits import Orbit
+from iva.dynamics.search import NAMES, start_of, whole
+from iva.forces import Harmonic, written
+from iva.millimetres import warn_of_metres
+from iva.parameters import Piva, Primary, Siva, Start, numbers, shown, spec
+from iva.scenes import scene
+from iva.spelling import spell_checked
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+    from typing import Literal
+
+    import polars as pl
+
+    from iva import theory
+    from iva.simulation import Run
+
+#: Most periods that are run for one value.
+MOST_CYCLES = 10**9
+#: Word for the directions → the directions.
+DIRECTIONS = {"both": ("up", "down"), "up": ("up",), "down": ("down",)}
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How the runs for one value of a diagram ended.
+
+    Parameters
+    ----------
+    value : float
+        The number that is changed.
+    direction : str
+        ``up`` or ``down``.
+    outcome : str
+        ``finished``; or ``impact_limit``, ``work_limit`` or ``not_finite``: then it has fewer
+        strobes, and the next value begins anew, from rest in the middle of the gap.
+    strobes : int
+        Number of strobes kept.
+    """
+
+    value: float
+    direction: str
+    outcome: str
+    strobes: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Diagram:
+    """A bifurcation diagram.
+
+    Parameters
+    ----------
+    absorber : Siva or Piva
+        The absorber; the number that is changed has the value of the scene that was given.
+    primary : Primary
+        The primary system.
+    force : Harmonic
+        The force.
+    start : Start
+        The state that the first value of each direction begins from.
+    over : str
+        The number that is changed.
+    discard, keep : int
+        Number of periods of the force left out and kept for each value.
+    outcomes : tuple of Outcome
+        How the runs ended: for each direction its values, increasing.
+    """
+
+    absorber: Siva | Piva
+    primary: Primary
+    force: Harmonic
+    start: Start
+    over: str
+    discard: int
+    keep: int
+    outcomes: tuple[Outcome, ...]
+    #: Four numbers of each strobe, and its impacts, in the order of the outcomes.
+    strobes: tuple[tuple[float, float, float, float, int], ...] = field(repr=False)
+
+    @property
+    def table(self) -> pl.DataFrame:
+        """Its strobes as a frame.
+
+        One row a strobe: value, direction, cycle (from 0, of those kept), displacement, velocity,
+        gap_displacement, gap_velocity, and impacts in the period that ends there.
+        """
+        import polars as pl
+
+        heads = [
+            (one.value, one.direction, cycle)
+            for one in self.outcomes
+            for cycle in range(one.strobes)
+        ]
+        rows = [head + strobe for head, strobe in zip(heads, self.strobes, strict=True)]
+        floats = dict.fromkeys(NAMES, pl.Float64)
+        schema = {"value": pl.Float64, "direction": pl.String, "cycle": pl.Int64, **floats}
+        return pl.DataFrame(rows, {**schema, "impacts": pl.Int64}, orient="row")
+
+    def __repr__(self) -> str:
+        """Show range, directions and the scene."""
+        values = sorted({one.value for one in self.outcomes})
+        ways = list(dict.fromkeys(one.direction for one in self.outcomes))
+        bad = sum(one.outcome != "finished" for one in self.outcomes)
+        lines = [
+            f"Diagram: {len(values)} values of {self.over} from {values[0]:g} to {values[-1]:g}, "
+            f"{' and '.join(ways)}",
+            f"  {self.keep} strobes each after {self.discard} periods, {bad} values not finished",
+        ]
+        parts = (self.absorber, self.primary, self.force, self.start)
+        lines += [f"  {written(part)}" for part in parts]
+        lines.append(f"  {_iva.primary_units(spec(self.primary))}")
+        return "\n".join(lines)
+
+
+@spell_checked
+def diagram(
+    absorber: Siva | Piva,
+    primary: Primary,
+    *,
+    force: Harmonic | Sequence[Harmonic],
+    over: Mapping[str, Iterable[float]],
+    direction: Literal["both", "up", "down"] = "both",
+    start: Start | Run | theory.Orbit | Orbit | Iterable[float] | None = None,
+    discard: int = 300,
+    keep: int = 60,
+) -> Diagram:
+    """Follow a steady state through values of a number of its scene, each from the end of the last.
+
+    Where the diagram upwards is another than that downwards there are two steady states: the
+    machine jumps at the end of each, and not at the same value.
+
+    Parameters
+    ----------
+    absorber : Siva or Piva
+        A free mass, or a pendulum.
+    primary : Primary
+        The primary system; what it is given decides the units.
+    force : Harmonic
+        One harmonic force, or motion of the base.
+    over : mapping of str to sequence of float
+        The number that is changed, by the name that a sweep has for it, such as ``"clearance"`` or
+        ``"force.frequency"``, and its values, increasing; it takes the place of what the scene has.
+    direction : {"both", "up", "down"}, default "both"
+        Go through the values upwards, downwards, or once each.
+    start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,), optional
+        Where the first value of each direction begins, as for :func:`orbit`; at rest in the middle
+        of the gap by default.
+    discard : int, default 300
+        Number of periods of the force to leave out for each value.
+    keep : int, default 60
+        Number of periods that follow, at whose ends the state is kept.
+
+    Returns
+    -------
+    Diagram
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If a value is missing or out of range, the values do not increase, the start lies outside
+        the gap, or the force is not one harmonic force.
+    KeyboardInterrupt
+        On Ctrl-C, within about a second.
+
+    Notes
+    -----
+    Where the gap becomes narrower than the place of the absorber, it is put on the wall. Just
+    behind a bifurcation transients are long, and `discard` shows as a smear.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> found = diagram(siva, primary, force=force, over={"clearance": [3.7, 4.1, 4.5]}, keep=20)
+    >>> found.table.columns[:4]
+    ['value', 'direction', 'cycle', 'displacement']
+    >>> found.table.height
+    120
+    """
+    name, values = axis_of(over)
+    if direction not in DIRECTIONS:
+        raise ValueError(f"direction = {shown(direction)}: give 'both', 'up' or 'down'")
+    begin = Start() if start is None else start_of(start)
+    made = scene(absorber, primary, begin, force, {})
+    warn_of_metres(made)
+    window = (whole("discard", discard, 0, MOST_CYCLES), whole("keep", keep, 1, MOST_CYCLES))
+    found = _iva.diagram(made, name, values, DIRECTIONS[direction], window)
+    heads = zip(
+        found["values"], found["directions"], found["outcomes"], found["counts"], strict=True
+    )
+    columns = [found[one] for one in (*NAMES, "impacts")]
+    return Diagram(
+        absorber=absorber,
+        primary=primary,
+        force=single(force),
+        start=begin,
+        over=name,
+        discard=window[0],
+        keep=window[1],
+        outcomes=tuple(Outcome(*head) for head in heads),
+        strobes=tuple(zip(*columns, strict=True)),
+    )
+
+
+def single(force: Harmonic | Sequence[Harmonic]) -> Harmonic:
+    """Return the one harmonic force of a scene that the compiled part has accepted."""
+    if isinstance(force, Harmonic):
+        return force
+    [one] = force
+    return one
+
+
+def axis_of(over: object) -> tuple[str, list[float]]:
+    """Return name and values of the one number that is changed.
+
+    Raises
+    ------
+    TypeError
+        If it is no mapping of a name to numbers.
+    ValueError
+        If there is not exactly one.
+    """
+    if not isinstance(over, Mapping) or not all(isinstance(name, str) for name in over):
+        rule = "give a name with its values, such as {'clearance': [1.0, 2.0]}"
+        raise TypeError(f"over = {shown(over)}: {rule}")
+    if len(over) != 1:
+        raise ValueError(f"over has {len(over)} numbers: give one with its values")
+    [(name, values)] = over.items()
+    return name, numbers(f"over[{name!r}]", values)

@@ -1,0 +1,187 @@
+"""Lyapunov exponents: how fast neighbouring motions of a steady state separate."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from iva import _iva
+from iva.dynamics.diagrams import MOST_CYCLES, single
+from iva.dynamics.orbits import Orbit
+from iva.dynamics.search import start_of, whole
+from iva.dynamics.starts import MOST_SEED, MOST_STARTS, Box, box_of, boxed
+from iva.forces import Harmonic, written
+from iva.millimetres import warn_of_metres
+from iva.parameters import Piva, Primary, Siva, Start, spec
+from iva.scenes import scene
+from iva.spelling import spell_checked
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from iva import theory
+    from iva.simulation import Run
+
+#: Four numbers.
+Numbers = tuple[float, float, float, float]
+#: So many standard errors make a sign sure.
+SURE = 4.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Spectrum:
+    """The Lyapunov exponents of a steady state.
+
+    Parameters
+    ----------
+    absorber : Siva or Piva
+        The absorber.
+    primary : Primary
+        The primary system.
+    force : Harmonic
+        The force.
+    exponents : tuple of float, length 4
+        The exponents per unit of time (in ωn where no frequency is given), largest first. With
+        rides on a wall two are −∞.
+    standard_errors : tuple of float, length 4
+        Their standard errors, from blocks of periods or from whole runs, whichever are larger.
+    sum_error : float or None
+        Their sum less its exact value, 2 ln e times the number of impacts per time, less twice the
+        damping rate. ``None`` with rides, unlike walls, or a pendulum.
+    dimension : float
+        The dimension of the attractor in the section of the strobes, after J. L. Kaplan and J. A.
+        Yorke.
+    impacts_per_cycle, impacts_per_cycle_error : float
+        Mean number of impacts in a period of the force, and its standard error. With rides the
+        number depends on the chatter floor.
+    rides : int
+        Number of rides on a wall.
+    cycles : int
+        Number of periods that count, of all runs together.
+    outcome : str
+        ``finished``, or how the first run ended that did not: ``impact_limit``, ``work_limit`` or
+        ``not_finite``.
+    box : tuple of pairs of float, length 4
+        The box of the starts: displacement, velocity, gap displacement and gap velocity.
+    """
+
+    absorber: Siva | Piva
+    primary: Primary
+    force: Harmonic
+    exponents: Numbers
+    standard_errors: Numbers
+    sum_error: float | None
+    dimension: float
+    impacts_per_cycle: float
+    impacts_per_cycle_error: float
+    rides: int
+    cycles: int
+    outcome: str
+    box: Box
+
+    @property
+    def sign(self) -> int:
+        """Sign of the largest exponent: 0 where it is within four standard errors of 0.
+
+        +1: chaos; 0: a torus, or not enough periods to tell; −1: a periodic motion.
+        """
+        largest, error = self.exponents[0], self.standard_errors[0]
+        if math.isnan(largest) or math.isnan(error) or abs(largest) <= SURE * error:
+            return 0
+        return 1 if largest > 0.0 else -1
+
+    def __repr__(self) -> str:
+        """Show exponents with their errors, what else is told, and the scene."""
+        pairs = zip(self.exponents, self.standard_errors, strict=True)
+        lines = [
+            f"Spectrum: {', '.join(f'{one:.5f} ± {error:.5f}' for one, error in pairs)}",
+            f"  dimension {self.dimension:.4g}, {self.impacts_per_cycle:.6g} impacts per period, "
+            f"{self.rides} rides in {self.cycles} periods, {self.outcome}",
+        ]
+        lines += [f"  {written(part)}" for part in (self.absorber, self.primary, self.force)]
+        lines.append(f"  {_iva.primary_units(spec(self.primary))}")
+        return "\n".join(lines)
+
+
+@spell_checked
+def lyapunov(
+    absorber: Siva | Piva,
+    primary: Primary,
+    *,
+    force: Harmonic | Sequence[Harmonic],
+    start: Start | Run | theory.Orbit | Orbit | Iterable[float] | None = None,
+    cycles: int = 20_000,
+    discard: int = 500,
+    seeds: int = 8,
+    seed: int = 1,
+    box: Mapping[str, tuple[float, float]] | None = None,
+) -> Spectrum:
+    """Compute the four Lyapunov exponents of a steady state, with standard errors.
+
+    Parameters
+    ----------
+    absorber : Siva or Piva
+        A free mass, or a pendulum.
+    primary : Primary
+        The primary system; what it is given decides the units.
+    force : Harmonic
+        One harmonic force, or motion of the base.
+    start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,), optional
+        Runs begin from this start and from others within 10⁻⁶ of its size, as for :func:`orbit`. By
+        default starts are drawn from a box; if steady states of different kinds coexist, the
+        exponents are then a mixture, and their errors large: see :func:`attractors` first.
+    cycles : int, default 20_000
+        Number of periods of the force that count in each run.
+    discard : int, default 500
+        Number of periods that each run leaves out first.
+    seeds : int, default 8
+        Number of runs.
+    seed : int, default 1
+        The seed of the random starts, 0 to 2⁶⁴ − 1.
+    box : mapping of str to pair of float, optional
+        The range of displacement, velocity, gap_displacement and gap_velocity that starts are drawn
+        from. By default displacement and velocity of the structure up to those of its steady state
+        without absorber, the whole gap, and gap velocities up to the same velocity.
+
+    Returns
+    -------
+    Spectrum
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If a value is missing or out of range, a start lies outside the gap, the force is not one
+        harmonic force, or both `start` and `box` are given.
+    KeyboardInterrupt
+        On Ctrl-C, within about a second.
+
+    Notes
+    -----
+    G. Benettin et al., Meccanica 15 (1980) 9–30, with the exact derivative of the motion through
+    every impact.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.85)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> found = lyapunov(siva, primary, force=force, cycles=1000)
+    >>> found.sign, abs(found.sum_error) < 1e-12
+    (1, True)
+    """
+    if start is not None and box is not None:
+        raise ValueError("box: give it without a start, or a start without it")
+    begin = Start() if start is None else start_of(start)
+    made = scene(absorber, primary, begin, force, {})
+    warn_of_metres(made)
+    count = whole("seeds", seeds, 1, MOST_STARTS)
+    starts = (count, whole("seed", seed, 0, MOST_SEED), box_of(box), start is not None)
+    window = (whole("discard", discard, 0, MOST_CYCLES), whole("cycles", cycles, 1, MOST_CYCLES))
+    found = _iva.lyapunov(made, starts, window)
+    found["box"] = boxed(found["box"])
+    for name in ("exponents", "standard_errors"):
+        found[name] = tuple(found[name])
+    return Spectrum(absorber=absorber, primary=primary, force=single(force), **found)

@@ -1,0 +1,174 @@
+"""The kinds of steady motion that a scene has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from iva.dynamics.diagrams import Diagram, diagram
+from iva.dynamics.exponents import Spectrum, lyapunov
+from iva.dynamics.inventories import attractors, binomial
+from iva.dynamics.orbits import Orbit
+from iva.forces import Harmonic
+from iva.parameters import Piva, Primary, Siva
+from iva.spelling import spell_checked
+
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+#: Least share of the periods without an impact in a modulated response.
+QUIET = 0.005
+#: Periods that are looked at for it.
+LOOKED_AT = 4000
+#: Most runs for the exponents of a motion that is not periodic.
+RUNS = 8
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Regime:
+    """A kind of steady motion.
+
+    Parameters
+    ----------
+    kind : str
+        ``periodic``, ``torus``, ``chaotic``, ``modulated``, ``no_impacts`` or ``unfinished``.
+    name : str
+        The same as a word; of a periodic motion impacts and periods, such as ``3:1``.
+    share : float
+        Share of the starts that end in it.
+    standard_error : float
+        Binomial standard error of the share.
+    orbit : Orbit or None
+        The orbit of a periodic motion.
+    spectrum : Spectrum or None
+        The Lyapunov exponents of a motion that is neither periodic nor without impacts.
+    quiet : float or None
+        Of such a motion the share of the periods of the force without an impact.
+    """
+
+    kind: str
+    name: str
+    share: float
+    standard_error: float
+    orbit: Orbit | None = None
+    spectrum: Spectrum | None = None
+    quiet: float | None = None
+
+
+@spell_checked
+def regimes(
+    absorber: Siva | Piva,
+    primary: Primary,
+    *,
+    force: Harmonic | Sequence[Harmonic],
+    starts: int = 64,
+    seed: int = 1,
+    most_periods: int = 32,
+    most_cycles: int = 3000,
+    cycles: int = 5000,
+    box: Mapping[str, tuple[float, float]] | None = None,
+) -> tuple[Regime, ...]:
+    """Tell which kinds of steady motion a scene has, and how likely each is.
+
+    Parameters
+    ----------
+    absorber : Siva or Piva
+        A free mass, or a pendulum.
+    primary : Primary
+        The primary system; what it is given decides the units.
+    force : Harmonic
+        One harmonic force, or motion of the base.
+    starts, seed, most_periods, most_cycles, box
+        As for :func:`attractors`.
+    cycles : int, default 5000
+        Number of periods of the force in each of the runs that the exponents are from.
+
+    Returns
+    -------
+    tuple of Regime
+        The likeliest first.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As :func:`attractors`.
+    KeyboardInterrupt
+        On Ctrl-C, within about a second.
+
+    Notes
+    -----
+    Starts whose strobes repeat are periodic. All others are taken for one motion, that of the first
+    of them. It is
+
+    * modulated, if impacts come in bursts, with stretches of a period or more without any between
+    them, in at least one of 200 periods: the strongly modulated response (Y. Starosvetsky and O. V.
+    Gendelman, Physica D 237 (2008) 1719–1733; of impact absorbers E. Gourc et al., Journal of
+    Vibration and Acoustics 137 (2015) 031008), regular or chaotic;
+    * else chaotic, if the largest Lyapunov exponent is more than four standard errors above 0;
+    * else a torus, if it is within four standard errors of 0;
+    * else periodic, with a period or a transient that is too long to be seen.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> [(one.kind, one.name, one.share) for one in regimes(siva, primary, force=force, starts=20)]
+    [('periodic', '2:1', 1.0)]
+    """
+    found = attractors(
+        absorber,
+        primary,
+        force=force,
+        starts=starts,
+        seed=seed,
+        most_periods=most_periods,
+        most_cycles=most_cycles,
+        box=box,
+    )
+
+    def regime(kind: str, name: str, count: int, **more: object) -> Regime:
+        share, error = count / found.starts, binomial(count, found.starts)
+        made: dict[str, object] = {"kind": kind, "name": name, **more}
+        return Regime(share=share, standard_error=error, **made)  # type: ignore[arg-type]
+
+    listed = [regime("periodic", one.name, one.count, orbit=one.orbit) for one in found.attractors]
+    if found.aperiodic_start is not None:
+        scene = (absorber, primary)
+        begin = found.aperiodic_start
+        spectrum = lyapunov(
+            *scene, force=force, start=begin, cycles=cycles, discard=most_cycles, seeds=RUNS
+        )
+        # One value of a number that every absorber has: the scene itself.
+        assert absorber.restitution is not None
+        strobes = diagram(
+            *scene,
+            force=force,
+            over={"restitution": [absorber.restitution]},
+            direction="up",
+            start=begin,
+            discard=most_cycles,
+            keep=LOOKED_AT,
+        )
+        quiet = share_without_impacts(strobes)
+        kind = kind_of(spectrum, quiet)
+        more = {"spectrum": spectrum, "quiet": quiet}
+        listed.append(regime(kind, kind, found.aperiodic, **more))
+    if found.no_impacts:
+        listed.append(regime("no_impacts", "no_impacts", found.no_impacts))
+    if found.unfinished:
+        listed.append(regime("unfinished", "unfinished", len(found.unfinished)))
+    return tuple(sorted(listed, key=lambda one: -one.share))
+
+
+def share_without_impacts(strobes: Diagram) -> float:
+    """Return the share of periods without an impact."""
+    impacts = [strobe[-1] for strobe in strobes.strobes]
+    return sum(count == 0 for count in impacts) / max(len(impacts), 1)
+
+
+def kind_of(spectrum: Spectrum, quiet: float) -> str:
+    """Return the kind of a motion whose strobes do not repeat."""
+    if quiet >= QUIET:
+        return "modulated"
+    return {1: "chaotic", 0: "torus", -1: "periodic"}[spectrum.sign]

@@ -1,0 +1,277 @@
+"""Bifurcation diagrams, Poincaré sections and basins of attraction."""
+
+from __future__ import annotations
+
+import numpy as np
+import polars as pl
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+
+from iva import _iva, dynamics
+from iva.dynamics.basin_maps import NO_IMPACTS, UNDECIDED, Basins
+from iva.dynamics.diagrams import Diagram
+from iva.parameters import Primary, shown, spec
+from iva.plots.arguments import checked_run
+from iva.plots.labels import labelled, of_column
+from iva.plots.styles import BLACK, BLUE, CURVES, GREY, SHADES, VERMILLION, drawing_on, legend_above
+from iva.simulation import Run
+from iva.spelling import spell_checked
+
+#: Numbers of a strobe → words, symbol and quantity.
+NUMBERS = {
+    "displacement": ("displacement", "x", "displacement"),
+    "velocity": ("velocity", "ẋ", "velocity"),
+    "gap_displacement": ("gap displacement", "y", "displacement"),
+    "gap_velocity": ("gap velocity", "w", "velocity"),
+    "impacts": ("impacts per period", "", ""),
+}
+#: Instants of a section → words.
+WORDS = {"strobe": "strobes", "wall+": "at the wall +", "wall-": "at the wall −", "peak": "peaks"}
+
+
+@spell_checked
+def diagram(diagram: Diagram, y: str = "displacement", *, ax: Axes | None = None) -> Axes:
+    """Draw the strobes of a bifurcation diagram over the number that is changed.
+
+    Parameters
+    ----------
+    diagram : Diagram
+        The diagram; the way down is drawn below the way up.
+    y : str, default "displacement"
+        What is drawn: ``displacement``, ``velocity``, ``gap_displacement``, ``gap_velocity`` or
+        ``impacts``.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If there is no such number.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> clearances = {"clearance": [3.7, 4.1, 4.5]}
+    >>> found = iva.dynamics.diagram(siva, primary, force=force, over=clearances)
+    >>> axes = diagram(found)
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('clearance d (length)', 'displacement x at the strobes (length)')
+    """
+    if not isinstance(diagram, Diagram):
+        raise TypeError(f"diagram = {shown(diagram)}: give that of iva.dynamics.diagram")
+    words, symbol, of = number(y)
+    units = units_of(diagram.primary, diagram.over)
+    frame = diagram.table
+    with drawing_on(ax) as axes:
+        looks = {"down": (VERMILLION, 1.6), "up": (BLUE, 0.7)}
+        for way, (colour, size) in looks.items():
+            part = frame.filter(pl.col("direction") == way)
+            if part.height > 0:
+                x, up = (part[name].to_numpy() for name in ("value", y))
+                axes.plot(
+                    x,
+                    up,
+                    ".",
+                    color=colour,
+                    markersize=size,
+                    markeredgewidth=0.0,
+                    rasterized=True,
+                    label=f"{way}wards",
+                )
+        axes.set_xlabel(of_column(diagram.over, units.get(diagram.over, "")))
+        where = "" if y == "impacts" else " at the strobes"
+        axes.set_ylabel(labelled(f"{words} {symbol}".rstrip() + where, "", units.get(of, "")))
+        handles, labels = axes.get_legend_handles_labels()
+        axes.legend(
+            handles[::-1],
+            labels[::-1],
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=2,
+            borderaxespad=0.3,
+            markerscale=6,
+        )
+    return axes
+
+
+@spell_checked
+def section(
+    run: Run,
+    at: str = "strobe",
+    *,
+    x: str = "displacement",
+    y: str = "velocity",
+    discard: int = 0,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw a Poincaré section of a run: one number of its states over another.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    at : {"strobe", "wall+", "wall-", "peak"}, default "strobe"
+        The instants, as for :func:`iva.dynamics.section`.
+    x, y : str
+        The numbers across and up: ``displacement``, ``velocity``, ``gap_displacement`` or
+        ``gap_velocity``.
+    discard : int, default 0
+        Number of states to leave out at the begin.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError, ValueError
+        As :func:`iva.dynamics.section`, or if there is no such number.
+
+    Examples
+    --------
+    >>> run = iva.simulate(
+    ...     iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.85),
+    ...     iva.Primary(damping_ratio=0.05),
+    ...     force=iva.Harmonic(amplitude=1.0, frequency=1.0),
+    ...     cycles=400,
+    ... )
+    >>> section(run, discard=100).get_xlabel()
+    'displacement x (unit of x₀)'
+    """
+    frame = dynamics.section(checked_run(run), at, discard=discard)  # type: ignore[arg-type]
+    units = run.units["trajectory"]
+    with drawing_on(ax) as axes:
+        across, up = (frame[name].to_numpy() for name in (plain(x), plain(y)))
+        axes.plot(
+            across, up, ".", color=BLACK, markersize=1.5, markeredgewidth=0.0, label=WORDS[at]
+        )
+        for name, draw in ((x, axes.set_xlabel), (y, axes.set_ylabel)):
+            words, symbol, _ = NUMBERS[name]
+            draw(labelled(words, symbol, units[name]))
+        legend_above(axes, 1)
+    return axes
+
+
+@spell_checked
+def basins(basins: Basins, *, likely: bool = True, ax: Axes | None = None) -> Axes:
+    """Draw basins of attraction: each start in the colour of the orbit that it ends in.
+
+    Parameters
+    ----------
+    basins : Basins
+        The basins.
+    likely : bool, default True
+        Colour also the cells that rounding errors may have decided; otherwise they are white, as
+        cells without label are.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+
+    Examples
+    --------
+    >>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.4)
+    >>> primary = iva.Primary(damping_ratio=0.05)
+    >>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+    >>> x, v = np.linspace(-4, 4, 12), np.linspace(-4, 4, 8)
+    >>> over = {"displacement": x, "velocity": v}
+    >>> found = iva.dynamics.basins(siva, primary, force=force, over=over)
+    >>> axes = basins(found)
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('start displacement x₀ (length)', 'start velocity ẋ₀ (length · ωₙ)')
+    """
+    if not isinstance(basins, Basins):
+        raise TypeError(f"basins = {shown(basins)}: give those of iva.dynamics.basins")
+    labels = basins.likely if likely else basins.labels
+    count = len(basins.attractors)
+    present = [label for label in (*range(count), NO_IMPACTS, UNDECIDED) if (labels == label).any()]
+    some = CURVES[:-1]
+    shades = SHADES(np.linspace(0.0, 1.0, max(count, 1)))
+    special = {NO_IMPACTS: GREY, UNDECIDED: "white"}
+    colours = [
+        special[label] if label < 0 else some[label] if count <= len(some) else tuple(shades[label])
+        for label in present
+    ]
+    places = np.select([labels == label for label in present], list(range(len(present))))
+    edges = np.arange(len(present) + 1) - 0.5
+    units = units_of(basins.primary, *basins.over)
+    with drawing_on(ax) as axes:
+        axes.pcolormesh(
+            basins.x,
+            basins.y,
+            places,
+            shading="nearest",
+            cmap=ListedColormap(colours),
+            norm=BoundaryNorm(edges, len(present)),
+            rasterized=True,
+        )
+        entries = [
+            Patch(facecolor=colour, edgecolor="0.5", linewidth=0.4, label=basins.name_of(label))
+            for label, colour in zip(present, colours, strict=True)
+        ]
+        across, up = basins.over
+        axes.set_xlabel(of_column(across, units.get(across, "")))
+        axes.set_ylabel(of_column(up, units.get(up, "")))
+        axes.legend(
+            handles=entries,
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=min(len(entries), 4),
+            borderaxespad=0.3,
+        )
+    return axes
+
+
+def plain(name: str) -> str:
+    """Return the name of a number of a state.
+
+    Raises
+    ------
+    ValueError
+        If there is no such number.
+    """
+    if name == "impacts":
+        raise ValueError("impacts: give a number of the state")
+    number(name)
+    return name
+
+
+def number(name: str) -> tuple[str, str, str]:
+    """Return words, symbol and quantity of a number.
+
+    Raises
+    ------
+    ValueError
+        If there is no such number.
+    """
+    if name not in NUMBERS:
+        raise ValueError(f"{shown(name)}: give {', '.join(NUMBERS)}")
+    return NUMBERS[name]
+
+
+def units_of(primary: Primary, *names: str) -> dict[str, str]:
+    """Return the units of swept numbers, of displacements and of velocities."""
+    _, tables = _iva.column_units(_iva.unit_system(spec(primary)), list(names))
+    found: dict[str, str] = dict(tables["summary"])
+    impacts = tables["impacts"]
+    for name, column in (("displacement", "displacement"), ("velocity", "velocity_before")):
+        found[name] = impacts[column]
+    return found
