@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use iva_store::table_file::{Format, Style};
+use iva_sweep::dynamics::starts::NAMES;
 use iva_sweep::fields::nearest;
 use iva_sweep::study::Table;
 use iva_sweep::sweep::MAX_THREADS;
@@ -106,6 +107,19 @@ pub enum Command {
                             Printed are folds, pitchforks, flips, Neimark-Sacker points, grazings and\n\
                             impacts that vanish. The study gives the field itself.")]
     Branch(BranchArgs),
+    /// Let a field of a study go up and down, each steady state from the end of the last
+    #[command(after_help = "Example: over 200 clearances, with a table of all strobes\n\n  \
+                            iva diagram my.toml --over clearance --from 0.5 --to 8 --count 200 \\\n      \
+                            --csv diagram.csv\n\n\
+                            Where the way up is another than the way down there are two steady states.")]
+    Diagram(DiagramArgs),
+    /// Decide which steady state each start of a plane ends in
+    #[command(after_help = "Example: over displacement and velocity of the structure\n\n  \
+                            iva basins my.toml --across displacement,-4,4,100 \\\n      \
+                            --up velocity,-4,4,100 --csv basins.csv\n\n\
+                            Labels are numbers of steady states; -2 is a motion without impacts, -1 not\n\
+                            decided within the cycles, or for sure.")]
+    Basins(BasinsArgs),
     /// Draw the figures of the paper anew; needs Python: pip install 'iva-dynamics[plots]'
     #[command(disable_help_flag = true)]
     Reproduce(ReproduceArgs),
@@ -241,6 +255,89 @@ pub struct BranchArgs {
     #[arg(long, value_name = "N", default_value_t = 2000)]
     pub points: usize,
     /// Write the points of the branch to this file
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
+/// Arguments of `iva diagram`.
+#[derive(Debug, Args)]
+pub struct DiagramArgs {
+    /// The study file (TOML)
+    #[arg(value_name = "STUDY.toml")]
+    pub study: PathBuf,
+    /// The field that is changed, such as clearance or force.frequency
+    #[arg(long, value_name = "FIELD")]
+    pub over: String,
+    /// Its smallest value
+    #[arg(long, value_name = "LOW", allow_negative_numbers = true)]
+    pub from: f64,
+    /// Its largest value
+    #[arg(long, value_name = "HIGH", allow_negative_numbers = true)]
+    pub to: f64,
+    /// Number of values
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub count: usize,
+    /// Number of periods of the force that are left out at each value
+    #[arg(long, value_name = "N", default_value_t = 300)]
+    pub discard: u64,
+    /// Number of periods that follow, at whose ends the state is kept
+    #[arg(long, value_name = "N", default_value_t = 60)]
+    pub keep: u64,
+    /// Write all strobes to this file
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
+/// A number of the start with values at equal distances.
+#[derive(Debug, Clone, Copy)]
+pub struct AxisOfStarts {
+    /// The place of the number in [`NAMES`].
+    pub place: usize,
+    /// The smallest value.
+    pub low: f64,
+    /// The largest value.
+    pub high: f64,
+    /// Number of values.
+    pub count: usize,
+}
+
+impl std::str::FromStr for AxisOfStarts {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let rule = || {
+            let names = NAMES.join(", ");
+            format!("give NAME,LOW,HIGH,COUNT with a name out of {names}")
+        };
+        let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+        let [name, low, high, count] = parts[..] else { return Err(rule()) };
+        let place = NAMES.iter().position(|it| *it == name).ok_or_else(rule)?;
+        let number = |text: &str| text.parse::<f64>().ok().filter(|it| it.is_finite());
+        let (low, high) = number(low).zip(number(high)).ok_or_else(rule)?;
+        let count = count.parse().ok().filter(|count| *count > 0).ok_or_else(rule)?;
+        Ok(Self { place, low, high, count })
+    }
+}
+
+/// Arguments of `iva basins`.
+#[derive(Debug, Args)]
+pub struct BasinsArgs {
+    /// The study file (TOML)
+    #[arg(value_name = "STUDY.toml")]
+    pub study: PathBuf,
+    /// The number of the start that goes across, its range, and how many values
+    #[arg(long, value_name = "NAME,LOW,HIGH,COUNT", allow_hyphen_values = true)]
+    pub across: AxisOfStarts,
+    /// The number of the start that goes up, its range, and how many values
+    #[arg(long, value_name = "NAME,LOW,HIGH,COUNT", allow_hyphen_values = true)]
+    pub up: AxisOfStarts,
+    /// Most periods of the force that are run from each start
+    #[arg(long, value_name = "N", default_value_t = 150)]
+    pub most_cycles: u64,
+    /// Most periods after which a steady state repeats
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub most_periods: u32,
+    /// Write the label of each start to this file
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
 }

@@ -2,7 +2,7 @@
 //!
 //! [`main_with_args`] is the one command line that the native binary and the Python console script
 //! share. Below it, in the order of a run: [`args`] (what was asked) → `sweep_command`, `run_command` and
-//! `check`, `orbits` (what each command does, by [`iva_study`] and [`iva_store`], with what they share in
+//! `check`, `orbits`, `diagrams` (what each command does, by [`iva_study`] and [`iva_store`], with what they share in
 //! `run_study`) → [`report`] (the best points, the measures of a run), [`scene`] (what a study is about)
 //! and `verified` (the errors of a run). While it runs, `progress` shows how far it is, `log` writes it
 //! down, and `interrupt` listens to Ctrl-C. [`error`] words what went wrong, with the options that help.
@@ -10,6 +10,7 @@
 pub mod args;
 mod cell;
 mod check;
+mod diagrams;
 pub mod error;
 mod interrupt;
 mod layout;
@@ -78,7 +79,12 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
     let quiet = match &cli.command {
         Command::Sweep(args) => args.run.quiet,
         Command::Run(args) => args.run.quiet,
-        Command::Check(_) | Command::Orbit(_) | Command::Branch(_) | Command::Reproduce(_) => false,
+        Command::Check(_)
+        | Command::Orbit(_)
+        | Command::Branch(_)
+        | Command::Diagram(_)
+        | Command::Basins(_)
+        | Command::Reproduce(_) => false,
     };
     let result = run_command_line(&cli.command);
     match result {
@@ -100,6 +106,8 @@ fn run_command_line(command: &Command) -> Result<String, Error> {
         Command::Check(args) => check::check_command(args),
         Command::Orbit(args) => orbits::orbit_command(args),
         Command::Branch(args) => orbits::branch_command(args),
+        Command::Diagram(args) => diagrams::diagram_command(args),
+        Command::Basins(args) => diagrams::basins_command(args),
         // The console script of the Python package handles this command before it calls this function.
         Command::Reproduce(_) => Err(Error::Refused(NO_PLOTS.to_owned())),
     }

@@ -1,7 +1,8 @@
 //! `iva orbit` and `iva branch`: periodic orbits of the scene of a study, and how they change with one of its fields.
 
 use std::fmt::Write as _;
-use std::sync::atomic::Ordering;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use iva_study::error::Kept;
 use iva_study::study_file::{StudyFile, read_study};
@@ -23,15 +24,24 @@ const DIGITS: usize = 6;
 const ALL_DIGITS: usize = 15;
 
 /// The scene of a study without a sweep, and its units.
-fn scene(args: &OrbitArgs) -> Result<(StudyFile, UnitSystem), Error> {
-    let file = read_study(&args.study)?;
+pub(crate) fn scene(study: &Path) -> Result<(StudyFile, UnitSystem), Error> {
+    let file = read_study(study)?;
     if !file.study.sampling.is_empty() {
-        let study = args.study.display();
-        let rule = format!("{study} has a [sweep] section; an orbit is one of a single scene");
+        let study = study.display();
+        let rule = format!("{study} has a [sweep] section; give one with a single scene");
         return Err(Error::Refused(rule));
     }
     let units = file.study.units().map_err(|invalid| file.source.locate(&invalid))?;
     Ok((file, units))
+}
+
+/// # Errors
+/// If Ctrl-C was pressed.
+pub(crate) fn unless_interrupted(cancel: &AtomicBool) -> Result<(), Error> {
+    if cancel.load(Ordering::Relaxed) {
+        return Err(iva_study::Error::Interrupted(Kept::nothing()).into());
+    }
+    Ok(())
 }
 
 /// Finds the orbit that is asked for.
@@ -40,9 +50,7 @@ fn found(file: &StudyFile, args: &OrbitArgs) -> Result<Found, Error> {
     let asked = Asked { periods, symmetric: symmetric.then_some(true), settle };
     let cancel = interrupt::listen();
     let answer = orbit(&file.study.spec, asked, cancel);
-    if cancel.load(Ordering::Relaxed) {
-        return Err(iva_study::Error::Interrupted(Kept::nothing()).into());
-    }
+    unless_interrupted(cancel)?;
     answer
         .map_err(|invalid| file.source.locate(&invalid))?
         .map_err(|missed| Error::Refused(format!("no orbit: {}", words(&missed).1)))
@@ -53,7 +61,7 @@ fn found(file: &StudyFile, args: &OrbitArgs) -> Result<Found, Error> {
 /// # Errors
 /// What [`read_study`] refuses, a scene that has no orbits, or the reason why none was found.
 pub(crate) fn orbit_command(args: &OrbitArgs) -> Result<String, Error> {
-    let (file, units) = scene(args)?;
+    let (file, units) = scene(&args.study)?;
     Ok(described(&found(&file, args)?, units))
 }
 
@@ -117,7 +125,7 @@ fn described(found: &Found, units: UnitSystem) -> String {
 /// # Errors
 /// As [`orbit_command`]; for a field that the study does not give, or a range that it does not allow.
 pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
-    let (file, units) = scene(&args.orbit)?;
+    let (file, units) = scene(&args.orbit.study)?;
     let start = found(&file, &args.orbit)?;
     let located = |invalid| file.source.locate(&invalid);
     let over = Slot::from_key(&args.over).map_err(located)?;
@@ -126,9 +134,7 @@ pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
     let spec = on_orbit(&file.study.spec, &start).map_err(located)?;
     let cancel = interrupt::listen();
     let followed = follow(&spec, (start.least_periods, start.symmetric), &way, cancel);
-    if cancel.load(Ordering::Relaxed) {
-        return Err(iva_study::Error::Interrupted(Kept::nothing()).into());
-    }
+    unless_interrupted(cancel)?;
     let followed = followed
         .map_err(located)?
         .map_err(|none| Error::Refused(format!("no branch: {}", none.words().1)))?;

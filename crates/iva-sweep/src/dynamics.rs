@@ -27,9 +27,9 @@ pub mod branches;
 mod course;
 pub mod diagram;
 mod family;
-pub mod words;
 pub mod lyapunov;
 pub mod starts;
+pub mod words;
 
 pub use course::Course;
 pub use family::{Family, Member};

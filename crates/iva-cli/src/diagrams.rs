@@ -1,0 +1,183 @@
+//! `iva diagram` and `iva basins`: what steady states do over a field, and which start ends in which.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use iva_sweep::dynamics::Found;
+use iva_sweep::dynamics::basins::{Asked, Basins, Plane, basins};
+use iva_sweep::dynamics::diagram::{Direction, Strobes, Window, diagram};
+use iva_sweep::dynamics::starts::{NAMES, Numbers};
+use iva_sweep::slot::Slot;
+
+use crate::args::{AxisOfStarts, BasinsArgs, DiagramArgs};
+use crate::cell::short;
+use crate::error::Error;
+use crate::interrupt;
+use crate::orbits::{scene, unless_interrupted};
+
+/// Strobes that differ by less, over the size of all, are the same.
+const SAME: f64 = 1e-6;
+/// A steady state with more different strobes than this is printed as one that does not repeat.
+const MOST_STROBES: usize = 16;
+/// Side of the boxes of the entropies, in cells.
+const SIDE: usize = 4;
+
+/// Numbers at equal distances.
+fn spaced(low: f64, high: f64, count: usize) -> Vec<f64> {
+    let last = count.saturating_sub(1).max(1) as f64;
+    (0..count).map(|k| low + (high - low) * (k as f64 / last)).collect()
+}
+
+/// Writes a file that was asked for.
+fn write(path: Option<&Path>, text: &str) -> Result<(), Error> {
+    let Some(path) = path else { return Ok(()) };
+    std::fs::write(path, text).map_err(|reason| {
+        let shown = path.display();
+        Error::Refused(format!("--csv {shown}: it cannot be written: {reason}"))
+    })
+}
+
+/// Follows steady states over a field, up and down; returns the text to print.
+///
+/// # Errors
+/// What the study, the field or its values do not allow; a file that cannot be written.
+pub(crate) fn diagram_command(args: &DiagramArgs) -> Result<String, Error> {
+    let (file, _) = scene(&args.study)?;
+    let over = Slot::from_key(&args.over).map_err(|invalid| file.source.locate(&invalid))?;
+    let values = spaced(args.from, args.to, args.count);
+    let window = Window { discard: args.discard, keep: args.keep };
+    let both = [Direction::Up, Direction::Down];
+    let cancel: &AtomicBool = interrupt::listen();
+    let found = diagram(&file.study.spec, (over, &values), &both, window, cancel);
+    unless_interrupted(cancel)?;
+    let found = found.map_err(|error| file.source.locate_sweep(error))?;
+    let mut table = format!("{},direction,{},impacts\n", args.over, NAMES.join(","));
+    for strobes in &found {
+        for (state, impacts) in strobes.states.iter().zip(&strobes.impacts) {
+            let way = name(strobes.direction);
+            let numbers = state.map(|number| number.to_string()).join(",");
+            let _ = writeln!(table, "{},{way},{numbers},{impacts}", strobes.value);
+        }
+    }
+    write(args.csv.as_deref(), &table)?;
+    Ok(both.map(|direction| ranges(&found, direction, &args.over)).concat())
+}
+
+fn name(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Up => "up",
+        Direction::Down => "down",
+    }
+}
+
+/// Number of different strobes; `None` if they do not repeat.
+fn different(strobes: &Strobes) -> Option<usize> {
+    let size = strobes.states.iter().flatten().fold(0.0, |size: f64, it| size.max(it.abs()));
+    let same =
+        |a: &Numbers, b: &Numbers| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * size);
+    let mut kept: Vec<&Numbers> = Vec::new();
+    for state in &strobes.states {
+        if !kept.iter().any(|other| same(other, state)) {
+            kept.push(state);
+        }
+    }
+    (kept.len() <= MOST_STROBES && 2 * kept.len() <= strobes.states.len()).then_some(kept.len())
+}
+
+/// The ranges of values with the same number of different strobes, for the terminal.
+fn ranges(found: &[Strobes], direction: Direction, over: &str) -> String {
+    let mut out = format!("{}\n", name(direction));
+    let own: Vec<_> = found.iter().filter(|it| it.direction == direction).collect();
+    for group in own.chunk_by(|a, b| different(a) == different(b)) {
+        let (Some(first), Some(last)) = (group.first(), group.last()) else { continue };
+        let what = match different(first) {
+            Some(1) => "repeats every period".to_owned(),
+            Some(count) => format!("repeats every {count} periods"),
+            None => "does not repeat".to_owned(),
+        };
+        let (from, to) = (short(first.value, 6), short(last.value, 6));
+        let _ = writeln!(out, "  {over} {from:>10} to {to:<10} {what}");
+    }
+    out
+}
+
+/// Decides for each start of a plane which steady state it ends in; returns the text to print.
+///
+/// # Errors
+/// What the study or the plane does not allow; a file that cannot be written.
+pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
+    let (file, _) = scene(&args.study)?;
+    let AxisOfStarts { place: across, low, high, count } = args.across;
+    let columns = spaced(low, high, count);
+    let AxisOfStarts { place: up, low, high, count } = args.up;
+    let plane = Plane { axes: [across, up], values: [columns, spaced(low, high, count)] };
+    let asked = Asked {
+        orbits: None,
+        most_periods: args.most_periods,
+        most_cycles: args.most_cycles,
+        side: SIDE,
+    };
+    let cancel: &AtomicBool = interrupt::listen();
+    let found = basins(&file.study.spec, &plane, &asked, cancel);
+    unless_interrupted(cancel)?;
+    let found = found.map_err(|error| file.source.locate_sweep(error))?;
+    let mut table = format!("{},{},label,likely,cycles\n", NAMES[across], NAMES[up]);
+    let width = plane.values[0].len();
+    for (index, label) in found.labels.iter().enumerate() {
+        let (x, y) = (plane.values[0][index % width], plane.values[1][index / width]);
+        let _ = writeln!(table, "{x},{y},{label},{},{}", found.likely[index], found.cycles[index]);
+    }
+    write(args.csv.as_deref(), &table)?;
+    Ok(shares(&found))
+}
+
+/// What the cells end in, for the terminal.
+fn shares(found: &Basins) -> String {
+    let mut counts = BTreeMap::new();
+    for label in &found.labels {
+        *counts.entry(*label).or_insert(0usize) += 1;
+    }
+    let all = found.labels.len() as f64;
+    let mut out = format!("{} starts\n\n", found.labels.len());
+    for (label, count) in counts {
+        let what = match usize::try_from(label).ok().and_then(|index| found.attractors.get(index)) {
+            Some(orbit) => described(orbit),
+            None if label == -2 => "a motion without impacts".to_owned(),
+            None => "not decided".to_owned(),
+        };
+        let _ =
+            writeln!(out, "  {label:>3}  {:>6} %  {what}", short(100.0 * count as f64 / all, 3));
+    }
+    if let Some(entropy) = &found.entropy {
+        let _ = writeln!(out, "\n  basin entropy           {}", short(entropy.basin, 4));
+        if let Some(boundary) = entropy.boundary {
+            let _ = writeln!(out, "  boundary basin entropy  {}", short(boundary, 4));
+        }
+    }
+    out
+}
+
+fn described(orbit: &Found) -> String {
+    let [x, v, y, w] = [
+        orbit.course.state.displacement,
+        orbit.course.state.velocity,
+        orbit.course.state.gap_displacement,
+        orbit.course.state.gap_velocity,
+    ]
+    .map(|number| short(number, 4));
+    let count = orbit.course.impacts.len();
+    format!("{count} impacts {} from ({x}, {v}, {y}, {w})", orbit.course.walls)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spaced_numbers_have_both_ends() {
+        assert_eq!(spaced(-1.0, 1.0, 5), [-1.0, -0.5, 0.0, 0.5, 1.0]);
+        assert_eq!(spaced(2.0, 3.0, 1), [2.0]);
+    }
+}
