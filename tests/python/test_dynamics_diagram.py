@@ -125,3 +125,49 @@ def test_bad_input_is_one_sentence():
     failing("gap", start=(0.0, 0.0, 1.5, 0.0))
     failing("force", force=None)
     failing("over", over=[1.0, 2.0])
+
+
+def test_pictures_have_units(found):
+    axes = iva.plots.diagram(found)
+    assert axes.get_xlabel() == "clearance d (length)"
+    assert axes.get_ylabel() == "displacement x at the strobes (unit of x₀)"
+    assert {text.get_text() for text in axes.get_legend().get_texts()} == {"upwards", "downwards"}
+    up, down = axes.lines[1].get_ydata(), axes.lines[0].get_ydata()
+    assert len(up) == len(down) == 40 * len(ATTRACTORS)
+    with pytest.raises(ValueError, match="give displacement"):
+        iva.plots.diagram(found, "amplitude")
+    with pytest.raises(TypeError, match="diagram"):
+        iva.plots.diagram("found")
+
+
+def test_sections_are_states_of_the_run():
+    """The orbit A1 of the references: symmetric, one impact on each wall."""
+    siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+    start = iva.Start(gap_velocity=0.1)
+    run = iva.simulate(siva, PRIMARY, force=FORCE, start=start, cycles=400)
+    last = {at: dynamics.section(run, at, discard=350).row(-1) for at in ("strobe", "peak")}
+    record = json.loads((REFERENCE / "orbits.json").read_text())[0]
+    state = record["state_at_time_0"]
+    assert last["strobe"][1] == pytest.approx(float(state["displacement"]), abs=1e-6)
+    assert abs(last["peak"][1]) == pytest.approx(float(record["amplitude"]), abs=1e-4)
+    plus, minus = (dynamics.section(run, at, discard=350) for at in ("wall+", "wall-"))
+    assert plus["gap_displacement"].unique().to_list() == [4.5]
+    assert minus["gap_displacement"].unique().to_list() == [-4.5]
+    assert plus["gap_velocity"][-1] == pytest.approx(-minus["gap_velocity"][-1], abs=1e-6)
+    for hit, time in zip(plus["velocity"], plus["time"], strict=True):
+        assert run.at([time - 1e-9])["velocity"].item() == pytest.approx(hit, abs=1e-6)
+    axes = iva.plots.section(run, "wall+", x="velocity", y="gap_velocity")
+    assert axes.get_ylabel() == "gap velocity w (unit of x₀ · ωₙ)"
+    short = iva.simulate(siva, PRIMARY, force=FORCE, start=start, cycles=3, tables=("impacts",))
+    with pytest.raises(ValueError, match="stroboscope"):
+        dynamics.section(short)
+    with pytest.raises(ValueError, match="give strobe"):
+        dynamics.section(short, "wall")
+    bare = iva.simulate(None, PRIMARY, force=FORCE, start=start_of_structure(), cycles=3)
+    with pytest.raises(ValueError, match="no absorber"):
+        dynamics.section(bare)
+
+
+def start_of_structure() -> iva.Start:
+    """Return a start of a structure without absorber."""
+    return iva.Start(displacement=1.0)

@@ -74,3 +74,47 @@ def test_a_signal_ends_the_search_for_an_orbit() -> None:
     assert said[0] == "interrupted"
     assert float(said[1]) - sent < 3.0
     assert job.returncode == 130
+
+
+STEADY = """
+import sys, time
+import numpy as np
+import iva
+siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.85)
+scene = {"absorber": siva, "primary": iva.Primary(damping_ratio=0.05)}
+scene["force"] = iva.Harmonic(amplitude=1.0, frequency=1.0)
+grid = {"displacement": np.linspace(-4, 4, 300), "velocity": np.linspace(-4, 4, 300)}
+print("ready", flush=True)
+try:
+    iva.dynamics.%s
+except KeyboardInterrupt:
+    print("interrupted", time.time(), flush=True)
+    sys.exit(130)
+print("finished", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a POSIX signal to one process")
+@pytest.mark.parametrize(
+    "call",
+    [
+        "diagram(**scene, over={'clearance': np.linspace(1, 5, 99)}, discard=10**7)",
+        "lyapunov(**scene, cycles=10**8)",
+        "attractors(**scene, starts=1000, most_cycles=10**8)",
+        "basins(**scene, over=grid, most_cycles=10**6)",
+    ],
+)
+def test_a_signal_ends_the_search_for_steady_states(call: str) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", STEADY % call], stdout=subprocess.PIPE, text=True
+    ) as job:
+        assert job.stdout is not None
+        assert job.stdout.readline() == "ready\n"
+        time.sleep(0.5)
+        sent = time.time()
+        os.kill(job.pid, signal.SIGINT)
+        said = job.stdout.readline().split()
+        job.wait(timeout=30)
+    assert said[0] == "interrupted"
+    assert float(said[1]) - sent < 3.0
+    assert job.returncode == 130

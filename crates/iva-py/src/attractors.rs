@@ -1,5 +1,6 @@
 //! What a driven scene settles on, for Python, in the user's units: diagrams, exponents, attractors and basins.
 
+use iva_sweep::dynamics::Family;
 use iva_sweep::dynamics::attractors::{self, Inventory};
 use iva_sweep::dynamics::basins::{self, Asked, Basins, Plane};
 use iva_sweep::dynamics::diagram::{self, Direction, Strobes, Window};
@@ -74,6 +75,7 @@ pub fn lyapunov<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (spec, starts) = (arguments::spec(spec)?, drawn(starts));
     let window = Window { discard: window.0, keep: window.1 };
+    let Family { period, scale, .. } = Family::new(&spec, None, 1).map_err(invalid)?;
     let work =
         move |shared: &worker::Shared| lyapunov::lyapunov(&spec, starts, window, &shared.cancel);
     let Exponents { spectrum, dimension, bounds } = worker::run(py, None, work)?;
@@ -86,6 +88,7 @@ pub fn lyapunov<'py>(
     dict.set_item("impacts_per_cycle_error", spectrum.impacts_error)?;
     dict.set_item("rides", spectrum.rides)?;
     dict.set_item("cycles", spectrum.cycles)?;
+    dict.set_item("time", scale.time(period) * window.keep as f64)?;
     dict.set_item("outcome", spectrum.outcome.name())?;
     dict.set_item("box", bounds)?;
     Ok(dict)

@@ -176,7 +176,8 @@ def basins(
         The other two numbers and the instant, as for :func:`orbit`; 0 by default.
     attractors : Attractors or sequence of Orbit, optional
         The attractors to tell apart, of the same scene, and at the phase of the start; the orbits
-        of mirror pairs have a label each. By default those that up to 256 of the cells end in.
+        of mirror pairs have a label each, unstable orbits have none. By default those that up to
+        256 of the cells end in.
     most_cycles : int, default 150
         Most periods of the force that are run from each cell; what has come to no orbit by then is
         undecided, as is what ends in chaos or on a torus.
@@ -293,7 +294,7 @@ def known(given: object, parts: tuple[object, object, object], begin: Start) -> 
         for one in given.attractors:
             orbits += [one.orbit, one.orbit.mirror()] if one.pair else [one.orbit]
     else:
-        orbits += given if isinstance(given, (list, tuple)) else (given,)  # type: ignore[arg-type]
+        orbits += given if isinstance(given, (list, tuple)) else (given,)
     absorber, primary, force = parts
     for orbit in orbits:
         if not isinstance(orbit, Orbit):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from iva import _iva
@@ -27,6 +26,8 @@ if TYPE_CHECKING:
 Numbers = tuple[float, float, float, float]
 #: So many standard errors make a sign sure.
 SURE = 4.0
+#: Logarithm of the least factor by which neighbours separate in a run of chaos.
+SLOW = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -59,6 +60,8 @@ class Spectrum:
         Number of rides on a wall.
     cycles : int
         Number of periods that count, of all runs together.
+    time : float
+        Length of the part of each run that counts.
     outcome : str
         ``finished``, or how the first run ended that did not: ``impact_limit``, ``work_limit`` or
         ``not_finite``.
@@ -77,17 +80,20 @@ class Spectrum:
     impacts_per_cycle_error: float
     rides: int
     cycles: int
+    time: float
     outcome: str
     box: Box
 
     @property
     def sign(self) -> int:
-        """Sign of the largest exponent: 0 where it is within four standard errors of 0.
+        """Sign of the largest exponent: 0 where it cannot be told from 0.
 
-        +1: chaos; 0: a torus, or not enough periods to tell; −1: a periodic motion.
+        +1: chaos; 0: a torus, or not enough periods to tell; −1: a periodic motion. An exponent
+        counts as 0 within four standard errors, or where neighbours separate or approach by less
+        than e¹⁰ in a run: on a torus they do so by a bounded factor, or in proportion to the time.
         """
         largest, error = self.exponents[0], self.standard_errors[0]
-        if math.isnan(largest) or math.isnan(error) or abs(largest) <= SURE * error:
+        if not abs(largest) > max(SURE * error, SLOW / self.time):
             return 0
         return 1 if largest > 0.0 else -1
 

@@ -10,7 +10,7 @@ use iva_core::{
     host::DrivenHost,
     orbit::{
         Cycle, Trajectory,
-        attractors::{Class, Search, attractors},
+        attractors::{Class, Found, Search, attractors},
     },
     simulate::Outcome,
     siva::Siva,
@@ -99,6 +99,33 @@ fn mirror_images_count_as_one() {
         }
         let symmetric = (one.strobes[0] - mirrored[0]).amax() < 1e-9;
         assert_eq!(symmetric, apart.attractors.len() == 1, "{d}");
+    }
+}
+
+/// Starts that are divided among two searches have the classes of one search of all, whichever finds an orbit first.
+#[test]
+fn searches_of_divided_starts_join() {
+    let mut rng = Rng::new(74);
+    for (d, pair) in [(3.98, true), (4.5, false)] {
+        let starts = drawn(&mut rng, d, 24);
+        for search in [SEARCH, Search { join_mirrored: true, ..SEARCH }] {
+            let whole = attractors(&starts, search, None).unwrap();
+            let mut joined = attractors(&starts[..9], search, None).unwrap();
+            joined.join(attractors(&starts[9..], search, None).unwrap(), d);
+            assert_eq!(joined.classes.len(), 24);
+            assert_eq!(joined.attractors.len(), whole.attractors.len());
+            for (class, other) in joined.classes.iter().zip(&whole.classes) {
+                let strobes = |it: &Class, found: &Found<Siva<DrivenHost>>| match it {
+                    Class::Periodic(index) => found.attractors[*index].strobes.clone(),
+                    other => panic!("{other:?}"),
+                };
+                let (one, two) = (strobes(class, &joined), strobes(other, &whole));
+                assert!(search.join_mirrored || one.iter().any(|it| (it - two[0]).amax() < 1e-9));
+            }
+            for attractor in &joined.attractors {
+                assert_eq!(attractor.is_pair(d), search.join_mirrored && pair, "{d}");
+            }
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use iva_core::{
     host::DrivenHost,
     orbit::{
         Cycle, Trajectory,
-        lyapunov::{Spectrum, Window, lyapunov},
+        lyapunov::{Spectrum, Window, carried, lyapunov, spectrum},
         multipliers::multipliers,
         periodic::find,
     },
@@ -105,6 +105,15 @@ fn exponents_are_those_of_the_references() {
         }
     }
     assert_eq!(records.len(), 3);
+}
+
+/// Trajectories that are divided among two calls have the spectrum of one call, to the bit.
+#[test]
+fn divided_trajectories_have_the_same_spectrum() {
+    let starts = drawn(&mut Rng::new(64), [0.2, 0.7, 3.85, 0.05, 1.0, 1.0], 6);
+    let window = Window { discard: 50, keep: 300 };
+    let parts = [&starts[..1], &starts[1..]].map(|part| carried(part, window, None).unwrap());
+    assert_eq!(spectrum(&starts, &parts.concat()), lyapunov(&starts, window, None).unwrap());
 }
 
 /// On a stable orbit they are ln |λ| of its multipliers over the time of a cycle.
