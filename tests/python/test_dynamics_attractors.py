@@ -38,7 +38,7 @@ def box(record: dict[str, Any]) -> dict[str, tuple[float, float]]:
 
 
 @pytest.mark.parametrize("name", RECORDS)
-def test_attractors_are_those_of_the_references(name):
+def test_attractors_are_those_of_the_references(name: str) -> None:
     record = RECORDS[name]
     found = dynamics.attractors(
         **scene(record), starts=STARTS, seed=5, most_cycles=2000, box=box(record)
@@ -55,7 +55,7 @@ def test_attractors_are_those_of_the_references(name):
         assert one.orbit.symmetric is (name in ("I1@1.6", "I1@4.5", "I1@6.0", "I1@3.7"))
 
 
-def test_several_attractors_are_told_apart():
+def test_several_attractors_are_told_apart() -> None:
     """Of basins.json: a pair of 2:1 and a pair of 3:1."""
     siva = iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=2.7)
     force = iva.Harmonic(amplitude=1.0, frequency=0.7)
@@ -77,7 +77,7 @@ def test_several_attractors_are_told_apart():
         assert abs(share[one.name].share - one.share) < error
 
 
-def test_motion_without_impacts_is_a_class():
+def test_motion_without_impacts_is_a_class() -> None:
     siva = iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=100.0)
     force = iva.Harmonic(amplitude=0.1, frequency=3.0)
     small = dict.fromkeys(("displacement", "velocity"), (-0.1, 0.1))
@@ -87,7 +87,7 @@ def test_motion_without_impacts_is_a_class():
     assert found.shares == {"no_impacts": 1.0}
 
 
-def test_bad_input_is_one_sentence():
+def test_bad_input_is_one_sentence() -> None:
     def failing(match: str, **given: object) -> None:
         with pytest.raises((ValueError, TypeError), match=match):
             dynamics.attractors(**{**scene(RECORDS["I1@3.4"]), **given})

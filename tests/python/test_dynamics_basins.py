@@ -37,13 +37,13 @@ def labels(record: dict[str, Any]) -> np.ndarray:
 
 
 @pytest.fixture(scope="module", params=RECORDS)
-def pair(request) -> tuple[dict[str, Any], dynamics.Basins]:
+def pair(request: pytest.FixtureRequest) -> tuple[dict[str, Any], dynamics.Basins]:
     record = RECORDS[request.param]
-    over = {"displacement": AXIS, "velocity": AXIS}
+    over: dict[str, Any] = {"displacement": AXIS, "velocity": AXIS}
     return record, dynamics.basins(**scene(record), over=over)
 
 
-def test_cells_are_those_of_the_references(pair):
+def test_cells_are_those_of_the_references(pair: tuple[dict[str, Any], dynamics.Basins]) -> None:
     record, found = pair
     # The label that the reference has for each of ours: that of the strobe that is the nearest.
     strobes = np.array([one["strobe_state"] for one in record["attractors"]])
@@ -64,7 +64,7 @@ def test_cells_are_those_of_the_references(pair):
     assert found.boundary_entropy == pytest.approx(record["boundary_basin_entropy"], abs=0.02)
 
 
-def test_what_basins_say_of_themselves(pair):
+def test_what_basins_say_of_themselves(pair: tuple[dict[str, Any], dynamics.Basins]) -> None:
     record, found = pair
     assert found.labels.shape == (64, 64)
     assert found.over == ("displacement", "velocity")
@@ -87,28 +87,31 @@ def test_what_basins_say_of_themselves(pair):
     assert np.array_equal(np.array([*nearest, -2, -1])[by_search.labels], found.labels[:7, :9])
 
 
-def test_a_cell_is_where_a_run_ends(pair):
+def test_a_cell_is_where_a_run_ends(pair: tuple[dict[str, Any], dynamics.Basins]) -> None:
     record, found = pair
     for row, column in ((5, 40), (33, 12), (50, 50)):
         start = (found.x[column], found.y[row], 0.0, 0.0)
         label = found.labels[row, column]
         orbit = dynamics.orbit(**scene(record), start=start, settle=200)
+        assert isinstance(orbit, dynamics.Orbit)
         assert label < 0 or math.dist(orbit.state, found.attractors[label].state) < 1e-6
 
 
-def test_pictures_have_units(pair):
+def test_pictures_have_units(pair: tuple[dict[str, Any], dynamics.Basins]) -> None:
     _, found = pair
     axes = iva.plots.basins(found)
-    assert axes.get_xlabel() == "start displacement x₀ (unit of x₀)" or axes.get_xlabel()
-    assert len(axes.get_legend().get_texts()) >= len(found.attractors)
+    assert axes.get_xlabel().startswith("start displacement x₀ (")
+    legend = axes.get_legend()
+    assert legend is not None
+    assert len(legend.get_texts()) >= len(found.attractors)
 
 
-def test_what_stays_open_is_undecided():
+def test_what_stays_open_is_undecided() -> None:
     """Chaos at d = 3.85 (exponents.json)."""
     record = RECORDS["P-basin-1"]
     parts = scene(record)
     parts["absorber"] = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.85)
-    over = {"gap_displacement": [-1.0, 0.5], "gap_velocity": [0.1, 0.2]}
+    over: dict[str, Any] = {"gap_displacement": [-1.0, 0.5], "gap_velocity": [0.1, 0.2]}
     found = dynamics.basins(**parts, over=over, most_cycles=20)
     assert found.undecided == 1.0
     assert found.fractions == {-1: 1.0}
@@ -116,7 +119,7 @@ def test_what_stays_open_is_undecided():
     assert found.attractors == ()
 
 
-def test_bad_input_is_one_sentence():
+def test_bad_input_is_one_sentence() -> None:
     def failing(match: str, **given: object) -> None:
         over = {"displacement": [0.0, 1.0], "velocity": [0.0]}
         with pytest.raises((ValueError, TypeError), match=match):

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import pickle
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import polars as pl
 import pytest
 
@@ -35,7 +37,7 @@ def periods_of(strobes: pl.DataFrame) -> int | None:
     return next((n for n in range(1, 21) if abs(x[-1 - n] - x[-1]) < 1e-6), None)
 
 
-def test_strobes_are_those_of_the_attractors_of_the_references(found):
+def test_strobes_are_those_of_the_attractors_of_the_references(found: dynamics.Diagram) -> None:
     for clearance, record in ATTRACTORS.items():
         names = set(record["periodic_attractors"])
         for way in ("up", "down"):
@@ -50,7 +52,7 @@ def test_strobes_are_those_of_the_attractors_of_the_references(found):
                 assert periods is None, (clearance, way)
 
 
-def test_what_a_diagram_says_of_itself(found):
+def test_what_a_diagram_says_of_itself(found: dynamics.Diagram) -> None:
     table = found.table
     assert table.columns == [
         *("value", "direction", "cycle", "displacement", "velocity"),
@@ -65,11 +67,11 @@ def test_what_a_diagram_says_of_itself(found):
     assert again.table.equals(table)
 
 
-def test_where_the_two_ways_differ_there_are_two_attractors():
+def test_where_the_two_ways_differ_there_are_two_attractors() -> None:
     """At Ω = .7 and d = 2.7 a pair of 2:1 and a pair of 3:1 coexist (basins.json)."""
     siva = iva.Siva(mass_ratio=0.1, restitution=0.5)
     force = iva.Harmonic(amplitude=1.0, frequency=0.7)
-    over = {"clearance": [1.0 + 0.05 * k for k in range(57)]}
+    over: dict[str, Any] = {"clearance": [1.0 + 0.05 * k for k in range(57)]}
     primary = iva.Primary(damping_ratio=0.02)
     found = dynamics.diagram(siva, primary, force=force, over=over, keep=4)
     at = found.table.filter((pl.col("value") - 2.7).abs() < 1e-9)
@@ -79,13 +81,13 @@ def test_where_the_two_ways_differ_there_are_two_attractors():
     assert impacts == {"up": [3], "down": [2]}
 
 
-def test_units_scale_and_strobes_are_states_of_a_run():
+def test_units_scale_and_strobes_are_states_of_a_run() -> None:
     mass, frequency = 3.0, 7.0
     siva = iva.Siva(mass=0.2 * mass, restitution=0.7, clearance=4.5)
     primary = iva.Primary(mass=mass, natural_frequency=frequency, damping_ratio=0.05)
     force = iva.Harmonic(force=mass * frequency**2, frequency=frequency)
     start = iva.Start(gap_velocity=0.1 * frequency)
-    parts = {"force": force, "start": start}
+    parts: dict[str, Any] = {"force": force, "start": start}
     found = dynamics.diagram(
         siva, primary, over={"clearance": [4.5]}, direction="up", discard=0, keep=5, **parts
     )
@@ -96,10 +98,10 @@ def test_units_scale_and_strobes_are_states_of_a_run():
         assert all(abs(one - other) < 1e-9 for one, other in pairs), name
 
 
-def test_a_pendulum_has_a_diagram():
+def test_a_pendulum_has_a_diagram() -> None:
     piva = iva.Piva(mass_ratio=0.1, restitution=0.6, length=2.0, clearance=0.5, frequency_ratio=1.0)
     force = iva.Harmonic(amplitude=0.1, frequency=1.0)
-    given = {"force": force, "start": iva.Start(gap_velocity=0.2)}
+    given: dict[str, Any] = {"force": force, "start": iva.Start(gap_velocity=0.2)}
     found = dynamics.diagram(
         piva, PRIMARY, over={"clearance": [0.5]}, direction="up", discard=0, keep=5, **given
     )
@@ -108,9 +110,9 @@ def test_a_pendulum_has_a_diagram():
     assert all(abs(one - other) < 1e-9 for one, other in pairs)
 
 
-def test_bad_input_is_one_sentence():
-    def failing(match: str, **given: object) -> None:
-        settings = {"over": {"clearance": [1.0, 2.0]}, "force": FORCE, **given}
+def test_bad_input_is_one_sentence() -> None:
+    def failing(match: str, **given: Any) -> None:
+        settings: dict[str, Any] = {"over": {"clearance": [1.0, 2.0]}, "force": FORCE, **given}
         with pytest.raises((ValueError, TypeError), match=match):
             dynamics.diagram(SIVA, PRIMARY, **settings)
 
@@ -127,20 +129,22 @@ def test_bad_input_is_one_sentence():
     failing("over", over=[1.0, 2.0])
 
 
-def test_pictures_have_units(found):
+def test_pictures_have_units(found: dynamics.Diagram) -> None:
     axes = iva.plots.diagram(found)
     assert axes.get_xlabel() == "clearance d (length)"
     assert axes.get_ylabel() == "displacement x at the strobes (unit of x₀)"
-    assert {text.get_text() for text in axes.get_legend().get_texts()} == {"upwards", "downwards"}
-    up, down = axes.lines[1].get_ydata(), axes.lines[0].get_ydata()
-    assert len(up) == len(down) == 40 * len(ATTRACTORS)
+    legend = axes.get_legend()
+    assert legend is not None
+    assert {text.get_text() for text in legend.get_texts()} == {"upwards", "downwards"}
+    up, down = (np.asarray(axes.lines[k].get_ydata()) for k in (1, 0))
+    assert up.size == down.size == 40 * len(ATTRACTORS)
     with pytest.raises(ValueError, match="give displacement"):
         iva.plots.diagram(found, "amplitude")
     with pytest.raises(TypeError, match="diagram"):
-        iva.plots.diagram("found")
+        iva.plots.diagram("found")  # type: ignore[arg-type]
 
 
-def test_sections_are_states_of_the_run():
+def test_sections_are_states_of_the_run() -> None:
     """The orbit A1 of the references: symmetric, one impact on each wall."""
     siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
     start = iva.Start(gap_velocity=0.1)
@@ -162,7 +166,7 @@ def test_sections_are_states_of_the_run():
     with pytest.raises(ValueError, match="stroboscope"):
         dynamics.section(short)
     with pytest.raises(ValueError, match="give strobe"):
-        dynamics.section(short, "wall")
+        dynamics.section(short, "wall")  # type: ignore[arg-type]
     bare = iva.simulate(None, PRIMARY, force=FORCE, start=start_of_structure(), cycles=3)
     with pytest.raises(ValueError, match="no absorber"):
         dynamics.section(bare)

@@ -30,7 +30,7 @@ def scene(record: dict[str, Any]) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", ["L1", "L2"])
-def test_exponents_of_chaos_are_those_of_the_references(name):
+def test_exponents_of_chaos_are_those_of_the_references(name: str) -> None:
     """Of ten runs of a million periods each, in another way: within four standard errors."""
     record = RECORDS[name]
     found = dynamics.lyapunov(**scene(record), cycles=4000, seed=3)
@@ -38,6 +38,7 @@ def test_exponents_of_chaos_are_those_of_the_references(name):
     for k, (true, error) in enumerate(pairs):
         within = 4.0 * math.hypot(found.standard_errors[k], error)
         assert abs(found.exponents[k] - true) < within < 0.01, k
+    assert found.sum_error is not None
     assert abs(found.sum_error) < 1e-12
     assert found.sign == 1
     assert found.rides == 0
@@ -47,7 +48,7 @@ def test_exponents_of_chaos_are_those_of_the_references(name):
     assert found.dimension == pytest.approx(dimension, abs=0.02)
 
 
-def test_a_torus_has_the_exponent_0():
+def test_a_torus_has_the_exponent_0() -> None:
     """Around its unstable orbit; contraction in the torus takes many periods."""
     record = RECORDS["Q1"]
     x, v, y, w = record["centre_strobe"]
@@ -59,10 +60,10 @@ def test_a_torus_has_the_exponent_0():
         assert one == pytest.approx(true, abs=1e-3)
 
 
-def test_exponents_of_an_orbit_are_those_of_its_multipliers():
+def test_exponents_of_an_orbit_are_those_of_its_multipliers() -> None:
     """Ln |λ| over the period; in SI units per second."""
     mass, frequency = 3.0, 7.0
-    parts = {
+    parts: dict[str, Any] = {
         "absorber": iva.Siva(mass=0.2 * mass, restitution=0.7, clearance=4.5),
         "primary": iva.Primary(mass=mass, natural_frequency=frequency, damping_ratio=0.05),
         "force": iva.Harmonic(force=mass * frequency**2, frequency=frequency),
@@ -75,7 +76,7 @@ def test_exponents_of_an_orbit_are_those_of_its_multipliers():
     assert found.sign == -1
 
 
-def test_with_rides_two_exponents_are_lost():
+def test_with_rides_two_exponents_are_lost() -> None:
     siva = iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=0.25)
     force = iva.Harmonic(amplitude=1.0, frequency=0.7)
     primary = iva.Primary(damping_ratio=0.02)
@@ -85,9 +86,9 @@ def test_with_rides_two_exponents_are_lost():
     assert found.exponents[2:] == (-math.inf, -math.inf)
 
 
-def test_what_a_spectrum_says_of_itself():
+def test_what_a_spectrum_says_of_itself() -> None:
     parts = scene(RECORDS["L1"])
-    settings = {"cycles": 200, "seeds": 2}
+    settings: dict[str, Any] = {"cycles": 200, "seeds": 2}
     found = dynamics.lyapunov(**parts, **settings)
     assert repr(found).startswith("Spectrum: 0.")
     assert "impacts per period" in repr(found)
@@ -98,7 +99,7 @@ def test_what_a_spectrum_says_of_itself():
     assert found.box == ((-10.0, 10.0), (-10.0, 10.0), (-3.85, 3.85), (-10.0, 10.0))
 
 
-def test_regimes_are_those_of_the_references():
+def test_regimes_are_those_of_the_references() -> None:
     def kinds(name: str, **settings: Any) -> list[tuple[str, str]]:
         found = dynamics.regimes(**scene(RECORDS[name]), starts=4, most_cycles=300, **settings)
         return [(one.kind, one.name) for one in found]
@@ -106,7 +107,7 @@ def test_regimes_are_those_of_the_references():
     assert kinds("L1", cycles=500) == [("chaotic", "chaotic")]
 
 
-def test_a_response_beyond_the_torus_is_modulated():
+def test_a_response_beyond_the_torus_is_modulated() -> None:
     """Record M1 at clearance 7: .017 of the periods are without impact, λ₁ = .0789."""
     parts = scene(RECORDS["Q1"])
     parts["absorber"] = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=7.0)
@@ -119,7 +120,7 @@ def test_a_response_beyond_the_torus_is_modulated():
     assert one.spectrum.exponents[0] == pytest.approx(0.079, abs=0.03)
 
 
-def test_bad_input_is_one_sentence():
+def test_bad_input_is_one_sentence() -> None:
     def failing(match: str, **given: object) -> None:
         with pytest.raises((ValueError, TypeError), match=match):
             dynamics.lyapunov(**{**scene(RECORDS["L1"]), **given})
