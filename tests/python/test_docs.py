@@ -9,6 +9,7 @@ import pkgutil
 import pytest
 
 import iva
+from iva import dynamics
 
 MODULES = ["iva"] + [
     f"iva.{module.name}"
@@ -23,6 +24,16 @@ WITHOUT = {
         "tables"
     ).split()
 }
+
+
+OF_DYNAMICS = [module.name for module in pkgutil.iter_modules(dynamics.__path__, "iva.dynamics.")]
+
+
+@pytest.mark.parametrize("name", OF_DYNAMICS)
+def test_examples_of_dynamics(name: str) -> None:
+    module = importlib.import_module(name)
+    found = doctest.testmod(module, extraglobs={"iva": iva}, optionflags=doctest.ELLIPSIS)
+    assert found.failed == 0
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -10,6 +10,18 @@ What a machine does is told by :func:`diagram`, which follows steady states up a
 :func:`attractors`, which finds all that many starts end in, :func:`basins`, which start ends where,
 :func:`lyapunov`, whether neighbouring motions separate, :func:`regimes`, what kinds of motion there
 are, and :func:`section`, which shows a run at instants that repeat.
+
+Examples
+--------
+>>> siva = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=4.5)
+>>> primary = iva.Primary(damping_ratio=0.05)
+>>> force = iva.Harmonic(amplitude=1.0, frequency=1.0)
+>>> found = orbit(siva, primary, force=force, start=(0, 0, 0, 0.1), settle=200)
+>>> branch = follow(found, over="clearance", between=(4.0, 7.0))
+>>> [point.kind for point in branch.points]
+['pitchfork', 'neimark_sacker']
+>>> branch.switch(0).points[0].kind
+'flip'
 """
 
 from iva.dynamics.basin_maps import Basins, basins

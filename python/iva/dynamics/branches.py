@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields, replace
 
 from iva import _iva
@@ -91,9 +92,9 @@ class Row:
         Floquet multipliers, largest first. Not finite where the speed of an impact is 0.
     stable : bool
         All multipliers are smaller than 1.
-    grazing_margin : float
+    grazing_margin : float or None
         Smallest distance of an extremum of the gap displacement between impacts to the wall that
-        the absorber turns back from; infinite without one.
+        the absorber turns back from; ``None`` without one.
     approach_speed_min : float
         Smallest approach speed of its impacts.
     unknowns : tuple of float
@@ -106,7 +107,7 @@ class Row:
     amplitude: float
     multipliers: Four
     stable: bool
-    grazing_margin: float
+    grazing_margin: float | None
     approach_speed_min: float
     unknowns: tuple[float, ...]
 
@@ -362,6 +363,8 @@ def row(made: dict[str, Any]) -> Row:
     """Return a point that the compiled part describes."""
     made["multipliers"] = complexes(made["multipliers"])
     made["unknowns"] = tuple(made["unknowns"])
+    if math.isinf(made["grazing_margin"]):
+        made["grazing_margin"] = None
     return Row(**made)
 
 

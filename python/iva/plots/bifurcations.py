@@ -8,6 +8,7 @@ from itertools import groupby
 from operator import attrgetter
 
 import numpy as np
+import polars as pl
 from matplotlib.axes import Axes
 
 from iva import _iva
@@ -96,7 +97,7 @@ def branch(
 def lines(axes: Axes, one: Branch, y: str) -> None:
     """Draw a branch in stretches of equal stability, each up to the first point of the next."""
     frame = one.table
-    across, up = (frame[name].to_numpy() for name in ("value", y))
+    across, up = (frame[name].cast(pl.Float64).to_numpy() for name in ("value", y))
     stable = frame["stable"].to_numpy()
     begin = 0
     for is_stable, group in groupby(stable):
@@ -123,8 +124,8 @@ def height(row: Row, y: str) -> float:
     """Return the value of a column at a special point."""
     if y == "largest_multiplier":
         return abs(row.multipliers[0])
-    value: float = getattr(row, y)
-    return value
+    value: float | None = getattr(row, y)
+    return math.nan if value is None else value
 
 
 @spell_checked
