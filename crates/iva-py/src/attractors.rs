@@ -1,11 +1,11 @@
 //! What a driven scene settles on, for Python, in the user's units: diagrams, exponents, attractors and basins.
 
-use iva_sweep::dynamics::Family;
-use iva_sweep::dynamics::attractors::{self, Inventory};
-use iva_sweep::dynamics::basins::{self, Asked, Basins, Plane};
-use iva_sweep::dynamics::diagram::{self, Direction, Strobes, Window};
-use iva_sweep::dynamics::lyapunov::{self, Exponents};
+use iva_sweep::dynamics::attractors::Inventory;
+use iva_sweep::dynamics::basins::{Asked, Basins, Plane};
+use iva_sweep::dynamics::diagram::{Direction, Strobes, Window};
+use iva_sweep::dynamics::lyapunov::Exponents;
 use iva_sweep::dynamics::starts::{Bounds, Drawn, NAMES, Numbers, Within};
+use iva_sweep::dynamics::{self as engine, Family};
 use iva_sweep::slot::Slot;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -46,7 +46,7 @@ pub fn diagram<'py>(
         .collect();
     let window = Window { discard: window.0, keep: window.1 };
     let work = move |shared: &worker::Shared| {
-        diagram::diagram(&spec, (over, &values), &directions, window, &shared.cancel)
+        engine::diagram::diagram(&spec, (over, &values), &directions, window, &shared.cancel)
     };
     let parts = worker::run(py, None, work)?;
     let dict = PyDict::new(py);
@@ -76,8 +76,9 @@ pub fn lyapunov<'py>(
     let (spec, starts) = (arguments::spec(spec)?, drawn(starts));
     let window = Window { discard: window.0, keep: window.1 };
     let Family { period, scale, .. } = Family::new(&spec, None, 1).map_err(invalid)?;
-    let work =
-        move |shared: &worker::Shared| lyapunov::lyapunov(&spec, starts, window, &shared.cancel);
+    let work = move |shared: &worker::Shared| {
+        engine::lyapunov::lyapunov(&spec, starts, window, &shared.cancel)
+    };
     let Exponents { spectrum, dimension, bounds } = worker::run(py, None, work)?;
     let dict = PyDict::new(py);
     dict.set_item("exponents", spectrum.exponents)?;
@@ -105,7 +106,7 @@ pub fn attractors<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (spec, starts) = (arguments::spec(spec)?, drawn(starts));
     let work = move |shared: &worker::Shared| {
-        attractors::attractors(&spec, starts, (most_periods, most_cycles), &shared.cancel)
+        engine::attractors::attractors(&spec, starts, (most_periods, most_cycles), &shared.cancel)
     };
     let found = worker::run(py, None, work)?;
     let Inventory { attractors, no_impacts, aperiodic, aperiodic_start, unfinished, bounds } =
@@ -139,7 +140,9 @@ pub fn basins<'py>(
     let plane = Plane { axes: [axis(&over.0)?, axis(&over.1)?], values: values.into() };
     let (most_periods, most_cycles, side) = limits;
     let asked = Asked { orbits, most_periods, most_cycles, side };
-    let work = move |shared: &worker::Shared| basins::basins(&spec, &plane, &asked, &shared.cancel);
+    let work = move |shared: &worker::Shared| {
+        engine::basins::basins(&spec, &plane, &asked, &shared.cancel)
+    };
     let Basins { attractors, periods, labels, likely, cycles, entropy } =
         worker::run(py, None, work)?;
     let dict = PyDict::new(py);
