@@ -80,10 +80,10 @@ def test_several_attractors_are_told_apart() -> None:
 def test_motion_without_impacts_is_a_class() -> None:
     siva = iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=100.0)
     force = iva.Harmonic(amplitude=0.1, frequency=3.0)
-    small = dict.fromkeys(("displacement", "velocity"), (-0.1, 0.1))
-    still = {**small, "gap_displacement": (-1.0, 1.0), "gap_velocity": (0.0, 0.0)}
+    still = dict.fromkeys(("velocity", "gap_velocity"), (0.0, 0.0))
+    box = {**still, "displacement": (-0.1, 0.1), "gap_displacement": (-1.0, 1.0)}
     primary = iva.Primary(damping_ratio=0.1)
-    found = dynamics.attractors(siva, primary, force=force, starts=10, box=still)
+    found = dynamics.attractors(siva, primary, force=force, starts=10, box=box)
     assert found.shares == {"no_impacts": 1.0}
 
 

@@ -72,8 +72,8 @@ def test_where_the_two_ways_differ_there_are_two_attractors() -> None:
     siva = iva.Siva(mass_ratio=0.1, restitution=0.5)
     force = iva.Harmonic(amplitude=1.0, frequency=0.7)
     over: dict[str, Any] = {"clearance": [1.0 + 0.05 * k for k in range(57)]}
-    primary = iva.Primary(damping_ratio=0.02)
-    found = dynamics.diagram(siva, primary, force=force, over=over, keep=4)
+    primary, start = iva.Primary(damping_ratio=0.02), iva.Start(gap_velocity=1.0)
+    found = dynamics.diagram(siva, primary, force=force, over=over, start=start, keep=4)
     at = found.table.filter((pl.col("value") - 2.7).abs() < 1e-9)
     impacts = {
         way: at.filter(direction=way)["impacts"].unique().to_list() for way in ("up", "down")
@@ -131,7 +131,7 @@ def test_bad_input_is_one_sentence() -> None:
 
 def test_pictures_have_units(found: dynamics.Diagram) -> None:
     axes = iva.plots.diagram(found)
-    assert axes.get_xlabel() == "clearance d (length)"
+    assert axes.get_xlabel() == "clearance d (unit of x₀)"
     assert axes.get_ylabel() == "displacement x at the strobes (unit of x₀)"
     legend = axes.get_legend()
     assert legend is not None

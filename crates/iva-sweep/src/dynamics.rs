@@ -141,7 +141,10 @@ fn told<S: Coordinates + Clone>(
     let spectrum = spectrum(orbit, &description, cancel)?;
     let length = orbit.trajectory.cycle.length;
     let shift = 0.5 * if odd { length } else { family.period };
-    let states = sampled(&orbit.trajectory, &[begin + length, begin + length + shift], cancel)?;
+    // The section of the orbit may be some cycles later: each search moves it on.
+    let cycles = ((orbit.trajectory.cycle.begin - begin) / length).ceil().max(1.0);
+    let later = begin + cycles * length;
+    let states = sampled(&orbit.trajectory, &[later, later + shift], cancel)?;
     let [at, later] = states[..] else { return Err(Missed::Cycle(Outcome::NotFinite)) };
     let course = |state: State, description: Description| {
         let description = description.seen_from(begin, length);

@@ -153,7 +153,8 @@ def diagram(
         Go through the values upwards, downwards, or once each.
     start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,), optional
         Where the first value of each direction begins, as for :func:`orbit`; at rest in the middle
-        of the gap by default.
+        of the gap by default. In a gap that is wider than the structure moves, an absorber at rest
+        stays so: give it a gap velocity to see what it does when it moves.
     discard : int, default 300
         Number of periods of the force to leave out for each value.
     keep : int, default 60

@@ -64,7 +64,7 @@ def diagram(diagram: Diagram, y: str = "displacement", *, ax: Axes | None = None
     >>> found = iva.dynamics.diagram(siva, primary, force=force, over=clearances)
     >>> axes = diagram(found)
     >>> axes.get_xlabel(), axes.get_ylabel()
-    ('clearance d (length)', 'displacement x at the strobes (length)')
+    ('clearance d (unit of x₀)', 'displacement x at the strobes (unit of x₀)')
     """
     if not isinstance(diagram, Diagram):
         raise TypeError(f"diagram = {shown(diagram)}: give that of iva.dynamics.diagram")
@@ -143,6 +143,7 @@ def section(
     >>> run = iva.simulate(
     ...     iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.85),
     ...     iva.Primary(damping_ratio=0.05),
+    ...     start=iva.Start(gap_velocity=0.1),
     ...     force=iva.Harmonic(amplitude=1.0, frequency=1.0),
     ...     cycles=400,
     ... )
@@ -196,7 +197,7 @@ def basins(basins: Basins, *, likely: bool = True, ax: Axes | None = None) -> Ax
     >>> found = iva.dynamics.basins(siva, primary, force=force, over=over)
     >>> axes = basins(found)
     >>> axes.get_xlabel(), axes.get_ylabel()
-    ('start displacement x₀ (length)', 'start velocity ẋ₀ (length · ωₙ)')
+    ('start displacement x₀ (unit of x₀)', 'start velocity ẋ₀ (unit of x₀ · ωₙ)')
     """
     if not isinstance(basins, Basins):
         raise TypeError(f"basins = {shown(basins)}: give those of iva.dynamics.basins")

@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::error::Invalid;
-use iva_core::orbit::Trajectory;
 use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
 use iva_core::orbit::symmetry::find_any;
+use iva_core::orbit::{Cycle, Trajectory};
 
 use super::family::{Family, with_member};
 use super::starts::{Bounds, Drawn, Numbers, Startable};
@@ -72,10 +72,13 @@ fn inventory<S: Startable>(
     let starts = family.drawn(like, drawn)?;
     let found = searched(&starts.trajectories, search, cancel)?;
     let clearance = like.system.clearance();
-    let mut attractors = vec![];
+    let (mut attractors, mut untold) = (vec![], 0);
     for (index, attractor) in found.attractors.iter().enumerate() {
         let share = found.share(|class| *class == Class::Periodic(index));
-        let Ok(told) = told_of(family, like, attractor, cancel) else { continue };
+        let Ok(told) = told_of(family, like, attractor, cancel) else {
+            untold += share.count;
+            continue;
+        };
         let (pair, periods) = (attractor.is_pair(clearance), attractor.periods() as u32);
         attractors.push(Attracting { found: told, periods, pair, count: share.count });
     }
@@ -87,7 +90,7 @@ fn inventory<S: Startable>(
     Ok(Inventory {
         attractors,
         no_impacts: found.share(|class| *class == Class::NoImpacts).count,
-        aperiodic: found.share(|class| *class == Class::Aperiodic).count,
+        aperiodic: untold + found.share(|class| *class == Class::Aperiodic).count,
         aperiodic_start: first.map(|index| starts.numbers[index]),
         unfinished: unfinished.collect(),
         bounds: starts.bounds,
@@ -120,11 +123,16 @@ pub(super) fn told_of<S: Startable>(
 ) -> Result<Found, Missed> {
     let periods = attractor.periods() as u32;
     let cancel = Some(cancel);
-    let orbit = &attractor.orbit;
     let maybe_symmetric = family.mirrors && !periods.is_multiple_of(2);
-    let orbit = match maybe_symmetric {
-        true => find_any(&orbit.trajectory, cancel).unwrap_or_else(|_| orbit.clone()),
-        false => orbit.clone(),
+    let start = attractor.strobes.first().and_then(|strobe| like.system.start_at(strobe));
+    let orbit = match start.filter(|_| maybe_symmetric) {
+        Some(start) => {
+            // Sought anew from the phase of the starts, so that its section is no further than a cycle from there.
+            let cycle = Cycle { length: like.cycle.length * f64::from(periods), ..like.cycle };
+            let at_phase = Trajectory::new(like.system.clone(), &start, cycle)?;
+            find_any(&at_phase, cancel).unwrap_or_else(|_| attractor.orbit.clone())
+        }
+        None => attractor.orbit.clone(),
     };
     told(family, like.cycle.begin, (&orbit, periods), cancel)
 }

@@ -96,7 +96,7 @@ fn labelled<S: Startable>(
         join_mirrored: false,
     };
     let found = searched(&begun(family, like, &sought)?, search, cancel)?;
-    let known = match asked.orbits {
+    let known: Vec<_> = match asked.orbits {
         None => found.attractors,
         Some(_) => found
             .classes
@@ -107,6 +107,9 @@ fn labelled<S: Startable>(
             })
             .collect(),
     };
+    let told =
+        known.into_iter().filter_map(|it| Some((told_of(family, like, &it, cancel).ok()?, it)));
+    let (attractors, known): (Vec<_>, Vec<_>) = told.unzip();
     let near = neighbourhoods(like, &known, Some(cancel));
     let columns = plane.values[0].len();
     let rows = plane.values[1].len() as u64;
@@ -117,8 +120,6 @@ fn labelled<S: Startable>(
     };
     let rows = Workers::new(None)?.map(rows, row);
     let cells = rows.into_iter().collect::<Result<Vec<_>, Invalid>>()?.concat();
-    let told = known.iter().map(|it| told_of(family, like, it, cancel));
-    let attractors = told.collect::<Result<Vec<_>, _>>();
     let likely: Vec<i32> = cells.iter().map(ending).collect();
     let decided = |label: &i32| match *label {
         UNDECIDED => None,
@@ -128,7 +129,7 @@ fn labelled<S: Startable>(
     let classes: Vec<Option<usize>> = likely.iter().map(decided).collect();
     let sure = |(cell, likely): (&Cell, &i32)| if cell.is_sure() { *likely } else { UNDECIDED };
     Ok(Basins {
-        attractors: attractors.unwrap_or_default(),
+        attractors,
         periods: known.iter().map(|it| it.periods() as u32).collect(),
         labels: cells.iter().zip(&likely).map(sure).collect(),
         cycles: cells.iter().map(|cell| cell.cycles).collect(),
