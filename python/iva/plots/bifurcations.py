@@ -75,7 +75,7 @@ def branch(
     >>> found = iva.dynamics.follow(first, over="clearance", between=(3.0, 8.0))
     >>> axes = branch(found)
     >>> axes.get_xlabel(), axes.get_ylabel()
-    ('clearance d (length)', 'amplitude max |x| (length)')
+    ('clearance d (unit of x₀)', 'amplitude max |x| (unit of x₀)')
     """
     given = listed(branches)
     if y not in COLUMNS:
