@@ -132,7 +132,7 @@ def test_bad_input_is_one_sentence() -> None:
 def test_pictures_have_units(found: dynamics.Diagram) -> None:
     axes = iva.plots.diagram(found)
     assert axes.get_xlabel() == "clearance d (unit of x₀)"
-    assert axes.get_ylabel() == "displacement x at the strobes (unit of x₀)"
+    assert axes.get_ylabel() == "x at the strobes (unit of x₀)"
     legend = axes.get_legend()
     assert legend is not None
     assert {text.get_text() for text in legend.get_texts()} == {"upwards", "downwards"}

@@ -64,7 +64,7 @@ def diagram(diagram: Diagram, y: str = "displacement", *, ax: Axes | None = None
     >>> found = iva.dynamics.diagram(siva, primary, force=force, over=clearances)
     >>> axes = diagram(found)
     >>> axes.get_xlabel(), axes.get_ylabel()
-    ('clearance d (unit of x₀)', 'displacement x at the strobes (unit of x₀)')
+    ('clearance d (unit of x₀)', 'x at the strobes (unit of x₀)')
     """
     if not isinstance(diagram, Diagram):
         raise TypeError(f"diagram = {shown(diagram)}: give that of iva.dynamics.diagram")
@@ -72,7 +72,7 @@ def diagram(diagram: Diagram, y: str = "displacement", *, ax: Axes | None = None
     units = units_of(diagram.primary, diagram.over)
     frame = diagram.table
     with drawing_on(ax) as axes:
-        looks = {"down": (VERMILLION, 1.6), "up": (BLUE, 0.7)}
+        looks = {"down": (VERMILLION, 2.0), "up": (BLUE, 1.1)}
         for way, (colour, size) in looks.items():
             part = frame.filter(pl.col("direction") == way)
             if part.height > 0:
@@ -88,8 +88,9 @@ def diagram(diagram: Diagram, y: str = "displacement", *, ax: Axes | None = None
                     label=f"{way}wards",
                 )
         axes.set_xlabel(of_column(diagram.over, units.get(diagram.over, "")))
-        where = "" if y == "impacts" else " at the strobes"
-        axes.set_ylabel(labelled(f"{words} {symbol}".rstrip() + where, "", units.get(of, "")))
+        # Words and symbol together are longer than the axis.
+        name = f"{symbol} at the strobes" if symbol else words
+        axes.set_ylabel(labelled(name, "", units.get(of, "")))
         handles, labels = axes.get_legend_handles_labels()
         axes.legend(
             handles[::-1],
