@@ -160,6 +160,30 @@ def test_curves_are_those_of_the_references(branch: dynamics.Branch) -> None:
     assert repr(found).startswith("Curve: pitchfork")
 
 
+def test_pictures_say_what_they_show(branch: dynamics.Branch) -> None:
+    pytest.importorskip("matplotlib")
+    asymmetric = branch.switch(1)
+    assert isinstance(asymmetric, dynamics.Branch)
+    axes = iva.plots.branch([branch, asymmetric], "largest_multiplier")
+    assert axes.get_xlabel() == "clearance d (unit of x₀)"
+    legend = axes.get_legend()
+    assert legend is not None
+    assert {"fold", "pitchfork", "stable"} <= {text.get_text() for text in legend.get_texts()}
+    assert iva.plots.multipliers(branch).get_xlabel() == "Re λ"
+    curve = dynamics.curve(
+        branch.points[1],
+        over=("clearance", "restitution"),
+        between=((3.0, 6.0), (0.6, 0.8)),
+    )
+    assert isinstance(curve, dynamics.Curve)
+    chart = iva.plots.stability_chart(curve)
+    assert chart.get_ylabel() == "restitution e"
+    with pytest.raises(ValueError, match="amplitude"):
+        iva.plots.branch(branch, "height")
+    with pytest.raises(ValueError, match="at least one"):
+        iva.plots.stability_chart([])
+
+
 def test_bad_input_is_one_sentence(first: dynamics.Orbit, branch: dynamics.Branch) -> None:
     with pytest.raises(ValueError, match="clearance"):
         dynamics.follow(first, over="clearance", between=(-1.0, 3.0))

@@ -32,7 +32,7 @@ except ModuleNotFoundError as _missing:
         raise
     raise ImportError("iva.plots needs matplotlib: pip install 'iva-dynamics[plots]'") from None
 
-from iva.plots.bifurcations import branch, multipliers
+from iva.plots.bifurcations import branch, multipliers, stability_chart
 from iva.plots.energy_split import energy
 from iva.plots.frequency_response import forced_response
 from iva.plots.histories import decay, velocities
@@ -59,6 +59,7 @@ __all__ = [
     "phase",
     "raster",
     "section",
+    "stability_chart",
     "style",
     "velocities",
 ]

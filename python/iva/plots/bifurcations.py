@@ -1,10 +1,10 @@
-"""Branches of periodic orbits, and their multipliers."""
+"""Branches of periodic orbits, their multipliers, and curves of their special points."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from itertools import groupby
+from itertools import cycle, groupby
 from operator import attrgetter
 
 import numpy as np
@@ -13,9 +13,10 @@ from matplotlib.axes import Axes
 
 from iva import _iva
 from iva.dynamics.branches import Branch, Row
+from iva.dynamics.curves import Curve
 from iva.parameters import shown, spec
 from iva.plots.labels import labelled, of_column
-from iva.plots.styles import BLACK, BLUE, GREY, VERMILLION, drawing_on, legend_above
+from iva.plots.styles import BLACK, BLUE, CURVES, GREY, VERMILLION, drawing_on, legend_above
 from iva.spelling import spell_checked
 
 #: Kind of a special point → marker and words.
@@ -163,6 +164,50 @@ def multipliers(branches: Branch | Iterable[Branch], *, ax: Axes | None = None) 
         axes.set_xlabel("Re λ")
         axes.set_ylabel("Im λ")
         legend_above(axes, 2, "")
+    return axes
+
+
+@spell_checked
+def stability_chart(curves: Curve | Iterable[Curve], *, ax: Axes | None = None) -> Axes:
+    """Draw curves of special points over the same two numbers: where steady states change.
+
+    Parameters
+    ----------
+    curves : Curve or iterable of Curve
+        The curves, of :func:`iva.dynamics.curve`.
+    ax : matplotlib axes, optional
+        Where to draw; axes of their own by default.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Raises
+    ------
+    TypeError
+        If an argument is of the wrong class.
+    ValueError
+        If there is no curve, or they are over different numbers.
+    """
+    given = [curves] if isinstance(curves, Curve) else list(curves)
+    for one in given:
+        if not isinstance(one, Curve):
+            raise TypeError(f"curves: {shown(one)} is none; give those of iva.dynamics.curve")
+    if len({one.over for one in given}) != 1:
+        rule = "give curves over the same two numbers" if given else "give at least one"
+        raise ValueError(f"curves: {rule}")
+    across, up = given[0].over
+    system = _iva.unit_system(spec(given[0].scene.primary))
+    units = _iva.column_units(system, [across, up])[1]["summary"]
+    with drawing_on(ax) as axes:
+        for colour, one in zip(cycle(CURVES), given, strict=False):
+            columns = zip(*one.values, strict=True)
+            axes.plot(
+                *(list(column) for column in columns), color=colour, label=MARKERS[one.kind][1]
+            )
+        axes.set_xlabel(of_column(across, units.get(across, "")))
+        axes.set_ylabel(of_column(up, units.get(up, "")))
+        legend_above(axes, 3)
     return axes
 
 
