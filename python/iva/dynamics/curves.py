@@ -37,7 +37,8 @@ class Curve:
         The multipliers of the orbit at each point.
     ends : tuple of str, length 2
         Why it ends on either side, as of `Branch`; at a grazing or a vanishing impact another
-        impact than that of the curve would begin or vanish.
+        impact than that of the curve would begin or vanish. A curve of Neimark–Sacker points ends
+        at a ``resonance``, where its pair of multipliers becomes real.
     """
 
     kind: str

@@ -92,6 +92,8 @@ pub enum End {
     ImpactVanishes,
     /// A pitchfork or flip at which the branch begins: beyond it are the mirror images of its orbits, or the same orbits.
     Origin,
+    /// Of a curve of Neimark–Sacker points: the pair of multipliers becomes real, 1 twice or −1 twice.
+    Resonance,
     /// The branch comes back to its begin.
     Closed,
     /// No next point was found.
@@ -110,6 +112,7 @@ impl End {
             End::Grazing => "grazing",
             End::ImpactVanishes => "impact_vanishes",
             End::Origin => "origin",
+            End::Resonance => "resonance",
             End::Closed => "closed",
             End::Stalled => "stalled",
             End::Points => "points",

@@ -1,11 +1,16 @@
 //! What happens at the special points of a branch, as conditions on one number that changes its sign there.
 
-use nalgebra::{Matrix4, Matrix6};
+use nalgebra::{Complex, Matrix4, Matrix6};
 
 use super::chain::Passed;
 use super::coordinates::Coordinates;
 use super::margins::{Extremum, extrema};
 use crate::absorber::Wall;
+
+/// Size of a multiplier's imaginary part from which a pair on the unit circle counts as complex, and how far it may be
+/// off the circle.
+const COMPLEX: f64 = 1e-6;
+const ON_CIRCLE: f64 = 1e-6;
 
 /// The kind of a special point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -105,6 +110,13 @@ fn spectral(map: &Matrix4<f64>, speeds: &[f64]) -> [f64; 3] {
     let shifted = |by: f64| (map + Matrix4::identity() * by).determinant();
     let slow: f64 = speeds.iter().product();
     [shifted(-1.0) * slow, shifted(1.0) * slow, pairs(map) * slow.powi(3)]
+}
+
+/// True if a pair of complex multipliers is on the unit circle; two real ones whose product is 1 are no Neimark–Sacker
+/// point.
+pub(super) fn turns(multipliers: &[Complex<f64>; 4]) -> bool {
+    let mut complex = multipliers.iter().filter(|it| it.im > COMPLEX);
+    complex.any(|it| (it.norm() - 1.0).abs() < ON_CIRCLE)
 }
 
 /// The product of λᵢ λⱼ − 1 over all pairs of eigenvalues: the determinant of the second compound matrix less 1.

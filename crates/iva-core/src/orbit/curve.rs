@@ -10,10 +10,11 @@ use nalgebra::{Complex, DVector};
 
 use super::branch::{End, SpecialPoint, multipliers_of, scales};
 use super::chain::Chain;
-use super::conditions::{Condition, Tests};
+use super::conditions::{Condition, Tests, turns};
 use super::continuation::{Curve, OnCurve, distance, kernel};
 use super::coordinates::Coordinates;
 use super::family::{Conditioned, Family, Scenes};
+use super::multipliers::multipliers;
 use crate::run::side_by_side::is_set;
 
 /// First and smallest step along a curve, in scales, and by how much a step grows.
@@ -77,9 +78,13 @@ impl<S: Coordinates> Follower<'_, '_, S> {
         Some(CurvePoint { values, unknowns: at.as_slice()[..count].to_vec(), multipliers })
     }
 
-    /// Why the orbit at a point is not one that a run makes; the condition of the curve is none.
+    /// Why the curve ends before a point: the pair of multipliers is real there, or the orbit is not one that a run makes, but for
+    /// the condition of the curve.
     fn broken(&self, at: &DVector<f64>) -> Option<End> {
         let (system, passed, cycle) = self.family.passed(at, false)?;
+        if self.condition == Condition::NeimarkSacker && !turns(&multipliers(&passed.map)) {
+            return Some(End::Resonance);
+        }
         let broken = Tests::new(&system, &passed, cycle).broken();
         let broken = broken.into_iter().find(|broken| *broken != self.condition)?;
         Some(match broken {

@@ -239,6 +239,31 @@ fn the_curves_are_those_of_the_references() {
     assert!(bifurcations.len() > 20);
 }
 
+/// Beyond such a point two real multipliers have the product 1, which is no Neimark–Sacker point.
+#[test]
+fn a_curve_of_tori_ends_where_its_multipliers_become_real() {
+    let all = records(include_str!("../../../reference/orbits.json"));
+    let record = &all[0];
+    let found = branch("A1", true, "clearance", [0.5, 13.0]);
+    let torus = found.special.iter().find(|it| it.condition == Condition::NeimarkSacker).unwrap();
+    let scenes =
+        |values: &[f64]| scene(record, &[("frequency", values[0]), ("clearance", values[1])]);
+    let along = AlongCurve {
+        between: [[0.8, 1.2], [0.5, 20.0]],
+        at: &[],
+        most_points: 2000,
+        longest: 0.05,
+        cancel: None,
+    };
+    let found = curve(&scenes, &found.chain, torus, [1.0, torus.at.value], along).unwrap();
+    assert!(found.ends.contains(&End::Resonance), "{:?}", found.ends);
+    assert!(found.points.len() > 20);
+    for point in &found.points {
+        let mut pairs = point.multipliers.iter().filter(|it| it.im > 0.0);
+        assert!(pairs.any(|it| (it.norm() - 1.0).abs() < 1e-5), "{:?}", point.multipliers);
+    }
+}
+
 /// A pendulum with small angles: one impact a cycle on one wall.
 #[test]
 fn branches_of_pendulums_have_the_points_of_the_references() {

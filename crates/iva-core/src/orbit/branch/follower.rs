@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::super::conditions::{Condition, Kind, Tests};
+use super::super::conditions::{Condition, Kind, Tests, turns};
 use super::super::continuation::{Curve, OnCurve, distance, solved};
 use super::super::coordinates::Coordinates;
 use super::super::family::Family;
@@ -21,10 +21,6 @@ const STRAIGHT: f64 = 0.95;
 const FARTHEST: f64 = 2.0;
 /// Most halvings of a stretch of a branch in which a special point is sought.
 const MOST_HALVINGS: u32 = 40;
-/// Size of a multiplier's imaginary part from which a pair on the unit circle counts as complex, and how far it may be
-/// off the circle.
-const COMPLEX: f64 = 1e-6;
-const ON_CIRCLE: f64 = 1e-6;
 
 /// A point of the curve, with its numbers.
 #[derive(Clone)]
@@ -130,11 +126,8 @@ impl<S: Coordinates> Follower<'_, S> {
     fn special(&self, condition: Condition, at: BranchPoint) -> Option<SpecialPoint> {
         let kind = condition.kind();
         // Two real multipliers whose product is 1 are no special point.
-        let is_one = kind != Kind::NeimarkSacker || {
-            let own = at.half_multipliers.unwrap_or(at.multipliers);
-            let mut complex = own.iter().filter(|it| it.im > COMPLEX);
-            complex.any(|it| (it.norm() - 1.0).abs() < ON_CIRCLE)
-        };
+        let own = at.half_multipliers.unwrap_or(at.multipliers);
+        let is_one = kind != Kind::NeimarkSacker || turns(&own);
         let [low, high] = self.along.between;
         (is_one && (low..=high).contains(&at.value)).then_some(SpecialPoint { condition, at })
     }
