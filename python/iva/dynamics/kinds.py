@@ -101,9 +101,9 @@ def regimes(
     of them. It is
 
     * modulated, if impacts come in bursts, with stretches of a period or more without any between
-    them, in at least one of 200 periods: the strongly modulated response (Y. Starosvetsky and O. V.
-    Gendelman, Physica D 237 (2008) 1719–1733; of impact absorbers E. Gourc et al., Journal of
-    Vibration and Acoustics 137 (2015) 031008), regular or chaotic;
+      them, in at least one of 200 periods: the strongly modulated response (Y. Starosvetsky and
+      O. V. Gendelman, Physica D 237 (2008) 1719–1733; of impact absorbers E. Gourc et al., Journal
+      of Vibration and Acoustics 137 (2015) 031008), regular or chaotic;
     * else chaotic, if the largest Lyapunov exponent is above 0 (:attr:`Spectrum.sign`);
     * else a torus, if it cannot be told from 0;
     * else periodic, with a period or a transient that is too long to be seen.
