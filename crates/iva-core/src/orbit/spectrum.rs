@@ -2,7 +2,7 @@
 //!
 //! An error E of the monodromy matrix M moves a simple multiplier λ by at most ‖P‖ ‖E‖ to first order, with the projector
 //! P = ∏ (M − λₖ)/(λ − λₖ) on its eigenvector; and any by at most (2‖M‖ + ‖E‖)^¾ ‖E‖^¼ (L. Elsner, Linear Algebra Appl. 71
-//! (1985) 77–80). E is the rounding of the product of its factors ([`super::rounding`]) and the change of M from the orbit
+//! (1985) 77–80). E is the rounding of the product of its factors (`orbit/rounding.rs`) and the change of M from the orbit
 //! found to the true one, which residual and rounding of the run tell.
 
 use std::sync::atomic::AtomicBool;

@@ -32,7 +32,7 @@ pub struct Drawn {
 /// The box of starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Within {
-    /// That of [`Family::bounds`].
+    /// The usual one: displacements and velocities up to those without absorber, the whole gap.
     Usual,
     /// This one.
     Given(Bounds),

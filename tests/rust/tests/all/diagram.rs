@@ -52,7 +52,7 @@ fn the_periods_change_at_the_flips() {
             let d = at(index);
             assert_eq!((column.outcome, column.strobes.len()), (Outcome::Finished, 16));
             // Transients are long next to a bifurcation.
-            if (d - 4.0455692708588576).abs() < 0.012 || (d - 4.2398254829993164).abs() < 0.012 {
+            if (d - 4.0455692708588576).abs() < 0.012 || (d - 4.239_825_482_999_316).abs() < 0.012 {
                 continue;
             }
             let doubled = d < 4.0455692708588576;
@@ -114,7 +114,7 @@ fn two_attractors_are_followed_each_in_its_direction() {
         columns.iter().map(|it| (period(it), it.strobes[0].impacts)).collect::<Vec<_>>()
     });
     for index in 0..11 {
-        let impacts = if at(index) < 2.8039717977236191 { 3 } else { 2 };
+        let impacts = if at(index) < 2.803_971_797_723_619 { 3 } else { 2 };
         assert_eq!(up[index], (Some(1), impacts), "{}", at(index));
         assert_eq!(down[index], (Some(1), 2), "{}", at(index));
     }

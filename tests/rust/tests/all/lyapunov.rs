@@ -184,7 +184,7 @@ fn a_ride_takes_two_exponents() {
     assert_eq!(found.standard_errors[2..], [0.0; 2]);
     assert_eq!((found.sum_error, found.rides), (None, 200));
     // Both multipliers of the pair have this exponent; the sum is found at once.
-    let known = -0.0219468936918562676;
+    let known = -0.021_946_893_691_856_27;
     let off = found.exponents[0] + found.exponents[1] - 2.0 * known;
     assert!(off.abs() < 1e-3 && (found.exponents[0] - known).abs() < 5e-3, "{found:?}");
 }
