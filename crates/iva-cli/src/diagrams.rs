@@ -17,10 +17,10 @@ use crate::error::Error;
 use crate::interrupt;
 use crate::orbits::{scene, unless_interrupted};
 
-/// Strobes that differ by less, over the size of all, are the same.
+/// Strobes that differ by less, over the size of all, are the same: those of a transient that is slow enough, too.
 const SAME: f64 = 1e-6;
-/// A steady state with more different strobes than this is printed as one that does not repeat.
-const MOST_STROBES: usize = 16;
+/// A steady state that takes more periods to repeat is printed as one that does not.
+const MOST_PERIODS: usize = 16;
 /// Side of the boxes of the entropies, in cells.
 const SIDE: usize = 4;
 
@@ -72,27 +72,23 @@ fn name(direction: Direction) -> &'static str {
     }
 }
 
-/// Number of different strobes; `None` if they do not repeat.
-fn different(strobes: &Strobes) -> Option<usize> {
-    let size = strobes.states.iter().flatten().fold(0.0, |size: f64, it| size.max(it.abs()));
+/// The number of periods after which the strobes repeat; `None` if they do not.
+fn repeats(strobes: &Strobes) -> Option<usize> {
+    let states = &strobes.states;
+    let size = states.iter().flatten().fold(0.0, |size: f64, it| size.max(it.abs()));
     let same =
         |a: &Numbers, b: &Numbers| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * size);
-    let mut kept: Vec<&Numbers> = Vec::new();
-    for state in &strobes.states {
-        if !kept.iter().any(|other| same(other, state)) {
-            kept.push(state);
-        }
-    }
-    (kept.len() <= MOST_STROBES && 2 * kept.len() <= strobes.states.len()).then_some(kept.len())
+    let after = |n: &usize| states.windows(n + 1).all(|some| same(&some[0], &some[*n]));
+    (1..=MOST_PERIODS.min(states.len() / 2)).find(after)
 }
 
-/// The ranges of values with the same number of different strobes, for the terminal.
+/// The ranges of values whose steady states repeat alike, for the terminal.
 fn ranges(found: &[Strobes], direction: Direction, over: &str) -> String {
     let mut out = format!("{}\n", name(direction));
     let own: Vec<_> = found.iter().filter(|it| it.direction == direction).collect();
-    for group in own.chunk_by(|a, b| different(a) == different(b)) {
+    for group in own.chunk_by(|a, b| repeats(a) == repeats(b)) {
         let (Some(first), Some(last)) = (group.first(), group.last()) else { continue };
-        let what = match different(first) {
+        let what = match repeats(first) {
             Some(1) => "repeats every period".to_owned(),
             Some(count) => format!("repeats every {count} periods"),
             None => "does not repeat".to_owned(),
