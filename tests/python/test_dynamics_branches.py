@@ -195,6 +195,8 @@ def test_bad_input_is_one_sentence(first: dynamics.Orbit, branch: dynamics.Branc
         dynamics.follow(first, over="gap", between=(1.0, 13.0))
     with pytest.raises(ValueError, match="nonsense"):
         dynamics.follow(first, over="nonsense", between=(1.0, 3.0))
+    with pytest.raises(ValueError, match="of the absorber, the primary system or the force"):
+        dynamics.follow(first, over="displacement", between=(-2.0, 2.0))
     with pytest.raises(ValueError, match="step"):
         dynamics.follow(first, over="clearance", between=(1.0, 13.0), step=0.0)
     with pytest.raises(TypeError, match="orbit"):

@@ -254,7 +254,7 @@ pub struct BranchArgs {
     /// Most points to either side
     #[arg(long, value_name = "N", default_value_t = 2000)]
     pub points: usize,
-    /// Write the points of the branch to this file
+    /// Write the points of the branch to this file, which must not exist
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
 }
@@ -283,7 +283,7 @@ pub struct DiagramArgs {
     /// Number of periods that follow, at whose ends the state is kept
     #[arg(long, value_name = "N", default_value_t = 60)]
     pub keep: u64,
-    /// Write all strobes to this file
+    /// Write all strobes to this file, which must not exist
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
 }
@@ -337,7 +337,7 @@ pub struct BasinsArgs {
     /// Most periods after which a steady state repeats
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub most_periods: u32,
-    /// Write the label of each start to this file
+    /// Write the label of each start to this file, which must not exist
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
 }

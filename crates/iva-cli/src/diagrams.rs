@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use iva_sweep::dynamics::Found;
@@ -15,7 +14,7 @@ use crate::args::{AxisOfStarts, BasinsArgs, DiagramArgs};
 use crate::cell::short;
 use crate::error::Error;
 use crate::interrupt;
-use crate::orbits::{scene, unless_interrupted};
+use crate::orbits::{refuse_existing, scene, unless_interrupted, write_new};
 
 /// Strobes that differ by less, over the size of all, are the same: those of a transient that is slow enough, too.
 const SAME: f64 = 1e-6;
@@ -30,20 +29,12 @@ fn spaced(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| low + (high - low) * (k as f64 / last)).collect()
 }
 
-/// Writes a file that was asked for.
-fn write(path: Option<&Path>, text: &str) -> Result<(), Error> {
-    let Some(path) = path else { return Ok(()) };
-    std::fs::write(path, text).map_err(|reason| {
-        let shown = path.display();
-        Error::Refused(format!("--csv {shown}: it cannot be written: {reason}"))
-    })
-}
-
 /// Follows steady states over a field, up and down; returns the text to print.
 ///
 /// # Errors
 /// What the study, the field or its values do not allow; a file that cannot be written.
 pub(crate) fn diagram_command(args: &DiagramArgs) -> Result<String, Error> {
+    refuse_existing(args.csv.as_deref())?;
     let (file, _) = scene(&args.study)?;
     let over = Slot::from_key(&args.over).map_err(|invalid| file.source.locate(&invalid))?;
     let values = spaced(args.from, args.to, args.count);
@@ -61,8 +52,9 @@ pub(crate) fn diagram_command(args: &DiagramArgs) -> Result<String, Error> {
             let _ = writeln!(table, "{},{way},{numbers},{impacts}", strobes.value);
         }
     }
-    write(args.csv.as_deref(), &table)?;
-    Ok(both.map(|direction| ranges(&found, direction, &args.over)).concat())
+    let report = both.map(|direction| ranges(&found, direction, &args.over)).concat();
+    write_new(args.csv.as_deref(), &table, &report)?;
+    Ok(report)
 }
 
 fn name(direction: Direction) -> &'static str {
@@ -104,6 +96,7 @@ fn ranges(found: &[Strobes], direction: Direction, over: &str) -> String {
 /// # Errors
 /// What the study or the plane does not allow; a file that cannot be written.
 pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
+    refuse_existing(args.csv.as_deref())?;
     let (file, _) = scene(&args.study)?;
     let AxisOfStarts { place: across, low, high, count } = args.across;
     let columns = spaced(low, high, count);
@@ -125,8 +118,9 @@ pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
         let (x, y) = (plane.values[0][index % width], plane.values[1][index / width]);
         let _ = writeln!(table, "{x},{y},{label},{},{}", found.likely[index], found.cycles[index]);
     }
-    write(args.csv.as_deref(), &table)?;
-    Ok(shares(&found))
+    let report = shares(&found);
+    write_new(args.csv.as_deref(), &table, &report)?;
+    Ok(report)
 }
 
 /// What the cells end in, for the terminal.

@@ -1,6 +1,8 @@
 //! `iva orbit` and `iva branch`: periodic orbits of the scene of a study, and how they change with one of its fields.
 
 use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Write as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -125,6 +127,7 @@ fn described(found: &Found, units: UnitSystem) -> String {
 /// # Errors
 /// As [`orbit_command`]; for a field that the study does not give, or a range that it does not allow.
 pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
+    refuse_existing(args.csv.as_deref())?;
     let (file, units) = scene(&args.orbit.study)?;
     let start = found(&file, &args.orbit)?;
     let located = |invalid| file.source.locate(&invalid);
@@ -138,13 +141,30 @@ pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
     let followed = followed
         .map_err(located)?
         .map_err(|none| Error::Refused(format!("no branch: {}", none.words().1)))?;
-    if let Some(path) = &args.csv {
-        let failed = |reason| {
-            Error::Refused(format!("--csv {}: it cannot be written: {reason}", path.display()))
-        };
-        std::fs::write(path, table(&followed, &args.over)).map_err(failed)?;
+    let report = told(&followed, over, units);
+    write_new(args.csv.as_deref(), &table(&followed, &args.over), &report)?;
+    Ok(report)
+}
+
+/// Refuses a file that is there already, before anything is computed.
+pub(crate) fn refuse_existing(path: Option<&Path>) -> Result<(), Error> {
+    match path.filter(|path| path.symlink_metadata().is_ok()) {
+        Some(path) => {
+            let shown = path.display();
+            Err(Error::Refused(format!("--csv {shown}: it exists; give the name of a new file")))
+        }
+        None => Ok(()),
     }
-    Ok(told(&followed, over, units))
+}
+
+/// Writes a new file; where that fails, what was computed is told with the error.
+pub(crate) fn write_new(path: Option<&Path>, text: &str, report: &str) -> Result<(), Error> {
+    let Some(path) = path else { return Ok(()) };
+    let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));
+    written.map_err(|reason| {
+        let shown = path.display();
+        Error::Refused(format!("--csv {shown}: it cannot be written: {reason}\n\n{report}"))
+    })
 }
 
 /// The scene with the start on the orbit.

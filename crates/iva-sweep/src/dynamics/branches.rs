@@ -12,11 +12,10 @@ use iva_core::orbit::periodic::find;
 use iva_core::orbit::sequence::NoChain;
 use iva_core::orbit::{Coordinates, Trajectory};
 
-use super::family::{Family, OfMember, middled, with_member};
+use super::family::{Family, OfMember, changeable, middled, with_member};
 use super::{Found, Missed, told};
 use crate::design::Spec;
 use crate::slot::Slot;
-use crate::units::Scale;
 
 pub use iva_core::absorber::Wall;
 pub use iva_core::orbit::branch::End;
@@ -125,6 +124,7 @@ fn check(spec: &Spec, slots: &[Slot], between: &[[f64; 2]]) -> Result<(), Invali
             return Err(Invalid::new("between", shown, "give two numbers, the smaller one first"));
         }
     }
+    slots.iter().try_for_each(|slot| changeable(*slot))?;
     for end in [0, 1] {
         let values: Vec<_> = between.iter().map(|range| range[end]).collect();
         family_at(spec, slots, &values)?;
@@ -133,35 +133,33 @@ fn check(spec: &Spec, slots: &[Slot], between: &[[f64; 2]]) -> Result<(), Invali
 }
 
 impl Row {
-    fn new(spec: &Spec, slots: &[Slot], at: &BranchPoint) -> Self {
-        let scale = family_at(spec, slots, &[at.value]).map(|family| family.scale);
-        let natural = Scale { natural_frequency: 1.0, mass: 1.0 };
-        Self {
+    fn new(spec: &Spec, slots: &[Slot], at: &BranchPoint) -> Result<Self, Invalid> {
+        let Family { scale, .. } = family_at(spec, slots, &[at.value])?;
+        Ok(Self {
             value: at.value,
             arclength: at.length,
             amplitude: at.amplitude,
             multipliers: at.multipliers,
             stable: at.is_stable(),
             grazing_margin: at.margin,
-            approach_speed_min: scale.unwrap_or(natural).velocity(at.slowest),
+            approach_speed_min: scale.velocity(at.slowest),
             unknowns: at.unknowns.clone(),
-        }
+        })
     }
 }
 
 impl Followed {
-    fn new(spec: &Spec, slots: &[Slot], branch: &Branch) -> Self {
+    fn new(spec: &Spec, slots: &[Slot], branch: &Branch) -> Result<Self, Invalid> {
         let Branch { chain, points, special, ends } = branch;
-        let special = special.iter().map(|SpecialPoint { condition, at }| Special {
-            condition: *condition,
-            row: Row::new(spec, slots, at),
+        let special = special.iter().map(|SpecialPoint { condition, at }| {
+            Ok(Special { condition: *condition, row: Row::new(spec, slots, at)? })
         });
-        Self {
+        Ok(Self {
             chain: chain.clone(),
-            rows: points.iter().map(|at| Row::new(spec, slots, at)).collect(),
-            special: special.collect(),
+            rows: points.iter().map(|at| Row::new(spec, slots, at)).collect::<Result<_, _>>()?,
+            special: special.collect::<Result<_, Invalid>>()?,
             ends: *ends,
-        }
+        })
     }
 }
 
@@ -233,7 +231,8 @@ fn followed<S: OfMember + Coordinates + Clone>(
     let slots = [way.over];
     let scenes = scenes::<S>(spec, &slots);
     let branch = branch::follow(&scenes, (&chain, &unknowns), value, along(way, cancel));
-    Ok(branch.map(|it| Followed::new(spec, &slots, &it)).ok_or(NoBranch::Lost))
+    let followed = branch.map(|it| Followed::new(spec, &slots, &it)).transpose()?;
+    Ok(followed.ok_or(NoBranch::Lost))
 }
 
 /// A special point as the core knows it.
@@ -283,7 +282,8 @@ pub fn switch(
         let scenes = scenes_like(it, spec, &slots);
         branch::switch(&scenes, &begin.chain, &point, along(way, cancel))
     });
-    Ok(branch.map(|it| Followed::new(spec, &slots, &it)).ok_or(NoBranch::Lost))
+    let followed = branch.map(|it| Followed::new(spec, &slots, &it)).transpose()?;
+    Ok(followed.ok_or(NoBranch::Lost))
 }
 
 /// [`scenes`] of the kind of a trajectory.

@@ -10,10 +10,9 @@ use iva_core::piva::Piva;
 use iva_core::siva::Siva;
 
 use super::Outcome;
-use super::family::{Family, Member, OfMember, middled};
+use super::family::{Family, Member, OfMember, changeable, middled};
 use super::starts::{Numbers, Startable};
 use crate::design::Spec;
-use crate::fields::Part;
 use crate::slot::Slot;
 use crate::sweep::SweepError;
 use crate::units::Scale;
@@ -74,10 +73,7 @@ pub fn diagram(
 
 /// Checks the field and its values.
 fn check(over: Slot, values: &[f64]) -> Result<(), Invalid> {
-    if matches!(over.info().part, Part::Start | Part::Run) {
-        let rule = "give a number of the absorber, the primary system or the force";
-        return Err(Invalid::new("over", over.path(), rule));
-    }
+    changeable(over)?;
     if values.is_empty() {
         return Err(Invalid::missing(over.path(), "give at least one value"));
     }

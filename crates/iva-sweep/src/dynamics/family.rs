@@ -11,7 +11,7 @@ use iva_core::siva::Siva;
 
 use crate::choices::Kind;
 use crate::design::{Design, Spec};
-use crate::fields::FieldId;
+use crate::fields::{FieldId, Part};
 use crate::forces::Nature;
 use crate::scene::{Mounted, Scene};
 use crate::slot::Slot;
@@ -145,4 +145,16 @@ pub(super) fn middled(spec: &Spec) -> Result<Spec, Invalid> {
     let middle = middle.or(spec.get(FieldId::GapOffsetMm).map(|offset| offset / 1000.0));
     spec.replace(FieldId::GapDisplacement, middle.unwrap_or(0.0))?;
     Ok(spec)
+}
+
+/// Checks that a field is one of the scene: steady states do not depend on the start, nor on the length of a run.
+///
+/// # Errors
+/// [`Invalid`] if it is one of the start or of the run.
+pub(super) fn changeable(over: Slot) -> Result<(), Invalid> {
+    if matches!(over.info().part, Part::Start | Part::Run) {
+        let rule = "give a number of the absorber, the primary system or the force";
+        return Err(Invalid::new("over", over.path(), rule));
+    }
+    Ok(())
 }

@@ -171,18 +171,17 @@ impl<S: Coordinates> Follower<'_, S> {
         })
     }
 
-    /// The special points between two points and up to a length, in order.
-    fn between(&self, [now, next]: [&Stop; 2], limit: f64) -> Vec<SpecialPoint> {
-        let met = now.tests.met(&next.tests, self.family.chain.symmetric);
-        let find = |condition| {
+    /// The special points between two points and up to a length, in order; `None` if one is there and was not located.
+    fn between(&self, [now, next]: [&Stop; 2], limit: f64) -> Option<Vec<SpecialPoint>> {
+        let mut found = Vec::new();
+        for condition in now.tests.met(&next.tests, self.family.chain.symmetric) {
             let at = self.located(condition, [now, next])?.at;
             let before = (limit - at.length) * self.towards >= 0.0;
-            self.special(condition, at).filter(|_| before)
-        };
-        let mut found: Vec<_> = met.into_iter().filter_map(find).collect();
+            found.extend(self.special(condition, at).filter(|_| before));
+        }
         let along = |point: &SpecialPoint| self.towards * point.at.length;
         found.sort_by(|a, b| along(a).total_cmp(&along(b)));
-        found
+        Some(found)
     }
 
     /// Follows the branch from a point on.
@@ -195,17 +194,21 @@ impl<S: Coordinates> Follower<'_, S> {
             }
             let next = self.next(&now, step);
             let ending = next.as_ref().and_then(|next| self.ending([&now, next]));
-            let lost = ending.as_ref().is_some_and(|ending| ending.last.is_none());
-            let Some(next) = next.filter(|_| !lost) else {
+            let last = ending.as_ref().and_then(|ending| ending.last.as_ref());
+            let lost = ending.is_some() && last.is_none();
+            let special = next
+                .as_ref()
+                .filter(|_| !lost)
+                .and_then(|next| self.between([&now, next], last.unwrap_or(next).at.length));
+            // What is not located on a stretch may be on a shorter one; it is never passed over.
+            let (Some(next), Some(mut special)) = (next, special) else {
                 step *= 0.5;
                 if step < SHORTEST {
                     return (side, End::Stalled);
                 }
                 continue;
             };
-            let last = ending.as_ref().and_then(|ending| ending.last.as_ref());
-            let limit = last.unwrap_or(&next).at.length;
-            side.special.append(&mut self.between([&now, &next], limit));
+            side.special.append(&mut special);
             if let Some(Ending { last: Some(last), why, condition }) = ending {
                 let special = condition.and_then(|it| self.special(it, last.at.clone()));
                 side.special.extend(special);
