@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 
 import numpy as np
@@ -41,6 +42,14 @@ def table(siva: iva.Siva) -> iva.Table:
         periods=6,
         tables=("summary", "impacts", "episodes", "envelope"),
     )
+
+
+@pytest.fixture(autouse=True)
+def no_figure_is_left() -> Iterator[None]:
+    """Close all figures after a test: others count those that are open."""
+    yield
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close("all")
 
 
 @pytest.fixture
