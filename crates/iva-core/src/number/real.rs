@@ -229,6 +229,17 @@ pub(crate) fn pick<T>(which: bool, yes: T, no: T) -> T {
     if which { yes } else { no }
 }
 
+/// Runs code with a fused multiply-add where the machine has one, in vectors of no more than four numbers: a third of
+/// [`Real::dispatched`] less to compile.
+#[inline]
+pub(crate) fn fused<T>(code: impl FnOnce() -> T) -> T {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return simd.vectorize(code);
+    }
+    code()
+}
+
 /// Reciprocals of integers below this are in a table.
 const TABLED: usize = 28;
 

@@ -124,9 +124,10 @@ impl<const N: usize> Real for Dual<N> {
         Some(root)
     }
 
+    /// With a fused multiply-add and no wider vectors than it comes with: a number and its derivatives fill no more.
     #[inline]
     fn dispatched<T>(code: impl FnOnce() -> T) -> T {
-        f64::dispatched(code)
+        super::fused(code)
     }
 }
 
