@@ -231,6 +231,9 @@ pub struct OrbitArgs {
     /// Only an orbit that is its own mirror image half a cycle later
     #[arg(long)]
     pub symmetric: bool,
+    /// Solve it to twice the precision, and tell the error of the orbit in doubles
+    #[arg(long)]
+    pub verify: bool,
 }
 
 /// Arguments of `iva branch`.

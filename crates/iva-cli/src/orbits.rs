@@ -48,8 +48,8 @@ pub(crate) fn unless_interrupted(cancel: &AtomicBool) -> Result<(), Error> {
 
 /// Finds the orbit that is asked for.
 fn found(file: &StudyFile, args: &OrbitArgs) -> Result<Found, Error> {
-    let OrbitArgs { periods, settle, symmetric, .. } = *args;
-    let asked = Asked { periods, symmetric: symmetric.then_some(true), settle };
+    let OrbitArgs { periods, settle, symmetric, verify, .. } = *args;
+    let asked = Asked { periods, symmetric: symmetric.then_some(true), settle, verify };
     let cancel = interrupt::listen();
     let answer = orbit(&file.study.spec, asked, cancel);
     unless_interrupted(cancel)?;
@@ -108,6 +108,9 @@ fn described(found: &Found, units: UnitSystem) -> String {
         line("grazing margin", measured(margin, Quantity::Length, units));
     }
     line("residual", short(found.residual, 3));
+    if let Some(error) = found.error {
+        line("error in doubles", short(error, 3));
+    }
     let state = &course.state;
     for (name, value, quantity) in [
         ("at time", state.time, Quantity::Time),

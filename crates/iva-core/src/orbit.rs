@@ -6,7 +6,7 @@
 //! but the number of impacts. The derivative of the map ([`Tangent`]) is the monodromy matrix of a periodic orbit.
 //!
 //! [`periodic::find`] finds a periodic orbit near a trajectory, [`multipliers`] are the eigenvalues of its monodromy matrix,
-//! with errors and an exact identity in [`spectrum`]; [`description`] has the events and extremes of one cycle of it, and
+//! with errors and an exact identity in [`spectrum`]; [`polish`] finds it to twice the precision; [`description`] has the events and extremes of one cycle of it, and
 //! [`symmetry`] chooses between the map and the half map.
 //! [`branch::follow`] follows an orbit over a number of its scene and locates the special points ([`conditions`]) on the way,
 //! [`branch::switch`] goes from such a point to the branch that begins there, [`curve::curve`] follows the point over two numbers.
@@ -54,12 +54,13 @@ mod margins;
 pub mod multipliers;
 pub mod neighbourhood;
 pub mod periodic;
+pub mod polish;
 mod rounding;
 pub mod sequence;
 pub mod spectrum;
 pub mod symmetry;
 
-pub use coordinates::Coordinates;
+pub use coordinates::{Coordinates, Numbered};
 pub use family::Scenes;
 
 /// The stretch of time that a map covers, in 1/ωn: whole cycles of the drive, from one of its phases on.

@@ -17,9 +17,10 @@ pub fn orbit<'py>(
     periods: u32,
     symmetric: Option<bool>,
     settle: u64,
+    verify: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let spec = arguments::spec(spec)?;
-    let asked = Asked { periods, symmetric, settle };
+    let asked = Asked { periods, symmetric, settle, verify };
     let work = move |shared: &worker::Shared| engine::orbit(&spec, asked, &shared.cancel);
     match worker::run_any(py, None, work)?.map_err(invalid)? {
         Ok(found) => shown(py, &found),
@@ -53,6 +54,7 @@ pub(crate) fn shown<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, 
     dict.set_item("determinant_error", spectrum.determinant_error)?;
     dict.set_item("stable", found.stable)?;
     dict.set_item("residual", found.residual)?;
+    dict.set_item("state_error", found.error)?;
     dict.set_item("amplitude", found.amplitude)?;
     dict.set_item("grazing_margin", found.grazing_margin)?;
     let [slowest, fastest] = found.approach_speeds;

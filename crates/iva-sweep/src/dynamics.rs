@@ -20,6 +20,7 @@ use iva_core::simulate::{Instant, Limits, resume};
 use crate::design::Spec;
 use course::mirrored;
 use family::with_member;
+use verified::Verified;
 
 pub mod attractors;
 pub mod basins;
@@ -29,6 +30,7 @@ pub mod diagram;
 mod family;
 pub mod lyapunov;
 pub mod starts;
+mod verified;
 pub mod words;
 
 pub use course::Course;
@@ -50,6 +52,8 @@ pub struct Asked {
     pub symmetric: Option<bool>,
     /// Number of periods of the drive that are run first.
     pub settle: u64,
+    /// True if the orbit is computed to twice the precision, then rounded.
+    pub verify: bool,
 }
 
 /// A periodic orbit, in the user's units.
@@ -74,6 +78,8 @@ pub struct Found {
     pub stable: bool,
     /// The largest difference between a coordinate and its image, over the size of the state, in natural units.
     pub residual: f64,
+    /// The largest error of a coordinate of the orbit that doubles gave, over the size of the state; `None` unless verified.
+    pub error: Option<f64>,
     /// Largest |x|.
     pub amplitude: Option<f64>,
     /// See [`Description::grazing_margin`].
@@ -101,7 +107,7 @@ pub fn orbit(
         };
         return Err(Invalid::new("symmetric", "True", rule));
     }
-    let found = with_member!(&family.member, |it| found(&family, it, asked, cancel));
+    let found = with_member!(&family.member, |it| found(&family, it, (spec, asked), cancel));
     match found {
         Err(Missed::Invalid(invalid)) => Err(invalid),
         other => Ok(other),
@@ -109,10 +115,10 @@ pub fn orbit(
 }
 
 /// The orbit near a trajectory, with all that is told of it.
-fn found<S: Coordinates + Iterated + Clone>(
+fn found<S: Verified + Iterated + Clone>(
     family: &Family,
     trajectory: &Trajectory<S>,
-    asked: Asked,
+    (spec, asked): (&Spec, Asked),
     cancel: &AtomicBool,
 ) -> Result<Found, Missed> {
     let cancel = Some(cancel);
@@ -125,8 +131,65 @@ fn found<S: Coordinates + Iterated + Clone>(
         None => find_either(&trajectory, cancel)?,
     };
     let walls_of_start = walls(&trajectory, cancel)?;
-    let found = told(family, trajectory.cycle.begin, (&orbit, asked.periods), cancel)?;
-    Ok(Found { walls_of_start, ..found })
+    let begin = trajectory.cycle.begin;
+    let found = told(family, begin, (&orbit, asked.periods), cancel)?;
+    let found = Found { walls_of_start, ..found };
+    if !asked.verify {
+        return Ok(found);
+    }
+    let seen_at = SeenAt::new(begin, (&orbit, asked.periods));
+    let exact = verified::exact(spec, (&orbit, asked.periods), &seen_at, cancel)?;
+    let Events { impacts, episodes } = exact.seen.events;
+    let description = Description { impacts, episodes, ..Description::default() };
+    let (course, mirrored) = seen_at.courses(family, &exact.seen.states, &description)?;
+    let (residual, error) = (exact.residual, Some(exact.error));
+    Ok(Found { course, mirrored, residual, error, ..found })
+}
+
+/// How an orbit is seen: from an instant that sets the phase of the drive on.
+struct SeenAt {
+    /// The instant.
+    begin: f64,
+    /// The length of a cycle.
+    length: f64,
+    /// Number of cycles after which the orbit is seen at that phase: its section may be some cycles later, as each search moves it on.
+    cycles: f64,
+    /// The mirror image is minus the motion this part of a cycle later.
+    shift: f64,
+}
+
+impl SeenAt {
+    /// Of an orbit of so many periods.
+    fn new<S: Coordinates>(begin: f64, (orbit, periods): (&Orbit<S>, u32)) -> Self {
+        let Cycle { begin: section, length } = orbit.trajectory.cycle;
+        let cycles = ((section - begin) / length).ceil().max(1.0);
+        let odd = !periods.is_multiple_of(2);
+        let shift = if odd { 0.5 } else { 0.5 / f64::from(periods) };
+        Self { begin, length, cycles, shift }
+    }
+
+    /// The instants at which the state and that of the mirror image are taken.
+    fn instants(&self) -> [f64; 2] {
+        let later = self.begin + self.cycles * self.length;
+        [later, later + self.shift * self.length]
+    }
+
+    /// The orbit and its mirror image, from the states at these instants and the events of a cycle.
+    fn courses(
+        &self,
+        family: &Family,
+        states: &[State],
+        description: &Description,
+    ) -> Result<(Course, Option<Course>), Missed> {
+        let [at, later] = states else { return Err(Missed::Cycle(Outcome::NotFinite)) };
+        let Self { begin, length, .. } = *self;
+        let course = |state: State, description: Description| {
+            let description = description.seen_from(begin, length);
+            family.course(&State { time: begin, ..state }, &description, length)
+        };
+        let image = || course(mirrored(later), description.clone().mirrored(self.shift * length));
+        Ok((course(*at, description.clone()), family.mirrors.then(image)))
+    }
 }
 
 /// All that is told of an orbit of so many periods, seen from an instant that sets the phase of the drive.
@@ -136,26 +199,16 @@ fn told<S: Coordinates + Clone>(
     (orbit, periods): (&Orbit<S>, u32),
     cancel: Option<&AtomicBool>,
 ) -> Result<Found, Missed> {
-    let odd = !periods.is_multiple_of(2);
     let description = describe(orbit, cancel)?;
     let spectrum = spectrum(orbit, &description, cancel)?;
     let length = orbit.trajectory.cycle.length;
-    let shift = 0.5 * if odd { length } else { family.period };
-    // The section of the orbit may be some cycles later: each search moves it on.
-    let cycles = ((orbit.trajectory.cycle.begin - begin) / length).ceil().max(1.0);
-    let later = begin + cycles * length;
-    let states = sampled(&orbit.trajectory, &[later, later + shift], cancel)?;
-    let [at, later] = states[..] else { return Err(Missed::Cycle(Outcome::NotFinite)) };
-    let course = |state: State, description: Description| {
-        let description = description.seen_from(begin, length);
-        family.course(&State { time: begin, ..state }, &description, length)
-    };
+    let seen_at = SeenAt::new(begin, (orbit, periods));
+    let states = sampled(&orbit.trajectory, &seen_at.instants(), cancel)?;
+    let (course, mirrored) = seen_at.courses(family, &states, &description)?;
     let scale = &family.scale;
     Ok(Found {
-        course: course(at, description.clone()),
-        mirrored: family
-            .mirrors
-            .then(|| course(mirrored(&later), description.clone().mirrored(shift))),
+        course,
+        mirrored,
         length: scale.time(length),
         walls_of_start: description.walls(length),
         least_periods: least_periods(orbit, periods, cancel)?,
@@ -163,6 +216,7 @@ fn told<S: Coordinates + Clone>(
         spectrum,
         stable: orbit.is_stable(),
         residual: orbit.residual,
+        error: None,
         amplitude: description.amplitude,
         grazing_margin: description.grazing_margin,
         approach_speeds: description

@@ -10,7 +10,7 @@ from iva.forces import Harmonic, listed
 from iva.millimetres import warn_of_metres
 from iva.parameters import Piva, Primary, Siva, Start, numbers, shown
 from iva.scenes import scene
-from iva.simulation import Run, state_of
+from iva.simulation import Run, state_of, truth
 from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -35,6 +35,7 @@ def orbit(
     periods: int = 1,
     symmetric: bool | None = None,
     settle: int = 0,
+    verify: bool = False,
 ) -> Orbit | Missed:
     """Find the periodic orbit near a start, by Newton's method; stable or not.
 
@@ -62,6 +63,11 @@ def orbit(
         the other, if no orbit is found. The result says whether the orbit is symmetric.
     settle : int, default 0
         Number of periods of the force to run before the search.
+    verify : bool, default False
+        Solve the orbit again in numbers of twice the precision, and give states and events rounded
+        from these, `residual` as it is before rounding, and the error of the orbit in doubles as
+        `state_error`. It takes some 50 times as long. Multipliers are those in doubles, with their
+        bounds.
 
     Returns
     -------
@@ -103,6 +109,7 @@ def orbit(
         whole("periods", periods, 1, MOST_PERIODS),
         either("symmetric", symmetric),
         whole("settle", settle, 0, MOST_SETTLING),
+        truth("verify", verify),
     )
     found = _iva.orbit(made, *asked)
     # Only a scene under one harmonic force has come so far.

@@ -72,7 +72,7 @@ impl<R: Real> Driven<Forces<R>> {
     fn new(mass: R, damping_ratio: R, source: &Forces<R>) -> Self {
         let equation = Equation::new(mass, damping_ratio);
         let force = &source.force;
-        let reach = R::from(LONGEST) / equation.growth.max(force.fastest());
+        let reach = R::from(LONGEST * R::STEP) / equation.growth.max(force.fastest());
         let (base, excess) = bounds(&equation, source, reach);
         let step = R::power_of_two(reach);
         let source = source.on_mass(mass, damping_ratio);

@@ -68,6 +68,8 @@ pub trait Real:
     const LEFT_OUT: Self;
     /// Largest estimated error of the summed duration of a chatter, in 1/ωn.
     const NEGLIGIBLE: Self;
+    /// The longest step of a power series of fixed order, over that in doubles.
+    const STEP: f64 = 1.0;
     /// True if flights decided by a proof in closed form skip the search for a contact.
     const FAST_PATHS: bool;
 

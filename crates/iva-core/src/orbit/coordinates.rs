@@ -7,14 +7,28 @@ use crate::absorber::siva::Siva;
 use crate::absorber::{Absorber, ImpactLaw as _, OnStructure, Start, Wall};
 use crate::host::Host;
 use crate::measures::propagation::Differentiable;
+use crate::number::real::Real;
 
-/// An absorber whose states in flight follow from x, ẋ, y and ẏ (W = b θ̇ in place of ẏ for a pendulum) and the phase of
-/// the drive.
-pub trait Coordinates: Differentiable {
+/// An absorber whose states in flight follow from four numbers and the phase of the drive: x, ẋ, y and ẏ (W = b θ̇ in place of ẏ
+/// for a pendulum).
+pub trait Numbered: Absorber {
     /// These numbers of a state.
-    fn coordinates(&self, state: &Self::State) -> Vector4<f64>;
+    fn numbers(&self, state: &Self::State) -> [Self::Real; 4];
+    /// The start with these numbers, which may be of no place in the gap.
+    fn numbered(&self, numbers: [Self::Real; 4]) -> Self::Start;
+}
+
+/// One that runs in doubles, with the derivatives of its motion.
+pub trait Coordinates: Differentiable + Numbered {
+    /// The numbers of a state.
+    fn coordinates(&self, state: &Self::State) -> Vector4<f64> {
+        self.numbers(state).into()
+    }
     /// The start with these numbers; `None` if they are of no place in the gap.
-    fn start_at(&self, numbers: &Vector4<f64>) -> Option<Self::Start>;
+    fn start_at(&self, numbers: &Vector4<f64>) -> Option<Self::Start> {
+        let start = self.numbered((*numbers).into());
+        self.check_start(&start).is_ok().then_some(start)
+    }
     /// The rate at which a small volume of states shrinks in flight at a gap displacement, in ωn: −div ż, in the coordinates
     /// that momenta and places make. `None` if an impact does not shrink it by e².
     fn contraction(&self, gap_displacement: f64) -> Option<f64>;
@@ -26,27 +40,31 @@ pub trait Coordinates: Differentiable {
 }
 
 /// y from the distance to a wall.
-fn gap_displacement<S: Absorber<Real = f64>>(system: &S, state: &S::State) -> f64 {
+fn gap_displacement<S: Absorber>(system: &S, state: &S::State) -> S::Real {
     let side = system.wall(state).sign();
-    system.offset() + side * (system.clearance() - system.distance(state).value)
+    system.offset() + (system.clearance() - system.distance(state).value) * side
+}
+
+impl<R: Real, H: Host<Real = R>> Numbered for Siva<H>
+where
+    Self: Absorber<Real = R, Start = Start<R>>,
+{
+    fn numbers(&self, state: &Self::State) -> [R; 4] {
+        let (primary, side) = (self.primary(state), self.wall(state).sign());
+        let rate = self.distance(state).rate;
+        [primary.x, primary.v, gap_displacement(self, state), rate * -side]
+    }
+
+    fn numbered(&self, numbers: [R; 4]) -> Start<R> {
+        let [displacement, velocity, gap_displacement, gap_velocity] = numbers;
+        Start { displacement, velocity, gap_displacement, gap_velocity }
+    }
 }
 
 impl<H: Host<Real = f64>> Coordinates for Siva<H>
 where
     Self: Differentiable + Absorber<Start = Start>,
 {
-    fn coordinates(&self, state: &Self::State) -> Vector4<f64> {
-        let (primary, side) = (self.primary(state), self.wall(state).sign());
-        let rate: f64 = self.distance(state).rate;
-        Vector4::new(primary.x, primary.v, gap_displacement(self, state), -side * rate)
-    }
-
-    fn start_at(&self, numbers: &Vector4<f64>) -> Option<Start> {
-        let [displacement, velocity, gap_displacement, gap_velocity] = (*numbers).into();
-        let start = Start { displacement, velocity, gap_displacement, gap_velocity };
-        self.check_start(&start).is_ok().then_some(start)
-    }
-
     /// 2ζ.
     fn contraction(&self, _gap_displacement: f64) -> Option<f64> {
         Some(2.0 * self.damping_ratio())
@@ -62,21 +80,25 @@ where
     }
 }
 
-impl<H: Host<Real = f64>> Coordinates for Piva<H> {
-    fn coordinates(&self, state: &Self::State) -> Vector4<f64> {
+impl<R: Real, H: Host<Real = R>> Numbered for Piva<H>
+where
+    Self: Absorber<Real = R, Start = PivaStart<R>>,
+{
+    fn numbers(&self, state: &Self::State) -> [R; 4] {
         let primary = self.primary(state);
-        let rate = self.angle(state).map_or(f64::NAN, |angle| angle.rate);
+        let rate = self.angle(state).map_or(R::NAN, |angle| angle.rate);
         let w = rate * self.parameters().contact_distance;
-        Vector4::new(primary.x, primary.v, gap_displacement(self, state), w)
+        [primary.x, primary.v, gap_displacement(self, state), w]
     }
 
-    fn start_at(&self, numbers: &Vector4<f64>) -> Option<PivaStart> {
-        let [displacement, velocity, y, w] = (*numbers).into();
+    fn numbered(&self, numbers: [R; 4]) -> PivaStart<R> {
+        let [displacement, velocity, y, w] = numbers;
         let rate = Given::Angle(w / self.parameters().contact_distance);
-        let start = PivaStart { displacement, velocity, place: Given::Gap(y), rate };
-        self.check_start(&start).is_ok().then_some(start)
+        PivaStart { displacement, velocity, place: Given::Gap(y), rate }
     }
+}
 
+impl<H: Host<Real = f64>> Coordinates for Piva<H> {
     /// The trace of the damping matrix over the mass matrix, (2ζ κ + 2ζp r κ (1 + μ))/(κ (1 + μ) − μ cos²θ).
     fn contraction(&self, gap_displacement: f64) -> Option<f64> {
         let Parameters { mass_ratio, damping_ratio, inertia_ratio, contact_distance, .. } =

@@ -40,7 +40,9 @@ pub struct Orbit<S: Coordinates> {
     pub impacts: u64,
     /// True if it was sought as its own mirror image half a cycle later.
     pub symmetric: bool,
-    /// The derivative of the map over the cycle, in [`Coordinates`].
+    /// The derivative of the map that was solved, in [`Coordinates`]: of a symmetric orbit the half map with the mirror.
+    pub derivative: Matrix4<f64>,
+    /// The derivative of the map over the cycle.
     pub monodromy: Matrix4<f64>,
     /// Its eigenvalues, largest first: the Floquet multipliers.
     pub multipliers: [Complex<f64>; 4],
@@ -146,6 +148,7 @@ impl<S: Coordinates + Clone> Sought<'_, S> {
             trajectory,
             impacts,
             symmetric: self.symmetric,
+            derivative: solved.derivative,
             monodromy,
             multipliers: half_multipliers.map_or_else(|| multipliers(&monodromy), squares),
             half_multipliers,

@@ -88,7 +88,7 @@ fn labelled<S: Startable>(
     cancel: &AtomicBool,
 ) -> Result<Basins, SweepError> {
     let given: Numbers = like.system.coordinates(&like.state).into();
-    let starts = plane.starts(like.system.numbers(&family.scale, given));
+    let starts = plane.starts(like.system.user_numbers(&family.scale, given));
     let sought = asked.orbits.clone().unwrap_or_else(|| spread(&starts));
     let search = Search {
         most_periods: asked.most_periods,

@@ -105,7 +105,7 @@ fn strobes<S: OfMember + Startable>(
         |(((column, trajectory), scale), value): (((Column, &Trajectory<S>), Scale), &f64)| {
             let system = &trajectory.system;
             let states =
-                column.strobes.iter().map(|it| system.numbers(&scale, it.at.into())).collect();
+                column.strobes.iter().map(|it| system.user_numbers(&scale, it.at.into())).collect();
             let impacts = column.strobes.iter().map(|it| it.impacts).collect();
             Strobes { value: *value, direction, states, impacts, outcome: column.outcome }
         };

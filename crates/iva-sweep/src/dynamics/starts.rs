@@ -52,7 +52,7 @@ pub(super) trait Startable:
     ) -> Result<Trajectory<Self>, Invalid>;
 
     /// The numbers of coordinates, in the user's units.
-    fn numbers(&self, scale: &Scale, coordinates: Numbers) -> Numbers;
+    fn user_numbers(&self, scale: &Scale, coordinates: Numbers) -> Numbers;
 }
 
 impl<S> Startable for S
@@ -73,7 +73,7 @@ where
         Ok(Trajectory { tier: like.tier, ..begun })
     }
 
-    fn numbers(&self, scale: &Scale, coordinates: Numbers) -> Numbers {
+    fn user_numbers(&self, scale: &Scale, coordinates: Numbers) -> Numbers {
         let [x, v, y, w] = coordinates;
         // Of a pendulum the last coordinate is b θ̇, and the gap velocity b θ̇ cos θ.
         let start = self.start_at(&coordinates.into());
@@ -105,7 +105,7 @@ impl Family {
         let system = &like.system;
         let gap = [-1.0, 1.0].map(|side| system.offset() + side * system.clearance());
         let given: Numbers = system.coordinates(&like.state).into();
-        let given = system.numbers(&self.scale, given);
+        let given = system.user_numbers(&self.scale, given);
         let bounds = match drawn.within {
             Within::Usual => self.bounds(system),
             Within::Given(bounds) => checked(bounds)?,

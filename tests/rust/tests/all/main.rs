@@ -40,6 +40,7 @@ mod periodic;
 mod piva;
 mod piva_flight;
 mod planted;
+mod polish;
 mod record_extremes;
 mod records;
 mod reference_events;
