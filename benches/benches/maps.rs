@@ -1,6 +1,5 @@
 //! Maps over one cycle of a harmonic force with some three impacts in it, on one core: 256 trajectories of a free mass side by
-//! side near the stable orbit A5 of `tests/reference/orbits.json`, and as many of a pendulum. Nanoseconds a map. Then that
-//! orbit, found from a start 4e-5 away from it.
+//! side near the stable orbit A5 of `tests/reference/orbits.json`, and as many of a pendulum. Nanoseconds a map.
 
 use std::hint::black_box;
 use std::ops::ControlFlow::{Break, Continue};
@@ -12,7 +11,7 @@ use iva_core::{
     error::Invalid,
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
-    orbit::{Cycle, Iterated, Request, Trajectory, iterate, periodic::find},
+    orbit::{Cycle, Iterated, Request, Trajectory, iterate},
     piva::{Parameters, Piva, PivaStart},
     run::side_by_side::Tier,
     siva::Siva,
@@ -52,10 +51,6 @@ fn swinging(index: usize, tier: Tier) -> Result<Trajectory<Piva<DrivenHost>>, In
 fn maps(criterion: &mut Criterion) {
     of("free mass", trajectory, criterion);
     of("pendulum", swinging, criterion);
-    let Ok(begun) = trajectory(100, Tier::Exact) else { return };
-    criterion.bench_function("periodic orbit of a driven free mass, 3 impacts", |bencher| {
-        bencher.iter(|| black_box(find(&begun, false, None).is_ok()));
-    });
 }
 
 fn of<S: Iterated>(
