@@ -154,7 +154,8 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn course(&self, from: &HostState<Moment<R>, R>) -> Course<R> {
-        Course(self.source.ramped().is_none().then(|| self.expanded(from)))
+        // No closure: it would not be compiled for the instructions of its caller.
+        Course(if self.source.ramped().is_none() { Some(self.expanded(from)) } else { None })
     }
 
     fn measured(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Option<Course<R>> {
@@ -179,7 +180,13 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         course: &Course<R>,
         h: R,
     ) -> Flown<Moment<R>, R> {
-        self.moved(from, course, h, |from, time| self.source.pushes(from, time))
+        self.moved(
+            from,
+            course,
+            h,
+            #[inline(always)]
+            |from, time| self.source.pushes(from, time),
+        )
     }
 
     #[inline(always)]
@@ -189,7 +196,13 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         course: &Course<R>,
         h: R,
     ) -> Flown<Moment<R>, R> {
-        self.moved(from, course, h, |from, time| self.source.plain_pushes(from, time))
+        self.moved(
+            from,
+            course,
+            h,
+            #[inline(always)]
+            |from, time| self.source.plain_pushes(from, time),
+        )
     }
 
     #[inline(always)]

@@ -63,6 +63,7 @@ fn scene(spec: &Spec) -> Result<Option<(Scene<Twofold>, Twofold, Twofold)>, Inva
     if spec.get(FieldId::Tolerance).is_some() {
         spec.set(FieldId::Tolerance, 0.0)?;
     }
+    spec.replace(FieldId::Cycles, 1.0)?;
     let Design { scene, begin, .. } = Given::<Twofold>::new(&spec).design()?;
     let frequency = scene.force().and_then(|force| {
         let &Harmonic { frequency, .. } = force.harmonics().first()?;
