@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import pickle
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,7 @@ def test_what_basins_say_of_themselves(pair: tuple[dict[str, Any], dynamics.Basi
     again = pickle.loads(pickle.dumps(found))
     assert again == found
     assert again != "basins"
+    assert found.left_out == ()
     # The attractors of a search give the same cells.
     few = {"displacement": AXIS[:9], "velocity": AXIS[:7]}
     known = dynamics.attractors(**scene(record), starts=100)
@@ -118,6 +120,84 @@ def test_what_stays_open_is_undecided() -> None:
     assert found.fractions == {-1: 1.0}
     assert found.entropy is None
     assert found.attractors == ()
+
+
+def coexisting() -> dict[str, Any]:
+    """Return a scene with a pair of 2:1 and a pair of 3:1 (P-basin-2)."""
+    return scene(RECORDS["P-basin-2"])
+
+
+@pytest.fixture(scope="module")
+def orbits() -> list[dynamics.Orbit]:
+    """Return its four orbits, found from the strobes of the record."""
+    strobes = [one["strobe_state"] for one in RECORDS["P-basin-2"]["attractors"]]
+    found = [dynamics.orbit(**coexisting(), start=strobe) for strobe in strobes]
+    return [orbit for orbit in found if isinstance(orbit, dynamics.Orbit)]
+
+
+FEW: dict[str, Any] = {"displacement": AXIS[::12], "velocity": AXIS[::12]}
+
+
+def test_labels_are_places_in_the_list_that_is_given(orbits: list[dynamics.Orbit]) -> None:
+    """In the order of the record they are its labels."""
+    found = dynamics.basins(**coexisting(), over=FEW, attractors=orbits)
+    assert found.attractors == tuple(orbits)
+    assert found.left_out == ()
+    sure = found.labels >= 0
+    assert np.array_equal(found.labels[sure], labels(RECORDS["P-basin-2"])[::12, ::12][sure])
+    # One that is no orbit keeps its place, and is told.
+    elsewhere = replace(orbits[1], state=(0.1, 0.2, 0.3, 0.1))
+    given = [orbits[0], elsewhere, orbits[2], orbits[3], orbits[2]]
+    without = dynamics.basins(**coexisting(), over=FEW, attractors=given)
+    assert without.attractors == tuple(given)
+    assert np.array_equal(without.labels, np.where(found.labels == 1, -1, found.labels))
+    assert without.left_out == (
+        "attractor 1: a run from it comes to another orbit",
+        "attractor 4: it is the same orbit as attractor 2",
+    )
+    assert "left out: attractor 1: a run from it" in repr(without)
+
+
+def test_an_orbit_that_is_not_stable_is_refused() -> None:
+    """The symmetric 2:1 at d = 3.4 is unstable below its pitchfork, 4.2398 (bifurcations.json)."""
+    parts = scene(RECORDS["P-basin-1"])
+    wide = {**parts, "absorber": replace(parts["absorber"], clearance=4.5)}
+    first = dynamics.orbit(**wide, start=(0, 0, 0, 0.1), settle=200)
+    assert isinstance(first, dynamics.Orbit)
+    branch = dynamics.follow(first, over="clearance", between=(3.4, 4.5))
+    assert isinstance(branch, dynamics.Branch)
+    unstable = branch.orbit(0)
+    assert isinstance(unstable, dynamics.Orbit)
+    assert unstable.absorber.clearance == 3.4
+    size = f"{abs(unstable.multipliers[0]):.6g}"
+    with pytest.raises(ValueError, match=rf"attractors\[1\] has a multiplier of size {size}"):
+        dynamics.basins(**parts, over=FEW, attractors=[replace(unstable, stable=True), unstable])
+
+
+def test_an_orbit_that_takes_longer_than_is_sought_has_its_label() -> None:
+    """30 impacts in 11 periods at d = 3.7 (attractors.json): what is given may be longer."""
+    parts = scene(RECORDS["P-basin-1"])
+    parts["absorber"] = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.7)
+    found = dynamics.attractors(**parts, starts=2)
+    over: dict[str, Any] = {"displacement": [0.5], "velocity": [0.5]}
+    cell = dynamics.basins(**parts, over=over, attractors=found, most_periods=1, most_cycles=1000)
+    assert cell.left_out == ()
+    assert cell.likely.tolist() == [[0]]
+
+
+def test_an_orbit_that_nothing_stays_with_is_told() -> None:
+    """The orbit G1 is stable up to its grazing (bifurcations.json), and 1e-9 from it on a verge."""
+    primary, force = iva.Primary(damping_ratio=0.06), iva.Harmonic(amplitude=1.0, frequency=0.62)
+    siva = iva.Siva(mass_ratio=0.07, restitution=0.4, clearance=1.8522673068662248 + 1e-9)
+    start = (1.5394300017920721, 0.13040217441528326, 0.8347525387084471, 1.567147501817912)
+    orbit = dynamics.orbit(siva, primary, force=force, start=start)
+    assert isinstance(orbit, dynamics.Orbit)
+    over = {"displacement": [start[0]], "velocity": [start[1]]}
+    found = dynamics.basins(
+        siva, primary, force=force, over=over, start=orbit, attractors=[orbit], most_cycles=5
+    )
+    assert found.labels.tolist() == [[-1]]
+    assert found.left_out == ("attractor 0: no neighbourhood was found that runs stay in",)
 
 
 def test_bad_input_is_one_sentence() -> None:

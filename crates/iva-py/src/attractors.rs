@@ -1,7 +1,7 @@
 //! What a driven scene settles on, for Python, in the user's units: diagrams, exponents, attractors and basins.
 
 use iva_sweep::dynamics::attractors::Inventory;
-use iva_sweep::dynamics::basins::{Asked, Basins, Plane};
+use iva_sweep::dynamics::basins::{Asked, Basins, LeftOut, Plane};
 use iva_sweep::dynamics::diagram::{Direction, Strobes, Window};
 use iva_sweep::dynamics::lyapunov::Exponents;
 use iva_sweep::dynamics::starts::{Bounds, Drawn, NAMES, Numbers, Within};
@@ -109,8 +109,7 @@ pub fn attractors<'py>(
         engine::attractors::attractors(&spec, starts, (most_periods, most_cycles), &shared.cancel)
     };
     let found = worker::run(py, None, work)?;
-    let Inventory { attractors, no_impacts, aperiodic, aperiodic_start, unfinished, bounds } =
-        found;
+    let Inventory { attractors, no_impacts, aperiodic, aperiodic_start, unfinished, .. } = &found;
     let dict = PyDict::new(py);
     let orbits = attractors.iter().map(|it| shown(py, &it.found)).collect::<PyResult<Vec<_>>>()?;
     dict.set_item("orbits", orbits)?;
@@ -122,8 +121,14 @@ pub fn attractors<'py>(
     dict.set_item("aperiodic_start", aperiodic_start)?;
     let outcomes = unfinished.iter().map(|it| it.name());
     dict.set_item("unfinished", outcomes.collect::<Vec<_>>())?;
-    dict.set_item("box", bounds)?;
+    dict.set_item("box", found.bounds)?;
+    dict.set_item("left_out", reasons(&found.left_out))?;
     Ok(dict)
+}
+
+/// Why orbits are left out.
+fn reasons(left_out: &[LeftOut]) -> Vec<String> {
+    left_out.iter().map(LeftOut::words).collect()
 }
 
 /// Basins over two numbers of the start: a dict of orbits, labels row by row, and entropies.
@@ -143,7 +148,7 @@ pub fn basins<'py>(
     let work = move |shared: &worker::Shared| {
         engine::basins::basins(&spec, &plane, &asked, &shared.cancel)
     };
-    let Basins { attractors, periods, labels, likely, cycles, entropy } =
+    let Basins { attractors, periods, labels, likely, cycles, entropy, left_out } =
         worker::run(py, None, work)?;
     let dict = PyDict::new(py);
     let orbits = attractors.iter().map(|it| shown(py, it)).collect::<PyResult<Vec<_>>>()?;
@@ -156,6 +161,7 @@ pub fn basins<'py>(
     dict.set_item("boundary_entropy", entropy.and_then(|it| it.boundary))?;
     dict.set_item("boundary_boxes", entropy.map_or(0, |it| it.boundary_boxes))?;
     dict.set_item("boxes", entropy.map_or(0, |it| it.boxes))?;
+    dict.set_item("left_out", reasons(&left_out))?;
     Ok(dict)
 }
 

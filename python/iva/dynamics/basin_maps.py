@@ -55,7 +55,10 @@ class Basins:
     x, y : ndarray of float, shape (nx,) and (ny,)
         Their values.
     attractors : tuple of Orbit
-        The periodic attractors; their labels are their indices.
+        The periodic attractors; their labels are their indices. Where orbits are given, those.
+    left_out : tuple of str
+        Why no cell has the label of one of these, or why an orbit that cells end in is not among
+        them, each in a sentence; cells that end in it are undecided.
     labels : ndarray of int, shape (ny, nx)
         The label of each cell: index of an attractor, −2 for a motion without impacts, −1 where it
         is not decided, by then or for sure.
@@ -81,6 +84,7 @@ class Basins:
     x: NDArray[np.float64]
     y: NDArray[np.float64]
     attractors: tuple[Orbit, ...]
+    left_out: tuple[str, ...]
     labels: Labels
     likely: Labels
     cycles: NDArray[np.int64]
@@ -116,6 +120,7 @@ class Basins:
         for label, share in self.fractions.items():
             lines.append(f"  {share:.4f} {self.name_of(label)}")
         lines.append(f"  {self.undecided:.4f} of the cells not sure")
+        lines += [f"  left out: {reason}" for reason in self.left_out]
         if self.entropy is not None:
             of = self.boundary_entropy
             boundary = "" if of is None else f", of the boundary {of:.4g}"
@@ -175,14 +180,14 @@ def basins(
     start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,), optional
         The other two numbers and the instant, as for :func:`orbit`; 0 by default.
     attractors : Attractors or sequence of Orbit, optional
-        The attractors to tell apart, of the same scene, and at the phase of the start; the orbits
-        of mirror pairs have a label each, unstable orbits have none. By default those that up to
-        256 of the cells end in.
+        The attractors to tell apart, stable orbits of the same scene at the phase of the start;
+        their labels are their indices. Of :class:`Attractors` the two orbits of a mirror pair have
+        a label each. By default those that up to 256 of the cells end in.
     most_cycles : int, default 150
         Most periods of the force that are run from each cell; what has come to no orbit by then is
         undecided, as is what ends in chaos or on a torus.
     most_periods : int, default 16
-        Most periods after which an orbit repeats, up to 1000.
+        Most periods after which an orbit that is found repeats, up to 1000.
     side : int, default 4
         Side of the boxes of the entropies, in cells.
 
@@ -196,7 +201,7 @@ def basins(
         If an argument is of the wrong class.
     ValueError
         If a value is missing or out of range, a start lies outside the gap, the force is not one
-        harmonic force, or the orbits are of another scene.
+        harmonic force, or the orbits are of another scene or not stable.
     KeyboardInterrupt
         On Ctrl-C, within about a second.
 
@@ -221,19 +226,19 @@ def basins(
     begin = Start() if start is None else start_of(start)
     made = scene(absorber, primary, begin, force, {})
     warn_of_metres(made)
-    one = None
+    given = None
     if attractors is not None:
-        one = [numbers_of(orbit) for orbit in known(attractors, (absorber, primary, force), begin)]
-        if not one:
-            raise ValueError("attractors: there is none; leave them out to find some")
+        given = known(attractors, (absorber, primary, force), begin)
+    longest = max((orbit.least_periods for orbit in given or ()), default=1)
     limits = (
-        whole("most_periods", most_periods, 1, MOST_PERIODS),
+        max(longest, whole("most_periods", most_periods, 1, MOST_PERIODS)),
         whole("most_cycles", most_cycles, 1, MOST_CYCLES),
         whole("side", side, 1, MOST_SIDE),
     )
-    found = _iva.basins(made, names, values, one, limits)
+    states = None if given is None else [orbit.state for orbit in given]
+    found = _iva.basins(made, names, values, states, limits)
     parts = (absorber, primary, single(force))
-    orbits = []
+    orbits = given or []
     for described, periods in zip(found["orbits"], found["periods"], strict=True):
         orbit = orbit_of(described, parts, periods, begin)
         assert isinstance(orbit, Orbit)
@@ -248,6 +253,7 @@ def basins(
         x=np.array(values[0]),
         y=np.array(values[1]),
         attractors=tuple(orbits),
+        left_out=tuple(found["left_out"]),
         labels=np.array(found["labels"], np.int32).reshape(shape),
         likely=np.array(found["likely"], np.int32).reshape(shape),
         cycles=np.array(found["cycles"], np.int64).reshape(shape),
@@ -287,7 +293,7 @@ def known(given: object, parts: tuple[object, object, object], begin: Start) -> 
     TypeError
         If something is no orbit.
     ValueError
-        If one is of another scene, or at another phase.
+        If there is none, or one is of another scene, at another phase, or not stable.
     """
     orbits: list[Orbit] = []
     if isinstance(given, Attractors):
@@ -295,8 +301,10 @@ def known(given: object, parts: tuple[object, object, object], begin: Start) -> 
             orbits += [one.orbit, one.orbit.mirror()] if one.pair else [one.orbit]
     else:
         orbits += given if isinstance(given, (list, tuple)) else (given,)
+    if not orbits:
+        raise ValueError("attractors: there is none; leave them out to find some")
     absorber, primary, force = parts
-    for orbit in orbits:
+    for index, orbit in enumerate(orbits):
         if not isinstance(orbit, Orbit):
             raise TypeError(f"attractors: {shown(orbit)} is no orbit of iva.dynamics")
         if (orbit.absorber, orbit.primary) != (absorber, primary) or orbit.force != single_of(
@@ -305,14 +313,13 @@ def known(given: object, parts: tuple[object, object, object], begin: Start) -> 
             raise ValueError("attractors: give orbits of the same absorber, primary and force")
         if (orbit.start.time or 0.0) != (begin.time or 0.0):
             raise ValueError("attractors: give orbits that begin at the instant of the start")
+        if not orbit.stable:
+            rule = "give stable orbits, whose multipliers are all smaller than 1"
+            size = abs(orbit.multipliers[0])
+            raise ValueError(f"attractors[{index}] has a multiplier of size {size:.6g}: {rule}")
     return orbits
 
 
 def single_of(force: object) -> object:
     """Return the force, or that of a list of one."""
     return force[0] if isinstance(force, (list, tuple)) and len(force) == 1 else force
-
-
-def numbers_of(orbit: Orbit) -> tuple[float, float, float, float]:
-    """Return the numbers of the start of an orbit."""
-    return orbit.state

@@ -71,11 +71,13 @@ class Attractors:
         Number of starts that end in a motion without impacts.
     aperiodic : int
         Number of starts that end in none of these: a torus, chaos, a modulated response, a longer
-        period than was sought, or a transient that is not over.
+        period than was sought, a transient that is not over, or an orbit that is left out.
     aperiodic_start : Start or None
         The first of these starts.
     unfinished : tuple of str
         Outcomes of runs that did not end: ``impact_limit``, ``work_limit`` or ``not_finite``.
+    left_out : tuple of str
+        Why an orbit that starts end in is not among the attractors, each in a sentence.
     starts : int
         Number of starts.
     box : tuple of pairs of float, length 4
@@ -90,6 +92,7 @@ class Attractors:
     aperiodic: int
     aperiodic_start: Start | None
     unfinished: tuple[str, ...]
+    left_out: tuple[str, ...]
     starts: int
     box: Box
 
@@ -156,6 +159,7 @@ class Attractors:
             mirrored = " and its mirror image" if index < len(pairs) and pairs[index] else ""
             error = binomial(count, self.starts)
             lines.append(f"  {count / self.starts:.3f} ± {error:.3f} in {name}{mirrored}")
+        lines += [f"  left out: {reason}" for reason in self.left_out]
         ranges = (
             f"{name} {low:.4g} to {high:.4g}"
             for name, (low, high) in zip(NAMES, self.box, strict=True)
@@ -263,6 +267,7 @@ def attractors(
         aperiodic=found["aperiodic"],
         aperiodic_start=None if first is None else Start(**dict(zip(NAMES, first, strict=True))),
         unfinished=tuple(found["unfinished"]),
+        left_out=tuple(found["left_out"]),
         starts=count,
         box=boxed(found["box"]),
     )

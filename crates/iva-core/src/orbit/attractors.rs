@@ -79,6 +79,11 @@ impl<S: Coordinates> Attractor<S> {
         })
     }
 
+    /// True if a strobe is as near to one of its own, or of its mirror image, as trajectories are that have come to it.
+    pub fn is_near(&self, strobe: &Vector4<f64>, clearance: f64) -> bool {
+        self.is_at(strobe, NEAR * clearance.max(strobe.amax()))
+    }
+
     /// True if a strobe is within a distance of one of its own, or of its mirror image.
     fn is_at(&self, strobe: &Vector4<f64>, within: f64) -> bool {
         let all = self.strobes.iter().chain(self.mirrored.iter().flatten());

@@ -7,6 +7,7 @@ use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
 use iva_core::orbit::symmetry::find_any;
 use iva_core::orbit::{Cycle, Trajectory};
 
+use super::basins::{LeftOut, untold};
 use super::family::{Family, with_member};
 use super::starts::{Bounds, Drawn, Numbers, Startable};
 use super::{Found, Missed, Outcome, told};
@@ -37,7 +38,7 @@ pub struct Inventory {
     pub attractors: Vec<Attracting>,
     /// Number of starts that end in a motion without impacts.
     pub no_impacts: usize,
-    /// Number of starts whose strobes do not repeat.
+    /// Number of starts whose strobes do not repeat, or whose orbit is left out.
     pub aperiodic: usize,
     /// The first of these.
     pub aperiodic_start: Option<Numbers>,
@@ -45,6 +46,8 @@ pub struct Inventory {
     pub unfinished: Vec<Outcome>,
     /// The box of the starts.
     pub bounds: Bounds,
+    /// The orbits that cannot be described, with the reasons.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// What starts that are drawn end in. An orbit and its mirror image count as one.
@@ -72,17 +75,22 @@ fn inventory<S: Startable>(
     let starts = family.drawn(like, drawn)?;
     let found = searched(&starts.trajectories, search, cancel)?;
     let clearance = like.system.clearance();
-    let (mut attractors, mut untold) = (vec![], 0);
+    let (mut attractors, mut left_out, mut unlike) = (vec![], vec![], vec![Class::Aperiodic]);
     for (index, attractor) in found.attractors.iter().enumerate() {
-        let share = found.share(|class| *class == Class::Periodic(index));
-        let Ok(told) = told_of(family, like, attractor, cancel) else {
-            untold += share.count;
-            continue;
+        let class = Class::Periodic(index);
+        let told = match told_of(family, like, attractor, cancel) {
+            Ok(told) => told,
+            Err(why) => {
+                left_out.push(untold(family, like, attractor, why));
+                unlike.push(class);
+                continue;
+            }
         };
         let (pair, periods) = (attractor.is_pair(clearance), attractor.periods() as u32);
-        attractors.push(Attracting { found: told, periods, pair, count: share.count });
+        let count = found.share(|it| *it == class).count;
+        attractors.push(Attracting { found: told, periods, pair, count });
     }
-    let first = found.classes.iter().position(|class| *class == Class::Aperiodic);
+    let first = found.classes.iter().position(|class| unlike.contains(class));
     let unfinished = found.classes.iter().filter_map(|class| match class {
         Class::Unfinished(outcome) => Some(*outcome),
         _ => None,
@@ -90,10 +98,11 @@ fn inventory<S: Startable>(
     Ok(Inventory {
         attractors,
         no_impacts: found.share(|class| *class == Class::NoImpacts).count,
-        aperiodic: untold + found.share(|class| *class == Class::Aperiodic).count,
+        aperiodic: found.share(|class| unlike.contains(class)).count,
         aperiodic_start: first.map(|index| starts.numbers[index]),
         unfinished: unfinished.collect(),
         bounds: starts.bounds,
+        left_out,
     })
 }
 

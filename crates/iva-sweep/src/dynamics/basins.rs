@@ -3,16 +3,16 @@
 use std::sync::atomic::AtomicBool;
 
 use iva_core::error::Invalid;
-use iva_core::orbit::Trajectory;
-use iva_core::orbit::attractors::{Class, Search};
+use iva_core::orbit::attractors::{self as core, Attractor, Class, Search};
 use iva_core::orbit::basin_entropy::entropy;
 use iva_core::orbit::basins::{Cell, Ending};
 use iva_core::orbit::neighbourhood::neighbourhoods;
+use iva_core::orbit::{Coordinates, Trajectory};
 
-use super::Found;
 use super::attractors::{begun, searched, told_of};
 use super::family::{Family, with_member};
 use super::starts::{Numbers, Startable};
+use super::{Found, Missed};
 use crate::design::Spec;
 use crate::sweep::SweepError;
 use crate::workers::Workers;
@@ -50,10 +50,44 @@ pub struct Asked {
     pub side: usize,
 }
 
+/// An orbit that no cell has the label of.
+#[derive(Debug, Clone, PartialEq)]
+pub enum LeftOut {
+    /// The run from a given orbit ends in something else: it is no stable orbit of the scene.
+    Elsewhere {
+        /// Its index among those given.
+        index: usize,
+        /// What the run ends in.
+        class: Class,
+    },
+    /// A given orbit is one with another label.
+    Again {
+        /// Its index among those given.
+        index: usize,
+        /// The label.
+        label: usize,
+    },
+    /// Starts end in an orbit that cannot be described.
+    Untold {
+        /// A start on it.
+        start: Numbers,
+        /// Number of periods after which it repeats.
+        periods: u32,
+        /// Why it cannot be described.
+        why: Missed,
+    },
+    /// No neighbourhood of an orbit was found in which trajectories stay with it.
+    NoNeighbourhood {
+        /// Its label.
+        label: usize,
+    },
+}
+
 /// Basins.
 #[derive(Debug, Clone)]
 pub struct Basins {
-    /// The attractors, in the order of their labels.
+    /// The attractors that were found from the cells, in the order of their labels; none where orbits were given, whose places are
+    /// the labels then.
     pub attractors: Vec<Found>,
     /// Number of periods after which each repeats.
     pub periods: Vec<u32>,
@@ -65,6 +99,8 @@ pub struct Basins {
     pub cycles: Vec<u64>,
     /// The entropy of the likely labels.
     pub entropy: Option<Entropy>,
+    /// The orbits that no cell can have the label of, with the reasons: cells that end in them are not decided.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// The basins of a scene.
@@ -95,22 +131,18 @@ fn labelled<S: Startable>(
         most_cycles: asked.most_cycles.saturating_mul(SEARCHED_TIMES),
         join_mirrored: false,
     };
-    let found = searched(&begun(family, like, &sought)?, search, cancel)?;
-    let known: Vec<_> = match asked.orbits {
-        None => found.attractors,
-        Some(_) => found
-            .classes
-            .iter()
-            .filter_map(|class| match class {
-                Class::Periodic(index) => found.attractors.get(*index).cloned(),
-                _ => None,
-            })
-            .collect(),
+    let begins = begun(family, like, &sought)?;
+    let found = searched(&begins, search, cancel)?;
+    let Labels { attractors, periods, known, mut left_out } = match &asked.orbits {
+        Some(_) => given_ones(&begins, &found),
+        None => described(family, like, found.attractors, cancel),
     };
-    let told =
-        known.into_iter().filter_map(|it| Some((told_of(family, like, &it, cancel).ok()?, it)));
-    let (attractors, known): (Vec<_>, Vec<_>) = told.unzip();
-    let near = neighbourhoods(like, &known, Some(cancel));
+    let count = asked.orbits.as_ref().map_or(attractors.len(), Vec::len);
+    let (labels, known): (Vec<usize>, Vec<_>) = known.into_iter().unzip();
+    let mut near = neighbourhoods(like, &known, Some(cancel));
+    near.iter_mut().for_each(|it| it.attractor = labels[it.attractor]);
+    let without = labels.iter().filter(|label| near.iter().all(|it| it.attractor != **label));
+    left_out.extend(without.map(|label| LeftOut::NoNeighbourhood { label: *label }));
     let columns = plane.values[0].len();
     let rows = plane.values[1].len() as u64;
     let row = |row: u64| -> Result<Vec<Cell>, Invalid> {
@@ -123,19 +155,91 @@ fn labelled<S: Startable>(
     let likely: Vec<i32> = cells.iter().map(ending).collect();
     let decided = |label: &i32| match *label {
         UNDECIDED => None,
-        NO_IMPACTS => Some(known.len()),
+        NO_IMPACTS => Some(count),
         label => usize::try_from(label).ok(),
     };
     let classes: Vec<Option<usize>> = likely.iter().map(decided).collect();
     let sure = |(cell, likely): (&Cell, &i32)| if cell.is_sure() { *likely } else { UNDECIDED };
     Ok(Basins {
         attractors,
-        periods: known.iter().map(|it| it.periods() as u32).collect(),
+        periods,
         labels: cells.iter().zip(&likely).map(sure).collect(),
         cycles: cells.iter().map(|cell| cell.cycles).collect(),
         entropy: entropy(&classes, columns, asked.side),
         likely,
+        left_out,
     })
+}
+
+/// The orbits that cells can have the label of.
+struct Labels<S: Coordinates> {
+    /// What is told of those that were found from the cells, and the number of periods after which each repeats.
+    attractors: Vec<Found>,
+    periods: Vec<u32>,
+    /// Labels and orbits.
+    known: Vec<(usize, Attractor<S>)>,
+    left_out: Vec<LeftOut>,
+}
+
+impl<S: Coordinates> Labels<S> {
+    fn none() -> Self {
+        Self { attractors: vec![], periods: vec![], known: vec![], left_out: vec![] }
+    }
+}
+
+/// The orbits that were given, whose places are their labels. A run from each has to stay on it.
+fn given_ones<S: Startable>(begins: &[Trajectory<S>], found: &core::Found<S>) -> Labels<S> {
+    let mut all = Labels::none();
+    for (index, (begin, class)) in begins.iter().zip(&found.classes).enumerate() {
+        let orbit = match class {
+            Class::Periodic(orbit) => found.attractors.get(*orbit),
+            _ => None,
+        };
+        let start = begin.system.coordinates(&begin.state);
+        let near = |orbit: &Attractor<S>| orbit.is_near(&start, begin.system.clearance());
+        let before = all.known.iter().find(|(_, known)| near(known));
+        match (orbit.filter(|it| near(it)), before) {
+            (Some(_), Some((label, _))) => {
+                all.left_out.push(LeftOut::Again { index, label: *label });
+            }
+            (Some(orbit), None) => all.known.push((index, orbit.clone())),
+            (None, _) => all.left_out.push(LeftOut::Elsewhere { index, class: *class }),
+        }
+    }
+    all
+}
+
+/// The orbits that cells end in, with all that is told of them.
+fn described<S: Startable>(
+    family: &Family,
+    like: &Trajectory<S>,
+    found: Vec<Attractor<S>>,
+    cancel: &AtomicBool,
+) -> Labels<S> {
+    let mut all = Labels::none();
+    for orbit in found {
+        match told_of(family, like, &orbit, cancel) {
+            Ok(told) => {
+                all.periods.push(orbit.periods() as u32);
+                all.known.push((all.attractors.len(), orbit));
+                all.attractors.push(told);
+            }
+            Err(why) => all.left_out.push(untold(family, like, &orbit, why)),
+        }
+    }
+    all
+}
+
+/// Says of an orbit why it cannot be described.
+pub(super) fn untold<S: Startable>(
+    family: &Family,
+    like: &Trajectory<S>,
+    orbit: &Attractor<S>,
+    why: Missed,
+) -> LeftOut {
+    let first = orbit.strobes.first().copied().unwrap_or_default();
+    let start = like.system.numbers(&family.scale, first.into());
+    LeftOut::Untold { start, periods: orbit.periods() as u32, why }
 }
 
 /// The label of a cell, whether it is sure or not.

@@ -1,5 +1,9 @@
-//! Why there is no orbit or no branch, in words.
+//! Why there is no orbit or no branch, or why an orbit is left out, in words.
 
+use iva_core::error::number;
+use iva_core::orbit::attractors::Class;
+
+use super::basins::LeftOut;
 use super::branches::NoBranch;
 use super::{Missed, Outcome};
 
@@ -58,5 +62,53 @@ impl NoBranch {
             ),
         };
         (reason, message.to_owned())
+    }
+}
+
+impl LeftOut {
+    /// The reason as a sentence; an orbit goes by its label.
+    pub fn words(&self) -> String {
+        match self {
+            LeftOut::Elsewhere { index, class } => {
+                let why = match class {
+                    Class::Periodic(_) => "a run from it comes to another orbit".to_owned(),
+                    Class::NoImpacts => {
+                        "a run from it comes to a motion without impacts".to_owned()
+                    }
+                    Class::Aperiodic => "the strobes of a run from it do not repeat".to_owned(),
+                    Class::Unfinished(outcome) => words(&Missed::Cycle(*outcome)).1,
+                };
+                format!("attractor {index}: {why}")
+            }
+            LeftOut::Again { index, label } => {
+                format!("attractor {index}: it is the same orbit as attractor {label}")
+            }
+            LeftOut::Untold { start, periods, why } => {
+                let [x, v, y, w] = start.map(number);
+                let why = words(why).1;
+                format!("an orbit of {periods} periods through ({x}, {v}, {y}, {w}): {why}")
+            }
+            LeftOut::NoNeighbourhood { label } => {
+                format!("attractor {label}: no neighbourhood was found that runs stay in")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_orbit_that_is_left_out_has_a_reason() {
+        let start = [0.5, -1.0, 0.0, 2.0];
+        let untold = LeftOut::Untold { start, periods: 3, why: Missed::Singular };
+        let told = untold.words();
+        assert!(
+            told.starts_with("an orbit of 3 periods through (0.5, -1, 0, 2): the orbit is not")
+        );
+        let class = Class::Unfinished(Outcome::ImpactLimit);
+        let told = LeftOut::Elsewhere { index: 2, class }.words();
+        assert_eq!(told, "attractor 2: a run over one cycle has more impacts than a run may have");
     }
 }
