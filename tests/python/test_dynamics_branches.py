@@ -160,6 +160,25 @@ def test_curves_are_those_of_the_references(branch: dynamics.Branch) -> None:
     assert repr(found).startswith("Curve: pitchfork")
 
 
+def test_a_curve_tells_the_wanted_values_that_it_misses(branch: dynamics.Branch) -> None:
+    """The clearance grows with the restitution: what is beyond a range is not on the curve."""
+    value = branch.points[1].value
+    found = dynamics.curve(
+        branch.points[1],
+        over=("clearance", "restitution"),
+        between=((4.0, 4.3), (0.65, 0.9)),
+        at=[4.1, value, 4.3, 4.2, 4.301, 6.0, 4.2],
+    )
+    assert isinstance(found, dynamics.Curve)
+    clearances = [clearance for clearance, _ in found.values]
+    assert clearances == sorted(clearances)
+    assert clearances.count(4.2) == 1
+    assert value in clearances
+    assert found.missed == (4.1, 4.301, 6.0)
+    assert "no point at clearance = 4.1, 4.301, 6" in repr(found)
+    assert all(4.0 <= one <= 4.3 and 0.65 <= two <= 0.9 for one, two in found.values)
+
+
 def test_pictures_say_what_they_show(branch: dynamics.Branch) -> None:
     pytest.importorskip("matplotlib")
     asymmetric = branch.switch(1)

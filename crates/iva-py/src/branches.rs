@@ -123,7 +123,7 @@ pub fn orbit_at<'py>(
 }
 
 /// Follows the curve of a special point over two fields, of which it has these values: a dict of values, multipliers, unknowns
-/// and ends, or of `reason` and `message`.
+/// ends and values missed, or of `reason` and `message`.
 #[pyfunction]
 pub fn curve<'py>(
     py: Python<'py>,
@@ -140,7 +140,9 @@ pub fn curve<'py>(
     let work = move |shared: &worker::Shared| {
         engine::follow_curve(&spec, &begin, values, &way, &shared.cancel)
     };
-    let Some(Curved { points, ends }) = worker::run_any(py, None, work)?.map_err(invalid)? else {
+    let Some(Curved { points, ends, missed }) =
+        worker::run_any(py, None, work)?.map_err(invalid)?
+    else {
         return failed(py, NoBranch::Lost.words());
     };
     let dict = PyDict::new(py);
@@ -151,6 +153,7 @@ pub fn curve<'py>(
     )?;
     dict.set_item("unknowns", points.into_iter().map(|it| it.unknowns).collect::<Vec<_>>())?;
     dict.set_item("ends", ends.map(End::name))?;
+    dict.set_item("missed", missed)?;
     Ok(dict)
 }
 

@@ -39,6 +39,9 @@ class Curve:
         Why it ends on either side, as of `Branch`; at a grazing or a vanishing impact another
         impact than that of the curve would begin or vanish. A curve of Neimark–Sacker points ends
         at a ``resonance``, where its pair of multipliers becomes real.
+    missed : tuple of float
+        The wanted values of the first number that it has no point at: it does not come by, or
+        Newton's method finds none there.
     """
 
     kind: str
@@ -47,6 +50,7 @@ class Curve:
     values: tuple[tuple[float, float], ...]
     multipliers: tuple[Four, ...]
     ends: tuple[str, str]
+    missed: tuple[float, ...]
 
     @property
     def table(self) -> pl.DataFrame:
@@ -64,7 +68,12 @@ class Curve:
             for name, column in zip(self.over, zip(*self.values, strict=True), strict=True)
         ]
         ends = ", ".join(self.ends)
-        return f"Curve: {self.kind}, {len(self.values)} points, {' and '.join(spans)}; ends: {ends}"
+        count = f"{len(self.values)} points"
+        line = f"Curve: {self.kind}, {count}, {' and '.join(spans)}; ends: {ends}"
+        if not self.missed:
+            return line
+        missed = ", ".join(f"{value:g}" for value in self.missed)
+        return f"{line}\n  no point at {self.over[0]} = {missed}"
 
 
 @spell_checked
@@ -88,7 +97,8 @@ def curve(
     between : tuple of (float, float), length 2
         Their ranges.
     at : iterable of float, optional
-        Values of the first number at which points are wanted, wherever the curve comes by.
+        Values of the first number at which points are wanted, wherever the curve comes by; those at
+        which it has none are told in `missed`.
     step : float, default 0.05
         Longest step, as a share of the ranges and of the sizes of the state.
     most_points : int, default 2000
@@ -147,4 +157,5 @@ def curve(
         values=tuple((first, second) for first, second in found["values"]),
         multipliers=tuple(complexes(four) for four in found["multipliers"]),
         ends=(low, high),
+        missed=tuple(found["missed"]),
     )

@@ -60,6 +60,16 @@ pub struct SpecialCurve {
     pub points: Vec<CurvePoint>,
     /// Why it ends on either side.
     pub ends: [End; 2],
+    /// The wanted values that it does not come by, or where Newton's method finds no point of it.
+    pub missed: Vec<f64>,
+}
+
+/// The points to one side of a point.
+struct Side {
+    points: Vec<CurvePoint>,
+    end: End,
+    /// The wanted values at which no point was found though the curve comes by.
+    unsolved: Vec<f64>,
 }
 
 /// The following of a curve to one side.
@@ -78,6 +88,12 @@ impl<S: Coordinates> Follower<'_, '_, S> {
         Some(CurvePoint { values, unknowns: at.as_slice()[..count].to_vec(), multipliers })
     }
 
+    /// True if both numbers are in their ranges.
+    fn is_within(&self, point: &CurvePoint) -> bool {
+        let mut pairs = self.along.between.iter().zip(point.values);
+        pairs.all(|([low, high], value)| (*low..=*high).contains(&value))
+    }
+
     /// Why the curve ends before a point: the pair of multipliers is real there, or the orbit is not one that a run makes, but for
     /// the condition of the curve.
     fn broken(&self, at: &DVector<f64>) -> Option<End> {
@@ -94,16 +110,28 @@ impl<S: Coordinates> Follower<'_, '_, S> {
     }
 
     /// The points to one side of a point.
-    fn side(&self, first: &OnCurve) -> (Vec<CurvePoint>, End) {
+    fn side(&self, first: &OnCurve) -> Side {
+        let (mut points, mut unsolved) = (vec![], vec![]);
+        let end = self.follow(first, &mut points, &mut unsolved);
+        Side { points, end, unsolved }
+    }
+
+    /// Adds the points to one side of a point, and the wanted values at which none was found; why the curve ends.
+    fn follow(
+        &self,
+        first: &OnCurve,
+        points: &mut Vec<CurvePoint>,
+        unsolved: &mut Vec<f64>,
+    ) -> End {
         let equations = Conditioned { family: self.family, condition: self.condition };
         let scales = &self.family.scales;
         let curve = Curve { equations: &equations, scales: scales.clone() };
         let count = self.family.chain.unknowns();
-        let (mut now, mut points) = (first.clone(), Vec::new());
+        let mut now = first.clone();
         let mut step = FIRST.min(self.along.longest);
         while points.len() < self.along.most_points {
             if is_set(self.along.cancel) {
-                return (points, End::Cancelled);
+                return End::Cancelled;
             }
             let next = curve.next(&now, step).filter(|next| {
                 next.tangent.dot(&now.tangent) > STRAIGHT
@@ -112,7 +140,7 @@ impl<S: Coordinates> Follower<'_, '_, S> {
             let Some(next) = next else {
                 step *= 0.5;
                 if step < SHORTEST {
-                    return (points, End::Stalled);
+                    return End::Stalled;
                 }
                 continue;
             };
@@ -121,7 +149,7 @@ impl<S: Coordinates> Follower<'_, '_, S> {
                     step *= 0.5;
                     continue;
                 }
-                return (points, end);
+                return end;
             }
             let (from, to) = (now.point[count], next.point[count]);
             let mut wanted: Vec<f64> = self
@@ -132,9 +160,14 @@ impl<S: Coordinates> Follower<'_, '_, S> {
                 .filter(|at| (from - at) * (at - to) >= 0.0 && *at != from)
                 .collect();
             wanted.sort_by(|a, b| ((a - from).abs()).total_cmp(&(b - from).abs()));
+            wanted.dedup();
             for at in wanted {
                 let there = curve.where_unknown_is(&now, count, at);
-                points.extend(there.and_then(|there| self.point(&there.point)));
+                match there.and_then(|there| self.point(&there.point)) {
+                    Some(point) if self.is_within(&point) => points.push(point),
+                    Some(_) => {}
+                    None => unsolved.push(at),
+                }
             }
             let outside = (0..2).find(|k| {
                 let [low, high] = self.along.between[*k];
@@ -145,16 +178,16 @@ impl<S: Coordinates> Follower<'_, '_, S> {
                 let bound = next.point[count + k].clamp(low, high);
                 let last = curve.where_unknown_is(&now, count + k, bound);
                 points.extend(last.and_then(|last| self.point(&last.point)));
-                return (points, End::Range);
+                return End::Range;
             }
             points.extend(self.point(&next.point));
             if points.len() > 4 && distance(&next.point, &first.point, scales) < step {
-                return (points, End::Closed);
+                return End::Closed;
             }
             now = next;
             step = (step * GROWTH).min(self.along.longest);
         }
-        (points, End::Points)
+        End::Points
     }
 }
 
@@ -183,9 +216,13 @@ pub fn curve<S: Coordinates>(
         Curve { equations: &equations, scales: family.scales.clone() }.nearby(&point, &tangent)?;
     let follower = Follower { family: &family, condition, along };
     let back = OnCurve { tangent: -&first.tangent, ..first.clone() };
-    let ((mut points, before), (after, end)) = (follower.side(&back), follower.side(&first));
+    let (before, after) = (follower.side(&back), follower.side(&first));
+    let mut points = before.points;
     points.reverse();
     points.extend(follower.point(&first.point));
-    points.extend(after);
-    Some(SpecialCurve { condition, points, ends: [before, end] })
+    points.extend(after.points);
+    let unsolved = [before.unsolved, after.unsolved].concat();
+    let missed = |at: &&f64| unsolved.contains(at) || points.iter().all(|it| it.values[0] != **at);
+    let missed = along.at.iter().filter(missed).copied().collect();
+    Some(SpecialCurve { condition, points, ends: [before.end, after.end], missed })
 }

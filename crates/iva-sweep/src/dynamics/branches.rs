@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use iva_core::error::{Invalid, number};
 use iva_core::orbit::branch::{self, Along, Branch, BranchPoint, SpecialPoint};
-use iva_core::orbit::curve::{self, AlongCurve, CurvePoint};
+use iva_core::orbit::curve::{self, AlongCurve, CurvePoint, SpecialCurve};
 use iva_core::orbit::periodic::find;
 use iva_core::orbit::sequence::NoChain;
 use iva_core::orbit::{Coordinates, Trajectory};
@@ -337,6 +337,8 @@ pub struct Curved {
     pub points: Vec<CurvePoint>,
     /// Why it ends on either side.
     pub ends: [End; 2],
+    /// The wanted values at which it has no point.
+    pub missed: Vec<f64>,
 }
 
 /// Follows the curve of a special point over two fields, of which it has these values; `None` if it is no curve.
@@ -364,5 +366,5 @@ pub fn follow_curve(
         let scenes = scenes_like(it, spec, &way.over);
         curve::curve(&scenes, &begin.chain, &point, values, along)
     });
-    Ok(found.map(|curve| Curved { points: curve.points, ends: curve.ends }))
+    Ok(found.map(|SpecialCurve { points, ends, missed, .. }| Curved { points, ends, missed }))
 }
