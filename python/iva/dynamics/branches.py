@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 from iva import _iva
+from iva.dynamics.branch_measures import measured
+from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.orbits import Missed, Orbit, rounded
 from iva.dynamics.search import orbit_of, whole
-from iva.forces import Harmonic, written
-from iva.parameters import Piva, Primary, Siva, Start, shown, spec
-from iva.scenes import scene
+from iva.forces import written
+from iva.parameters import shown, spec
 from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
@@ -25,55 +26,6 @@ if TYPE_CHECKING:
 MOST_POINTS = 10**6
 #: The walls, the symmetry and the number of periods of a sequence of impacts.
 Chain = tuple[tuple[int, ...], bool, int]
-
-
-@dataclass(frozen=True, slots=True)
-class Scene:
-    """The scene of a branch, with the number that is changed."""
-
-    absorber: Siva | Piva
-    primary: Primary
-    force: Harmonic
-    start: Start
-    over: str
-
-    def part(self, name: str) -> tuple[str, str]:
-        """Return the part of the scene that has a number, and the name of the number there.
-
-        Raises
-        ------
-        ValueError
-            If no part has it.
-        """
-        part, _, plain = name.rpartition(".")
-        for key in ("absorber", "primary", "force"):
-            has = plain in (one.name for one in fields(getattr(self, key)))
-            if has and part in ("", key):
-                return key, plain
-        raise ValueError(f"{name}: no such number of the absorber, the primary system or the force")
-
-    def given(self, name: str) -> float:
-        """Return a number of the scene.
-
-        Raises
-        ------
-        ValueError
-            If the scene does not give it.
-        """
-        key, plain = self.part(name)
-        value = getattr(getattr(self, key), plain)
-        if not isinstance(value, (int, float)):
-            raise ValueError(f"{name} is missing: give the scene by the numbers that are changed")
-        return float(value)
-
-    def at(self, value: float) -> Scene:
-        """Return the scene with another value of the number that is changed."""
-        key, plain = self.part(self.over)
-        return replace(self, **{key: replace(getattr(self, key), **{plain: value})})
-
-    def spec(self) -> dict[str, Any]:
-        """Return the whole scene for the compiled part."""
-        return scene(self.absorber, self.primary, self.start, self.force, {})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,6 +185,43 @@ class Branch:
             for name, of in (("re", "real"), ("im", "imag"))
         ]
         return frame.with_columns(parts)
+
+    def measures(self, *names: str) -> pl.DataFrame:
+        """Return measures of its orbits, from a run of each over one cycle.
+
+        A run takes some tenths of a millisecond, and as long again to find the orbit at its point:
+        500 points about half a second.
+
+        Parameters
+        ----------
+        *names : str
+            Columns of the table ``summary`` of a run, such as ``amplitude_rms``,
+            ``energy_impacts`` (lost in the impacts of a cycle), ``acceleration_max``,
+            ``impulse_max`` and ``peak_force_estimate``; or the mean power over the cycle:
+            ``mean_power`` of the force, ``mean_power_impacts`` lost in impacts and
+            ``mean_power_viscous`` lost in the damper. A cycle is one until the orbit repeats.
+
+        Returns
+        -------
+        polars.DataFrame
+            One row a point of the branch: value, arclength, outcome and these. The outcome is
+            ``finished``, else the measures are null: why there is no orbit, or how its run ended.
+
+        Raises
+        ------
+        TypeError
+            If a name is no text.
+        ValueError
+            If there is no name, or no such measure.
+        KeyboardInterrupt
+            On Ctrl-C, within about a second.
+
+        Warns
+        -----
+        UserWarning
+            If orbits cannot be run; it says how many.
+        """
+        return measured(self, names)
 
     def orbit(self, index: int) -> Orbit | Missed:
         """Return the orbit of a row.

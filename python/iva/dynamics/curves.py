@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from iva import _iva
-from iva.dynamics.branches import MOST_POINTS, Point, Scene, complexes
+from iva.dynamics.branches import MOST_POINTS, Point, complexes
+from iva.dynamics.changed_scenes import Scene
 from iva.dynamics.orbits import Missed
 from iva.dynamics.search import whole
 from iva.parameters import numbers, shown
