@@ -6,7 +6,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use iva_store::table_file::{Format, Style};
 use iva_sweep::dynamics::starts::NAMES;
@@ -255,8 +255,8 @@ pub struct BranchArgs {
     #[arg(long, value_name = "SHARE", default_value_t = 0.02)]
     pub step: f64,
     /// Most points to either side
-    #[arg(long, value_name = "N", default_value_t = 2000)]
-    pub points: usize,
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = least_one())]
+    pub points: u64,
     /// Write the points of the branch to this file, which must not exist
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -278,13 +278,13 @@ pub struct DiagramArgs {
     #[arg(long, value_name = "HIGH", allow_negative_numbers = true)]
     pub to: f64,
     /// Number of values
-    #[arg(long, value_name = "N", default_value_t = 200)]
-    pub count: usize,
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = least_one())]
+    pub count: u64,
     /// Number of periods of the force that are left out at each value
     #[arg(long, value_name = "N", default_value_t = 300)]
     pub discard: u64,
     /// Number of periods that follow, at whose ends the state is kept
-    #[arg(long, value_name = "N", default_value_t = 60)]
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = least_one())]
     pub keep: u64,
     /// Write all strobes to this file, which must not exist
     #[arg(long, value_name = "FILE")]
@@ -318,6 +318,9 @@ impl std::str::FromStr for AxisOfStarts {
         let number = |text: &str| text.parse::<f64>().ok().filter(|it| it.is_finite());
         let (low, high) = number(low).zip(number(high)).ok_or_else(rule)?;
         let count = count.parse().ok().filter(|count| *count > 0).ok_or_else(rule)?;
+        if low > high || (low == high && count > 1) {
+            return Err("give the smaller number first".to_owned());
+        }
         Ok(Self { place, low, high, count })
     }
 }
@@ -335,7 +338,7 @@ pub struct BasinsArgs {
     #[arg(long, value_name = "NAME,LOW,HIGH,COUNT", allow_hyphen_values = true)]
     pub up: AxisOfStarts,
     /// Most periods of the force that are run from each start
-    #[arg(long, value_name = "N", default_value_t = 150)]
+    #[arg(long, value_name = "N", default_value_t = 150, value_parser = least_one())]
     pub most_cycles: u64,
     /// Most periods after which a steady state repeats
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -351,6 +354,11 @@ pub struct ReproduceArgs {
     /// What to draw; `iva reproduce --help` of the Python package lists it
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
     pub arguments: Vec<OsString>,
+}
+
+/// A whole number from 1 on; in a billion periods or values no command comes to its end.
+fn least_one() -> RangedU64ValueParser {
+    clap::value_parser!(u64).range(1..=1_000_000_000)
 }
 
 /// The formats by their names.

@@ -4,14 +4,17 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
+use iva_study::study_file::StudyFile;
+use iva_sweep::Invalid;
 use iva_sweep::dynamics::Found;
 use iva_sweep::dynamics::basins::{Asked, Basins, Plane, basins};
 use iva_sweep::dynamics::diagram::{Direction, Strobes, Window, diagram};
 use iva_sweep::dynamics::starts::{NAMES, Numbers};
-use iva_sweep::slot::Slot;
+use iva_sweep::sweep::SweepError;
 
 use crate::args::{AxisOfStarts, BasinsArgs, DiagramArgs};
 use crate::cell::short;
+use crate::changed_field::ChangedField;
 use crate::error::Error;
 use crate::interrupt;
 use crate::orbits::{refuse_existing, scene, unless_interrupted, write_new};
@@ -22,6 +25,8 @@ const SAME: f64 = 1e-6;
 const MOST_PERIODS: usize = 16;
 /// Side of the boxes of the entropies, in cells.
 const SIDE: usize = 4;
+/// Most cells of a plane.
+const MOST_CELLS: usize = 10_000_000;
 
 /// Numbers at equal distances.
 fn spaced(low: f64, high: f64, count: usize) -> Vec<f64> {
@@ -35,15 +40,18 @@ fn spaced(low: f64, high: f64, count: usize) -> Vec<f64> {
 /// What the study, the field or its values do not allow; a file that cannot be written.
 pub(crate) fn diagram_command(args: &DiagramArgs) -> Result<String, Error> {
     refuse_existing(args.csv.as_deref())?;
+    let field = ChangedField::new(&args.over, [args.from, args.to], args.count == 1)?;
     let (file, _) = scene(&args.study)?;
-    let over = Slot::from_key(&args.over).map_err(|invalid| file.source.locate(&invalid))?;
-    let values = spaced(args.from, args.to, args.count);
+    let values = spaced(args.from, args.to, args.count as usize);
     let window = Window { discard: args.discard, keep: args.keep };
     let both = [Direction::Up, Direction::Down];
     let cancel: &AtomicBool = interrupt::listen();
-    let found = diagram(&file.study.spec, (over, &values), &both, window, cancel);
+    let found = diagram(&file.study.spec, (field.over, &values), &both, window, cancel);
     unless_interrupted(cancel)?;
-    let found = found.map_err(|error| file.source.locate_sweep(error))?;
+    let found = found.map_err(|error| match error {
+        SweepError::Invalid(invalid) => field.blame(&file, &invalid),
+        error => error.into(),
+    })?;
     let mut table = format!("{},direction,{},impacts\n", args.over, NAMES.join(","));
     for strobes in &found {
         for (state, impacts) in strobes.states.iter().zip(&strobes.impacts) {
@@ -97,6 +105,7 @@ fn ranges(found: &[Strobes], direction: Direction, over: &str) -> String {
 /// What the study or the plane does not allow; a file that cannot be written.
 pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
     refuse_existing(args.csv.as_deref())?;
+    check_plane(args)?;
     let (file, _) = scene(&args.study)?;
     let AxisOfStarts { place: across, low, high, count } = args.across;
     let columns = spaced(low, high, count);
@@ -111,7 +120,10 @@ pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
     let cancel: &AtomicBool = interrupt::listen();
     let found = basins(&file.study.spec, &plane, &asked, cancel);
     unless_interrupted(cancel)?;
-    let found = found.map_err(|error| file.source.locate_sweep(error))?;
+    let found = found.map_err(|error| match error {
+        SweepError::Invalid(invalid) => blame(args, &file, &invalid),
+        error => error.into(),
+    })?;
     let mut table = format!("{},{},label,likely,cycles\n", NAMES[across], NAMES[up]);
     let width = plane.values[0].len();
     for (index, label) in found.labels.iter().enumerate() {
@@ -121,6 +133,35 @@ pub(crate) fn basins_command(args: &BasinsArgs) -> Result<String, Error> {
     let report = shares(&found);
     write_new(args.csv.as_deref(), &table, &report)?;
     Ok(report)
+}
+
+/// Checks that a plane has two numbers, and not too many cells.
+fn check_plane(BasinsArgs { across, up, .. }: &BasinsArgs) -> Result<(), Error> {
+    if across.place == up.place {
+        let name = NAMES[up.place];
+        let rule = "it goes across already; give another number of the start";
+        return Err(Error::Refused(format!("--up {name}: {rule}")));
+    }
+    if across.count.saturating_mul(up.count) > MOST_CELLS {
+        let cells = format!("{} times {} starts", across.count, up.count);
+        return Err(Error::Refused(format!(
+            "--across and --up have {cells}: give at most {MOST_CELLS}"
+        )));
+    }
+    Ok(())
+}
+
+/// The error for an invalid value: of a number of the plane, or of the study.
+fn blame(args: &BasinsArgs, file: &StudyFile, invalid: &Invalid) -> Error {
+    let of = |axis: &AxisOfStarts| format!("start.{}", NAMES[axis.place]) == invalid.field;
+    match [("--across", args.across), ("--up", args.up)].iter().find(|(_, axis)| of(axis)) {
+        Some((option, axis)) => {
+            let AxisOfStarts { place, low, high, count } = axis;
+            let given = format!("{option} {},{low},{high},{count}", NAMES[*place]);
+            Error::Refused(format!("{given}: {invalid}"))
+        }
+        None => file.source.locate(invalid).into(),
+    }
 }
 
 /// What the cells end in, for the terminal.
@@ -139,6 +180,9 @@ fn shares(found: &Basins) -> String {
         };
         let _ =
             writeln!(out, "  {label:>3}  {:>6} %  {what}", short(100.0 * count as f64 / all, 3));
+    }
+    for one in &found.left_out {
+        let _ = writeln!(out, "\n  left out: {}", one.words());
     }
     if let Some(entropy) = &found.entropy {
         let _ = writeln!(out, "\n  basin entropy           {}", short(entropy.basin, 4));

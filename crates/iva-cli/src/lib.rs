@@ -9,6 +9,7 @@
 
 pub mod args;
 mod cell;
+mod changed_field;
 mod check;
 mod diagrams;
 pub mod error;

@@ -18,6 +18,7 @@ use iva_sweep::units::UnitSystem;
 
 use crate::args::{BranchArgs, OrbitArgs};
 use crate::cell::short;
+use crate::changed_field::ChangedField;
 use crate::error::Error;
 use crate::interrupt;
 
@@ -131,18 +132,23 @@ fn described(found: &Found, units: UnitSystem) -> String {
 /// As [`orbit_command`]; for a field that the study does not give, or a range that it does not allow.
 pub(crate) fn branch_command(args: &BranchArgs) -> Result<String, Error> {
     refuse_existing(args.csv.as_deref())?;
+    let field = ChangedField::new(&args.over, [args.from, args.to], false)?;
+    if !(args.step > 0.0 && args.step <= 1.0) {
+        let rule = "give a number above 0, up to 1";
+        return Err(Error::Refused(format!("--step {}: {rule}", args.step)));
+    }
     let (file, units) = scene(&args.orbit.study)?;
     let start = found(&file, &args.orbit)?;
-    let located = |invalid| file.source.locate(&invalid);
-    let over = Slot::from_key(&args.over).map_err(located)?;
-    let [low, high] = [args.from, args.to];
-    let way = Way { over, between: [low, high], longest: args.step, most_points: args.points };
-    let spec = on_orbit(&file.study.spec, &start).map_err(located)?;
+    let over = field.over;
+    let between = [args.from, args.to];
+    let way = Way { over, between, longest: args.step, most_points: args.points as usize };
+    let on_orbit = on_orbit(&file.study.spec, &start);
+    let spec = on_orbit.map_err(|invalid| file.source.locate(&invalid))?;
     let cancel = interrupt::listen();
     let followed = follow(&spec, (start.least_periods, start.symmetric), &way, cancel);
     unless_interrupted(cancel)?;
     let followed = followed
-        .map_err(located)?
+        .map_err(|invalid| field.blame(&file, &invalid))?
         .map_err(|none| Error::Refused(format!("no branch: {}", none.words().1)))?;
     let report = told(&followed, over, units);
     write_new(args.csv.as_deref(), &table(&followed, &args.over), &report)?;
