@@ -156,7 +156,8 @@ class Orbit:
         Largest |x|.
     grazing_margin : float or None
         Smallest distance to a wall of an extremum of the gap displacement between impacts, the
-        chatters of stick episodes apart; ``None`` where there is no extremum.
+        chatters of stick episodes and where the absorber leaves a wall from rest apart; ``None``
+        where there is no extremum.
     approach_speed_min : float or None
         Smallest approach speed of its impacts; ``None`` with a stick episode, whose impacts become
         ever lower.

@@ -16,6 +16,8 @@ use crate::segment::quadrature::{node, weight};
 
 /// Number of nodes of the quadrature in a span.
 const NODES: usize = 9;
+/// At most so far from a wall, over the clearance, the absorber is on it: the band of rounding of a contact.
+const ON_WALL: f64 = 16.0 * f64::EPSILON;
 
 /// One cycle of a periodic orbit, in natural units.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -27,7 +29,7 @@ pub struct Description {
     /// Largest |x|; `None` if the motion has no power series.
     pub amplitude: Option<f64>,
     /// The smallest distance of an extremum of y between impacts to a wall, those within the chatters of stick episodes
-    /// apart: it is 0 at a grazing. `None` if there is no such extremum.
+    /// apart: it is 0 at a grazing. Where the absorber leaves a wall from rest, there is none. `None` if there is no such extremum.
     pub grazing_margin: Option<f64>,
     /// The smallest and the largest approach speed of its impacts; with a stick episode there is no smallest one.
     pub approach_speeds: [Option<f64>; 2],
@@ -137,9 +139,12 @@ struct Extrema {
 }
 
 impl Extrema {
+    /// An extremum; after a contact or a ride that on the wall is none, as the absorber begins there.
     fn turn<S: Coordinates>(&mut self, system: &S, time: f64, y: f64) {
         let distance = system.clearance() - (y - system.offset()).abs();
-        self.turns.push((time, distance));
+        if self.rate.is_some() || distance.abs() > ON_WALL * system.clearance() {
+            self.turns.push((time, distance));
+        }
     }
 
     /// A span of flight from an instant on, of length t in units of the power series.

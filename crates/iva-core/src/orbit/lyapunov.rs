@@ -8,7 +8,7 @@
 //! of the result.
 //!
 //! A ride takes two dimensions out of four: the absorber leaves its wall at rest, wherever it has come from. With a ride in the
-//! cycles that count two exponents are −∞.
+//! cycles that count two exponents are −∞. A plastic impact, after which the absorber leaves at once, takes one.
 
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::AtomicBool;
@@ -37,13 +37,13 @@ pub struct Window {
 /// The Lyapunov exponents of an attractor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// The exponents, in ωn, largest first; −∞ for what a ride takes away. NaN if no cycle was completed.
+    /// The exponents, in ωn, largest first; −∞ for what rides and plastic impacts take away. NaN if no cycle was completed.
     pub exponents: [f64; 4],
     /// Their standard errors: from the means of blocks of cycles or, if that is larger, from those of whole trajectories. NaN from less
     /// than two blocks, 0 where the exponent is −∞.
     pub standard_errors: [f64; 4],
     /// The sum of the exponents less 2 ln e times the number of impacts per time, plus 2 ζ: rounding. Of the trajectory
-    /// where it is largest; `None` if there are rides, or the walls are unlike, or for a pendulum.
+    /// where it is largest; `None` if there are rides, for plastic impacts, unlike walls, or a pendulum.
     pub sum_error: Option<f64>,
     /// Mean number of listed impacts in a cycle. Without rides all impacts are listed; with rides their number depends on
     /// the floor, [`Limits::chatter_floor`](crate::engine::simulate::Limits::chatter_floor).
@@ -92,10 +92,10 @@ fn orthonormal(matrix: &mut Matrix4<f64>) -> [f64; 4] {
     logs
 }
 
-/// Replaces the last two columns of a matrix, so that all are orthonormal.
-fn complete(matrix: &mut Matrix4<f64>) {
-    matrix.fixed_columns_mut::<2>(2).fill(0.0);
-    for j in 2..4 {
+/// Replaces the last columns of a matrix, two at most, so that all are orthonormal.
+fn complete(matrix: &mut Matrix4<f64>, last: usize) {
+    matrix.columns_mut(4 - last, last).fill(0.0);
+    for j in 4 - last..4 {
         let left = Matrix4::identity() - *matrix * matrix.transpose();
         // Of the unit vectors that with the longest part across the columns before: it is at least ½ long.
         let lengths: Vector4<f64> = left.diagonal();
@@ -136,8 +136,8 @@ pub struct Carried {
     differences: Matrix4<f64>,
     seen: u64,
     blocks: Vec<Sums>,
-    /// True once a ride in a cycle that counts has taken two dimensions.
-    flat: bool,
+    /// The number of dimensions that a ride or a plastic impact in a cycle that counts has taken.
+    lost: usize,
     outcome: Outcome,
 }
 
@@ -145,7 +145,7 @@ impl Carried {
     fn new() -> Self {
         let outcome = Outcome::Cancelled;
         let differences = Matrix4::identity();
-        Self { differences, seen: 0, blocks: vec![], flat: false, outcome }
+        Self { differences, seen: 0, blocks: vec![], lost: 0, outcome }
     }
 
     /// Carries the differences through one more cycle.
@@ -163,11 +163,18 @@ impl Carried {
             logs[3] = volume.abs().ln() - (logs[0] + logs[1] + logs[2]);
         }
         let counts = self.seen >= window.discard;
-        self.flat |= counts && image.rides > 0;
-        if image.rides > 0 || self.flat {
-            // What rounding has left of the two differences that are lost.
-            (logs[2], logs[3]) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
-            complete(&mut self.differences);
+        let taken = match image.rides {
+            0 => usize::from(*volume == 0.0),
+            _ => 2,
+        };
+        if counts {
+            self.lost = self.lost.max(taken);
+        }
+        let lost = self.lost.max(taken);
+        if lost > 0 {
+            // What rounding has left of the differences that are lost.
+            logs[4 - lost..].fill(f64::NEG_INFINITY);
+            complete(&mut self.differences, lost);
         }
         if counts {
             let Image { impacts, rides, .. } = *image;
@@ -250,7 +257,8 @@ pub fn spectrum<S: Iterated + Coordinates>(
     let sum_errors = trajectories.iter().zip(all).map(|(trajectory, one)| {
         let Sums { logs, impacts, rides, cycles } = one.total();
         let time = cycles as f64 * length;
-        let known = trajectory.system.known_log_volume(time, impacts).filter(|_| rides == 0)?;
+        let known = trajectory.system.known_log_volume(time, impacts);
+        let known = known.filter(|known| rides == 0 && known.is_finite())?;
         Some((logs.iter().sum::<f64>() - known) / time)
     });
     let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
