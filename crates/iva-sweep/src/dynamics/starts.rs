@@ -3,8 +3,9 @@
 use iva_core::absorber::{Absorber, Clock, OnStructure, Start};
 use iva_core::error::{Invalid, number};
 use iva_core::orbit::{Coordinates, Iterated, Trajectory};
+use iva_core::piva::Angles;
 
-use super::family::Family;
+use super::family::{Family, Member};
 use crate::cube::{Cube, Method};
 use crate::units::Scale;
 
@@ -87,13 +88,24 @@ where
 
 impl Family {
     /// The usual box of starts, in the user's units: displacement and velocity of the structure up to those of its steady state
-    /// without absorber, the whole gap, and gap velocities up to the same velocity.
+    /// without absorber, the whole gap as far as a pendulum reaches, and gap velocities up to the same velocity.
     pub(super) fn bounds<S: Absorber<Real = f64>>(&self, system: &S) -> Bounds {
         let frequency = std::f64::consts::TAU / self.period;
         let (middle, clearance) = (system.offset(), system.clearance());
+        let half = clearance.min(self.reach());
         let x = if self.amplitude.is_finite() { self.amplitude } else { clearance };
         let v = self.scale.velocity(x * frequency);
-        [[-x, x], [-v, v], [middle - clearance, middle + clearance], [-v, v]]
+        [[-x, x], [-v, v], [middle - half, middle + half], [-v, v]]
+    }
+
+    /// How far the absorber reaches to either side, where there were no walls.
+    fn reach(&self) -> f64 {
+        match &self.member {
+            Member::Piva(it) if it.system.parameters().angles == Angles::Large => {
+                it.system.parameters().contact_distance
+            }
+            _ => f64::INFINITY,
+        }
     }
 
     /// Trajectories from starts that are drawn, and their numbers, with the box in which they are.
