@@ -41,6 +41,7 @@ from iva.plots.maps import heatmap
 from iva.plots.moving_pictures import animate, animation
 from iva.plots.parameter_curves import curves
 from iva.plots.phase_plane import phase
+from iva.plots.slow_manifolds import slow_manifold
 from iva.plots.steady_states import basins, diagram, section
 from iva.plots.styles import style
 
@@ -59,6 +60,7 @@ __all__ = [
     "phase",
     "raster",
     "section",
+    "slow_manifold",
     "stability_chart",
     "style",
     "velocities",
