@@ -57,8 +57,8 @@ count: $(VENV)/.tools ## count the instructions of fixed scenes, +5 % fails (Lin
 bench: $(VENV)/.tools ## measure nanoseconds per impact
 	$(CARGO) bench --locked -p iva-benches
 
-truth: wheel ## print orbits, branches and their special points beside 30-digit references
-	$(BIN)/python tests/truth.py
+truth: wheel ## print all that iva.dynamics computes beside references; TRUTH="--only basins"
+	$(BIN)/python tests/truth $(TRUTH)
 
 stress: $(VENV)/.tools ## the long tests: a million extreme scenes, grazings, 10⁸ impacts
 	$(CARGO) test --locked --release --test all stress -- --ignored --nocapture
