@@ -70,9 +70,7 @@ def test_the_error_told_is_how_far_doubles_were_off(name: str) -> None:
 
 
 def test_pendulums_and_units() -> None:
-    piva = iva.Piva(
-        mass=2.0, restitution=0.6, gap_mm=4.0, frequency_ratio=0.4, length=0.25, tolerance=1e-9
-    )
+    piva = iva.Piva(mass=2.0, restitution=0.6, gap_mm=4.0, frequency_ratio=0.4, length=0.25)
     primary = iva.Primary(mass=20.0, stiffness=8000.0, damping_ratio=0.02)
     force = iva.Harmonic(amplitude=20.0, frequency=19.0)
     asked: dict[str, Any] = {"force": force, "start": iva.Start(gap_velocity=0.05), "settle": 300}
@@ -80,9 +78,8 @@ def test_pendulums_and_units() -> None:
     exact = dynamics.orbit(piva, primary, verify=True, **asked)
     assert isinstance(plain, dynamics.Orbit)
     assert isinstance(exact, dynamics.Orbit)
-    # The tolerance is for doubles; the second solution is at full accuracy.
     assert exact.residual < 1e-18
-    assert exact.state == pytest.approx(plain.state, rel=1e-6)
+    assert exact.state == pytest.approx(plain.state, rel=1e-9)
     assert exact.walls == plain.walls
     assert exact.period == plain.period
 

@@ -92,7 +92,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     ) -> Flown<Moment<R>, R> {
         let (primary, gained) = match self.source.ramped() {
             Some(ramped) => ramped.moved(from, self.source.moves_base(), h),
-            None => self.summed(from, &self.series_of(from, course), h),
+            None => self.summed(from, self.series_of(from, course, &mut None), h),
         };
         let time = from.phase.after(h);
         let phase = Moment { time, pushes: pushes(&from.phase, time), ..from.phase };
@@ -211,7 +211,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
             return ramped.ahead(from, self.source.moves_base(), h);
         }
         let t = h / self.step;
-        let series = &self.series_of(from, course).pulled;
+        let series = self.series_of(from, course, &mut None).pulled;
         // ∬A, its derivative, and half the second one, in powers of t.
         let (mut sum, mut slope, mut bend) = (R::ZERO, R::ZERO, R::ZERO);
         unrolled!(k < ORDER - 1 => {
@@ -323,7 +323,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
 
     #[inline(always)]
     fn square(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: [R; 2]) -> R {
-        let row = self.place(from, &self.series_of(from, course));
+        let row = self.place(from, self.series_of(from, course, &mut None));
         let x = values::<ORDER, _, _, NODES>(&row, &nodes(h.map(|h| h / self.step)));
         mean_product(&x, &x) * (h[1] - h[0])
     }
@@ -333,9 +333,10 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
     }
 
     fn series(&self, from: &HostState<Moment<R>, R>, course: &Course<R>) -> Rows<R> {
-        let powers = self.series_of(from, course);
-        let acceleration = self.acceleration_row(&powers);
-        let (x, base) = (self.place(from, &powers), self.base_row(&powers));
+        let mut room = None;
+        let powers = self.series_of(from, course, &mut room);
+        let acceleration = self.acceleration_row(powers);
+        let (x, base) = (self.place(from, powers), self.base_row(powers));
         Rows { step: self.step, order: ORDER, x, acceleration, base }
     }
 
@@ -357,10 +358,11 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         if arc.limit() < least {
             return Some(least);
         }
-        let powers = self.series_of(from, course);
+        let mut room = None;
+        let powers = self.series_of(from, course, &mut room);
         let row = match of {
-            Quantity::Displacement => self.place(from, &powers),
-            Quantity::Acceleration => self.acceleration_row(&powers),
+            Quantity::Displacement => self.place(from, powers),
+            Quantity::Acceleration => self.acceleration_row(powers),
         };
         self.extreme(of, ends, &from.primary, &row, h).largest(least)
     }
@@ -377,7 +379,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         let ends = [&begin, &end];
         let (of, primary) = (Quantity::Displacement, &from.primary);
         let arc = self.arc(of, ends, primary, h);
-        let row = self.place(from, &self.series_of(from, course));
+        let row = self.place(from, self.series_of(from, course, &mut None));
         self.turned(of, &arc, ends, primary, &row, h).turns()
     }
 }

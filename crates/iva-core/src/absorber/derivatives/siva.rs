@@ -72,6 +72,17 @@ impl<H: Host<Real = f64>> Differentiable for Siva<H> {
         free_mass_impact(&self.law_at(wall, approach))
     }
 
+    /// x + y moves uniformly, whatever x does.
+    #[inline(always)]
+    fn flight_volume(&self, tangent: &Matrix4<f64>) -> f64 {
+        tangent[(0, 0)] * tangent[(1, 1)] - tangent[(0, 1)] * tangent[(1, 0)]
+    }
+
+    #[inline(always)]
+    fn impact_volume(&self, jump: &Matrix4<f64>) -> f64 {
+        jump[(3, 3)]
+    }
+
     /// With Y the gap displacement from the wall and σ = μ/(1 + μ), X = x + σY obeys
     /// (1 + μ) Ẍ + 2ζ Ẋ + X = f + σY + 2ζσẎ: as if stuck, but for the integrals of Y and Ẏ over the chatter. That of Ẏ is
     /// −Y at its begin, that of Y of higher order.

@@ -100,17 +100,18 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     #[inline(always)]
     pub(super) fn taken_and_given(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         let Integrated { from, course, mass_ratio, gap_velocity } = *motion;
-        let powers = self.series_of(from, course);
+        let mut room = None;
+        let powers = self.series_of(from, course, &mut room);
         let t = nodes::<R, NODES>([R::ZERO, h / self.step]);
         let at_nodes = |row: &Row<R>| values::<ORDER, _, _, _>(row, &t);
-        let velocity = at_nodes(&self.derivative(&self.place(from, &powers)));
+        let velocity = at_nodes(&self.derivative(&self.place(from, powers)));
         let viscous = self.equation.damping / self.equation.stiffness;
         let lost = viscous * mean_product(&velocity, &velocity) * h;
         // Gravity does no work here: its potential is part of the energy of the absorber.
         let mut work = mean_product(&at_nodes(&powers.pushed), &velocity);
         if self.source.moves_base() {
             let gained = at_nodes(&self.derivative(&powers.pulled));
-            let base = at_nodes(&self.base_row(&powers));
+            let base = at_nodes(&self.base_row(powers));
             let fallen = self.source.weight().map_or(R::ZERO, |weight| weight.gravity * self.step);
             let momentum = std::array::from_fn(|i| {
                 let absorber = gap_velocity.map_or(R::ZERO, |w| w - gained[i] - fallen * t[i]);

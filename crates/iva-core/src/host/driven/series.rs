@@ -135,13 +135,17 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
         Powers { pulled, carried, pushed: drive.primary }
     }
 
-    /// The power series of a motion with this course.
+    /// The power series of a motion with this course, which is made in `room` where the course has none.
     #[inline(always)]
-    pub(crate) fn series_of(
+    pub(crate) fn series_of<'a>(
         &self,
         from: &HostState<Moment<R>, R>,
-        course: &Course<R>,
-    ) -> Powers<R> {
-        course.0.unwrap_or_else(|| self.expanded(from))
+        course: &'a Course<R>,
+        room: &'a mut Option<Powers<R>>,
+    ) -> &'a Powers<R> {
+        match &course.0 {
+            Some(powers) => powers,
+            None => room.insert(self.expanded(from)),
+        }
     }
 }

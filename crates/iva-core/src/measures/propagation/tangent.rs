@@ -74,11 +74,17 @@ impl Tangent {
         self.derivative = map * self.derivative;
     }
 
-    /// As [`Tangent::carry`], by a smooth motion.
+    /// As [`Tangent::carry`], by a flight or a ride from a state.
     #[inline(always)]
-    fn move_on(&mut self, map: &Matrix4<f64>) {
-        self.carry(map);
-        self.volume *= map.determinant();
+    fn move_on<S: Differentiable>(&mut self, system: &S, from: &S::State, h: f64, riding: bool) {
+        if riding {
+            self.carry(&system.ride_tangent(from, h));
+            self.volume = 0.0;
+        } else {
+            let map = system.flight_tangent(from, h);
+            self.carry(&map);
+            self.volume *= system.flight_volume(&map);
+        }
     }
 
     /// The motion of a linear system ends at an instant, and another one begins.
@@ -93,10 +99,7 @@ impl Tangent {
         let (begin, was_riding) = self.begun;
         let h = (time - begin).value;
         if S::LINEAR && h > 0.0 {
-            self.move_on(&match was_riding {
-                true => system.ride_tangent(state, h),
-                false => system.flight_tangent(state, h),
-            });
+            self.move_on(system, state, h, was_riding);
         }
         self.begun = (time, riding);
     }
@@ -115,7 +118,7 @@ impl Tangent {
         self.carry(&saltation(system, self.wall, rates));
         // det S = det J nᵀJ⁻¹f⁺/(nᵀf⁻), and an impact does not move the absorber.
         let jump = system.impact_matrix(self.wall, rates[0][2].abs());
-        self.volume *= jump.determinant() * (rates[1][2] / rates[0][2]);
+        self.volume *= system.impact_volume(&jump) * (rates[1][2] / rates[0][2]);
     }
 }
 
@@ -131,10 +134,7 @@ impl<S: Differentiable> Observer<S> for Tangent {
     fn span<M: Motion<Real = f64, State = S::State>>(&mut self, system: &S, span: &Span<'_, M>) {
         let from = span.motion.origin();
         if !S::LINEAR {
-            self.move_on(&match M::RIDING {
-                true => system.ride_tangent(from, span.length),
-                false => system.flight_tangent(from, span.length),
-            });
+            self.move_on(system, from, span.length, M::RIDING);
         }
     }
 
