@@ -1,4 +1,4 @@
-"""How long it takes, beside what was asked for on two cores. Machines differ: never a failure."""
+"""How long it takes, beside goals for two cores. Machines differ: never a failure."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def speeds(report: Report) -> None:
     one = seconds(
         lambda: [dynamics.orbit(SIVA, PRIMARY, force=FORCE, start=near) for _ in range(calls)]
     )
-    report.told("an orbit from a good start", f"{1e6 * one / calls:.0f} µs", "asked: 50 µs")
+    report.told("an orbit from a good start", f"{1e6 * one / calls:.0f} µs", "goal: 50 µs")
 
     begun = time.perf_counter()
     branch = dynamics.follow(orbit, over="clearance", between=(0.5, 13.0), step=0.003)
     taken = time.perf_counter() - begun
     assert isinstance(branch, dynamics.Branch)
     taken *= 500 / len(branch.rows)
-    report.told("a branch of 500 points with multipliers", f"{taken:.2f} s", "asked: 0.5 s")
+    report.told("a branch of 500 points with multipliers", f"{taken:.2f} s", "goal: 0.5 s")
 
     values = np.linspace(1.0, 6.0, 300)
     taken = seconds(
@@ -49,14 +49,14 @@ def speeds(report: Report) -> None:
             SIVA, PRIMARY, force=FORCE, over={"clearance": values}, direction="up"
         )
     )
-    report.told("a diagram of 300 values x 360 cycles", f"{taken:.2f} s", "asked: 0.3 s")
+    report.told("a diagram of 300 values x 360 cycles", f"{taken:.2f} s", "goal: 0.3 s")
 
     chaos = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.85)
     taken = seconds(lambda: dynamics.lyapunov(chaos, PRIMARY, force=FORCE, cycles=20_000, seeds=1))
-    report.told("20,000 cycles of a spectrum", f"{taken:.2f} s", "asked: 0.3 s")
+    report.told("20,000 cycles of a spectrum", f"{taken:.2f} s", "goal: 0.3 s")
 
     axis = np.linspace(-4.0, 4.0, 200)
     mixed = iva.Siva(mass_ratio=0.2, restitution=0.7, clearance=3.4)
     over = {"displacement": axis, "velocity": axis}
     taken = seconds(lambda: dynamics.basins(mixed, PRIMARY, force=FORCE, over=over))
-    report.told("a basin of 200 x 200, at most 150 cycles", f"{taken:.2f} s", "asked: 4 s")
+    report.told("a basin of 200 x 200, at most 150 cycles", f"{taken:.2f} s", "goal: 4 s")
