@@ -47,6 +47,7 @@ mod coordinates;
 pub mod curve;
 pub mod description;
 pub mod diagram;
+mod episode;
 mod family;
 mod in_lanes;
 pub mod lyapunov;

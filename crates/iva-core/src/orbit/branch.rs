@@ -2,9 +2,11 @@
 //!
 //! A branch keeps its sequence of impacts (`orbit/chain.rs`). It is followed in both directions by pseudo-arclength
 //! continuation (`orbit/continuation.rs`), so that it may turn back, and ends where the number leaves its range, where the
-//! absorber would touch a wall between two impacts (grazing), or where the speed of an impact goes to 0. Of conditions
+//! absorber would touch a wall between two impacts (grazing), where the speed of an impact goes to 0, or where a
+//! stick does not begin any more. Of conditions
 //! that change their sign between two points, the point is located by Newton's method on the equations of the orbit and
-//! the condition together, whose matrix stays regular there.
+//! the condition together, whose matrix stays regular there. What ends within a stick episode (`orbit/episode.rs`) is known from one
+//! side only: that end is the last orbit before a point beyond which, by steps down to rounding, there is none.
 
 use std::sync::atomic::AtomicBool;
 
@@ -61,7 +63,7 @@ pub struct BranchPoint {
     /// The smallest distance of an extremum of the gap displacement between two impacts from the wall that the absorber turns
     /// back from; infinite without one.
     pub margin: f64,
-    /// The smallest approach speed.
+    /// The smallest approach speed, those within stick episodes after their first impact apart.
     pub slowest: f64,
 }
 
@@ -90,6 +92,8 @@ pub enum End {
     Grazing,
     /// The speed of an impact goes to 0.
     ImpactVanishes,
+    /// The time that the absorber sticks goes to 0.
+    StickBegins,
     /// A pitchfork or flip at which the branch begins: beyond it are the mirror images of its orbits, or the same orbits.
     Origin,
     /// Of a curve of Neimark–Sacker points: the pair of multipliers becomes real, 1 twice or −1 twice.
@@ -105,12 +109,22 @@ pub enum End {
 }
 
 impl End {
+    /// That at a condition at which the orbit is no longer one that a run makes.
+    pub(super) fn at(condition: Condition) -> Self {
+        match condition {
+            Condition::Grazing { .. } => End::Grazing,
+            Condition::StickBegins { .. } => End::StickBegins,
+            _ => End::ImpactVanishes,
+        }
+    }
+
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             End::Range => "range",
             End::Grazing => "grazing",
             End::ImpactVanishes => "impact_vanishes",
+            End::StickBegins => "stick_begins",
             End::Origin => "origin",
             End::Resonance => "resonance",
             End::Closed => "closed",

@@ -8,11 +8,15 @@
 //! solution is lost, by the sign of a speed or of a margin. No section of the motion is fixed that an impact could
 //! meet.
 //!
+//! An impact may begin a stick episode (`orbit/episode.rs`): chatter, stick and release belong to the flight that follows
+//! it, whose derivative is that of the run.
+//!
 //! Of an orbit that is its own mirror image half a cycle later, only half the cycle is solved for.
 
 use nalgebra::{DMatrix, DVector, Matrix4, Matrix4xX, RowDVector, Vector4};
 
 use super::coordinates::Coordinates;
+use super::episode::{Episode, Lapse, Ridden};
 use crate::absorber::{Clock, Wall};
 use crate::measures::propagation::saltation;
 use crate::segment::flight::Motion;
@@ -29,15 +33,20 @@ const GAP: usize = 2;
 pub struct Chain {
     /// The walls in order; of a symmetric orbit those of the first half of the cycle.
     pub walls: Vec<Wall>,
+    /// Of each impact whether it begins a stick episode: it then stands for all impacts of the chatter.
+    pub sticks: Vec<bool>,
     /// True if the second half of the cycle is the mirror image of the first.
     pub symmetric: bool,
     /// Number of cycles of the scene that it takes to repeat.
     pub cycles: u32,
 }
 
-/// A flight of a chain: the state after its first impact, the instant of that, and the time to the next impact.
+/// A flight of a chain between impacts, from an impact or a release on: the state at its begin, the instant of that, and the
+/// time to the next impact. A ride is written in the same way.
 #[derive(Debug, Clone)]
 pub(super) struct Flown<State> {
+    /// The index of the impact of the chain that comes before.
+    pub after: usize,
     pub from: State,
     pub begin: f64,
     pub length: f64,
@@ -55,8 +64,11 @@ pub(super) struct Passed<State> {
     pub map: Matrix4<f64>,
     /// The approach speed of each impact; below 0 where the absorber would move away from the wall.
     pub speeds: Vec<f64>,
-    /// The flights after each impact.
+    /// The flights in order of time, those between the impacts of an episode among them.
     pub flights: Vec<Flown<State>>,
+    /// The episodes in order, and the rides in them.
+    pub episodes: Vec<Episode>,
+    pub rides: Vec<Flown<State>>,
 }
 
 /// y of a wall.
@@ -90,7 +102,7 @@ pub(super) fn flown<S: Coordinates>(
 }
 
 impl Chain {
-    /// Number of impacts until the motion repeats.
+    /// Number of impacts until the motion repeats; a stick episode counts as one.
     pub fn impacts(&self) -> usize {
         self.walls.len() * if self.symmetric { 2 } else { 1 }
     }
@@ -107,7 +119,7 @@ impl Chain {
     }
 
     /// The wall of impact i, where the last one is the first of the next cycle, or the mirror image of the first.
-    fn wall(&self, i: usize) -> Wall {
+    pub(super) fn wall(&self, i: usize) -> Wall {
         match self.walls.get(i) {
             Some(wall) => *wall,
             None if self.symmetric => self.walls[0].opposite(),
@@ -129,30 +141,38 @@ impl Chain {
         if self.symmetric { -1.0 } else { 1.0 }
     }
 
-    /// The chain of a cycle of this length (of a symmetric orbit half of it) for values of its unknowns; `None` where the
-    /// instants are not in order or a state is beyond what the system can have.
+    /// The chain of a cycle of this length (of a symmetric orbit half of it) for values of its unknowns.
+    ///
+    /// # Errors
+    /// [`Lapse`] where the instants are not in order, a state is beyond what the system can have, or an episode does not end
+    /// in stick and release.
     pub(super) fn passed<S: Coordinates>(
         &self,
         system: &S,
         length: f64,
         unknowns: &[f64],
         derivatives: bool,
-    ) -> Option<Passed<S::State>> {
+    ) -> Result<Passed<S::State>, Lapse> {
         let (count, size) = (self.walls.len(), self.unknowns());
         let instants: Vec<f64> = (0..=count).map(|i| self.instant(unknowns, length, i)).collect();
         let in_order = instants.windows(2).all(|pair| pair[0] < pair[1]);
         if !(in_order && unknowns.iter().all(|it| it.is_finite())) {
-            return None;
+            return Err(Lapse::Undefined);
         }
         let columns = if derivatives { size } else { 0 };
         let mut residual = DVector::zeros(size);
         let mut jacobian = DMatrix::zeros(if derivatives { size } else { 0 }, columns);
         let mut map = Matrix4::identity();
         let (mut speeds, mut flights) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut episodes, mut rides) = (Vec::new(), Vec::new());
 
         let [x, v, w] = [unknowns[1], unknowns[2], unknowns[3]];
         let first = Vector4::new(x, v, place(system, self.wall(0)), w);
-        let mut state = system.begin_at(&system.start_at(&first)?, Clock::new(instants[0]));
+        let at = |numbers: &Vector4<f64>, time: f64| {
+            let start = system.start_at(numbers).ok_or(Lapse::Undefined)?;
+            Ok(system.begin_at(&start, Clock::new(time)))
+        };
+        let mut state = at(&first, instants[0])?;
         // How the state after the current impact depends on the unknowns.
         let mut carried = Matrix4xX::zeros(columns);
         if derivatives {
@@ -163,15 +183,27 @@ impl Chain {
         for i in 1..=count {
             let wall = self.wall(i);
             let (begin, end) = (instants[i - 1], instants[i]);
-            let flight = Flown { from: state, begin, length: end - begin };
             let leaving = system.rates(&state);
-            let (arrived, tangent) = flown(system, &state, flight.length)?;
+            let mut flight = Flown { after: i - 1, from: state, begin, length: end - begin };
+            let mut released = Matrix4::identity();
+            if self.sticks[i - 1] {
+                let ridden = Ridden::new(system, &state, i - 1, [begin, end])?;
+                episodes.push(ridden.episode(i - 1, self.wall(i - 1), begin));
+                (flight.from, flight.begin) = (ridden.released, ridden.release.value);
+                flight.length = (Clock::new(end) - ridden.release).value;
+                released = ridden.tangent;
+                rides.push(ridden.ride);
+                flights.extend(ridden.rebounds);
+            }
+            let (arrived, tangent) =
+                flown(system, &flight.from, flight.length).ok_or(Lapse::Undefined)?;
+            let tangent = tangent * released;
             flights.push(flight);
             let mut contact = system.coordinates(&arrived);
             let row = if i < count { i - 1 } else { size - FIRST };
             residual[row] = contact[GAP] - place(system, wall);
             contact[GAP] = place(system, wall);
-            let touching = system.begin_at(&system.start_at(&contact)?, Clock::new(end));
+            let touching = at(&contact, end)?;
             let before = system.rates(&touching);
             speeds.push(before[GAP] * wall.sign());
             let (after, _) = system.impact(&touching, end);
@@ -201,6 +233,7 @@ impl Chain {
                 jacobian[(row, 1 + k)] -= self.sign();
             }
         }
-        Some(Passed { residual, jacobian, map: map * self.sign(), speeds, flights })
+        let map = map * self.sign();
+        Ok(Passed { residual, jacobian, map, speeds, flights, episodes, rides })
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::{Complex, Matrix4, Matrix6};
 
 use super::chain::Passed;
 use super::coordinates::Coordinates;
+use super::episode::{Episode, Lapse};
 use super::margins::{Extremum, extrema};
 use crate::absorber::Wall;
 
@@ -27,6 +28,8 @@ pub enum Kind {
     Grazing,
     /// The speed of an impact goes to 0.
     ImpactVanishes,
+    /// The time that the absorber sticks in an episode goes to 0: beyond, its chatter does not end.
+    StickBegins,
 }
 
 impl Kind {
@@ -39,6 +42,7 @@ impl Kind {
             Kind::NeimarkSacker => "neimark_sacker",
             Kind::Grazing => "grazing",
             Kind::ImpactVanishes => "impact_vanishes",
+            Kind::StickBegins => "stick_begins",
         }
     }
 }
@@ -66,6 +70,11 @@ pub enum Condition {
         /// The impact.
         impact: usize,
     },
+    /// The stick of the episode that begins with an impact of this index begins or ends to be.
+    StickBegins {
+        /// The impact.
+        impact: usize,
+    },
 }
 
 impl Condition {
@@ -78,10 +87,12 @@ impl Condition {
             Condition::NeimarkSacker => Kind::NeimarkSacker,
             Condition::Grazing { .. } => Kind::Grazing,
             Condition::ImpactVanishes { .. } => Kind::ImpactVanishes,
+            Condition::StickBegins { .. } => Kind::StickBegins,
         }
     }
 
-    /// The number that changes its sign there; `None` if there is no such extremum or impact.
+    /// The number that changes its sign there; `None` if there is no such extremum or impact. The duration of a stick only
+    /// goes to 0.
     pub(super) fn value<S: Coordinates>(
         self,
         system: &S,
@@ -98,7 +109,12 @@ impl Condition {
                 let here = all.iter().filter(|it| it.flight == flight && it.wall == wall);
                 here.map(|it| it.margin).min_by(f64::total_cmp)
             }
-            Condition::ImpactVanishes { impact } => passed.speeds.get(impact - 1).copied(),
+            Condition::ImpactVanishes { impact } => {
+                impact.checked_sub(1).and_then(|index| passed.speeds.get(index)).copied()
+            }
+            Condition::StickBegins { impact } => {
+                passed.episodes.iter().find(|it| it.impact == impact).map(Episode::duration)
+            }
         }
     }
 }
@@ -138,6 +154,8 @@ pub(super) struct Tests {
     extrema: Vec<Extremum>,
     /// The approach speeds of the impacts.
     speeds: Vec<f64>,
+    /// The stick episodes.
+    episodes: Vec<Episode>,
 }
 
 impl Tests {
@@ -146,7 +164,8 @@ impl Tests {
         let mut extrema = extrema(system, &passed.flights, cycle);
         extrema.sort_by(|a, b| a.margin.total_cmp(&b.margin));
         let spectral = spectral(&passed.map, &passed.speeds);
-        Self { spectral, extrema, speeds: passed.speeds.clone() }
+        let (speeds, episodes) = (passed.speeds.clone(), passed.episodes.clone());
+        Self { spectral, extrema, speeds, episodes }
     }
 
     /// The smallest margin of an extremum between impacts; infinite without one.
@@ -162,6 +181,29 @@ impl Tests {
     /// True if the motion is one that a run would make: no impact without speed, and none left out.
     pub fn admissible(&self) -> bool {
         self.slowest() > 0.0 && self.margin() > 0.0
+    }
+
+    /// The condition by which an episode changes between this point and a neighbour, within its chatter: an impact begins or
+    /// vanishes there at a grazing.
+    pub fn changed(&self, other: &Self) -> Option<Condition> {
+        let mut pairs = self.episodes.iter().zip(&other.episodes);
+        let (here, _) = pairs.find(|(here, there)| !here.goes_over_into(there))?;
+        Some(Condition::Grazing { flight: here.impact, wall: here.wall })
+    }
+
+    /// The condition beyond which an episode does not end in stick any more, where it has this lapse: a grazing of the other wall
+    /// within the chatter, or the begin of the stick.
+    pub fn lost(&self, lapse: Lapse) -> Option<Condition> {
+        let Lapse::Leaves { impact, met } = lapse else { return None };
+        let here = self.episodes.iter().find(|it| it.impact == impact)?;
+        let within = met.filter(|(time, _)| *time < here.stick);
+        let begins = Condition::StickBegins { impact };
+        Some(within.map_or(begins, |(_, wall)| Condition::Grazing { flight: impact, wall }))
+    }
+
+    /// True if there is an extremum in the flight after an impact that turns back from a wall.
+    pub fn turns_back(&self, flight: usize, wall: Wall) -> bool {
+        self.extrema.iter().any(|it| it.flight == flight && it.wall == wall)
     }
 
     /// The conditions that are met between this point and a later one of the same branch.

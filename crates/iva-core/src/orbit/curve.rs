@@ -10,7 +10,7 @@ use nalgebra::{Complex, DVector};
 
 use super::branch::{End, SpecialPoint, multipliers_of, scales};
 use super::chain::Chain;
-use super::conditions::{Condition, Tests, turns};
+use super::conditions::{Condition, Kind, Tests, turns};
 use super::continuation::{Curve, OnCurve, distance, kernel};
 use super::coordinates::Coordinates;
 use super::family::{Conditioned, Family, Scenes};
@@ -103,10 +103,7 @@ impl<S: Coordinates> Follower<'_, '_, S> {
         }
         let broken = Tests::new(&system, &passed, cycle).broken();
         let broken = broken.into_iter().find(|broken| *broken != self.condition)?;
-        Some(match broken {
-            Condition::Grazing { .. } => End::Grazing,
-            _ => End::ImpactVanishes,
-        })
+        Some(End::at(broken))
     }
 
     /// The points to one side of a point.
@@ -192,7 +189,8 @@ impl<S: Coordinates> Follower<'_, '_, S> {
 }
 
 /// Follows the curve of a special point over two numbers, of which it has these values; its chain is that of the branch that
-/// it is on. `None` if the special point is not one of these scenes.
+/// it is on. `None` if the special point is not one of these scenes, or one at which a stick begins: there no equation is
+/// smooth.
 pub fn curve<S: Coordinates>(
     scenes: Scenes<'_, S>,
     chain: &Chain,
@@ -201,6 +199,9 @@ pub fn curve<S: Coordinates>(
     along: AlongCurve<'_>,
 ) -> Option<SpecialCurve> {
     let condition = special.condition;
+    if condition.kind() == Kind::StickBegins {
+        return None;
+    }
     let ranges = along.between.map(|[low, high]| high - low);
     let scales = scales(chain, &special.at.unknowns, &ranges);
     let family = Family { scenes, chain: chain.clone(), scales };

@@ -6,6 +6,7 @@ use super::chain::{Chain, Passed};
 use super::conditions::Condition;
 use super::continuation::{Equations, Sides};
 use super::coordinates::Coordinates;
+use super::episode::Lapse;
 use crate::error::Invalid;
 
 /// The scene for values of the numbers that are changed: the absorber on its structure, and the length of a cycle of the
@@ -34,8 +35,15 @@ impl<S: Coordinates> Family<'_, S> {
         let (unknowns, numbers) = point.as_slice().split_at(self.chain.unknowns());
         let (system, cycle) = (self.scenes)(numbers).ok()?;
         let length = self.chain.length(cycle);
-        let passed = self.chain.passed(&system, length, unknowns, derivatives)?;
+        let passed = self.chain.passed(&system, length, unknowns, derivatives).ok()?;
         Some((system, passed, cycle))
+    }
+
+    /// Why the chain has no motion at a point; `None` if it has one, or if the scene does not allow the numbers.
+    pub fn lapse(&self, point: &DVector<f64>) -> Option<Lapse> {
+        let (unknowns, numbers) = point.as_slice().split_at(self.chain.unknowns());
+        let (system, cycle) = (self.scenes)(numbers).ok()?;
+        self.chain.passed(&system, self.chain.length(cycle), unknowns, false).err()
     }
 
     /// The derivative of a function of the point with respect to one of its numbers, by a difference.

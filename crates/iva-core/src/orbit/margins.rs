@@ -1,7 +1,7 @@
 //! How far a chain is from the next change of its sequence of impacts: the margins of the extrema of the gap displacement
 //! between impacts.
 
-use super::chain::Flown;
+use super::chain::{Flown, Passed};
 use super::coordinates::Coordinates;
 use crate::absorber::Wall;
 use crate::segment::flight::Motion;
@@ -16,7 +16,7 @@ const MOST_STEPS: u32 = 100;
 /// An extremum of the gap displacement between two impacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Extremum {
-    /// The flight that it is in.
+    /// The index of the impact of the chain that comes before.
     pub flight: usize,
     /// The wall that the absorber turns back from.
     pub wall: Wall,
@@ -48,21 +48,21 @@ fn zero([mut a, mut b]: [f64; 2], [mut at_a, mut at_b]: [f64; 2], of: impl Fn(f6
     b
 }
 
-/// Shows each instant of a chain at which a rate vanishes: the index of the flight, the instant, the motion with the time in
+/// Shows each instant of flights or rides at which a rate vanishes: which one, the instant, the motion with the time in
 /// it, and the rate shortly before. The rate at the begin of a flight is that of its first state.
-fn turnings<'a, S: Coordinates>(
-    system: &'a S,
-    flights: &[Flown<S::State>],
+fn turnings<State: Copy, M: Motion<Real = f64, State = State>>(
+    flights: &[Flown<State>],
     cycle: f64,
-    rates: (impl Fn(&S::State) -> f64, impl Fn(&S::Flight<'a>, f64) -> f64),
-    mut see: impl FnMut((usize, f64), (&S::Flight<'a>, f64), f64),
+    go_on: impl Fn(&State) -> M,
+    rates: (impl Fn(&State) -> f64, impl Fn(&M, f64) -> f64),
+    mut see: impl FnMut((usize, f64), (&M, f64), f64),
 ) {
     let spacing = SPACING.min(cycle / LEAST_LOOKS);
-    for (index, flown) in flights.iter().enumerate() {
+    for flown in flights {
         let (mut state, mut begin, mut left) = (flown.from, flown.begin, flown.length);
         let mut before = (rates.0)(&state);
         while left > 0.0 {
-            let motion = system.flight(&state);
+            let motion = go_on(&state);
             let length = motion.reach().min(left);
             if length.is_nan() || length <= 0.0 {
                 break;
@@ -74,7 +74,7 @@ fn turnings<'a, S: Coordinates>(
                 let now = rate(to);
                 if before * now < 0.0 {
                     let h = zero([from, to], [before, now], rate);
-                    see((index, begin + h), (&motion, h), before);
+                    see((flown.after, begin + h), (&motion, h), before);
                 }
                 if now != 0.0 {
                     before = now;
@@ -98,7 +98,8 @@ pub(super) fn extrema<S: Coordinates>(
         |state: &S::State| system.rates(state)[2],
         |motion: &S::Flight<'_>, h: f64| motion.gap(h).w,
     );
-    turnings(system, flights, cycle, rates, |(flight, time), (motion, h), before| {
+    let go_on = |state: &S::State| system.flight(state);
+    turnings(flights, cycle, go_on, rates, |(flight, time), (motion, h), before| {
         let wall = if before > 0.0 { Wall::Plus } else { Wall::Minus };
         let place = system.coordinates(&motion.state(h))[2] - system.offset();
         let margin = system.clearance() - wall.sign() * place;
@@ -107,19 +108,28 @@ pub(super) fn extrema<S: Coordinates>(
     found
 }
 
-/// The largest displacement of the structure in the flights of a chain, to either side.
+/// The largest displacement of the structure in a chain, to either side.
 pub(super) fn amplitude<S: Coordinates>(
+    system: &S,
+    Passed { flights, rides, .. }: &Passed<S::State>,
+    cycle: f64,
+) -> f64 {
+    let flying = |state: &S::State| system.flight(state);
+    let riding = |state: &S::State| system.ride(state);
+    largest(system, flights, cycle, flying).max(largest(system, rides, cycle, riding))
+}
+
+fn largest<S: Coordinates, M: Motion<Real = f64, State = S::State>>(
     system: &S,
     flights: &[Flown<S::State>],
     cycle: f64,
+    go_on: impl Fn(&S::State) -> M,
 ) -> f64 {
     let begins = flights.iter().map(|flown| system.primary(&flown.from).x.abs());
     let mut largest = begins.fold(0.0, f64::max);
-    let rates = (
-        |state: &S::State| system.primary(state).v,
-        |motion: &S::Flight<'_>, h: f64| motion.primary(h).rate,
-    );
-    turnings(system, flights, cycle, rates, |_, (motion, h), _| {
+    let rate = |state: &S::State| system.primary(state).v;
+    let later = |motion: &M, h: f64| motion.primary(h).rate;
+    turnings(flights, cycle, go_on, (rate, later), |_, (motion, h), _| {
         largest = largest.max(motion.primary(h).value.abs());
     });
     largest

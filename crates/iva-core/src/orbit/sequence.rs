@@ -11,11 +11,26 @@ use crate::engine::observe::{Contact, Observer};
 use crate::engine::simulate::{Instant, Limits, Outcome, resume};
 use crate::run::side_by_side::Tier;
 
-/// The impacts of a run: the instant, the wall, and the coordinates just after.
+/// An impact of a run, or the first one of a stick episode.
+#[derive(Debug)]
+struct Struck {
+    time: f64,
+    wall: Wall,
+    /// The coordinates just after.
+    after: Vector4<f64>,
+    /// True if it begins a stick episode.
+    sticks: bool,
+}
+
+/// The impacts of a run. As in [`StickEpisode`](crate::engine::observe::StickEpisode), an episode begins with the first
+/// impact after which only its wall is met until the stick.
 #[derive(Debug, Default)]
 struct Sequence {
-    impacts: Vec<(f64, Wall, Vector4<f64>)>,
-    sticks: bool,
+    impacts: Vec<Struck>,
+    /// The index of the first of the last impacts, which are on one wall, since the last stick.
+    streak: Option<usize>,
+    /// True if there was a stick without an impact.
+    at_rest: bool,
 }
 
 impl<S: Coordinates> Observer<S> for Sequence {
@@ -25,21 +40,33 @@ impl<S: Coordinates> Observer<S> for Sequence {
 
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State>) {
         let Contact { time, states: [before, after], summed } = *contact;
-        self.sticks |= summed;
-        self.impacts.push((time, system.wall(before), system.coordinates(after)));
+        if summed {
+            return;
+        }
+        let wall = system.wall(before);
+        let goes_on = self.impacts.last().is_some_and(|last| last.wall == wall);
+        if self.streak.is_none() || !goes_on {
+            self.streak = Some(self.impacts.len());
+        }
+        self.impacts.push(Struck { time, wall, after: system.coordinates(after), sticks: false });
     }
 
     fn stick(&mut self, _system: &S, _from: &Instant<S::State>) {
-        self.sticks = true;
+        let Some(first) = self.streak.take() else {
+            self.at_rest = true;
+            return;
+        };
+        self.impacts.truncate(first + 1);
+        if let Some(first) = self.impacts.last_mut() {
+            first.sticks = true;
+        }
     }
 }
 
 /// Why an orbit has no chain of impacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoChain {
-    /// The absorber sticks to a wall.
-    Sticks,
-    /// There are no impacts, or the run did not end.
+    /// There are no impacts, or a stick without one, or the run did not end.
     NoImpacts,
     /// The second half of the cycle is not the mirror image of the first.
     NotSymmetric,
@@ -59,24 +86,27 @@ impl Chain {
         if !tally.is_ok_and(|tally| tally.outcome == Outcome::Finished) {
             return Err(NoChain::NoImpacts);
         }
-        let Sequence { impacts, sticks } = seen;
-        let Some((begin, _, after)) = impacts.first().copied() else {
+        let Sequence { impacts, at_rest, .. } = seen;
+        let Some(&Struck { time: begin, after, .. }) = impacts.first().filter(|_| !at_rest) else {
             return Err(NoChain::NoImpacts);
         };
-        if sticks {
-            return Err(NoChain::Sticks);
-        }
         let count = if orbit.symmetric { impacts.len() / 2 } else { impacts.len() };
-        let all: Vec<Wall> = impacts.iter().map(|(_, wall, _)| *wall).collect();
+        let (first, second) = impacts.split_at(count);
         if orbit.symmetric {
-            let mirrored = (0..count).all(|i| all.get(i + count) == Some(&all[i].opposite()));
-            if !mirrored || all.len() != 2 * count {
+            let alike =
+                |(a, b): (&Struck, &Struck)| a.wall == b.wall.opposite() && a.sticks == b.sticks;
+            if count == 0 || second.len() != count || !first.iter().zip(second).all(alike) {
                 return Err(NoChain::NotSymmetric);
             }
         }
-        let chain = Chain { walls: all[..count].to_vec(), symmetric: orbit.symmetric, cycles };
+        let chain = Chain {
+            walls: first.iter().map(|impact| impact.wall).collect(),
+            sticks: first.iter().map(|impact| impact.sticks).collect(),
+            symmetric: orbit.symmetric,
+            cycles,
+        };
         let mut unknowns = vec![begin, after[0], after[1], after[3]];
-        unknowns.extend(impacts[1..count].iter().map(|(time, ..)| *time));
+        unknowns.extend(first[1..].iter().map(|impact| impact.time));
         Ok((chain, unknowns))
     }
 
@@ -95,7 +125,7 @@ impl Chain {
     ) -> Result<Orbit<S>, Missed> {
         let lost = Missed::Stalled(f64::INFINITY);
         let passed = self.passed(system, self.length(cycle), unknowns, false);
-        let passed = passed.ok_or(lost.clone())?;
+        let passed = passed.map_err(|_| lost.clone())?;
         let longest = passed.flights.iter().max_by(|a, b| a.length.total_cmp(&b.length));
         let flight = longest.ok_or(lost.clone())?;
         let half = 0.5 * flight.length;

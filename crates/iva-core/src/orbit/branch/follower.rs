@@ -9,6 +9,7 @@ use super::super::family::Family;
 use super::super::margins::amplitude;
 use super::halves::{difference, origin};
 use super::{Along, BranchPoint, End, SpecialPoint, multipliers_of};
+use crate::absorber::Wall;
 use crate::run::side_by_side::is_set;
 
 /// Smallest and first step along a branch, in scales, and by how much a step grows.
@@ -19,6 +20,9 @@ const GROWTH: f64 = 1.5;
 const STRAIGHT: f64 = 0.95;
 /// A step may lead so far, in its length.
 const FARTHEST: f64 = 2.0;
+/// Length of a step from which the end of a stick episode is sought by halving, and down to which.
+const BRINK: f64 = 1e-4;
+const FINEST: f64 = 1e-15;
 /// Most halvings of a stretch of a branch in which a special point is sought.
 const MOST_HALVINGS: u32 = 40;
 
@@ -77,7 +81,7 @@ impl<S: Coordinates> Follower<'_, S> {
             unknowns: on.point.as_slice()[..self.number()].to_vec(),
             multipliers: all,
             half_multipliers: half,
-            amplitude: amplitude(&system, &passed.flights, cycle),
+            amplitude: amplitude(&system, &passed, cycle),
             margin: tests.margin(),
             slowest: tests.slowest(),
         };
@@ -133,10 +137,60 @@ impl<S: Coordinates> Follower<'_, S> {
     }
 
     /// The next point after a step.
-    fn next(&self, now: &Stop, step: f64) -> Option<Stop> {
-        let next = self.beyond(now, self.curve().next(&now.on, step)?)?;
+    ///
+    /// # Errors
+    /// The condition by which a stick episode is another one there, or none, if it is that.
+    fn next(&self, now: &Stop, step: f64) -> Result<Stop, Option<Condition>> {
+        let lost = || {
+            let guess = &now.on.point + (&now.on.tangent * step).component_mul(&self.family.scales);
+            self.family.lapse(&guess).and_then(|lapse| now.tests.lost(lapse))
+        };
+        let on = self.curve().next(&now.on, step).ok_or_else(lost)?;
+        let next = self.beyond(now, on).ok_or(None)?;
         let straight = next.on.tangent.dot(&now.on.tangent) > STRAIGHT;
-        (straight && self.apart(now, &next.on.point) < FARTHEST * step).then_some(next)
+        if let Some(changed) = now.tests.changed(&next.tests) {
+            return Err(Some(changed));
+        }
+        let near = straight && self.apart(now, &next.on.point) < FARTHEST * step;
+        if near { Ok(next) } else { Err(None) }
+    }
+
+    /// The last point within a step before a stick episode is another one or none, to rounding, and the condition of that.
+    fn brink(&self, now: &Stop, step: f64, condition: Condition) -> (Stop, Condition) {
+        let (mut last, mut left, mut condition) = (now.clone(), step, condition);
+        while left > FINEST {
+            left *= 0.5;
+            match self.next(&last, left) {
+                Ok(stop) => last = stop,
+                Err(Some(met)) => condition = met,
+                Err(None) => {}
+            }
+        }
+        (last, condition)
+    }
+
+    /// The conditions by which a point is not admissible that comes after an admissible one. Beyond an impact that vanishes the
+    /// flights before and after it pass the wall: these extrema are its own.
+    fn broken(&self, [now, next]: [&Stop; 2]) -> Vec<Condition> {
+        let (chain, all) = (&self.family.chain, next.tests.broken());
+        let count = chain.walls.len();
+        let own = |flight: usize, wall: Wall| {
+            all.iter().any(|other| match *other {
+                Condition::ImpactVanishes { impact } => {
+                    let before = (impact - 1, chain.wall(impact));
+                    let after = (impact % count, chain.wall(impact % count));
+                    [before, after].contains(&(flight, wall))
+                }
+                _ => false,
+            })
+        };
+        let counts = |condition: &Condition| match *condition {
+            Condition::Grazing { flight, wall } => {
+                now.tests.turns_back(flight, wall) || !own(flight, wall)
+            }
+            _ => true,
+        };
+        all.iter().copied().filter(counts).collect()
     }
 
     /// The end of the branch between two points, if it ends there.
@@ -150,17 +204,17 @@ impl<S: Coordinates> Follower<'_, S> {
             let last = self.beyond(now, OnCurve { point, ..now.on.clone() });
             return Some(Ending { last, why: End::Origin, condition: Some(condition) });
         }
-        let broken = next.tests.broken();
+        let broken = self.broken([now, next]);
         if let Some(first) = broken.first().copied() {
-            let found = broken
-                .into_iter()
-                .filter_map(|condition| Some((condition, self.located(condition, [now, next])?)));
+            let located = |condition| Some((condition, self.located(condition, [now, next])?));
+            // One that is not located might be the first.
+            let found: Option<Vec<_>> = broken.into_iter().map(located).collect();
             let along = |stop: &Stop| self.towards * stop.at.length;
-            let nearest = found.min_by(|(_, a), (_, b)| along(a).total_cmp(&along(b)));
+            let nearest = found.and_then(|all| {
+                all.into_iter().min_by(|(_, a), (_, b)| along(a).total_cmp(&along(b)))
+            });
             let (condition, last) = nearest.map_or((first, None), |(it, last)| (it, Some(last)));
-            let grazes = condition.kind() == Kind::Grazing;
-            let why = if grazes { End::Grazing } else { End::ImpactVanishes };
-            return Some(Ending { last, why, condition: Some(condition) });
+            return Some(Ending { last, why: End::at(condition), condition: Some(condition) });
         }
         let [low, high] = self.along.between;
         let bound = next.at.value.clamp(low, high);
@@ -192,8 +246,22 @@ impl<S: Coordinates> Follower<'_, S> {
             if is_set(self.along.cancel) {
                 return (side, End::Cancelled);
             }
-            let next = self.next(&now, step);
-            let ending = next.as_ref().and_then(|next| self.ending([&now, next]));
+            let (next, brink) = match self.next(&now, step) {
+                Ok(next) => (Some(next), None),
+                Err(Some(condition)) if step < BRINK => {
+                    let (last, condition) = self.brink(&now, step, condition);
+                    (Some(last), Some(condition))
+                }
+                Err(_) => (None, None),
+            };
+            let ending = next.as_ref().and_then(|next| {
+                let last = |condition| Ending {
+                    last: Some(next.clone()),
+                    why: End::at(condition),
+                    condition: Some(condition),
+                };
+                self.ending([&now, next]).or_else(|| brink.map(last))
+            });
             let last = ending.as_ref().and_then(|ending| ending.last.as_ref());
             let lost = ending.is_some() && last.is_none();
             let special = next

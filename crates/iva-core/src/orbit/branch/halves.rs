@@ -23,14 +23,20 @@ pub(super) fn half(chain: &Chain) -> Option<(Chain, Condition)> {
         return None;
     }
     let (first, second) = chain.walls.split_at(count / 2);
+    let (sticks, again) = chain.sticks.split_at(count / 2);
+    if sticks != again {
+        return None;
+    }
+    let sticks = sticks.to_vec();
     if first == second && chain.cycles.is_multiple_of(2) {
-        let half = Chain { walls: first.to_vec(), symmetric: false, cycles: chain.cycles / 2 };
+        let (walls, cycles) = (first.to_vec(), chain.cycles / 2);
+        let half = Chain { walls, sticks, symmetric: false, cycles };
         return Some((half, Condition::Flip));
     }
     let mirrored = first.iter().zip(second).all(|(a, b)| *a == b.opposite());
     // After an even number of cycles the drive would not change its sign.
     let odd = !chain.cycles.is_multiple_of(2);
-    let half = Chain { walls: first.to_vec(), symmetric: true, cycles: chain.cycles };
+    let half = Chain { walls: first.to_vec(), sticks, symmetric: true, cycles: chain.cycles };
     (mirrored && odd).then_some((half, Condition::Pitchfork))
 }
 
@@ -46,7 +52,8 @@ pub(super) fn whole(chain: &Chain, cycle: f64, unknowns: &[f64]) -> (Chain, Vec<
     let later = chain.length(cycle);
     let again = (0..chain.walls.len()).map(|i| chain.instant(unknowns, later, i) + later);
     let unknowns = unknowns.iter().copied().chain(again).collect();
-    (Chain { walls, symmetric: false, cycles }, unknowns)
+    let sticks = chain.sticks.repeat(2);
+    (Chain { walls, sticks, symmetric: false, cycles }, unknowns)
 }
 
 /// By how much the time of the first half differs from half the time of the chain; `None` if its halves cannot be alike.

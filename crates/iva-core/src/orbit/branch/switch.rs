@@ -6,6 +6,7 @@ use super::super::chain::{Chain, Passed};
 use super::super::conditions::Condition;
 use super::super::continuation::{Curve, Equations, OnCurve, kernel};
 use super::super::coordinates::Coordinates;
+use super::super::episode::Episode;
 use super::super::family::{Family, Scenes};
 use super::super::margins::extrema;
 use super::follower::{Follower, Side, Stop};
@@ -26,6 +27,7 @@ fn with_impact(
 ) -> (Chain, Vec<f64>) {
     let (mut chain, mut unknowns) = (chain.clone(), unknowns.to_vec());
     chain.walls.insert(flight + 1, wall);
+    chain.sticks.insert(flight + 1, false);
     unknowns.insert(4 + flight, time);
     (chain, unknowns)
 }
@@ -37,7 +39,7 @@ fn rotated<S: Coordinates>(
     passed: &Passed<S::State>,
     length: f64,
 ) -> Option<(Chain, Vec<f64>)> {
-    let second = passed.flights.get(1)?;
+    let second = passed.flights.iter().find(|it| it.after == 1 && !chain.sticks[1])?;
     let at = system.coordinates(&second.from);
     let mut walls = chain.walls[1..].to_vec();
     let first = chain.walls[0];
@@ -45,7 +47,9 @@ fn rotated<S: Coordinates>(
     let mut rotated = vec![second.begin, at[0], at[1], at[3]];
     rotated.extend_from_slice(&unknowns[5..]);
     rotated.push(unknowns[0] + length);
-    Some((Chain { walls, ..chain.clone() }, rotated))
+    let mut sticks = chain.sticks.clone();
+    sticks.rotate_left(1);
+    Some((Chain { walls, sticks, ..chain.clone() }, rotated))
 }
 
 /// A chain without one of its impacts, counted from 1.
@@ -63,6 +67,7 @@ fn without_impact<S: Coordinates>(
     };
     let index = if impact == count { count - 1 } else { impact };
     chain.walls.remove(index);
+    chain.sticks.remove(index);
     unknowns.remove(3 + index);
     Some((chain, unknowns))
 }
@@ -75,7 +80,7 @@ fn begun<S: Coordinates>(
 ) -> Option<(Chain, Vec<f64>)> {
     let (system, cycle) = scenes(&[at.value]).ok()?;
     let length = chain.length(cycle);
-    let passed = chain.passed(&system, length, &at.unknowns, false)?;
+    let passed = chain.passed(&system, length, &at.unknowns, false).ok()?;
     match *condition {
         Condition::Pitchfork if !chain.symmetric => None,
         Condition::Pitchfork | Condition::Flip => Some(whole(chain, cycle, &at.unknowns)),
@@ -83,12 +88,19 @@ fn begun<S: Coordinates>(
             let all = extrema(&system, &passed.flights, cycle);
             let here = all.iter().filter(|it| it.flight == flight && it.wall == wall);
             let nearest = here.min_by(|a, b| a.margin.abs().total_cmp(&b.margin.abs()))?;
+            let within = |it: &Episode| it.impact == flight && nearest.time < it.begin + it.release;
+            if passed.episodes.iter().any(within) {
+                return None;
+            }
             Some(with_impact(chain, &at.unknowns, (flight, wall, nearest.time)))
         }
-        Condition::ImpactVanishes { impact } if chain.walls.len() > 1 => {
+        Condition::ImpactVanishes { impact }
+            if chain.walls.len() > 1 && !chain.sticks[impact % chain.walls.len()] =>
+        {
             without_impact(&system, (chain, &at.unknowns), &passed, (impact, length))
         }
-        Condition::ImpactVanishes { .. } | Condition::Fold | Condition::NeimarkSacker => None,
+        Condition::ImpactVanishes { .. } | Condition::StickBegins { .. } => None,
+        Condition::Fold | Condition::NeimarkSacker => None,
     }
 }
 
@@ -147,7 +159,8 @@ fn origin<S: Coordinates>(
 /// The branch that begins at a special point of another: at a pitchfork that of the asymmetric orbits (their mirror images
 /// are a second one), at a flip that of the orbits that take twice as long, at a grazing that with the impact that begins
 /// there, and where an impact vanishes that without it. Where the branch itself begins at the point
-/// ([`End::Origin`]), it is the branch that it begins on. `None` for other points, and if it was not found.
+/// ([`End::Origin`]), it is the branch that it begins on. `None` for other points, for impacts of a chatter that ends in stick,
+/// and if it was not found.
 pub fn switch<S: Coordinates>(
     scenes: Scenes<'_, S>,
     chain: &Chain,
