@@ -20,9 +20,10 @@ const GROWTH: f64 = 1.5;
 const STRAIGHT: f64 = 0.95;
 /// A step may lead so far, in its length.
 const FARTHEST: f64 = 2.0;
-/// Length of a step from which the end of a stick episode is sought by halving, and down to which.
+/// Length of a step from which the end of a stick episode is sought by halving, and down to which; most steps that are tried.
 const BRINK: f64 = 1e-4;
 const FINEST: f64 = 1e-15;
+const MOST_TRIALS: u32 = 400;
 /// Most halvings of a stretch of a branch in which a special point is sought.
 const MOST_HALVINGS: u32 = 40;
 
@@ -157,13 +158,17 @@ impl<S: Coordinates> Follower<'_, S> {
 
     /// The last point within a step before a stick episode is another one or none, to rounding, and the condition of that.
     fn brink(&self, now: &Stop, step: f64, condition: Condition) -> (Stop, Condition) {
-        let (mut last, mut left, mut condition) = (now.clone(), step, condition);
-        while left > FINEST {
-            left *= 0.5;
-            match self.next(&last, left) {
+        let (mut last, mut step, mut condition) = (now.clone(), 0.5 * step, condition);
+        for _ in 0..MOST_TRIALS {
+            if step < FINEST {
+                break;
+            }
+            match self.next(&last, step) {
                 Ok(stop) => last = stop,
-                Err(Some(met)) => condition = met,
-                Err(None) => {}
+                Err(met) => {
+                    condition = met.unwrap_or(condition);
+                    step *= 0.5;
+                }
             }
         }
         (last, condition)
