@@ -19,6 +19,7 @@ use super::family::{Family, Scenes};
 use super::multipliers::{largest_first, multipliers};
 use follower::{Follower, Side};
 
+mod brink;
 mod follower;
 mod halves;
 mod switch;

@@ -4,7 +4,7 @@ use nalgebra::{Complex, Matrix4, Matrix6};
 
 use super::chain::Passed;
 use super::coordinates::Coordinates;
-use super::episode::{Episode, Lapse};
+use super::episode::{Episode, Lapse, Left};
 use super::margins::{Extremum, extrema};
 use crate::absorber::Wall;
 
@@ -193,12 +193,17 @@ impl Tests {
 
     /// The condition beyond which an episode does not end in stick any more, where it has this lapse: a grazing of the other wall
     /// within the chatter, or the begin of the stick.
-    pub fn lost(&self, lapse: Lapse) -> Option<Condition> {
-        let Lapse::Leaves { impact, met } = lapse else { return None };
-        let here = self.episodes.iter().find(|it| it.impact == impact)?;
+    pub fn lost(&self, lapse: &Lapse) -> Option<Condition> {
+        let Lapse::Leaves(Left { impact, met, .. }) = *lapse else { return None };
+        let here = self.episode(impact)?;
         let within = met.filter(|(time, _)| *time < here.stick);
         let begins = Condition::StickBegins { impact };
         Some(within.map_or(begins, |(_, wall)| Condition::Grazing { flight: impact, wall }))
+    }
+
+    /// The episode that begins with an impact.
+    pub fn episode(&self, impact: usize) -> Option<&Episode> {
+        self.episodes.iter().find(|it| it.impact == impact)
     }
 
     /// True if there is an extremum in the flight after an impact that turns back from a wall.

@@ -6,9 +6,18 @@
 //! its rebounds goes over into one of the next orbit.
 //!
 //! Where the chatter would end at the instant at which the wall stops to press, the stick *begins*: beyond, the
-//! absorber leaves the wall before it sticks. Near that instant each rebound is similar to the one before, so that the
-//! time that the absorber sticks goes to 0 as a power < 1 of the distance to that orbit, and no equation is smooth there.
-//! It is known from the side of the stick only.
+//! absorber leaves the wall before it sticks. The time that it sticks goes to 0 as a power < 1 of the distance to that orbit,
+//! so that no equation for it is smooth. At that orbit itself the rebounds become similar to each other: where the wall
+//! presses with J τ at a time τ before it stops to press, and the absorber leaves it with a speed u, a rebound lasts h τ with
+//! u = J τ² (h/2 − h²/6), and returns with J τ² (h/2 − h²/3). The next one is similar if
+//!
+//! ```text
+//! e (1/2 − h/3) = (1/2 − h/6) (1 − h)²,
+//! ```
+//!
+//! and then is shorter by the factor 1 − h. Next to that orbit the ratios of the rebounds go away from this factor, towards
+//! e if the absorber sticks, upwards if it does not. So the side on which an orbit is can be seen in a late rebound, long
+//! before the chatter ends.
 
 use nalgebra::Matrix4;
 
@@ -21,6 +30,9 @@ use crate::measures::propagation::Tangent;
 
 /// Rebounds that last less than this share of the longest one of a chatter are not compared with those of another.
 const SHORT: f64 = 0.02;
+/// Whether a chatter ends in stick is seen in its last rebound that lasts longer than this share of the first: what the
+/// ratio of two rebounds differs from its limit by is then rounding, as it falls as a power > 2 of the time.
+const LATE: f64 = 1e-6;
 /// Largest ratio of the times that a rebound takes in two neighbouring orbits.
 const ALIKE: f64 = 1.25;
 
@@ -38,13 +50,23 @@ pub(super) struct Ridden<State> {
 }
 
 /// Why there is no episode.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Lapse {
     /// The run did not get so far, or there is no state to begin with.
     Undefined,
-    /// The absorber leaves the wall, after the impact of this index, and does not stick; the time from that impact to the
-    /// other wall, if it is met, and that wall.
-    Leaves { impact: usize, met: Option<(f64, Wall)> },
+    /// The absorber leaves the wall and does not stick.
+    Leaves(Left),
+}
+
+/// A chatter that does not end in stick.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Left {
+    /// The index of its first impact.
+    pub impact: usize,
+    /// How long each rebound lasts.
+    pub rebounds: Vec<f64>,
+    /// The time from the first impact to the other wall, if it is met, and that wall.
+    pub met: Option<(f64, Wall)>,
 }
 
 /// The instants of an episode, from its first impact on.
@@ -74,6 +96,43 @@ impl Episode {
         let short = SHORT * longest(self).max(longest(other));
         let mut pairs = self.rebounds.iter().zip(&other.rebounds);
         pairs.all(|(&a, &b)| a.max(b) < short || a.max(b) < ALIKE * a.min(b))
+    }
+}
+
+/// By how much each rebound is shorter than the one before, where the chatter ends as the wall stops to press, with this
+/// restitution.
+fn similar(restitution: f64) -> f64 {
+    let [mut low, mut high] = [0.0, 1.0];
+    for _ in 0..60 {
+        let h = 0.5 * (low + high);
+        let returns = restitution * (0.5 - h / 3.0);
+        let leaves = (0.5 - h / 6.0) * (1.0 - h) * (1.0 - h);
+        if returns < leaves { low = h } else { high = h }
+    }
+    1.0 - low
+}
+
+/// Where in a chatter it is seen whether it ends in stick: the index of a late rebound.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Late {
+    pub index: usize,
+    pub restitution: f64,
+}
+
+impl Late {
+    /// That of a chatter that ends in stick; `None` if it is too short.
+    pub fn of(episode: &Episode, restitution: f64) -> Option<Self> {
+        let all = &episode.rebounds;
+        let least = LATE * all.first()?;
+        let index = all.iter().rposition(|length| *length > least)?;
+        let late = Self { index, restitution };
+        late.sticks(all).then_some(late)
+    }
+
+    /// True if a chatter with these rebounds goes on to stick.
+    pub fn sticks(&self, rebounds: &[f64]) -> bool {
+        let pair = self.index.checked_sub(1).and_then(|before| rebounds.get(before..=self.index));
+        pair.is_some_and(|pair| pair[1] < similar(self.restitution) * pair[0])
     }
 }
 
@@ -146,8 +205,13 @@ impl<State: Copy> Ridden<State> {
         let tally = resume(system, &from, &limits, None, &mut seen);
         let outcome = tally.map_err(|_| Lapse::Undefined)?.outcome;
         let (tangent, Watch { mut rebounds, stick, release, astray, .. }) = seen;
+        let left = |mut rebounds: Vec<Flown<State>>, met| {
+            rebounds.pop();
+            let rebounds = rebounds.iter().map(|flown| flown.length).collect();
+            Err(Lapse::Leaves(Left { impact, rebounds, met }))
+        };
         if let Some((time, wall)) = astray {
-            return Err(Lapse::Leaves { impact, met: Some((time - begin, wall)) });
+            return left(rebounds, Some((time - begin, wall)));
         }
         match (outcome, stick, release) {
             (Outcome::Finished | Outcome::Stopped, Some(stick), Some(release)) => {
@@ -160,7 +224,7 @@ impl<State: Copy> Ridden<State> {
                 let Instant { time: release, state: released } = release;
                 Ok(Self { rebounds, ride, released, release, tangent })
             }
-            (Outcome::Finished, None, None) => Err(Lapse::Leaves { impact, met: None }),
+            (Outcome::Finished, None, None) => left(rebounds, None),
             _ => Err(Lapse::Undefined),
         }
     }

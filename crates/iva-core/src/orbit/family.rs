@@ -46,6 +46,21 @@ impl<S: Coordinates> Family<'_, S> {
         self.chain.passed(&system, self.chain.length(cycle), unknowns, false).err()
     }
 
+    /// How long the rebounds of the episode last that begins with an impact, whether or not it ends in stick, and the
+    /// restitution at its wall.
+    pub fn rebounds(&self, point: &DVector<f64>, impact: usize) -> Option<(Vec<f64>, f64)> {
+        let (unknowns, numbers) = point.as_slice().split_at(self.chain.unknowns());
+        let (system, cycle) = (self.scenes)(numbers).ok()?;
+        let restitution = system.law_at(self.chain.wall(impact), 0.0).rebound;
+        let passed = self.chain.passed(&system, self.chain.length(cycle), unknowns, false);
+        let rebounds = match passed {
+            Ok(passed) => passed.episodes.into_iter().find(|it| it.impact == impact)?.rebounds,
+            Err(Lapse::Leaves(left)) if left.impact == impact => left.rebounds,
+            Err(_) => return None,
+        };
+        Some((rebounds, restitution))
+    }
+
     /// The derivative of a function of the point with respect to one of its numbers, by a difference.
     fn difference(
         &self,

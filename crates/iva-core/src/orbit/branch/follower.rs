@@ -7,6 +7,7 @@ use super::super::continuation::{Curve, OnCurve, distance, solved};
 use super::super::coordinates::Coordinates;
 use super::super::family::Family;
 use super::super::margins::amplitude;
+use super::brink::BRINK;
 use super::halves::{difference, origin};
 use super::{Along, BranchPoint, End, SpecialPoint, multipliers_of};
 use crate::absorber::Wall;
@@ -20,10 +21,6 @@ const GROWTH: f64 = 1.5;
 const STRAIGHT: f64 = 0.95;
 /// A step may lead so far, in its length.
 const FARTHEST: f64 = 2.0;
-/// Length of a step from which the end of a stick episode is sought by halving, and down to which; most steps that are tried.
-const BRINK: f64 = 1e-4;
-const FINEST: f64 = 1e-15;
-const MOST_TRIALS: u32 = 400;
 /// Most halvings of a stretch of a branch in which a special point is sought.
 const MOST_HALVINGS: u32 = 40;
 
@@ -35,11 +32,11 @@ pub(super) struct Stop {
     pub at: BranchPoint,
 }
 
-/// The end of a side: its last point, if it was found, the reason, and the condition that is met there.
-struct Ending {
-    last: Option<Stop>,
-    why: End,
-    condition: Option<Condition>,
+/// The end of a side: its last point, if it was found, the reason, and what happens there.
+pub(super) struct Ending {
+    pub last: Option<Stop>,
+    pub why: End,
+    pub special: Option<SpecialPoint>,
 }
 
 /// One side of a branch, from its first point on.
@@ -128,7 +125,7 @@ impl<S: Coordinates> Follower<'_, S> {
     }
 
     /// The special point at a condition; `None` if it is none.
-    fn special(&self, condition: Condition, at: BranchPoint) -> Option<SpecialPoint> {
+    pub fn special(&self, condition: Condition, at: BranchPoint) -> Option<SpecialPoint> {
         let kind = condition.kind();
         // Two real multipliers whose product is 1 are no special point.
         let own = at.half_multipliers.unwrap_or(at.multipliers);
@@ -137,14 +134,19 @@ impl<S: Coordinates> Follower<'_, S> {
         (is_one && (low..=high).contains(&at.value)).then_some(SpecialPoint { condition, at })
     }
 
+    /// The point of the tangent after a step.
+    pub fn ahead(&self, now: &Stop, step: f64) -> DVector<f64> {
+        &now.on.point + (&now.on.tangent * step).component_mul(&self.family.scales)
+    }
+
     /// The next point after a step.
     ///
     /// # Errors
     /// The condition by which a stick episode is another one there, or none, if it is that.
-    fn next(&self, now: &Stop, step: f64) -> Result<Stop, Option<Condition>> {
+    pub fn next(&self, now: &Stop, step: f64) -> Result<Stop, Option<Condition>> {
         let lost = || {
             let guess = &now.on.point + (&now.on.tangent * step).component_mul(&self.family.scales);
-            self.family.lapse(&guess).and_then(|lapse| now.tests.lost(lapse))
+            self.family.lapse(&guess).and_then(|lapse| now.tests.lost(&lapse))
         };
         let on = self.curve().next(&now.on, step).ok_or_else(lost)?;
         let next = self.beyond(now, on).ok_or(None)?;
@@ -156,22 +158,10 @@ impl<S: Coordinates> Follower<'_, S> {
         if near { Ok(next) } else { Err(None) }
     }
 
-    /// The last point within a step before a stick episode is another one or none, to rounding, and the condition of that.
-    fn brink(&self, now: &Stop, step: f64, condition: Condition) -> (Stop, Condition) {
-        let (mut last, mut step, mut condition) = (now.clone(), 0.5 * step, condition);
-        for _ in 0..MOST_TRIALS {
-            if step < FINEST {
-                break;
-            }
-            match self.next(&last, step) {
-                Ok(stop) => last = stop,
-                Err(met) => {
-                    condition = met.unwrap_or(condition);
-                    step *= 0.5;
-                }
-            }
-        }
-        (last, condition)
+    /// The end of the branch at a condition, where it was located.
+    fn ends(&self, why: End, condition: Condition, last: Option<Stop>) -> Ending {
+        let special = last.as_ref().and_then(|last| self.special(condition, last.at.clone()));
+        Ending { last, why, special }
     }
 
     /// The conditions by which a point is not admissible that comes after an admissible one. Beyond an impact that vanishes the
@@ -207,7 +197,7 @@ impl<S: Coordinates> Follower<'_, S> {
                 origin(self.family, [&now.on.point, &next.on.point], a / (a - b))
         {
             let last = self.beyond(now, OnCurve { point, ..now.on.clone() });
-            return Some(Ending { last, why: End::Origin, condition: Some(condition) });
+            return Some(self.ends(End::Origin, condition, last));
         }
         let broken = self.broken([now, next]);
         if let Some(first) = broken.first().copied() {
@@ -219,14 +209,14 @@ impl<S: Coordinates> Follower<'_, S> {
                 all.into_iter().min_by(|(_, a), (_, b)| along(a).total_cmp(&along(b)))
             });
             let (condition, last) = nearest.map_or((first, None), |(it, last)| (it, Some(last)));
-            return Some(Ending { last, why: End::at(condition), condition: Some(condition) });
+            return Some(self.ends(End::at(condition), condition, last));
         }
         let [low, high] = self.along.between;
         let bound = next.at.value.clamp(low, high);
         (bound != next.at.value).then(|| {
             let on = self.curve().where_unknown_is(&next.on, self.number(), bound);
             let last = on.and_then(|on| self.beyond(now, on));
-            Ending { last, why: End::Range, condition: None }
+            Ending { last, why: End::Range, special: None }
         })
     }
 
@@ -254,18 +244,18 @@ impl<S: Coordinates> Follower<'_, S> {
             let (next, brink) = match self.next(&now, step) {
                 Ok(next) => (Some(next), None),
                 Err(Some(condition)) if step < BRINK => {
-                    let (last, condition) = self.brink(&now, step, condition);
-                    (Some(last), Some(condition))
+                    let (last, special) = self.brink(&now, step, condition);
+                    (Some(last), Some(special))
                 }
                 Err(_) => (None, None),
             };
             let ending = next.as_ref().and_then(|next| {
-                let last = |condition| Ending {
+                let at_brink = brink.map(|special| Ending {
                     last: Some(next.clone()),
-                    why: End::at(condition),
-                    condition: Some(condition),
-                };
-                self.ending([&now, next]).or_else(|| brink.map(last))
+                    why: End::at(special.condition),
+                    special: Some(special),
+                });
+                self.ending([&now, next]).or(at_brink)
             });
             let last = ending.as_ref().and_then(|ending| ending.last.as_ref());
             let lost = ending.is_some() && last.is_none();
@@ -282,8 +272,7 @@ impl<S: Coordinates> Follower<'_, S> {
                 continue;
             };
             side.special.append(&mut special);
-            if let Some(Ending { last: Some(last), why, condition }) = ending {
-                let special = condition.and_then(|it| self.special(it, last.at.clone()));
+            if let Some(Ending { last: Some(last), why, special }) = ending {
                 side.special.extend(special);
                 side.points.push(last.at);
                 return (side, why);
