@@ -51,6 +51,7 @@ mod side_by_side;
 mod speed_law;
 mod starts_at_jumps;
 mod steady;
+mod stick_branches;
 mod stress;
 mod stress_inputs;
 mod sweep_tables;

@@ -10,16 +10,16 @@ use iva_core::{
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     orbit::{
-        Cycle, Request, Trajectory,
-        branch::{Along, Branch, BranchPoint, End, follow},
+        Coordinates, Cycle, Request, Trajectory,
+        branch::{Along, Branch, End, follow},
         chain::Chain,
         conditions::Kind,
-        description::describe,
         iterate,
-        periodic::{Orbit, find},
+        periodic::find,
     },
     siva::Siva,
 };
+use iva_tests::rng::Rng;
 
 /// μ, e, d, ζ, F and Ω.
 type Scene = [f64; 6];
@@ -30,7 +30,9 @@ const RESTITUTION: usize = 1;
 const CLEARANCE: usize = 2;
 const FORCE: usize = 4;
 
-fn system([mu, e, d, zeta, amplitude, frequency]: Scene) -> Result<(Siva<DrivenHost>, f64), Invalid> {
+fn system(
+    [mu, e, d, zeta, amplitude, frequency]: Scene,
+) -> Result<(Siva<DrivenHost>, f64), Invalid> {
     let harmonic = Harmonic { amplitude, frequency, phase: 0.0, acts: Acts::Primary };
     let force = Force::harmonic(vec![harmonic])?;
     Ok((Siva::new(mu, e, d, zeta)?.under(force), TAU / frequency))
@@ -42,37 +44,153 @@ fn with(scene: Scene, over: usize, value: f64) -> Scene {
     changed
 }
 
-/// What a run from some start has come to after so many periods.
-fn settled(scene: Scene, start: &Start, periods: u32) -> Trajectory<Siva<DrivenHost>> {
-    let (siva, period) = system(scene).unwrap();
-    let begun = Trajectory::new(siva, start, Cycle { begin: 0.0, length: period }).unwrap();
-    let (mut count, mut last) = (0, begun.state);
-    iterate(std::slice::from_ref(&begun), Request::default(), &mut |_, image| {
-        (count, last) = (count + 1, image.state);
-        if count < periods { Continue(()) } else { Break(()) }
+/// What a trajectory has come to after so many cycles, and the number of stick episodes in the last one.
+fn settled(
+    from: &Trajectory<Siva<DrivenHost>>,
+    cycles: u32,
+) -> (Trajectory<Siva<DrivenHost>>, u64) {
+    let (mut count, mut last, mut rides) = (0, from.state, 0);
+    iterate(std::slice::from_ref(from), Request::default(), &mut |_, image| {
+        (count, last, rides) = (count + 1, image.state, image.rides);
+        if count < cycles { Continue(()) } else { Break(()) }
     })
     .unwrap();
-    begun.from(&last)
+    (from.from(&last), rides)
 }
 
-/// Follows what a run settles on.
-fn branch(scene: Scene, over: usize, between: [f64; 2], symmetric: bool) -> Branch {
+/// A start in the middle of the gap.
+fn begun(scene: Scene) -> Trajectory<Siva<DrivenHost>> {
+    let (siva, period) = system(scene).unwrap();
     let start = Start { gap_velocity: 0.1, ..Start::default() };
-    let orbit = find(&settled(scene, &start, 300), symmetric, None).unwrap();
-    let (chain, unknowns) = Chain::of(&orbit, 1).unwrap();
-    let scenes = |values: &[f64]| system(with(scene, over, values[0]));
-    follow(&scenes, (&chain, &unknowns), scene[over], Along::new(between)).unwrap()
+    Trajectory::new(siva, &start, Cycle { begin: 0.0, length: period }).unwrap()
 }
 
-#[test]
-fn look() {
-    for (over, between) in [(CLEARANCE, [0.05, 1.5]), (FORCE, [0.2, 4.0])] {
-        for symmetric in [true, false] {
-            let found = branch(S1, over, between, symmetric);
-            println!("{over} {symmetric} {:?} {} {:?}", found.chain, found.points.len(), found.ends);
-            for special in &found.special {
-                println!("   {:?} {} {:?}", special.condition, special.at.value, special.at.multipliers[0]);
-            }
+/// Follows what a run settles on; `None` if that is not periodic.
+fn branch(scene: Scene, over: usize, between: [f64; 2], symmetric: bool) -> Option<Branch> {
+    let orbit = find(&settled(&begun(scene), 300).0, symmetric, None).ok()?;
+    let (chain, unknowns) = Chain::of(&orbit, 1).ok()?;
+    let scenes = |values: &[f64]| system(with(scene, over, values[0]));
+    follow(&scenes, (&chain, &unknowns), scene[over], Along::new(between))
+}
+
+/// Checks some orbits of a branch: a run comes back to them, the map finds them from nearby with the same multipliers, and
+/// where they are stable a run from nearby settles on them. How many were stable.
+fn judge(scene: Scene, over: usize, branch: &Branch, every: usize) -> usize {
+    let (mut stable, mut worst) = (0, [0.0f64; 3]);
+    for at in branch.points.iter().skip(2).step_by(every) {
+        // Next to its end an impact is about to begin or to vanish, or rounding decides whether the absorber sticks.
+        let brink = branch.special.iter().any(|it| (it.at.value - at.value).abs() < 1e-6);
+        if at.margin < 1e-3 || at.slowest < 1e-2 || brink {
+            continue;
+        }
+        let scene = with(scene, over, at.value);
+        let (siva, period) = system(scene).unwrap();
+        let orbit = branch.chain.orbit(&siva, period, &at.unknowns, 0.0).unwrap();
+        let size = 1.0 + at.multipliers[0].norm();
+        let on = siva.coordinates(&orbit.trajectory.state);
+        let moved = siva.start_at(&(on * (1.0 + 1e-6))).unwrap();
+        let nearby = Trajectory::new(siva.clone(), &moved, orbit.trajectory.cycle).unwrap();
+        let Ok(found) = find(&nearby, branch.chain.symmetric, None) else {
+            // Next to a stick that begins a step of Newton's method may miss the chatter.
+            assert!(!at.is_stable(), "{scene:?}");
+            continue;
+        };
+        let off = at.multipliers.iter().zip(found.multipliers).map(|(a, b)| (a - b).norm());
+        worst[0] = worst[0].max(orbit.residual);
+        worst[1] = worst[1].max(off.fold(0.0, f64::max) / size);
+        if at.is_stable() && at.multipliers[0].norm() < 0.9 {
+            let (settled, _) = settled(&nearby, 250);
+            worst[2] = worst[2].max((siva.coordinates(&settled.state) - on).amax());
+            stable += 1;
         }
     }
+    println!("{scene:?} {over}: {stable} stable, worst {worst:?}");
+    assert!(worst[0] < 1e-13 && worst[1] < 1e-12 && worst[2] < 1e-10, "{worst:?}");
+    stable
+}
+
+/// Branches of the orbit of the references over clearance and force, by the half map and the map.
+#[test]
+fn orbits_of_a_branch_with_sticks_are_what_runs_settle_on() {
+    for (over, between) in [(CLEARANCE, [0.2, 0.3]), (FORCE, [0.8, 1.25])] {
+        for symmetric in [true, false] {
+            let found = branch(S1, over, between, symmetric).unwrap();
+            assert_eq!(found.ends, [End::Range; 2]);
+            assert!(found.chain.sticks.iter().all(|sticks| *sticks));
+            assert!(found.special.is_empty());
+            assert!(judge(S1, over, &found, 9) >= 5);
+        }
+    }
+}
+
+/// Where the stick of the orbit of the references begins: x scales with F and d, so that only d/F counts there, and the half
+/// map and the map have it at the same place. On one side a run that has settled sticks, on the other it does not.
+#[test]
+fn a_branch_ends_where_its_stick_begins() {
+    let mut ratios = Vec::new();
+    for (over, between) in [(CLEARANCE, [0.24, 0.5]), (FORCE, [0.5, 1.1])] {
+        for symmetric in [true, false] {
+            let found = branch(S1, over, between, symmetric).unwrap();
+            assert!(found.ends.contains(&End::StickBegins), "{:?}", found.ends);
+            let [special] = found.special.as_slice() else { panic!("{:?}", found.special) };
+            assert_eq!(special.condition.kind(), Kind::StickBegins);
+            let scene = with(S1, over, special.at.value);
+            println!("{over} {symmetric} {} {}", special.at.value, scene[CLEARANCE] / scene[FORCE]);
+            ratios.push(scene[CLEARANCE] / scene[FORCE]);
+        }
+    }
+    let [low, high] = [f64::min, f64::max].map(|of| ratios.iter().copied().reduce(of).unwrap());
+    assert!(high - low < 1e-12, "{:e}", high - low);
+    for (off, sticks) in [(-1e-6, true), (1e-6, false)] {
+        let (_, rides) = settled(&begun(with(S1, CLEARANCE, low + off)), 300);
+        assert_eq!(rides > 0, sticks, "{off:e}");
+    }
+}
+
+/// Plastic impacts stick at once while their wall presses.
+#[test]
+fn branches_of_plastic_impacts_are_made_of_orbits() {
+    let scene = with(S1, RESTITUTION, 0.0);
+    for symmetric in [true, false] {
+        let found = branch(scene, CLEARANCE, [0.1, 1.0], symmetric).unwrap();
+        println!("{:?} {:?} {} points", found.chain, found.ends, found.points.len());
+        for special in &found.special {
+            println!("   {:?} {}", special.condition, special.at.value);
+        }
+        assert!(judge(scene, CLEARANCE, &found, 7) >= 5);
+    }
+}
+
+/// Branches of random scenes with low restitution or a narrow gap, from what they settle on.
+#[test]
+fn random_branches_with_sticks_are_made_of_orbits() {
+    let mut rng = Rng::new(82);
+    let (mut count, mut stable, mut begins) = (0, 0, 0);
+    for _ in 0..60 {
+        let scene = [
+            rng.range(0.02, 0.3),
+            rng.range(0.1, 0.6),
+            rng.range(0.05, 0.6),
+            rng.range(0.01, 0.1),
+            1.0,
+            rng.range(0.5, 1.2),
+        ];
+        let between = [0.3 * scene[CLEARANCE], 2.0 * scene[CLEARANCE]];
+        let Some(found) = branch(scene, CLEARANCE, between, false) else { continue };
+        if !found.chain.sticks.contains(&true) {
+            continue;
+        }
+        println!("{:?} {} points {:?}", found.chain, found.points.len(), found.ends);
+        for special in &found.special {
+            println!("   {:?} {}", special.condition, special.at.value);
+        }
+        stable += judge(scene, CLEARANCE, &found, 10);
+        begins += found.ends.iter().filter(|end| **end == End::StickBegins).count();
+        count += 1;
+        if count == 12 {
+            break;
+        }
+    }
+    println!("{count} branches, {stable} stable orbits, {begins} sticks that begin");
+    assert!(count >= 8 && stable > 30 && begins > 3);
 }

@@ -17,7 +17,7 @@ pub(super) const BRINK: f64 = 1e-4;
 const FINEST: f64 = 1e-15;
 const MOST_TRIALS: u32 = 400;
 /// How far the tangent is the branch to rounding, in scales.
-const STRAIGHT: f64 = 1e-7;
+const STRAIGHT: f64 = 1e-6;
 
 impl<S: Coordinates> Follower<'_, S> {
     /// The last point within a step, and what ends the branch there, given what was found beyond.
