@@ -53,7 +53,7 @@ SCHEMA_VERSION: Final[int]
 VERSION: Final[str]
 
 _Spec = dict[str, Any]
-_Chain = tuple[Sequence[int], bool, int]
+_Chain = tuple[Sequence[int], Sequence[bool], bool, int]
 _Point = tuple[_Chain, tuple[str, int, int], float, Sequence[float]]
 _Steps = tuple[tuple[float, float], float, int]
 _Numbers = tuple[float, float, float, float]

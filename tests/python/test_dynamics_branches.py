@@ -228,7 +228,7 @@ def test_bad_input_is_one_sentence(first: dynamics.Orbit, branch: dynamics.Branc
         )
 
 
-def test_an_orbit_with_sticks_is_refused_with_a_reason() -> None:
+def test_an_orbit_with_sticks_is_followed_to_where_its_stick_begins() -> None:
     siva = iva.Siva(mass_ratio=0.1, restitution=0.5, clearance=0.25)
     force = iva.Harmonic(amplitude=1.0, frequency=0.7)
     primary = iva.Primary(damping_ratio=0.02)
@@ -236,5 +236,30 @@ def test_an_orbit_with_sticks_is_refused_with_a_reason() -> None:
     assert isinstance(orbit, dynamics.Orbit)
     assert orbit.episodes
     found = dynamics.follow(orbit, over="clearance", between=(0.2, 0.4))
-    assert isinstance(found, dynamics.Missed)
-    assert found.reason == "sticks"
+    assert isinstance(found, dynamics.Branch)
+    assert found.walls in ("(+)(-)", "(-)(+)")
+    assert found.impacts == 2
+    assert found.ends == ("range", "stick_begins")
+    assert found.table["walls"].unique().to_list() == [found.walls]
+    middle = len(found.rows) // 2
+    there = found.orbit(middle)
+    assert isinstance(there, dynamics.Orbit)
+    assert len(there.episodes) == 2
+    assert there.walls in ("(+)(-)", "(-)(+)")
+    assert there.rank == 2
+    assert there.amplitude == pytest.approx(found.rows[middle].amplitude, rel=1e-12)
+    for one, other in zip(there.multipliers, found.rows[middle].multipliers, strict=True):
+        assert abs(one - other) < 1e-12
+    (point,) = found.points
+    assert point.kind == "stick_begins"
+    # x scales with the force and the clearance: over the force the stick begins at one d/F.
+    again = dynamics.follow(orbit, over="force.amplitude", between=(0.5, 1.1))
+    assert isinstance(again, dynamics.Branch)
+    assert again.ends == ("stick_begins", "range")
+    assert 0.25 / again.points[0].value == pytest.approx(point.value, rel=1e-12)
+    assert not found.switch(0)
+    assert not dynamics.curve(
+        point, over=("force.frequency", "clearance"), between=((0.6, 0.8), (0.2, 0.5))
+    )
+    assert not point.orbit
+    assert pickle.loads(pickle.dumps(found)) == found

@@ -15,8 +15,8 @@ use crate::dynamics::shown;
 use crate::errors::invalid;
 use crate::worker;
 
-/// A chain as Python holds it: the walls, whether it is symmetric, and the number of cycles.
-type GivenChain = (Vec<i8>, bool, u32);
+/// A chain as Python holds it: the walls, which impacts begin a stick episode, whether it is symmetric, and the number of cycles.
+type GivenChain = (Vec<i8>, Vec<bool>, bool, u32);
 /// A condition as Python holds it: kind, index of flight or impact, and wall.
 type GivenCondition = (String, usize, i8);
 /// A special point as Python holds it: the chain, the condition, the value of the field, and the unknowns.
@@ -28,13 +28,13 @@ fn wall(number: i8) -> Wall {
     if number > 0 { Wall::Plus } else { Wall::Minus }
 }
 
-fn chain((walls, symmetric, cycles): GivenChain) -> Chain {
-    Chain { walls: walls.into_iter().map(wall).collect(), symmetric, cycles }
+fn chain((walls, sticks, symmetric, cycles): GivenChain) -> Chain {
+    Chain { walls: walls.into_iter().map(wall).collect(), sticks, symmetric, cycles }
 }
 
 fn given_chain(chain: &Chain) -> GivenChain {
     let walls = chain.walls.iter().map(|wall| wall.number()).collect();
-    (walls, chain.symmetric, chain.cycles)
+    (walls, chain.sticks.clone(), chain.symmetric, chain.cycles)
 }
 
 fn condition((kind, index, side): &GivenCondition) -> PyResult<Condition> {
@@ -45,6 +45,7 @@ fn condition((kind, index, side): &GivenCondition) -> PyResult<Condition> {
         "neimark_sacker" => Condition::NeimarkSacker,
         "grazing" => Condition::Grazing { flight: *index, wall: wall(*side) },
         "impact_vanishes" => Condition::ImpactVanishes { impact: *index },
+        "stick_begins" => Condition::StickBegins { impact: *index },
         other => return Err(PyValueError::new_err(format!("kind = {other}: no such point"))),
     })
 }
@@ -52,7 +53,7 @@ fn condition((kind, index, side): &GivenCondition) -> PyResult<Condition> {
 fn given_condition(condition: Condition) -> GivenCondition {
     let (index, side) = match condition {
         Condition::Grazing { flight, wall } => (flight, wall.number()),
-        Condition::ImpactVanishes { impact } => (impact, 0),
+        Condition::ImpactVanishes { impact } | Condition::StickBegins { impact } => (impact, 0),
         _ => (0, 0),
     };
     (condition.kind().name().to_owned(), index, side)

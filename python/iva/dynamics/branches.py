@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
 #: Most points of a branch to either side.
 MOST_POINTS = 10**6
-#: The walls, the symmetry and the number of periods of a sequence of impacts.
-Chain = tuple[tuple[int, ...], bool, int]
+#: The walls of a sequence of impacts, which of them begin a stick episode, the symmetry, and the
+#: number of periods.
+Chain = tuple[tuple[int, ...], tuple[bool, ...], bool, int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,9 +47,9 @@ class Row:
         All multipliers are smaller than 1.
     grazing_margin : float or None
         Smallest distance of an extremum of the gap displacement between impacts to the wall that
-        the absorber turns back from; ``None`` without one.
+        the absorber turns back from, also within a chatter; ``None`` without one.
     approach_speed_min : float
-        Smallest approach speed of its impacts.
+        Smallest approach speed of its impacts, of a stick episode of the first one.
     unknowns : tuple of float
         In natural units: the instant of the first impact, x, ẋ and ẏ (of a pendulum b θ̇) after it,
         and the instants of the others; of a symmetric orbit those of half a cycle.
@@ -71,9 +72,11 @@ class Point:
     Parameters
     ----------
     kind : str
-        ``fold``, ``pitchfork``, ``flip``, ``neimark_sacker``, ``grazing`` or ``impact_vanishes``.
+        ``fold``, ``pitchfork``, ``flip``, ``neimark_sacker``, ``grazing``, ``impact_vanishes`` or
+        ``stick_begins``.
     row : Row
-        The orbit there, as a point of the branch.
+        The orbit there, as a point of the branch; where a stick begins, with the multipliers of
+        the last orbit before it.
     """
 
     kind: str
@@ -89,7 +92,7 @@ class Point:
 
     @property
     def orbit(self) -> Orbit | Missed:
-        """The orbit there."""
+        """The orbit there, as a run makes it; where a stick begins, a run makes none."""
         return orbit_at(self.scene, self.chain, self.row)
 
     def __repr__(self) -> str:
@@ -110,20 +113,22 @@ class Branch:
         The range of the number.
     chain : tuple
         Walls (+1 and −1) of the impacts until the motion repeats, of a symmetric orbit those of
-        half of it; whether it is symmetric; and the number of periods of the force until it
-        repeats.
+        half of it; which of them begin a stick episode and stand for all its impacts; whether it
+        is symmetric; and the number of periods of the force until it repeats.
     rows : tuple of Row
         Its points in order; the first is at the end that is reached towards smaller numbers.
     points : tuple of Point
         Its special points, in the same order.
     ends : tuple of str, length 2
-        Why it ends on either side: ``range``, ``grazing``, ``impact_vanishes``, ``origin`` (the
-        pitchfork or flip where it begins), ``closed``, ``stalled`` or ``points``.
+        Why it ends on either side: ``range``, ``grazing``, ``impact_vanishes``, ``stick_begins``
+        (beyond, the absorber leaves a wall before it sticks to it), ``origin`` (the pitchfork or
+        flip where it begins), ``closed``, ``stalled`` or ``points``.
 
     Notes
     -----
     Pseudo-arclength continuation (H. B. Keller) of the boundary-value problem in the instants of
-    the impacts; special points by Newton's method on the orbit and its condition together.
+    the impacts; special points by Newton's method on the orbit and its condition together. The
+    motion from the first impact of a stick episode to its release is that of a run.
     """
 
     scene: Scene
@@ -137,24 +142,31 @@ class Branch:
     @property
     def symmetric(self) -> bool:
         """True if the orbits are their own mirror images half a cycle later."""
-        return self.chain[1]
+        return self.chain[2]
 
     @property
     def periods(self) -> int:
         """Number of periods of the force after which the orbits repeat."""
-        return self.chain[2]
+        return self.chain[3]
 
     @property
     def walls(self) -> str:
-        """The walls of the impacts until the motion repeats, ``+`` and ``-``."""
-        walls, symmetric, _ = self.chain
+        """The walls until the motion repeats.
+
+        ``+`` or ``-`` for an impact, ``(+)`` or ``(-)`` for a stick episode with all its impacts.
+        """
+        walls, sticks, symmetric, _ = self.chain
         both = (*walls, *(-wall for wall in walls)) if symmetric else walls
-        return "".join("+" if wall > 0 else "-" for wall in both)
+        signs = ("+" if wall > 0 else "-" for wall in both)
+        marks = (*sticks, *sticks) if symmetric else sticks
+        pairs = zip(signs, marks, strict=True)
+        return "".join(f"({sign})" if mark else sign for sign, mark in pairs)
 
     @property
     def impacts(self) -> int:
-        """Number of impacts until the motion repeats."""
-        return len(self.walls)
+        """Number of impacts until the motion repeats; a stick episode counts as one."""
+        walls, _, symmetric, _ = self.chain
+        return 2 * len(walls) if symmetric else len(walls)
 
     @property
     def table(self) -> pl.DataFrame:
@@ -308,8 +320,7 @@ def follow(
     Returns
     -------
     Branch or Missed
-        The branch, or why it was not followed: a branch is true, a `Missed` is false. Orbits with
-        stick episodes cannot be followed.
+        The branch, or why it was not followed: a branch is true, a `Missed` is false.
 
     Raises
     ------
@@ -366,8 +377,8 @@ def branch(
     """Return a branch that the compiled part describes, or why there is none."""
     if "reason" in found:
         return Missed(**found)
-    walls, symmetric, cycles = found["chain"]
-    chain = (tuple(walls), symmetric, cycles)
+    walls, sticks, symmetric, cycles = found["chain"]
+    chain = (tuple(walls), tuple(sticks), symmetric, cycles)
     points = []
     for made in found["points"]:
         kind, index, wall = made.pop("condition")
@@ -391,4 +402,4 @@ def orbit_at(scene: Scene, chain: Chain, row: Row) -> Orbit | Missed:
     found = _iva.orbit_at(scene.spec(), chain, scene.over, row.value, row.unknowns)
     there = scene.at(row.value)
     parts = (there.absorber, there.primary, there.force)
-    return orbit_of(found, parts, chain[2], scene.start)
+    return orbit_of(found, parts, chain[3], scene.start)

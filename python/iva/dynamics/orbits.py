@@ -291,7 +291,8 @@ class Missed:
     Parameters
     ----------
     reason : str
-        ``no_impacts``, ``singular``, ``stalled`` or ``not_periodic``; or the outcome of a run that
+        ``no_impacts``, ``singular``, ``stalled``, ``not_periodic`` or ``no_stick`` (where the stick
+        of a branch begins); or the outcome of a run that
         did not end: ``impact_limit``, ``work_limit`` or ``not_finite``.
     message : str
         The same as a sentence.

@@ -27,6 +27,7 @@ MARKERS = {
     "neimark_sacker": ("o", "Neimark–Sacker"),
     "grazing": ("x", "grazing"),
     "impact_vanishes": ("+", "impact vanishes"),
+    "stick_begins": ("v", "stick begins"),
 }
 #: Columns of a branch that are drawn → words, symbol and quantity.
 COLUMNS = {

@@ -237,3 +237,68 @@ impl Chain {
         Ok(Passed { residual, jacobian, map, speeds, flights, episodes, rides })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::absorber::Start;
+    use crate::error::Invalid;
+    use crate::force::{Acts, Force, Harmonic};
+    use crate::orbit::Trajectory;
+    use crate::orbit::periodic::{Missed, find};
+    use crate::siva::Siva;
+
+    /// Central differences, at and beside the orbit S1 of the references: chatter, stick and release on each wall.
+    #[test]
+    fn the_derivatives_through_an_episode_are_those_of_differences() -> Result<(), Missed> {
+        let system = |restitution: f64| -> Result<_, Invalid> {
+            let acts = Acts::Primary;
+            let harmonic = Harmonic { amplitude: 1.0, frequency: 0.7, phase: 0.0, acts };
+            let force = Force::harmonic(vec![harmonic])?;
+            Ok(Siva::new(0.1, restitution, 0.25, 0.02)?.under(force))
+        };
+        let start = Start {
+            displacement: 2.176_589_021_818_41,
+            velocity: 0.111_600_297_722_162,
+            gap_displacement: 0.168_039_634_175_835,
+            gap_velocity: 0.183_456_265_851_444,
+        };
+        let length = TAU / 0.7;
+        for (restitution, symmetric) in [(0.5, true), (0.5, false), (0.0, false)] {
+            let system = system(restitution)?;
+            let cycle = crate::orbit::Cycle { begin: 0.0, length };
+            let orbit = find(&Trajectory::new(system.clone(), &start, cycle)?, symmetric, None)?;
+            let both = Chain::of(&orbit, 1);
+            assert!(both.is_ok(), "{both:?}");
+            let Ok((chain, mut unknowns)) = both else { continue };
+            assert!(chain.sticks.iter().all(|sticks| *sticks));
+            unknowns[1] += 1e-3;
+            unknowns[0] -= 2e-3;
+            let length = chain.length(length);
+            let at = |unknowns: &[f64]| chain.passed(&system, length, unknowns, true);
+            let here = at(&unknowns);
+            assert!(here.is_ok(), "{:?}", here.err());
+            let Ok(here) = here else { continue };
+            for column in 0..unknowns.len() {
+                let moved = |by: f64| {
+                    let mut moved = unknowns.clone();
+                    moved[column] += by;
+                    at(&moved).map(|passed| passed.residual)
+                };
+                // After a plastic impact the absorber can only leave the wall.
+                if restitution == 0.0 && column == 3 {
+                    continue;
+                }
+                if let (Ok(high), Ok(low)) = (moved(1e-5), moved(-1e-5)) {
+                    let off = (high - low) / 2e-5 - here.jacobian.column(column);
+                    assert!(off.amax() < 1e-8, "{restitution} {column}: {:e}", off.amax());
+                } else {
+                    assert!(restitution < 0.0, "{column}");
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -26,33 +26,40 @@ pub(super) struct Family<'a, S> {
 }
 
 impl<S: Coordinates> Family<'_, S> {
+    /// The system at a point, what its chain comes to or why it does not, and the length of a cycle; `None` if the scene does
+    /// not allow the numbers.
+    fn tried(
+        &self,
+        point: &DVector<f64>,
+        derivatives: bool,
+    ) -> Option<(S, Result<Passed<S::State>, Lapse>, f64)> {
+        let (unknowns, numbers) = point.as_slice().split_at(self.chain.unknowns());
+        let (system, cycle) = (self.scenes)(numbers).ok()?;
+        let length = self.chain.length(cycle);
+        let passed = self.chain.passed(&system, length, unknowns, derivatives);
+        Some((system, passed, cycle))
+    }
+
     /// The system at a point, what its chain comes to, and the length of a cycle.
     pub fn passed(
         &self,
         point: &DVector<f64>,
         derivatives: bool,
     ) -> Option<(S, Passed<S::State>, f64)> {
-        let (unknowns, numbers) = point.as_slice().split_at(self.chain.unknowns());
-        let (system, cycle) = (self.scenes)(numbers).ok()?;
-        let length = self.chain.length(cycle);
-        let passed = self.chain.passed(&system, length, unknowns, derivatives).ok()?;
-        Some((system, passed, cycle))
+        let (system, passed, cycle) = self.tried(point, derivatives)?;
+        Some((system, passed.ok()?, cycle))
     }
 
     /// Why the chain has no motion at a point; `None` if it has one, or if the scene does not allow the numbers.
     pub fn lapse(&self, point: &DVector<f64>) -> Option<Lapse> {
-        let (unknowns, numbers) = point.as_slice().split_at(self.chain.unknowns());
-        let (system, cycle) = (self.scenes)(numbers).ok()?;
-        self.chain.passed(&system, self.chain.length(cycle), unknowns, false).err()
+        self.tried(point, false)?.1.err()
     }
 
     /// How long the rebounds of the episode last that begins with an impact, whether or not it ends in stick, and the
     /// restitution at its wall.
     pub fn rebounds(&self, point: &DVector<f64>, impact: usize) -> Option<(Vec<f64>, f64)> {
-        let (unknowns, numbers) = point.as_slice().split_at(self.chain.unknowns());
-        let (system, cycle) = (self.scenes)(numbers).ok()?;
+        let (system, passed, _) = self.tried(point, false)?;
         let restitution = system.law_at(self.chain.wall(impact), 0.0).rebound;
-        let passed = self.chain.passed(&system, self.chain.length(cycle), unknowns, false);
         let rebounds = match passed {
             Ok(passed) => passed.episodes.into_iter().find(|it| it.impact == impact)?.rebounds,
             Err(Lapse::Leaves(left)) if left.impact == impact => left.rebounds,

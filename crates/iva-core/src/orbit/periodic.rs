@@ -77,6 +77,8 @@ pub enum Missed {
     /// The run from the point found does not come back to it, by this over the size of the state: the cycle is not one of the
     /// drive, or the scene is not symmetric.
     NotPeriodic(f64),
+    /// At a point of a branch with stick episodes: a run leaves a wall there before its chatter has ended.
+    NoStick,
 }
 
 impl From<Invalid> for Missed {

@@ -4,6 +4,7 @@ use nalgebra::Vector4;
 
 use super::chain::{Chain, flown};
 use super::coordinates::Coordinates;
+use super::episode::Lapse;
 use super::periodic::{Missed, Orbit, through};
 use super::{Cycle, Trajectory};
 use crate::absorber::{Clock, Wall};
@@ -115,7 +116,7 @@ impl Chain {
     /// may have an impact more or less than the chain.
     ///
     /// # Errors
-    /// [`Missed`] if there is no such orbit.
+    /// [`Missed`] if there is no such orbit, or one of its chatters does not end in stick.
     pub fn orbit<S: Coordinates + Clone>(
         &self,
         system: &S,
@@ -125,7 +126,10 @@ impl Chain {
     ) -> Result<Orbit<S>, Missed> {
         let lost = Missed::Stalled(f64::INFINITY);
         let passed = self.passed(system, self.length(cycle), unknowns, false);
-        let passed = passed.map_err(|_| lost.clone())?;
+        let passed = passed.map_err(|lapse| match lapse {
+            Lapse::Leaves(_) => Missed::NoStick,
+            Lapse::Undefined => lost.clone(),
+        })?;
         let longest = passed.flights.iter().max_by(|a, b| a.length.total_cmp(&b.length));
         let flight = longest.ok_or(lost.clone())?;
         let half = 0.5 * flight.length;
@@ -137,6 +141,14 @@ impl Chain {
         let state = system.begin_at(&start, Clock::new(begin));
         let cycle = Cycle { begin, length };
         let trajectory = Trajectory { system: system.clone(), state, cycle, tier: Tier::Exact };
-        through(trajectory, self.symmetric, None)
+        let orbit = through(trajectory, self.symmetric, None)?;
+        // Where a stick begins, the run may not show it.
+        let sticks = |chain: &Self| chain.sticks.iter().filter(|sticks| **sticks).count();
+        let shows = |(shown, _): (Self, _)| sticks(&shown) >= sticks(self);
+        if sticks(self) == 0 || Self::of(&orbit, self.cycles).is_ok_and(shows) {
+            Ok(orbit)
+        } else {
+            Err(Missed::NoStick)
+        }
     }
 }

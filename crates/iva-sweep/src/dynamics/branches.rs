@@ -52,7 +52,7 @@ pub struct Row {
     /// Smallest distance of an extremum of the gap displacement between impacts from the wall that the absorber turns back
     /// from; infinite without one.
     pub grazing_margin: f64,
-    /// Smallest approach speed.
+    /// Smallest approach speed, those within stick episodes after their first impact apart.
     pub approach_speed_min: f64,
     /// The unknowns of the chain, in natural units.
     pub unknowns: Vec<f64>,
@@ -85,8 +85,6 @@ pub struct Followed {
 pub enum NoBranch {
     /// There is no orbit at the start.
     Missed(Missed),
-    /// The absorber sticks to a wall in the orbit.
-    Sticks,
     /// The orbit was not found as a solution of the equations of its chain, or no branch begins at the point.
     Lost,
 }
@@ -225,7 +223,6 @@ fn followed<S: OfMember + Coordinates + Clone>(
     };
     let (chain, unknowns) = match Chain::of(&orbit, periods) {
         Ok(both) => both,
-        Err(NoChain::Sticks) => return Ok(Err(NoBranch::Sticks)),
         Err(NoChain::NoImpacts | NoChain::NotSymmetric) => return Ok(Err(NoBranch::Lost)),
     };
     let slots = [way.over];

@@ -43,6 +43,11 @@ pub fn words(missed: &Missed) -> (&'static str, String) {
             );
             ("not_periodic", message)
         }
+        Missed::NoStick => (
+            "no_stick",
+            "a run leaves a wall here before its chatter has ended: this is where a stick begins"
+                .to_owned(),
+        ),
     }
 }
 
@@ -51,10 +56,6 @@ impl NoBranch {
     pub fn words(&self) -> (&'static str, String) {
         let (reason, message) = match self {
             NoBranch::Missed(missed) => return words(missed),
-            NoBranch::Sticks => (
-                "sticks",
-                "the absorber sticks to a wall; only orbits of single impacts can be followed",
-            ),
             NoBranch::Lost => (
                 "lost",
                 "the equations of the orbit with its sequence of impacts were not solved, or no branch begins at this \

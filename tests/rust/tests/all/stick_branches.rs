@@ -10,13 +10,14 @@ use iva_core::{
     force::{Acts, Force, Harmonic},
     host::DrivenHost,
     orbit::{
-        Coordinates, Cycle, Request, Trajectory,
+        Coordinates, Cycle, Iterated, Request, Trajectory,
         branch::{Along, Branch, End, follow},
         chain::Chain,
         conditions::Kind,
         iterate,
         periodic::find,
     },
+    piva::{Angles, Given, Parameters, Piva, PivaStart},
     siva::Siva,
 };
 use iva_tests::rng::Rng;
@@ -45,10 +46,7 @@ fn with(scene: Scene, over: usize, value: f64) -> Scene {
 }
 
 /// What a trajectory has come to after so many cycles, and the number of stick episodes in the last one.
-fn settled(
-    from: &Trajectory<Siva<DrivenHost>>,
-    cycles: u32,
-) -> (Trajectory<Siva<DrivenHost>>, u64) {
+fn settled<S: Iterated + Clone>(from: &Trajectory<S>, cycles: u32) -> (Trajectory<S>, u64) {
     let (mut count, mut last, mut rides) = (0, from.state, 0);
     iterate(std::slice::from_ref(from), Request::default(), &mut |_, image| {
         (count, last, rides) = (count + 1, image.state, image.rides);
@@ -75,7 +73,11 @@ fn branch(scene: Scene, over: usize, between: [f64; 2], symmetric: bool) -> Opti
 
 /// Checks some orbits of a branch: a run comes back to them, the map finds them from nearby with the same multipliers, and
 /// where they are stable a run from nearby settles on them. How many were stable.
-fn judge(scene: Scene, over: usize, branch: &Branch, every: usize) -> usize {
+fn judge<S: Coordinates + Iterated + Clone>(
+    scenes: &dyn Fn(f64) -> Result<(S, f64), Invalid>,
+    branch: &Branch,
+    every: usize,
+) -> usize {
     let (mut stable, mut worst) = (0, [0.0f64; 3]);
     for at in branch.points.iter().skip(2).step_by(every) {
         // Next to its end an impact is about to begin or to vanish, or rounding decides whether the absorber sticks.
@@ -83,16 +85,15 @@ fn judge(scene: Scene, over: usize, branch: &Branch, every: usize) -> usize {
         if at.margin < 1e-3 || at.slowest < 1e-2 || brink {
             continue;
         }
-        let scene = with(scene, over, at.value);
-        let (siva, period) = system(scene).unwrap();
-        let orbit = branch.chain.orbit(&siva, period, &at.unknowns, 0.0).unwrap();
+        let (system, period) = scenes(at.value).unwrap();
+        let orbit = branch.chain.orbit(&system, period, &at.unknowns, 0.0).unwrap();
         let size = 1.0 + at.multipliers[0].norm();
-        let on = siva.coordinates(&orbit.trajectory.state);
-        let moved = siva.start_at(&(on * (1.0 + 1e-6))).unwrap();
-        let nearby = Trajectory::new(siva.clone(), &moved, orbit.trajectory.cycle).unwrap();
+        let on = system.coordinates(&orbit.trajectory.state);
+        let moved = system.start_at(&(on * (1.0 + 1e-6))).unwrap();
+        let nearby = Trajectory::new(system.clone(), &moved, orbit.trajectory.cycle).unwrap();
         let Ok(found) = find(&nearby, branch.chain.symmetric, None) else {
             // Next to a stick that begins a step of Newton's method may miss the chatter.
-            assert!(!at.is_stable(), "{scene:?}");
+            assert!(!at.is_stable(), "{at:?}");
             continue;
         };
         let off = at.multipliers.iter().zip(found.multipliers).map(|(a, b)| (a - b).norm());
@@ -100,13 +101,18 @@ fn judge(scene: Scene, over: usize, branch: &Branch, every: usize) -> usize {
         worst[1] = worst[1].max(off.fold(0.0, f64::max) / size);
         if at.is_stable() && at.multipliers[0].norm() < 0.9 {
             let (settled, _) = settled(&nearby, 250);
-            worst[2] = worst[2].max((siva.coordinates(&settled.state) - on).amax());
+            worst[2] = worst[2].max((system.coordinates(&settled.state) - on).amax());
             stable += 1;
         }
     }
-    println!("{scene:?} {over}: {stable} stable, worst {worst:?}");
+    println!("{stable} stable, worst {worst:?}");
     assert!(worst[0] < 1e-13 && worst[1] < 1e-12 && worst[2] < 1e-10, "{worst:?}");
     stable
+}
+
+/// [`judge`] of a scene of a free mass with one of its numbers changed.
+fn judge_mass(scene: Scene, over: usize, branch: &Branch, every: usize) -> usize {
+    judge(&|value| system(with(scene, over, value)), branch, every)
 }
 
 /// Branches of the orbit of the references over clearance and force, by the half map and the map.
@@ -118,7 +124,7 @@ fn orbits_of_a_branch_with_sticks_are_what_runs_settle_on() {
             assert_eq!(found.ends, [End::Range; 2]);
             assert!(found.chain.sticks.iter().all(|sticks| *sticks));
             assert!(found.special.is_empty());
-            assert!(judge(S1, over, &found, 9) >= 5);
+            assert!(judge_mass(S1, over, &found, 9) >= 5);
         }
     }
 }
@@ -157,7 +163,7 @@ fn branches_of_plastic_impacts_are_made_of_orbits() {
         for special in &found.special {
             println!("   {:?} {}", special.condition, special.at.value);
         }
-        assert!(judge(scene, CLEARANCE, &found, 7) >= 5);
+        assert!(judge_mass(scene, CLEARANCE, &found, 7) >= 5);
     }
 }
 
@@ -184,7 +190,7 @@ fn random_branches_with_sticks_are_made_of_orbits() {
         for special in &found.special {
             println!("   {:?} {}", special.condition, special.at.value);
         }
-        stable += judge(scene, CLEARANCE, &found, 10);
+        stable += judge_mass(scene, CLEARANCE, &found, 10);
         begins += found.ends.iter().filter(|end| **end == End::StickBegins).count();
         count += 1;
         if count == 12 {
@@ -193,4 +199,49 @@ fn random_branches_with_sticks_are_made_of_orbits() {
     }
     println!("{count} branches, {stable} stable orbits, {begins} sticks that begin");
     assert!(count >= 8 && stable > 30 && begins > 3);
+}
+
+/// Branches of pendulums with small angles that stick to their stops.
+#[test]
+fn branches_of_pendulums_with_sticks_are_made_of_orbits() {
+    let mut rng = Rng::new(83);
+    let (mut count, mut stable) = (0, 0);
+    for _ in 0..60 {
+        let [mu, e, zeta] = [rng.range(0.02, 0.2), rng.range(0.1, 0.5), rng.range(0.02, 0.1)];
+        let [ratio, frequency] = [rng.range(0.2, 0.8), rng.range(0.5, 1.1)];
+        let first = rng.range(0.1, 0.5);
+        let scenes = |values: &[f64]| {
+            let parameters = Parameters {
+                frequency_ratio: ratio,
+                angles: Angles::Small,
+                ..Parameters::point_bob(mu, e, values[0], zeta, values[0])
+            };
+            let harmonic = Harmonic { amplitude: 1.0, frequency, phase: 0.0, acts: Acts::Primary };
+            let force = Force::harmonic(vec![harmonic])?;
+            Ok((Piva::new(parameters)?.under(force), TAU / frequency))
+        };
+        let (piva, period) = scenes(&[first]).unwrap();
+        let start = PivaStart {
+            displacement: 0.0,
+            velocity: 0.0,
+            place: Given::Gap(0.0),
+            rate: Given::Angle(0.1),
+        };
+        let cycle = Cycle { begin: 0.0, length: period };
+        let begun = Trajectory::new(piva, &start, cycle).unwrap();
+        let Ok(orbit) = find(&settled(&begun, 200).0, false, None) else { continue };
+        let Ok((chain, unknowns)) = Chain::of(&orbit, 1) else { continue };
+        if !chain.sticks.contains(&true) {
+            continue;
+        }
+        let along = Along::new([0.7 * first, 1.5 * first]);
+        let found = follow(&scenes, (&chain, &unknowns), first, along).unwrap();
+        println!("{:?} {} points {:?}", found.chain, found.points.len(), found.ends);
+        stable += judge(&|value| scenes(&[value]), &found, 20);
+        count += 1;
+        if count == 4 {
+            break;
+        }
+    }
+    assert!(count == 4 && stable > 4, "{count} {stable}");
 }

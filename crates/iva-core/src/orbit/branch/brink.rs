@@ -13,6 +13,8 @@ use super::follower::{Follower, Stop};
 
 /// Length of a step, in scales, below which the end of a branch within an episode is sought.
 pub(super) const BRINK: f64 = 1e-4;
+/// Beyond a step of this length the reason is seen why there is no orbit.
+const CLOSE: f64 = 1e-8;
 /// Smallest step, and most steps that are tried.
 const FINEST: f64 = 1e-15;
 const MOST_TRIALS: u32 = 400;
@@ -20,9 +22,9 @@ const MOST_TRIALS: u32 = 400;
 const STRAIGHT: f64 = 1e-6;
 
 impl<S: Coordinates> Follower<'_, S> {
-    /// The last point within a step, and what ends the branch there, given what was found beyond.
-    pub fn brink(&self, now: &Stop, step: f64, beyond: Condition) -> (Stop, SpecialPoint) {
-        let (mut last, mut step, mut condition) = (now.clone(), 0.5 * step, beyond);
+    /// The last point within a step, and what ends the branch there; `None` if another episode is not what ends it.
+    pub fn brink(&self, now: &Stop, step: f64) -> Option<(Stop, SpecialPoint)> {
+        let (mut last, mut step, mut beyond) = (now.clone(), step, None);
         for _ in 0..MOST_TRIALS {
             if step < FINEST {
                 break;
@@ -30,11 +32,14 @@ impl<S: Coordinates> Follower<'_, S> {
             match self.next(&last, step) {
                 Ok(stop) => last = stop,
                 Err(met) => {
-                    condition = met.unwrap_or(condition);
+                    if step < CLOSE {
+                        beyond = met.or(beyond);
+                    }
                     step *= 0.5;
                 }
             }
         }
+        let condition = beyond?;
         let at = match condition {
             Condition::StickBegins { impact } => self.before_stick_begins(&last, impact),
             _ => None,
@@ -47,7 +52,7 @@ impl<S: Coordinates> Follower<'_, S> {
             special.at.unknowns = unknowns.to_vec();
             special.at.length += self.towards * length;
         }
-        (last, special)
+        Some((last, special))
     }
 
     /// How far a point is from that at which the stick after an impact begins, along the tangent; `None` if it is not seen.

@@ -33,10 +33,10 @@ pub(super) struct Stop {
 }
 
 /// The end of a side: its last point, if it was found, the reason, and what happens there.
-pub(super) struct Ending {
-    pub last: Option<Stop>,
-    pub why: End,
-    pub special: Option<SpecialPoint>,
+struct Ending {
+    last: Option<Stop>,
+    why: End,
+    special: Option<SpecialPoint>,
 }
 
 /// One side of a branch, from its first point on.
@@ -125,7 +125,7 @@ impl<S: Coordinates> Follower<'_, S> {
     }
 
     /// The special point at a condition; `None` if it is none.
-    pub fn special(&self, condition: Condition, at: BranchPoint) -> Option<SpecialPoint> {
+    fn special(&self, condition: Condition, at: BranchPoint) -> Option<SpecialPoint> {
         let kind = condition.kind();
         // Two real multipliers whose product is 1 are no special point.
         let own = at.half_multipliers.unwrap_or(at.multipliers);
@@ -144,10 +144,8 @@ impl<S: Coordinates> Follower<'_, S> {
     /// # Errors
     /// The condition by which a stick episode is another one there, or none, if it is that.
     pub fn next(&self, now: &Stop, step: f64) -> Result<Stop, Option<Condition>> {
-        let lost = || {
-            let guess = &now.on.point + (&now.on.tangent * step).component_mul(&self.family.scales);
-            self.family.lapse(&guess).and_then(|lapse| now.tests.lost(&lapse))
-        };
+        let lost =
+            || self.family.lapse(&self.ahead(now, step)).and_then(|lapse| now.tests.lost(&lapse));
         let on = self.curve().next(&now.on, step).ok_or_else(lost)?;
         let next = self.beyond(now, on).ok_or(None)?;
         let straight = next.on.tangent.dot(&now.on.tangent) > STRAIGHT;
@@ -243,17 +241,14 @@ impl<S: Coordinates> Follower<'_, S> {
             }
             let (next, brink) = match self.next(&now, step) {
                 Ok(next) => (Some(next), None),
-                Err(Some(condition)) if step < BRINK => {
-                    let (last, special) = self.brink(&now, step, condition);
-                    (Some(last), Some(special))
-                }
+                Err(Some(_)) if step < BRINK => self.brink(&now, step).unzip(),
                 Err(_) => (None, None),
             };
             let ending = next.as_ref().and_then(|next| {
                 let at_brink = brink.map(|special| Ending {
                     last: Some(next.clone()),
                     why: End::at(special.condition),
-                    special: Some(special),
+                    special: self.special(special.condition, special.at),
                 });
                 self.ending([&now, next]).or(at_brink)
             });
