@@ -24,7 +24,7 @@ const STRAIGHT: f64 = 1e-6;
 impl<S: Coordinates> Follower<'_, S> {
     /// The last point within a step, and what ends the branch there; `None` if another episode is not what ends it.
     pub fn brink(&self, now: &Stop, step: f64) -> Option<(Stop, SpecialPoint)> {
-        let (mut last, mut step, mut beyond) = (now.clone(), step, None);
+        let (mut last, mut step, mut beyond, mut seen) = (now.clone(), step, None, false);
         for _ in 0..MOST_TRIALS {
             if step < FINEST {
                 break;
@@ -32,9 +32,8 @@ impl<S: Coordinates> Follower<'_, S> {
             match self.next(&last, step) {
                 Ok(stop) => last = stop,
                 Err(met) => {
-                    if step < CLOSE {
-                        beyond = met.or(beyond);
-                    }
+                    beyond = met.or(beyond);
+                    seen |= met.is_some() && step < CLOSE;
                     step *= 0.5;
                 }
             }
@@ -44,6 +43,10 @@ impl<S: Coordinates> Follower<'_, S> {
             Condition::StickBegins { impact } => self.before_stick_begins(&last, impact),
             _ => None,
         };
+        // Of a stick that begins the late rebounds tell as much.
+        if !seen && at.is_none() {
+            return None;
+        }
         let mut special = SpecialPoint { condition, at: last.at.clone() };
         if let Some(length) = at {
             let point = self.ahead(&last, length);
