@@ -7,6 +7,7 @@ use super::conditions::Condition;
 use super::continuation::{Equations, Sides};
 use super::coordinates::Coordinates;
 use super::episode::Lapse;
+use crate::absorber::OnStructure;
 use crate::error::Invalid;
 
 /// The scene for values of the numbers that are changed: the absorber on its structure, and the length of a cycle of the
@@ -15,6 +16,9 @@ pub type Scenes<'a, S> = &'a dyn Fn(&[f64]) -> Result<(S, f64), Invalid>;
 
 /// Step of a difference, in scales: the equations need no exact derivative for an exact solution.
 const DIFFERENCE: f64 = 1e-6;
+
+/// A system, what its chain comes to or why it does not, and the length of a cycle.
+type Tried<S> = (S, Result<Passed<<S as OnStructure>::State>, Lapse>, f64);
 
 /// A family of scenes with one sequence of impacts. A point holds the unknowns of the chain, then the numbers that are
 /// changed.
@@ -28,11 +32,7 @@ pub(super) struct Family<'a, S> {
 impl<S: Coordinates> Family<'_, S> {
     /// The system at a point, what its chain comes to or why it does not, and the length of a cycle; `None` if the scene does
     /// not allow the numbers.
-    fn tried(
-        &self,
-        point: &DVector<f64>,
-        derivatives: bool,
-    ) -> Option<(S, Result<Passed<S::State>, Lapse>, f64)> {
+    fn tried(&self, point: &DVector<f64>, derivatives: bool) -> Option<Tried<S>> {
         let (unknowns, numbers) = point.as_slice().split_at(self.chain.unknowns());
         let (system, cycle) = (self.scenes)(numbers).ok()?;
         let length = self.chain.length(cycle);
