@@ -238,7 +238,7 @@ pub(super) fn untold<S: Startable>(
     why: Missed,
 ) -> LeftOut {
     let first = orbit.strobes.first().copied().unwrap_or_default();
-    let start = like.system.numbers(&family.scale, first.into());
+    let start = like.system.user_numbers(&family.scale, first.into());
     LeftOut::Untold { start, periods: orbit.periods() as u32, why }
 }
 
