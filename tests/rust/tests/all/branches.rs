@@ -71,6 +71,20 @@ fn branch(name: &str, symmetric: bool, over: &str, between: [f64; 2]) -> Branch 
     follow(&scenes, (&chain, &unknowns), value, Along::new(between)).unwrap()
 }
 
+/// Beyond a coefficient of restitution of 0 or 1 there is no scene: the branch ends there exactly.
+#[test]
+fn branches_end_where_scenes_do() {
+    for (name, between) in [("A1", [0.0, 1.0]), ("D1", [0.0, 1.0]), ("E1", [0.0, 1.0])] {
+        let found = branch(name, name == "A1", "restitution", between);
+        let ends = [found.points.first(), found.points.last()].map(|it| it.unwrap().value);
+        println!("{name}: {:?} at {ends:?}", found.ends);
+        for (end, value) in found.ends.into_iter().zip(ends) {
+            assert!(end != End::Stalled, "{name}: {value}");
+            assert_eq!(end == End::Range, between.contains(&value), "{name}: {value}");
+        }
+    }
+}
+
 /// All branches that begin at special points of a branch, with itself; and of these again, to a depth.
 fn tree(record: &Value, over: &str, between: [f64; 2], from: Branch, depth: u32) -> Vec<Branch> {
     let scenes = |values: &[f64]| scene(record, &[(over, values[0])]);

@@ -139,6 +139,14 @@ impl<S: Coordinates> Follower<'_, S> {
         &now.on.point + (&now.on.tangent * step).component_mul(&self.family.scales)
     }
 
+    /// The point at the end of the range of the number, if the step leads beyond: there may be no scene.
+    fn at_bound(&self, now: &Stop, step: f64) -> Option<OnCurve> {
+        let ([low, high], number) = (self.along.between, self.number());
+        let value = self.ahead(now, step)[number];
+        let bound = value.clamp(low, high);
+        (bound != value).then(|| self.curve().where_unknown_is(&now.on, number, bound))?
+    }
+
     /// The next point after a step.
     ///
     /// # Errors
@@ -146,7 +154,8 @@ impl<S: Coordinates> Follower<'_, S> {
     pub fn next(&self, now: &Stop, step: f64) -> Result<Stop, Option<Condition>> {
         let lost =
             || self.family.lapse(&self.ahead(now, step)).and_then(|lapse| now.tests.lost(&lapse));
-        let on = self.curve().next(&now.on, step).ok_or_else(lost)?;
+        let on = self.curve().next(&now.on, step).or_else(|| self.at_bound(now, step));
+        let on = on.ok_or_else(lost)?;
         let next = self.beyond(now, on).ok_or(None)?;
         let straight = next.on.tangent.dot(&now.on.tangent) > STRAIGHT;
         if let Some(changed) = now.tests.changed(&next.tests) {
@@ -211,7 +220,7 @@ impl<S: Coordinates> Follower<'_, S> {
         }
         let [low, high] = self.along.between;
         let bound = next.at.value.clamp(low, high);
-        (bound != next.at.value).then(|| {
+        (bound == low || bound == high).then(|| {
             let on = self.curve().where_unknown_is(&next.on, self.number(), bound);
             let last = on.and_then(|on| self.beyond(now, on));
             Ending { last, why: End::Range, special: None }
