@@ -147,9 +147,7 @@ def diagrams(run: Integrator, values: int) -> None:
                 state = mapped(run, state, clearance)
 
     ours = timed(
-        lambda: dynamics.diagram(
-            siva(), PRIMARY, force=FORCE, start=start, direction="up", **asked
-        )
+        lambda: dynamics.diagram(siva(), PRIMARY, force=FORCE, start=start, direction="up", **asked)
     )
     cycles = 360 * values
     line("a cycle of a diagram", ours / cycles, timed(by_hand, 1) / cycles)
