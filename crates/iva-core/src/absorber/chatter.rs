@@ -32,6 +32,9 @@ pub(crate) const REBOUND_LOOK: f64 = 2.5;
 /// (The estimated error of the sum is at least 4 times the cube of this value.)
 const LOW: f64 = 1e-4;
 
+/// Value of u J/A² from which on a rebound may last longer than the first search; J is the rate by which A falls.
+const LATE: f64 = 0.1;
+
 /// Length of the first search after a rebound with speed u from a wall that presses with A > 0.
 #[inline(always)]
 pub(crate) fn first_search<R: Real>(speed: R, pressure: R) -> R {
@@ -80,6 +83,22 @@ impl<R: Real> Rebound<R> {
         let epsilon = h * (j.abs() / a + b) * spread;
         let curved = h * h * (r / a) * (spread * spread);
         (h * 2.0 * spread) * SAFETY * (epsilon * epsilon + curved + self.spread * spread)
+    }
+
+    /// True if it is so short that lanes leave it to the event loop, and that it is searched from the wall on in one piece: heights
+    /// are exact there, however low, while above the wall a return within the band of rounding would be undecided.
+    pub(crate) fn is_short(&self) -> bool {
+        self.speed < self.pressure * ((R::ONE - self.ratio) * LOW)
+    }
+
+    /// Length of the first search for its return. Where the wall soon stops to press, a short rebound may return late or not at
+    /// all: then the search goes on beyond the instant at which the absorber would have left for good.
+    pub(crate) fn first_search(&self) -> R {
+        let Self { speed, pressure, jerk, .. } = *self;
+        let usual = first_search(speed, pressure);
+        // u h − A h²/2 + J h³/6 has its minimum before 2 A/J, and is positive from 3 A/J on.
+        let late = speed * jerk > pressure * pressure * LATE;
+        if self.is_short() && late { usual.max(pressure * 4.0 / jerk) } else { usual }
     }
 
     /// True if the tail can be summed with an error below rounding.

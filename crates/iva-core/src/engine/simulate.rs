@@ -103,6 +103,8 @@ pub(crate) struct Run<'a, S: Absorber, O> {
     pub ended: bool,
     /// True if the run starts at a wall.
     touching: bool,
+    /// True at the begin of a rebound so short that it is searched from the wall on, in one piece.
+    short: bool,
 }
 
 /// Number of segments between two checks of the cancel flag.
@@ -113,12 +115,12 @@ const PRESSURE_ULPS: f64 = 1024.0;
 
 impl<S: Absorber, O> Run<'_, S, O> {
     /// True if the run is in a flight that a lane can take over. Low impacts of a streak wait for the decision whether
-    /// they are listed.
+    /// they are listed, short rebounds for their search.
     pub(crate) fn is_for_lanes(&self) -> bool {
         let Self { progress, .. } = self;
         let flies = !self.ended && self.riding.is_none();
         let decided = progress.counts.streak.low == 0.0;
-        flies && decided && progress.remaining() > 0.0 && !progress.is_full()
+        flies && decided && !self.short && progress.remaining() > 0.0 && !progress.is_full()
     }
 
     /// Ends the run at its whole duration.
@@ -161,6 +163,7 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
                 clock: time,
             },
             ended: false,
+            short: false,
         }
     }
 
@@ -231,7 +234,8 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let state = self.tally.state;
         let flight = system.flight(&state);
         let length = flight.reach().min(self.progress.ahead());
-        if let Some(FastFlight { length: h, later, end, meets }) = flight.fast_path(length) {
+        let fast = if std::mem::take(&mut self.short) { None } else { flight.fast_path(length) };
+        if let Some(FastFlight { length: h, later, end, meets }) = fast {
             self.arrive(&flight, [h, later], end, h == remaining && meets == Meets::Nothing);
             match meets {
                 Meets::Nothing => self.coast(),

@@ -70,7 +70,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             self.stick(stick_clock);
         } else {
             // The return is expected after 2u/A; the search goes a little further.
-            self.progress.first = first_search(leave.rate, rebound.pressure);
+            self.progress.first = rebound.first_search();
+            self.short = rebound.is_short();
         }
     }
 

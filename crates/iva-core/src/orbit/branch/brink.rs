@@ -1,9 +1,9 @@
 //! Where a branch ends within a stick episode: at the last orbit before one that has another chatter, or no stick.
 //!
 //! Beyond, the equations of the chain have no solution, or none that this branch goes over into. So that orbit is approached by
-//! steps along the branch, down to rounding. Where the stick begins, the run can resolve its chatter
-//! to some share of 10⁻⁷ only; from there on the point is sought on the tangent of the branch, by the late rebounds
-//! (`orbit/episode.rs`), which are the same to rounding.
+//! steps along the branch, down to rounding. Where the stick begins, how long the absorber sticks is no smooth number, and steps
+//! fail a little before it does not stick any more; from there on the point is sought on the tangent of the branch, by the
+//! late rebounds (`orbit/episode.rs`), which are the same to rounding.
 
 use super::super::conditions::Condition;
 use super::super::coordinates::Coordinates;
