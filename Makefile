@@ -20,10 +20,10 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-start stress fuzz corpus wheel sdist clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-start stress fuzz corpus wheel sdist clean
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo: wheel ## build, then sweep clearance and mass ratio of the paper's absorber
 	$(BIN)/iva sweep studies/siva_clearance.toml --overwrite
@@ -93,6 +93,9 @@ bench-peers: target/bench/.installed ## compare accuracy and run time with other
 bench-sweeps: target/bench/.installed ## compare sweeps with those of other integrators; threads, overhead
 	target/bench/bin/python benches/compare_peers.py
 	$(CARGO) bench --locked -p iva-benches --bench overhead -- 1e6
+
+bench-dynamics: target/bench/.installed ## compare orbits, branches, diagrams and basins with programs by hand
+	target/bench/bin/python benches/compare_dynamics.py
 
 # The other integrators have an environment of their own.
 target/bench/.installed: $(VENV)/.installed

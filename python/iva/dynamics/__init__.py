@@ -3,8 +3,9 @@
 A run shows what a scene settles on from one start. :func:`orbit` finds the periodic motion itself,
 stable or not, by Newton's method with the exact derivative of the motion, and tells its Floquet
 multipliers. :func:`follow` follows it over any number of the scene and locates the special points
-on the way: folds, pitchforks, flips, Neimark–Sacker points, grazings. From each the branch that
-begins there is followed in turn, and :func:`curve` follows the point over two numbers.
+on the way: folds, pitchforks, flips, Neimark–Sacker points, grazings. :meth:`Branch.switch` follows
+the branch that begins at a pitchfork, a flip, a grazing or where an impact vanishes, and
+:func:`curve` follows the point over two numbers.
 
 What a machine does is told by :func:`diagram`, which follows steady states up and down,
 :func:`attractors`, which finds all that many starts end in, :func:`basins`, which start ends where,

@@ -60,8 +60,8 @@ class Basins:
         Why no cell has the label of one of these, or why an orbit that cells end in is not among
         them, each in a sentence; cells that end in it are undecided.
     labels : ndarray of int, shape (ny, nx)
-        The label of each cell: index of an attractor, −2 for a motion without impacts, −1 where it
-        is not decided, by then or for sure.
+        The label of each cell: index of an attractor, −2 for a motion without impacts, −1 where
+        `most_cycles` did not suffice or rounding errors may have decided.
     likely : ndarray of int, shape (ny, nx)
         The same, where also those cells have a label that rounding errors may have decided.
     cycles : ndarray of int, shape (ny, nx)
@@ -70,8 +70,8 @@ class Basins:
         Basin entropy of the likely labels, in boxes of `side` × `side` cells: 0 where each box has
         one label, at most ln of the number of labels. ``None`` without labels.
     boundary_entropy : float or None
-        The same of the boxes with more than one label; above ln 2 the boundary is fractal. ``None``
-        where there are none.
+        The same of the boxes with more than one label; a value above ln 2, which takes three labels
+        or more, shows that the boundary is fractal. ``None`` where there are none.
     side : int
         Side of these boxes, in cells.
     """
@@ -314,7 +314,7 @@ def known(given: object, parts: tuple[object, object, object], begin: Start) -> 
         if (orbit.start.time or 0.0) != (begin.time or 0.0):
             raise ValueError("attractors: give orbits that begin at the instant of the start")
         if not orbit.stable:
-            rule = "give stable orbits, whose multipliers are all smaller than 1"
+            rule = "give stable orbits, whose multipliers are all smaller than 1 in size"
             size = abs(orbit.multipliers[0])
             raise ValueError(f"attractors[{index}] has a multiplier of size {size:.6g}: {rule}")
     return orbits

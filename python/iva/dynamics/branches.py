@@ -44,7 +44,7 @@ class Row:
     multipliers : tuple of complex, length 4
         Floquet multipliers, largest first. Not finite where the speed of an impact is 0.
     stable : bool
-        All multipliers are smaller than 1.
+        All multipliers are smaller than 1 in size.
     grazing_margin : float or None
         Smallest distance of an extremum of the gap displacement between impacts to the wall that
         the absorber turns back from, also within a chatter; ``None`` without one.
@@ -256,7 +256,9 @@ class Branch:
         At a pitchfork that of the asymmetric orbits (their mirror images are another one); at a
         flip that of the orbits that take twice as long; at a grazing that with the impact that
         begins there; where an impact vanishes that without it. Where this branch itself begins at
-        the point, it is the branch that it begins on.
+        the point, it is the branch that it begins on. At a fold, which the branch has rounded
+        already, at a Neimark–Sacker point and where a stick begins, no branch of orbits begins: a
+        `Missed` is returned, as where too few impacts are left for an isolated orbit.
 
         Parameters
         ----------

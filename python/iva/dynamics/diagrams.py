@@ -150,7 +150,7 @@ def diagram(
         The number that is changed, by the name that a sweep has for it, such as ``"clearance"`` or
         ``"force.frequency"``, and its values, increasing; it takes the place of what the scene has.
     direction : {"both", "up", "down"}, default "both"
-        Go through the values upwards, downwards, or once each.
+        Go through the values upwards, downwards, or both: once upwards and once downwards.
     start : Start, Run, theory.Orbit, Orbit or sequence of float, shape (4,), optional
         Where the first value of each direction begins, as for :func:`orbit`; at rest in the middle
         of the gap by default. In a gap that is wider than the structure moves, an absorber at rest
@@ -176,8 +176,8 @@ def diagram(
 
     Notes
     -----
-    Where the gap becomes narrower than the place of the absorber, it is put on the wall. Just
-    behind a bifurcation transients are long, and `discard` shows as a smear.
+    Where the gap becomes narrower than the place of the absorber, it is put on the wall. Near
+    a bifurcation transients are long: with too small a `discard` they smear the diagram.
 
     Examples
     --------

@@ -43,13 +43,13 @@ class Spectrum:
     force : Harmonic
         The force.
     exponents : tuple of float, length 4
-        The exponents per unit of time (in ωn where no frequency is given), largest first. With
+        The exponents in 1/s (in ωn where no frequency is given), largest first. With
         rides on a wall two are −∞, with plastic impacts one.
     standard_errors : tuple of float, length 4
         Their standard errors, from blocks of periods or from whole runs, whichever are larger.
     sum_error : float or None
-        Their sum less its exact value, 2 ln e times the number of impacts per time, less twice the
-        damping rate. ``None`` with rides, plastic impacts, unlike walls, or a pendulum.
+        Their sum minus its exact value, (2 ln e) × (number of impacts per time) − 2 ζ ωn. ``None``
+        with rides, plastic impacts, unlike walls, or a pendulum.
     dimension : float
         The dimension of the attractor in the section of the strobes, after J. L. Kaplan and J. A.
         Yorke.

@@ -36,7 +36,8 @@ class Attractor:
     share : float
         The same over the number of all starts.
     standard_error : float
-        Binomial standard error of the share.
+        Binomial standard error of the share. It is 0 for a share of 0 or 1, where 3/n of n starts
+        bounds what was missed at 95 %.
     pair : bool
         True if its mirror image is another orbit, which is counted with it.
     """

@@ -39,9 +39,10 @@ class Regime:
     standard_error : float
         Binomial standard error of the share.
     orbit : Orbit or None
-        The orbit of a periodic motion.
+        The orbit of a periodic motion, where one was found. A periodic motion that only its
+        negative Lyapunov exponents show has none; its name is ``periodic`` then.
     spectrum : Spectrum or None
-        The Lyapunov exponents of a motion that is neither periodic nor without impacts.
+        The Lyapunov exponents of a motion without an orbit, unless it is without impacts.
     quiet : float or None
         Of such a motion the share of the periods of the force without an impact.
     """

@@ -141,7 +141,7 @@ class Orbit:
         Largest rank that the derivative over a cycle can have: 2 with a ride on a wall, 3 with a
         plastic impact without one, else 4.
     stable : bool
-        All multipliers are smaller than 1.
+        All multipliers are smaller than 1 in size.
     residual : float
         Largest difference between a coordinate and its image after a cycle, over the size of the
         state; some 2⁻⁵³ times the largest entry of the derivative in doubles, below 1e-18 with
@@ -235,7 +235,7 @@ class Orbit:
         Parameters
         ----------
         cycles : float, optional
-            Length in periods of the force; one cycle of the orbit by default.
+            Length in periods of the force; by default until the orbit repeats.
         **settings
             Further arguments of :func:`iva.simulate`, such as `tables` and `verify`.
 
@@ -291,9 +291,16 @@ class Missed:
     Parameters
     ----------
     reason : str
-        ``no_impacts``, ``singular``, ``stalled``, ``not_periodic`` or ``no_stick`` (where the stick
-        of a branch begins); or the outcome of a run that
-        did not end: ``impact_limit``, ``work_limit`` or ``not_finite``.
+        ``no_impacts`` (fewer than two in three cycles): start with a gap velocity.
+        ``singular``: ask for ``symmetric=True``, or move off the bifurcation.
+        ``stalled``: settle longer, try more `periods`, or see :func:`attractors` and
+        :func:`regimes`; a motion that is not periodic has no orbit.
+        ``not_periodic``: the point found is no orbit; settle longer.
+        ``no_stick``: a stick begins there, which no run can show.
+        ``lost``: no branch begins at this kind of point, or the equations of the orbit with its
+        sequence of impacts were not solved.
+        ``invalid``: the scene is out of range there.
+        ``impact_limit``, ``work_limit``, ``not_finite``: the outcome of a run that did not end.
     message : str
         The same as a sentence.
     """

@@ -57,10 +57,9 @@ def orbit(
     symmetric : bool, optional
         True: an orbit that is its own mirror image half a cycle later, by the map over half a
         cycle, which stays regular at a pitchfork; then n is odd, the walls are alike, and the
-        motion is level. False: any orbit, by the map over the whole cycle. By default the half map
-        is solved first where the start is no more than four times as far from its mirror image
-        half a cycle later as from itself a cycle later, otherwise the map over the whole; and then
-        the other, if no orbit is found. The result says whether the orbit is symmetric.
+        motion is level. False: any orbit, by the map over the whole cycle. By default a
+        symmetric orbit is sought first where the start is nearly symmetric, otherwise any; and then
+        the other, if none is found. The result says whether the orbit is symmetric.
     settle : int, default 0
         Number of periods of the force to run before the search.
     verify : bool, default False
