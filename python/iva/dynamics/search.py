@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 MOST_PERIODS = 1000
 #: Most periods that are run before the search.
 MOST_SETTLING = 10**9
+#: A start without a reference.
+REST = Start()
 NAMES = ("displacement", "velocity", "gap_displacement", "gap_velocity")
 
 
@@ -152,13 +154,9 @@ def orbit_of(
 def course(made: dict[str, Any], reference: Start | None) -> Course:
     """Return a cycle that the compiled part describes; `reference` is of a relative clearance."""
     row = made["state"]
-    start = state_of(row, Start() if reference is None else reference)
-    if reference is None:
-        kept = {name: getattr(start, name) for name in Start.__slots__ if name != "reference"}
-        start = Start(**kept)
     return Course(
         state=tuple(row[name] for name in NAMES),
-        start=start,
+        start=state_of(row, REST if reference is None else reference),
         impacts=tuple(Impact(**fields) for fields in made["impacts"]),
         episodes=tuple(Episode(**fields) for fields in made["episodes"]),
         walls=made["walls"],
