@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from itertools import groupby
 
 from iva.dynamics.diagrams import Diagram, diagram
 from iva.dynamics.exponents import Spectrum, lyapunov
@@ -45,6 +47,12 @@ class Regime:
         The Lyapunov exponents of a motion without an orbit, unless it is without impacts.
     quiet : float or None
         Of such a motion the share of the periods of the force without an impact.
+    burst : float or None
+        The mean number of periods of a burst, a stretch of periods with impacts between two
+        without; ``None`` where there are less than two pauses.
+    amplitude : float or None
+        The amplitude of the structure, as the square root of the mean of x² + (ẋ/Ω)² at the
+        strobes, in the units of the primary system.
     """
 
     kind: str
@@ -54,6 +62,8 @@ class Regime:
     orbit: Orbit | None = None
     spectrum: Spectrum | None = None
     quiet: float | None = None
+    burst: float | None = None
+    amplitude: float | None = None
 
 
 @spell_checked
@@ -153,7 +163,13 @@ def regimes(
         )
         quiet = share_without_impacts(strobes)
         kind = kind_of(spectrum, quiet)
-        more = {"spectrum": spectrum, "quiet": quiet}
+        frequency = 2 * math.pi * cycles / spectrum.time
+        more = {
+            "spectrum": spectrum,
+            "quiet": quiet,
+            "burst": burst_length(strobes),
+            "amplitude": amplitude(strobes, frequency),
+        }
         listed.append(regime(kind, kind, found.aperiodic, **more))
     if found.no_impacts:
         listed.append(regime("no_impacts", "no_impacts", found.no_impacts))
@@ -166,6 +182,21 @@ def share_without_impacts(strobes: Diagram) -> float:
     """Return the share of periods without an impact."""
     impacts = [strobe[-1] for strobe in strobes.strobes]
     return sum(count == 0 for count in impacts) / max(len(impacts), 1)
+
+
+def burst_length(strobes: Diagram) -> float | None:
+    """Return the mean number of periods with impacts between two pauses."""
+    impacts = [strobe[-1] > 0 for strobe in strobes.strobes]
+    stretches = [(hits, len(list(periods))) for hits, periods in groupby(impacts)]
+    # The first and the last one may have begun before, and go on.
+    bursts = [length for hits, length in stretches[1:-1] if hits]
+    return sum(bursts) / len(bursts) if bursts else None
+
+
+def amplitude(strobes: Diagram, frequency: float) -> float:
+    """Return the square root of the mean of x² + (ẋ/Ω)² at the strobes."""
+    squares = [x * x + (v / frequency) ** 2 for x, v, *_ in strobes.strobes]
+    return math.sqrt(sum(squares) / max(len(squares), 1))
 
 
 def kind_of(spectrum: Spectrum, quiet: float) -> str:
