@@ -32,6 +32,9 @@ pub(crate) const REBOUND_LOOK: f64 = 2.5;
 /// (The estimated error of the sum is at least 4 times the cube of this value.)
 const LOW: f64 = 1e-4;
 
+/// Twice the height of a low rebound, in units of 2⁻⁵² of the clearance.
+const LOWEST: f64 = 1024.0;
+
 /// Value of u J/A² from which on a rebound may last longer than the first search; J is the rate by which A falls.
 const LATE: f64 = 0.1;
 
@@ -85,10 +88,15 @@ impl<R: Real> Rebound<R> {
         (h * 2.0 * spread) * SAFETY * (epsilon * epsilon + curved + self.spread * spread)
     }
 
-    /// True if it is so short that lanes leave it to the event loop, and that it is searched from the wall on in one piece: heights
-    /// are exact there, however low, while above the wall a return within the band of rounding would be undecided.
+    /// True if it is so short that lanes leave it to the event loop. If it is low as well, it is searched from the wall on in one piece:
+    /// heights are exact there, while above the wall a return within the band of rounding would be undecided.
     pub(crate) fn is_short(&self) -> bool {
         self.speed < self.pressure * ((R::ONE - self.ratio) * LOW)
+    }
+
+    /// True if its height over the clearance, u²/2A, is some hundred bands of rounding at most.
+    pub(crate) fn is_low(&self, clearance: R) -> bool {
+        self.speed * self.speed < self.pressure * clearance * (R::EPSILON * LOWEST)
     }
 
     /// Length of the first search for its return. Where the wall soon stops to press, a short rebound may return late or not at

@@ -71,7 +71,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         } else {
             // The return is expected after 2u/A; the search goes a little further.
             self.progress.first = rebound.first_search();
-            self.short = rebound.is_short();
+            self.short = rebound.is_short() && rebound.is_low(self.system.clearance());
         }
     }
 
