@@ -103,7 +103,7 @@ pub(crate) struct Run<'a, S: Absorber, O> {
     pub ended: bool,
     /// True if the run starts at a wall.
     touching: bool,
-    /// True at the begin of a rebound so short that it is searched from the wall on, in one piece.
+    /// True at the begin of a rebound so short and low that it is searched from the wall on, in one piece.
     short: bool,
 }
 
