@@ -1,5 +1,5 @@
 //! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`coupled`], a free
-//! mass with a spring and a dashpot in its gap.
+//! mass with a spring and a dashpot in its gap; [`several`], a list of free masses, each in a gap of its own.
 //!
 //! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
 //! traits, each of which builds on the one before; a new absorber implements them, in one file or in a folder.
@@ -20,6 +20,7 @@ mod on_structure;
 pub mod piva;
 pub(crate) mod plain;
 pub mod ride;
+pub mod several;
 pub mod siva;
 
 use crate::absorber::impact::Impact;
@@ -76,8 +77,45 @@ pub trait Absorber: ImpactLaw {
     where
         Self: 'a;
 
-    /// One-sided clearance d, half of the total play.
+    /// How many absorbers are on the structure. One of them is *at hand* in a state: what is asked about the absorber
+    /// in that state, such as its wall, its distance, and its impact, is asked about that one.
+    #[inline(always)]
+    fn absorbers(&self) -> usize {
+        1
+    }
+    /// The index of the absorber at hand.
+    #[inline(always)]
+    fn at_hand(&self, _state: &Self::State) -> usize {
+        0
+    }
+    /// The same state with the absorber of this index at hand.
+    #[inline(always)]
+    fn turned_to(&self, state: &Self::State, _absorber: usize) -> Self::State {
+        *state
+    }
+    /// Makes the curve of a motion that of the absorber of this index.
+    fn turn<'a>(&'a self, _flight: &mut Self::Flight<'a>, _absorber: usize) {}
+    /// True if several absorbers are on the structure and the one at hand is stuck to its wall.
+    fn is_stuck(&self, _state: &Self::State) -> bool {
+        false
+    }
+    /// The same state with the absorber at hand free, if it was stuck.
+    fn freed(&self, state: &Self::State) -> Self::State {
+        *state
+    }
+    /// True if it is proved that no other absorber meets a wall, or leaves one, in a time in which the one at hand
+    /// chatters.
+    fn others_wait(&self, _state: &Self::State, _time: Self::Real) -> bool {
+        true
+    }
+
+    /// One-sided clearance d, half of the total play; of several absorbers the smallest.
     fn clearance(&self) -> Self::Real;
+    /// The clearance of the absorber at hand.
+    #[inline(always)]
+    fn clearance_at_hand(&self, _state: &Self::State) -> Self::Real {
+        self.clearance()
+    }
     /// The middle of the gap, as a value of y: the walls are at y = offset ± d.
     fn offset(&self) -> Self::Real {
         Self::Real::ZERO

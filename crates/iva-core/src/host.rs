@@ -248,6 +248,9 @@ pub trait Host: Excitation + Clone {
     }
     /// Shares the tables of another structure that has the same ζ, if they are worth sharing.
     fn share(&self, _like: &Self) {}
+    /// The same structure with the same drive, for absorbers of another mass ratio, whose weight does not act along the
+    /// motion.
+    fn carrying(&self, mass_ratio: Self::Real) -> Self;
     /// The structure without absorber, mass 1.
     fn free(&self) -> &Self::Structure;
     /// The motion over whole steps of a structure without drive, where flights are decided in closed form.

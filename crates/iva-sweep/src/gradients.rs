@@ -214,7 +214,7 @@ impl<S: Absorber<Real = Dual>> Observer<S> for Grazings {
         self.impacts.push((speed, self.met));
     }
 
-    fn unlist(&mut self, first: u64, floor: Dual) {
+    fn unlist(&mut self, _absorber: u8, first: u64, floor: Dual) {
         let mut index = 0;
         self.impacts.retain(|(speed, _)| {
             index += 1;

@@ -75,7 +75,7 @@ impl<R: Real> OnStructure for Softening<R> {
 }
 
 impl<R: Real> ImpactLaw for Softening<R> {
-    fn law_at(&self, _wall: Wall, approach: R) -> LawAt<R> {
+    fn law_of(&self, _absorber: usize, _wall: Wall, approach: R) -> LawAt<R> {
         let (mu, zeta) = (self.siva.mass_ratio(), self.siva.damping_ratio());
         LawAt::of_free_mass(mu, self.restitution(approach), approach, zeta)
     }

@@ -291,7 +291,7 @@ impl OnStructure for TwoModes {
 
 impl ImpactLaw for TwoModes {
     /// The dampers of both modes respond to the jumps of their velocities.
-    fn law_at(&self, _wall: Wall, _approach: f64) -> LawAt {
+    fn law_of(&self, _absorber: usize, _wall: Wall, _approach: f64) -> LawAt {
         let [mass, rebound, _] = self.absorber;
         let impulse = (1.0 + rebound) / (1.0 / mass + self.mobility());
         let rise = |i: usize| 2.0 * self.damping_ratios[i] * self.frequencies[i] * self.shapes[i];
@@ -303,6 +303,7 @@ impl ImpactLaw for TwoModes {
         let (after, energy_loss) = self.struck(state, e);
         let impact = Impact {
             time,
+            absorber: 0,
             wall: self.wall(state),
             displacement: self.primary(state).x,
             velocity_before: self.primary(state).v,

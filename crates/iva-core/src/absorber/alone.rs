@@ -222,7 +222,7 @@ impl<R: Real, H: Host<Real = R>> OnStructure for Alone<H> {
 }
 
 impl<R: Real, H: Host<Real = R>> ImpactLaw for Alone<H> {
-    fn law_at(&self, _wall: Wall, _approach: R) -> LawAt<R> {
+    fn law_of(&self, _absorber: usize, _wall: Wall, _approach: R) -> LawAt<R> {
         let none = R::ZERO;
         LawAt::constant(none, none, none, none)
     }

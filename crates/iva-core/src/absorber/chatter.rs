@@ -44,6 +44,11 @@ pub(crate) fn first_search<R: Real>(speed: R, pressure: R) -> R {
     speed * REBOUND_LOOK / pressure
 }
 
+/// True if a time is shorter than rounding of the clock at an instant, of which 1/ωn is the least.
+pub(crate) fn is_nothing<R: Real>(time: R, clock: R) -> bool {
+    time <= R::EPSILON * 0.5 * clock.max(R::ONE)
+}
+
 /// True if the tail of this rebound may be summed, or if the absorber does not leave the wall: lanes leave both to the
 /// event loop.
 #[inline(always)]

@@ -185,7 +185,7 @@ impl<R: Real, C: Coupling<Real = R>> OnStructure for Coupled<C> {
 }
 
 impl<R: Real, C: Coupling<Real = R>> ImpactLaw for Coupled<C> {
-    fn law_at(&self, _wall: Wall, _approach: R) -> LawAt<R> {
+    fn law_of(&self, _absorber: usize, _wall: Wall, _approach: R) -> LawAt<R> {
         let [mu, rebound, _] = self.coupling.constants();
         let gain = impact::primary_share(mu, rebound).value;
         let [_, pressure] = self.coupling.rates([R::ZERO, gain, R::ZERO, -(rebound + 1.0)]);

@@ -28,8 +28,16 @@ use crate::number::real::{Real, pick};
 /// At e = 1 an error of half a unit in the last place of the share would make the energy drift from impact to
 /// impact.
 pub fn primary_share<R: Real>(mass_ratio: R, restitution: R) -> DoubleDouble<R> {
-    let gain = DoubleDouble::new(R::ONE).plus(restitution).times(mass_ratio);
-    gain.over_sum(DoubleDouble::new(R::ONE).plus(mass_ratio))
+    share_of(mass_ratio, restitution, DoubleDouble::new(R::ONE).plus(mass_ratio))
+}
+
+/// μ(1 + e) over a mass: [`primary_share`], where all that moves together during the impact has that mass.
+pub(crate) fn share_of<R: Real>(
+    mass_ratio: R,
+    restitution: R,
+    together: DoubleDouble<R>,
+) -> DoubleDouble<R> {
+    DoubleDouble::new(R::ONE).plus(restitution).times(mass_ratio).over_sum(together)
 }
 
 /// Energy lost in an impact, ½ μ/(1 + μ) (1 − e²) w², per primary mass.
@@ -58,6 +66,8 @@ const SHORT: f64 = 1e-6;
 pub struct Impact<R = f64> {
     /// Instant of the impact.
     pub time: R,
+    /// The index of the absorber.
+    pub absorber: u8,
     /// The wall that was hit.
     pub wall: Wall,
     /// Displacement of the primary.
@@ -90,6 +100,7 @@ laned!(
         lever: f64,
         energy_loss: f64,
     }
+    absorber = 0
 );
 
 impl<R: Real> Impact<R> {
@@ -104,6 +115,7 @@ impl<R: Real> Impact<R> {
     ) -> Self {
         Self {
             time,
+            absorber: 0,
             wall,
             displacement: x,
             velocity_before: v,

@@ -10,8 +10,12 @@ use crate::segment::place::Wall;
 
 /// The impact law of an absorber at its walls.
 pub trait ImpactLaw: OnStructure {
-    /// The impact law at a wall, for impacts of an approach speed.
-    fn law_at(&self, wall: Wall, approach: Self::Real) -> LawAt<Self::Real>;
+    /// The impact law of the absorber of this index at a wall, for impacts of an approach speed.
+    fn law_of(&self, absorber: usize, wall: Wall, approach: Self::Real) -> LawAt<Self::Real>;
+    /// [`ImpactLaw::law_of`] a single absorber, or the first of several.
+    fn law_at(&self, wall: Wall, approach: Self::Real) -> LawAt<Self::Real> {
+        self.law_of(0, wall, approach)
+    }
     /// Applies the impact law to a state in contact: the state after the impact, and its record.
     fn impact(&self, state: &Self::State, time: Self::Real) -> (Self::State, Impact<Self::Real>);
     /// The state after an infinite tail of rebounds, stuck with the common velocity, and the energy lost in

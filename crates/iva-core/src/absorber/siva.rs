@@ -12,7 +12,7 @@ use crate::absorber::impact;
 use crate::absorber::plain::Scene;
 use crate::absorber::ride::{Ride, Stuck};
 use crate::absorber::{Absorber, Clock, Coasted, Start, Wall};
-use crate::error::{Invalid, number};
+use crate::error::Invalid;
 use crate::force::Force;
 use crate::host::oscillator::Primary;
 use crate::host::{DrivenHost, Host, HostState, Phase, Structure, UndrivenHost};
@@ -21,6 +21,7 @@ use crate::number::real::Real;
 use crate::range;
 use crate::segment::flight::{GapPoint, Jet};
 
+pub use free_mass::FreeMass;
 pub(crate) use impact_law::Law;
 pub use motion::SivaFlight;
 pub use parameters::Parameters;
@@ -29,6 +30,7 @@ pub(crate) use state::collided;
 
 pub(crate) mod coasts;
 pub(crate) mod exact;
+pub(crate) mod free_mass;
 mod impact_law;
 pub(crate) mod motion;
 mod on_structure;
@@ -39,18 +41,10 @@ pub(crate) mod proof;
 mod state;
 pub(crate) mod trial;
 
-/// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
-const ON_WALL_ULPS: f64 = 4.0;
-
 /// A free mass (SIVA) on its primary system: its parameters and constants derived from them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Siva<H: Host = UndrivenHost> {
-    mass_ratio: H::Real,
-    clearance: H::Real,
-    /// The middle of the gap, as a value of y.
-    offset: H::Real,
-    /// The impact laws at wall + and at wall −.
-    laws: [Law<H::Real>; 2],
+    pub(crate) mass: FreeMass<H::Real>,
     /// Share of the gap velocity that the primary gains when the absorber sticks: that for e = 0.
     pub(crate) stick_share: DoubleDouble<H::Real>,
     pub(crate) host: H,
@@ -60,10 +54,7 @@ impl<R: Real> From<Parameters<R>> for Siva<UndrivenHost<R>> {
     fn from(parameters: Parameters<R>) -> Self {
         let Parameters { mass_ratio, restitution, clearance, damping_ratio } = parameters;
         Self {
-            mass_ratio,
-            clearance,
-            offset: R::ZERO,
-            laws: [Law::new(mass_ratio, restitution); 2],
+            mass: FreeMass::checked(mass_ratio, restitution, clearance),
             stick_share: impact::primary_share(mass_ratio, R::ZERO),
             host: UndrivenHost::new(damping_ratio, mass_ratio),
         }
@@ -93,9 +84,9 @@ impl<R: Real> Siva<UndrivenHost<R>> {
     /// The same absorber under a force and under gravity G = g sin α along its motion, in ωn² × length.
     /// Displacements are measured from the position of rest with the absorber on its lower stop.
     pub fn inclined(&self, gravity: R, force: Force<R>) -> Siva<DrivenHost<R>> {
-        let Self { mass_ratio, clearance, offset, laws, stick_share, .. } = *self;
-        let host = DrivenHost::new(self.host.damping_ratio(), mass_ratio, force, gravity);
-        Siva { mass_ratio, clearance, offset, laws, stick_share, host }
+        let Self { mass, stick_share, .. } = *self;
+        let host = DrivenHost::new(self.host.damping_ratio(), mass.mass_ratio, force, gravity);
+        Siva { mass, stick_share, host }
     }
 }
 
@@ -104,10 +95,8 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
     ///
     /// # Errors
     /// [`Invalid`] for one outside [0, 1].
-    pub fn with_restitution_minus(mut self, restitution: R) -> Result<Self, Invalid> {
-        range::restitution("absorber.restitution_minus", restitution)?;
-        self.laws[1] = Law::new(self.mass_ratio, restitution);
-        Ok(self)
+    pub fn with_restitution_minus(self, restitution: R) -> Result<Self, Invalid> {
+        Ok(Self { mass: self.mass.with_restitution_minus(restitution)?, ..self })
     }
 
     /// The same absorber in a gap whose middle is at y = `offset`.
@@ -115,25 +104,23 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
     /// # Errors
     /// [`Invalid`] for an offset out of [`crate::range`].
     pub fn with_offset(self, offset: R) -> Result<Self, Invalid> {
-        range::size("absorber.gap_offset", offset)?;
-        Ok(Self { offset, ..self })
+        Ok(Self { mass: self.mass.with_offset(offset)?, ..self })
     }
 
     /// The impact law at the wall with this sign.
     #[inline(always)]
     pub(crate) fn law(&self, side: R) -> &Law<R> {
-        let [plus, minus] = &self.laws;
-        if side > 0.0 { plus } else { minus }
+        self.mass.law(side)
     }
 
     /// The impact laws at wall + and at wall −.
     pub(crate) fn laws(&self) -> &[Law<R>; 2] {
-        &self.laws
+        &self.mass.laws
     }
 
     /// μ = m/M.
     pub fn mass_ratio(&self) -> R {
-        self.mass_ratio
+        self.mass.mass_ratio
     }
 
     /// Newton's coefficient e on the gap velocity, at a wall.
@@ -143,7 +130,7 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
 
     /// The middle of the gap, as a value of y.
     pub fn offset(&self) -> R {
-        self.offset
+        self.mass.offset
     }
 
     /// The force that drives the structure; `None` for one that cannot be driven.
@@ -163,14 +150,18 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
 
     /// Gap displacement and velocity.
     pub(crate) fn gap(&self, state: &SivaState<Phase<H>, R>) -> GapPoint<R> {
-        let GapPoint { y, w } = state.gap(self.clearance);
-        GapPoint { y: self.offset + y, w }
+        let GapPoint { y, w } = state.gap(self.mass.clearance);
+        GapPoint { y: self.mass.offset + y, w }
     }
 
     /// Distance of the absorber from its lower stop.
     fn height(&self, state: &SivaState<Phase<H>, R>) -> R {
         let from_below = state.side < 0.0;
-        if from_below { state.distance.value } else { -state.distance.minus(self.clearance * 2.0) }
+        if from_below {
+            state.distance.value
+        } else {
+            -state.distance.minus(self.mass.clearance * 2.0)
+        }
     }
 }
 
@@ -188,16 +179,7 @@ pub fn check_start<R: Real>(clearance: R, offset: R, start: &Start<R>) -> Result
     for (field, value) in fields {
         range::size(field, value)?;
     }
-    let beyond = (start.gap_displacement - offset).abs() - clearance;
-    if beyond > R::EPSILON * ON_WALL_ULPS * (clearance + offset.abs()) {
-        let [low, high] = [offset - clearance, offset + clearance].map(number);
-        return Err(Invalid::new(
-            "start.gap_displacement",
-            number(start.gap_displacement),
-            format!("it must lie in the gap, from {low} to {high}"),
-        ));
-    }
-    Ok(())
+    free_mass::check_place("start.gap_displacement", start.gap_displacement, [clearance, offset])
 }
 
 impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
@@ -212,15 +194,15 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
         H: 'a;
 
     fn clearance(&self) -> R {
-        self.clearance
+        self.mass.clearance
     }
 
     fn offset(&self) -> R {
-        self.offset
+        self.mass.offset
     }
 
     fn check_start(&self, start: &Start<R>) -> Result<(), Invalid> {
-        check_start(self.clearance, self.offset, start)
+        check_start(self.mass.clearance, self.mass.offset, start)
     }
 
     fn begin_at(&self, start: &Start<R>, time: Clock<R>) -> Self::State {
@@ -228,27 +210,12 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
             x: DoubleDouble::new(start.displacement),
             v: DoubleDouble::new(start.velocity),
         };
-        // Distances are measured from the wall that the absorber is nearest to or moves towards, so that a
-        // mirrored start gives the same numbers with opposite signs.
         let host = self.host.state(self.host.begin_at(time), primary);
-        let place = DoubleDouble::new(start.gap_displacement).plus(-self.offset);
-        let seen = [place.value, start.gap_velocity, -host.acceleration.value, start.velocity];
-        let side = seen
-            .into_iter()
-            .chain(self.host.leaning(&host.phase))
-            .find(|value| *value != 0.0)
-            .unwrap_or(R::ONE);
-        let s = if side > 0.0 { R::ONE } else { -R::ONE };
-        let distance =
-            DoubleDouble::new(self.clearance).plus_parts(-s * place.value, -s * place.rest);
-        let size = self.clearance + self.offset.abs();
-        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * size;
-        SivaState {
-            host,
-            side: s,
-            distance: if touching { DoubleDouble::ZERO } else { distance },
-            rate: DoubleDouble::new(-s * start.gap_velocity),
-        }
+        let (y, w) = (start.gap_displacement, start.gap_velocity);
+        let leaning = [-host.acceleration.value, start.velocity];
+        let leaning = leaning.into_iter().chain(self.host.leaning(&host.phase));
+        let (side, distance) = self.mass.begun([y, w], leaning);
+        SivaState { host, side, distance, rate: DoubleDouble::new(-side * w) }
     }
 
     #[inline]
@@ -266,7 +233,7 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
         }
         let Some(steps) = self.host.steps() else { return (0, (*state, Clock::ZERO)) };
         let smooth = self.host.smooth_for(&state.host.phase);
-        let within = [1.0 / self.clearance.double(), remaining.min(smooth).double()];
+        let within = [1.0 / self.mass.clearance.double(), remaining.min(smooth).double()];
         let count = f64::dispatched(
             #[inline(always)]
             || coasts::count(steps, &state.in_doubles(), within) as usize,
@@ -310,7 +277,7 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
         let (left, rate) = if wall == self.wall(state) {
             (state.distance.value, state.rate)
         } else {
-            (-state.distance.minus(self.clearance * 2.0), state.rate.negated())
+            (-state.distance.minus(self.mass.clearance * 2.0), state.rate.negated())
         };
         let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
         let a = acceleration.value;
@@ -348,9 +315,9 @@ impl<R: Real, H: Host<Real = R>> Absorber for Siva<H> {
         let in_doubles = TypeId::of::<R>() == TypeId::of::<f64>();
         (in_doubles && self.host.gravity() == 0.0).then(|| Scene {
             damping_ratio: self.damping_ratio().double(),
-            mass_ratio: self.mass_ratio.double(),
-            clearance: self.clearance.double(),
-            offset: self.offset.double(),
+            mass_ratio: self.mass.mass_ratio.double(),
+            clearance: self.mass.clearance.double(),
+            offset: self.mass.offset.double(),
             harmonic,
             moves_base: force.moves_base(),
         })

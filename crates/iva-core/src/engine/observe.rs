@@ -48,6 +48,8 @@ impl<'a, M: Motion> Span<'a, M> {
 /// Times in 1/ωn, energy per primary mass in ωn² × length².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StickEpisode<R = f64> {
+    /// The index of the absorber.
+    pub absorber: u8,
     /// The wall.
     pub wall: Wall,
     /// Its first impact: the first after which only this wall is met until the stick.
@@ -130,9 +132,9 @@ pub trait Observer<S: Absorber> {
     fn release(&mut self, _system: &S, _from: &Instant<S::State, S::Real>) {}
     /// An impulse from outside: the state after it, and its work (0 at a jump of the force).
     fn impulse(&mut self, _system: &S, _state: &S::State, _work: S::Real) {}
-    /// Of the impacts from index `first` on, those with an approach speed of at most `floor` are not to be
-    /// listed: they turned out to belong to a chatter that ended in stick.
-    fn unlist(&mut self, _first: u64, _floor: S::Real) {}
+    /// Of the impacts of an absorber from its own index `first` on, those with an approach speed of at most `floor` are
+    /// not to be listed: they turned out to belong to a chatter that ended in stick.
+    fn unlist(&mut self, _absorber: u8, _first: u64, _floor: S::Real) {}
     /// A stick episode, notified when it ends.
     fn episode(&mut self, _episode: &StickEpisode<S::Real>) {}
     /// True if the observer needs no more: the run ends before its next motion.
@@ -182,8 +184,8 @@ macro_rules! pointed_to {
             fn impulse(&mut self, system: &S, state: &S::State, work: R) {
                 (**self).impulse(system, state, work);
             }
-            fn unlist(&mut self, first: u64, floor: R) {
-                (**self).unlist(first, floor);
+            fn unlist(&mut self, absorber: u8, first: u64, floor: R) {
+                (**self).unlist(absorber, first, floor);
             }
             fn episode(&mut self, episode: &StickEpisode<R>) {
                 (**self).episode(episode);
@@ -245,9 +247,9 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Observer<S> for Option<O> {
             observer.impulse(system, state, work);
         }
     }
-    fn unlist(&mut self, first: u64, floor: R) {
+    fn unlist(&mut self, absorber: u8, first: u64, floor: R) {
         if let Some(observer) = self {
-            observer.unlist(first, floor);
+            observer.unlist(absorber, first, floor);
         }
     }
     fn episode(&mut self, episode: &StickEpisode<R>) {
@@ -303,9 +305,9 @@ impl<R: Real, S: Absorber<Real = R>, A: Observer<S>, B: Observer<S>> Observer<S>
         self.0.impulse(system, state, work);
         self.1.impulse(system, state, work);
     }
-    fn unlist(&mut self, first: u64, floor: R) {
-        self.0.unlist(first, floor);
-        self.1.unlist(first, floor);
+    fn unlist(&mut self, absorber: u8, first: u64, floor: R) {
+        self.0.unlist(absorber, first, floor);
+        self.1.unlist(absorber, first, floor);
     }
     fn episode(&mut self, episode: &StickEpisode<R>) {
         self.0.episode(episode);
@@ -336,11 +338,12 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Events<R> {
     fn impact(&mut self, _system: &S, impact: &Impact<R>) {
         self.impacts.push(*impact);
     }
-    fn unlist(&mut self, first: u64, floor: R) {
+    fn unlist(&mut self, absorber: u8, first: u64, floor: R) {
         let mut index = 0;
         self.impacts.retain(|impact| {
-            index += 1;
-            index <= first || impact.approach_speed() > floor
+            let mine = impact.absorber == absorber;
+            index += u64::from(mine);
+            !mine || index <= first || impact.approach_speed() > floor
         });
     }
     fn episode(&mut self, episode: &StickEpisode<R>) {

@@ -17,9 +17,11 @@ use crate::segment::flight::{Curve, FastFlight, Jet, Meets, Motion};
 
 pub use crate::engine::limits::{Limits, Outcome};
 pub use crate::engine::tally::{Instant, Tally};
+use together::Waiting;
 use wall::presses;
 
 mod coast;
+mod together;
 pub(crate) mod wall;
 
 pub(crate) use coast::show_coast;
@@ -105,6 +107,10 @@ pub(crate) struct Run<'a, S: Absorber, O> {
     touching: bool,
     /// True at the begin of a rebound so short and low that it is searched from the wall on, in one piece.
     short: bool,
+    /// What is kept of each absorber while another one is at hand; empty for a single absorber.
+    waiting: Vec<Waiting<S::Real>>,
+    /// Number of listed impacts of all absorbers but the one at hand.
+    others: f64,
 }
 
 /// Number of segments between two checks of the cancel flag.
@@ -164,6 +170,8 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             },
             ended: false,
             short: false,
+            waiting: Waiting::all(system.absorbers()),
+            others: 0.0,
         }
     }
 
@@ -175,6 +183,8 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         if !system.energy(&state).is_finite() {
             self.tally.outcome = Outcome::NotFinite;
             self.ended = true;
+        } else if self.system.absorbers() > 1 {
+            self.begin_together();
         } else if self.touching {
             if system.distance(&state).rate < 0.0 {
                 self.apply_impact();
@@ -212,7 +222,13 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             self.impulse(velocity);
             return true;
         }
-        let finite = if self.riding.is_some() { self.ride(remaining) } else { self.fly(remaining) };
+        let finite = if self.system.absorbers() > 1 {
+            self.move_together(remaining)
+        } else if self.riding.is_some() {
+            self.ride(remaining)
+        } else {
+            self.fly(remaining)
+        };
         if !finite {
             self.tally.outcome = Outcome::NotFinite;
         }
@@ -268,7 +284,11 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         let (state, later) = self.system.touch(&self.tally.state, wall);
         self.tally.state = state;
         self.progress = self.progress.later(Clock::new(later));
-        self.apply_impact();
+        if self.system.absorbers() > 1 {
+            self.strike_all();
+        } else {
+            self.apply_impact();
+        }
     }
 
     /// One segment of a stick episode, ended by its length, the release or the end of the run.
@@ -288,11 +308,19 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
             (stretch.end.h, stretch.contact.is_some())
         };
         self.advance(&ride, ridden, length == remaining);
+        !leaves || self.release(&ride, ridden)
+    }
+
+    /// Releases a stuck absorber at the end of a ride of this length; false if the state is not at a release.
+    fn release<M>(&mut self, ride: &M, ridden: R) -> bool
+    where
+        M: Motion<Real = R, State = S::State> + Curve<Real = R, Sample = S::State>,
+    {
         // Where the force jumps or has an impulse at the release, that decides whether the absorber leaves.
-        if !leaves || self.due().is_some() {
+        if self.due().is_some() {
             return true;
         }
-        let (state, later) = system.release(&self.tally.state);
+        let (state, later) = self.system.release(&self.tally.state);
         let pressure = ride.jet(&self.tally.state).value.abs();
         let without_pressure = pressure <= ride.magnitude() * (R::EPSILON * PRESSURE_ULPS);
         let close_by = later >= -ridden && later <= ride.reach();
@@ -301,9 +329,19 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         }
         self.tally.state = state;
         self.progress = self.progress.later(Clock::new(later));
-        self.observer.release(system, &Instant { time: self.progress.clock, state });
-        self.end_episode(true);
+        if self.system.absorbers() > 1 {
+            self.let_go_all();
+        } else {
+            self.let_go();
+        }
         true
+    }
+
+    /// Ends the stick episode of an absorber that flies from now on.
+    fn let_go(&mut self) {
+        let from = Instant { time: self.progress.clock, state: self.tally.state };
+        self.observer.release(self.system, &from);
+        self.end_episode(true);
     }
 
     fn advance<M>(&mut self, motion: &M, h: R, to_the_end: bool)
@@ -349,12 +387,13 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
         self.observer.impulse(self.system, &after, velocity * 0.5 * (v_before + v_after));
         self.tally.state = after;
         self.progress = self.progress.moved(true, self.progress.clock, R::INFINITY);
+        if self.system.absorbers() > 1 {
+            return self.settle();
+        }
         let leave = self.system.distance(&after);
         if riding {
             if !presses(&leave) {
-                let from = Instant { time: self.progress.clock, state: after };
-                self.observer.release(self.system, &from);
-                self.end_episode(true);
+                self.let_go();
             }
         } else if leave.value > 0.0 {
             // It flies on.
@@ -373,6 +412,9 @@ impl<'a, R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'a, S, O> {
 
     /// Ends the run and returns its tally.
     pub(crate) fn finish(&mut self) -> Tally<S::State, R> {
+        if self.system.absorbers() > 1 {
+            self.end_all();
+        }
         self.end_episode(false);
         let Progress { clock, counts, .. } = self.progress;
         (self.tally.end_time, self.tally.clock) = (clock.value, clock);

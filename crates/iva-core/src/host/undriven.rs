@@ -191,6 +191,10 @@ impl<R: Real> Host for UndrivenHost<R> {
         self.damping_ratio
     }
 
+    fn carrying(&self, mass_ratio: R) -> Self {
+        Self::new(self.damping_ratio, mass_ratio)
+    }
+
     fn sinusoidal(&self) -> Option<Sinusoidal> {
         Sinusoidal::of([self.damping_ratio, self.mass_ratio, R::ZERO])
     }

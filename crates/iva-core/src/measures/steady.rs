@@ -278,7 +278,7 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Steady<R> {
         self.count(impact.time, impact.wall, impact.approach_speed());
     }
 
-    fn unlist(&mut self, _first: u64, floor: R) {
+    fn unlist(&mut self, _absorber: u8, _first: u64, floor: R) {
         self.unlist_up_to(floor);
     }
 

@@ -192,11 +192,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Observer<S> for Summary<S, 
         self.beside.episode(episode);
     }
 
-    fn unlist(&mut self, first: u64, floor: R) {
-        self.beside.unlist(first, floor);
+    fn unlist(&mut self, absorber: u8, first: u64, floor: R) {
+        self.beside.unlist(absorber, first, floor);
         match &mut self.forced {
             Some(forced) => forced.unlist(floor.double()),
-            None => Observer::<S>::unlist(&mut self.steady, first, floor),
+            None => Observer::<S>::unlist(&mut self.steady, absorber, first, floor),
         }
     }
 

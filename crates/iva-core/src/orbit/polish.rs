@@ -136,6 +136,7 @@ pub fn shown<S: Numbered>(
 fn impact<R: Real>(given: &Impact<R>) -> Impact {
     Impact {
         time: given.time.into(),
+        absorber: given.absorber,
         wall: given.wall,
         displacement: given.displacement.into(),
         velocity_before: given.velocity_before.into(),
@@ -150,6 +151,7 @@ fn impact<R: Real>(given: &Impact<R>) -> Impact {
 /// A stick episode in doubles.
 fn episode<R: Real>(given: &StickEpisode<R>) -> StickEpisode {
     StickEpisode {
+        absorber: given.absorber,
         wall: given.wall,
         start_time: given.start_time.into(),
         stick_time: given.stick_time.into(),

@@ -77,7 +77,7 @@ impl ImpactLaw for Broken {
         (self.siva.begin(&after), impact)
     }
 
-    fn law_at(&self, wall: Wall, approach: f64) -> LawAt {
+    fn law_of(&self, _absorber: usize, wall: Wall, approach: f64) -> LawAt {
         self.siva.law_at(wall, approach)
     }
 

@@ -47,6 +47,7 @@ mod reference_events;
 mod regressions;
 mod samples;
 mod second_opinion;
+mod several;
 mod side_by_side;
 mod speed_law;
 mod starts_at_jumps;

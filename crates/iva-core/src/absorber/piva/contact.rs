@@ -53,6 +53,7 @@ impl<R: Real> Law<R> {
         let after = PivaState { primary, w, released: false, ..*state };
         let impact = Impact {
             time,
+            absorber: 0,
             wall: state.wall,
             displacement: state.primary.x.value,
             velocity_before: v.value,

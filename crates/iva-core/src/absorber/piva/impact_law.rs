@@ -196,7 +196,7 @@ impl<R: Real> Law<R> {
 
 impl<R: Real, H: Host<Real = R>> crate::absorber::ImpactLaw for Piva<H> {
     /// The gain of the law is per W; divided by cosθ it is per gap velocity W cosθ.
-    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
+    fn law_of(&self, _absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
         let law = self.law(wall);
         let gain = law.impact_gain() / self.stops.cosine.value;
         LawAt::constant(law.restitution, law.ratio, gain, law.pressure_gain)

@@ -114,6 +114,6 @@ impl<R: Real, H: Host<Real = R>> SivaFlight<'_, H> {
     #[inline(always)]
     pub(super) fn fast_flight(&self, length: R) -> Option<FastFlight<SivaState<Phase<H>, R>, R>> {
         let mass = InFlight { free: self.structure(), course: &self.course };
-        fast_flight(&mass, &self.from, length, self.siva.clearance)
+        fast_flight(&mass, &self.from, length, self.siva.mass.clearance)
     }
 }

@@ -35,7 +35,7 @@ impl<R: Real> Law<R> {
 }
 
 impl<R: Real, H: Host<Real = R>> ImpactLaw for Siva<H> {
-    fn law_at(&self, wall: Wall, _approach: R) -> LawAt<R> {
+    fn law_of(&self, _absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
         let Law { restitution, share, .. } = *self.law(R::from(wall.sign()));
         let pressure = self.host.damping_ratio() * 2.0 * share.value;
         LawAt::constant(restitution, restitution, share.value, pressure)
@@ -48,6 +48,7 @@ impl<R: Real, H: Host<Real = R>> ImpactLaw for Siva<H> {
         let after = collided(self.host.free(), state, true, law);
         let impact = Impact {
             time,
+            absorber: 0,
             wall: self.wall(state),
             displacement: state.host.primary.x.value,
             velocity_before: state.host.primary.v.value,
@@ -61,7 +62,7 @@ impl<R: Real, H: Host<Real = R>> ImpactLaw for Siva<H> {
     }
 
     fn stick(&self, state: &Self::State) -> (Self::State, R) {
-        let loss = impact::energy_loss(self.mass_ratio, R::ZERO, state.rate.value);
+        let loss = impact::energy_loss(self.mass.mass_ratio, R::ZERO, state.rate.value);
         let primary = state.host.primary.jumped(-state.side, state.rate, self.stick_share);
         let host = self.host.state(state.host.phase, primary);
         let stuck =

@@ -146,7 +146,7 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
         let motion = Integrated {
             from: &self.from.host,
             course: self.measured(),
-            mass_ratio: self.siva.mass_ratio,
+            mass_ratio: self.siva.mass.mass_ratio,
             gap_velocity: Some(self.from.gap_velocity()),
         };
         let [viscous, work] = R::dispatched(
@@ -263,6 +263,6 @@ impl<R: Real, H: Host<Real = R>> Curve for SivaFlight<'_, H> {
 
     #[inline]
     fn magnitude(&self) -> R {
-        self.siva.clearance
+        self.siva.mass.clearance
     }
 }

@@ -21,7 +21,7 @@ impl<R: Real, H: Host<Real = R>> OnStructure for Siva<H> {
     }
 
     fn mass_ratio(&self) -> R {
-        self.mass_ratio
+        self.mass.mass_ratio
     }
 
     fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
@@ -41,7 +41,7 @@ impl<R: Real, H: Host<Real = R>> OnStructure for Siva<H> {
     fn apply_impulse(&self, state: &Self::State, velocity: R, stuck: bool) -> Self::State {
         let phase = self.host.after_impulse(&state.host.phase);
         let Primary { x, v } = state.host.primary;
-        let mass = DoubleDouble::new(R::ONE).plus(self.mass_ratio);
+        let mass = DoubleDouble::new(R::ONE).plus(self.mass.mass_ratio);
         let gained = if stuck {
             DoubleDouble::new(velocity).over_sum(mass)
         } else {
@@ -55,11 +55,11 @@ impl<R: Real, H: Host<Real = R>> OnStructure for Siva<H> {
     fn energy(&self, state: &Self::State) -> R {
         let Point { x, v } = self.primary(state);
         let absorber = v + state.gap_velocity();
-        let moving = (x * x + v * v) * 0.5 + self.mass_ratio * 0.5 * (absorber * absorber);
+        let moving = (x * x + v * v) * 0.5 + self.mass.mass_ratio * 0.5 * (absorber * absorber);
         let gravity = self.host.gravity();
         if gravity == 0.0 {
             return moving;
         }
-        moving + self.mass_ratio * gravity * self.height(state)
+        moving + self.mass.mass_ratio * gravity * self.height(state)
     }
 }

@@ -117,7 +117,7 @@ impl<'a, R: Real, H: Host<Real = R>> Passage<'a, H> {
     /// The energy lost ∫ 2ζ ẋ², and the work ∫ (f/M) ẋ − a_g p, where p is the momentum of structure and absorber.
     pub fn losses(&self) -> Losses<R> {
         let damping = self.siva.host.free().equation().damping;
-        let mass_ratio = self.siva.mass_ratio;
+        let mass_ratio = self.siva.mass.mass_ratio;
         let [mut viscous, mut work] = [DoubleDouble::<R>::ZERO; 2];
         self.sums(|speed, sums, base| {
             viscous = viscous.plus(damping * sums.speed);

@@ -139,7 +139,7 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
                 let mut count = 0;
                 for _ in 0..BLOCKS {
                     let Some(block) = pieces.block(mass.place.block) else { break };
-                    let clear = mass.clear(block, [self.clearance, remaining], bound);
+                    let clear = mass.clear(block, [self.mass.clearance, remaining], bound);
                     if clear == 0 {
                         break;
                     }

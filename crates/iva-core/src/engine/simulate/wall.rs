@@ -3,7 +3,7 @@
 use super::{CANCEL_EVERY, Instant, Run, is_finite};
 use crate::absorber::chatter::{Rebound, first_search};
 use crate::absorber::impact::Impact;
-use crate::absorber::{Absorber, Clock};
+use crate::absorber::{Absorber, Clock, LawAt};
 use crate::engine::counts::Counted;
 use crate::engine::observe::{Contact, Observer, StickEpisode};
 use crate::host::Excitation;
@@ -15,17 +15,34 @@ use crate::segment::flight::{Curve, Jet, Motion};
 impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     /// Applies the impact law to the state in contact, and decides what follows.
     pub(super) fn apply_impact(&mut self) {
-        let wall = self.system.wall(&self.tally.state);
-        let (after, impact) = self.system.impact(&self.tally.state, self.progress.clock.value);
+        let before = self.tally.state;
+        self.strike(&before);
+        self.leave_or_stick();
+    }
+
+    /// Applies the impact law to a state in contact, and counts and lists the impact.
+    pub(super) fn strike(&mut self, before: &S::State) {
+        let (after, impact) = self.system.impact(before, self.progress.clock.value);
         let approach = impact.approach_speed();
         // With e = 1 no chatter dies out, so low impacts are listed immediately.
-        let dies_out = self.system.law_at(wall, approach).dies_out() || approach == 0.0;
+        let dies_out = self.law(before, approach).dies_out() || approach == 0.0;
         let low = dies_out && approach <= self.progress.floor;
         let counted = Counted { low, ..Counted::from(&impact) };
         self.progress = self.progress.struck(true, &counted);
-        let before = std::mem::replace(&mut self.tally.state, after);
-        self.list(&impact, [&before, &after], false);
-        self.leave_or_stick();
+        self.tally.state = after;
+        self.list(&impact, [before, &after], false);
+    }
+
+    /// The impact law of the absorber at hand at its wall.
+    fn law(&self, state: &S::State, approach: R) -> LawAt<R> {
+        let system = self.system;
+        system.law_of(system.at_hand(state), system.wall(state), approach)
+    }
+
+    /// True if the absorber leaves its wall with a speed with which it can return.
+    fn returns(&self, state: &S::State) -> bool {
+        let speed = self.system.distance(state).rate;
+        self.law(state, speed).rebound * speed > 0.0
     }
 
     fn list(&mut self, impact: &Impact<R>, states: [&S::State; 2], summed: bool) {
@@ -48,7 +65,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
 
     /// A rebound from a pressing wall: the rest of the chatter is summed where the sum is exact to rounding.
     fn rebound(&mut self, state: &S::State, leave: &Jet<R>) {
-        let law = self.system.law_at(self.system.wall(state), leave.rate);
+        let law = self.law(state, leave.rate);
         let mut rebound = Rebound {
             speed: leave.rate,
             pressure: -leave.curvature,
@@ -65,13 +82,17 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
         let stick_clock = self.progress.clock.plus(rebound.tail());
         let smooth = low && rebound.tail() < self.system.excitation().smooth_for(S::phase(state));
-        if smooth && rebound.summable() && stick_clock.minus(self.progress.stop) < 0.0 {
+        let summable = smooth && rebound.summable();
+        let ends = summable && stick_clock.minus(self.progress.stop) < 0.0;
+        if ends && self.system.others_wait(state, rebound.tail()) {
             self.list_tail(*state, stick_clock.value);
             self.stick(stick_clock);
+        } else if self.has_ended(&rebound) {
+            self.stick(self.progress.clock);
         } else {
             // The return is expected after 2u/A; the search goes a little further.
-            self.progress.first = rebound.first_search();
-            self.short = rebound.is_short() && rebound.is_low(self.system.clearance());
+            self.progress.first = self.progress.first.min(rebound.first_search());
+            self.short = rebound.is_short() && rebound.is_low(self.system.clearance_at_hand(state));
         }
     }
 
@@ -81,11 +102,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         let mut clock = self.progress.clock;
         let begin = Contact { time: clock.value, states: [&state; 2], summed: true };
         self.observer.contact(self.system, &begin);
-        let wall = self.system.wall(&state);
-        let returns = |speed: R| self.system.law_at(wall, speed).rebound * speed > 0.0;
-        while returns(self.system.distance(&state).rate)
-            && self.progress.counts.listed() < self.progress.max_impacts
-        {
+        while self.returns(&state) && self.progress.counts.listed() < self.progress.max_impacts {
             if (self.progress.counts.impacts as u64).is_multiple_of(CANCEL_EVERY)
                 && self.is_cancelled()
             {
@@ -97,7 +114,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
                 return;
             }
             let length = flight.reach().min(first_search(leave.rate, -leave.curvature));
-            let stretch = first_contact(&flight, &state, self.system.clearance(), length);
+            let stretch =
+                first_contact(&flight, &state, self.system.clearance_at_hand(&state), length);
             if stretch.contact != Some(Side::Near) {
                 return;
             }
@@ -125,7 +143,9 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         counts.losses = counts.losses.plus(loss);
         self.observer.stick(self.system, &Instant { time: stick_clock, state });
         self.tally.state = state;
+        let absorber = self.system.at_hand(&self.tally.state) as u8;
         let mut episode = StickEpisode {
+            absorber,
             wall,
             start_time: stick_clock.value,
             stick_time: stick_clock.value,
@@ -139,7 +159,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             counts.impacts -= streak.low;
             counts.effective -= streak.low_effective;
             if streak.low > 0.0 {
-                self.observer.unlist(streak.listed_before as u64, self.progress.floor);
+                let first = (streak.listed_before - self.others) as u64;
+                self.observer.unlist(absorber, first, self.progress.floor);
             }
             episode.start_time = streak.start_time;
             episode.impacts = (counts.impacts - streak.listed_before) as u64;

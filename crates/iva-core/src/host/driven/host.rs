@@ -89,6 +89,10 @@ impl<R: Real> Host for DrivenHost<R> {
         self.damping_ratio
     }
 
+    fn carrying(&self, mass_ratio: R) -> Self {
+        Self::new(self.damping_ratio, mass_ratio, (*self.forces.force).clone(), R::ZERO)
+    }
+
     #[inline(always)]
     fn free(&self) -> &Driven<Forces<R>> {
         &self.free

@@ -345,7 +345,7 @@ impl<S: Differentiable> Observer<S> for Errors {
         self.list(impact);
     }
 
-    fn unlist(&mut self, first: u64, floor: f64) {
+    fn unlist(&mut self, _absorber: u8, first: u64, floor: f64) {
         let mut index = 0;
         self.impacts.retain(|impact| {
             index += 1;

@@ -44,6 +44,7 @@ impl<T: Tier, const W: usize> FreeMasses<T, W> {
                 full |= struck.is_full();
                 struck.impacts.push(Impact {
                     time: lane.progress.clock.value,
+                    absorber: 0,
                     wall: if side > 0.0 { Wall::Plus } else { Wall::Minus },
                     displacement: x,
                     velocity_before: round.v,

@@ -1,0 +1,312 @@
+//! Several free masses on one structure, each in a gap of its own.
+//!
+//! The structure moves as one with the masses that are stuck to it; each of the others obeys D̈ = s A, where D is its
+//! distance to the wall last touched, s the sign of that wall and A the absolute acceleration of the structure
+//! ([`crate::absorber::siva`]). So all masses fly in one motion of the structure, and a state is that of the structure plus
+//! one for each mass. Which masses are stuck is part of the state; a structure of 1 + the mass ratios of those is kept for
+//! each set of them that was met.
+//!
+//! * **Impacts at one instant.** All masses that touch their walls and approach them have their impact at once: Newton's
+//!   law for each, and the momentum of all ([`impact_law`]). Contacts closer to each other than 2⁻⁴⁹/ωn are one event.
+//! * **A stuck mass** is carried where an impact pushes its wall against it, and left behind where it pulls its wall
+//!   away.
+//! * **Chatter** is summed where no other mass is stuck, and none of the others can meet a wall before its end: its
+//!   distance from both walls exceeds what its speed, the largest A and the impacts of the chatter can cover. Elsewhere
+//!   the impacts are computed one by one, until the rest of the chatter is shorter than rounding of the clock.
+
+use std::sync::OnceLock;
+
+use crate::absorber::impact;
+use crate::absorber::siva::FreeMass;
+use crate::absorber::siva::free_mass::check_place;
+use crate::absorber::{Absorber, Clock, Point, Wall};
+use crate::error::{Invalid, number};
+use crate::force::Force;
+use crate::host::oscillator::Primary;
+use crate::host::{DrivenHost, Host, HostState, Structure, UndrivenHost};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::range;
+use crate::segment::flight::{GapPoint, Jet};
+
+pub use motion::Together;
+pub use state::{InGap, SeveralState};
+
+pub mod impact_law;
+mod motion;
+mod on_structure;
+mod state;
+
+/// Largest number of absorbers.
+pub const MOST: usize = 8;
+
+/// Contacts closer to each other than this, in units of 2⁻⁵²/ωn, are one event.
+const AT_ONCE_ULPS: f64 = 8.0;
+
+/// N free masses on a structure.
+#[derive(Debug, Clone)]
+pub struct Several<H: Host, const N: usize> {
+    pub(crate) masses: [FreeMass<H::Real>; N],
+    pub(crate) host: H,
+    /// The structure with a set of masses stuck to it, made when the set first is.
+    carrying: Vec<OnceLock<H>>,
+}
+
+/// A start of the structure and of N absorbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Starts<R, const N: usize> {
+    /// Displacement and velocity of the structure.
+    pub primary: Point<R>,
+    /// Gap displacement and gap velocity of each absorber.
+    pub gaps: [GapPoint<R>; N],
+}
+
+impl<R: Real, const N: usize> Several<UndrivenHost<R>, N> {
+    /// Some masses on a structure of damping ratio ζ without drive.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a damping ratio out of [`crate::range`], and for more than [`MOST`] masses or none.
+    pub fn new(damping_ratio: R, masses: [FreeMass<R>; N]) -> Result<Self, Invalid> {
+        range::damping_ratio("primary.damping_ratio", damping_ratio)?;
+        if !(1..=MOST).contains(&N) {
+            let rule = format!("give 1 to {MOST} absorbers");
+            return Err(Invalid::new("absorber", number(N as f64), rule));
+        }
+        Ok(Self::on(UndrivenHost::new(damping_ratio, total(&masses)), masses))
+    }
+
+    /// The same masses on the same structure under a force.
+    pub fn under(&self, force: Force<R>) -> Several<DrivenHost<R>, N> {
+        let (damping_ratio, masses) = (self.host.damping_ratio(), self.masses);
+        Several::on(DrivenHost::new(damping_ratio, total(&masses), force, R::ZERO), masses)
+    }
+}
+
+/// The mass ratio of all masses together.
+fn total<R: Real>(masses: &[FreeMass<R>]) -> R {
+    masses.iter().fold(R::ZERO, |sum, mass| sum + mass.mass_ratio)
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
+    fn on(host: H, masses: [FreeMass<R>; N]) -> Self {
+        Self { masses, host, carrying: (0..1_usize << N).map(|_| OnceLock::new()).collect() }
+    }
+
+    /// The masses.
+    pub fn masses(&self) -> &[FreeMass<R>; N] {
+        &self.masses
+    }
+
+    /// The structure with the masses that are stuck to it in a state.
+    fn structure(&self, masses: &[InGap<R>; N]) -> &H::Structure {
+        let stuck = || masses.iter().enumerate().filter(|(_, mass)| mass.stuck);
+        let set: usize = stuck().map(|(k, _)| 1 << k).sum();
+        if set == 0 {
+            return self.host.free();
+        }
+        let mass = || stuck().fold(R::ZERO, |sum, (k, _)| sum + self.masses[k].mass_ratio);
+        self.carrying[set].get_or_init(|| self.host.carrying(mass())).loaded()
+    }
+
+    /// The structure at a place, with A computed anew for the masses that are stuck to it.
+    fn hosted(&self, state: &SeveralState<H, N>, primary: Primary<R>) -> HostState<H::Phase, R> {
+        let phase = state.host.phase;
+        let acceleration = self.structure(&state.masses).acceleration(&phase, &primary);
+        HostState { primary, acceleration, phase }
+    }
+
+    /// The state in which the structure has gained a velocity: masses in flight keep theirs.
+    fn jumped(&self, state: &SeveralState<H, N>, gained: DoubleDouble<R>) -> SeveralState<H, N> {
+        let mut after = *state;
+        for mass in after.masses.iter_mut().filter(|mass| !mass.stuck) {
+            let kick = [gained.value, gained.rest].map(|part| mass.side * part);
+            mass.rate = mass.rate.plus_parts(kick[0], kick[1]);
+        }
+        let Primary { x, v } = state.host.primary;
+        let primary = Primary { x, v: v.plus_parts(gained.value, gained.rest) };
+        after.host = self.hosted(&after, primary);
+        after
+    }
+
+    /// The absorber at hand, and its place in its gap.
+    fn seen<'a>(&'a self, state: &'a SeveralState<H, N>) -> (&'a FreeMass<R>, &'a InGap<R>) {
+        let k = usize::from(state.at_hand);
+        (&self.masses[k], &state.masses[k])
+    }
+
+    /// Gap displacement and velocity of each absorber.
+    pub fn gaps(&self, state: &SeveralState<H, N>) -> [GapPoint<R>; N] {
+        std::array::from_fn(|k| state.masses[k].gap(&self.masses[k]))
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
+    type Start = Starts<R, N>;
+    type Flight<'a>
+        = Together<'a, H, N>
+    where
+        H: 'a;
+    type Ride<'a>
+        = Together<'a, H, N>
+    where
+        H: 'a;
+
+    fn absorbers(&self) -> usize {
+        N
+    }
+
+    fn at_hand(&self, state: &Self::State) -> usize {
+        usize::from(state.at_hand)
+    }
+
+    fn turned_to(&self, state: &Self::State, absorber: usize) -> Self::State {
+        SeveralState { at_hand: absorber as u8, ..*state }
+    }
+
+    fn turn<'a>(&'a self, flight: &mut Together<'a, H, N>, absorber: usize) {
+        flight.from.at_hand = absorber as u8;
+    }
+
+    fn is_stuck(&self, state: &Self::State) -> bool {
+        self.seen(state).1.stuck
+    }
+
+    fn freed(&self, state: &Self::State) -> Self::State {
+        let mut freed = *state;
+        freed.masses[usize::from(state.at_hand)].stuck = false;
+        freed.host = self.hosted(&freed, state.host.primary);
+        freed
+    }
+
+    /// A mass travels |Ḋ| t + ½ |A| t² at most, and the impacts of the chatter change Ḋ by less than twice the speed of
+    /// the mass that chatters.
+    fn others_wait(&self, state: &Self::State, time: R) -> bool {
+        let shaken = self.host.free().bound::<0>(&state.host.primary);
+        let kicked = self.seen(state).1.rate.value.abs() * 2.0;
+        let others = (0..N).filter(|k| *k != usize::from(state.at_hand));
+        others.map(|k| (&self.masses[k], &state.masses[k])).all(|(mass, place)| {
+            let speed = place.rate.value.abs() + kicked;
+            let travel = time * (speed + shaken * time);
+            let near = place.distance.value;
+            !place.stuck && near > travel && mass.clearance * 2.0 - near > travel
+        })
+    }
+
+    fn clearance(&self) -> R {
+        self.masses.iter().fold(R::INFINITY, |least, mass| least.min(mass.clearance))
+    }
+
+    fn clearance_at_hand(&self, state: &Self::State) -> R {
+        self.seen(state).0.clearance
+    }
+
+    fn check_start(&self, start: &Starts<R, N>) -> Result<(), Invalid> {
+        range::size("start.displacement", start.primary.x)?;
+        range::size("start.velocity", start.primary.v)?;
+        for (k, (mass, GapPoint { y, w })) in self.masses.iter().zip(start.gaps).enumerate() {
+            let field = |name: &str| format!("start.absorber.{}.{name}", k + 1);
+            range::size(&field("gap_displacement"), y)?;
+            range::size(&field("gap_velocity"), w)?;
+            check_place(&field("gap_displacement"), y, [mass.clearance, mass.offset])?;
+        }
+        Ok(())
+    }
+
+    fn begin_at(&self, start: &Starts<R, N>, time: Clock<R>) -> Self::State {
+        let Point { x, v } = start.primary;
+        let primary = Primary { x: DoubleDouble::new(x), v: DoubleDouble::new(v) };
+        let host = self.host.state(self.host.begin_at(time), primary);
+        let leaning = [-host.acceleration.value, v];
+        let masses = std::array::from_fn(|k| {
+            let GapPoint { y, w } = start.gaps[k];
+            let leaning = leaning.into_iter().chain(self.host.leaning(&host.phase));
+            let (side, distance) = self.masses[k].begun([y, w], leaning);
+            InGap { side, distance, rate: DoubleDouble::new(-side * w), stuck: false }
+        });
+        SeveralState { host, masses, at_hand: 0 }
+    }
+
+    fn flight(&self, state: &Self::State) -> Together<'_, H, N> {
+        Together::new(self, *state)
+    }
+
+    fn ride(&self, state: &Self::State) -> Together<'_, H, N> {
+        Together::new(self, *state)
+    }
+
+    fn wall(&self, state: &Self::State) -> Wall {
+        if self.seen(state).1.side > 0.0 { Wall::Plus } else { Wall::Minus }
+    }
+
+    /// As if the absorber at hand were in flight, also while it is stuck.
+    fn distance(&self, state: &Self::State) -> Jet<R> {
+        let (_, mass) = self.seen(state);
+        let HostState { primary, acceleration, phase } = &state.host;
+        let [jerk, ..] =
+            self.structure(&state.masses).derivatives(phase, primary.v.value, acceleration.value);
+        Jet {
+            value: mass.distance.value,
+            rate: mass.rate.value,
+            curvature: mass.side * acceleration.value,
+            jerk: mass.side * jerk,
+        }
+    }
+
+    /// Other masses that are about to meet their walls touch them as well.
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
+        let at_hand = usize::from(state.at_hand);
+        let a = state.host.acceleration.value;
+        let met = state.masses[at_hand].measured_from(wall, &self.masses[at_hand]);
+        let later = impact::delay(met.distance.value, met.rate.value, a);
+        let structure = self.structure(&state.masses);
+        let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;
+        let [base, ..] = structure.base(&phase);
+        let gained = a * later;
+        let primary = Primary { x: x.plus(v.value * later), v: v.plus(gained - base * later) };
+        let host = HostState { primary, acceleration, phase: structure.later(&phase, later) };
+        let masses = std::array::from_fn(|k| {
+            let (mass, place) = (&self.masses[k], &state.masses[k]);
+            if place.stuck {
+                return *place;
+            }
+            let after = if k == at_hand { met } else { *place }.moved(later, gained);
+            if k == at_hand {
+                return InGap { distance: DoubleDouble::ZERO, ..after };
+            }
+            let within = R::EPSILON * AT_ONCE_ULPS;
+            let meets = |seen: &InGap<R>| {
+                seen.rate.value < 0.0 && seen.distance.value <= -seen.rate.value * within
+            };
+            let across =
+                after.measured_from(if after.side > 0.0 { Wall::Minus } else { Wall::Plus }, mass);
+            match [after, across].into_iter().find(meets) {
+                Some(seen) => InGap { distance: DoubleDouble::ZERO, ..seen },
+                None => after,
+            }
+        });
+        (SeveralState { host, masses, at_hand: state.at_hand }, later)
+    }
+
+    /// The release is where A = 0, for all stuck masses at once. With x set to the balance, the pressure is exactly 0.
+    fn release(&self, state: &Self::State) -> (Self::State, R) {
+        let HostState { primary: Primary { x, v }, phase, .. } = state.host;
+        let structure = self.structure(&state.masses);
+        let left = (x - self.host.balanced(&phase, v)).value;
+        let [jerk, snap, _] = structure.derivatives(&phase, v.value, R::ZERO);
+        // x leaves the balance by −j h/k in a time h, where k is the stiffness over the mass.
+        let stiffness = structure.equation().stiffness;
+        let later = impact::delay(left * stiffness, -jerk, snap);
+        let phase = structure.later(&phase, later);
+        let [base, ..] = structure.base(&phase);
+        let v = v.plus(-base * later);
+        let primary = Primary { x: self.host.balanced(&phase, v), v };
+        let mut after = *state;
+        after.host = HostState { primary, acceleration: DoubleDouble::ZERO, phase };
+        for mass in &mut after.masses {
+            // Masses in flight keep their velocity while the structure loses that of its base.
+            let freed = InGap { stuck: false, ..*mass };
+            *mass = if mass.stuck { freed } else { mass.moved(later, R::ZERO) };
+        }
+        (after, later)
+    }
+}

@@ -1,0 +1,144 @@
+//! Impacts of several masses on one structure at one instant.
+//!
+//! With I the masses that have their impact and L those that are stuck to walls which the impact pushes against them,
+//! momentum and Newton's law for each mass of I,
+//!
+//! ```text
+//! v⁺ + Σ_L μ v⁺ + Σ_I μ (v⁺ + w⁺) = v + Σ_L μ v + Σ_I μ (v + w),     w⁺ = −e w,
+//! ```
+//!
+//! give the velocity that the structure gains, and the energy of the impulse on each mass, which is the impulse times the
+//! mean of the relative velocities at its begin and end:
+//!
+//! ```text
+//! Δv = Σ_I μ (1 + e) w / T,     T = 1 + Σ_I μ + Σ_L μ,
+//! loss_i = ½ μᵢ (1 + eᵢ) wᵢ ((1 − eᵢ) wᵢ − Σ_I μ (1 − e) w / T).
+//! ```
+//!
+//! Masses in flight keep their velocity. A stuck mass is in L if Δv moves its wall towards it; otherwise it is left
+//! behind, and flies. The sign of Δv does not depend on L, so that there is one solution. A mass that would be left behind
+//! for less than rounding of the clock is carried. For a single mass on a structure
+//! that carries none these are the formulas of [`crate::absorber::impact`].
+
+use super::{InGap, Several, SeveralState};
+use crate::absorber::chatter::is_nothing;
+use crate::absorber::impact::{Impact, share_of};
+use crate::absorber::{Absorber, ImpactLaw, LawAt, OnStructure, Wall};
+use crate::host::Host;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
+    /// The masses that have their impact in a state: they touch their walls and approach them.
+    fn struck(&self, state: &SeveralState<H, N>) -> [bool; N] {
+        state.masses.map(|InGap { distance, rate, stuck, .. }| {
+            !stuck && distance.value == 0.0 && rate.value < 0.0
+        })
+    }
+
+    /// 1 and the mass ratios of some masses.
+    pub(super) fn together(&self, which: impl Fn(usize) -> bool) -> DoubleDouble<R> {
+        let masses = (0..N).filter(|k| which(*k)).map(|k| self.masses[k].mass_ratio);
+        masses.fold(DoubleDouble::new(R::ONE), DoubleDouble::plus)
+    }
+
+    /// The velocity that the structure gains where some masses, with a restitution each, have an impact and all that
+    /// moves together has a mass.
+    fn gained(
+        &self,
+        state: &SeveralState<H, N>,
+        struck: [Option<R>; N],
+        together: DoubleDouble<R>,
+    ) -> DoubleDouble<R> {
+        let mut gained = DoubleDouble::ZERO;
+        for (k, restitution) in struck.iter().enumerate() {
+            let Some(restitution) = *restitution else { continue };
+            let share = share_of(self.masses[k].mass_ratio, restitution, together);
+            let InGap { side, rate, .. } = state.masses[k];
+            let kick = share.value * (-side * rate.value);
+            let rest = -side * (share.value * rate.rest + share.rest * rate.value);
+            gained = gained.plus_parts(kick, rest);
+        }
+        gained
+    }
+
+    /// The restitution of each mass that has an impact.
+    fn restitutions(&self, state: &SeveralState<H, N>, struck: [bool; N]) -> [Option<R>; N] {
+        std::array::from_fn(|k| {
+            struck[k].then(|| self.masses[k].law(state.masses[k].side).restitution)
+        })
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
+    /// That on the structure without other masses stuck to it, where chatters are summed.
+    fn law_of(&self, absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
+        let law = self.masses[absorber].law(R::from(wall.sign()));
+        let pressure = self.host.damping_ratio() * 2.0 * law.share.value;
+        LawAt::constant(law.restitution, law.restitution, law.share.value, pressure)
+    }
+
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        let struck = self.struck(state);
+        let restitutions = self.restitutions(state, struck);
+        // Its sign is that of the velocity gained, whatever is carried, and its size is no smaller.
+        let push = self.gained(state, restitutions, DoubleDouble::new(R::ONE)).value;
+        let carried = |k: usize| {
+            let InGap { side, stuck, .. } = state.masses[k];
+            let pressure = -side * state.host.acceleration.value;
+            let hop = || {
+                let falls = pressure * (R::ONE - self.masses[k].law(side).restitution);
+                // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
+                push.abs() * 0.5 / falls
+            };
+            stuck && (side * push <= 0.0 || (pressure > 0.0 && is_nothing(hop(), time)))
+        };
+        let together = self.together(|k| struck[k] || carried(k));
+        let gained = self.gained(state, restitutions, together);
+        let mut left = *state;
+        for (k, mass) in left.masses.iter_mut().enumerate() {
+            mass.stuck &= carried(k);
+        }
+        let mut after = self.jumped(&left, gained);
+        let mut approach = R::ZERO;
+        for (k, restitution) in restitutions.iter().enumerate() {
+            let (Some(e), before) = (*restitution, &state.masses[k]) else { continue };
+            after.masses[k].rate = before.rate.product(DoubleDouble::new(-e));
+            let w = -before.side * before.rate.value;
+            approach += self.masses[k].mass_ratio * (R::ONE - e) * w;
+        }
+        let (mass, place) = self.seen(state);
+        let (e, w) = (mass.law(place.side).restitution, -place.side * place.rate.value);
+        let opposed = (R::ONE - e) * w - approach / together.value;
+        let impact = Impact {
+            time,
+            absorber: state.at_hand,
+            wall: self.wall(state),
+            displacement: self.primary(state).x,
+            velocity_before: self.primary(state).v,
+            velocity_after: self.primary(&after).v,
+            gap_velocity_before: w,
+            gap_velocity_after: after.masses[usize::from(state.at_hand)].gap(mass).w,
+            lever: R::ONE,
+            energy_loss: mass.mass_ratio * 0.5 * (R::ONE + e) * w * opposed,
+        };
+        (after, impact)
+    }
+
+    /// The absorber at hand sticks, with all masses that are stuck already.
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        let at_hand = usize::from(state.at_hand);
+        let together = self.together(|k| k == at_hand || state.masses[k].stuck);
+        let plastic = std::array::from_fn(|k| (k == at_hand).then_some(R::ZERO));
+        let gained = self.gained(state, plastic, together);
+        let mut stuck = *state;
+        stuck.masses[at_hand].stuck = true;
+        let mut after = self.jumped(&stuck, gained);
+        let zero = DoubleDouble::ZERO;
+        after.masses[at_hand] = InGap { distance: zero, rate: zero, ..stuck.masses[at_hand] };
+        let mass = self.masses[at_hand].mass_ratio;
+        let speed = state.masses[at_hand].rate.value;
+        let reduced = mass * (R::ONE - mass / together.value);
+        (after, reduced * 0.5 * (speed * speed))
+    }
+}

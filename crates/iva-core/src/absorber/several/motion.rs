@@ -1,0 +1,217 @@
+//! The motion of a structure and of several masses between two events.
+
+use super::{InGap, Several, SeveralState};
+use crate::absorber::{Absorber, Wall};
+use crate::host::{Flown, Host, HostState, Integrated, Structure};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel, Turns};
+use crate::segment::taylor::ORDER;
+
+/// The motion from one state. Its curve is that of the absorber at hand: the distance to the wall last touched, or the
+/// pressure on that wall while it is stuck.
+#[derive(Debug, Clone)]
+pub struct Together<'a, H: Host, const N: usize> {
+    system: &'a Several<H, N>,
+    structure: &'a H::Structure,
+    pub(super) from: SeveralState<H, N>,
+    course: <H::Structure as Structure>::Course,
+}
+
+impl<'a, R: Real, H: Host<Real = R>, const N: usize> Together<'a, H, N> {
+    pub(super) fn new(system: &'a Several<H, N>, from: SeveralState<H, N>) -> Self {
+        let structure = system.structure(&from.masses);
+        Self { system, structure, from, course: structure.fast_course(&from.host) }
+    }
+
+    fn at_hand(&self) -> &InGap<R> {
+        &self.from.masses[usize::from(self.from.at_hand)]
+    }
+
+    /// The energy lost and the work done in a motion of length h, of structure and one mass with this gap velocity.
+    fn integrals(&self, mass_ratio: R, gap_velocity: Option<R>, h: R) -> [R; 2] {
+        let (from, course) = (&self.from.host, &self.course);
+        let motion = Integrated { from, course, mass_ratio, gap_velocity };
+        R::dispatched(
+            #[inline(always)]
+            || self.structure.losses(&motion, h),
+        )
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
+    type Real = R;
+    type State = SeveralState<H, N>;
+    const RIDING: bool = false;
+
+    fn origin(&self) -> &Self::State {
+        &self.from
+    }
+
+    fn reach(&self) -> R {
+        self.structure.reach(&self.from.host)
+    }
+
+    fn state(&self, h: R) -> Self::State {
+        let Flown { to, gained } = R::dispatched(
+            #[inline(always)]
+            || self.structure.flown(&self.from.host, &self.course, h),
+        );
+        let masses = self.from.masses.map(|mass| {
+            if mass.stuck {
+                return mass;
+            }
+            let sided = |sum: DoubleDouble<R>| DoubleDouble {
+                value: mass.side * sum.value,
+                rest: mass.side * sum.rest,
+            };
+            let straight = mass.rate.product(DoubleDouble::new(h));
+            let distance = mass.distance.plus_both(straight, sided(gained.curved));
+            InGap { distance, rate: mass.rate + sided(gained.velocity), ..mass }
+        });
+        SeveralState { host: to, masses, at_hand: self.from.at_hand }
+    }
+
+    fn arrival(&self, h: R) -> Self::State {
+        let mut state = self.state(h);
+        self.structure.refresh(&mut state.host);
+        state
+    }
+
+    fn primary(&self, h: R) -> Jet<R> {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure.jet(&self.from.host, &self.course, h),
+        )
+    }
+
+    fn acceleration(&self, h: R) -> R {
+        self.system.host.absolute(self.state(h).host.acceleration)
+    }
+
+    fn gap(&self, h: R) -> GapPoint<R> {
+        let state = self.state(h);
+        let (mass, place) = self.system.seen(&state);
+        place.gap(mass)
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        self.at_hand().stuck.then(|| self.system.wall(&self.from))
+    }
+
+    /// The work on a moving base is that on the structure, and that on each mass.
+    fn losses(&self, h: R) -> Losses<R> {
+        let [viscous, alone] = self.integrals(R::ZERO, None, h);
+        let mut work = alone;
+        if self.structure.moves_base() {
+            for (mass, place) in self.system.masses.iter().zip(&self.from.masses) {
+                let w = (!place.stuck).then(|| place.gap(mass).w);
+                work += self.integrals(mass.mass_ratio, w, h)[1] - alone;
+            }
+        }
+        Losses { viscous, pivot: R::ZERO, work }
+    }
+
+    fn square(&self, h: [R; 2]) -> R {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure.square(&self.from.host, &self.course, h),
+        )
+    }
+
+    fn largest(&self, of: Quantity, least: R, length: R, end: &Self::State) -> Option<R> {
+        R::dispatched(
+            #[inline(always)]
+            || {
+                let motion = (&self.from.host, &self.course);
+                self.structure.largest(of, least, motion, &end.host, length)
+            },
+        )
+    }
+
+    fn rows(&self) -> Option<Rows<R>> {
+        R::dispatched(
+            #[inline(always)]
+            || self.structure.rows(&self.from.host, &self.course),
+        )
+    }
+
+    /// That of the absorber at hand, whose gap obeys ÿ = −A in flight.
+    fn travel(&self) -> Option<Travel<R>> {
+        let rows = self.structure.series(&self.from.host, &self.course);
+        let (mass, place) = self.system.seen(&self.from);
+        let GapPoint { y, w } = place.gap(mass);
+        let mut gap = [R::ZERO; ORDER + 1];
+        (gap[0], gap[1]) = (y, w * rows.step);
+        if !place.stuck {
+            for k in 0..=ORDER - 2 {
+                let over = R::reciprocal(k + 1) * R::reciprocal(k + 2);
+                gap[k + 2] = -rows.acceleration[k] * over * (rows.step * rows.step);
+            }
+        }
+        Some(Travel::new(rows, gap, R::ONE))
+    }
+
+    fn turns(&self, length: R, end: &Self::State) -> Turns<R> {
+        let [v, v_end] = [&self.from, end].map(|state| state.host.primary.v.value);
+        if !R::FAST_PATHS || v * v_end >= 0.0 {
+            return Turns::Unknown;
+        }
+        R::dispatched(
+            #[inline(always)]
+            || self.structure.turns(&self.from.host, &self.course, &end.host, length),
+        )
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Curve for Together<'_, H, N> {
+    type Real = R;
+    type Sample = SeveralState<H, N>;
+
+    fn sample(&self, h: R) -> Self::Sample {
+        self.state(h)
+    }
+
+    /// D, or the pressure −s A.
+    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
+        let InGap { side, stuck, .. } = *self.at_hand();
+        if !stuck {
+            let seen = SeveralState { at_hand: self.from.at_hand, ..*sample };
+            return self.system.distance(&seen);
+        }
+        let HostState { primary, phase, .. } = &sample.host;
+        let a = self.structure.acceleration(phase, primary).value;
+        let [jerk, snap, crackle] = self.structure.derivatives(phase, primary.v.value, a);
+        let [value, rate, curvature, jerk] = [a, jerk, snap, crackle].map(|it| -side * it);
+        Jet { value, rate, curvature, jerk }
+    }
+
+    fn precise(&self, h: R) -> DoubleDouble<R> {
+        let InGap { side, distance, rate, stuck } = *self.at_hand();
+        if stuck {
+            return DoubleDouble::new(self.jet(&self.state(h)).value);
+        }
+        let travelled = rate.times(h);
+        let curved = self.structure.precise(&self.from.host, h);
+        distance
+            .plus_parts(travelled.value, travelled.rest)
+            .plus_parts(side * curved.value, side * curved.rest)
+    }
+
+    fn fourth(&self) -> R {
+        let begin = &self.from.host.primary;
+        if self.at_hand().stuck {
+            self.structure.bound::<4>(begin)
+        } else {
+            self.structure.bound::<2>(begin)
+        }
+    }
+
+    fn magnitude(&self) -> R {
+        if self.at_hand().stuck {
+            self.structure.bound::<0>(&self.from.host.primary)
+        } else {
+            self.system.seen(&self.from).0.clearance
+        }
+    }
+}

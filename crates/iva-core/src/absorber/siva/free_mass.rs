@@ -1,0 +1,102 @@
+//! A free mass in its gap, without the structure that it is on.
+
+use super::Law;
+use crate::error::{Invalid, number};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::range;
+
+/// A start within this distance of a wall, in units of 2⁻⁵² d, counts as on the wall.
+const ON_WALL_ULPS: f64 = 4.0;
+
+/// A free mass between two walls: checked parameters in natural units, and constants derived from them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeMass<R = f64> {
+    pub(crate) mass_ratio: R,
+    pub(crate) clearance: R,
+    /// The middle of the gap, as a value of y.
+    pub(crate) offset: R,
+    /// The impact laws at wall + and at wall −.
+    pub(crate) laws: [Law<R>; 2],
+}
+
+impl<R: Real> FreeMass<R> {
+    /// Mass ratio μ > 0, restitution e in [0, 1] and one-sided clearance d > 0, within the bounds of [`crate::range`].
+    ///
+    /// # Errors
+    /// [`Invalid`] naming field, value and allowed range.
+    pub fn new(mass_ratio: R, restitution: R, clearance: R) -> Result<Self, Invalid> {
+        range::mass_ratio("absorber.mass_ratio", mass_ratio)?;
+        range::positive("absorber.clearance", clearance)?;
+        range::restitution("absorber.restitution", restitution)?;
+        Ok(Self::checked(mass_ratio, restitution, clearance))
+    }
+
+    /// [`FreeMass::new`] from checked parameters.
+    pub(super) fn checked(mass_ratio: R, restitution: R, clearance: R) -> Self {
+        let laws = [Law::new(mass_ratio, restitution); 2];
+        Self { mass_ratio, clearance, offset: R::ZERO, laws }
+    }
+
+    /// The same mass with another restitution at the wall −.
+    ///
+    /// # Errors
+    /// [`Invalid`] for one outside [0, 1].
+    pub fn with_restitution_minus(mut self, restitution: R) -> Result<Self, Invalid> {
+        range::restitution("absorber.restitution_minus", restitution)?;
+        self.laws[1] = Law::new(self.mass_ratio, restitution);
+        Ok(self)
+    }
+
+    /// The same mass in a gap whose middle is at y = `offset`.
+    ///
+    /// # Errors
+    /// [`Invalid`] for an offset out of [`crate::range`].
+    pub fn with_offset(self, offset: R) -> Result<Self, Invalid> {
+        range::size("absorber.gap_offset", offset)?;
+        Ok(Self { offset, ..self })
+    }
+
+    /// The impact law at the wall with this sign.
+    #[inline(always)]
+    pub(crate) fn law(&self, side: R) -> &Law<R> {
+        let [plus, minus] = &self.laws;
+        if side > 0.0 { plus } else { minus }
+    }
+
+    /// The sign of the wall that the distance of a start is measured from, and the distance: of the wall that the mass is
+    /// nearest to or moves towards, so that a mirrored start gives the same numbers with opposite signs. Where place
+    /// and velocity do not tell, the first of `leaning` that is not 0 decides.
+    pub(crate) fn begun(
+        &self,
+        [y, w]: [R; 2],
+        leaning: impl IntoIterator<Item = R>,
+    ) -> (R, DoubleDouble<R>) {
+        let place = DoubleDouble::new(y).plus(-self.offset);
+        let seen = [place.value, w].into_iter().chain(leaning).find(|value| *value != 0.0);
+        let s = if seen.unwrap_or(R::ONE) > 0.0 { R::ONE } else { -R::ONE };
+        let distance =
+            DoubleDouble::new(self.clearance).plus_parts(-s * place.value, -s * place.rest);
+        let size = self.clearance + self.offset.abs();
+        let touching = distance.value <= R::EPSILON * ON_WALL_ULPS * size;
+        (s, if touching { DoubleDouble::ZERO } else { distance })
+    }
+}
+
+/// Checks that a gap displacement lies in a gap of this one-sided clearance, with its middle at this offset.
+///
+/// # Errors
+/// [`Invalid`] naming field, value and allowed range.
+pub(crate) fn check_place<R: Real>(
+    field: &str,
+    y: R,
+    [clearance, offset]: [R; 2],
+) -> Result<(), Invalid> {
+    let beyond = (y - offset).abs() - clearance;
+    if beyond > R::EPSILON * ON_WALL_ULPS * (clearance + offset.abs()) {
+        let [low, high] = [offset - clearance, offset + clearance].map(number);
+        let rule = format!("it must lie in the gap, from {low} to {high}");
+        return Err(Invalid::new(field, number(y), rule));
+    }
+    Ok(())
+}

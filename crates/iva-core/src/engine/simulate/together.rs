@@ -1,0 +1,195 @@
+//! Runs with several absorbers on one structure.
+//!
+//! One absorber is at hand, and the bookkeeping of a run (its stick episode, its streak of impacts) is that one's; what is
+//! known of the others waits. All absorbers move in one motion, which ends with the first event of any of them. Impacts
+//! at one instant are resolved at once, in no order: the impact law takes all absorbers that touch their walls and
+//! approach them. Whatever an event does to the others, such as pulling a stuck absorber off its wall, is decided after
+//! it for each in turn.
+
+use super::{Run, is_finite, presses};
+use crate::absorber::Absorber;
+use crate::absorber::chatter::{Rebound, is_nothing};
+use crate::engine::counts::Streak;
+use crate::engine::observe::{Observer, StickEpisode};
+use crate::number::real::Real;
+use crate::segment::contact::{Stretch, first_contact, first_release};
+use crate::segment::flight::{Curve, Motion, Side};
+
+/// What a run keeps of an absorber that is not at hand.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Waiting<R> {
+    /// The stick episode that it is in.
+    riding: Option<StickEpisode<R>>,
+    /// Its streak, in which impacts are numbered among its own.
+    streak: Streak<R>,
+    /// Number of its listed impacts.
+    impacts: f64,
+}
+
+impl<R: Real> Waiting<R> {
+    /// Those of several absorbers; none for a single one.
+    pub fn all(absorbers: usize) -> Vec<Self> {
+        if absorbers > 1 { vec![Self::default(); absorbers] } else { Vec::new() }
+    }
+}
+
+/// An event that ends a motion: the index of the absorber, and the wall that it meets if it is not a release.
+type Met = (usize, Option<Side>);
+
+impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
+    /// Takes another absorber at hand.
+    fn turn_to(&mut self, absorber: usize) {
+        let at_hand = self.system.at_hand(&self.tally.state);
+        if absorber == at_hand {
+            return;
+        }
+        let counts = &mut self.progress.counts;
+        let renumbered = |streak: Streak<R>, by: f64| Streak {
+            listed_before: streak.listed_before + by,
+            ..streak
+        };
+        let mine = Waiting {
+            riding: self.riding.take(),
+            streak: renumbered(counts.streak, -self.others),
+            impacts: counts.impacts - self.others,
+        };
+        self.waiting[at_hand] = mine;
+        let Waiting { riding, streak, impacts } = self.waiting[absorber];
+        self.others = counts.impacts - impacts;
+        (self.riding, counts.streak) = (riding, renumbered(streak, self.others));
+        self.tally.state = self.system.turned_to(&self.tally.state, absorber);
+    }
+
+    /// True if an absorber, seen as the one at hand, touches its wall and approaches it.
+    fn strikes(&self, absorber: usize, state: &S::State) -> bool {
+        let seen = self.system.turned_to(state, absorber);
+        let distance = self.system.distance(&seen);
+        distance.value == 0.0 && distance.rate < 0.0
+    }
+
+    /// Decides what absorbers do that start at their walls.
+    pub(super) fn begin_together(&mut self) {
+        for absorber in 0..self.system.absorbers() {
+            let seen = self.system.turned_to(&self.tally.state, absorber);
+            self.tally.state = self.system.freed(&seen);
+        }
+        self.tally.state = self.system.turned_to(&self.tally.state, 0);
+        self.settle();
+    }
+
+    /// One stretch of motion, ended by its length, the first event of an absorber, or the end of the run.
+    pub(super) fn move_together(&mut self, remaining: R) -> bool {
+        let (system, state) = (self.system, self.tally.state);
+        if (0..system.absorbers()).any(|absorber| self.strikes(absorber, &state)) {
+            self.strike_all();
+            return true;
+        }
+        let mut flight = system.flight(&state);
+        let length = flight.reach().min(self.progress.ahead());
+        let mut end = length;
+        let mut met: Option<Met> = None;
+        let mut undecided = 0;
+        for absorber in 0..system.absorbers() {
+            system.turn(&mut flight, absorber);
+            let from = system.turned_to(&state, absorber);
+            if !is_finite(&flight.jet(&from), flight.fourth()) {
+                return false;
+            }
+            let stretch = self.first_event(&flight, &from, end);
+            undecided += stretch.undecided;
+            if stretch.contact.is_some() {
+                end = stretch.end.h;
+                met = Some((absorber, stretch.contact.filter(|_| !system.is_stuck(&from))));
+            }
+        }
+        if undecided > 0 && met.is_some() {
+            // Grazings after the event were counted as well.
+            undecided = 0;
+            for absorber in 0..system.absorbers() {
+                system.turn(&mut flight, absorber);
+                let from = system.turned_to(&state, absorber);
+                undecided += self.first_event(&flight, &from, end).undecided;
+            }
+        }
+        self.tally.undecided += undecided;
+        let absorber = met.map_or(system.at_hand(&state), |(absorber, _)| absorber);
+        self.turn_to(absorber);
+        system.turn(&mut flight, absorber);
+        self.advance(&flight, end, length == remaining);
+        match met {
+            Some((_, Some(side))) => self.meet(side),
+            Some((_, None)) => return self.release(&flight, end),
+            None => {}
+        }
+        true
+    }
+
+    /// The contact or the release of the absorber at hand within a length.
+    fn first_event<C>(&self, flight: &C, from: &S::State, length: R) -> Stretch<S::State, R>
+    where
+        C: Curve<Real = R, Sample = S::State>,
+    {
+        if self.system.is_stuck(from) {
+            first_release(flight, from, length)
+        } else {
+            first_contact(flight, from, self.system.clearance_at_hand(from), length)
+        }
+    }
+
+    /// The impacts of all absorbers that touch their walls and approach them, and what follows.
+    pub(super) fn strike_all(&mut self) {
+        let before = self.tally.state;
+        for absorber in 0..self.system.absorbers() {
+            if self.strikes(absorber, &before) {
+                self.turn_to(absorber);
+                self.strike(&self.system.turned_to(&before, absorber));
+            }
+        }
+        self.settle();
+    }
+
+    /// After an event: frees absorbers that do not press on their walls any more, and lets those that touch a wall leave
+    /// it, go on in their chatter, or stick. One that approaches its wall has an impact next.
+    pub(super) fn settle(&mut self) {
+        for absorber in 0..self.system.absorbers() {
+            self.turn_to(absorber);
+            if self.riding.is_some() {
+                let state = self.tally.state;
+                if self.system.is_stuck(&state) && presses(&self.system.distance(&state)) {
+                    continue;
+                }
+                self.tally.state = self.system.freed(&state);
+                self.let_go();
+            }
+            let leave = self.system.distance(&self.tally.state);
+            if leave.value == 0.0 && leave.rate >= 0.0 {
+                self.leave_or_stick();
+            }
+        }
+    }
+
+    /// Ends the stick episodes of all absorbers that a release has freed.
+    pub(super) fn let_go_all(&mut self) {
+        for absorber in 0..self.system.absorbers() {
+            self.turn_to(absorber);
+            if self.riding.is_some() {
+                self.let_go();
+            }
+        }
+    }
+
+    /// Ends the stick episodes of all absorbers at the end of the run.
+    pub(super) fn end_all(&mut self) {
+        for absorber in 0..self.system.absorbers() {
+            self.turn_to(absorber);
+            self.end_episode(false);
+        }
+    }
+
+    /// True if the whole tail of a chatter beside other absorbers is shorter than rounding of the clock. Such chatters are
+    /// computed one by one where another absorber is in the way of their sum.
+    pub(super) fn has_ended(&self, rebound: &Rebound<R>) -> bool {
+        let beside = self.system.absorbers() > 1 && rebound.is_short();
+        beside && is_nothing(rebound.tail(), self.progress.clock.value)
+    }
+}

@@ -1,0 +1,338 @@
+//! Several free masses on one structure.
+//!
+//! Numbers come from closed forms (one mass is the free mass of old, equal masses in one phase are one mass, two that
+//! mirror each other leave the structure at rest), from momentum and energy, from the mirror image of a scene, and from
+//! runs in numbers of twice the precision.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use iva_core::{
+    absorber::several::{Several, Starts},
+    absorber::{Absorber, OnStructure, Point, Start},
+    flight::GapPoint,
+    force::{Acts, Force, Harmonic},
+    host::{Host, UndrivenHost},
+    impact::Impact,
+    real::{Real, twofold::Twofold},
+    run::{Run, run},
+    simulate::{Limits, Outcome},
+    siva::{FreeMass, Siva},
+};
+use iva_tests::rng::Rng;
+
+/// Parameters of a mass and its start: μ, e, d, offset, y and w.
+type Mass = [f64; 6];
+
+/// A random mass in a gap.
+fn any_mass(rng: &mut Rng) -> Mass {
+    let d = rng.range(0.2, 1.5);
+    let offset = rng.range(-0.2, 0.2);
+    let y = offset + d * rng.range(-0.9, 0.9);
+    [rng.log_range(0.02, 1.0), rng.range(0.2, 0.95), d, offset, y, rng.range(-0.5, 0.5)]
+}
+
+fn built<R: Real>([mu, e, d, offset, ..]: Mass) -> FreeMass<R> {
+    let mass = FreeMass::new(mu.into(), e.into(), d.into()).unwrap();
+    mass.with_offset(offset.into()).unwrap()
+}
+
+fn start<R: Real, const N: usize>([x, v]: [f64; 2], masses: &[Mass; N]) -> Starts<R, N> {
+    let gaps = masses.map(|[.., y, w]| GapPoint { y: y.into(), w: w.into() });
+    Starts { primary: Point { x: x.into(), v: v.into() }, gaps }
+}
+
+fn push<R: Real>(amplitude: f64, frequency: f64, acts: Acts) -> Force<R> {
+    let [amplitude, frequency, phase] = [amplitude, frequency, 0.3].map(R::from);
+    Force::harmonic(vec![Harmonic { amplitude, frequency, phase, acts }]).unwrap()
+}
+
+fn limits<R: Real>(duration: f64) -> Limits<R> {
+    Limits::new(duration.into(), R::from(0.3))
+}
+
+/// An impact: the index of its absorber, and numbers.
+type Row = (u8, [f64; 6]);
+
+/// The impacts of all absorbers in doubles: index, time, wall, velocities before and after.
+fn rows<R: Real>(impacts: &[Impact<R>]) -> Vec<Row> {
+    let row = |it: &Impact<R>| {
+        let numbers = [it.time, it.velocity_before, it.velocity_after];
+        let [time, before, after] = numbers.map(Real::double);
+        let [w, to] = [it.gap_velocity_before, it.gap_velocity_after].map(Real::double);
+        (it.absorber, [time, it.wall.sign(), before, after, w, to])
+    };
+    impacts.iter().map(row).collect()
+}
+
+fn furthest(a: &[Row], b: &[Row]) -> f64 {
+    assert_eq!(a.len(), b.len(), "as many impacts");
+    let off = |(a, b): (&Row, &Row)| (0..6).map(|k| (a.1[k] - b.1[k]).abs()).fold(0.0, f64::max);
+    a.iter().zip(b).map(off).fold(0.0, f64::max)
+}
+
+/// In numbers of twice the precision, which leave nothing of conditioning: one mass in a list is the free mass itself, with
+/// chatter and sticks, with and without force.
+#[test]
+fn one_of_several_is_the_free_mass() {
+    let mut rng = Rng::new(5);
+    let [mut impacts, mut episodes] = [0, 0];
+    for k in 0..24 {
+        let masses = [any_mass(&mut rng)];
+        let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
+        let zeta = rng.range(0.0, 0.1);
+        let listed = Several::new(Twofold::from(zeta), masses.map(built)).unwrap();
+        let [mu, e, d, offset, y, w] = masses[0];
+        let n = Twofold::from;
+        let siva = Siva::new(n(mu), n(e), n(d), n(zeta)).unwrap().with_offset(n(offset)).unwrap();
+        let [displacement, velocity, gap_displacement, gap_velocity] = [at[0], at[1], y, w].map(n);
+        let alone = Start { displacement, velocity, gap_displacement, gap_velocity };
+        let (starts, limits) = (start(at, &masses), limits::<Twofold>(15.0));
+        let acts = if k % 4 == 0 { Acts::Base } else { Acts::Primary };
+        let force = || push::<Twofold>(0.4, 0.9, acts);
+        let [a, b] = if k % 2 == 0 {
+            [told(run(&listed, &starts, &limits)), told(run(&siva, &alone, &limits))]
+        } else {
+            let driven = listed.under(force());
+            let siva = siva.under(force());
+            [told(run(&driven, &starts, &limits)), told(run(&siva, &alone, &limits))]
+        };
+        let off = furthest(&a.0, &b.0);
+        assert!(off < 1e-13, "scene {k}: impacts {off:e}");
+        assert_eq!(a.1.len(), b.1.len(), "scene {k}: episodes");
+        for (one, other) in a.1.iter().zip(&b.1) {
+            let off = (one - other).abs();
+            assert!(off < 1e-13, "scene {k}: {one} is {other} alone");
+        }
+        assert!((a.2 - b.2).abs() < 1e-12, "scene {k}: work {} and {}", a.2, b.2);
+        (impacts, episodes) = (impacts + a.0.len(), episodes + a.1.len());
+    }
+    assert!(impacts > 100 && episodes > 8, "{impacts} impacts, {episodes} episodes");
+}
+
+/// Rows of impacts, instants of stick episodes, and the work of the drive.
+type Told = (Vec<Row>, Vec<f64>, f64);
+
+fn told<S, R: Real>(run: Result<Run<S, R>, iva_core::error::Invalid>) -> Told {
+    let Run { tally, impacts, episodes, measures, .. } = run.unwrap();
+    assert_eq!(tally.outcome, Outcome::Finished);
+    let instants = episodes.iter().flat_map(|episode| {
+        let release = episode.release_time.unwrap_or(R::ZERO);
+        [episode.start_time, episode.stick_time, release].map(Real::double)
+    });
+    (rows(&impacts), instants.collect(), measures.energy_work.double())
+}
+
+/// Momentum and energy of every event, in random scenes of 2 to 5 masses; no mass leaves its gap.
+#[test]
+fn momentum_and_energy_hold() {
+    let mut rng = Rng::new(11);
+    let mut episodes = 0;
+    let mut counted = [0; 5];
+    for k in 0..60 {
+        let masses: [Mass; 5] = std::array::from_fn(|_| any_mass(&mut rng));
+        let at = [rng.range(0.5, 2.0), rng.range(-1.0, 1.0)];
+        let zeta = if k % 3 == 0 { 0.0 } else { rng.range(0.0, 0.05) };
+        let told = match k % 4 {
+            0 => held(
+                &Several::new(zeta, [masses[0], masses[1]].map(built)).unwrap(),
+                at,
+                &[masses[0], masses[1]],
+            ),
+            1 => {
+                let three = [masses[0], masses[1], masses[2]];
+                held(&Several::new(zeta, three.map(built)).unwrap(), at, &three)
+            }
+            2 => held(&Several::new(zeta, masses.map(built)).unwrap(), at, &masses),
+            _ => {
+                let acts = if k % 8 == 3 { Acts::Base } else { Acts::Primary };
+                let system = Several::new(zeta, masses.map(built)).unwrap();
+                held(&system.under(push(0.5, 1.05, acts)), at, &masses)
+            }
+        };
+        episodes += told.0;
+        for (sum, more) in counted.iter_mut().zip(told.1) {
+            *sum += more;
+        }
+    }
+    assert!(episodes > 60 && counted.iter().all(|count| *count > 100), "{episodes} {counted:?}");
+}
+
+fn held<H: Host<Real = f64>, const N: usize>(
+    system: &Several<H, N>,
+    at: [f64; 2],
+    masses: &[Mass; N],
+) -> (usize, [usize; 5]) {
+    let run = run(system, &start(at, masses), &limits(40.0)).unwrap();
+    assert_eq!(run.tally.outcome, Outcome::Finished);
+    assert!(run.measures.energy_residual.abs() < 1e-12, "{:e}", run.measures.energy_residual);
+    let mut counted = [0; 5];
+    for impact in &run.impacts {
+        let e = masses[usize::from(impact.absorber)][1];
+        let (w, after) = (impact.gap_velocity_before, impact.gap_velocity_after);
+        assert!(w * impact.wall.sign() > 0.0 && (after + e * w).abs() <= 1e-15 * w.abs());
+        counted[usize::from(impact.absorber)] += 1;
+    }
+    assert!(run.impacts.windows(2).all(|two| two[0].time <= two[1].time), "in order of time");
+    let lost: f64 = run.impacts.iter().map(|impact| impact.energy_loss).sum();
+    assert!((lost - run.tally.energy_impacts).abs() < 1e-6 * (1.0 + lost), "{lost}");
+    for (gap, [_, _, d, offset, ..]) in system.gaps(&run.tally.state).iter().zip(masses) {
+        assert!((gap.y - offset).abs() <= *d);
+    }
+    (run.episodes.len(), counted)
+}
+
+/// The mirror image of a scene has the mirror image of its events, to the bit.
+#[test]
+fn a_mirrored_scene_is_mirrored_to_the_bit() {
+    let mut rng = Rng::new(23);
+    for _ in 0..40 {
+        let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
+        let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
+        let image = masses.map(|[mu, e, d, offset, y, w]| [mu, e, d, -offset, -y, -w]);
+        let system = |masses: [Mass; 3]| Several::new(0.01, masses.map(built)).unwrap();
+        let one = run(&system(masses), &start(at, &masses), &limits(40.0)).unwrap();
+        let other = run(&system(image), &start(at.map(|it| -it), &image), &limits(40.0)).unwrap();
+        let turned =
+            |(index, [time, wall, v, v1, w, w1]): Row| (index, [time, -wall, -v, -v1, -w, -w1]);
+        let back: Vec<_> = rows(&other.impacts).into_iter().map(turned).collect();
+        assert_eq!(rows(&one.impacts), back);
+        assert_eq!(one.episodes.len(), other.episodes.len());
+    }
+}
+
+/// Two equal masses that mirror each other leave a structure at rest where it is: their impacts come at once, and each is
+/// that on a wall that does not move. With restitution e the n-th comes after d/w (1 + 2 (1/e + … + 1/eⁿ⁻¹)).
+#[test]
+fn two_that_mirror_each_other_leave_the_structure_at_rest() {
+    let (mu, e, d, w) = (0.3, 0.8, 0.5, 0.7);
+    let masses = [[mu, e, d, 0.0, 0.0, w], [mu, e, d, 0.0, 0.0, -w]];
+    let system = Several::new(0.02, masses.map(built)).unwrap();
+    let run = run(&system, &start([0.0, 0.0], &masses), &limits(30.0)).unwrap();
+    let mut expected = d / w;
+    let mut crossing = 2.0 * d / w;
+    assert!(run.impacts.len() >= 16 && run.impacts.len() % 2 == 0, "{}", run.impacts.len());
+    for pair in run.impacts.chunks(2) {
+        assert_eq!((pair[0].absorber, pair[1].absorber), (0, 1));
+        assert_eq!(pair[0].wall, pair[1].wall.opposite());
+        assert_eq!(pair[0].time, pair[1].time);
+        let all = [pair[0].displacement, pair[0].velocity_before, pair[0].velocity_after];
+        assert_eq!(all, [0.0; 3]);
+        assert!((pair[0].time - expected).abs() < 1e-14 * expected, "{}", pair[0].time);
+        crossing /= e;
+        expected += crossing;
+    }
+}
+
+/// Equal masses in one phase are one of all their mass, in decays with chatter and sticks and under a force.
+#[test]
+fn equal_masses_in_one_phase_are_one() {
+    let mut rng = Rng::new(31);
+    let [mut impacts, mut episodes] = [0, 0];
+    for k in 0..12 {
+        let [mu, e, d, offset, y, w] = any_mass(&mut rng);
+        let e = 0.5 * e;
+        // A power of two, so that the masses have the sum.
+        let three = [[0.25 * mu, e, d, offset, y, w]; 4];
+        let one = [[mu, e, d, offset, y, w]];
+        let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
+        let zeta = Twofold::from(rng.range(0.0, 0.1));
+        let many = Several::new(zeta, three.map(built)).unwrap();
+        let single = Several::new(zeta, one.map(built)).unwrap();
+        let limits = limits(12.0);
+        let [many, single] = if k % 2 == 0 {
+            [
+                told(run(&many, &start(at, &three), &limits)),
+                told(run(&single, &start(at, &one), &limits)),
+            ]
+        } else {
+            let force = || push::<Twofold>(0.4, 1.1, Acts::Primary);
+            [
+                told(run(&many.under(force()), &start(at, &three), &limits)),
+                told(run(&single.under(force()), &start(at, &one), &limits)),
+            ]
+        };
+        for index in 0..4 {
+            let of = many.0.iter().filter(|(absorber, _)| *absorber == index).copied();
+            let rows: Vec<_> = of.map(|(_, row)| (0, row)).collect();
+            let off = furthest(&rows, &single.0);
+            assert!(off < 1e-12, "scene {k}: {off:e}");
+        }
+        assert_eq!(many.1.len(), 4 * single.1.len(), "scene {k}: episodes");
+        impacts += single.0.len();
+        episodes += single.1.len() / 3;
+    }
+    assert!(impacts > 40 && episodes > 2, "{impacts} impacts, {episodes} episodes");
+}
+
+/// A mass that never meets its walls changes no bit of the other's run.
+#[test]
+fn one_far_from_its_walls_changes_nothing() {
+    let mut rng = Rng::new(43);
+    for _ in 0..60 {
+        let mass = any_mass(&mut rng);
+        let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
+        let both = [mass, [0.4, 0.7, 1e4, 0.0, 3.0, 0.1]];
+        let pair = Several::new(0.02, both.map(built)).unwrap();
+        let alone = Several::new(0.02, [mass].map(built)).unwrap();
+        let pair = run(&pair, &start(at, &both), &limits(40.0)).unwrap();
+        let alone = run(&alone, &start(at, &[mass]), &limits(40.0)).unwrap();
+        assert_eq!(rows(&pair.impacts), rows(&alone.impacts));
+        assert_eq!(pair.episodes, alone.episodes);
+    }
+}
+
+/// A stuck mass is carried by an impact that pushes its wall against it, and left behind by one that pulls it away:
+/// Δv = μ (1 + e) w over 1 + μ, and over 1 + μ and the mass carried.
+#[test]
+fn a_stuck_mass_is_carried_or_left_behind() {
+    // With x > 0 the structure is pulled back, so that the first mass presses on its wall + and sticks there at once. The
+    // second one flies against the wall + or −.
+    for wall in [1.0, -1.0] {
+        let (mu, e, d) = (0.2, 0.5, 0.4);
+        let masses = [[0.3, 0.6, 1.0, 0.0, 1.0, 0.0], [mu, e, d, 0.0, 0.0, wall * 2.0]];
+        let system = Several::new(0.0, masses.map(built)).unwrap();
+        let run = run(&system, &start([1.0, 0.0], &masses), &limits(1.0)).unwrap();
+        let impact = run.impacts.iter().find(|impact| impact.absorber == 1).unwrap();
+        let left = run.episodes.iter().find(|episode| episode.absorber == 0).unwrap();
+        let wall_of_first = left.wall.sign();
+        let away = wall_of_first * impact.wall.sign() > 0.0;
+        let together = 1.0 + mu + if away { 0.0 } else { 0.3 };
+        let gained = mu * (1.0 + e) * impact.gap_velocity_before / together;
+        let seen = impact.velocity_after - impact.velocity_before;
+        assert!((seen - gained).abs() < 1e-15, "{seen} {gained}");
+        let released = left.release_time == Some(impact.time);
+        assert_eq!(released, away, "{left:?}");
+    }
+}
+
+/// In doubles, runs agree with those in numbers of twice the precision as far as conditioning allows: over short times.
+#[test]
+fn doubles_agree_with_twice_the_precision() {
+    let mut rng = Rng::new(57);
+    let mut worst: f64 = 0.0;
+    for _ in 0..12 {
+        let masses: [Mass; 4] = std::array::from_fn(|_| any_mass(&mut rng));
+        let at = [rng.range(-2.0, 2.0), rng.range(-1.0, 1.0)];
+        let plain = Several::new(0.01, masses.map(built)).unwrap();
+        let precise = Several::new(Twofold::from(0.01), masses.map(built)).unwrap();
+        let plain = run(&plain, &start(at, &masses), &limits(12.0)).unwrap();
+        let precise = run(&precise, &start(at, &masses), &limits(12.0)).unwrap();
+        let [plain, precise] = [rows(&plain.impacts), rows(&precise.impacts)];
+        for (a, b) in plain.iter().zip(&precise).take(12) {
+            assert_eq!(a.0, b.0);
+            worst = worst.max((a.1[0] - b.1[0]).abs());
+        }
+    }
+    assert!(worst < 1e-11, "{worst:e}");
+}
+
+/// A start beyond a wall is refused with the absorber's number, and so is a list that is too long.
+#[test]
+fn a_bad_list_is_refused() {
+    let masses = [[0.1, 0.5, 0.4, 0.0, 0.0, 0.0], [0.1, 0.5, 0.4, 0.0, 0.5, 0.0]];
+    let system = Several::new(0.0, masses.map(built::<f64>)).unwrap();
+    let error = system.check_start(&start([1.0, 0.0], &masses)).unwrap_err().to_string();
+    assert!(error.contains("start.absorber.2.gap_displacement"), "{error}");
+    let none: Result<Several<UndrivenHost, 0>, _> = Several::new(0.0, []);
+    assert!(none.unwrap_err().to_string().contains("1 to 8"));
+    assert!((system.mass_ratio() - 0.2).abs() < 1e-15);
+}
