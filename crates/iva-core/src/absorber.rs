@@ -10,7 +10,6 @@
 //! * [`Absorber`] is the rest: the gap, the start, the flight in the gap, and the ride on a wall. [`ride`] is the motion
 //!   with the absorber stuck to its wall.
 
-pub mod alone;
 pub mod chatter;
 pub mod coupled;
 pub mod derivatives;

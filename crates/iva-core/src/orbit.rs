@@ -22,9 +22,9 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::Matrix4;
 
-use crate::absorber::alone::Alone;
 use crate::absorber::piva::Piva;
 use crate::absorber::plain::{BASE, FORCE};
+use crate::absorber::several::Alone;
 use crate::absorber::siva::Siva;
 use crate::absorber::{Absorber, Clock, OnStructure};
 use crate::engine::simulate::{Instant, Limits, Outcome, Run, Tally};

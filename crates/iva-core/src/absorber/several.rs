@@ -1,4 +1,4 @@
-//! Several free masses on one structure, each in a gap of its own.
+//! A list of free masses on one structure, each in a gap of its own. The empty list is the structure alone.
 //!
 //! The structure moves as one with the masses that are stuck to it; each of the others obeys D̈ = s A, where D is its
 //! distance to the wall last touched, s the sign of that wall and A the absolute acceleration of the structure
@@ -52,6 +52,9 @@ pub struct Several<H: Host, const N: usize> {
     carrying: Vec<OnceLock<H>>,
 }
 
+/// A structure without absorber.
+pub type Alone<H> = Several<H, 0>;
+
 /// A start of the structure and of N absorbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Starts<R, const N: usize> {
@@ -61,15 +64,21 @@ pub struct Starts<R, const N: usize> {
     pub gaps: [GapPoint<R>; N],
 }
 
+impl<R> From<Point<R>> for Starts<R, 0> {
+    fn from(primary: Point<R>) -> Self {
+        Self { primary, gaps: [] }
+    }
+}
+
 impl<R: Real, const N: usize> Several<UndrivenHost<R>, N> {
     /// Some masses on a structure of damping ratio ζ without drive.
     ///
     /// # Errors
-    /// [`Invalid`] for a damping ratio out of [`crate::range`], and for more than [`MOST`] masses or none.
+    /// [`Invalid`] for a damping ratio out of [`crate::range`], and for more than [`MOST`] masses.
     pub fn new(damping_ratio: R, masses: [FreeMass<R>; N]) -> Result<Self, Invalid> {
         range::damping_ratio("primary.damping_ratio", damping_ratio)?;
-        if !(1..=MOST).contains(&N) {
-            let rule = format!("give 1 to {MOST} absorbers");
+        if N > MOST {
+            let rule = format!("give {MOST} absorbers at most");
             return Err(Invalid::new("absorber", number(N as f64), rule));
         }
         Ok(Self::on(UndrivenHost::new(damping_ratio, total(&masses)), masses))
@@ -90,6 +99,16 @@ fn total<R: Real>(masses: &[FreeMass<R>]) -> R {
 impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
     fn on(host: H, masses: [FreeMass<R>; N]) -> Self {
         Self { masses, host, carrying: (0..1_usize << N).map(|_| OnceLock::new()).collect() }
+    }
+
+    /// The damping ratio ζ of the structure.
+    pub fn damping_ratio(&self) -> R {
+        self.host.damping_ratio()
+    }
+
+    /// The force that drives it; `None` for a structure that cannot be driven.
+    pub fn force(&self) -> Option<&Force<R>> {
+        self.host.force()
     }
 
     /// The masses.
@@ -128,10 +147,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
         after
     }
 
-    /// The absorber at hand, and its place in its gap.
-    fn seen<'a>(&'a self, state: &'a SeveralState<H, N>) -> (&'a FreeMass<R>, &'a InGap<R>) {
+    /// The absorber at hand, and its place in its gap; `None` for a structure alone.
+    fn seen<'a>(
+        &'a self,
+        state: &'a SeveralState<H, N>,
+    ) -> Option<(&'a FreeMass<R>, &'a InGap<R>)> {
         let k = usize::from(state.at_hand);
-        (&self.masses[k], &state.masses[k])
+        self.masses.get(k).zip(state.masses.get(k))
     }
 
     /// Gap displacement and velocity of each absorber.
@@ -168,12 +190,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     }
 
     fn is_stuck(&self, state: &Self::State) -> bool {
-        self.seen(state).1.stuck
+        self.seen(state).is_some_and(|(_, mass)| mass.stuck)
     }
 
     fn freed(&self, state: &Self::State) -> Self::State {
         let mut freed = *state;
-        freed.masses[usize::from(state.at_hand)].stuck = false;
+        if let Some(mass) = freed.masses.get_mut(usize::from(state.at_hand)) {
+            mass.stuck = false;
+        }
         freed.host = self.hosted(&freed, state.host.primary);
         freed
     }
@@ -182,7 +206,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     /// the mass that chatters.
     fn others_wait(&self, state: &Self::State, time: R) -> bool {
         let shaken = self.host.free().bound::<0>(&state.host.primary);
-        let kicked = self.seen(state).1.rate.value.abs() * 2.0;
+        let kicked = self.distance(state).rate.abs() * 2.0;
         let others = (0..N).filter(|k| *k != usize::from(state.at_hand));
         others.map(|k| (&self.masses[k], &state.masses[k])).all(|(mass, place)| {
             let speed = place.rate.value.abs() + kicked;
@@ -192,12 +216,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
         })
     }
 
+    /// 1 for a structure alone, so that defaults that are a share of the clearance stay usable.
     fn clearance(&self) -> R {
-        self.masses.iter().fold(R::INFINITY, |least, mass| least.min(mass.clearance))
+        let smallest = self.masses.iter().map(|mass| mass.clearance).reduce(R::min);
+        smallest.unwrap_or(R::ONE)
     }
 
     fn clearance_at_hand(&self, state: &Self::State) -> R {
-        self.seen(state).0.clearance
+        self.seen(state).map_or(R::ONE, |(mass, _)| mass.clearance)
+    }
+
+    fn walls_reachable(&self) -> bool {
+        N > 0
     }
 
     fn check_start(&self, start: &Starts<R, N>) -> Result<(), Invalid> {
@@ -235,12 +265,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     }
 
     fn wall(&self, state: &Self::State) -> Wall {
-        if self.seen(state).1.side > 0.0 { Wall::Plus } else { Wall::Minus }
+        let minus = self.seen(state).is_some_and(|(_, mass)| mass.side < 0.0);
+        if minus { Wall::Minus } else { Wall::Plus }
     }
 
-    /// As if the absorber at hand were in flight, also while it is stuck.
+    /// As if the absorber at hand were in flight, also while it is stuck. A structure alone has no wall: 1.
     fn distance(&self, state: &Self::State) -> Jet<R> {
-        let (_, mass) = self.seen(state);
+        let Some((_, mass)) = self.seen(state) else {
+            let zero = R::ZERO;
+            let value = if state.host.primary.x.value.is_finite() { R::ONE } else { R::NAN };
+            return Jet { value, rate: zero, curvature: zero, jerk: zero };
+        };
         let HostState { primary, acceleration, phase } = &state.host;
         let [jerk, ..] =
             self.structure(&state.masses).derivatives(phase, primary.v.value, acceleration.value);
@@ -256,7 +291,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Several<H, N> {
     fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
         let at_hand = usize::from(state.at_hand);
         let a = state.host.acceleration.value;
-        let met = state.masses[at_hand].measured_from(wall, &self.masses[at_hand]);
+        let Some((mass, place)) = self.seen(state) else { return (*state, R::ZERO) };
+        let met = place.measured_from(wall, mass);
         let later = impact::delay(met.distance.value, met.rate.value, a);
         let structure = self.structure(&state.masses);
         let HostState { primary: Primary { x, v }, acceleration, phase } = state.host;

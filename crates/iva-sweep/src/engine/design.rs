@@ -15,7 +15,7 @@ use crate::choices::Kind;
 use crate::error::{Invalid, number};
 use crate::fields::FieldId;
 use crate::units::UnitSystem;
-use iva_core::absorber::alone::Alone;
+use iva_core::absorber::several::Alone;
 use iva_core::absorber::{Absorber, Point, Start};
 use iva_core::force::Force;
 use iva_core::piva::Piva;
@@ -210,8 +210,8 @@ impl<R: Real> Given<'_, R> {
                 }
             }
             Kind::None => {
-                let system = Alone::new(self.damping_ratio(scale, units)?)?;
-                let start = Point { x: start.displacement, v: start.velocity };
+                let system = Alone::new(self.damping_ratio(scale, units)?, [])?;
+                let start = Point { x: start.displacement, v: start.velocity }.into();
                 system.check_start(&start)?;
                 let gravity = None;
                 if force.is_none() {

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iva_core::absorber::alone::Alone;
+use iva_core::absorber::several::Alone;
 use iva_core::absorber::{Absorber, OnStructure};
 use iva_core::extremes::Extremes;
 use iva_core::host::{DrivenHost, Excitation, UndrivenHost};

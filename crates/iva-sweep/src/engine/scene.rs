@@ -1,6 +1,6 @@
 //! A scene: the system of the core that a run simulates, for any kind of absorber.
 
-use iva_core::absorber::alone::Alone;
+use iva_core::absorber::several::Alone;
 use iva_core::absorber::{self, Absorber as _, ImpactLaw as _, OnStructure as _, Point, Wall};
 use iva_core::force::Force;
 pub use iva_core::force::{Acts, Harmonic};

@@ -332,7 +332,7 @@ fn a_bad_list_is_refused() {
     let system = Several::new(0.0, masses.map(built::<f64>)).unwrap();
     let error = system.check_start(&start([1.0, 0.0], &masses)).unwrap_err().to_string();
     assert!(error.contains("start.absorber.2.gap_displacement"), "{error}");
-    let none: Result<Several<UndrivenHost, 0>, _> = Several::new(0.0, []);
-    assert!(none.unwrap_err().to_string().contains("1 to 8"));
+    let nine: Result<Several<UndrivenHost, 9>, _> = Several::new(0.0, [built(masses[0]); 9]);
+    assert!(nine.unwrap_err().to_string().contains("give 8 absorbers at most"));
     assert!((system.mass_ratio() - 0.2).abs() < 1e-15);
 }

@@ -4,7 +4,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::Differentiable;
 use crate::absorber::Wall;
-use crate::absorber::alone::Alone;
+use crate::absorber::several::Alone;
 use crate::host::oscillator::Equation;
 use crate::host::{Host, HostState, Structure};
 
@@ -63,7 +63,7 @@ impl<H: Host<Real = f64>> Differentiable for Alone<H> {
     const LINEAR: bool = true;
 
     fn rates(&self, state: &Self::State) -> Vector4<f64> {
-        let HostState { primary, acceleration, phase } = state;
+        let HostState { primary, acceleration, phase } = &state.host;
         let [base, ..] = self.host.free().base(phase);
         Vector4::new(primary.v.value, acceleration.value - base, 0.0, 0.0)
     }

@@ -73,7 +73,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
 impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
     /// That on the structure without other masses stuck to it, where chatters are summed.
     fn law_of(&self, absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
-        let law = self.masses[absorber].law(R::from(wall.sign()));
+        let Some(mass) = self.masses.get(absorber) else {
+            return LawAt::constant(R::ZERO, R::ZERO, R::ZERO, R::ZERO);
+        };
+        let law = mass.law(R::from(wall.sign()));
         let pressure = self.host.damping_ratio() * 2.0 * law.share.value;
         LawAt::constant(law.restitution, law.restitution, law.share.value, pressure)
     }
@@ -107,18 +110,22 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
             let w = -before.side * before.rate.value;
             approach += self.masses[k].mass_ratio * (R::ONE - e) * w;
         }
-        let (mass, place) = self.seen(state);
+        let (before, after_it) = (self.primary(state), self.primary(&after));
+        let Some((mass, place)) = self.seen(state) else {
+            let none = [R::ZERO; 2];
+            return (after, Impact::of_free_mass(none, time, Wall::Plus, before, R::ZERO));
+        };
         let (e, w) = (mass.law(place.side).restitution, -place.side * place.rate.value);
         let opposed = (R::ONE - e) * w - approach / together.value;
         let impact = Impact {
             time,
             absorber: state.at_hand,
             wall: self.wall(state),
-            displacement: self.primary(state).x,
-            velocity_before: self.primary(state).v,
-            velocity_after: self.primary(&after).v,
+            displacement: before.x,
+            velocity_before: before.v,
+            velocity_after: after_it.v,
             gap_velocity_before: w,
-            gap_velocity_after: after.masses[usize::from(state.at_hand)].gap(mass).w,
+            gap_velocity_after: -e * w,
             lever: R::ONE,
             energy_loss: mass.mass_ratio * 0.5 * (R::ONE + e) * w * opposed,
         };
@@ -127,6 +134,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
 
     /// The absorber at hand sticks, with all masses that are stuck already.
     fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        let Some((mass, place)) = self.seen(state) else { return (*state, R::ZERO) };
         let at_hand = usize::from(state.at_hand);
         let together = self.together(|k| k == at_hand || state.masses[k].stuck);
         let plastic = std::array::from_fn(|k| (k == at_hand).then_some(R::ZERO));
@@ -135,9 +143,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
         stuck.masses[at_hand].stuck = true;
         let mut after = self.jumped(&stuck, gained);
         let zero = DoubleDouble::ZERO;
-        after.masses[at_hand] = InGap { distance: zero, rate: zero, ..stuck.masses[at_hand] };
-        let mass = self.masses[at_hand].mass_ratio;
-        let speed = state.masses[at_hand].rate.value;
+        after.masses[at_hand] = InGap { distance: zero, rate: zero, stuck: true, ..*place };
+        let (mass, speed) = (mass.mass_ratio, place.rate.value);
         let reduced = mass * (R::ONE - mass / together.value);
         (after, reduced * 0.5 * (speed * speed))
     }

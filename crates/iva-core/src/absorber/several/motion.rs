@@ -2,10 +2,13 @@
 
 use super::{InGap, Several, SeveralState};
 use crate::absorber::{Absorber, Wall};
+use crate::host::oscillator::Primary;
 use crate::host::{Flown, Host, HostState, Integrated, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel, Turns};
+use crate::segment::flight::{
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Travel, Turns,
+};
 use crate::segment::taylor::ORDER;
 
 /// The motion from one state. Its curve is that of the absorber at hand: the distance to the wall last touched, or the
@@ -24,8 +27,13 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> Together<'a, H, N> {
         Self { system, structure, from, course: structure.fast_course(&from.host) }
     }
 
-    fn at_hand(&self) -> &InGap<R> {
-        &self.from.masses[usize::from(self.from.at_hand)]
+    /// The place of the absorber at hand at the begin, if there is one.
+    fn at_hand(&self) -> Option<&InGap<R>> {
+        self.from.masses.get(usize::from(self.from.at_hand))
+    }
+
+    fn is_stuck(&self) -> bool {
+        self.at_hand().is_some_and(|mass| mass.stuck)
     }
 
     /// The energy lost and the work done in a motion of length h, of structure and one mass with this gap velocity.
@@ -72,6 +80,17 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
         SeveralState { host: to, masses, at_hand: self.from.at_hand }
     }
 
+    /// A structure alone meets no wall in any finite motion.
+    fn fast_path(&self, length: R) -> Option<FastFlight<Self::State, R>> {
+        if N > 0 {
+            return None;
+        }
+        let end = self.arrival(length);
+        let Primary { x, v } = end.host.primary;
+        let finite = x.value.is_finite() && v.value.is_finite();
+        finite.then_some(FastFlight { length, later: R::ZERO, end, meets: Meets::Nothing })
+    }
+
     fn arrival(&self, h: R) -> Self::State {
         let mut state = self.state(h);
         self.structure.refresh(&mut state.host);
@@ -90,13 +109,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     }
 
     fn gap(&self, h: R) -> GapPoint<R> {
-        let state = self.state(h);
-        let (mass, place) = self.system.seen(&state);
-        place.gap(mass)
+        let (state, none) = (self.state(h), GapPoint { y: R::ZERO, w: R::ZERO });
+        self.system.seen(&state).map_or(none, |(mass, place)| place.gap(mass))
     }
 
     fn wall(&self) -> Option<Wall> {
-        self.at_hand().stuck.then(|| self.system.wall(&self.from))
+        self.is_stuck().then(|| self.system.wall(&self.from))
     }
 
     /// The work on a moving base is that on the structure, and that on each mass.
@@ -139,9 +157,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     /// That of the absorber at hand, whose gap obeys ÿ = −A in flight.
     fn travel(&self) -> Option<Travel<R>> {
         let rows = self.structure.series(&self.from.host, &self.course);
-        let (mass, place) = self.system.seen(&self.from);
-        let GapPoint { y, w } = place.gap(mass);
         let mut gap = [R::ZERO; ORDER + 1];
+        let Some((mass, place)) = self.system.seen(&self.from) else {
+            return Some(Travel::new(rows, gap, R::ONE));
+        };
+        let GapPoint { y, w } = place.gap(mass);
         (gap[0], gap[1]) = (y, w * rows.step);
         if !place.stuck {
             for k in 0..=ORDER - 2 {
@@ -174,11 +194,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for Together<'_, H, N> {
 
     /// D, or the pressure −s A.
     fn jet(&self, sample: &Self::Sample) -> Jet<R> {
-        let InGap { side, stuck, .. } = *self.at_hand();
-        if !stuck {
+        let stuck = self.at_hand().filter(|mass| mass.stuck);
+        let Some(InGap { side, .. }) = stuck.copied() else {
             let seen = SeveralState { at_hand: self.from.at_hand, ..*sample };
             return self.system.distance(&seen);
-        }
+        };
         let HostState { primary, phase, .. } = &sample.host;
         let a = self.structure.acceleration(phase, primary).value;
         let [jerk, snap, crackle] = self.structure.derivatives(phase, primary.v.value, a);
@@ -187,10 +207,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for Together<'_, H, N> {
     }
 
     fn precise(&self, h: R) -> DoubleDouble<R> {
-        let InGap { side, distance, rate, stuck } = *self.at_hand();
-        if stuck {
+        let flying = self.at_hand().filter(|mass| !mass.stuck);
+        let Some(InGap { side, distance, rate, .. }) = flying.copied() else {
             return DoubleDouble::new(self.jet(&self.state(h)).value);
-        }
+        };
         let travelled = rate.times(h);
         let curved = self.structure.precise(&self.from.host, h);
         distance
@@ -200,7 +220,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for Together<'_, H, N> {
 
     fn fourth(&self) -> R {
         let begin = &self.from.host.primary;
-        if self.at_hand().stuck {
+        if self.is_stuck() {
             self.structure.bound::<4>(begin)
         } else {
             self.structure.bound::<2>(begin)
@@ -208,10 +228,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Curve for Together<'_, H, N> {
     }
 
     fn magnitude(&self) -> R {
-        if self.at_hand().stuck {
+        if self.is_stuck() {
             self.structure.bound::<0>(&self.from.host.primary)
         } else {
-            self.system.seen(&self.from).0.clearance
+            self.system.clearance_at_hand(&self.from)
         }
     }
 }

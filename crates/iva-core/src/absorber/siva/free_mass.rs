@@ -57,6 +57,11 @@ impl<R: Real> FreeMass<R> {
         Ok(Self { offset, ..self })
     }
 
+    /// One-sided clearance d.
+    pub fn clearance(&self) -> R {
+        self.clearance
+    }
+
     /// The impact law at the wall with this sign.
     #[inline(always)]
     pub(crate) fn law(&self, side: R) -> &Law<R> {

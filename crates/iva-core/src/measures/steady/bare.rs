@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::{Steady, SteadyValues, SteadyWanted, Window};
 use crate::absorber::Point;
-use crate::absorber::alone::Alone;
+use crate::absorber::several::Alone;
 use crate::engine::simulate::{Limits, simulate_from};
 use crate::error::Invalid;
 use crate::force::{Force, Harmonic};
@@ -47,10 +47,10 @@ pub fn without_absorber<R: Real>(
         let amplitude = harmonic.response(damping_ratio);
         return Ok(Some(Bare { amplitude, rms: amplitude * R::from(0.5).sqrt() }));
     }
-    let alone = Alone::new(damping_ratio)?.under(force.clone());
+    let alone = Alone::new(damping_ratio, [])?.under(force.clone());
     let wanted = SteadyWanted { amplitude: true, rms: true, ..SteadyWanted::default() };
     let mut steady = Steady::new(Window { cycle: None, ..*window }, wanted);
-    simulate_from(&alone, &from, begin, limits, cancel, &mut steady)?;
+    simulate_from(&alone, &from.into(), begin, limits, cancel, &mut steady)?;
     let SteadyValues { amplitude_max, amplitude_rms, .. } = *steady.values();
     Ok(amplitude_max.zip(amplitude_rms).map(|(amplitude, rms)| Bare { amplitude, rms }))
 }
