@@ -20,7 +20,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-start stress fuzz corpus wheel sdist clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-start explorer stress fuzz corpus wheel sdist clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -50,6 +50,9 @@ lint-python: wheel
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest iva._iva
+
+explorer: ## build the simulator of the explorer as WebAssembly (without a toolchain for it: on Debian)
+	$(PYTHON) .ci/explorer.py
 
 count: $(VENV)/.tools ## count the instructions of fixed scenes, +5 % fails (Linux; installs valgrind)
 	$(PYTHON) .ci/instructions.py

@@ -1,0 +1,234 @@
+// A row for every quantity: a slider and a number, in a form that one can choose.
+
+import { clamp, freshId, make, rounded, shown, unitText } from "./format.js";
+import { formsOf, isUsual, rangeOf, settingOf, wordsOf } from "./slots.js";
+import { inForm } from "./units.js";
+
+const STEPS = 400;
+const SECTIONS = {
+  absorber: "Absorber", primary: "Structure", start: "Start", force: "Excitation", run: "Run",
+};
+
+/** A row of one slot. It stays while the kind and the units do. */
+class Row {
+  constructor(explorer, slot) {
+    this.explorer = explorer;
+    this.slot = slot;
+    this.id = freshId();
+    this.anchor = undefined;
+    this.label = make("label", { for: this.id });
+    this.slider = make("input", {
+      type: "range", min: "0", max: String(STEPS), step: "1",
+      oninput: () => this.slide(), onchange: () => { explorer.last = { what: null, at: 0 }; },
+    });
+    this.number = make("input", {
+      type: "text", id: this.id, inputMode: "decimal", autocomplete: "off", spellcheck: false,
+      onchange: () => explorer.type(this.field.path, this.number.value),
+    });
+    this.unit = make("span", { class: "unit" });
+    this.form = make("select", { class: "form", onchange: () => this.reform() });
+    this.told = make("p", { class: "wrong", role: "alert", id: `${this.id}w` });
+    this.number.setAttribute("aria-describedby", this.told.id);
+    this.element = make("div", { class: "row" }, this.label, this.slider,
+      make("span", { class: "entry" }, this.number, this.unit, this.form), this.told);
+  }
+
+  slide() {
+    const [low, high, byFactors] = this.range();
+    const share = Number(this.slider.value) / STEPS;
+    const value = byFactors ? low * (high / low) ** share : low + share * (high - low);
+    const whole = ["max_impacts", "max_work", "cycles", "discard"].includes(this.field.name);
+    const short = whole ? Math.round(value) : rounded(value, Math.abs(value) < 1e-12 ? 1 : 3);
+    const near = byFactors ? short : Number(short.toFixed(Math.max(0, 2 - Math.floor(Math.log10(high - low)))));
+    this.explorer.edit(this.explorer.inSlot(this.field.path, near), `slide ${this.field.path}`);
+  }
+
+  range() {
+    const [low, high, byFactors] = rangeOf(this.field, this.anchor);
+    const value = this.explorer.values[this.field.path] ?? this.field.default ?? this.anchor;
+    // What was typed beyond the ends widens them.
+    const least = byFactors && !(value > 0) ? low : Math.min(low, value ?? low);
+    return [least, Math.max(high, value ?? high), byFactors];
+  }
+
+  /** Gives the same in another form. */
+  reform() {
+    const { explorer, field } = this;
+    const to = this.form.value;
+    const value = explorer.values[field.path] ?? field.default;
+    const carried = value === undefined || value === null ? NaN
+      : inForm(field.path, value, to, settingOf(explorer.values));
+    const next = Number.isFinite(carried) ? carried : explorer.fields.get(to).default ?? undefined;
+    this.anchor = undefined;
+    this.chosen = to;
+    explorer.edit(explorer.inSlot(to, next), null);
+  }
+
+  show() {
+    const { explorer, slot } = this;
+    const forms = formsOf(slot, explorer.choices.kind, explorer.units);
+    const given = forms.find((field) => explorer.values[field.path] !== undefined);
+    this.field = given ?? forms.find((field) => field.path === this.chosen) ?? forms[0];
+    const { path } = this.field;
+    const value = explorer.values[path];
+    const waiting = explorer.pending.get(path);
+    const [words, symbol] = wordsOf(this.field);
+    this.label.replaceChildren(words, symbol ? make("i", {}, ` ${symbol}`) : "");
+    this.label.title = `${path}: ${this.field.help}; ${this.field.allowed}`;
+    const unit = unitText(this.field.units[explorer.units]);
+    this.unit.textContent = unit;
+    this.showForms(forms);
+    if (this.anchor === undefined && value !== undefined) this.anchor = value;
+    const held = value ?? this.field.default;
+    const text = waiting ? waiting.text : value === undefined ? "" : String(value);
+    if (document.activeElement !== this.number || !waiting) this.number.value = text;
+    this.number.placeholder = held === undefined || held === null ? "not given" : String(held);
+    this.number.setAttribute("aria-label", `${words}${unit ? `, ${unit}` : ""}`);
+    this.number.setAttribute("aria-invalid", waiting ? "true" : "false");
+    this.told.textContent = waiting ? waiting.sentence : "";
+    this.slider.setAttribute("aria-label", words);
+    this.slider.setAttribute("aria-valuetext", held === undefined || held === null ? "not given" : `${shown(held)} ${unit}`);
+    const [low, high, byFactors] = this.range();
+    const at = held === undefined || held === null ? 0.5
+      : byFactors ? Math.log(Math.max(held, low) / low) / Math.log(high / low) : (held - low) / (high - low);
+    this.slider.value = String(Math.round(STEPS * clamp(at, 0, 1)));
+    this.element.classList.toggle("unset", value === undefined);
+  }
+
+  showForms(forms) {
+    this.form.hidden = forms.length < 2;
+    this.form.setAttribute("aria-label", `Form of ${wordsOf(this.field)[0]}`);
+    const paths = forms.map((field) => field.path).join();
+    if (this.form.dataset.paths !== paths) {
+      this.form.dataset.paths = paths;
+      this.form.replaceChildren(...forms.map((field) => make("option", { value: field.path, title: field.help },
+        `${wordsOf(field)[1] || field.name} ${unitText(field.units[this.explorer.units])}`.trim())));
+    }
+    this.form.value = this.field.path;
+  }
+}
+
+/** All rows, in sections; made anew where kind, units or excitation change. */
+export class Controls {
+  constructor(explorer) {
+    this.explorer = explorer;
+    this.element = make("div", { class: "fields" });
+    this.made = "";
+    this.open = new Set();
+  }
+
+  show() {
+    const { explorer } = this;
+    const sort = excitationOf(explorer.values);
+    const key = [explorer.choices.kind, explorer.units, sort, isRising(explorer.values)].join();
+    if (this.made !== key) this.build(key, sort);
+    for (const row of this.rows) row.show();
+  }
+
+  build(key, sort) {
+    this.made = key;
+    this.rows = [];
+    const sections = Object.entries(SECTIONS).map(([part, title]) => this.section(part, title, sort));
+    this.element.replaceChildren(...sections.filter(Boolean));
+  }
+
+  section(part, title, sort) {
+    const { explorer } = this;
+    const slots = explorer.slots.filter((slot) => slot.part === part && explorer.forms(slot).length
+      && (part !== "force" || EXCITATIONS[sort].groups.includes(slot.key))
+      && !(slot.key === "primary.mass" && explorer.units !== "si"));
+    const rows = slots.map((slot) => new Row(explorer, slot));
+    this.rows.push(...rows);
+    const extra = part === "force" ? [excitationChoice(explorer, sort)] : part === "absorber" ? [gravityChoice(explorer)] : [];
+    if (!rows.length && part !== "force") return null;
+    // Without dimensions a frequency is not given: to give one makes times seconds.
+    const usual = (slot) => isUsual(slot) && !(slot.key === "primary.frequency" && explorer.units === "natural")
+      && !(slot.key === "absorber.inclination" && !isRising(explorer.values));
+    const order = (a, b) => Number(isUsual(b.slot)) - Number(isUsual(a.slot));
+    const open = rows.filter((row) => usual(row.slot)).sort(order);
+    const others = rows.filter((row) => !usual(row.slot));
+    const more = make("details", {
+      open: this.open.has(part), ontoggle: () => this.open[more.open ? "add" : "delete"](part),
+    }, make("summary", {}, `More of ${title.toLowerCase()}`), ...others.map((row) => row.element));
+    return make("fieldset", { class: `part part-${part}` }, make("legend", {}, title), ...extra,
+      ...open.map((row) => row.element), others.length ? more : null);
+  }
+}
+
+/** Sorts of excitation: what they are called, the slots they have, and what they begin with. */
+const EXCITATIONS = {
+  none: { label: "none: free decay", groups: [] },
+  force: {
+    label: "harmonic force", groups: ["force.amplitude", "force.frequency", "force.phase"], path: "force.amplitude",
+  },
+  base: {
+    label: "harmonic base motion", groups: ["force.amplitude", "force.frequency", "force.phase"],
+    path: "force.base_acceleration",
+  },
+  impulse: { label: "impulse", groups: ["force.impulse", "force.time"], path: "force.velocity" },
+};
+
+export function excitationOf(values) {
+  if (values["force.base_acceleration"] !== undefined) return "base";
+  if (["amplitude", "force"].some((name) => values[`force.${name}`] !== undefined)) return "force";
+  if (["velocity", "impulse"].some((name) => values[`force.${name}`] !== undefined)) return "impulse";
+  return "none";
+}
+
+function excitationChoice(explorer, sort) {
+  const id = freshId();
+  const choice = make("select", { id, onchange: () => excite(explorer, choice.value) },
+    ...Object.entries(EXCITATIONS).map(([value, { label }]) => make("option", { value, selected: value === sort }, label)));
+  return make("div", { class: "choice" }, make("label", { for: id }, "Force or base motion"), choice);
+}
+
+/** Changes the excitation; a steady state takes longer than a decay, so the length changes as well. */
+function excite(explorer, sort) {
+  const { values } = explorer;
+  const changes = {};
+  for (const path of Object.keys(values)) {
+    if (path.startsWith("force.") || path.startsWith("run.")) changes[path] = undefined;
+  }
+  const setting = settingOf(values);
+  const size = (setting.reference || 1) * setting.natural ** 2;
+  if (sort === "force" || sort === "base") {
+    Object.assign(changes, {
+      [EXCITATIONS[sort].path]: rounded(0.05 * size, 2), "force.relative_frequency": 1,
+      "run.cycles": 100, "run.discard": 50,
+    });
+  } else {
+    changes["run.periods"] = 20;
+    if (sort === "impulse") {
+      changes["force.velocity"] = rounded((setting.reference || 1) * setting.natural, 2);
+      changes["force.time"] = rounded((10 * 2 * Math.PI) / setting.natural, 3);
+    }
+  }
+  explorer.edit(changes, null);
+}
+
+function isRising(values) {
+  return (values["absorber.inclination"] ?? values["absorber.inclination_deg"] ?? 0) > 0;
+}
+
+function gravityChoice(explorer) {
+  if (explorer.choices.kind !== "siva") return null;
+  const box = make("input", {
+    type: "checkbox", checked: isRising(explorer.values),
+    onchange: () => {
+      const setting = settingOf(explorer.values);
+      const changes = {
+        "absorber.inclination": undefined, "absorber.inclination_deg": undefined, "absorber.gravity": undefined,
+        "start.gap_displacement": undefined,
+      };
+      if (box.checked) {
+        changes["absorber.inclination_deg"] = 90;
+        // In SI units gravity is known; elsewhere a tenth of the acceleration at the release.
+        if (explorer.units !== "si") {
+          changes["absorber.gravity"] = rounded(0.1 * (setting.reference || 1) * setting.natural ** 2, 2);
+        }
+      }
+      explorer.edit(changes, null);
+    },
+  });
+  return make("label", { class: "check" }, box, "Gravity along the motion");
+}
