@@ -23,7 +23,13 @@ class Row {
     });
     this.number = make("input", {
       type: "text", id: this.id, inputMode: "decimal", autocomplete: "off", spellcheck: false,
-      onchange: () => explorer.type(this.field.path, this.number.value),
+      // What is being typed stays while another part of the page changes the scene.
+      oninput: () => { this.typing = true; },
+      onchange: () => {
+        this.typing = false;
+        explorer.type(this.field.path, this.number.value);
+      },
+      onblur: () => { this.typing = false; },
     });
     this.unit = make("span", { class: "unit" });
     this.form = make("select", { class: "form", onchange: () => this.reform() });
@@ -81,7 +87,7 @@ class Row {
     if (this.anchor === undefined && value !== undefined) this.anchor = value;
     const held = value ?? this.field.default;
     const text = waiting ? waiting.text : value === undefined ? "" : String(value);
-    if (document.activeElement !== this.number || !waiting) this.number.value = text;
+    if (!this.typing && this.number.value !== text) this.number.value = text;
     this.number.placeholder = held === undefined || held === null ? "not given" : String(held);
     this.number.setAttribute("aria-label", `${words}${unit ? `, ${unit}` : ""}`);
     this.number.setAttribute("aria-invalid", waiting ? "true" : "false");
@@ -165,13 +171,11 @@ const EXCITATIONS = {
     label: "harmonic base motion", groups: ["force.amplitude", "force.frequency", "force.phase"],
     path: "force.base_acceleration",
   },
-  impulse: { label: "impulse", groups: ["force.impulse", "force.time"], path: "force.velocity" },
 };
 
 export function excitationOf(values) {
   if (values["force.base_acceleration"] !== undefined) return "base";
   if (["amplitude", "force"].some((name) => values[`force.${name}`] !== undefined)) return "force";
-  if (["velocity", "impulse"].some((name) => values[`force.${name}`] !== undefined)) return "impulse";
   return "none";
 }
 
@@ -198,10 +202,6 @@ function excite(explorer, sort) {
     });
   } else {
     changes["run.periods"] = 20;
-    if (sort === "impulse") {
-      changes["force.velocity"] = rounded((setting.reference || 1) * setting.natural, 2);
-      changes["force.time"] = rounded((10 * 2 * Math.PI) / setting.natural, 3);
-    }
   }
   explorer.edit(changes, null);
 }

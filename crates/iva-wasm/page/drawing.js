@@ -81,7 +81,7 @@ export class Drawing {
       title: "Structure and absorber, to scale",
       draw: (plot, data) => { this.place = scaleOf(plot, data, this.frozen); },
       move: (plot, data, instant) => this.paint(plot, data, instant),
-      columns: ({ run: { impacts } }) => ({ time: impacts.time, wall: impacts.wall, approach_speed: impacts.approach_speed }),
+      columns: ({ run: { impacts } }) => impacts,
       describe: ({ kind }) => ({
         siva: "A structure on spring and damper, a free mass between its two walls",
         piva: "A structure on spring and damper, a pendulum between its two stops",

@@ -7,7 +7,7 @@ import { Forced } from "./forced.js";
 import { ScanMap } from "./map.js";
 import { Engine } from "./engine.js";
 import { clamp, make, shown, withUnit } from "./format.js";
-import { measureTable } from "./measures.js";
+import { MeasureTable } from "./measures.js";
 import { isForced } from "./motion.js";
 import { energyView, phaseView } from "./planes.js";
 import { coloursOf } from "./plot.js";
@@ -18,8 +18,6 @@ import { TAU, settingOf } from "./slots.js";
 import { drawnIn } from "./units.js";
 
 const KINDS = { siva: "Free mass", piva: "Pendulum", none: "No absorber" };
-/** Samples that a run has on the page; long runs have fewer a period. */
-const SAMPLES = 1800;
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
 /** Values that a scene needs when it becomes a pendulum. */
@@ -63,8 +61,7 @@ class Page {
     this.controls = new Controls(state);
     this.map = new ScanMap(state, this.options, this.engine);
     this.forced = new Forced(state, this.map.worker, (x) => state.edit(state.inSlot("force.relative_frequency", x), "response"));
-    this.table = make("div", { class: "measures" });
-    this.status = make("p", { class: "status", role: "status" });
+    this.table = new MeasureTable(this.engine.measures);
     this.foot = make("p", { class: "foot" });
     this.root.append(this.head(),
       make("div", { class: "columns" },
@@ -72,7 +69,7 @@ class Page {
           this.gap.element,
           make("div", { class: "planes" }, this.phase.element, this.energy.element, this.map.view.element,
             ...this.forced.views.map((view) => view.element))),
-        make("div", { class: "side" }, this.controls.element, this.table)),
+        make("div", { class: "side" }, this.controls.element, this.table.element)),
       this.foot);
     // Time runs along both: a press on them sets the instant.
     for (const view of [this.displacement, this.gap, this.energy]) this.scrubOn(view);
@@ -184,15 +181,12 @@ class Page {
 
   /** What is drawn of a scene: its run and what the views need to know of it. */
   compute() {
-    const { engine, state } = this;
+    const { state } = this;
     const { scene, units } = state;
     const setting = settingOf(scene.values);
     const period = TAU / setting.natural;
-    const periods = state.held("run.duration") || 20;
-    const samples = Math.round(clamp(SAMPLES / periods, 24, 240));
+    const { run, samples } = state;
     const alone = this.alone(samples);
-    engine.set(scene);
-    const run = engine.run(samples);
     const { kind } = scene.choices;
     const clearance = kind === "none" ? NaN : state.held("absorber.clearance");
     const offset = kind === "siva" ? state.held("absorber.gap_offset") || 0 : 0;
@@ -219,8 +213,8 @@ class Page {
     if (this.aloneKey !== key) {
       this.aloneKey = key;
       const { error } = engine.set(scene);
-      const run = error ? null : engine.run(samples);
-      this.aloneRun = run && { ...run.trajectory, summary: run.summary };
+      const run = error ? { error } : engine.run(samples);
+      this.aloneRun = run.error ? null : { ...run.trajectory, summary: run.summary };
     }
     return this.aloneRun;
   }
@@ -243,7 +237,7 @@ class Page {
     this.controls.show();
     this.forced.show(this.data, this.colours);
     this.map.scene(this.data, this.colours);
-    this.table.replaceChildren(measureTable(this.engine.measures, this.data));
+    this.table.show(this.data);
     this.footnote();
     this.draw();
     this.options.onScene?.(state.scene);

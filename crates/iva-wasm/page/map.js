@@ -9,7 +9,7 @@ import { Background } from "./worker.js";
 const COLUMNS = 120;
 const ROWS = 80;
 const STRIDES = [8, 4, 2, 1];
-const BAR = 86;
+const BAR = 96;
 /** Viridis at nine places (CC0, Smith and van der Walt). */
 const VIRIDIS = [
   [68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129], [92, 200, 99],
@@ -51,13 +51,15 @@ export class ScanMap {
     this.state = state;
     this.engine = engine;
     this.worker = new Background(options, engine);
-    this.slots = { x: "absorber.clearance", y: "absorber.mass" };
+    // What was chosen; where a scene does not have it, another stands in until it has.
+    this.wished = { x: "absorber.clearance", y: "absorber.mass" };
+    this.slots = { ...this.wished };
     this.measure = "settling_time_5";
     this.values = new Float64Array(COLUMNS * ROWS).fill(NaN);
     this.known = new Uint8Array(COLUMNS * ROWS);
     this.image = make("canvas", { width: COLUMNS, height: ROWS });
     const pick = (axis, label) => make("select", {
-      "aria-label": label, onchange: (event) => { this.slots[axis] = event.target.value; this.restart(); },
+      "aria-label": label, onchange: (event) => { this.wished[axis] = event.target.value; this.restart(); },
     });
     this.picks = { x: pick("x", "Map, across"), y: pick("y", "Map, up") };
     this.pickMeasure = make("select", {
@@ -134,8 +136,8 @@ export class ScanMap {
     const fallback = ["absorber.clearance", "absorber.mass", "primary.damping", "start.displacement", "start.velocity"];
     const either = (wanted, other) => (keys.includes(wanted) && wanted !== other ? wanted
       : fallback.find((key) => keys.includes(key) && key !== other));
-    this.slots.x = either(this.slots.x, null);
-    this.slots.y = either(this.slots.y, this.slots.x);
+    this.slots.x = either(this.wished.x, null);
+    this.slots.y = either(this.wished.y, this.slots.x);
     for (const axis of ["x", "y"]) {
       options(this.picks[axis], slots.map((slot) => [slot.key, wordsOf(state.form(slot.key))[0]]), this.slots[axis]);
     }
@@ -180,6 +182,7 @@ export class ScanMap {
         / toBase(field.path, 1, settingOf(this.state.values));
       return Number.isFinite(one) && one > 0 ? [rounded(0.05 * one, 2), rounded(1.6 * one, 2), false] : [low, high, true];
     }
+    if (field.path === "absorber.mass_ratio") return [0.02, 0.3, false];
     return positive && low <= 0 ? [high / 200, high, false] : [low, high, byFactors];
   }
 
@@ -198,6 +201,7 @@ export class ScanMap {
     const ys = nodes(this.ranges.y, ROWS);
     const jobs = [];
     this.known.fill(0);
+    this.changed = true;
     STRIDES.forEach((stride, level) => {
       for (let row = 0; row < ROWS; row += stride) {
         const first = level === 0 || row % (2 * stride) !== 0 ? 0 : stride;
@@ -215,6 +219,7 @@ export class ScanMap {
       scene: this.data.scene, rows, measure: this.measure,
       onRow: (index, values) => {
         const { row, columns, stride } = jobs[index];
+        this.changed = true;
         columns.forEach((column, at) => this.fill(row, column, stride, values[at]));
         if (!this.asked) {
           this.asked = true;
@@ -252,12 +257,23 @@ export class ScanMap {
     const log = { x: this.ranges.x[2], y: this.ranges.y[2] };
     const ends = (axis) => [0, 1].map((end) => (log[axis] ? Math.log10(this.ranges[axis][end]) : this.ranges[axis][end]));
     plot.axes({ x: ends("x"), y: ends("y"), xLabel: label("x"), yLabel: label("y"), right: BAR, zero: false, log });
-    const range = limits(Array.from(this.values).filter((_, index) => this.known[index]));
     const better = this.engine.measures.find(({ name }) => name === this.measure)?.better;
     const { box } = plot;
     this.stripes(c, box, colours);
+    if (this.changed) this.colour(better);
+    c.imageSmoothingEnabled = false;
+    c.drawImage(this.image, box.left, box.top, box.right - box.left, box.bottom - box.top);
+    if (this.limits) this.bar(plot, this.limits, better);
+    this.placePoint(plot);
+  }
+
+  /** Gives every cell its colour; done once for the rows that have come since. */
+  colour(better) {
+    this.changed = false;
+    const range = limits(Array.from(this.values).filter((_, index) => this.known[index]));
+    this.limits = range;
     const pixels = new ImageData(COLUMNS, ROWS);
-    for (let row = 0; row < ROWS; row += 1) {
+    for (let row = 0; range && row < ROWS; row += 1) {
       for (let column = 0; column < COLUMNS; column += 1) {
         const value = this.values[row * COLUMNS + column];
         if (!this.known[row * COLUMNS + column] || !Number.isFinite(value)) continue;
@@ -267,10 +283,6 @@ export class ScanMap {
       }
     }
     this.image.getContext("2d").putImageData(pixels, 0, 0);
-    c.imageSmoothingEnabled = false;
-    c.drawImage(this.image, box.left, box.top, box.right - box.left, box.bottom - box.top);
-    if (range) this.bar(plot, range, better);
-    this.placePoint(plot);
   }
 
   /** What is under cells without a value. */
@@ -293,7 +305,7 @@ export class ScanMap {
   bar(plot, { low, high }, better) {
     const { context: c, colours, box } = plot;
     const left = box.right + 10;
-    const bottom = box.bottom - 20;
+    const bottom = box.bottom - 42;
     for (let y = box.top; y < bottom; y += 1) {
       const share = (bottom - y) / (bottom - box.top);
       c.fillStyle = `rgb(${shade(better === "larger" ? 1 - share : share).map(Math.round).join()})`;

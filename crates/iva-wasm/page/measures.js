@@ -16,25 +16,52 @@ export function measureWords(name) {
   return { episodes: "stays on a wall", amplitude_max: "largest |x|" }[name] ?? name.replaceAll("_", " ");
 }
 
-function row(measure, { run, alone, units }) {
-  const value = run.summary[measure.name];
-  const unit = unitText(measure.units[units]);
-  const said = (number) => (typeof number === "string" ? number : shown(number));
-  return make("tr", { title: `${measure.name}: ${measure.help}` },
-    make("th", { scope: "row" }, measureWords(measure.name), unit ? make("small", {}, ` ${unit}`) : ""),
-    make("td", {}, said(value)), make("td", {}, alone ? said(alone.summary[measure.name]) : ""));
-}
+/** A table of measures; those that no run has are left out. It is made anew only if these change. */
+export class MeasureTable {
+  constructor(measures) {
+    this.measures = measures;
+    this.element = make("div", { class: "measures" });
+    this.made = "";
+    this.open = false;
+  }
 
-/** A table of measures; one that is null everywhere is left out of the first ones. */
-export function measureTable(measures, data) {
-  const known = (measure) => [data.run.summary, data.alone?.summary ?? {}].some(
-    (summary) => summary[measure.name] !== null && summary[measure.name] !== undefined,
-  );
-  const head = () => make("thead", {}, make("tr", {}, make("td", {}), make("th", { scope: "col" }, "now"),
-    make("th", { scope: "col" }, data.alone ? "alone" : "")));
-  const body = (list) => make("tbody", {}, ...list.map((measure) => row(measure, data)));
-  const first = measures.filter((measure) => FIRST.includes(measure.name) && known(measure));
-  const rest = measures.filter((measure) => !first.includes(measure) && known(measure));
-  return make("div", {}, make("table", {}, make("caption", {}, "Measures"), head(), body(first)),
-    make("details", {}, make("summary", {}, "All numbers"), make("table", {}, head(), body(rest))));
+  show(data) {
+    const summaries = [data.run.summary, data.alone?.summary ?? {}];
+    const known = this.measures.filter(({ name }) => summaries.some(
+      (summary) => summary[name] !== null && summary[name] !== undefined,
+    ));
+    const key = JSON.stringify([known.map(({ name }) => name), data.units, data.alone !== null]);
+    if (this.made !== key) {
+      this.made = key;
+      this.build(known, data);
+    }
+    for (const { name, cells } of this.rows) {
+      cells.forEach((cell, index) => {
+        const value = summaries[index][name];
+        const text = index && !data.alone ? "" : typeof value === "string" ? value : shown(value);
+        if (cell.textContent !== text) cell.textContent = text;
+      });
+    }
+  }
+
+  build(known, data) {
+    this.rows = [];
+    const first = FIRST.map((name) => known.find((measure) => measure.name === name)).filter(Boolean);
+    const rest = known.filter((measure) => !first.includes(measure));
+    const table = (list, caption) => make("table", {}, caption && make("caption", {}, caption),
+      make("thead", {}, make("tr", {}, make("td", {}), make("th", { scope: "col" }, "now"),
+        make("th", { scope: "col" }, data.alone ? "alone" : ""))),
+      make("tbody", {}, ...list.map((measure) => this.row(measure, data.units))));
+    const more = make("details", { open: this.open, ontoggle: () => { this.open = more.open; } },
+      make("summary", {}, "All numbers"), table(rest, null));
+    this.element.replaceChildren(table(first, "Measures"), more);
+  }
+
+  row(measure, units) {
+    const unit = unitText(measure.units[units]);
+    const cells = [make("td"), make("td")];
+    this.rows.push({ name: measure.name, cells });
+    return make("tr", { title: `${measure.name}: ${measure.help}` },
+      make("th", { scope: "row" }, measureWords(measure.name), unit ? make("small", {}, ` ${unit}`) : ""), ...cells);
+  }
 }

@@ -38,9 +38,6 @@ const WORDS = {
   "force.relative_frequency": ["Relative frequency", "Ω/ωₙ"],
   "force.frequency_hz": ["Frequency of the force", "f"],
   "force.phase": ["Phase", "φ"],
-  "force.velocity": ["Impulse over mass", "P/M"],
-  "force.impulse": ["Impulse", "P"],
-  "force.time": ["Instant of the impulse", "t"],
   "start.displacement": ["Release displacement", "x₀"],
   "start.displacement_mm": ["Release displacement", "x₀"],
   "start.velocity": ["Velocity", "ẋ₀"],
@@ -48,9 +45,9 @@ const WORDS = {
   "start.gap_velocity": ["Gap velocity", "w₀"],
   "start.angle": ["Angle of the pendulum", "θ₀"],
   "start.angular_velocity": ["Angular velocity", "θ̇₀"],
-  "run.periods": ["Periods", "ωₙt/2π"],
+  "run.periods": ["Periods", "n"],
   "run.duration": ["Duration", "T"],
-  "run.cycles": ["Cycles of the force", "Ωt/2π"],
+  "run.cycles": ["Cycles of the force", "N"],
   "run.discard": ["Cycles left out", ""],
 };
 
@@ -58,8 +55,7 @@ const WORDS = {
 const USUAL = [
   "absorber.mass", "absorber.clearance", "absorber.restitution", "absorber.frequency",
   "absorber.length", "primary.damping", "primary.frequency", "primary.mass",
-  "start.displacement", "run.duration", "force.amplitude", "force.frequency",
-  "force.impulse", "force.time", "absorber.inclination",
+  "start.displacement", "run.duration", "force.amplitude", "force.frequency", "absorber.inclination",
 ];
 
 /** Ends of a slider where the size of the quantity is known: low, high, and if it runs by factors. */
@@ -81,7 +77,6 @@ const RANGES = {
   "run.periods": [1, 100, true],
   "run.cycles": [10, 400, true],
   "run.discard": [0, 200, false],
-  "run.tolerance": [0, 1e-3, false],
   "run.max_impacts": [1, 1e7, true],
   "run.max_work": [1, 1e8, true],
 };
@@ -97,11 +92,14 @@ export function isUsual(slot) {
   return USUAL.includes(slot.key);
 }
 
-/** The slots of the fields, in the order of the engine. A record cannot be given on a page. */
+/** What a page cannot give: impulses, records, and the tier of less accuracy. */
+const LEFT_OUT = ["force.velocity", "force.impulse", "force.time", "force.scale", "run.tolerance"];
+
+/** The slots of the fields, in the order of the engine. */
 export function slotsOf(fields) {
   const slots = new Map();
   for (const field of fields) {
-    if (field.path === "force.scale") continue;
+    if (LEFT_OUT.includes(field.path)) continue;
     const key = `${field.part}.${field.group}`;
     if (!slots.has(key)) slots.set(key, { key, part: field.part, fields: [] });
     slots.get(key).fields.push(field);

@@ -1,5 +1,6 @@
 // The scene that is shown, what was typed but cannot be run, and the way back.
 
+import { clamp } from "./format.js";
 import { formIn, formsOf, fromBase, settingOf, slotsOf, toBase } from "./slots.js";
 import { toNatural, toSi } from "./units.js";
 
@@ -15,9 +16,19 @@ export const DEFAULT_SCENE = {
   },
 };
 
+/** Samples that a run has on the page; long runs have fewer a period. */
+const SAMPLES = 1800;
+
 /** Changes within this time to one thing are one step back. */
 const ONE_STEP_MS = 800;
 const MOST_STEPS = 200;
+
+/** Samples a period for a run of these values. */
+function samplesOf(values) {
+  const path = ["run.periods", "run.duration", "run.cycles"].find((name) => values[name] !== undefined);
+  const periods = path ? toBase(path, values[path], settingOf(values)) : NaN;
+  return Math.round(clamp(SAMPLES / (periods > 0 ? periods : 20), 24, 240));
+}
 
 export class Explorer {
   /**
@@ -68,14 +79,14 @@ export class Explorer {
     return this.sceneOf(this.choices, this.values);
   }
 
-  /** Takes values if the engine can run them; else returns why not, and leaves all as it was. */
+  /** Takes values and runs them if the engine can; else returns why not, and leaves all as it was. */
   accept(choices, values) {
     const { error, units } = this.engine.set(this.sceneOf(choices, values));
-    if (error) {
-      this.engine.set(this.scene);
-      return error;
-    }
-    Object.assign(this, { choices, values, units });
+    if (error) return error;
+    const samples = samplesOf(values);
+    const run = this.engine.run(samples);
+    if (run.error) return run.error;
+    Object.assign(this, { choices, values, units, run, samples });
     return null;
   }
 
