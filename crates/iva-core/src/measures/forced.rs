@@ -265,7 +265,8 @@ impl Forced {
             }
             let approach = approach[slot];
             if approach > 0.0 {
-                steady.count(impact_time[slot].into(), wall_of(wall[slot]), approach.into());
+                let wall = (0, wall_of(wall[slot]));
+                steady.count(impact_time[slot].into(), wall, approach.into());
             }
         }
         events.for_each(|(_, event)| event.show(steady));

@@ -116,7 +116,8 @@ pub struct Steady<R = f64> {
     /// True if the window has begun.
     begun: bool,
     impacts: u64,
-    streak: Streak<R>,
+    /// The current streak of each absorber that has had an impact.
+    streaks: Vec<Streak<R>>,
 }
 
 /// Consecutive impacts on one wall, some of which may turn out not to be listed: their numbers in the window,
@@ -158,12 +159,15 @@ impl<R: Real> Steady<R> {
         self.square = self.square.plus_parts(square.value.into(), square.rest.into());
     }
 
-    /// Of the impacts of the current streak, those with an approach speed of at most `floor` are not listed.
-    pub(crate) fn unlist_up_to(&mut self, floor: R) {
+    /// Of the impacts of an absorber's current streak, those with an approach speed of at most `floor` are not listed.
+    pub(crate) fn unlist_up_to(&mut self, absorber: u8, floor: R) {
+        let Some(streak) = self.streaks.get_mut(usize::from(absorber)) else { return };
         // From the last impact back, so that the numbers of earlier impacts stay valid.
-        for (number, speed) in std::mem::take(&mut self.streak.impacts).into_iter().rev() {
+        for (number, speed) in std::mem::take(&mut streak.impacts).into_iter().rev() {
             if speed <= floor {
                 self.impacts -= 1;
+                let others = self.streaks.iter_mut().flat_map(|streak| &mut streak.impacts);
+                others.filter(|other| other.0 > number).for_each(|other| other.0 -= 1);
                 let counts_it = |strobe: &&mut Strobe<R>| strobe.impacts >= number;
                 self.strobes.iter_mut().rev().take_while(counts_it).for_each(|it| it.impacts -= 1);
             }
@@ -171,16 +175,21 @@ impl<R: Real> Steady<R> {
     }
 
     /// Counts an impact if it lies in the window.
-    pub(crate) fn count(&mut self, time: R, wall: Wall, approach_speed: R) {
+    pub(crate) fn count(&mut self, time: R, (absorber, wall): (u8, Wall), approach_speed: R) {
         if time < self.window.from {
             return;
         }
         self.impacts += 1;
-        if self.streak.wall != Some(wall) {
-            self.streak.wall = Some(wall);
-            self.streak.impacts.clear();
+        let absorber = usize::from(absorber);
+        if self.streaks.len() <= absorber {
+            self.streaks.resize_with(absorber + 1, Streak::default);
         }
-        self.streak.impacts.push((self.impacts, approach_speed));
+        let streak = &mut self.streaks[absorber];
+        if streak.wall != Some(wall) {
+            streak.wall = Some(wall);
+            streak.impacts.clear();
+        }
+        streak.impacts.push((self.impacts, approach_speed));
     }
 
     /// Takes the measures of a part of a span.
@@ -275,11 +284,11 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Steady<R> {
     }
 
     fn impact(&mut self, _system: &S, impact: &Impact<R>) {
-        self.count(impact.time, impact.wall, impact.approach_speed());
+        self.count(impact.time, (impact.absorber, impact.wall), impact.approach_speed());
     }
 
-    fn unlist(&mut self, _absorber: u8, _first: u64, floor: R) {
-        self.unlist_up_to(floor);
+    fn unlist(&mut self, absorber: u8, _first: u64, floor: R) {
+        self.unlist_up_to(absorber, floor);
     }
 
     fn end(&mut self, _system: &S, tally: &Tally<S::State, R>) {

@@ -5,17 +5,21 @@
 //! runs in numbers of twice the precision.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::sync::Arc;
+
 use iva_core::{
     absorber::several::{Several, Starts},
     absorber::{Absorber, OnStructure, Point, Start},
     flight::GapPoint,
-    force::{Acts, Force, Harmonic},
+    force::{Acts, Force, Harmonic, History, Impulse, Record},
     host::{Host, UndrivenHost},
     impact::Impact,
+    observe::Events,
     real::{Real, twofold::Twofold},
     run::{Run, run},
-    simulate::{Limits, Outcome},
+    simulate::{Limits, Outcome, resume, simulate},
     siva::{FreeMass, Siva},
+    steady::{Steady, SteadyWanted, Window},
 };
 use iva_tests::rng::Rng;
 
@@ -178,6 +182,81 @@ fn held<H: Host<Real = f64>, const N: usize>(
         assert!((gap.y - offset).abs() <= *d);
     }
     (run.episodes.len(), counted)
+}
+
+/// Energy under all that can drive a structure at once: a force, a record on a moving base, and impulses, which come while
+/// masses fly and while some are stuck.
+#[test]
+fn energy_holds_under_records_and_impulses() {
+    let mut rng = Rng::new(71);
+    let mut episodes = 0;
+    for _ in 0..30 {
+        let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
+        let times: Vec<f64> = (0..8).map(|k| 2.0 + 1.5 * f64::from(k)).collect();
+        let values = times.iter().map(|_| rng.range(-1.0, 1.0)).collect();
+        let history = Arc::new(History::new(times, values).unwrap());
+        let record = Record { history, acts: Acts::Base, rate: 1.0, scale: 0.5 };
+        let kick = |time| Impulse { velocity: rng.range(-1.0, 1.0), time };
+        let kicks: Vec<Impulse> = [1.0, 4.0, 9.0, 16.0].map(kick).to_vec();
+        let harmonics = push::<f64>(0.3, 1.2, Acts::Primary).harmonics().to_vec();
+        let force = Force::new(harmonics, vec![record], &kicks).unwrap();
+        let system = Several::new(0.02, masses.map(built)).unwrap().under(force);
+        episodes += held(&system, [1.0, 0.0], &masses).0;
+    }
+    assert!(episodes > 20, "{episodes} episodes");
+}
+
+/// A run that is divided at any instant, also while masses are stuck or in a chatter, ends as the whole one.
+#[test]
+fn a_divided_run_goes_on() {
+    let mut rng = Rng::new(83);
+    let mut stuck = 0;
+    for _ in 0..24 {
+        let masses: [Mass; 3] = std::array::from_fn(|_| any_mass(&mut rng));
+        let system = Several::new(Twofold::from(0.02), masses.map(built)).unwrap();
+        let start = start([1.5, 0.0], &masses);
+        let whole = simulate(&system, &start, &limits(14.0), None, &mut ()).unwrap();
+        let middle: f64 = rng.range(2.0, 12.0);
+        let first = simulate(&system, &start, &limits(middle), None, &mut ()).unwrap();
+        stuck += usize::from((0..3).any(|k| system.is_stuck(&system.turned_to(&first.state, k))));
+        let second = resume(&system, &first.instant(), &limits(14.0), None, &mut ()).unwrap();
+        assert_eq!(whole.impacts, first.impacts + second.impacts);
+        for (a, b) in system.gaps(&whole.state).iter().zip(system.gaps(&second.state)) {
+            let off = [a.y - b.y, a.w - b.w].map(|it| f64::from(it).abs());
+            assert!(off[0].max(off[1]) < 1e-13, "{middle}: {off:?}");
+        }
+    }
+    assert!(stuck > 0, "{stuck} divided while a mass was stuck");
+}
+
+/// The impacts in the window of the steady state are those that are listed, also where low rebounds of a chatter turn out
+/// not to be, while other masses have impacts.
+#[test]
+fn impacts_per_cycle_are_those_listed() {
+    let mut rng = Rng::new(97);
+    let mut unlisted = 0;
+    for _ in 0..40 {
+        let masses: [Mass; 3] = std::array::from_fn(|_| {
+            let [mu, e, d, offset, y, w] = any_mass(&mut rng);
+            [mu, 0.6 * e, d, offset, y, w]
+        });
+        let force = push::<f64>(0.4, 0.8, Acts::Primary);
+        let harmonic = force.harmonics()[0];
+        let system = Several::new(0.03, masses.map(built)).unwrap().under(force);
+        let from = 10.0;
+        let window = Window { from, cycle: Some(harmonic) };
+        let wanted = SteadyWanted { impacts: true, ..SteadyWanted::default() };
+        let limits = Limits { chatter_floor: 0.05, ..limits(60.0) };
+        let mut seen = (Steady::new(window, wanted), Events::default());
+        simulate(&system, &start([0.5, 0.0], &masses), &limits, None, &mut seen).unwrap();
+        let (steady, events) = seen;
+        let listed = events.impacts.iter().filter(|it| it.time >= from).count();
+        let cycles = 0.8 * (60.0 - from) / std::f64::consts::TAU;
+        let counted = steady.values().impacts_per_cycle.unwrap() * cycles;
+        assert!((counted - listed as f64).abs() < 1e-9, "{counted} of {listed}");
+        unlisted += events.episodes.len();
+    }
+    assert!(unlisted > 40, "{unlisted} episodes");
 }
 
 /// The mirror image of a scene has the mirror image of its events, to the bit.

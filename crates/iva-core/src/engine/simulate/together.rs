@@ -81,6 +81,8 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
     pub(super) fn move_together(&mut self, remaining: R) -> bool {
         let (system, state) = (self.system, self.tally.state);
         if (0..system.absorbers()).any(|absorber| self.strikes(absorber, &state)) {
+            // As a stretch of no length, so that a run of impacts at one instant has an end.
+            self.progress.counts.work += 1.0;
             self.strike_all();
             return true;
         }

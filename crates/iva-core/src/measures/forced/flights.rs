@@ -146,8 +146,10 @@ impl Event {
     /// Hands it out.
     pub fn show<R: Real>(&self, steady: &mut Steady<R>) {
         match *self {
-            Event::Impact(time, wall, approach) => steady.count(time.into(), wall, approach.into()),
-            Event::Unlist(floor) => steady.unlist_up_to(floor.into()),
+            Event::Impact(time, wall, approach) => {
+                steady.count(time.into(), (0, wall), approach.into())
+            }
+            Event::Unlist(floor) => steady.unlist_up_to(0, floor.into()),
         }
     }
 }
