@@ -41,6 +41,7 @@ lint: lint-rust lint-python ## formats, clippy, ruff, types, stubs, layers, lice
 lint-rust: $(VENV)/.tools
 	$(CARGO) fmt --all --check
 	$(CARGO) fmt --manifest-path tests/fuzz/Cargo.toml --check
+	$(CARGO) fmt --manifest-path crates/iva-wasm/Cargo.toml --check
 	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
 	$(PYTHON) .ci/layers.py
 	$(PYTHON) .ci/notices.py

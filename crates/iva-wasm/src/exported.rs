@@ -11,7 +11,7 @@ use iva_sweep::Invalid;
 use crate::json::object;
 use crate::map::map;
 use crate::run::{Columns, run};
-use crate::scene::{Scene, error};
+use crate::scene::{Scene, error, units_of};
 use crate::words::described;
 
 /// What stays in memory between two calls.
@@ -65,9 +65,7 @@ pub extern "C" fn iva_describe() {
 #[unsafe(no_mangle)]
 pub extern "C" fn iva_check() {
     answer(|given| {
-        let Scene { spec, .. } = Scene::read(given)?;
-        spec.distinct()?;
-        let units = spec.design()?.units.name();
+        let units = units_of(&Scene::read(given)?.spec)?;
         Ok((object([("units", crate::json::text(units))]), Columns::new()))
     });
 }

@@ -12,7 +12,7 @@ use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::{SweepError, Tables, run_inline};
 
 use crate::json::{self, list, object, text};
-use crate::scene::Scene;
+use crate::scene::{Scene, refused};
 
 /// The columns of a table as numbers, NaN where there is none.
 pub type Columns = Vec<Vec<f64>>;
@@ -48,9 +48,7 @@ pub fn run(scene: &Scene, samples: u32) -> Result<(String, Columns), Invalid> {
 /// # Errors
 /// [`Invalid`] for a scene that cannot be run, and for forces other than a single harmonic one.
 pub fn tables_of(study: &Study) -> Result<Tables, Invalid> {
-    let rule = "the explorer takes one harmonic force or base motion, and full accuracy";
-    let refused = || Invalid::new("force", study.spec.forces().len(), rule);
-    run_inline(study, u64::MAX).map_err(invalid)?.ok_or_else(refused)
+    run_inline(study, u64::MAX).map_err(invalid)?.ok_or_else(|| refused(&study.spec))
 }
 
 /// An error of a sweep as one of its scene.

@@ -51,6 +51,27 @@ impl Scene {
     }
 }
 
+/// The units of a scene that can be run.
+///
+/// # Errors
+/// [`Invalid`] for one that cannot, here or at all.
+pub fn units_of(spec: &Spec) -> Result<&'static str, Invalid> {
+    spec.distinct()?;
+    let design = spec.design()?;
+    let single = design.scene.force().is_none_or(|force| force.is_single());
+    if single && design.tier.name() == "exact" {
+        Ok(design.units.name())
+    } else {
+        Err(refused(spec))
+    }
+}
+
+/// What is said of a scene that is not for the event loop alone.
+pub fn refused(spec: &Spec) -> Invalid {
+    let rule = "the explorer takes one harmonic force or base motion, and no tolerance";
+    Invalid::new("force", spec.forces().len(), rule)
+}
+
 fn number(path: &str, value: &str) -> Result<f64, Invalid> {
     value.parse().map_err(|_| Invalid::new(path, value, "give a number"))
 }
@@ -63,4 +84,49 @@ pub fn error(invalid: &Invalid) -> String {
         ("allowed", json::text(&invalid.allowed)),
         ("sentence", json::text(&invalid.to_string())),
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENE: &str = "choose kind siva\nset absorber.mass_ratio 0.1\nset absorber.restitution 0.6\n\
+                         set absorber.clearance 0.5\nset start.displacement 1\nset run.periods 5";
+
+    fn told(more: &str) -> Result<&'static str, String> {
+        let read = Scene::read(&format!("{SCENE}\n{more}"));
+        read.and_then(|scene| units_of(&scene.spec)).map_err(|invalid| invalid.to_string())
+    }
+
+    #[test]
+    fn what_cannot_be_run_is_refused_with_its_field() {
+        assert_eq!(told(""), Ok("natural"));
+        assert_eq!(told("set force.amplitude 0.1\nset force.frequency 1"), Ok("natural"));
+        for (more, field) in [
+            ("set absorber.restitution 1.5", "absorber.restitution"),
+            ("set absorber.gap 1", "absorber.gap"),
+            ("set absorber.mass_ratio much", "absorber.mass_ratio"),
+            ("set run.tolerance 1e-9", "no tolerance"),
+            ("set force.velocity 1", "one harmonic force"),
+            ("drop everything", "no such instruction"),
+        ] {
+            let sentence = told(more).expect_err(more);
+            assert!(sentence.contains(field), "{more}: {sentence}");
+        }
+    }
+
+    #[test]
+    fn a_map_has_the_values_of_single_runs() {
+        let more = "axis absorber.mass_ratio 0.05 0.2\naxis absorber.clearance 0.3 0.6 0.9\n\
+                    measure settling_time_5";
+        let map = crate::map::map(Scene::read(&format!("{SCENE}\n{more}")).expect("a scene"));
+        let map = map.expect("a map");
+        assert_eq!(map.len(), 6);
+        let single = "set absorber.mass_ratio 0.2\nset absorber.clearance 0.6";
+        let (text, _) =
+            crate::run::run(&Scene::read(&format!("{SCENE}\n{single}")).expect("a scene"), 20)
+                .expect("a run");
+        let number = crate::json::number(map[4]);
+        assert!(text.contains(&format!("\"settling_time_5\":{number}")), "{number}: {text}");
+    }
 }
