@@ -13,14 +13,14 @@ FUZZ ?= -max_total_time=60
 PYTEST_WORKERS ?= 2
 FUZZ_TARGETS ?= study tables record manifest simulate
 SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o -name '*.pyi' \
-	-o -name 'py.typed' -o -name Cargo.toml \)) Cargo.toml Cargo.lock pyproject.toml README.md \
+	-o -name 'py.typed' -o -name Cargo.toml -o -path '*/web/*' \)) Cargo.toml Cargo.lock pyproject.toml README.md \
 	LICENSE-APACHE LICENSE-MIT THIRD-PARTY-NOTICES.txt
 
 # One interpreter for every cargo call, so that switching between targets rebuilds nothing.
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-start explorer stress fuzz corpus wheel sdist clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-start explorer test-explorer bench-explorer stress fuzz corpus wheel sdist clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -54,6 +54,13 @@ lint-python: wheel
 
 explorer: ## build the simulator of the explorer as WebAssembly (without a toolchain for it: on Debian)
 	$(PYTHON) .ci/explorer.py
+
+test-explorer: wheel ## drag, type and paste in real browsers (on Debian it installs them)
+	$(PYTHON) .ci/browsers.py
+	$(BIN)/python -m pytest tests/explorer
+
+bench-explorer: wheel ## how long frames and maps of the explorer take in Chromium
+	$(BIN)/python tests/explorer/speed.py
 
 count: $(VENV)/.tools ## count the instructions of fixed scenes, +5 % fails (Linux; installs valgrind)
 	$(PYTHON) .ci/instructions.py

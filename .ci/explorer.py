@@ -1,19 +1,29 @@
-"""Build the simulator of the explorer as WebAssembly: target/wasm/simulator.wasm.
+"""Build the simulator of the explorer as WebAssembly, into the Python package.
+
+Beside it goes the digest of the sources that it was built from; `--check` compares it with the
+sources as they are, which needs no compiler.
 
 A toolchain with the target wasm32-unknown-unknown builds it as it is. Without one, a compiler of
 the Debian package sources does, unpacked below target/wasm: nothing is installed. It has no library
 for the target, which is compiled along; so the first build takes some ten minutes.
 """
 
+import gzip
+import hashlib
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 CRATE = ROOT / "crates" / "iva-wasm"
 TARGET = "wasm32-unknown-unknown"
 FOLDER = ROOT / "target" / "wasm"
+WEB = ROOT / "python" / "iva" / "explorer" / "web"
+MODULE, DIGEST = WEB / "simulator.wasm.gz", WEB / "simulator.sources"
+#: The crates that it is made of.
+CRATES = ("iva-core", "iva-sweep", "iva-wasm")
 PACKAGES = (
     "rustc-web rust-web-src libstd-rust-web-dev libstd-rust-web-1.96 libllvm22 lld-22".split()
 )
@@ -59,10 +69,43 @@ def build() -> None:
     environment["CARGO_TARGET_DIR"] = str(FOLDER / "target")
     command = ["cargo", "build", "--locked", "--release", "--target", TARGET, *options]
     subprocess.run(command, cwd=CRATE, env=os.environ | environment, check=True)
-    module = FOLDER / "simulator.wasm"
-    shutil.copy(FOLDER / "target" / TARGET / "release" / "iva_wasm.wasm", module)
-    print(f"{module.relative_to(ROOT)}: {module.stat().st_size / 1e3:.0f} kB")
+    built = (FOLDER / "target" / TARGET / "release" / "iva_wasm.wasm").read_bytes()
+    MODULE.write_bytes(gzip.compress(built, 9, mtime=0))
+    DIGEST.write_text(f"{digest()}\n", encoding="ascii")
+    size = MODULE.stat().st_size
+    print(f"{MODULE.relative_to(ROOT)}: {size / 1e3:.0f} kB, {len(built) / 1e3:.0f} unpacked")
+
+
+def digest() -> str:
+    """Return the digest of all sources; tests are none of them."""
+    files = [CRATE / "Cargo.lock"]
+    for crate in CRATES:
+        folder = ROOT / "crates" / crate
+        sources = (folder / "src").rglob("*.rs")
+        files += [
+            folder / "Cargo.toml",
+            *(it for it in sources if "tests" not in {it.stem, it.parent.name}),
+        ]
+    total = hashlib.sha256()
+    for file in sorted(files):
+        content = file.read_bytes().replace(b"\r\n", b"\n")
+        total.update(f"{file.relative_to(ROOT).as_posix()} {len(content)}\n".encode() + content)
+    return total.hexdigest()
+
+
+def check() -> int:
+    """Say if the module was built from other sources than there are; return an exit code."""
+    kept = DIGEST.read_text(encoding="ascii").strip() if DIGEST.exists() else "none"
+    if kept == digest():
+        return 0
+    print(
+        f"{MODULE.relative_to(ROOT)} was built from other sources: run make explorer",
+        file=sys.stderr,
+    )
+    return 1
 
 
 if __name__ == "__main__":
+    if "--check" in sys.argv[1:]:
+        sys.exit(check())
     build()

@@ -1,7 +1,7 @@
-"""What the build makes before it reads the pages: pictures, and the help of the command.
+"""What the build makes: pictures and help of the command for the pages, then the explorer.
 
-All of it goes to docs/_made. A picture of the physics is drawn by a function of `drawings`; every
-other one is saved by the code of the page that shows it, which is run for that.
+What pages show goes to docs/_made. A picture of the physics is drawn by a function of `drawings`;
+every other one is saved by the code of the page that shows it, which is run for that.
 """
 
 from __future__ import annotations
@@ -18,6 +18,9 @@ import drawings
 import pages
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
+
+from iva.explorer.document import page as explorer
+from iva.explorer.scenes import DEFAULT
 
 MADE = pages.DOCS / "_made"
 ENVIRONMENT = os.environ | {"MPLBACKEND": "Agg", "COLUMNS": "88", "NO_COLOR": "1"}
@@ -77,7 +80,15 @@ def commands() -> str:
     return "\n".join(f"## {title}\n\n```text\n{text}```\n" for title, text in parts)
 
 
+def explorers(app: Sphinx, fault: Exception | None) -> None:
+    """Put the explorer beside the pages: whole, and brief for the front page."""
+    if fault is None and app.builder.format == "html":
+        for name, brief in {"explore.html": False, "explore_brief.html": True}.items():
+            Path(app.outdir, name).write_text(explorer(DEFAULT, brief=brief), encoding="utf-8")
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Tell Sphinx."""
     app.connect("builder-inited", make)
+    app.connect("build-finished", explorers)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -33,7 +33,7 @@ from pathlib import Path
 DOCS = Path(__file__).resolve().parent
 RUNNABLE = ("python", "sh", "toml")
 # What Sphinx is told in a fence; nothing of it is code.
-DIRECTIVES = ("{eval-rst}", "{include}", "{literalinclude}", "{toctree}")
+DIRECTIVES = ("{eval-rst}", "{include}", "{literalinclude}", "{raw}", "{toctree}")
 FENCE = re.compile(
     r"^```(?P<language>\{[\w-]+\}|\w*)(?P<argument> [^\n]*)?\n(?P<code>.*?)^```$",
     re.MULTILINE | re.DOTALL,

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from iva import plots as plots
     from iva._iva import SCHEMA_VERSION, VERSION, IvaError
     from iva.choosing import best, pareto, robust
+    from iva.explorer import explore
     from iva.forces import Harmonic, Impulse, Recorded
     from iva.parameters import Piva, Primary, Siva, Start
     from iva.reading import read
@@ -60,6 +61,7 @@ __all__ = [
     "__version__",
     "best",
     "dynamics",
+    "explore",
     "pareto",
     "read",
     "robust",
@@ -93,6 +95,7 @@ _HOMES = {
     "__version__": "_iva",
     "best": "choosing",
     "dynamics": "dynamics",
+    "explore": "explorer",
     "paper": "paper",
     "pareto": "choosing",
     "plots": "plots",

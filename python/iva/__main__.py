@@ -1,4 +1,4 @@
-"""The command ``iva``: the same program as the native binary, and ``iva reproduce``."""
+"""The command ``iva``: the program of the native binary, ``iva explore`` and ``iva reproduce``."""
 
 import signal
 import sys
@@ -11,6 +11,10 @@ def main() -> int:
     """Run the command with the arguments of the process; return its exit code."""
     if sys.argv[1:2] == ["reproduce"]:  # it draws: nothing of it is imported for the others
         return _reproduce(sys.argv[2:])
+    if sys.argv[1:2] == ["explore"]:
+        from iva.explorer.command import main as explore
+
+        return explore(sys.argv[2:])
     # Python's own handler would wait for the end of the command before it acts.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _iva.main(["iva", *sys.argv[1:]])

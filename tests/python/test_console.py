@@ -36,6 +36,7 @@ def test_version_and_help(command: list[str]) -> None:
     usage = call(command, "--help")
     assert usage.returncode == 0
     assert "reproduce  " in usage.stdout
+    assert "explore  " in usage.stdout
     for name in ("sweep", "run", "check"):
         assert name in usage.stdout
         assert call(command, name, "--help").returncode == 0

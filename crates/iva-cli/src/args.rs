@@ -120,9 +120,13 @@ pub enum Command {
                             Labels are numbers of steady states; -2 is a motion without impacts, -1 not\n\
                             decided within the cycles, or for sure.")]
     Basins(BasinsArgs),
+    /// Drag a scene in the browser: one page with the simulator in it; needs Python: pip install
+    /// iva-dynamics
+    #[command(disable_help_flag = true)]
+    Explore(PythonArgs),
     /// Draw the figures of the paper anew; needs Python: pip install 'iva-dynamics[plots]'
     #[command(disable_help_flag = true)]
-    Reproduce(ReproduceArgs),
+    Reproduce(PythonArgs),
 }
 
 /// Arguments of `iva sweep`.
@@ -348,10 +352,10 @@ pub struct BasinsArgs {
     pub csv: Option<PathBuf>,
 }
 
-/// Arguments of `iva reproduce`, which only the Python package understands: anything.
+/// Arguments of a command that only the Python package understands: anything.
 #[derive(Debug, Args)]
-pub struct ReproduceArgs {
-    /// What to draw; `iva reproduce --help` of the Python package lists it
+pub struct PythonArgs {
+    /// What it is to do; `--help` of the command in the Python package lists it
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENTS")]
     pub arguments: Vec<OsString>,
 }

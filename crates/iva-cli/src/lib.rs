@@ -51,6 +51,10 @@ pub const EXIT_INTERRUPTED: i32 = 130;
 const NO_PLOTS: &str = "reproduce draws with Python: pip install 'iva-dynamics[plots]', then run iva \
                         reproduce from there";
 
+/// Message of `iva explore` in the native binary, which has no page.
+const NO_PAGE: &str = "explore makes its page with Python: pip install iva-dynamics, then run iva explore \
+                       from there";
+
 /// Runs the command line; `args` begins with the program's name. Prints results on standard
 /// output, errors and progress on standard error, and returns the exit code: 0 done, 1 I/O or
 /// internal fault, 2 bad input, 130 interrupted. Never exits the process itself.
@@ -85,6 +89,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
         | Command::Branch(_)
         | Command::Diagram(_)
         | Command::Basins(_)
+        | Command::Explore(_)
         | Command::Reproduce(_) => false,
     };
     let result = run_command_line(&cli.command);
@@ -109,7 +114,8 @@ fn run_command_line(command: &Command) -> Result<String, Error> {
         Command::Branch(args) => orbits::branch_command(args),
         Command::Diagram(args) => diagrams::diagram_command(args),
         Command::Basins(args) => diagrams::basins_command(args),
-        // The console script of the Python package handles this command before it calls this function.
+        // The console script of the Python package handles these commands before it calls this function.
+        Command::Explore(_) => Err(Error::Refused(NO_PAGE.to_owned())),
         Command::Reproduce(_) => Err(Error::Refused(NO_PLOTS.to_owned())),
     }
 }

@@ -19,6 +19,7 @@ use iva_core::propagation::Errors;
 use iva_core::real::dual::Dual;
 use iva_core::simulate::simulate_from;
 
+use crate::cells::Cell;
 use crate::choices::{Kind, only};
 use crate::columns::columns;
 use crate::design::{Design, Spec};
@@ -31,7 +32,7 @@ use crate::fields::{FieldId, Part, Quantity};
 use crate::slot::Slot;
 use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
-use crate::tables::{Cell, Content, TableBuilder, schema_of};
+use crate::tables::{Content, TableBuilder, schema_of};
 
 /// Relative change of the parameter (absolute for a parameter of 0) that must be able to turn an impact into
 /// a grazing, to first order, for the impact to count as close to one.

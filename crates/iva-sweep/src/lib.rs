@@ -6,33 +6,51 @@
 //! columns are defined in [`columns`]). No files, no Python. `CONTRIBUTING.md` tells how to add a measure or
 //! a field.
 //!
+//! The feature `sweeps`, on by default, has the tables, many points, and all that is built on them. Without it there are
+//! single runs alone, whose rows are plain columns of numbers ([`watched`]); they need no Arrow and no threads.
+//!
 //! [`engine`] processes one point, from its fields to the cells of its rows. It is generic over the [number
 //! type](iva_core::real).
 
+// Some of what serves many points stands beside what serves one.
+#![cfg_attr(not(feature = "sweeps"), allow(dead_code))]
+
 pub mod axis;
+mod cells;
 pub mod choices;
 pub mod columns;
 pub mod cube;
 pub mod done;
+#[cfg(feature = "sweeps")]
 pub mod dynamics;
 pub mod engine;
 pub mod fields;
 pub mod forces;
+#[cfg(feature = "sweeps")]
 pub mod gradients;
+#[cfg(feature = "sweeps")]
 pub mod identity;
 pub mod motion;
+#[cfg(feature = "sweeps")]
 pub mod plan;
 pub mod sampling;
+#[cfg(feature = "sweeps")]
 mod side_by_side;
 pub mod slot;
 mod spec;
 pub mod study;
+#[cfg(feature = "sweeps")]
 pub mod sweep;
+#[cfg(feature = "sweeps")]
 pub mod tables;
+#[cfg(feature = "sweeps")]
 pub mod theory;
 pub mod units;
 pub mod variable;
+#[cfg(feature = "sweeps")]
 pub mod verify;
+pub mod watched;
+#[cfg(feature = "sweeps")]
 mod workers;
 
 pub use engine::{design, scene};

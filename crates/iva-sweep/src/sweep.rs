@@ -12,18 +12,19 @@ use arrow_array::RecordBatch;
 use arrow_schema::{ArrowError, SchemaRef};
 use arrow_select::concat::concat_batches;
 use iva_core::error::Invalid;
-use iva_core::propagation::{Differentiable, Errors};
+use iva_core::propagation::Errors;
 use iva_core::run::side_by_side::{Listed, Tier};
 use iva_core::simulate::Outcome;
 
+use crate::cells::Cell;
 use crate::done::Done;
 use crate::engine::design::Design;
 use crate::engine::ended::Ended;
-use crate::engine::point::{Estimates, Request, Seen, list, run};
-use crate::engine::rows::{Cell, Estimate, RunRow, write_summary};
+use crate::engine::point::{Request, Seen, list, run};
+use crate::engine::rows::RunRow;
 use crate::side_by_side;
 use crate::study::{Study, Table};
-use crate::tables::{TableBuilder, schema_in};
+use crate::tables::{TableBuilder, schema_in, write_summary};
 pub use crate::workers::{MAX_THREADS, Workers};
 
 /// The tables of a range of points.
@@ -295,18 +296,5 @@ fn into(builders: &mut Builders) -> impl FnMut(Table, &mut dyn Iterator<Item = C
         if let Some(builder) = builders.get_mut(&table) {
             builder.row(cells);
         }
-    }
-}
-
-impl<S: Differentiable> Estimates<S> for Option<Box<Errors>> {
-    fn of_impact(&self, index: usize) -> Estimate {
-        let error = self.as_ref().and_then(|errors| errors.impacts.get(index));
-        let time = error.and_then(|error| error.time);
-        Estimate { time, near_grazing: error.filter(|_| time.is_some()).map(|it| it.grazing) }
-    }
-
-    fn of_run(&self) -> [Option<f64>; 2] {
-        let errors = self.as_ref();
-        [errors.and_then(|it| it.condition()), errors.and_then(|it| it.digits())]
     }
 }

@@ -1,6 +1,5 @@
 //! Arrow schemas and builders of the result tables.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::iter;
 use std::sync::{Arc, OnceLock};
@@ -12,7 +11,9 @@ use arrow_array::{ArrayRef, RecordBatch, new_null_array};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Schema, SchemaRef};
 use iva_core::error::Invalid;
 
+use crate::cells::Cell;
 use crate::columns::{Column, SCHEMA_VERSION, columns};
+use crate::engine::rows::{RunRow, SummaryColumn};
 use crate::fields::Quantity;
 use crate::identity::Identity;
 use crate::slot::Slot;
@@ -179,120 +180,6 @@ fn data_type(quantity: Quantity) -> DataType {
     }
 }
 
-/// One value of a row.
-#[derive(Debug, Clone)]
-pub(crate) enum Cell<R = f64> {
-    Point(u32),
-    Number(R),
-    Count(u64),
-    Side(i8),
-    Text(Cow<'static, str>),
-    Flag(bool),
-    Null,
-}
-
-/// A text for a cell: constant, or made by a run and possibly missing.
-pub(crate) trait Word {
-    fn word(self) -> Option<Cow<'static, str>>;
-}
-
-impl Word for &'static str {
-    fn word(self) -> Option<Cow<'static, str>> {
-        Some(self.into())
-    }
-}
-
-impl Word for Option<String> {
-    fn word(self) -> Option<Cow<'static, str>> {
-        self.map(Cow::from)
-    }
-}
-
-/// Cells from values that may be missing.
-impl<R> Cell<R> {
-    /// The number of a point, which [`Study::points`] ensures to be below 2³².
-    pub fn point(point: u64) -> Self {
-        Self::Point(point as u32)
-    }
-
-    pub fn number(value: impl Into<Option<R>>, scaled: impl Fn(R) -> R) -> Self {
-        value.into().map_or(Self::Null, |value| Self::Number(scaled(value)))
-    }
-
-    pub fn count(value: impl TryInto<u64>) -> Self {
-        value.try_into().map_or(Self::Null, Self::Count)
-    }
-
-    pub fn side(value: impl Into<Option<i8>>) -> Self {
-        value.into().map_or(Self::Null, Self::Side)
-    }
-
-    pub fn flag(value: impl Into<Option<bool>>) -> Self {
-        value.into().map_or(Self::Null, Self::Flag)
-    }
-
-    pub fn text(value: impl Word) -> Self {
-        value.word().map_or(Self::Null, Self::Text)
-    }
-}
-
-/// The cell of a quantity, from a value in natural units that may be missing.
-macro_rules! cell {
-    (Text, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::text($value)
-    };
-    (Flag, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::flag($value)
-    };
-    (Count, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::count($value)
-    };
-    (Side, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::side($value)
-    };
-    (Time, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::number($value, |it| $scale.time(it))
-    };
-    (Velocity, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::number($value, |it| $scale.velocity(it))
-    };
-    (AngularVelocity, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::number($value, |it| $scale.angular_velocity(it))
-    };
-    (Energy, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::number($value, |it| $scale.energy(it))
-    };
-    // Lengths are in the user's unit already, and gravity is as given.
-    ($quantity:ident, $scale:expr, $value:expr) => {
-        $crate::tables::Cell::number($value, |it| it)
-    };
-}
-
-/// The functions that compute the cells of a row, one for each entry of a table.
-macro_rules! cells {
-    ($($name:literal $quantity:ident $([$($group:ident)*])? $(|$row:ident| $value:expr)? $(=> $pass:ident)?, $help:literal;)*) => {
-        [$(
-            $(|$row| $crate::tables::cell!($quantity, $row.scale, $value))?
-            $($crate::tables::named!($pass, $name, $quantity))?
-        ),*]
-    };
-}
-
-/// The function that computes the cell of a measure with a pass of its own.
-macro_rules! named {
-    ($pass:ident, $name:literal, $quantity:ident) => {
-        |run| $crate::tables::cell!($quantity, run.scale, run.named($name))
-    };
-}
-
-/// What makes the passes of a table, one for each entry that has one.
-macro_rules! passes {
-    ($($name:literal $quantity:ident $([$($group:ident)*])? $(|$row:ident| $value:expr)? $(=> $pass:ident)?, $help:literal;)*) => {
-        [$($(($name, || Box::new($pass::default())),)?)*]
-    };
-}
-pub(crate) use {cell, cells, named, passes};
-
 enum Builder {
     Point(UInt32Builder),
     Number(Float64Builder),
@@ -450,6 +337,32 @@ mod tests {
         ] {
             let error = finished(cells).unwrap_err();
             assert!(error.contains("row 1 has") && error.ends_with(said), "{error}");
+        }
+    }
+}
+
+/// Writes the rows of some points, the first of which has this number, to the table `summary`.
+pub(crate) fn write_summary(
+    table: &mut TableBuilder,
+    study: &Study,
+    columns: &[SummaryColumn],
+    first: u64,
+    rows: &[RunRow<'_>],
+) {
+    let mut swept = Vec::new();
+    let points = first..first + rows.len() as u64;
+    points.clone().for_each(|point| study.sampling.push_values(point, &mut swept));
+    table.column(0, points.map(Cell::point));
+    let keys = study.sampling.keys().count();
+    for key in 0..keys {
+        let values = swept.iter().skip(key).step_by(keys);
+        table.column(1 + key, values.map(|value| Cell::Number(*value)));
+    }
+    for (index, column) in (1 + keys..).zip(columns) {
+        if column.asked {
+            table.column(index, rows.iter().map(|row| column.cell(row)));
+        } else {
+            table.nulls(index, rows.len());
         }
     }
 }

@@ -8,6 +8,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use crate::cells::Cell;
 use crate::columns::columns;
 use crate::engine::design::Design;
 use crate::engine::given::Given;
@@ -18,7 +19,7 @@ use crate::fields::FieldId;
 use crate::side_by_side;
 use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
-use crate::tables::{Cell, Content, TableBuilder, schema_of};
+use crate::tables::{Content, TableBuilder, schema_of};
 use iva_core::absorber::Absorber;
 use iva_core::real::Real;
 use iva_core::real::twofold::Twofold;

@@ -8,9 +8,10 @@ use std::sync::{Mutex, PoisonError};
 
 use iva_sweep::Invalid;
 
+use crate::fused::use_machine;
 use crate::json::object;
 use crate::map::map;
-use crate::run::{Columns, run};
+use crate::run::{Columns, placed, run};
 use crate::scene::{Scene, error, units_of};
 use crate::words::described;
 
@@ -55,6 +56,12 @@ pub extern "C" fn iva_answer_length() -> usize {
     KEPT.lock().unwrap_or_else(PoisonError::into_inner).answer.len()
 }
 
+/// Multiplies and adds by the instruction of the machine from now on, if it gives the right bits; answers whether it does.
+#[unsafe(no_mangle)]
+pub extern "C" fn iva_use_machine() -> u32 {
+    u32::from(use_machine())
+}
+
 /// Answers with all fields, choices and measures.
 #[unsafe(no_mangle)]
 pub extern "C" fn iva_describe() {
@@ -70,18 +77,18 @@ pub extern "C" fn iva_check() {
     });
 }
 
-/// Runs the scene that was given, and answers with its tables.
+/// Runs the scene that was given, and answers with its tables; `errors` ≠ 0: with the estimated errors of its impact times.
 #[unsafe(no_mangle)]
-pub extern "C" fn iva_run(samples_per_period: u32) {
-    answer(|given| run(&Scene::read(given)?, samples_per_period));
+pub extern "C" fn iva_run(samples_per_period: u32, errors: u32) {
+    answer(|given| run(&Scene::read(given)?, samples_per_period, errors != 0));
 }
 
 /// Answers with the measure of the scene that was given at all points of its axes, and where it is.
 #[unsafe(no_mangle)]
 pub extern "C" fn iva_map() {
     answer(|given| {
-        let values = map(Scene::read(given)?)?;
-        let place = [values.as_ptr() as usize, values.len()].map(|it| it.to_string());
-        Ok((object([("map", crate::json::list(place))]), vec![values]))
+        let mut columns = Columns::new();
+        let place = placed(map(Scene::read(given)?)?, &mut columns);
+        Ok((object([("map", place)]), columns))
     });
 }

@@ -13,6 +13,7 @@
 //! What is computed is the same as in a study ([`iva_sweep`]): the same fields, checks, units and tables.
 
 pub mod exported;
+pub mod fused;
 pub mod json;
 mod map;
 mod run;

@@ -5,6 +5,7 @@ use iva_sweep::axis::Axis;
 use iva_sweep::choices::Choices;
 use iva_sweep::design::Spec;
 use iva_sweep::slot::Slot;
+use iva_sweep::watched::takes;
 
 use crate::json;
 
@@ -58,12 +59,7 @@ impl Scene {
 pub fn units_of(spec: &Spec) -> Result<&'static str, Invalid> {
     spec.distinct()?;
     let design = spec.design()?;
-    let single = design.scene.force().is_none_or(|force| force.is_single());
-    if single && design.tier.name() == "exact" {
-        Ok(design.units.name())
-    } else {
-        Err(refused(spec))
-    }
+    if takes(&design) { Ok(design.units.name()) } else { Err(refused(spec)) }
 }
 
 /// What is said of a scene that is not for the event loop alone.
@@ -123,9 +119,12 @@ mod tests {
         let map = map.expect("a map");
         assert_eq!(map.len(), 6);
         let single = "set absorber.mass_ratio 0.2\nset absorber.clearance 0.6";
-        let (text, _) =
-            crate::run::run(&Scene::read(&format!("{SCENE}\n{single}")).expect("a scene"), 20)
-                .expect("a run");
+        let (text, _) = crate::run::run(
+            &Scene::read(&format!("{SCENE}\n{single}")).expect("a scene"),
+            20,
+            false,
+        )
+        .expect("a run");
         let number = crate::json::number(map[4]);
         assert!(text.contains(&format!("\"settling_time_5\":{number}")), "{number}: {text}");
     }

@@ -1,12 +1,12 @@
 //! An absorber stuck on a wall: one mass 1 + μ on the spring and damper of its structure, until the pressure on the wall
 //! changes sign.
 
-use crate::absorber::{Absorber, Wall};
+use crate::absorber::{Absorber, Point, Wall};
 use crate::host::oscillator::Primary;
 use crate::host::{Host, HostState, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel};
+use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Quantity, Rows, Seen, Travel};
 use crate::segment::taylor::ORDER;
 
 /// An absorber that can stick to a host.
@@ -106,6 +106,18 @@ impl<R: Real, S: Stuck<Real = R>> Motion for Ride<'_, S> {
 
     fn gap(&self, _h: R) -> GapPoint<R> {
         GapPoint { y: self.place(), w: R::ZERO }
+    }
+
+    fn seen(&self, h: R) -> Seen<S::State, R> {
+        let structure = self.flown(h);
+        let HostState { primary, phase, .. } = structure;
+        let pulled = self.structure().acceleration(&phase, &primary);
+        Seen {
+            state: S::with_structure(&self.from, structure),
+            primary: Point { x: primary.x.value, v: primary.v.value },
+            gap: self.gap(h),
+            acceleration: self.system.excitation().absolute(pulled),
+        }
     }
 
     fn wall(&self) -> Option<Wall> {

@@ -11,6 +11,9 @@
 //! that of the structure without drive about a uniform one (`host/driven/ramped.rs`). Gravity along the motion adds a constant to f/M and to
 //! a_g (`host/driven/weight.rs`). Powers are those of t/`step`; `step` is a power of two, so that scaling is
 //! exact. Terms up to h³ are computed in double-double, as in [`crate::host::oscillator`].
+//!
+//! The larger functions are inlined into their callers, so that these are compiled for the instructions of the machine; not
+//! for WebAssembly, where a copy in every caller would only make the module larger.
 
 use super::{Flown, HostState, Integrated, Structure};
 use crate::force::Pushes;
@@ -82,7 +85,7 @@ impl<R: Real> Driven<Forces<R>> {
 
 impl<R: Real, D: Source<Real = R>> Driven<D> {
     /// A motion of length h, with the drive at its end by `pushes`.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn moved(
         &self,
         from: &HostState<Moment<R>, R>,
@@ -205,7 +208,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         )
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn ahead(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: R) -> [R; 3] {
         if let Some(ramped) = self.source.ramped() {
             return ramped.ahead(from, self.source.moves_base(), h);
@@ -278,18 +281,18 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         [jerk, snap, k * (f.third - (jerk - g.rate.value)) - c * (snap - g.second.value)]
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn later(&self, phase: &Moment<R>, h: R) -> Moment<R> {
         let later = self.at(phase, phase.time.plus(h));
         if later.is_over() { self.source.renewed(&later) } else { later }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn within(&self, phase: &Moment<R>, h: R) -> Moment<R> {
         self.at(phase, phase.after(h))
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn nearly_within(&self, phase: &Moment<R>, h: R) -> Moment<R> {
         let time = phase.after(h);
         Moment { time, pushes: self.source.plain_pushes(phase, time), ..*phase }
@@ -316,12 +319,12 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         self.equation.bound::<N>(primary) + self.excess[N]
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn losses(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         self.taken_and_given(motion, h)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn square(&self, from: &HostState<Moment<R>, R>, course: &Course<R>, h: [R; 2]) -> R {
         let row = self.place(from, self.series_of(from, course, &mut None));
         let x = values::<ORDER, _, _, NODES>(&row, &nodes(h.map(|h| h / self.step)));
@@ -340,7 +343,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         Rows { step: self.step, order: ORDER, x, acceleration, base }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn largest(
         &self,
         of: Quantity,
@@ -367,7 +370,7 @@ impl<R: Real, D: Source<Real = R>> Structure for Driven<D> {
         self.extreme(of, ends, &from.primary, &row, h).largest(least)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn turns(
         &self,
         from: &HostState<Moment<R>, R>,

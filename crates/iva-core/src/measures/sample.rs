@@ -7,7 +7,7 @@ use crate::engine::simulate::wall::presses;
 use crate::engine::simulate::{Instant, Outcome, Tally};
 use crate::number::clock::SLACK;
 use crate::number::real::Real;
-use crate::segment::flight::Motion;
+use crate::segment::flight::{Motion, Seen};
 
 /// Primary and absorber at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +29,8 @@ pub struct State<R = f64> {
     pub acceleration: R,
     /// Absolute acceleration of the absorber's centre of mass along the motion, without the jumps at impacts.
     pub absorber_acceleration: R,
+    /// Energy of structure and absorber, per primary mass in ωn² × length².
+    pub energy: R,
     /// Angle and angular velocity of a pendulum; `None` for a free mass.
     pub angle: Option<Angle<R>>,
 }
@@ -57,6 +59,8 @@ pub struct Sampler<R = f64> {
     duration: R,
     /// Accelerations of structure and absorber, before and after the current impact.
     jumped: [[R; 2]; 2],
+    /// Energy before and after it.
+    energies: [R; 2],
     /// True if nothing has come after the last impact.
     landed: bool,
     /// The samples taken so far, in order of time.
@@ -67,8 +71,8 @@ impl<R: Real> Sampler<R> {
     /// Samples at `times`, which must not decrease.
     pub fn at(times: Vec<R>) -> Self {
         let states = Vec::with_capacity(times.len());
-        let (duration, jumped) = (R::ZERO, [[R::ZERO; 2]; 2]);
-        Self { times, next: 0, events: false, duration, jumped, landed: false, states }
+        let (duration, jumped, energies) = (R::ZERO, [[R::ZERO; 2]; 2], [R::ZERO; 2]);
+        Self { times, next: 0, events: false, duration, jumped, energies, landed: false, states }
     }
 
     /// Samples at `times` and both states of every impact.
@@ -84,22 +88,21 @@ impl<R: Real> Sampler<R> {
         time: R,
         h: R,
     ) {
-        let (primary, gap) = (motion.primary(h), motion.gap(h));
-        let state = motion.state(h);
-        let acceleration = motion.acceleration(h);
+        let Seen { state, primary, gap, acceleration } = motion.seen(h);
         let beside = match motion.wall() {
             Some(_) => R::ZERO,
             None => system.lever() * gap_acceleration(system, &state),
         };
         self.states.push(State {
             time,
-            displacement: primary.value,
-            velocity: primary.rate,
+            displacement: primary.x,
+            velocity: primary.v,
             gap_displacement: gap.y,
             gap_velocity: gap.w,
             wall: motion.wall().map_or(0, |wall| wall.number()),
             acceleration,
             absorber_acceleration: acceleration + beside,
+            energy: system.energy(&state),
             angle: system.angle(&state),
         });
         self.next += 1;
@@ -165,6 +168,7 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
     fn contact(&mut self, system: &S, contact: &Contact<'_, S::State, R>) {
         if self.events {
             self.jumped = contact.states.map(|state| accelerations(system, state));
+            self.energies = contact.states.map(|state| system.energy(state));
         }
     }
 
@@ -183,6 +187,7 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
             wall: 0,
             acceleration,
             absorber_acceleration,
+            energy: self.energies[0],
             angle: angles.map(|[before, _]| before),
         };
         let after = State {
@@ -190,6 +195,7 @@ impl<R: Real, S: Absorber<Real = R>> Observer<S> for Sampler<R> {
             gap_velocity: impact.gap_velocity_after,
             acceleration: after[0],
             absorber_acceleration: after[1],
+            energy: self.energies[1],
             angle: angles.map(|[_, after]| after),
             ..before
         };

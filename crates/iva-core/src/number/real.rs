@@ -377,8 +377,16 @@ impl Real for f64 {
     }
 
     /// The code is inlined into a function that has a fused multiply-add.
+    #[cfg(not(target_arch = "wasm32"))]
     #[inline]
     fn dispatched<T>(code: impl FnOnce() -> T) -> T {
         pulp::Arch::new().dispatch(code)
+    }
+
+    /// WebAssembly has no instruction to choose: all code would be compiled twice for nothing.
+    #[cfg(target_arch = "wasm32")]
+    #[inline(always)]
+    fn dispatched<T>(code: impl FnOnce() -> T) -> T {
+        code()
     }
 }

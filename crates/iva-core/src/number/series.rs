@@ -5,6 +5,7 @@ use super::real::Real;
 use super::trigonometry::{close_angle, plain_angle};
 
 /// Runs code for each number below an end that the compiler knows, without a loop.
+#[cfg(not(target_arch = "wasm32"))]
 macro_rules! unrolled {
     ($k:ident < $end:expr => $body:expr) => {{
         const { assert!($end < 22, "a number at or above 21 would be left out") };
@@ -16,6 +17,16 @@ macro_rules! unrolled {
             $body
         })*
     }};
+}
+
+/// Runs code for each number below an end. WebAssembly is sent to the one who runs it, so that its size counts.
+#[cfg(target_arch = "wasm32")]
+macro_rules! unrolled {
+    ($k:ident < $end:expr => $body:expr) => {
+        for $k in 0..$end {
+            $body
+        }
+    };
 }
 
 pub(crate) use unrolled;
@@ -60,7 +71,7 @@ pub trait Number:
 
 impl<R: Real> Number for R {
     type Real = R;
-    const UNROLLED: bool = true;
+    const UNROLLED: bool = !cfg!(target_arch = "wasm32");
     #[inline(always)]
     fn from_real(value: R) -> Self {
         value

@@ -172,6 +172,7 @@ fn state<R: Real>(given: &State<R>) -> State {
         wall: given.wall,
         acceleration: given.acceleration.into(),
         absorber_acceleration: given.absorber_acceleration.into(),
+        energy: given.energy.into(),
         angle: given.angle.map(|it| Angle { value: it.value.into(), rate: it.rate.into() }),
     }
 }

@@ -287,6 +287,19 @@ pub enum Turns<R = f64> {
     Unknown,
 }
 
+/// A motion at one instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen<State, R = f64> {
+    /// The state.
+    pub state: State,
+    /// Displacement and velocity of the structure.
+    pub primary: Point<R>,
+    /// Gap displacement and velocity.
+    pub gap: GapPoint<R>,
+    /// Absolute acceleration ẍ + a_g of the structure.
+    pub acceleration: R,
+}
+
 /// Smooth motion from one state, exact for 0 ≤ h ≤ `reach`.
 pub trait Motion {
     /// The number type of its values.
@@ -327,6 +340,11 @@ pub trait Motion {
     fn place(&self, h: Self::Real) -> (Point<Self::Real>, GapPoint<Self::Real>) {
         let Jet { value: x, rate: v, .. } = self.primary(h);
         (Point { x, v }, self.gap(h))
+    }
+    /// All of one instant, from one evaluation of the motion where that is possible.
+    fn seen(&self, h: Self::Real) -> Seen<Self::State, Self::Real> {
+        let (primary, gap) = self.place(h);
+        Seen { state: self.state(h), primary, gap, acceleration: self.acceleration(h) }
     }
     /// The wall that the absorber is stuck on; `None` in flight.
     fn wall(&self) -> Option<Wall>;

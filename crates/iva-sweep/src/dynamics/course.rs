@@ -61,6 +61,7 @@ fn given(scale: &Scale, has_angle: bool, state: &State) -> State {
         gap_velocity: scale.velocity(state.gap_velocity),
         acceleration: scale.acceleration(state.acceleration),
         absorber_acceleration: scale.acceleration(state.absorber_acceleration),
+        energy: scale.energy(state.energy),
         angle,
         ..*state
     }

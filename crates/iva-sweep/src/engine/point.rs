@@ -12,6 +12,7 @@ use iva_core::measures::pass::{Pass, Passes};
 use iva_core::observe::{Events, Observer};
 use iva_core::peaks::Peak;
 use iva_core::piva::Piva;
+use iva_core::propagation::{Differentiable, Errors};
 use iva_core::real::Real;
 use iva_core::run::side_by_side::Listing;
 use iva_core::simulate::simulate_from;
@@ -21,12 +22,12 @@ use iva_core::summary::Summary;
 
 use super::design::Design;
 use super::ended::Ended;
-use super::rows::{Cell, EpisodeRow, Estimate, ImpactRow, PeakRow, Row, StrobeRow, SummaryColumn};
+use super::rows::{EpisodeRow, Estimate, ImpactRow, PeakRow, Row, StrobeRow, SummaryColumn};
 use super::scene::with_system;
+use crate::cells::{Cell, passes};
 use crate::columns::{Group, tables as entries};
 use crate::error::Invalid;
 use crate::study::{Study, Table};
-use crate::tables::passes;
 
 /// Makes a pass over a run.
 type NewPass<R> = fn() -> Box<dyn Pass<R>>;
@@ -171,6 +172,50 @@ pub(crate) trait Estimates<S: Absorber>: Observer<S> {
     }
 }
 
+impl<S: Differentiable> Estimates<S> for Option<Box<Errors>> {
+    fn of_impact(&self, index: usize) -> Estimate {
+        let error = self.as_ref().and_then(|errors| errors.impacts.get(index));
+        let time = error.and_then(|error| error.time);
+        Estimate { time, near_grazing: error.filter(|_| time.is_some()).map(|it| it.grazing) }
+    }
+
+    fn of_run(&self) -> [Option<f64>; 2] {
+        let errors = self.as_ref();
+        [errors.and_then(|it| it.condition()), errors.and_then(|it| it.digits())]
+    }
+}
+
+/// Estimates beside another observer.
+impl<S: Absorber, E: Estimates<S>, O: Observer<S>> Estimates<S> for (E, O) {
+    fn of_impact(&self, index: usize) -> Estimate<S::Real> {
+        self.0.of_impact(index)
+    }
+    fn of_run(&self) -> [Option<S::Real>; 2] {
+        self.0.of_run()
+    }
+}
+
+/// An observer that estimates the errors of runs of any kind of scene.
+pub(crate) trait EstimatesOfAny<R: Real>:
+    Estimates<Siva<UndrivenHost<R>>>
+    + Estimates<Siva<DrivenHost<R>>>
+    + Estimates<Alone<UndrivenHost<R>>>
+    + Estimates<Alone<DrivenHost<R>>>
+    + Estimates<Piva<UndrivenHost<R>>>
+    + Estimates<Piva<DrivenHost<R>>>
+{
+}
+
+impl<R: Real, E> EstimatesOfAny<R> for E where
+    E: Estimates<Siva<UndrivenHost<R>>>
+        + Estimates<Siva<DrivenHost<R>>>
+        + Estimates<Alone<UndrivenHost<R>>>
+        + Estimates<Alone<DrivenHost<R>>>
+        + Estimates<Piva<UndrivenHost<R>>>
+        + Estimates<Piva<DrivenHost<R>>>
+{
+}
+
 /// The receiver of the rows of each table.
 pub(crate) type Take<'a, R> = dyn FnMut(Table, &mut dyn Iterator<Item = Cell<R>>) + 'a;
 
@@ -188,12 +233,7 @@ pub(crate) fn run<R: Real, E>(
     take: &mut Take<'_, R>,
 ) -> Result<Ended<R>, Invalid>
 where
-    E: Estimates<Siva<UndrivenHost<R>>>
-        + Estimates<Siva<DrivenHost<R>>>
-        + Estimates<Alone<UndrivenHost<R>>>
-        + Estimates<Alone<DrivenHost<R>>>
-        + Estimates<Piva<UndrivenHost<R>>>
-        + Estimates<Piva<DrivenHost<R>>>,
+    E: EstimatesOfAny<R>,
 {
     let point = Point { study, point, design, request, cancel };
     with_system!(&design.scene, |it| point.run(&it.system, &it.start, estimates, take))
@@ -208,12 +248,7 @@ pub(crate) fn list<R: Real, E>(
     found: &Seen<'_, R, E>,
     take: &mut Take<'_, R>,
 ) where
-    E: Estimates<Siva<UndrivenHost<R>>>
-        + Estimates<Siva<DrivenHost<R>>>
-        + Estimates<Alone<UndrivenHost<R>>>
-        + Estimates<Alone<DrivenHost<R>>>
-        + Estimates<Piva<UndrivenHost<R>>>
-        + Estimates<Piva<DrivenHost<R>>>,
+    E: EstimatesOfAny<R>,
 {
     let point = Point { study, point, design, request, cancel: &AtomicBool::new(false) };
     for table in &study.tables {

@@ -15,13 +15,10 @@ use iva_core::peaks::Peak;
 use iva_core::real::Real;
 use iva_core::steady::{SteadyValues, Strobe};
 
+use crate::cells::{Cell, cells};
 use crate::columns::SUMMARY;
 use crate::columns::tables as entries;
 use crate::study::Study;
-use crate::tables::{self, TableBuilder, cells};
-
-/// One value of a row.
-pub(crate) type Cell<R = f64> = tables::Cell<R>;
 
 /// A column of the summary of a study.
 #[derive(Debug, Clone, Copy)]
@@ -29,7 +26,7 @@ pub(crate) struct SummaryColumn {
     /// Its index among the entries of [`entries`].
     entry: usize,
     /// False if the column is not computed, so that its cells are null.
-    asked: bool,
+    pub asked: bool,
 }
 
 /// The row of one point in the table `summary`: the point, the swept parameters, then the columns.
@@ -46,37 +43,16 @@ pub(crate) fn summary_row<R: Real>(
     iter::once(Cell::point(point)).chain(swept).chain(cells).collect()
 }
 
-/// Writes the rows of some points, the first of which has this number, to the table `summary`.
-pub(crate) fn write_summary(
-    table: &mut TableBuilder,
-    study: &Study,
-    columns: &[SummaryColumn],
-    first: u64,
-    rows: &[RunRow<'_>],
-) {
-    let mut swept = Vec::new();
-    let points = first..first + rows.len() as u64;
-    points.clone().for_each(|point| study.sampling.push_values(point, &mut swept));
-    table.column(0, points.map(Cell::point));
-    let keys = study.sampling.keys().count();
-    for key in 0..keys {
-        let values = swept.iter().skip(key).step_by(keys);
-        table.column(1 + key, values.map(|value| Cell::Number(*value)));
-    }
-    for (index, column) in (1 + keys..).zip(columns) {
-        if column.asked {
-            table.column(index, rows.iter().map(|row| column.cell(row)));
-        } else {
-            table.nulls(index, rows.len());
-        }
-    }
-}
-
 impl SummaryColumn {
     /// All columns except those of swept parameters.
     pub fn of(study: &Study) -> Vec<Self> {
         let kept = SUMMARY.iter().enumerate().filter(|(_, column)| !study.sweeps(column.name));
         kept.map(|(entry, _)| Self { entry, asked: study.measures.has(entry) }).collect()
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        SUMMARY[self.entry].name
     }
 
     /// Its cell in a row.

@@ -4,13 +4,15 @@ use super::gap::Gap;
 use super::integrals::{Integrands, square};
 use super::step::{Step, Turning};
 use super::{Piva, PivaState, at_rest_on_release};
-use crate::absorber::{Absorber, Wall};
+use crate::absorber::{Absorber, Point, Wall};
 use crate::force::Drive;
+use crate::host::oscillator::Primary;
 use crate::host::{Host, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{
-    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Side, Travel, Turns,
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Seen, Side, Travel,
+    Turns,
 };
 use crate::segment::taylor::{ORDER, Row, Series, horner, with_order};
 
@@ -181,6 +183,12 @@ impl<R: Real, H: Host<Real = R>> Piva<H> {
     }
 }
 
+/// Gap displacement and velocity of a state, within the gap.
+fn gap_of<P, R: Real>(state: &PivaState<P, R>) -> GapPoint<R> {
+    let d = state.clearance;
+    GapPoint { y: state.y().value.clamp(-d, d), w: state.gap_velocity() }
+}
+
 impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
     type Real = R;
     type State = PivaState<Phase<H>, R>;
@@ -264,9 +272,15 @@ impl<R: Real, H: Host<Real = R>> Motion for PivaFlight<'_, H> {
     }
 
     fn gap(&self, h: R) -> GapPoint<R> {
+        gap_of(&self.state(h))
+    }
+
+    fn seen(&self, h: R) -> Seen<Self::State, R> {
         let state = self.state(h);
-        let d = state.clearance;
-        GapPoint { y: state.y().value.clamp(-d, d), w: state.gap_velocity() }
+        let Primary { x, v } = state.primary;
+        let primary = Point { x: x.value, v: v.value };
+        let acceleration = self.beginning(&state).a[0];
+        Seen { state, primary, gap: gap_of(&state), acceleration }
     }
 
     fn wall(&self) -> Option<Wall> {

@@ -1,13 +1,13 @@
 //! The motion of a structure and of several masses between two events.
 
 use super::{InGap, Several, SeveralState};
-use crate::absorber::{Absorber, Wall};
+use crate::absorber::{Absorber, OnStructure, Wall};
 use crate::host::oscillator::Primary;
 use crate::host::{Flown, Host, HostState, Integrated, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{
-    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Travel, Turns,
+    Curve, FastFlight, GapPoint, Jet, Losses, Meets, Motion, Quantity, Rows, Seen, Travel, Turns,
 };
 use crate::segment::taylor::ORDER;
 
@@ -111,6 +111,14 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for Together<'_, H, N> {
     fn gap(&self, h: R) -> GapPoint<R> {
         let (state, none) = (self.state(h), GapPoint { y: R::ZERO, w: R::ZERO });
         self.system.seen(&state).map_or(none, |(mass, place)| place.gap(mass))
+    }
+
+    fn seen(&self, h: R) -> Seen<Self::State, R> {
+        let state = self.state(h);
+        let none = GapPoint { y: R::ZERO, w: R::ZERO };
+        let gap = self.system.seen(&state).map_or(none, |(mass, place)| place.gap(mass));
+        let acceleration = self.system.host.absolute(state.host.acceleration);
+        Seen { state, primary: self.system.primary(&state), gap, acceleration }
     }
 
     fn wall(&self) -> Option<Wall> {

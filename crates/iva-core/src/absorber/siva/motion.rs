@@ -10,7 +10,8 @@ use crate::host::{Flown, Host, Integrated, Phase, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::segment::flight::{
-    Accelerations, Curve, FastFlight, GapPoint, Jet, Losses, Motion, Quantity, Rows, Travel, Turns,
+    Accelerations, Curve, FastFlight, GapPoint, Jet, Losses, Motion, Quantity, Rows, Seen, Travel,
+    Turns,
 };
 use crate::segment::taylor::ORDER;
 
@@ -133,6 +134,13 @@ impl<R: Real, H: Host<Real = R>> Motion for SivaFlight<'_, H> {
     fn place(&self, h: R) -> (Point<R>, GapPoint<R>) {
         let state = self.state(h);
         (self.siva.primary(&state), self.siva.gap(&state))
+    }
+
+    fn seen(&self, h: R) -> Seen<Self::State, R> {
+        let state = self.state(h);
+        let (primary, gap) = (self.siva.primary(&state), self.siva.gap(&state));
+        let acceleration = self.siva.host.absolute(state.host.acceleration);
+        Seen { state, primary, gap, acceleration }
     }
 
     fn wall(&self) -> Option<Wall> {

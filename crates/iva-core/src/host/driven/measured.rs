@@ -97,7 +97,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
 
     /// The energy lost ∫ 2ζ ẋ², and the work ∫ (f/M) ẋ − a_g p, where p is the momentum of structure and
     /// absorber.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn taken_and_given(&self, motion: &Integrated<'_, Self>, h: R) -> [R; 2] {
         let Integrated { from, course, mass_ratio, gap_velocity } = *motion;
         let mut room = None;
@@ -154,7 +154,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
 
     /// A quantity between the ends of a motion of this length that begins with the state `begin` of the
     /// primary.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn arc(
         &self,
         of: Quantity,
@@ -180,7 +180,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
 
     /// The extremum of a quantity in a motion, if it is proved to be the only one; `row` has the coefficients
     /// of the quantity.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn turned(
         &self,
         of: Quantity,
@@ -199,7 +199,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     }
 
     /// The largest size of a quantity in a motion; `row` has the coefficients of the quantity.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn extreme(
         &self,
         of: Quantity,

@@ -47,7 +47,7 @@ impl<R: Real> Ramped<R> {
     }
 
     /// Displacement and velocity after a motion of length h, and ∬A and ∫A.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn moved(
         &self,
         from: &HostState<Moment<R>, R>,
@@ -78,7 +78,7 @@ impl<R: Real> Ramped<R> {
     }
 
     /// ∬A, ∫A and A after a motion of length h, with the accuracy of plain numbers.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(crate) fn ahead(&self, from: &HostState<Moment<R>, R>, moves: bool, h: R) -> [R; 3] {
         let [v, a] = self.about(from, moves).map(|it| it.value);
         let [curved, gained, bend] = self.oscillator.ahead(v, a, h);

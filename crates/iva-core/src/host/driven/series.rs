@@ -31,7 +31,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     }
 
     /// The coefficients of ∬A and ∬a_g in powers of t/h, from x, ẋ and A.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn powers<T: Number<Real = R>>(
         &self,
         [x, v, a]: [T; 3],
@@ -106,7 +106,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     }
 
     /// Displacement and velocity after a motion of length h, and ∬A and ∫A, by its power series.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn summed(
         &self,
         from: &HostState<Moment<R>, R>,
@@ -126,7 +126,7 @@ impl<R: Real, D: Source<Real = R>> Driven<D> {
     }
 
     /// The power series of a motion.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn expanded(&self, from: &HostState<Moment<R>, R>) -> Powers<R> {
         let drive = self.source.drive(&from.phase, self.step);
         let Primary { x, v } = from.primary;

@@ -15,7 +15,7 @@ pub trait Source: Clone + std::fmt::Debug {
     /// f/M, and a_g plus gravity along the motion, at a later instant of the same smooth piece.
     fn pushes(&self, from: &Moment<Self::Real>, time: Clock<Self::Real>) -> Pushes<Self::Real>;
     /// [`Source::pushes`] with the accuracy of plain numbers at least.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn plain_pushes(
         &self,
         from: &Moment<Self::Real>,
@@ -107,7 +107,7 @@ impl<R: Real> Forces<R> {
 
     /// The drive at an instant, when the first `kicks` impulses have acted, with the piece that acts from there on; that
     /// is looked up near the piece of an earlier instant.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub(super) fn moment(&self, time: Clock<R>, kicks: u32, near: &Smooth<R>) -> Moment<R> {
         let (smooth, pushes) = self.force.smooth(time, kicks, near);
         Moment { time, kicks, smooth, pushes: self.heavy(pushes) }
@@ -161,7 +161,7 @@ impl<R: Real> Closed<R> {
 
 impl<R: Real> Source for Forces<R> {
     type Real = R;
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn pushes(&self, from: &Moment<R>, time: Clock<R>) -> Pushes<R> {
         self.heavy(self.force.later(from.time, &self.light(from.pushes), time))
     }
@@ -171,7 +171,7 @@ impl<R: Real> Source for Forces<R> {
         self.moment(moment.time, moment.kicks, &moment.smooth)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn plain_pushes(&self, from: &Moment<R>, time: Clock<R>) -> Pushes<R> {
         match self.single() {
             Some(harmonic) => self.heavy(Self::plainly(harmonic, time)),
@@ -179,7 +179,7 @@ impl<R: Real> Source for Forces<R> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn drive(&self, moment: &Moment<R>, h: R) -> Drive<R> {
         let (time, pushes) = (&moment.time, self.light(moment.pushes));
         if self.force.harmonics().is_empty() {

@@ -126,6 +126,9 @@ export class ScanMap {
   /** Parameters that can be an axis, and those that are. */
   choose() {
     const { state } = this;
+    const offered = JSON.stringify([state.choices, state.units, Object.keys(state.values), this.wished, this.measure]);
+    if (offered === this.offered) return;
+    this.offered = offered;
     const slots = state.slots.filter((slot) => {
       const field = state.form(slot.key);
       return field && (state.values[field.path] !== undefined || field.default !== null)
@@ -240,8 +243,13 @@ export class ScanMap {
     }
   }
 
+  /** Paints the map if anything of it has changed but the place of the point. */
   draw(data, colours) {
-    this.view.show(data, colours);
+    const shown = JSON.stringify([this.key, data.units, this.ranges]);
+    const { plot } = this.view;
+    if (!this.changed && plot?.box && plot.colours === colours && this.shown === shown) this.placePoint(plot);
+    else this.view.show(data, colours);
+    this.shown = shown;
   }
 
   paint(plot) {

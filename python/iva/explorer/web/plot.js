@@ -145,7 +145,7 @@ export class Plot {
     }
     c.strokeStyle = colour;
     c.lineWidth = width;
-    c.lineJoin = "round";
+    c.lineJoin = "bevel";
     c.stroke();
   }
 
@@ -203,15 +203,24 @@ export class View {
       this.pad);
     this.data = null;
     this.plot = null;
+    // To ask the page for it at every frame would make the browser lay out all of it.
+    this.size = null;
+    new ResizeObserver(() => {
+      this.size = null;
+      if (!this.data) return;
+      this.show(this.data, this.colours);
+      if (this.instant !== undefined) this.at(this.instant);
+    }).observe(this.pad);
   }
 
   get visible() {
-    return this.element.offsetParent !== null && this.pad.clientWidth > 0;
+    this.size ??= { width: this.pad.clientWidth, height: this.pad.clientHeight };
+    return this.size.width > 0 && this.size.height > 0;
   }
 
   /** Makes both canvases as large as their place, in pixels of the screen. */
   fit() {
-    const { clientWidth: width, clientHeight: height } = this.pad;
+    const { width, height } = this.size;
     const density = Math.min(3, globalThis.devicePixelRatio || 1);
     for (const canvas of [this.base, this.over]) {
       if (canvas.width !== Math.round(width * density) || canvas.height !== Math.round(height * density)) {
@@ -228,15 +237,19 @@ export class View {
   /** Draws a run. */
   show(data, colours) {
     this.data = data;
+    this.colours = colours;
     if (!this.visible) return;
     const { width, height } = this.fit();
     this.plot = new Plot(this.base.getContext("2d"), width, height, colours);
     this.draw(this.plot, data);
-    this.base.setAttribute("aria-label", this.describe(data));
+    const told = this.describe(data);
+    if (told !== this.told) this.base.setAttribute("aria-label", told);
+    this.told = told;
   }
 
   /** Draws what belongs to an instant. */
   at(instant) {
+    this.instant = instant;
     if (!this.move || !this.plot || !this.visible) return;
     const { width, height } = this.plot;
     const context = this.over.getContext("2d");

@@ -18,6 +18,10 @@ import { TAU, settingOf } from "./slots.js";
 import { drawnIn } from "./units.js";
 
 const KINDS = { siva: "Free mass", piva: "Pendulum", none: "No absorber" };
+/** A scene that has not changed for so long rests. */
+const REST_MS = 300;
+/** With fewer correct digits of its impact times a scene is called sensitive. */
+const FEW_DIGITS = 8;
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
 /** Values that a scene needs when it becomes a pendulum. */
@@ -32,7 +36,7 @@ class Page {
   constructor(element, options, engine) {
     this.options = options;
     this.engine = engine;
-    this.root = make("div", { class: "iva-explorer" });
+    this.root = make("div", { class: options.brief ? "iva-explorer brief" : "iva-explorer" });
     const fields = new Map(engine.fields.map((field) => [field.path, field]));
     const pasted = options.address ? fromAddress(location.hash, fields) : null;
     this.state = new Explorer(engine, pasted ?? options.scene ?? DEFAULT_SCENE);
@@ -45,6 +49,7 @@ class Page {
     this.listen();
     this.state.onChange(() => this.refresh());
     this.refresh();
+    performance.mark("first scene");
     if (this.state.fault) this.say(`The scene that was given cannot be run: ${this.state.fault.sentence}. This is another.`);
     const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
     if (!still && options.play !== false) this.play(true);
@@ -156,8 +161,6 @@ class Page {
 
   listen() {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.theme());
-    this.resized = new ResizeObserver(() => requestAnimationFrame(() => this.data && this.draw()));
-    this.resized.observe(this.root);
     this.root.addEventListener("keydown", (event) => {
       const typing = event.target.matches("input[type=text], textarea");
       if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !typing) {
@@ -198,7 +201,6 @@ class Page {
       run, scene, kind, units, period, samples, alone, clearance, offset, arm, x0, reference,
       lever: length === undefined ? 1 : length / arm,
       y0: kind === "none" ? NaN : run.trajectory.gap_displacement[0],
-      lowest: offset - clearance,
       forced: isForced(scene), showAlone: this.showAlone,
       drawn: (quantity) => drawnIn(quantity, units),
     };
@@ -238,19 +240,35 @@ class Page {
     this.forced.show(this.data, this.colours);
     this.map.scene(this.data, this.colours);
     this.table.show(this.data);
-    this.footnote();
+    this.digitsLater();
     this.draw();
     this.options.onScene?.(state.scene);
     if (this.options.address) this.addressLater();
   }
 
-  footnote() {
+  /** Shows another scene, as a step that can be taken back. */
+  show(scene) {
+    const error = this.state.load(scene);
+    if (error) this.say(`The scene that was given cannot be run: ${error.sentence}`);
+    return error;
+  }
+
+  /** Correct digits take longer than the run: they are estimated once the scene rests. */
+  digitsLater() {
+    clearTimeout(this.digitsTimer);
+    this.footnote(null);
+    this.digitsTimer = setTimeout(() => {
+      this.engine.set(this.state.scene);
+      this.footnote(this.engine.run(1, true).summary?.digits ?? null);
+    }, REST_MS);
+  }
+
+  footnote(digits) {
     const { run: { summary, trajectory }, samples, units } = this.data;
-    const digits = summary.digits ?? null;
     const parts = [
       `iva ${this.options.version ?? ""}`.trim(), `outcome ${summary.outcome}`,
       summary.tier ? `tier ${summary.tier}` : null, `${trajectory.time.length} rows, ${samples} samples a period`,
-      digits === null ? null : `impact times to ${shown(digits, 2)} digits`,
+      digits === null ? null : `impact times to ${shown(digits, 2)} digits${digits < FEW_DIGITS ? ": a sensitive scene" : ""}`,
       { si: "SI units, lengths drawn in mm", seconds: "time in s, lengths in units L of your choice", natural: "ωₙ = 1, lengths in units L of your choice" }[units],
     ];
     this.foot.textContent = parts.filter(Boolean).join(" · ");
@@ -317,7 +335,6 @@ export function mount(element, options) {
     scene: () => ready.then((page) => page.state.scene),
     destroy: () => ready.then((page) => {
       page.play(false);
-      page.resized.disconnect();
       page.map.worker.stop();
       element.replaceChildren();
     }),

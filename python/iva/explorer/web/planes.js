@@ -40,7 +40,7 @@ export function phaseView(redraw) {
       }
       c.strokeStyle = plot.colours[colour];
       c.lineWidth = 0.9;
-      c.lineJoin = "round";
+      c.lineJoin = "bevel";
       c.stroke();
     });
   }

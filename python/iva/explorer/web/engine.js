@@ -5,15 +5,34 @@
  * their paths, in the user's units.
  */
 export class Engine {
-  /** Loads the simulator from the bytes of its module. */
+  /** Loads the simulator from the bytes of its module, compressed by gzip. */
   static async load(bytes) {
-    const { instance } = await WebAssembly.instantiate(bytes, {});
+    const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    const machine = { fma: await Engine.fma() };
+    const { instance } = await WebAssembly.instantiate(await new Response(plain).arrayBuffer(), { machine });
     return new Engine(instance.exports);
+  }
+
+  /**
+   * The browser's own a·b + c, in a module of one function: extract_lane(relaxed_madd(splat a, splat b, splat c)). The
+   * simulator uses it if it rounds once; a browser that has none gives what is never right.
+   */
+  static async fma() {
+    const module = "0061736d0100000001080160037c7c7c017c0302010007070103666d6100000a16011400"
+      + "2000fd142001fd142002fd14fd8702fd21000b";
+    try {
+      const { instance } = await WebAssembly.instantiate(Uint8Array.from(module.match(/../g), (byte) => parseInt(byte, 16)));
+      return instance.exports.fma;
+    } catch {
+      return () => NaN;
+    }
   }
 
   constructor(exports) {
     this.exports = exports;
     this.text = "";
+    /** True if products and sums are rounded by the machine: the same bits in less time. */
+    this.byMachine = this.exports.iva_use_machine() === 1;
     this.exports.iva_describe();
     /** `version`, `fields`, `choices` and `measures`, with units and help. */
     this.description = this.answer();
@@ -64,10 +83,13 @@ export class Engine {
     return { error, units };
   }
 
-  /** Runs the scene: its tables by name; `summary` has one value for each measure. An error as in {@link set}. */
-  run(samplesPerPeriod = 60) {
+  /**
+   * Runs the scene: its tables by name; `summary` has one value for each measure. An error as in {@link set}. With `errors`
+   * the summary has the correct digits of impact times, too, which take longer than the run.
+   */
+  run(samplesPerPeriod = 60, errors = false) {
     this.give(this.text);
-    this.exports.iva_run(samplesPerPeriod);
+    this.exports.iva_run(samplesPerPeriod, Number(errors));
     const answer = this.answer();
     if (answer.error) return { error: answer.error };
     const { summary, units, ...tables } = answer;
@@ -85,6 +107,11 @@ export class Engine {
     if (answer.error) throw new Error(answer.error.sentence);
     return this.numbers(answer.map);
   }
+}
+
+/** The bytes that a text in base64 holds. */
+export function bytesOf(base64) {
+  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
 }
 
 /** The source of the class, from which a worker makes its own. */

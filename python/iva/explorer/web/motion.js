@@ -58,69 +58,41 @@ export function isForced(scene) {
 }
 
 /**
- * Energies of structure and absorber at the samples, and what impacts have taken until then;
- * `absorber` is null where there is none. `lowest` is where the lower stop is.
+ * Energies of structure and absorber at the samples, and what impacts have taken until then; `absorber` is null where there
+ * is none.
  */
-export function energiesOf({ run, scene, lowest }) {
-  const { trajectory: path, impacts } = run;
+export function energiesOf({ run, scene }) {
+  const { trajectory: path, energies } = run;
   const { mass, natural } = settingOf(scene.values);
-  const ratio = ratioOf(scene, mass);
   const count = path.time.length;
   const structure = new Float64Array(count);
-  const absorber = ratio === null ? null : new Float64Array(count);
+  const absorber = scene.choices.kind === "none" ? null : new Float64Array(count);
   const lost = new Float64Array(count);
-  const above = overMass(run, scene, natural, lowest);
-  let taken = 0;
+  const taken = losses(run);
+  let sum = 0;
   let event = 0;
   for (let index = 0; index < count; index += 1) {
-    const [x, v] = [path.displacement[index], path.velocity[index]];
+    const [time, x, v] = [path.time[index], path.displacement[index], path.velocity[index]];
     structure[index] = 0.5 * mass * (v * v + natural * natural * x * x);
-    if (absorber) absorber[index] = ratio * mass * above(index, v);
+    if (absorber) absorber[index] = energies.total[index] - structure[index];
     // An impact has two samples: before it the loss has not yet happened.
-    while (event < impacts.time.length && (impacts.time[event] < path.time[index]
-      || (impacts.time[event] === path.time[index] && path.time[index - 1] === path.time[index]))) {
-      taken += impacts.energy_loss[event];
+    while (event < taken.length && (taken[event][0] < time
+      || (taken[event][0] === time && path.time[index - 1] === time))) {
+      sum += taken[event][1];
       event += 1;
     }
-    lost[index] = taken;
+    lost[index] = sum;
   }
   return { structure, absorber, lost };
 }
 
-function ratioOf(scene, mass) {
-  if (scene.choices.kind === "none") return null;
-  return scene.values["absorber.mass_ratio"] ?? scene.values["absorber.mass"] / mass;
-}
-
-/** Energy of the absorber over its mass, from a sample and the velocity of the structure. */
-function overMass(run, scene, natural, lowest) {
-  const { trajectory: path, summary } = run;
-  const value = (name, otherwise) => scene.values[`absorber.${name}`] ?? otherwise;
-  const gravity = summary.gravity ?? 0;
-  if (scene.choices.kind === "siva") {
-    const rise = value("inclination", (value("inclination_deg", 0) * Math.PI) / 180);
-    return (index, v) => {
-      const y = path.gap_displacement[index];
-      return 0.5 * (v + path.gap_velocity[index]) ** 2 + gravity * Math.sin(rise) * (y - lowest);
-    };
-  }
-  const inertia = value("inertia_ratio", 1);
-  const arm = value("contact_distance", NaN);
-  const spring = (value("spring_ratio", 0) * natural) ** 2;
-  const turning = value("frequency_ratio", NaN) * natural;
-  const length = value("length", Number.isNaN(turning) || !gravity ? 1 : gravity / (inertia * turning ** 2));
-  const lever = Number.isNaN(arm) ? 1 : length / arm;
-  const small = scene.choices.angles === "small";
-  const own = Number.isNaN(turning) ? Math.sqrt(gravity / (inertia * length)) : turning;
-  return (index, v) => {
-    if (small) {
-      const [q, r] = [lever * path.gap_displacement[index], lever * path.gap_velocity[index]];
-      return 0.5 * ((v + r) ** 2 + (inertia - 1) * r * r + inertia * (own ** 2 + spring) * q * q);
-    }
-    const angle = path.angle[index];
-    const [along, across] = [Math.cos(angle), Math.sin(angle)];
-    const speed = length * path.angular_velocity[index];
-    return 0.5 * ((v + along * speed) ** 2 + (across * speed) ** 2 + (inertia - 1) * speed ** 2)
-      + gravity * length * (1 - along) + 0.5 * inertia * spring * (length * angle) ** 2;
-  };
+/** Instants and energies of all losses in impacts: those that are listed, and the sums of those that are not. */
+function losses({ impacts, episodes }) {
+  const listed = Array.from(impacts.time, (time, index) => [time, impacts.energy_loss[index]]);
+  const summed = Array.from(episodes.stick_time, (end, index) => {
+    const start = episodes.start_time[index];
+    const within = listed.filter(([time]) => time >= start && time <= end);
+    return [end, Math.max(0, within.reduce((rest, [, loss]) => rest - loss, episodes.energy_loss[index]))];
+  });
+  return [...listed, ...summed].sort(([a], [b]) => a - b);
 }

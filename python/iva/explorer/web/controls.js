@@ -79,20 +79,32 @@ class Row {
     const value = explorer.values[path];
     const waiting = explorer.pending.get(path);
     const [words, symbol] = wordsOf(this.field);
-    this.label.replaceChildren(words, symbol ? make("i", {}, ` ${symbol}`) : "");
-    this.label.title = `${path}: ${this.field.help}; ${this.field.allowed}`;
     const unit = unitText(this.field.units[explorer.units]);
-    this.unit.textContent = unit;
-    this.showForms(forms);
+    if (this.worded !== `${path} ${unit}`) {
+      this.worded = `${path} ${unit}`;
+      this.label.replaceChildren(words, symbol ? make("i", {}, ` ${symbol}`) : "");
+      this.label.title = `${path}: ${this.field.help}; ${this.field.allowed}`;
+      this.unit.textContent = unit;
+      this.number.setAttribute("aria-label", `${words}${unit ? `, ${unit}` : ""}`);
+      this.slider.setAttribute("aria-label", words);
+      this.showForms(forms);
+    }
     if (this.anchor === undefined && value !== undefined) this.anchor = value;
     const held = value ?? this.field.default;
     const text = waiting ? waiting.text : value === undefined ? "" : String(value);
     if (!this.typing && this.number.value !== text) this.number.value = text;
+    if (this.form.value !== path) this.form.value = path;
+    const sentence = waiting ? waiting.sentence : "";
+    if (this.sentence !== sentence) {
+      this.sentence = sentence;
+      this.number.setAttribute("aria-invalid", waiting ? "true" : "false");
+      this.told.textContent = sentence;
+    }
+    // A slider that fails to move is moved back.
+    const drawn = [path, value, held].join();
+    if (this.drawn === drawn && !waiting) return;
+    this.drawn = drawn;
     this.number.placeholder = held === undefined || held === null ? "not given" : String(held);
-    this.number.setAttribute("aria-label", `${words}${unit ? `, ${unit}` : ""}`);
-    this.number.setAttribute("aria-invalid", waiting ? "true" : "false");
-    this.told.textContent = waiting ? waiting.sentence : "";
-    this.slider.setAttribute("aria-label", words);
     this.slider.setAttribute("aria-valuetext", held === undefined || held === null ? "not given" : `${shown(held)} ${unit}`);
     const [low, high, byFactors] = this.range();
     const at = held === undefined || held === null ? 0.5

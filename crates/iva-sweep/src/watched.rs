@@ -1,0 +1,145 @@
+//! Single runs for a program that shows them: their rows as plain columns of numbers, from one pass over the run.
+//!
+//! They have the rows of the tables that a study of one point writes, and its trajectory.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
+
+use iva_core::error::Invalid;
+use iva_core::propagation::Errors;
+use iva_core::run::side_by_side::Tier;
+use iva_core::sample::Sampler;
+
+use crate::cells::Cell;
+use crate::columns::columns;
+use crate::design::Design;
+use crate::engine::point::{Request, run};
+use crate::engine::rows::summary_row;
+use crate::motion;
+use crate::study::{Study, Table};
+
+/// Names and columns of a table, all of one length; NaN where there is no number, 1 and 0 for true and false.
+pub type Columns = Vec<(&'static str, Vec<f64>)>;
+
+/// A value of the summary.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// A word.
+    Text(Cow<'static, str>),
+    /// Not defined in this run.
+    Missing,
+}
+
+/// A run with its motion.
+#[derive(Debug, Clone)]
+pub struct Watched {
+    /// The measures, those that were asked for.
+    pub summary: Vec<(&'static str, Value)>,
+    /// The tables of its events, and its trajectory.
+    pub tables: BTreeMap<Table, Columns>,
+    /// Energy of structure and absorber at each row of the trajectory, in the user's unit.
+    pub energies: Vec<f64>,
+}
+
+/// True if a design is run here: in the exact tier, with at most one harmonic force.
+pub fn takes(design: &Design) -> bool {
+    design.tier != Tier::Fast && design.scene.force().is_none_or(|force| force.is_single())
+}
+
+/// Runs a study of one point; its trajectory has so many samples in a period 2π/ωn. `None`: [`takes`] refuses it.
+///
+/// # Errors
+/// [`Invalid`] for an invalid scene, or sampling.
+pub fn watched(study: &Study, samples_per_period: u32) -> Result<Option<Watched>, Invalid> {
+    study.spec.distinct()?;
+    let design = study.design(0)?;
+    if !takes(&design) {
+        return Ok(None);
+    }
+    let empty = |table: &Table| {
+        let named = columns(*table).iter().map(|column| (column.name, Vec::new()));
+        (*table, named.collect())
+    };
+    let shown = study.tables.iter().filter(|table| **table != Table::Summary);
+    let mut tables: BTreeMap<Table, Columns> = shown.map(empty).collect();
+    let request = Request::new(study);
+    let mut sampler = motion::sampler(&design, samples_per_period)?;
+    let observed = (study.errors.then(Box::<Errors>::default), Some(&mut sampler));
+    let mut take = |table, cells: &mut dyn Iterator<Item = Cell>| {
+        if let Some(columns) = tables.get_mut(&table) {
+            put(columns, cells);
+        }
+    };
+    let cancel = &AtomicBool::new(false);
+    let ended = run(study, 0, &design, &request, cancel, observed, &mut take)?;
+    let states = motion::in_order(sampler);
+    let (_, mut trajectory) = empty(&Table::Trajectory);
+    for state in &states {
+        put(&mut trajectory, motion::row(&design, design.scale.time(state.time), Some(state)));
+    }
+    tables.insert(Table::Trajectory, trajectory);
+    let energies = states.iter().map(|state| design.scale.energy(state.energy)).collect();
+    let row = summary_row(study, 0, &design, &ended, &request.columns);
+    let names = columns(Table::Summary).iter().map(|column| column.name);
+    let summary = names.zip(row.into_iter().skip(1).map(value)).collect();
+    Ok(Some(Watched { summary, tables, energies }))
+}
+
+/// The value of one measure at all points of a study, NaN where it is not defined. `None`: [`takes`] refuses a point.
+///
+/// # Errors
+/// [`Invalid`] for an invalid point.
+pub fn measured(study: &Study, name: &str) -> Result<Option<Vec<f64>>, Invalid> {
+    study.spec.distinct()?;
+    study.sampling.check(study.spec.choices().kind)?;
+    let study = &Study { tables: vec![Table::Summary], ..study.clone() };
+    let request = Request::new(study);
+    let column = 1
+        + study.sampling.keys().count()
+        + request.columns.iter().position(|column| column.name() == name).unwrap_or(0);
+    let mut designer = study.designer();
+    let cancel = &AtomicBool::new(false);
+    let mut values = Vec::new();
+    for point in 0..study.points()? {
+        let design = designer.design(point)?;
+        if !takes(&design) {
+            return Ok(None);
+        }
+        // The observers of a run that is watched: so there is one loop for both.
+        let observed = (None::<Box<Errors>>, None::<&mut Sampler>);
+        let ended = run(study, point, &design, &request, cancel, observed, &mut |_, _| {})?;
+        let row = summary_row(study, point, &design, &ended, &request.columns);
+        values.push(row.into_iter().nth(column).map_or(f64::NAN, number));
+    }
+    Ok(Some(values))
+}
+
+/// Adds a row, which begins with its point, to the columns of a table.
+fn put(columns: &mut Columns, cells: impl Iterator<Item = Cell>) {
+    for ((_, column), cell) in columns.iter_mut().zip(cells.skip(1)) {
+        column.push(number(cell));
+    }
+}
+
+/// A cell as a number. Adding +0 makes 0 of −0, as in the tables.
+fn number(cell: Cell) -> f64 {
+    match cell {
+        Cell::Number(value) => value + 0.0,
+        Cell::Point(value) => f64::from(value),
+        Cell::Count(value) => value as f64,
+        Cell::Side(value) => f64::from(value),
+        Cell::Flag(value) => f64::from(u8::from(value)),
+        Cell::Text(_) | Cell::Null => f64::NAN,
+    }
+}
+
+fn value(cell: Cell) -> Value {
+    match cell {
+        Cell::Text(word) => Value::Text(word),
+        Cell::Null => Value::Missing,
+        other => Value::Number(number(other)),
+    }
+}

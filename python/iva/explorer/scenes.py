@@ -1,0 +1,120 @@
+"""Scenes for the explorer: words and numbers by the paths that they have in a study."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypedDict
+
+from iva.forces import Harmonic
+from iva.parameters import Piva, Primary, Siva, Start
+
+#: The words of a study that are not numbers.
+WORDS = ("kind", "angles", "impact_law")
+#: The sections of a study that describe a scene, without its forces.
+PARTS = ("primary", "absorber", "start", "run")
+#: What a force has that is not harmonic.
+IMPULSES_AND_RECORDS = frozenset({"velocity", "impulse", "time", "record", "scale"})
+#: What of the section `run` a single run does not have.
+OF_STUDIES = ("tables", "measures", "errors", "samples_per_period")
+
+
+class Explored(TypedDict):
+    """A scene: choices by name, and values by path."""
+
+    choices: dict[str, str]
+    values: dict[str, float]
+
+
+#: A free mass that settles its structure well.
+DEFAULT: Explored = {
+    "choices": {"kind": "siva"},
+    "values": {
+        "primary.damping_ratio": 0.005,
+        "absorber.mass_ratio": 0.1,
+        "absorber.restitution": 0.6,
+        "absorber.clearance": 0.5,
+        "start.displacement": 1.0,
+        "run.periods": 20.0,
+    },
+}
+
+
+def explored(spec: Mapping[str, Any]) -> Explored:
+    """Return the scene of a spec, as :func:`iva.scenes.scene` makes it.
+
+    Raises
+    ------
+    ValueError
+        If it has more than one force, or one that is not harmonic.
+    """
+    words = {f"absorber.{word}" for word in WORDS}
+    choices = {path.partition(".")[2]: str(spec[path]) for path in spec if path in words}
+    numbers = {
+        path: float(value) for path, value in spec.items() if path not in words and path != "forces"
+    }
+    forces = list(spec.get("forces", ()))
+    return {
+        "choices": {"kind": "siva"} | choices,
+        "values": numbers | dict(of_forces(forces)),
+    }
+
+
+def parts(scene: Explored) -> dict[str, Any]:
+    """Return a scene as the arguments of :func:`iva.simulate`."""
+    choices = dict(scene["choices"])
+    kind = choices.pop("kind")
+    given: dict[str, dict[str, Any]] = {"absorber": choices if kind == "piva" else {}}
+    for path, value in scene["values"].items():
+        part, _, name = path.partition(".")
+        given.setdefault(part, {})[name] = value
+    made = {"siva": Siva, "piva": Piva}.get(kind)
+    force = {"force": Harmonic(**given["force"])} if "force" in given else {}
+    return {
+        "absorber": made(**given["absorber"]) if made else None,
+        "primary": Primary(**given.get("primary", {})),
+        "start": Start(**given.get("start", {})),
+        **force,
+        **given.get("run", {}),
+    }
+
+
+def of_forces(forces: list[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
+    """Yield the numbers of a force by path.
+
+    Raises
+    ------
+    ValueError
+        If there is more than one, or one that is not harmonic.
+    """
+    for force in forces:
+        if len(forces) > 1 or not IMPULSES_AND_RECORDS.isdisjoint(force):
+            raise ValueError("force: the explorer takes one harmonic force or base motion")
+        for name, value in force.items():
+            if value is not None:
+                yield f"force.{name}", float(value)
+
+
+def of_study(path: Path) -> Explored:
+    """Return the scene of a study file; of what is swept it takes the first value.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is no TOML, has more than one force, or one that is not harmonic.
+    """
+    try:
+        study = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path}: {error}") from error
+    spec: dict[str, Any] = {}
+    for part in PARTS:
+        for name, value in study.get(part, {}).items():
+            if not (part == "run" and name in OF_STUDIES):
+                spec[f"{part}.{name}"] = value
+    forces = study.get("force", [])
+    spec["forces"] = [forces] if isinstance(forces, dict) else forces
+    return explored(spec)

@@ -1,0 +1,238 @@
+"""The explorer: its page, its command, and its simulator, which gives the numbers of the wheel.
+
+The simulator is run by Node.js, where there is one; its numbers are compared with those of
+``iva.simulate`` to the bit.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shutil
+import subprocess
+import sys
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import iva
+from iva.explorer import Explorer
+from iva.explorer.command import main
+from iva.explorer.document import page
+from iva.explorer.scenes import DEFAULT, explored, of_study
+
+HERE = Path(__file__).parents[1] / "explorer"
+NODE = shutil.which("node")
+
+SIVA = iva.Siva(mass_ratio=0.1, restitution=0.6, clearance=0.4)
+START = iva.Start(displacement=1.0)
+STEEL = iva.Primary(mass=2.0, frequency_hz=3.0, damping_ratio=0.004)
+
+SCENES: dict[str, dict[str, Any]] = {
+    "free mass": {"absorber": SIVA, "primary": iva.Primary(damping_ratio=0.005), "start": START},
+    "chatter and sticks": {
+        "absorber": iva.Siva(mass_ratio=0.3, restitution=0.3, clearance=0.05),
+        "primary": iva.Primary(damping_ratio=0.02),
+        "start": START,
+    },
+    "millimetres": {
+        "absorber": iva.Siva(mass=0.2, restitution=0.7, gap_mm=8.0),
+        "primary": STEEL,
+        "start": iva.Start(displacement_mm=6.0),
+    },
+    "upright": {
+        "absorber": iva.Siva(mass_ratio=0.1, restitution=0.6, gap_mm=6.0, inclination_deg=90),
+        "primary": STEEL,
+        "start": iva.Start(displacement_mm=40.0),
+    },
+    "pendulum": {
+        "absorber": iva.Piva(
+            mass_ratio=0.1, restitution=0.6, clearance=0.3, frequency_ratio=0.4, length=10.0
+        ),
+        "primary": iva.Primary(damping_ratio=0.01),
+        "start": START,
+    },
+    "small angles": {
+        "absorber": iva.Piva(
+            mass_ratio=0.1, restitution=0.6, clearance=0.3, frequency_ratio=0.4, angles="small"
+        ),
+        "primary": iva.Primary(damping_ratio=0.01),
+        "start": START,
+    },
+    "force": {
+        "absorber": SIVA,
+        "primary": iva.Primary(damping_ratio=0.02),
+        "start": iva.Start(),
+        "force": iva.Harmonic(amplitude=0.1, frequency=0.95),
+    },
+    "base motion": {
+        "absorber": SIVA,
+        "primary": iva.Primary(damping_ratio=0.02),
+        "start": iva.Start(),
+        "force": iva.Harmonic(base_acceleration=0.1, frequency=1.1),
+    },
+    "alone": {"absorber": None, "primary": iva.Primary(damping_ratio=0.02), "start": START},
+}
+
+
+# Measures that are made of logarithms, which are those of the machine.
+LOGARITHMS = {"damping_ratio_1", "damping_ratio_3", "damping_ratio_fit", "digits"}
+
+
+def asked(parts: dict[str, Any]) -> dict[str, Any]:
+    """Return the scene of some parts as the simulator takes it."""
+    run = iva.simulate(**parts, periods=12)
+    return {"scene": explored(run._spec)}
+
+
+def answered(tmp_path: Path, asked: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return what the simulator of the explorer answers."""
+    if NODE is None:
+        pytest.skip("no Node.js to run it")
+    home = files("iva.explorer") / "web"
+    # The suffix tells Node.js that the file is a module.
+    for name, text in {
+        "engine.mjs": home.joinpath("engine.js").read_text(encoding="utf-8"),
+        "run.mjs": (HERE / "run.mjs").read_text(encoding="utf-8"),
+    }.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    module = tmp_path / "simulator.wasm.gz"
+    module.write_bytes(home.joinpath("simulator.wasm.gz").read_bytes())
+    command = [NODE, str(tmp_path / "run.mjs"), str(module)]
+    done = subprocess.run(
+        command, input=json.dumps(asked), capture_output=True, text=True, check=False, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    answers: dict[str, Any] = json.loads(done.stdout)
+    return answers
+
+
+def test_it_gives_the_numbers_of_the_wheel_to_the_bit(tmp_path: Path) -> None:
+    answers = answered(tmp_path, [asked(parts) for parts in SCENES.values()])["answers"]
+    compared = 0
+    for (name, parts), answer in zip(SCENES.items(), answers, strict=True):
+        run = iva.simulate(**parts, periods=12, errors=True)
+        tables = {"impacts": run.impacts, "episodes": run.episodes, "envelope": run.envelope}
+        for table, frame in {**tables, "trajectory": run.trajectory(20)}.items():
+            for column in frame.columns:
+                if column in answer[table]:
+                    ours = [None if v is None else float(v) for v in frame[column].to_list()]
+                    seen = answer[table][column]
+                    if column == "log_decrement":
+                        # The logarithm is that of the machine.
+                        assert [it is None for it in seen] == [it is None for it in ours]
+                        [seen, ours] = [[it or 0.0 for it in them] for them in (seen, ours)]
+                        assert seen == pytest.approx(ours, rel=4e-16), f"{name}: {table}.{column}"
+                        continue
+                    assert seen == ours, f"{name}: {table}.{column}"
+                    compared += len(ours)
+        for column, value in run.summary.row(0, named=True).items():
+            if value is not None:
+                seen = answer["summary"][column]
+                if column in LOGARITHMS:
+                    assert seen == pytest.approx(value, rel=1e-14)
+                    continue
+                assert seen == value, f"{name}: {column} is {seen}, not {value}"
+    assert compared > 10_000
+
+
+def test_a_map_is_a_sweep(tmp_path: Path) -> None:
+    gaps, ratios = [0.2, 0.4, 0.6], [0.05, 0.1]
+    scene = asked(SCENES["free mass"])
+    axes = ["absorber.clearance", gaps, "absorber.mass_ratio", ratios, "settling_time_5"]
+    [answer] = answered(tmp_path, [{**scene, "map": axes}])["answers"]
+    swept = iva.sweep(
+        SIVA,
+        iva.Primary(damping_ratio=0.005),
+        start=START,
+        over={"mass_ratio": ratios, "clearance": gaps},
+        periods=12,
+        measures=["settling_time_5"],
+    )
+    ours = swept.summary["settling_time_5"].to_list()
+    assert answer["map"] == ours
+    assert len(ours) == 6
+
+
+def test_a_value_that_cannot_be_is_told_as_by_the_wheel(tmp_path: Path) -> None:
+    scene = json.loads(json.dumps(DEFAULT))
+    scene["values"]["absorber.restitution"] = 1.5
+    [answer] = answered(tmp_path, [{"scene": scene}])["answers"]
+    with pytest.raises(ValueError, match=r"absorber\.restitution") as told:
+        iva.Siva(mass_ratio=0.1, restitution=1.5, clearance=0.4)
+    assert answer["error"]["sentence"] == str(told.value)
+
+
+def test_the_page_is_one_file_without_a_network() -> None:
+    html = iva.explore().html
+    assert len(html) < 500_000
+    assert not re.search(r"""(src|href)=["'](?!data:)|@import|url\((?!["']?data:)""", html)
+    assert "%SCENE%" not in html
+    assert json.dumps(DEFAULT["values"]["absorber.clearance"]) in html
+
+
+def test_a_scene_cannot_end_its_element() -> None:
+    scene = json.loads(json.dumps(DEFAULT))
+    scene["choices"]["angles"] = "</script>"
+    assert page(scene).count("</script>") == page(DEFAULT).count("</script>")
+
+
+def test_explore_takes_runs_and_parts(tmp_path: Path) -> None:
+    run = iva.simulate(SIVA, iva.Primary(), start=START, periods=5)
+    of_run, of_parts = iva.explore(run), iva.explore(SIVA, iva.Primary(), start=START, periods=5)
+    assert of_run.html == of_parts.html
+    of_run.write(tmp_path / "page.html")
+    assert (tmp_path / "page.html").read_text(encoding="utf-8") == of_run.html
+    with pytest.raises(TypeError, match=r"give iva\.explore the run alone"):
+        iva.explore(run, iva.Primary())
+    record = iva.Recorded([0.0, 1.0], [0.0, 1.0])
+    with pytest.raises(ValueError, match="one harmonic force"):
+        iva.explore(SIVA, iva.Primary(), force=record, periods=5)
+    assert isinstance(iva.explore(), Explorer)
+
+
+def test_what_the_sliders_say_runs() -> None:
+    for name, parts in SCENES.items():
+        run = iva.simulate(**parts, periods=5)
+        explorer = iva.explore(run)
+        assert iva.simulate(**explorer.scene) == run, name
+
+
+def test_a_notebook_shows_a_widget_or_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    explorer = iva.explore()
+    widget = explorer.widget
+    bundle = explorer._repr_mimebundle_()[0]
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert widget.scene == DEFAULT
+    slid = json.loads(json.dumps(DEFAULT))
+    slid["values"]["absorber.clearance"] = 0.9
+    widget.scene = slid
+    assert explorer.scene["absorber"] == iva.Siva(mass_ratio=0.1, restitution=0.6, clearance=0.9)
+    assert "0.9" in explorer.html
+
+    monkeypatch.setitem(sys.modules, "iva.explorer.notebook", None)
+    without = iva.explore()
+    assert "<iframe srcdoc=" in without._repr_mimebundle_()["text/html"]
+    with pytest.raises(ImportError, match=r"pip install 'iva-dynamics\[explore\]'"):
+        _ = without.widget
+
+
+def test_the_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study, out = tmp_path / "study.toml", tmp_path / "page.html"
+    study.write_text(
+        "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\nkind = 'siva'\n"
+        "mass_ratio = 0.2\nrestitution = 0.5\nclearance = 0.3\n[start]\ndisplacement = 1.0\n"
+        "[run]\nperiods = 9\ntables = ['summary']\n"
+    )
+    assert main([str(study), "--out", str(out)]) == 0
+    assert "open it in a browser" in capsys.readouterr().out
+    assert of_study(study)["values"]["run.periods"] == 9
+    assert '"absorber.mass_ratio": 0.2' in out.read_text(encoding="utf-8")
+    assert main([str(study), "--out", str(out)]) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert main([str(tmp_path / "none.toml"), "--out", str(out), "--overwrite"]) == 1
+    assert main(["--colour"]) == 2
+    assert math.isfinite(out.stat().st_size)
