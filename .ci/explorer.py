@@ -24,9 +24,10 @@ WEB = ROOT / "python" / "iva" / "explorer" / "web"
 MODULE, DIGEST = WEB / "simulator.wasm.gz", WEB / "simulator.sources"
 #: The crates that it is made of.
 CRATES = ("iva-core", "iva-sweep", "iva-wasm")
-PACKAGES = (
-    "rustc-web rust-web-src libstd-rust-web-dev libstd-rust-web-1.96 libllvm22 lld-22".split()
-)
+COMPILER = "rustc-web rust-web-src libstd-rust-web-dev libstd-rust-web-1.96 libllvm22 lld-22"
+#: Addresses in as few bytes as they need.
+FLAGS = "-Clink-arg=--compress-relocations"
+PACKAGES = [*COMPILER.split(), "zopfli"]
 
 
 def unpacked() -> tuple[dict[str, str], list[str]]:
@@ -48,8 +49,10 @@ def unpacked() -> tuple[dict[str, str], list[str]]:
     linker = "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER"
     environment = {
         "RUSTC": str(compiler),
-        # It lets this compiler take an option that is not settled yet: to compile the library.
+        # It lets this compiler take options that are not settled yet: to compile the library, and
+        # to leave out the words of panics.
         "RUSTC_BOOTSTRAP": "1",
+        "RUSTFLAGS": f"{FLAGS} -Zunstable-options -Cpanic=immediate-abort",
         "LD_LIBRARY_PATH": str(libraries),
         linker: str(root / "usr" / "bin" / "wasm-ld-22"),
     }
@@ -65,15 +68,27 @@ def has_target() -> bool:
 
 def build() -> None:
     """Build the module."""
-    environment, options = ({}, []) if has_target() else unpacked()
+    environment, options = ({"RUSTFLAGS": FLAGS}, []) if has_target() else unpacked()
     environment["CARGO_TARGET_DIR"] = str(FOLDER / "target")
+    made_from = digest()
     command = ["cargo", "build", "--locked", "--release", "--target", TARGET, *options]
     subprocess.run(command, cwd=CRATE, env=os.environ | environment, check=True)
     built = (FOLDER / "target" / TARGET / "release" / "iva_wasm.wasm").read_bytes()
-    MODULE.write_bytes(gzip.compress(built, 9, mtime=0))
-    DIGEST.write_text(f"{digest()}\n", encoding="ascii")
+    MODULE.write_bytes(compressed(built))
+    DIGEST.write_text(f"{made_from}\n", encoding="ascii")
     size = MODULE.stat().st_size
     print(f"{MODULE.relative_to(ROOT)}: {size / 1e3:.0f} kB, {len(built) / 1e3:.0f} unpacked")
+
+
+def compressed(module: bytes) -> bytes:
+    """Return the module compressed by gzip, as small as can be where there is zopfli."""
+    unpacked = FOLDER / "debian" / "usr" / "bin" / "zopfli"
+    program = shutil.which("zopfli") or (str(unpacked) if unpacked.exists() else None)
+    if program is None:
+        return gzip.compress(module, 9, mtime=0)
+    plain = FOLDER / "simulator.wasm"
+    plain.write_bytes(module)
+    return subprocess.run([program, "-c", plain], capture_output=True, check=True).stdout
 
 
 def digest() -> str:

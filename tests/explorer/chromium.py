@@ -145,9 +145,12 @@ class Chromium:
             type=kind, x=x, y=y, button="left", buttons=int(pressed), clickCount=1,
         )  # fmt: skip
 
-    def drag(self, selector: str, right: float, down: float = 0.0, steps: int = 6) -> None:
-        """Drag an element by so many pixels."""
+    def drag(
+        self, selector: str, right: float, down: float = 0.0, *, below: float = 0.0, steps: int = 6
+    ) -> None:
+        """Drag an element by so many pixels, from its middle or a share of its height below."""
         at = self.box(selector)
+        at["y"] += below * at["height"]
         self.mouse("mousePressed", at["x"], at["y"])
         for step in range(1, steps + 1):
             share = step / steps

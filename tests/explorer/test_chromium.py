@@ -54,6 +54,13 @@ def pictures() -> Path:
 
 
 SCENE = "now.state.scene"
+BY_NAME = {
+    "acceleration_max",
+    "gap_displacement_max",
+    "stroke",
+    "absorber_displacement_max",
+    "time_near_wall",
+}
 
 
 def values(browser: Chromium) -> dict[str, float]:
@@ -95,7 +102,7 @@ def test_it_opens_from_a_disk_without_a_network_and_without_a_fault(
     digits = shown.wait(
         "/to ([\\d.]+) digits/.exec(document.querySelector('.foot').textContent)?.[1]"
     )
-    assert 13 < float(digits) <= 16
+    assert 12 < float(digits) <= 16
 
 
 def test_a_wall_that_is_dragged_changes_the_decay(shown: Chromium) -> None:
@@ -105,7 +112,7 @@ def test_a_wall_that_is_dragged_changes_the_decay(shown: Chromium) -> None:
     assert dragged["absorber.clearance"] > 0.55
     assert {**dragged, "absorber.clearance": 0.5} == DEFAULT["values"]
     assert shown.value("now.data.run.summary.impacts") != before
-    shown.drag(".handle.body", -30)
+    shown.drag(".handle.body", -30, below=0.4)
     shown.drag(".handle.absorber", 20)
     dragged = values(shown)
     assert dragged["start.displacement"] < 0.95
@@ -187,16 +194,34 @@ def test_the_copied_program_gives_what_is_drawn(shown: Chromium, kind: str) -> N
     run = run_of_the_copied_program(shown)
     drawn = shown.value("now.data.run.summary")
     row = run.summary.row(0, named=True)
-    logarithms = {"damping_ratio_1", "damping_ratio_3", "damping_ratio_10", "damping_ratio_fit"}
     compared = 0
     for name, value in row.items():
-        if name in logarithms or name in {"point", "tier", "condition", "digits"}:
+        # Digits are estimated later, and some measures only if they are asked for by name.
+        if name in {"point", "condition", "digits"} or (value is None and name in BY_NAME):
             continue
         assert drawn[name] == value, name
         compared += value is not None
     assert compared > 15
     times = shown.value("Array.from(now.data.run.impacts.time)")
     assert times == run.impacts["time"].to_list()
+
+
+def test_losses_that_are_not_listed_are_losses_in_impacts(shown: Chromium) -> None:
+    changes = {
+        "absorber.mass_ratio": 0.3,
+        "absorber.restitution": 0.3,
+        "absorber.clearance": 0.05,
+        "primary.damping_ratio": 0.02,
+    }
+    shown.value(f"now.state.edit({json.dumps(changes)}, null)")
+    energies = shown.value(
+        "(() => { const it = now.energy.columns(now.data);"
+        "return [it.lost_in_impacts.at(-1), it.structure.at(-1) + it.absorber.at(-1)]; })()"
+    )
+    summary = shown.value("now.data.run.summary")
+    assert summary["episodes"] > 5
+    assert energies[0] == pytest.approx(summary["energy_impacts"], abs=1e-13)
+    assert energies[1] == pytest.approx(summary["energy_final"], abs=1e-15)
 
 
 def test_a_view_is_saved_as_picture_and_as_numbers(shown: Chromium) -> None:

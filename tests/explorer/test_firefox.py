@@ -38,7 +38,7 @@ def test_it_runs_from_a_disk_with_the_numbers_of_the_wheel(browser: Firefox) -> 
 
 def test_its_map_fills_in_a_worker(browser: Firefox) -> None:
     browser.wait("window.now.map.known.every(Boolean)", 90)
-    assert browser.value("window.now.map.worker.worker !== null")
+    assert browser.value("window.now.map.worker.workers.length > 0")
 
 
 def test_a_slider_changes_the_scene(browser: Firefox) -> None:

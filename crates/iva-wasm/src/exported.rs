@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use iva_sweep::Invalid;
 
-use crate::fused::use_machine;
+use crate::fused::rounds_once;
 use crate::json::object;
 use crate::map::map;
 use crate::run::{Columns, placed, run};
@@ -56,10 +56,10 @@ pub extern "C" fn iva_answer_length() -> usize {
     KEPT.lock().unwrap_or_else(PoisonError::into_inner).answer.len()
 }
 
-/// Multiplies and adds by the instruction of the machine from now on, if it gives the right bits; answers whether it does.
+/// Answers whether products and sums are rounded once: 1, or 0 if what the page has put in the place of `fma` does not.
 #[unsafe(no_mangle)]
-pub extern "C" fn iva_use_machine() -> u32 {
-    u32::from(use_machine())
+pub extern "C" fn iva_rounds_once() -> u32 {
+    u32::from(rounds_once())
 }
 
 /// Answers with all fields, choices and measures.

@@ -6,6 +6,7 @@ import json
 import re
 from base64 import b64encode
 from functools import cache
+from gzip import compress
 from importlib.resources import files
 
 from iva._iva import VERSION
@@ -32,18 +33,37 @@ def simulator() -> str:
 
 
 @cache
+def packed() -> str:
+    """Return the script, compressed by gzip, in base64."""
+    style = json.dumps(re.sub(r"(?m)^ +", "", read("explorer.css")))
+    whole = f"{script()}export {{ mount }};\nexport const style = {style};\n"
+    return b64encode(compress(whole.encode(), 9, mtime=0)).decode("ascii")
+
+
+#: What a page does not need of its modules: imports, for names stand in one scope, comments that
+#: fill lines, and indentation.
+SUPERFLUOUS = (
+    r"(?ms)^import\s.*?;$\n?",
+    r"(?m)^export ",
+    r"(?ms)^ */\*\*.*?\*/\n",
+    r"(?m)^ *//.*\n",
+    r"(?m)^ +|^\n",
+)
+
+
+@cache
 def script() -> str:
-    """Return all modules as one: names stand in one scope, so that nothing is imported."""
+    """Return all modules as one."""
     whole = "\n".join(read(f"{name}.js") for name in MODULES)
-    without_imports = re.sub(r"(?ms)^import\s.*?;$\n?", "", whole)
-    return re.sub(r"(?m)^export ", "", without_imports)
+    for pattern in SUPERFLUOUS:
+        whole = re.sub(pattern, "", whole)
+    return whole
 
 
 def page(scene: Explored, *, brief: bool = False) -> str:
     """Return the page with a scene to begin with; `brief`: the drawing, x(t) and sliders alone."""
     parts = {
-        "%STYLE%": read("explorer.css"),
-        "%SCRIPT%": script(),
+        "%SCRIPT%": packed(),
         "%WASM%": simulator(),
         # A text in it must not end the element that holds it.
         "%SCENE%": json.dumps(scene).replace("<", "\\u003c"),

@@ -288,7 +288,7 @@ impl Real for f64 {
 
     #[inline(always)]
     fn hypot(self, other: impl Into<f64>) -> f64 {
-        f64::hypot(self, other.into())
+        libm::hypot(self, other.into())
     }
 
     #[inline(always)]
@@ -303,7 +303,7 @@ impl Real for f64 {
 
     #[inline(always)]
     fn ln(self) -> f64 {
-        f64::ln(self)
+        libm::log(self)
     }
 
     #[inline(always)]

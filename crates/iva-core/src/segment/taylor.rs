@@ -223,6 +223,7 @@ impl<R: Real> Pendulum<R> {
     }
 
     /// The series from a state under a drive, for a step of length h, up to `order` of x, u, y, W and c.
+    #[cfg_attr(target_arch = "wasm32", inline(never))]
     pub fn series<T: Number<Real = R>, const LENGTH: usize>(
         &self,
         start: &Swing<T>,

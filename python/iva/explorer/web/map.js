@@ -10,6 +10,7 @@ const COLUMNS = 120;
 const ROWS = 80;
 const STRIDES = [8, 4, 2, 1];
 const BAR = 96;
+const EVERY_MS = 100;
 /** Viridis at nine places (CC0, Smith and van der Walt). */
 const VIRIDIS = [
   [68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129], [92, 200, 99],
@@ -171,7 +172,7 @@ export class ScanMap {
       this.ranges = { x: this.rangeOf("x"), y: this.rangeOf("y") };
     }
     clearTimeout(this.timer);
-    this.worker.job = null;
+    this.worker.cancel();
     this.timer = setTimeout(() => this.begin(), 120);
   }
 
@@ -224,13 +225,21 @@ export class ScanMap {
         const { row, columns, stride } = jobs[index];
         this.changed = true;
         columns.forEach((column, at) => this.fill(row, column, stride, values[at]));
-        if (!this.asked) {
-          this.asked = true;
-          requestAnimationFrame(() => { this.asked = false; this.draw(this.data, this.colours); });
-        }
+        this.drawLater();
       },
       onEnd: (fault) => { this.told.textContent = fault ?? ""; this.draw(this.data, this.colours); },
     });
+  }
+
+  /** While it fills, the map is painted some times a second: painting takes from what computes. */
+  drawLater() {
+    if (this.asked) return;
+    this.asked = true;
+    setTimeout(() => requestAnimationFrame(() => {
+      this.asked = false;
+      this.painted = performance.now();
+      this.draw(this.data, this.colours);
+    }), clamp(EVERY_MS - (performance.now() - (this.painted ?? 0)), 0, EVERY_MS));
   }
 
   /** A node fills what no finer one has filled: the block around it of the size of its stride. */

@@ -1,7 +1,7 @@
 // The widget of a notebook: the page in an element, and its scene kept in step with Python.
 
 /** Python hears of a scene once it has rested for so long. */
-const REST_MS = 150;
+const QUIET_MS = 150;
 
 function render({ model, el }) {
   let timer = null;
@@ -16,7 +16,7 @@ function render({ model, el }) {
         told = JSON.stringify(scene);
         model.set("scene", scene);
         model.save_changes();
-      }, REST_MS);
+      }, QUIET_MS);
     },
   });
   const changed = () => {

@@ -189,7 +189,7 @@ export class View {
    */
   constructor({ name, title, draw, move = null, columns, describe, tools = [] }) {
     Object.assign(this, { name, title, draw, move, columns, describe });
-    this.base = make("canvas", { role: "img" });
+    this.base = make("canvas", { role: "img", "aria-label": title });
     this.over = make("canvas", { class: "over", "aria-hidden": "true" });
     this.pad = make("div", { class: "pad" }, this.base, this.over);
     const button = (label, help, action) =>

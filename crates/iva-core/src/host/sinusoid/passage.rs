@@ -51,7 +51,7 @@ impl Sinusoid {
     }
 
     /// The times of some passages.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     pub fn passages<const N: usize>(&self, passages: &[Passage; N]) -> [f64; N] {
         let [mut from_x, mut from_v, mut level, mut sign] = [[0.0; N]; 4];
         let [mut low, mut high, mut h, mut open] = [[0.0; N]; 4];

@@ -14,6 +14,7 @@ use crate::host::Sinusoidal;
 use crate::host::sinusoid::{self, Sinusoid};
 use crate::measures::Wanted;
 use crate::measures::log::{Entry, Log};
+use crate::number::compensated::DoubleDouble;
 use crate::number::real::{Real, pick};
 use crate::segment::flight::Motion;
 
@@ -184,7 +185,7 @@ impl Sinusoids {
         }
         measures.take_course(&Logged { sinusoids: self, log });
         if measures.wanted.ledger {
-            self.lose(measures, log);
+            self.lose(&mut measures.ledger.viscous, log);
         }
     }
 
@@ -227,7 +228,7 @@ impl Sinusoids {
     }
 
     /// Computes the first turning point of x in each motion.
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
     fn turn(&mut self, log: &[Entry]) {
         self.turns.clear();
         let (free, middle) = (self.free, self.of.middle(false));
@@ -270,8 +271,8 @@ impl Sinusoids {
     }
 
     /// Adds the energy lost in the structure's damper.
-    #[inline(always)]
-    fn lose<S: Absorber>(&self, measures: &mut Measures<S>, log: &[Entry]) {
+    #[cfg_attr(not(target_arch = "wasm32"), inline(always))]
+    fn lose<R: Real>(&self, viscous: &mut DoubleDouble<R>, log: &[Entry]) {
         let (free, middle) = (self.free, self.of.middle(false));
         for (number, block) in motions(log).chunks(BLOCK).enumerate() {
             let [mut from_x, mut from_v, mut to_x, mut to_v, mut span, mut lost] =
@@ -293,8 +294,7 @@ impl Sinusoids {
                     }
                     false => lost[i],
                 };
-                let viscous = &mut measures.ledger.viscous;
-                *viscous = viscous.plus(S::Real::from(lost));
+                *viscous = viscous.plus(R::from(lost));
             }
         }
     }

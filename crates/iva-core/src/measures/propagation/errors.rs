@@ -107,7 +107,7 @@ impl Errors {
 
     /// −log₁₀ of the largest error over max(τ, 1); 0 once the error has reached 1, `None` without impacts.
     pub fn digits(&self) -> Option<f64> {
-        let digits = if self.lost { 0.0 } else { -self.relative.max(UNIT).log10() };
+        let digits = if self.lost { 0.0 } else { -libm::log10(self.relative.max(UNIT)) };
         (!self.impacts.is_empty()).then_some(digits)
     }
 

@@ -77,7 +77,7 @@ impl<const N: usize> Real for Dual<N> {
 
     fn hypot(self, other: impl Into<Self>) -> Self {
         let other = other.into();
-        let length = self.value.hypot(other.value);
+        let length = libm::hypot(self.value, other.value);
         let [p, q] = [self, other].map(|it| if length > 0.0 { it.value / length } else { 0.0 });
         self.with(other, length, |a, b| p * a + q * b)
     }
@@ -93,7 +93,7 @@ impl<const N: usize> Real for Dual<N> {
     }
 
     fn ln(self) -> Self {
-        self.through(self.value.ln(), 1.0 / self.value)
+        self.through(libm::log(self.value), 1.0 / self.value)
     }
 
     fn about(a: Self, b: Self) -> Self {
