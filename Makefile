@@ -45,6 +45,7 @@ lint-rust: $(VENV)/.tools
 	$(CARGO) clippy --locked --release --workspace --all-targets -- -D warnings
 	$(PYTHON) .ci/layers.py
 	$(PYTHON) .ci/notices.py
+	$(PYTHON) .ci/explorer.py --check
 
 lint-python: wheel
 	$(BIN)/ruff check
