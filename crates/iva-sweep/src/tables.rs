@@ -312,6 +312,32 @@ impl TableBuilder {
     }
 }
 
+/// Writes the rows of some points, the first of which has this number, to the table `summary`.
+pub(crate) fn write_summary(
+    table: &mut TableBuilder,
+    study: &Study,
+    columns: &[SummaryColumn],
+    first: u64,
+    rows: &[RunRow<'_>],
+) {
+    let mut swept = Vec::new();
+    let points = first..first + rows.len() as u64;
+    points.clone().for_each(|point| study.sampling.push_values(point, &mut swept));
+    table.column(0, points.map(Cell::point));
+    let keys = study.sampling.keys().count();
+    for key in 0..keys {
+        let values = swept.iter().skip(key).step_by(keys);
+        table.column(1 + key, values.map(|value| Cell::Number(*value)));
+    }
+    for (index, column) in (1 + keys..).zip(columns) {
+        if column.asked {
+            table.column(index, rows.iter().map(|row| column.cell(row)));
+        } else {
+            table.nulls(index, rows.len());
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -337,32 +363,6 @@ mod tests {
         ] {
             let error = finished(cells).unwrap_err();
             assert!(error.contains("row 1 has") && error.ends_with(said), "{error}");
-        }
-    }
-}
-
-/// Writes the rows of some points, the first of which has this number, to the table `summary`.
-pub(crate) fn write_summary(
-    table: &mut TableBuilder,
-    study: &Study,
-    columns: &[SummaryColumn],
-    first: u64,
-    rows: &[RunRow<'_>],
-) {
-    let mut swept = Vec::new();
-    let points = first..first + rows.len() as u64;
-    points.clone().for_each(|point| study.sampling.push_values(point, &mut swept));
-    table.column(0, points.map(Cell::point));
-    let keys = study.sampling.keys().count();
-    for key in 0..keys {
-        let values = swept.iter().skip(key).step_by(keys);
-        table.column(1 + key, values.map(|value| Cell::Number(*value)));
-    }
-    for (index, column) in (1 + keys..).zip(columns) {
-        if column.asked {
-            table.column(index, rows.iter().map(|row| column.cell(row)));
-        } else {
-            table.nulls(index, rows.len());
         }
     }
 }
