@@ -23,8 +23,10 @@ from iva.explorer import Explorer
 from iva.explorer.command import main
 from iva.explorer.document import page
 from iva.explorer.scenes import DEFAULT, explored, of_study
+from iva.explorer.scenes import parts as arguments
 
 HERE = Path(__file__).parents[1] / "explorer"
+STUDIES = Path(__file__).parents[2] / "studies"
 NODE = shutil.which("node")
 
 SIVA = iva.Siva(mass_ratio=0.1, restitution=0.6, clearance=0.4)
@@ -188,6 +190,16 @@ def test_explore_takes_runs_and_parts(tmp_path: Path) -> None:
     assert isinstance(iva.explore(), Explorer)
 
 
+@pytest.mark.parametrize("study", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_scene_of_a_study_runs(study: Path) -> None:
+    if study.stem == "earthquake":
+        with pytest.raises(ValueError, match="one harmonic force"):
+            of_study(study)
+        return
+    run = iva.simulate(**arguments(of_study(study)), measures=["impacts"])
+    assert run.summary["outcome"].item() == "finished"
+
+
 def test_what_the_sliders_say_runs() -> None:
     for name, parts in SCENES.items():
         run = iva.simulate(**parts, periods=5)
@@ -219,14 +231,17 @@ def test_the_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture
     study.write_text(
         "version = 1\n[primary]\ndamping_ratio = 0.01\n[absorber]\nkind = 'siva'\n"
         "mass_ratio = 0.2\nrestitution = 0.5\nclearance = 0.3\n[start]\ndisplacement = 1.0\n"
-        "[run]\nperiods = 9\ntables = ['summary']\n"
+        "[run]\nperiods = 9\ntables = ['summary']\n[sweep]\nrestitution = [0.5, 0.7]\n"
     )
     assert main([str(study), "--out", str(out)]) == 0
     assert "open it in a browser" in capsys.readouterr().out
     assert of_study(study)["values"]["run.periods"] == 9
+    assert of_study(study, 1)["values"]["absorber.restitution"] == 0.7
+    assert main([str(study), "--point", "2", "--out", str(out), "--overwrite"]) == 2
+    assert "--point 2: give a number from 0 to 1" in capsys.readouterr().err
     assert '"absorber.mass_ratio": 0.2' in out.read_text(encoding="utf-8")
     assert main([str(study), "--out", str(out)]) == 2
     assert "--overwrite" in capsys.readouterr().err
-    assert main([str(tmp_path / "none.toml"), "--out", str(out), "--overwrite"]) == 1
+    assert main([str(tmp_path / "none.toml"), "--out", str(out), "--overwrite"]) == 2
     assert main(["--colour"]) == 2
     assert math.isfinite(out.stat().st_size)

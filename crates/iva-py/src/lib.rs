@@ -12,6 +12,7 @@ mod branches;
 mod calls;
 mod dynamics;
 mod errors;
+mod explored;
 mod files;
 mod folder;
 mod record;
@@ -39,6 +40,8 @@ mod _iva {
     use super::dynamics::orbit;
     #[pymodule_export]
     use super::errors::IvaError;
+    #[pymodule_export]
+    use super::explored::scene_of_study;
     #[pymodule_export]
     use super::files::{check_files, empty_tables, metadata, read_table, visible};
     #[pymodule_export]

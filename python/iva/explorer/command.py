@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-import argparse
-import sys
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import mkdtemp
 
-from iva._iva import IvaError
+from iva._iva import IvaError, visible
+from iva.commands import BAD_INPUT, DONE, FAULT, INTERRUPTED, Parser, failed
 from iva.explorer import Explorer
 from iva.explorer.scenes import DEFAULT, of_study
-
-DONE, FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-
-
-class Parser(argparse.ArgumentParser):
-    """A parser whose faults read like those of the other commands."""
-
-    def error(self, message: str) -> None:  # type: ignore[override]
-        """Raise what is wrong instead of ending the process."""
-        raise ValueError(message)
 
 
 def parser() -> Parser:
@@ -36,8 +25,14 @@ def parser() -> Parser:
         "study",
         nargs="?",
         metavar="STUDY",
-        help="study file whose scene the page begins with, the first value of what is swept; "
-        "without it, a free mass that settles",
+        help="study file whose scene the page begins with; without it, a free mass that settles",
+    )
+    made.add_argument(
+        "--point",
+        metavar="N",
+        type=int,
+        default=0,
+        help="of a study with [sweep], take this point: its number in the tables; 0 by default",
     )
     made.add_argument(
         "--out",
@@ -51,7 +46,7 @@ def parser() -> Parser:
 def made(arguments: Sequence[str]) -> str:
     """Make the page that was asked for; return what to say."""
     asked = parser().parse_args(arguments)
-    explorer = Explorer(of_study(Path(asked.study)) if asked.study else DEFAULT)
+    explorer = Explorer(of_study(Path(asked.study), asked.point) if asked.study else DEFAULT)
     if asked.out is None:
         path = Path(mkdtemp(prefix="iva-")) / "explorer.html"
         explorer.write(path)
@@ -65,15 +60,15 @@ def made(arguments: Sequence[str]) -> str:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the command; return its exit code."""
+    """Run the command; return its exit code: 0 done, 1 fault, 2 bad input, 130 interrupted."""
     try:
-        print(made(arguments))
+        print(visible(made(arguments)))
+    except SystemExit as end:  # --help
+        return int(end.code or 0)
     except (ValueError, TypeError) as wrong:
-        print(f"error: {wrong}", file=sys.stderr)
-        return BAD_INPUT
+        return failed(BAD_INPUT, str(wrong).replace("path = ", "--out ", 1))
     except (OSError, IvaError) as fault:
-        print(f"error: {fault}", file=sys.stderr)
-        return FAULT
+        return failed(FAULT, str(fault))
     except KeyboardInterrupt:
-        return INTERRUPTED
+        return failed(INTERRUPTED, "interrupted; nothing was written")
     return DONE

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypedDict
 
+from iva import _iva
 from iva.forces import Harmonic
 from iva.parameters import Piva, Primary, Siva, Start
 
 #: The words of a study that are not numbers.
 WORDS = ("kind", "angles", "impact_law")
-#: The sections of a study that describe a scene, without its forces.
-PARTS = ("primary", "absorber", "start", "run")
 #: What a force has that is not harmonic.
 IMPULSES_AND_RECORDS = frozenset({"velocity", "impulse", "time", "record", "scale"})
-#: What of the section `run` a single run does not have.
-OF_STUDIES = ("tables", "measures", "errors", "samples_per_period")
 
 
 class Explored(TypedDict):
@@ -96,25 +92,15 @@ def of_forces(forces: list[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
                 yield f"force.{name}", float(value)
 
 
-def of_study(path: Path) -> Explored:
-    """Return the scene of a study file; of what is swept it takes the first value.
+def of_study(path: Path, point: int = 0) -> Explored:
+    """Return the scene of a point of a study file.
 
     Raises
     ------
-    OSError
-        If the file cannot be read.
     ValueError
-        If it is no TOML, has more than one force, or one that is not harmonic.
+        If the study or the point is invalid, has more than one force, or one that is not harmonic.
+    iva.IvaError
+        If the file cannot be read.
     """
-    try:
-        study = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path}: {error}") from error
-    spec: dict[str, Any] = {}
-    for part in PARTS:
-        for name, value in study.get(part, {}).items():
-            if not (part == "run" and name in OF_STUDIES):
-                spec[f"{part}.{name}"] = value
-    forces = study.get("force", [])
-    spec["forces"] = [forces] if isinstance(forces, dict) else forces
-    return explored(spec)
+    words, numbers = _iva.scene_of_study(path, point)
+    return {"choices": dict(words), "values": dict(numbers)}

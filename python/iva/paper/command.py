@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import fields
 from io import TextIOWrapper
 from time import perf_counter
 
+from iva import commands
 from iva._iva import IvaError, visible
+from iva.commands import BAD_INPUT, DONE, FAULT, INTERRUPTED, Parser
 from iva.paper.assumptions import MEANINGS, Assumptions
 from iva.paper.page import SIGNS, counted, number_of
 from iva.paper.reproducing import Report, reproduce
-
-DONE, FAULT, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-
-
-class Parser(argparse.ArgumentParser):
-    """A parser whose faults read like those of the other commands."""
-
-    def error(self, message: str) -> None:  # type: ignore[override]
-        """Raise what is wrong instead of ending the process."""
-        raise ValueError(message)
 
 
 def parser() -> Parser:
@@ -125,8 +116,7 @@ def clear() -> None:
 def failed(code: int, text: str) -> int:
     """Say what is wrong; return the code."""
     clear()
-    print(f"error: {visible(text)}", file=sys.stderr)
-    return code
+    return commands.failed(code, text)
 
 
 def summary(report: Report, out: str, seconds: float) -> str:

@@ -1,0 +1,44 @@
+//! The scene of a study file, for the explorer.
+
+use std::path::PathBuf;
+
+use iva_store::visible;
+use iva_study::study_file::read_study;
+use iva_sweep::watched::takes;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::errors::{IvaError, invalid};
+
+/// Choices by name and numbers by path.
+type Explored = (Vec<(&'static str, &'static str)>, Vec<(String, f64)>);
+
+/// The choices and the numbers of one point of a study file.
+///
+/// # Errors
+/// `ValueError` for a study or a point that is invalid, or a scene that the explorer does not take; `IvaError` for a file
+/// that cannot be read.
+#[pyfunction]
+pub fn scene_of_study(path: PathBuf, point: u64) -> PyResult<Explored> {
+    let file = read_study(&path).map_err(|error| {
+        let sentence = visible(&error.to_string());
+        match error.is_bad_input() {
+            true => PyValueError::new_err(sentence),
+            false => IvaError::new_err(sentence),
+        }
+    })?;
+    let points =
+        file.points().map_err(|error| PyValueError::new_err(visible(&error.to_string())))?;
+    if point >= points {
+        let rule = format!("--point {point}: give a number from 0 to {}", points - 1);
+        return Err(PyValueError::new_err(rule));
+    }
+    let spec = file.study.spec(point).map_err(invalid)?;
+    let design = spec.design().map_err(invalid)?;
+    if !takes(&design) {
+        let rule = "force: the explorer takes one harmonic force or base motion, and no tolerance";
+        return Err(PyValueError::new_err(rule));
+    }
+    let numbers = spec.given().map(|(slot, value)| (slot.path(), value));
+    Ok((spec.choices().words().collect(), numbers.collect()))
+}
