@@ -155,10 +155,5 @@ export class Engine {
   }
 }
 
-/** The bytes that a text in base64 holds. */
-export function bytesOf(base64) {
-  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
-}
-
 /** The source of the class, from which a worker makes its own. */
 Engine.source = Engine.toString();

@@ -275,6 +275,9 @@ class Page {
   }
 
   draw() {
+    // All sizes are asked for before the first canvas gets one: else the page is laid out anew for each.
+    const all = [...this.views, this.map.view, ...this.forced.views];
+    for (const view of all) view.measure();
     for (const view of this.views) view.show(this.data, this.colours);
     this.map.draw(this.data, this.colours);
     this.forced.draw(this.data, this.colours);

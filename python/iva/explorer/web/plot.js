@@ -213,8 +213,12 @@ export class View {
     }).observe(this.pad);
   }
 
-  get visible() {
+  measure() {
     this.size ??= { width: this.pad.clientWidth, height: this.pad.clientHeight };
+  }
+
+  get visible() {
+    this.measure();
     return this.size.width > 0 && this.size.height > 0;
   }
 
