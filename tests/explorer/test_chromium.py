@@ -144,6 +144,21 @@ def test_a_number_can_be_typed_and_an_impossible_one_says_why(shown: Chromium) -
     )
 
 
+def test_a_run_without_end_does_not_hold_the_page(shown: Chromium) -> None:
+    enter(shown, "Periods", "10000000")
+    said = shown.value(
+        "[...document.querySelectorAll('.row .wrong')].map((it) => it.textContent).join('')"
+    )
+    assert "at most 2000 periods" in said
+    assert values(shown)["run.periods"] == 20
+    press(shown, "Reset")
+    shown.value("now.state.edit({'run.max_work': 10}, null)")
+    assert shown.value("now.data.run.summary.outcome") == "work_limit"
+    assert "The run ends early" in shown.value(
+        "document.querySelector('header .wrong').textContent"
+    )
+
+
 def test_a_pasted_address_is_the_scene(shown: Chromium) -> None:
     shown.value("location.hash = '#kind=piva&mu=.15&e=.5&d=.6&z=.01&x=1&n=30&r=.4&l=3'")
     shown.wait(f"{SCENE}.choices.kind === 'piva'")
@@ -293,12 +308,13 @@ def test_it_fits_a_screen_and_a_phone(
 
 
 def test_a_widget_keeps_its_scene_in_step(browser: Chromium, tmp_path: Path) -> None:
+    from iva.explorer.document import read
     from iva.explorer.notebook import module
 
     (tmp_path / "widget.js").write_text(module(), encoding="utf-8")
     text = json.dumps(module()).replace("<", "\\u003c")
     (tmp_path / "widget.html").write_text(
-        f"""<!doctype html><div id="cell" style="width: 900px"></div><script type="module">
+        f"""<!doctype html><style>{read("explorer.css")}</style><div id="cell" style="width: 900px"></div><script type="module">
         const source = new Blob([{text}], {{ type: "text/javascript" }});
         const {{ default: widget }} = await import(URL.createObjectURL(source));
         const heard = {{}};

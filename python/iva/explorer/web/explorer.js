@@ -11,13 +11,19 @@ import { MeasureTable } from "./measures.js";
 import { isForced } from "./motion.js";
 import { energyView, phaseView } from "./planes.js";
 import { coloursOf } from "./plot.js";
-import { DEFAULT_SCENE, Explorer } from "./state.js";
+import { DEFAULT_SCENE, Explorer, limited } from "./state.js";
 import { asPython, asStudy, offer } from "./takeaway.js";
 import { displacementView, gapView } from "./time_views.js";
 import { TAU, settingOf } from "./slots.js";
 import { drawnIn } from "./units.js";
 
 const KINDS = { siva: "Free mass", piva: "Pendulum", none: "No absorber" };
+/** What is said of a run that ended before its time. */
+const EARLY = {
+  work_limit: "The run ends early: it has more stretches of motion than this page computes. The package runs it whole.",
+  impact_limit: "The run ends early: it has reached its largest number of impacts.",
+  not_finite: "The run ends early: a number of it is not finite.",
+};
 /** A scene that has not changed for so long rests. */
 const REST_MS = 300;
 /** With fewer correct digits of its impact times a scene is called sensitive. */
@@ -214,7 +220,7 @@ class Page {
     const key = JSON.stringify([scene, samples]);
     if (this.aloneKey !== key) {
       this.aloneKey = key;
-      const { error } = engine.set(scene);
+      const { error } = engine.set(limited(scene));
       const run = error ? { error } : engine.run(samples);
       this.aloneRun = run.error ? null : { ...run.trajectory, summary: run.summary };
     }
@@ -235,7 +241,8 @@ class Page {
     this.redo.disabled = !state.future.length;
     this.root.classList.toggle("pendulum", state.choices.kind === "piva");
     this.gap.element.hidden = state.choices.kind === "none";
-    this.say([...state.pending.values()].length ? "A value cannot be run: the pictures show the last scene that can." : "");
+    this.say([...state.pending.values()].length ? "A value cannot be run: the pictures show the last scene that can."
+      : EARLY[this.data.run.summary.outcome] ?? "");
     this.controls.show();
     this.forced.show(this.data, this.colours);
     this.map.scene(this.data, this.colours);
@@ -258,7 +265,7 @@ class Page {
     clearTimeout(this.digitsTimer);
     this.footnote(null);
     this.digitsTimer = setTimeout(() => {
-      this.engine.set(this.state.scene);
+      this.engine.set(limited(this.state.scene));
       this.footnote(this.engine.run(1, true).summary?.digits ?? null);
     }, REST_MS);
   }

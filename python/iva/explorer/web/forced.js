@@ -3,6 +3,7 @@
 import { make } from "./format.js";
 import { extent, View } from "./plot.js";
 import { settingOf } from "./slots.js";
+import { limited } from "./state.js";
 
 const POINTS = 101;
 
@@ -83,7 +84,7 @@ export class Forced {
     const job = (curve, scene, next) => {
       this.curves[curve].fill(NaN);
       this.worker.start({
-        scene, rows, measure: "amplitude_max",
+        scene: limited(scene), rows, measure: "amplitude_max",
         onRow: (index, [value]) => {
           this.curves[curve][order[index]] = value;
           if (!this.asked) {

@@ -4,6 +4,7 @@ import { clamp, make, rounded, shown, unitText, withUnit } from "./format.js";
 import { measureWords } from "./measures.js";
 import { View, ticks } from "./plot.js";
 import { rangeOf, settingOf, toBase, wordsOf } from "./slots.js";
+import { limited } from "./state.js";
 import { Background } from "./worker.js";
 
 const COLUMNS = 120;
@@ -220,7 +221,7 @@ export class ScanMap {
     }));
     this.told.textContent = "computing";
     this.worker.start({
-      scene: this.data.scene, rows, measure: this.measure,
+      scene: limited(this.data.scene), rows, measure: this.measure,
       onRow: (index, values) => {
         const { row, columns, stride } = jobs[index];
         this.changed = true;

@@ -189,9 +189,11 @@ export class View {
    */
   constructor({ name, title, draw, move = null, columns, describe, tools = [] }) {
     Object.assign(this, { name, title, draw, move, columns, describe });
-    this.base = make("canvas", { role: "img", "aria-label": title });
-    this.over = make("canvas", { class: "over", "aria-hidden": "true" });
-    this.pad = make("div", { class: "pad" }, this.base, this.over);
+    // Laid over each other whatever the style sheet says: a canvas that made its place larger would be made larger by it.
+    const style = "position: absolute; inset: 0";
+    this.base = make("canvas", { role: "img", "aria-label": title, style });
+    this.over = make("canvas", { class: "over", "aria-hidden": "true", style });
+    this.pad = make("div", { class: "pad", style: "position: relative" }, this.base, this.over);
     const button = (label, help, action) =>
       make("button", { type: "button", class: "small", title: help, "aria-label": help, onclick: action }, label);
     this.heading = make("h2", {}, title);

@@ -19,14 +19,28 @@ export const DEFAULT_SCENE = {
 /** Samples that a run has on the page; long runs have fewer a period. */
 const SAMPLES = 1800;
 
+/** What keeps a page alive: longer runs, and runs with more stretches of motion, are for the package. */
+const MOST_PERIODS = 2000;
+const MOST_WORK = 50_000;
+
+/** A scene as the page runs it: with an end to its work. */
+export function limited({ choices, values }) {
+  const work = Math.min(values["run.max_work"] ?? MOST_WORK, MOST_WORK);
+  return { choices, values: { ...values, "run.max_work": work } };
+}
+
 /** Changes within this time to one thing are one step back. */
 const ONE_STEP_MS = 800;
 const MOST_STEPS = 200;
 
-/** Samples a period for a run of these values. */
-function samplesOf(values) {
+/** The path of the length of a run, and the length in periods. */
+function lengthOf(values) {
   const path = ["run.periods", "run.duration", "run.cycles"].find((name) => values[name] !== undefined);
-  const periods = path ? toBase(path, values[path], settingOf(values)) : NaN;
+  return [path, path ? toBase(path, values[path], settingOf(values)) : NaN];
+}
+
+/** Samples a period for a run of so many periods. */
+function samplesOf(periods) {
   return Math.round(clamp(SAMPLES / (periods > 0 ? periods : 20), 24, 240));
 }
 
@@ -81,9 +95,14 @@ export class Explorer {
 
   /** Takes values and runs them if the engine can; else returns why not, and leaves all as it was. */
   accept(choices, values) {
-    const { error, units } = this.engine.set(this.sceneOf(choices, values));
+    const { error, units } = this.engine.set(limited(this.sceneOf(choices, values)));
     if (error) return error;
-    const samples = samplesOf(values);
+    const [path, periods] = lengthOf(values);
+    if (periods > MOST_PERIODS) {
+      const sentence = `${path} = ${values[path]}: this page runs at most ${MOST_PERIODS} periods; the package runs more`;
+      return { field: path, sentence };
+    }
+    const samples = samplesOf(periods);
     const run = this.engine.run(samples);
     if (run.error) return run.error;
     Object.assign(this, { choices, values, units, run, samples });
