@@ -314,7 +314,8 @@ def test_a_widget_keeps_its_scene_in_step(browser: Chromium, tmp_path: Path) -> 
     (tmp_path / "widget.js").write_text(module(), encoding="utf-8")
     text = json.dumps(module()).replace("<", "\\u003c")
     (tmp_path / "widget.html").write_text(
-        f"""<!doctype html><style>{read("explorer.css")}</style><div id="cell" style="width: 900px"></div><script type="module">
+        f"""<!doctype html><style>{read("explorer.css")}</style>
+        <div id="cell" style="width: 900px"></div><script type="module">
         const source = new Blob([{text}], {{ type: "text/javascript" }});
         const {{ default: widget }} = await import(URL.createObjectURL(source));
         const heard = {{}};
