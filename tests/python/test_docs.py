@@ -20,8 +20,8 @@ MODULES = ["iva"] + [
 WITHOUT = {
     f"iva.{name}"
     for name in (
-        "design distributed frames manifests markup parts progress reading remote scanning scenes "
-        "tables"
+        "commands design distributed frames manifests markup parts progress reading remote "
+        "scanning scenes tables"
     ).split()
 }
 

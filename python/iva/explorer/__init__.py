@@ -15,6 +15,7 @@ from iva.explorer.scenes import DEFAULT, Explored, explored, parts
 from iva.exports import aside
 from iva.parameters import Absorber, Primary, Start
 from iva.simulation import Run
+from iva.spelling import spell_checked
 
 TYPE_CHECKING = False  # as in iva/__init__.py
 if TYPE_CHECKING:
@@ -109,6 +110,7 @@ class Explorer:
         return f"Explorer(kind={kind!r}); explorer.write('page.html') makes a file of it"
 
 
+@spell_checked
 def explore(
     scene: Run | Absorber | None = None,
     primary: Primary | None = None,
