@@ -181,6 +181,10 @@ def run_commands(code: str, place: str) -> None:
             from iva.paper.command import main
 
             code_of_exit = main(words[2:])
+        elif words[1] == "explore":
+            from iva.explorer.command import main as explore
+
+            code_of_exit = explore(words[2:])
         else:
             code_of_exit = _iva.main(words)
         assert code_of_exit == (int(expected[1]) if expected else 0), f"{place}: {line}"
