@@ -37,6 +37,7 @@ __all__ = [
     "primary_units",
     "read_record",
     "read_table",
+    "scene_of_study",
     "simulate",
     "slow_manifold",
     "state",
