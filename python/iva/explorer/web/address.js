@@ -38,7 +38,7 @@ export function fromAddress(text, fields) {
   let found = false;
   for (const part of text.replace(/^#/, "").split("&")) {
     const [key, word] = part.split("=");
-    if (CHOICES[key]?.includes(word)) {
+    if (Object.hasOwn(CHOICES, key) && CHOICES[key].includes(word)) {
       scene.choices[key] = word;
       found ||= key === "kind";
     } else if (paths.has(key) && word && Number.isFinite(Number(word))) {

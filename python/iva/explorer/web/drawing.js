@@ -9,7 +9,9 @@ const WINDINGS = 8;
 /** Sizes of the drawing, in lengths of the scene: what must have room decides them. */
 function sizesOf({ run, clearance, offset, arm, lever, kind, x0 }) {
   const [low, high] = extent(run.trajectory.displacement);
-  const largest = Math.max(-low, high, Math.abs(x0), 1e-300);
+  const moved = Math.max(-low, high, Math.abs(x0));
+  // A structure that never moves is drawn beside its gap.
+  const largest = moved > 0 ? moved : clearance > 0 ? clearance : 1;
   const d = kind === "none" ? 0.5 * largest : clearance;
   // A gap that is never crossed would leave no room for the motion: it is then cut.
   const shownGap = Math.min(d, 6 * largest + Math.abs(offset));
@@ -95,6 +97,7 @@ export class Drawing {
       absorber: this.handle("Start of the absorber in its gap", "absorber"),
     };
     this.view.pad.append(...Object.values(this.handles));
+    this.view.legend.textContent = "drag a wall, the absorber, or the structure";
   }
 
   handle(label, kind) {
@@ -118,6 +121,7 @@ export class Drawing {
   }
 
   grab(event, element, name) {
+    if (event.button !== 0) return;
     event.preventDefault();
     element.setPointerCapture(event.pointerId);
     element.focus({ preventScroll: true });

@@ -9,14 +9,14 @@ export class Engine {
   static async load(bytes) {
     const plain = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
     const module = new Uint8Array(await new Response(plain).arrayBuffer());
-    return (await Engine.fast(module)) ?? new Engine((await WebAssembly.instantiate(module, {})).instance.exports);
+    return (await Engine.fast(module)) ?? new Engine(await WebAssembly.compile(module));
   }
 
   /** The simulator with the browser's own a·b + c, if it has one that rounds once: the same bits in half the time. */
   static async fast(module) {
     try {
-      const { instance } = await WebAssembly.instantiate(Engine.withInstruction(module), {});
-      return instance.exports.iva_rounds_once() ? new Engine(instance.exports, true) : null;
+      const engine = new Engine(await WebAssembly.compile(Engine.withInstruction(module)), true);
+      return engine.exports.iva_rounds_once() ? engine : null;
     } catch {
       return null;
     }
@@ -74,16 +74,28 @@ export class Engine {
     return bytes;
   }
 
-  constructor(exports, fast = false) {
-    this.exports = exports;
+  constructor(module, fast = false) {
+    this.module = module;
+    this.exports = new WebAssembly.Instance(module, {}).exports;
     /** True if a·b + c is an instruction of the machine. */
     this.fast = fast;
     this.text = "";
-    this.exports.iva_describe();
     /** `version`, `fields`, `choices` and `measures`, with units and help. */
-    this.description = this.answer();
+    this.description = this.call("iva_describe");
     this.fields = this.description.fields;
     this.measures = this.description.measures;
+  }
+
+  /** Calls the simulator; one that has stopped (no memory was left) is replaced by a new one. */
+  call(name, ...given) {
+    try {
+      this.exports[name](...given);
+      return this.answer();
+    } catch (fault) {
+      this.exports = new WebAssembly.Instance(this.module, {}).exports;
+      const sentence = "this scene is too large for a page; the package may run it";
+      return { error: { field: "run", value: "", allowed: String(fault), sentence } };
+    }
   }
 
   /** Hands a text to the simulator. */
@@ -124,8 +136,7 @@ export class Engine {
   set(scene) {
     this.text = Engine.lines(scene);
     this.give(this.text);
-    this.exports.iva_check();
-    const { error = null, units = null } = this.answer();
+    const { error = null, units = null } = this.call("iva_check");
     return { error, units };
   }
 
@@ -135,8 +146,7 @@ export class Engine {
    */
   run(samplesPerPeriod = 60, errors = false) {
     this.give(this.text);
-    this.exports.iva_run(samplesPerPeriod, Number(errors));
-    const answer = this.answer();
+    const answer = this.call("iva_run", samplesPerPeriod, Number(errors));
     if (answer.error) return { error: answer.error };
     const { summary, units, ...tables } = answer;
     const columns = Object.entries(tables).map(([name, places]) => [name, this.table(places)]);
@@ -148,10 +158,19 @@ export class Engine {
     const axes = [[yPath, yValues], [xPath, xValues]];
     const lines = axes.map(([path, values]) => `axis ${path} ${Array.from(values).join(" ")}`);
     this.give([this.text, ...lines, `measure ${measure}`].join("\n"));
-    this.exports.iva_map();
-    const answer = this.answer();
+    const answer = this.call("iva_map");
     if (answer.error) throw new Error(answer.error.sentence);
     return this.numbers(answer.map);
+  }
+
+  /** The same for one value of the second field; where the scene cannot be run there is NaN. */
+  row(xPath, xValues, yPath, yValue, measure) {
+    try {
+      return this.map(xPath, xValues, yPath, [yValue], measure);
+    } catch {
+      if (xValues.length === 1) return Float64Array.of(NaN);
+      return Float64Array.from(xValues, (x) => this.row(xPath, [x], yPath, yValue, measure)[0]);
+    }
   }
 }
 

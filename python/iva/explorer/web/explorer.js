@@ -140,11 +140,12 @@ class Page {
       if (view.plot?.xAt) this.goTo(view.plot.xAt(event.clientX - box.left));
     };
     pad.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
       pad.setPointerCapture(event.pointerId);
       this.play(false);
       set(event);
     });
-    pad.addEventListener("pointermove", (event) => { if (event.buttons) set(event); });
+    pad.addEventListener("pointermove", (event) => { if (pad.hasPointerCapture(event.pointerId)) set(event); });
   }
 
   switchUnits() {
@@ -167,7 +168,7 @@ class Page {
 
   listen() {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.theme());
-    this.root.addEventListener("keydown", (event) => {
+    (this.options.address ? document : this.root).addEventListener("keydown", (event) => {
       const typing = event.target.matches("input[type=text], textarea");
       if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !typing) {
         event.preventDefault();
@@ -242,7 +243,7 @@ class Page {
     this.root.classList.toggle("pendulum", state.choices.kind === "piva");
     this.gap.element.hidden = state.choices.kind === "none";
     this.say([...state.pending.values()].length ? "A value cannot be run: the pictures show the last scene that can."
-      : EARLY[this.data.run.summary.outcome] ?? "");
+      : state.refused?.sentence ?? EARLY[this.data.run.summary.outcome] ?? "");
     this.controls.show();
     this.forced.show(this.data, this.colours);
     this.map.scene(this.data, this.colours);

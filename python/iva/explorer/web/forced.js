@@ -44,10 +44,11 @@ export class Forced {
       if (at >= this.xs[0] && at <= this.xs[POINTS - 1]) this.go(Number(at.toFixed(3)));
     };
     this.response.pad.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
       this.response.pad.setPointerCapture(event.pointerId);
       set(event);
     });
-    this.response.pad.addEventListener("pointermove", (event) => { if (event.buttons) set(event); });
+    this.response.pad.addEventListener("pointermove", (event) => { if (this.response.pad.hasPointerCapture(event.pointerId)) set(event); });
   }
 
   /** Takes a scene; the response is made anew if more than the frequency has changed. */
@@ -100,6 +101,7 @@ export class Forced {
       });
     };
     this.told.textContent = "computing";
+    this.curves.alone.fill(NaN);
     const bare = state.sceneOf({ kind: "none" }, state.values);
     job("now", data.scene, data.kind === "none" ? null : () => job("alone", bare, null));
   }

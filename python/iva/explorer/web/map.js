@@ -59,6 +59,8 @@ export class ScanMap {
     this.measure = "settling_time_5";
     this.values = new Float64Array(COLUMNS * ROWS).fill(NaN);
     this.known = new Uint8Array(COLUMNS * ROWS);
+    /** Where a value is that of its own node, not of a coarser one beside it. */
+    this.exact = new Uint8Array(COLUMNS * ROWS);
     this.image = make("canvas", { width: COLUMNS, height: ROWS });
     const pick = (axis, label) => make("select", {
       "aria-label": label, onchange: (event) => { this.wished[axis] = event.target.value; this.restart(); },
@@ -79,6 +81,7 @@ export class ScanMap {
       describe: () => `Map of ${measureWords(this.measure)} over ${this.words("x")} and ${this.words("y")}`,
     });
     this.view.pad.append(this.point);
+    this.view.legend.textContent = "drag the point";
     this.view.element.append(this.told);
     this.listen();
   }
@@ -98,11 +101,12 @@ export class ScanMap {
       this.moveTo(valueAt(this.ranges.x, across), valueAt(this.ranges.y, up));
     };
     pad.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
       pad.setPointerCapture(event.pointerId);
       this.point.focus({ preventScroll: true });
       set(event);
     });
-    pad.addEventListener("pointermove", (event) => { if (event.buttons) set(event); });
+    pad.addEventListener("pointermove", (event) => { if (pad.hasPointerCapture(event.pointerId)) set(event); });
     this.point.addEventListener("keydown", (event) => {
       const [dx, dy] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] ?? [0, 0];
       if (!dx && !dy) return;
@@ -167,8 +171,12 @@ export class ScanMap {
     const key = JSON.stringify([values, data.scene.choices, this.paths, this.measure]);
     if (key === this.key) return;
     this.key = key;
-    const anchored = JSON.stringify([this.paths, data.units, data.kind]);
-    if (this.anchored !== anchored) {
+    this.known.fill(0);
+    this.exact.fill(0);
+    this.changed = true;
+    const anchored = JSON.stringify([this.paths, data.units, data.kind, settingOf(data.scene.values).reference]);
+    const outside = ["x", "y"].some((axis) => this.ranges && this.here(axis) > this.ranges[axis][1]);
+    if (this.anchored !== anchored || outside) {
       this.anchored = anchored;
       this.ranges = { x: this.rangeOf("x"), y: this.rangeOf("y") };
     }
@@ -177,7 +185,13 @@ export class ScanMap {
     this.timer = setTimeout(() => this.begin(), 120);
   }
 
+  /** A range with the scene in it. */
   rangeOf(axis) {
+    const [low, high, byFactors] = this.usualRange(axis);
+    return [low, Math.max(high, rounded(1.2 * (this.here(axis) || 0), 2)), byFactors];
+  }
+
+  usualRange(axis) {
     const field = this.state.fields.get(this.paths[axis]);
     const [low, high, byFactors] = rangeOf(field, this.here(axis) || undefined);
     const positive = field.allowed.includes("greater than 0");
@@ -198,10 +212,8 @@ export class ScanMap {
   }
 
   begin() {
-    if (!this.view.visible) {
-      this.key = "";
-      return;
-    }
+    this.waits = !this.view.visible;
+    if (this.waits) return;
     const xs = nodes(this.ranges.x, COLUMNS);
     const ys = nodes(this.ranges.y, ROWS);
     const jobs = [];
@@ -251,10 +263,12 @@ export class ScanMap {
         this.known[y * COLUMNS + x] = 1;
       }
     }
+    this.exact[row * COLUMNS + column] = 1;
   }
 
   /** Paints the map if anything of it has changed but the place of the point. */
   draw(data, colours) {
+    if (this.waits && this.view.visible) this.begin();
     const shown = JSON.stringify([this.key, data.units, this.ranges]);
     const { plot } = this.view;
     if (!this.changed && plot?.box && plot.colours === colours && this.shown === shown) this.placePoint(plot);
@@ -282,6 +296,7 @@ export class ScanMap {
     c.imageSmoothingEnabled = false;
     c.drawImage(this.image, box.left, box.top, box.right - box.left, box.bottom - box.top);
     if (this.limits) this.bar(plot, this.limits, better);
+    else if (this.known.every(Boolean)) plot.text("no value at any point", box.left + 8, box.top + 12, colours.text);
     this.placePoint(plot);
   }
 
@@ -357,7 +372,7 @@ export class ScanMap {
     return {
       [this.paths.x]: Array.from(this.values, (_, index) => xs[index % COLUMNS]),
       [this.paths.y]: Array.from(this.values, (_, index) => ys[Math.floor(index / COLUMNS)]),
-      [this.measure]: this.values,
+      [this.measure]: this.values.map((value, index) => (this.exact[index] ? value : NaN)),
     };
   }
 }

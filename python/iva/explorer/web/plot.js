@@ -197,7 +197,7 @@ export class View {
     const button = (label, help, action) =>
       make("button", { type: "button", class: "small", title: help, "aria-label": help, onclick: action }, label);
     this.heading = make("h2", {}, title);
-    this.legend = make("span", { class: "legend" });
+    this.legend = make("span", { class: "hint" });
     this.element = make("figure", { class: `view view-${name}`, "aria-label": title },
       make("figcaption", {}, this.heading, this.legend, make("span", { class: "tools" }, ...tools,
         button("PNG", `${title}: save as picture`, () => this.savePicture()),

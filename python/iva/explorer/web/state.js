@@ -20,8 +20,8 @@ export const DEFAULT_SCENE = {
 const SAMPLES = 1800;
 
 /** What keeps a page alive: longer runs, and runs with more stretches of motion, are for the package. */
-const MOST_PERIODS = 2000;
-const MOST_WORK = 50_000;
+const MOST_PERIODS = 1000;
+const MOST_WORK = 20_000;
 
 /** A scene as the page runs it: with an end to its work. */
 export function limited({ choices, values }) {
@@ -58,6 +58,8 @@ export class Explorer {
     this.future = [];
     this.last = { what: null, at: 0 };
     this.pending = new Map();
+    /** Why the last change was not made; null if it was. */
+    this.refused = null;
     this.units = "natural";
     this.choices = { ...DEFAULT_SCENE.choices };
     this.values = { ...DEFAULT_SCENE.values };
@@ -115,6 +117,7 @@ export class Explorer {
     const error = this.accept({ ...scene.choices }, { ...scene.values });
     if (error) return error;
     this.pending.clear();
+    this.refused = null;
     this.remember(before, null);
     this.tell();
     return null;
@@ -137,9 +140,10 @@ export class Explorer {
    */
   edit(changes, what, choices = {}) {
     const waiting = {};
-    for (const [path, { value }] of this.pending) if (!(path in changes)) waiting[path] = value;
     const before = this.snapshot();
     const chosen = { ...this.choices, ...choices };
+    const belongs = (path) => this.fields.get(path).kinds.includes(chosen.kind);
+    for (const [path, { value }] of this.pending) if (!(path in changes) && belongs(path)) waiting[path] = value;
     let error = null;
     if (Object.keys(waiting).length) {
       error = this.accept(chosen, this.changed({ ...waiting, ...changes }));
@@ -152,13 +156,14 @@ export class Explorer {
       for (const path of Object.keys(changes)) this.pending.delete(path);
       this.remember(before, what);
     }
+    this.refused = error;
     this.tell();
     return error;
   }
 
   /** What was typed into a field; if it cannot be run, the text is kept and the sentence shown. */
   type(path, text) {
-    const value = text.trim() === "" ? undefined : Number(text.trim().replace("−", "-"));
+    const value = text.trim() === "" ? undefined : Number(text.trim().replaceAll("−", "-"));
     if (Number.isNaN(value)) {
       this.pending.set(path, { text, value: this.values[path], sentence: `${text} is not a number` });
       this.tell();
@@ -229,6 +234,7 @@ export class Explorer {
     to.push(this.snapshot());
     this.accept(scene.choices, scene.values);
     this.pending.clear();
+    this.refused = null;
     this.last = { what: null, at: 0 };
     this.tell();
   }
@@ -246,6 +252,7 @@ export class Explorer {
       this.pending.clear();
       this.remember(before, null);
     }
+    this.refused = error;
     this.tell();
     return error;
   }

@@ -22,10 +22,7 @@ onmessage = async ({ data }) => {
   if (error) { postMessage({ id: data.id, failed: error.sentence }); return; }
   let last = performance.now();
   for (const { index, xPath, xs, yPath, ys } of data.rows) {
-    let values;
-    try { values = engine.map(xPath, xs, yPath, ys, data.measure); } catch (fault) {
-      values = new Float64Array(xs.length * ys.length).fill(NaN);
-    }
+    const values = engine.row(xPath, xs, yPath, ys[0], data.measure);
     postMessage({ id: data.id, index, values }, [values.buffer]);
     if (performance.now() - last > 30) {
       await pause();
@@ -146,12 +143,7 @@ export class Background {
       const until = performance.now() + 8;
       while (left.length && performance.now() < until) {
         const { index, xPath, xs, yPath, ys } = left.shift();
-        let values;
-        try {
-          values = this.engine.map(xPath, xs, yPath, ys, job.measure);
-        } catch {
-          values = new Float64Array(xs.length * ys.length).fill(NaN);
-        }
+        const values = this.engine.row(xPath, xs, yPath, ys[0], job.measure);
         job.onRow(index, values);
       }
       if (left.length) idle(slice);
