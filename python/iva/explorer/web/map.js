@@ -268,6 +268,7 @@ export class ScanMap {
 
   /** Paints the map if anything of it has changed but the place of the point. */
   draw(data, colours) {
+    this.colours = colours;
     if (this.waits && this.view.visible) this.begin();
     const shown = JSON.stringify([this.key, data.units, this.ranges]);
     const { plot } = this.view;

@@ -245,9 +245,14 @@ export class Explorer {
 
   /** Gives all values in SI units with lengths in mm, or without dimensions. */
   switchUnits(units) {
-    const values = units === "si" ? toSi(this.values, this.fields) : toNatural(this.values, this.fields);
     const before = this.snapshot();
-    const error = this.accept(this.choices, values);
+    let error = null;
+    try {
+      const values = units === "si" ? toSi(this.values, this.fields) : toNatural(this.values, this.fields);
+      error = this.accept(this.choices, values);
+    } catch (fault) {
+      error = { field: "units", sentence: fault.message };
+    }
     if (!error) {
       this.pending.clear();
       this.remember(before, null);

@@ -46,7 +46,7 @@ export function converted(values, fields, length, frequency) {
     const held = unitless ? value : base === "force.amplitude" && path === "force.base_acceleration"
       ? value : toBase(path, value, setting);
     const to = path === "force.base_acceleration" ? path : base;
-    if (Number.isNaN(held)) continue;
+    if (Number.isNaN(held)) throw new RangeError(`${path} cannot be given in the other units; clear it first`);
     const target = fields.get(to);
     result[to] = rounded(held * (unitless ? 1 : factorOf(target.quantity, length, frequency)), 12);
   }
