@@ -98,6 +98,8 @@ def test_it_opens_from_a_disk_without_a_network_and_without_a_fault(
     asked = [it for it in shown.requests if not it.startswith(("blob:", "data:"))]
     assert asked in ([page], ["about:blank", page])
     assert shown.console == []
+    # The instruction of the machine is used: all that is compared here to the bit is made with it.
+    assert shown.value("now.engine.fast")
     assert f"iva {iva.__version__}" in shown.value("document.querySelector('.foot').textContent")
     digits = shown.wait(
         "/to ([\\d.]+) digits/.exec(document.querySelector('.foot').textContent)?.[1]"
@@ -227,6 +229,7 @@ def test_losses_that_are_not_listed_are_losses_in_impacts(shown: Chromium) -> No
         "absorber.restitution": 0.3,
         "absorber.clearance": 0.05,
         "primary.damping_ratio": 0.02,
+        "run.chatter_floor": 0.02,
     }
     shown.value(f"now.state.edit({json.dumps(changes)}, null)")
     energies = shown.value(

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use iva_store::visible;
 use iva_study::study_file::read_study;
-use iva_sweep::watched::takes;
+use iva_sweep::watched::{TAKEN, takes};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -36,8 +36,7 @@ pub fn scene_of_study(path: PathBuf, point: u64) -> PyResult<Explored> {
     let spec = file.study.spec(point).map_err(invalid)?;
     let design = spec.design().map_err(invalid)?;
     if !takes(&design) {
-        let rule = "force: the explorer takes one harmonic force or base motion, and no tolerance";
-        return Err(PyValueError::new_err(rule));
+        return Err(PyValueError::new_err(format!("force: {TAKEN}")));
     }
     let numbers = spec.given().map(|(slot, value)| (slot.path(), value));
     Ok((spec.choices().words().collect(), numbers.collect()))

@@ -10,6 +10,7 @@ use iva_core::error::Invalid;
 use iva_core::propagation::Errors;
 use iva_core::run::side_by_side::Tier;
 use iva_core::sample::Sampler;
+use iva_core::simulate::Outcome;
 
 use crate::cells::Cell;
 use crate::columns::columns;
@@ -43,6 +44,9 @@ pub struct Watched {
     /// Energy of structure and absorber at each row of the trajectory, in the user's unit.
     pub energies: Vec<f64>,
 }
+
+/// What a scene that [`takes`] refuses is to be told.
+pub const TAKEN: &str = "the explorer takes one harmonic force or base motion, and no tolerance";
 
 /// True if a design is run here: in the exact tier, with at most one harmonic force.
 pub fn takes(design: &Design) -> bool {
@@ -88,7 +92,8 @@ pub fn watched(study: &Study, samples_per_period: u32) -> Result<Option<Watched>
     Ok(Some(Watched { summary, tables, energies }))
 }
 
-/// The value of one measure at all points of a study, NaN where it is not defined. `None`: [`takes`] refuses a point.
+/// The value of one measure at all points of a study, NaN where it is not defined and where the run ended early, so that no
+/// value is that of a part of a run. `None`: [`takes`] refuses a point.
 ///
 /// # Errors
 /// [`Invalid`] for an invalid point.
@@ -112,7 +117,9 @@ pub fn measured(study: &Study, name: &str) -> Result<Option<Vec<f64>>, Invalid> 
         let observed = (None::<Box<Errors>>, None::<&mut Sampler>);
         let ended = run(study, point, &design, &request, cancel, observed, &mut |_, _| {})?;
         let row = summary_row(study, point, &design, &ended, &request.columns);
-        values.push(row.into_iter().nth(column).map_or(f64::NAN, number));
+        let whole = ended.tally.outcome == Outcome::Finished;
+        let cell = row.into_iter().nth(column).filter(|_| whole);
+        values.push(cell.map_or(f64::NAN, number));
     }
     Ok(Some(values))
 }

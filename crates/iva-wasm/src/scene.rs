@@ -5,7 +5,7 @@ use iva_sweep::axis::Axis;
 use iva_sweep::choices::Choices;
 use iva_sweep::design::Spec;
 use iva_sweep::slot::Slot;
-use iva_sweep::watched::takes;
+use iva_sweep::watched::{TAKEN, takes};
 
 use crate::json;
 
@@ -64,8 +64,7 @@ pub fn units_of(spec: &Spec) -> Result<&'static str, Invalid> {
 
 /// What is said of a scene that is not for the event loop alone.
 pub fn refused(spec: &Spec) -> Invalid {
-    let rule = "the explorer takes one harmonic force or base motion, and no tolerance";
-    Invalid::new("force", spec.forces().len(), rule)
+    Invalid::new("force", spec.forces().len(), TAKEN)
 }
 
 fn number(path: &str, value: &str) -> Result<f64, Invalid> {
@@ -127,5 +126,12 @@ mod tests {
         .expect("a run");
         let number = crate::json::number(map[4]);
         assert!(text.contains(&format!("\"settling_time_5\":{number}")), "{number}: {text}");
+    }
+
+    #[test]
+    fn a_map_has_no_value_of_a_run_that_ended_early() {
+        let more = "set run.max_work 10\naxis absorber.clearance 0.3 0.6\nmeasure impacts";
+        let map = crate::map::map(Scene::read(&format!("{SCENE}\n{more}")).expect("a scene"));
+        assert!(map.expect("a map").iter().all(|value| value.is_nan()));
     }
 }
