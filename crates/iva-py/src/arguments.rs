@@ -53,7 +53,7 @@ pub fn spec(fields: &Bound<'_, PyDict>) -> PyResult<Spec> {
 }
 
 /// Key of the list of forces in the dict of a spec.
-const FORCES: &str = "forces";
+pub const FORCES: &str = "forces";
 
 /// Adds forces to a spec; each is a dict of field → number and, for a recorded force, `"record"` → the record.
 fn forces(list: &[Bound<'_, PyDict>], spec: &mut Spec) -> PyResult<()> {
@@ -80,7 +80,8 @@ fn forces(list: &[Bound<'_, PyDict>], spec: &mut Spec) -> PyResult<()> {
     Ok(())
 }
 
-const RECORD: &str = "record";
+/// Key of the record in the dict of a recorded force.
+pub const RECORD: &str = "record";
 
 /// The part with a name.
 ///

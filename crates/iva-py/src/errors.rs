@@ -69,6 +69,15 @@ pub fn refused(error: iva_study::Error) -> PyErr {
     }
 }
 
+/// The exception for a study file, at the line of what is wrong in it.
+pub fn refused_study(error: &iva_study::Error) -> PyErr {
+    let sentence = visible(&error.to_string());
+    match error.is_bad_input() {
+        true => PyValueError::new_err(sentence),
+        false => IvaError::new_err(sentence),
+    }
+}
+
 /// The message of an error with the Python arguments that help; it points at no line of a study file.
 pub fn worded(error: &iva_study::Error) -> String {
     use iva_study::Error;

@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use iva_store::visible;
 use iva_study::study_file::read_study;
 use iva_sweep::watched::{TAKEN, takes};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::errors::{IvaError, invalid};
+use crate::errors::{invalid, refused_study};
 
 /// Choices by name and numbers by path.
 type Explored = (Vec<(&'static str, &'static str)>, Vec<(String, f64)>);
@@ -20,15 +19,8 @@ type Explored = (Vec<(&'static str, &'static str)>, Vec<(String, f64)>);
 /// that cannot be read.
 #[pyfunction]
 pub fn scene_of_study(path: PathBuf, point: u64) -> PyResult<Explored> {
-    let file = read_study(&path).map_err(|error| {
-        let sentence = visible(&error.to_string());
-        match error.is_bad_input() {
-            true => PyValueError::new_err(sentence),
-            false => IvaError::new_err(sentence),
-        }
-    })?;
-    let points =
-        file.points().map_err(|error| PyValueError::new_err(visible(&error.to_string())))?;
+    let file = read_study(&path).map_err(|error| refused_study(&error))?;
+    let points = file.points().map_err(|error| refused_study(&error))?;
     if point >= points {
         let rule = format!("--point {point}: give a number from 0 to {}", points - 1);
         return Err(PyValueError::new_err(rule));

@@ -15,6 +15,7 @@ mod errors;
 mod explored;
 mod files;
 mod folder;
+mod optimised;
 mod record;
 mod study;
 mod theory;
@@ -46,6 +47,8 @@ mod _iva {
     use super::files::{check_files, empty_tables, metadata, read_table, visible};
     #[pymodule_export]
     use super::folder::{PySweepFolder, sweep_into};
+    #[pymodule_export]
+    use super::optimised::{optimised_scene, sampled};
     #[pymodule_export]
     use super::record::{PyRecord, read_record};
     #[pymodule_export]

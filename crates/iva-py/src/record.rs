@@ -62,6 +62,10 @@ impl PyRecord {
 }
 
 impl PyRecord {
+    pub fn of(recorded: Recorded) -> Self {
+        Self(recorded)
+    }
+
     pub fn recorded(&self) -> Recorded {
         self.0.clone()
     }

@@ -59,6 +59,8 @@ pub(crate) const MOST_BYTES: u64 = 10_000_000;
 /// Keys and sections of a study file.
 const SECTIONS: [&str; 9] =
     ["version", "primary", "absorber", "force", "start", "run", "sampling", "sweep", "report"];
+/// The section of `iva optimise`, which the other commands cannot do anything with.
+const OPTIMISE: &str = "optimise";
 /// Allowed range of `run.samples_per_period`.
 const SAMPLES_RANGE: (u64, u64) = (1, 1_000_000);
 /// Allowed range of `report.count`.
@@ -83,6 +85,25 @@ pub struct StudyFile {
 /// [`Error::UnreadableStudy`] if the file cannot be read or is not a regular one, [`Error::LargeStudy`] if it is
 /// too large, [`Error::NotText`] if it is not UTF-8, and the errors of [`parse_study`].
 pub fn read_study(path: &Path) -> Result<StudyFile, Error> {
+    parse_study(path, &text_of(path)?)
+}
+
+/// Reads a study file that has a section `[optimise]`, all but that section.
+///
+/// # Errors
+/// As [`read_study`], and [`Error::Study`] if the section is missing or something is swept beside it.
+pub fn read_optimised(path: &Path) -> Result<StudyFile, Error> {
+    let file = parse(path, &text_of(path)?, Some(OPTIMISE))?;
+    if !file.study.sampling.is_empty() {
+        return Err(file.source.missing(format!(
+            "[sweep] beside [{OPTIMISE}]: give the distributions in [{OPTIMISE}.over], or leave one section out"
+        )));
+    }
+    Ok(file)
+}
+
+/// Reads the text of a study file.
+fn text_of(path: &Path) -> Result<String, Error> {
     let failed = |reason: io::Error| Error::UnreadableStudy { path: path.to_owned(), reason };
     let file = regular_file::open(path).map_err(failed)?;
     let mut size = file.metadata().map_err(failed)?.len();
@@ -95,12 +116,11 @@ pub fn read_study(path: &Path) -> Result<StudyFile, Error> {
     if size > MOST_BYTES {
         return Err(Error::LargeStudy { path: path.to_owned(), bytes: size });
     }
-    let text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = valid.iter().filter(|byte| **byte == b'\n').count() + 1;
         Error::NotText { path: path.to_owned(), line }
-    })?;
-    parse_study(path, &text)
+    })
 }
 
 /// Reads the text of a study file; `path` is the name in messages, and files that the study names are relative
@@ -110,6 +130,11 @@ pub fn read_study(path: &Path) -> Result<StudyFile, Error> {
 /// [`Error::Study`], with line and column where there are any, for invalid contents, also of a record, and
 /// [`Error::LargeRecord`] for a file of a record that is too large.
 pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
+    parse(path, text, None)
+}
+
+/// Reads the text of a study file but for the section `aside`, which must be there.
+fn parse(path: &Path, text: &str, aside: Option<&str>) -> Result<StudyFile, Error> {
     let mut source = Source::new(path, text);
     let document = DeTable::parse(text).map_err(|error| match error.span() {
         Some(span) if error.message() == "duplicate key" => {
@@ -121,8 +146,16 @@ pub fn parse_study(path: &Path, text: &str) -> Result<StudyFile, Error> {
     })?;
     let root = document.get_ref();
     check_version(&source, root)?;
+    if let Some(section) = aside.filter(|section| !root.contains_key(*section)) {
+        return Err(source.missing(format!("the section [{section}] is missing")));
+    }
     for (key, _) in entries(root) {
-        if !SECTIONS.contains(&key.get_ref().as_ref()) {
+        let name = key.get_ref().as_ref();
+        if name == OPTIMISE && aside.is_none() {
+            let rule = format!("[{OPTIMISE}]: this section is for the command iva {OPTIMISE}");
+            return Err(source.error(key.span(), rule));
+        }
+        if !SECTIONS.contains(&name) && aside != Some(name) {
             return Err(unknown_key(&source, "", key, &SECTIONS));
         }
     }

@@ -1,0 +1,63 @@
+//! What `iva optimise` needs from the compiled part: the scene of a study file, and samples of distributions.
+
+use std::path::PathBuf;
+
+use iva_study::study_file::read_optimised;
+use iva_sweep::fields::Part;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyTuple};
+
+use crate::arguments::{self, FORCES, RECORD};
+use crate::errors::{invalid, refused_study};
+use crate::record::PyRecord;
+
+/// The spec of the scene of a study file with a section `[optimise]`, as [`arguments::spec`] takes it.
+///
+/// # Errors
+/// `ValueError` for an invalid study; `IvaError` for a file that cannot be read.
+#[pyfunction]
+pub fn optimised_scene(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+    let study = read_optimised(&path).map_err(|error| refused_study(&error))?.study;
+    let scene = PyDict::new(py);
+    for (name, word) in study.spec.choices().words() {
+        scene.set_item(format!("{}.{name}", Part::Absorber.name()), word)?;
+    }
+    let forces = PyList::empty(py);
+    for force in study.spec.forces() {
+        let fields = PyDict::new(py);
+        if let Some(record) = &force.record {
+            fields.set_item(RECORD, PyRecord::of(record.clone()))?;
+        }
+        forces.append(fields)?;
+    }
+    for (slot, value) in study.spec.given() {
+        match slot.info().part {
+            Part::Force => {
+                forces.get_item(slot.force.unwrap_or(0))?.set_item(slot.info().name, value)?;
+            }
+            _ => scene.set_item(slot.path(), value)?,
+        }
+    }
+    if !forces.is_empty() {
+        scene.set_item(FORCES, forces)?;
+    }
+    Ok(scene)
+}
+
+/// The first `count` points of a sample: keys with their values, which no scene has checked, because they may be
+/// what is added to a field.
+///
+/// # Errors
+/// `ValueError` for an unknown key, a distribution out of range, or too many points.
+#[pyfunction]
+pub fn sampled(sampling: &Bound<'_, PyTuple>) -> PyResult<Vec<(String, Vec<f64>)>> {
+    let sampling = arguments::sampling(sampling)?;
+    let mut columns: Vec<(String, Vec<f64>)> =
+        sampling.keys().map(|swept| (swept.key.to_owned(), vec![])).collect();
+    for point in sampling.first()..sampling.points().map_err(invalid)? {
+        for (column, value) in columns.iter_mut().zip(sampling.values(point)) {
+            column.1.push(value);
+        }
+    }
+    Ok(columns)
+}
