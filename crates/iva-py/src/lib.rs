@@ -17,6 +17,7 @@ mod files;
 mod folder;
 mod optimised;
 mod record;
+mod scenes;
 mod study;
 mod theory;
 mod worker;

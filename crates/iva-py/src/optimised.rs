@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use iva_study::study_file::read_optimised;
-use iva_sweep::fields::Part;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyTuple};
+use pyo3::types::{PyDict, PyTuple};
 
-use crate::arguments::{self, FORCES, RECORD};
+use crate::arguments;
 use crate::errors::{invalid, refused_study};
-use crate::record::PyRecord;
+use crate::scenes::spec_dict;
 
 /// The spec of the scene of a study file with a section `[optimise]`, as [`arguments::spec`] takes it.
 ///
@@ -17,31 +16,8 @@ use crate::record::PyRecord;
 /// `ValueError` for an invalid study; `IvaError` for a file that cannot be read.
 #[pyfunction]
 pub fn optimised_scene(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    let study = read_optimised(&path).map_err(|error| refused_study(&error))?.study;
-    let scene = PyDict::new(py);
-    for (name, word) in study.spec.choices().words() {
-        scene.set_item(format!("{}.{name}", Part::Absorber.name()), word)?;
-    }
-    let forces = PyList::empty(py);
-    for force in study.spec.forces() {
-        let fields = PyDict::new(py);
-        if let Some(record) = &force.record {
-            fields.set_item(RECORD, PyRecord::of(record.clone()))?;
-        }
-        forces.append(fields)?;
-    }
-    for (slot, value) in study.spec.given() {
-        match slot.info().part {
-            Part::Force => {
-                forces.get_item(slot.force.unwrap_or(0))?.set_item(slot.info().name, value)?;
-            }
-            _ => scene.set_item(slot.path(), value)?,
-        }
-    }
-    if !forces.is_empty() {
-        scene.set_item(FORCES, forces)?;
-    }
-    Ok(scene)
+    let file = read_optimised(&path).map_err(|error| refused_study(&error))?;
+    spec_dict(py, &file.study.spec)
 }
 
 /// The first `count` points of a sample: keys with their values, which no scene has checked, because they may be

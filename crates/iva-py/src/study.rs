@@ -26,6 +26,7 @@ use crate::arguments;
 use crate::arrow_table::ArrowTable;
 use crate::calls::{Tables, named};
 use crate::errors::{internal, invalid, refused};
+use crate::scenes::spec_dict;
 use crate::worker::{self, Progress, Shared};
 
 /// Number of points whose tables always fit into memory.
@@ -189,6 +190,11 @@ impl PyStudy {
             }
         }
         columns
+    }
+
+    /// The whole scene of a point as a dict, what is swept in it.
+    fn scene<'py>(&self, py: Python<'py>, point: u64) -> PyResult<Bound<'py, PyDict>> {
+        spec_dict(py, &self.study.spec(point).map_err(invalid)?)
     }
 
     /// Runs the points from `first` to below `last` on one thread and writes their files into a folder;

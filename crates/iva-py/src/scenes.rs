@@ -1,0 +1,37 @@
+//! Conversion of a spec into a Python dict, the opposite of [`arguments::spec`](crate::arguments::spec).
+
+use iva_sweep::design::Spec;
+use iva_sweep::fields::Part;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::arguments::{FORCES, RECORD};
+use crate::record::PyRecord;
+
+/// A dict `"part.field"` → number or word, and under `"forces"` the list of forces.
+pub fn spec_dict<'py>(py: Python<'py>, spec: &Spec) -> PyResult<Bound<'py, PyDict>> {
+    let scene = PyDict::new(py);
+    for (name, word) in spec.choices().words() {
+        scene.set_item(format!("{}.{name}", Part::Absorber.name()), word)?;
+    }
+    let forces = PyList::empty(py);
+    for force in spec.forces() {
+        let fields = PyDict::new(py);
+        if let Some(record) = &force.record {
+            fields.set_item(RECORD, PyRecord::of(record.clone()))?;
+        }
+        forces.append(fields)?;
+    }
+    for (slot, value) in spec.given() {
+        match slot.info().part {
+            Part::Force => {
+                forces.get_item(slot.force.unwrap_or(0))?.set_item(slot.info().name, value)?;
+            }
+            _ => scene.set_item(slot.path(), value)?,
+        }
+    }
+    if !forces.is_empty() {
+        scene.set_item(FORCES, forces)?;
+    }
+    Ok(scene)
+}
