@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from iva.choosing import best, pareto, robust
     from iva.explorer import explore
     from iva.forces import Harmonic, Impulse, Recorded
+    from iva.optimisation import Optimum, optimise
     from iva.parameters import Piva, Primary, Siva, Start
     from iva.reading import read
     from iva.run_tables import Gradient, Verification
@@ -48,6 +49,7 @@ __all__ = [
     "Harmonic",
     "Impulse",
     "IvaError",
+    "Optimum",
     "Piva",
     "Primary",
     "Recorded",
@@ -62,6 +64,7 @@ __all__ = [
     "best",
     "dynamics",
     "explore",
+    "optimise",
     "pareto",
     "read",
     "robust",
@@ -82,6 +85,7 @@ _HOMES = {
     "Harmonic": "forces",
     "Impulse": "forces",
     "IvaError": "_iva",
+    "Optimum": "optimisation",
     "Piva": "parameters",
     "Primary": "parameters",
     "Recorded": "forces",
@@ -96,6 +100,7 @@ _HOMES = {
     "best": "choosing",
     "dynamics": "dynamics",
     "explore": "explorer",
+    "optimise": "optimisation",
     "paper": "paper",
     "pareto": "choosing",
     "plots": "plots",

@@ -99,6 +99,29 @@ def numbers(field: str, values: object) -> list[float]:
     return [number(f"{field}[{index}]", value) for index, value in enumerate(values)]
 
 
+def percentage(field: str, given: str) -> float:
+    """Return a percentage given for `field` as a number.
+
+    Raises
+    ------
+    ValueError
+        If it is none, or not greater than 0 and below 100.
+
+    Examples
+    --------
+    >>> percentage("within['gap']", "20%")
+    0.2
+    """
+    text = given.strip()
+    try:
+        share = float(text.removesuffix("%")) / 100 if text.endswith("%") else math.nan
+    except ValueError:
+        share = math.nan
+    if not 0 < share < 1:
+        raise ValueError(f"{field} = {shown(given)}: give a percentage below 100, such as '5%'")
+    return share
+
+
 class Part:
     """What the three parts of a scene have in common."""
 

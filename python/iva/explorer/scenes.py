@@ -6,9 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypedDict
 
-from iva import _iva
-from iva.forces import Harmonic
-from iva.parameters import Piva, Primary, Siva, Start
+from iva import _iva, scenes
 
 #: The words of a study that are not numbers.
 WORDS = ("kind", "angles", "impact_law")
@@ -59,21 +57,17 @@ def explored(spec: Mapping[str, Any]) -> Explored:
 
 def parts(scene: Explored) -> dict[str, Any]:
     """Return a scene as the arguments of :func:`iva.simulate`."""
-    choices = dict(scene["choices"])
-    kind = choices.pop("kind")
-    given: dict[str, dict[str, Any]] = {"absorber": choices if kind == "piva" else {}}
+    spec: dict[str, Any] = {f"absorber.{name}": word for name, word in scene["choices"].items()}
+    force = {}
     for path, value in scene["values"].items():
         part, _, name = path.partition(".")
-        given.setdefault(part, {})[name] = value
-    made = {"siva": Siva, "piva": Piva}.get(kind)
-    force = {"force": Harmonic(**given["force"])} if "force" in given else {}
-    return {
-        "absorber": made(**given["absorber"]) if made else None,
-        "primary": Primary(**given.get("primary", {})),
-        "start": Start(**given.get("start", {})),
-        **force,
-        **given.get("run", {}),
-    }
+        if part == "force":
+            force[name] = value
+        else:
+            spec[path] = value
+    if force:
+        spec["forces"] = [force]
+    return scenes.parts(spec)
 
 
 def of_forces(forces: list[Mapping[str, Any]]) -> Iterator[tuple[str, float]]:
