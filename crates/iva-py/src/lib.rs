@@ -49,7 +49,7 @@ mod _iva {
     #[pymodule_export]
     use super::folder::{PySweepFolder, sweep_into};
     #[pymodule_export]
-    use super::optimised::{optimised_scene, sampled};
+    use super::optimised::{in_range, optimised_scene, sampled};
     #[pymodule_export]
     use super::record::{PyRecord, read_record};
     #[pymodule_export]

@@ -1,8 +1,9 @@
-//! What `iva optimise` needs from the compiled part: the scene of a study file, and samples of distributions.
+//! What `iva optimise` needs: the scene of a study file, samples of distributions, and ranges of fields.
 
 use std::path::PathBuf;
 
 use iva_study::study_file::read_optimised;
+use iva_sweep::slot::Slot;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -36,4 +37,14 @@ pub fn sampled(sampling: &Bound<'_, PyTuple>) -> PyResult<Vec<(String, Vec<f64>)
         }
     }
     Ok(columns)
+}
+
+/// Whether each of some values of a field is in its range; NaN is not.
+///
+/// # Errors
+/// `ValueError` for an unknown key.
+#[pyfunction]
+pub fn in_range(key: &str, values: Vec<f64>) -> PyResult<Vec<bool>> {
+    let slot = Slot::from_key(key).map_err(invalid)?;
+    Ok(values.into_iter().map(|value| slot.check(value).is_ok()).collect())
 }

@@ -89,6 +89,16 @@ class Uncertain:
             found[key] = values[index]
         return found
 
+    @property
+    def medians(self) -> dict[str, float]:
+        """The median of each field that differs from case to case, without what is chosen."""
+        found = {
+            key: median(*rest)
+            for name, (key, *rest) in zip(self.names, self.variables, strict=True)
+            if name == f"over {key}"
+        }
+        return found | {key: float(np.median(values)) for key, (_, values) in self.lists.items()}
+
     def offset(self, key: str, chosen: Numbers, cases: Mapping[str, Numbers]) -> Numbers:
         """Return a chosen field in all cases, shapes (k,) and (n,) to (k, n)."""
         if key not in self.offsets:
@@ -97,6 +107,24 @@ class Uncertain:
         name, relative = self.offsets[key]
         by = cases[name][None, :]
         return chosen[:, None] * (1.0 + by) if relative else chosen[:, None] + by
+
+
+def median(distribution: str, numbers: Mapping[str, float]) -> float:
+    """Return the median of a distribution, that of the compiled part with the same name."""
+    from scipy.special import ndtr, ndtri
+
+    low, high = numbers.get("low", -np.inf), numbers.get("high", np.inf)
+    if distribution == "uniform":
+        return (low + high) / 2
+    if distribution == "normal":
+        mean, deviation = numbers["mean"], numbers["deviation"]
+        ends = (np.array([low, high]) - mean) / deviation if deviation else np.array([0.0, 0.0])
+        return float(mean + deviation * ndtri(ndtr(ends).mean()))
+    middle, sigma = numbers["median"], numbers["sigma"]
+    with np.errstate(divide="ignore"):
+        logarithms = np.log(np.maximum([low, high], 0.0) / middle)
+    ends = logarithms / sigma if sigma else np.array([0.0, 0.0])
+    return float(middle * np.exp(sigma * ndtri(ndtr(ends).mean())))
 
 
 def uncertain_of(over: object, off: object, chosen: Iterable[str]) -> Uncertain:

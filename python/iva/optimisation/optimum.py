@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from iva.optimisation.problem import Goal, Problem
     from iva.optimisation.stages import Judged
 
-#: Cases of which the middle one stands for what is not known exactly.
-MIDDLE = 1024
-
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
@@ -77,9 +74,7 @@ class Optimum:
         What is not known exactly has its median, what the worst is taken over its first value.
         """
         problem, variant = self._problem, self.best_absorber
-        uncertain = problem.uncertain[variant]
-        cases = Draw(uncertain, "sobol", 0).cases(0, MIDDLE)
-        values = {key: float(np.median(of)) for key, of in uncertain.values(cases).items()}
+        values = dict(problem.uncertain[variant].medians)
         values |= {key: axis[0] for key, axis in problem.worst_over.items()} | self.best
         rows = [(key, [value]) for key, value in values.items()]
         study = _iva.Study(problem.variants[variant].spec, ("rows", rows, 0), ["summary"])

@@ -19,8 +19,11 @@ EXPLORE, SEARCH, RACE, FINAL, COMPARE = 0.14, 0.2, 0.18, 0.2, 0.12
 #: The same where there is a single case, and nothing to race: first look and search. What is left
 #: is for a local search.
 CERTAIN_EXPLORE, CERTAIN_SEARCH = 0.3, 0.5
-#: Below so many cases in all, every stage looks at fewer of them.
-FEW = 20_000
+#: Cases in all for which these counts are. With more, the counts grow with the power 2/3, and the
+#: number of designs with what is left: a search by few cases finds what suits these alone, the
+#: better the longer it searches.
+USUAL = 60_000
+GROWTH = 2 / 3
 #: Members of the population for each chosen field, and at least.
 MEMBERS, LEAST_MEMBERS = 8, 16
 
@@ -45,6 +48,8 @@ class Plan:
         Designs in its last round.
     compared : int
         Designs compared with the best by fresh cases.
+    with_best : int
+        Cases of each of them.
     """
 
     first: int
@@ -57,9 +62,10 @@ class Plan:
     raced: int
     finalists: int
     compared: int
+    with_best: int
 
 
-def plan_of(cases: int, fields: int, variants: int, certain: bool) -> Plan:
+def plan_of(cases: int, fields: int, variants: int, goals: int, certain: bool) -> Plan:
     """Return the plan for a number of cases of one design.
 
     Parameters
@@ -70,6 +76,8 @@ def plan_of(cases: int, fields: int, variants: int, certain: bool) -> Plan:
         Number of chosen fields.
     variants : int
         Number of absorbers to choose among; each has its own search.
+    goals : int
+        Number of goals; a front needs more finalists, and no comparison with the best.
     certain : bool
         There is one case only; then there is nothing to race, and all is search.
     """
@@ -78,19 +86,32 @@ def plan_of(cases: int, fields: int, variants: int, certain: bool) -> Plan:
     if certain:
         explored = power_of_two(CERTAIN_EXPLORE * each, 4)
         generations = max(int(CERTAIN_SEARCH * each / members), 1)
-        return Plan(1, 1, 1, 1, explored, members, generations, 1, 1, 0)
-    scale = min(max(cases / FEW, 1 / 16), 1.0)
-    first, searched, one_round, last = (
+        return Plan(1, 1, 1, 1, explored, members, generations, 1, 1, 0, 1)
+    scale = (cases / USUAL) ** GROWTH
+    first, searched, one_round, last, with_best = (
         max(round(count * scale), least)
-        for count, least in ((FIRST, 4), (SEARCHED, 8), (ROUND, 16), (LAST, 32))
+        for count, least in ((FIRST, 4), (SEARCHED, 8), (ROUND, 16), (LAST, 32), (COMPARED, 16))
     )
     explored = power_of_two(EXPLORE * each / first, 4)
     generations = max(int(SEARCH * each / (members * searched)), 1)
     raced = max(int(RACE * cases / one_round), 2)
     finalists = max(int(FINAL * cases / last), 2)
-    compared = max(int(COMPARE * cases / COMPARED), 2)
+    compared = max(int(COMPARE * cases / with_best), 2)
+    if goals > 1:
+        last = 2 * one_round
+        finalists = max(int((FINAL + COMPARE) * cases / last), 2)
     return Plan(
-        first, searched, one_round, last, explored, members, generations, raced, finalists, compared
+        first=first,
+        searched=searched,
+        round=one_round,
+        last=last,
+        explored=explored,
+        kept=members,
+        generations=generations,
+        raced=raced,
+        finalists=finalists,
+        compared=compared,
+        with_best=with_best,
     )
 
 

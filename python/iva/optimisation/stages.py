@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from iva.optimisation.cases import Draw
-from iva.optimisation.evaluation import Candidate, Evaluation, Weighing
+from iva.optimisation.evaluation import Candidate, Evaluation, Weighing, check
 from iva.optimisation.plan import Plan, plan_of
 from iva.optimisation.plateau import around, told_apart
 from iva.optimisation.race import raced
@@ -66,13 +66,15 @@ def judged(evaluation: Evaluation) -> Judged:
     """
     problem = evaluation.problem
     widest = max(len(variant.choices) for variant in problem.variants)
-    plan = plan_of(evaluation.left, widest, len(problem.variants), problem.is_certain)
+    counts = (widest, len(problem.variants), len(problem.goals))
+    plan = plan_of(evaluation.left, *counts, problem.is_certain)
     seeds = np.random.SeedSequence(problem.seed)
     rng = np.random.default_rng(seeds)
     search, fresh = (
         [Draw(one, method, 2 * problem.seed + odd) for one in problem.uncertain]
         for odd, method in enumerate(("sobol", "random"))
     )
+    check(problem, search)
     try:
         finalists = found(evaluation, search, plan, rng)
         best = middle(evaluation, finalists)
@@ -154,13 +156,12 @@ def judge(
         return
     weighed = Weighing(np.ones(1), np.zeros(1), np.ones(1))
     order = ranked(evaluation, finalists, weighed)
-    compared = min(plan.round, plan.last)
     # The best comes first: Ctrl-C after it leaves a judgement of it.
-    evaluation.extend([fresh], draws, compared)
+    evaluation.extend([fresh], draws, plan.with_best)
     result.fresh = fresh
     others = around(evaluation, best, order, plan.compared, rng)
     others = [one for one in others if (one.variant, one.values) != (fresh.variant, fresh.values)]
-    evaluation.extend(others, draws, compared)
+    evaluation.extend(others, draws, plan.with_best)
     worse = told_apart(evaluation, fresh, others, problem.seed)
     result.as_good = [fresh] + [one for one, apart in zip(others, worse, strict=True) if not apart]
     more = min(fresh.cases + evaluation.left, MOST_FRESH)
