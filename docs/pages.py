@@ -181,6 +181,10 @@ def run_commands(code: str, place: str) -> None:
             from iva.paper.command import main
 
             code_of_exit = main(words[2:])
+        elif words[1] == "optimise":
+            from iva.optimisation.command import main as optimise
+
+            code_of_exit = optimise(words[2:])
         elif words[1] == "explore":
             from iva.explorer.command import main as explore
 

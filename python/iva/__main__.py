@@ -1,16 +1,25 @@
-"""The command ``iva``: the program of the native binary, ``iva explore`` and ``iva reproduce``."""
+"""The command ``iva``: that of the native binary, and what is done in Python.
+
+In Python are ``iva optimise``, ``iva explore`` and ``iva reproduce``.
+"""
 
 import signal
 import sys
+from collections.abc import Callable
 from types import FrameType
+from typing import TypeAlias
 
 from iva import _iva
+
+Command: TypeAlias = Callable[[list[str]], int]
 
 
 def main() -> int:
     """Run the command with the arguments of the process; return its exit code."""
     if sys.argv[1:2] == ["reproduce"]:  # it draws: nothing of it is imported for the others
         return _reproduce(sys.argv[2:])
+    if sys.argv[1:2] == ["optimise"]:
+        return _optimise(sys.argv[2:])
     if sys.argv[1:2] == ["explore"]:
         from iva.explorer.command import main as explore
 
@@ -21,6 +30,28 @@ def main() -> int:
 
 
 def _reproduce(arguments: list[str]) -> int:
+    def command() -> Command:
+        from iva.paper.command import main as reproduce
+
+        return reproduce
+
+    return _with_imports(command, arguments)
+
+
+def _optimise(arguments: list[str]) -> int:
+    def command() -> Command:
+        import scipy.optimize
+        import scipy.stats  # noqa: F401
+
+        from iva.optimisation.command import main as optimise
+
+        return optimise
+
+    return _with_imports(command, arguments)
+
+
+def _with_imports(command: Callable[[], Command], arguments: list[str]) -> int:
+    """Import a command of large packages, and run it."""
     interrupts: list[int] = []
 
     def note(number: int, _frame: FrameType | None) -> None:
@@ -30,7 +61,7 @@ def _reproduce(arguments: list[str]) -> int:
     # waits for the imports.
     before = signal.signal(signal.SIGINT, note)
     try:
-        from iva.paper.command import main as reproduce
+        run = command()
     except ImportError as missing:  # matplotlib or SciPy
         print(f"error: {missing}", file=sys.stderr)
         return 1
@@ -39,7 +70,7 @@ def _reproduce(arguments: list[str]) -> int:
     if interrupts:
         print("error: interrupted; nothing was written", file=sys.stderr)
         return 130
-    return reproduce(arguments)
+    return run(arguments)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 """The best points of a sweep, what they trade, and whether they stand up to small changes.
 
 All take the summary of a sweep as a polars frame, lazy or not, or a whole :class:`iva.Table`, and
-give back a frame of the same kind (of a table, a :class:`polars.DataFrame`). What is lazy stays so:
-of ``iva.best(iva.scan("results/map").summary)`` only what it needs is read.
+give back a frame of the same kind (of a table, a :class:`polars.DataFrame`, but :func:`robust` a
+table). What is lazy stays so: of ``iva.best(iva.scan("results/map").summary)`` only what it needs
+is read.
 """
 
 from __future__ import annotations
@@ -10,10 +11,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, TypeVar, cast, overload
 
 from iva import _iva
-from iva.parameters import number, shown
+from iva.frames import Frames
+from iva.parameters import number, percentage, shown
 from iva.spelling import no_column, spell_checked
 from iva.tables import Table
 
@@ -165,14 +167,37 @@ def pareto(
     return cast("Frame", found if isinstance(frame, pl.LazyFrame) else found.collect())
 
 
+@overload
+def robust(
+    table: Table,
+    by: str = ...,
+    *,
+    within: Mapping[str, float | str],
+    quantiles: Sequence[float] = ...,
+    where: pl.Expr | Sequence[pl.Expr] | None = ...,
+) -> Table: ...
+
+
+@overload
+def robust(
+    table: Frame,
+    by: str = ...,
+    *,
+    within: Mapping[str, float | str],
+    quantiles: Sequence[float] = ...,
+    where: pl.Expr | Sequence[pl.Expr] | None = ...,
+) -> Frame: ...
+
+
 @spell_checked
 def robust(
-    table: Frame | Table,
+    table: pl.DataFrame | pl.LazyFrame | Table,
     by: str = "settling_time_5",
     *,
-    within: Mapping[str, float],
+    within: Mapping[str, float | str],
     quantiles: Sequence[float] = (0.5, 0.9),
-) -> Frame:
+    where: pl.Expr | Sequence[pl.Expr] | None = None,
+) -> pl.DataFrame | pl.LazyFrame | Table:
     """Return what becomes of a measure where parameters are a little off.
 
     For every point all points of the sweep are looked up whose parameters lie within the given
@@ -184,30 +209,36 @@ def robust(
         Summary of a sweep, a row a point.
     by : str
         The measure.
-    within : mapping of str to float
-        Swept columns, and how far off each may be, in the unit of the column.
+    within : mapping of str to float or str
+        Swept columns, and how far off each may be: a distance in the unit of the column, or a
+        percentage of the value at the point, such as ``"20%"``.
     quantiles : sequence of float
         Shares of the neighbours, in [0, 1], that are at least as good.
+    where : polars expression or a sequence of them, optional
+        Judge only the points of which these hold. All points are neighbours.
 
     Returns
     -------
-    polars.DataFrame or polars.LazyFrame
-        The table with the columns ``neighbours`` (their number, the point included), ``<by>_worst``
-        and for a quantile of 0.9 ``<by>_q90``. A value that is missing (null: never settled) counts
-        as worse than any other; where such a one is the worst, or the quantile, the result is null.
+    Table, polars.DataFrame or polars.LazyFrame
+        Of a table a table, for :func:`iva.plots.heatmap`, swept over what still varies among the
+        points that were judged; of a frame a frame. The summary has the columns ``neighbours``
+        (their number, the point included), ``<by>_worst`` and for a quantile of 0.9 ``<by>_q90``. A
+        value that is missing (null: never settled) counts as worse than any other; where such a one
+        is the worst, or the quantile, the result is null.
 
     Raises
     ------
     TypeError
-        If `table` is no table, `by` no column of numbers, or a distance or quantile no number.
+        If `table` is no table, `by` no column of numbers, a distance or quantile no number, or
+        something in `where` no expression.
     ValueError
-        If a column does not exist or was not swept, a distance is not a number ≥ 0, or a quantile
-        lies outside [0, 1].
+        If a column does not exist or was not swept, a distance is not a number ≥ 0 or a percentage
+        below 100, or a quantile lies outside [0, 1].
 
     Notes
     -----
-    Every pair of neighbours is a row in memory for a while: with ``n`` points and ``k`` neighbours
-    of each some 50 n k bytes.
+    Every pair of neighbours is a row in memory for a while: with ``n`` points judged and ``k``
+    neighbours of each some 50 n k bytes.
 
     Examples
     --------
@@ -222,25 +253,17 @@ def robust(
     ... )
     >>> iva.robust(points, within={"gap": 1.0}, quantiles=[])["settling_time_5_worst"].to_list()
     [4.0, None, None]
+    >>> few = iva.robust(points, within={"gap": "50%"}, where=pl.col("gap") < 3)
+    >>> few["neighbours"].to_list()
+    [1, 3]
     """
     import polars as pl
 
     frame = _frame(table)
-    if not isinstance(within, Mapping):
-        raise TypeError(f"within = {shown(within)}: give a mapping of columns to distances")
     names = _check(frame, by=[by])
     behind = names.index(BEHIND_SWEPT) if BEHIND_SWEPT in names else 0
     swept = [name for name in names[:behind] if name != "point"]
-    for name, distance in within.items():
-        _check_name(name)
-        if name not in names:
-            raise ValueError(f"within[{name!r}]: {no_column(name, swept)}")
-        if name not in swept:
-            raise ValueError(
-                f"within: {name!r} was not swept; there is {', '.join(swept) or 'none'}"
-            )
-        if not number(f"within[{name!r}]", distance) >= 0:
-            raise ValueError(f"within: {name!r} = {distance}: give a number of 0 or more")
+    reaches = _reaches(within, names, swept)
     _check_list("quantiles", quantiles, "numbers from 0 to 1")
     for share in quantiles:
         if not 0 <= number("quantiles", share) <= 1:
@@ -250,11 +273,12 @@ def robust(
     missing = float("inf")
     badness = (-pl.col(by) if larger else pl.col(by)).cast(pl.Float64).fill_nan(None)
     all_points = frame.lazy().with_row_index("_row")
+    asked = all_points.filter(*_conditions(where))
     others = all_points.select(
         *(pl.col(name).alias(f"_{name}") for name in swept),
         badness.fill_null(missing).alias("_bad"),
     )
-    pairs = _neighbours(all_points.select("_row", *swept), others, swept, within)
+    pairs = _neighbours(asked.select("_row", *swept), others, swept, reaches)
     bad = pl.col("_bad")
 
     def judged_by(value: pl.Expr) -> pl.Expr:
@@ -269,14 +293,46 @@ def robust(
             for share in quantiles
         ),
     )
-    found = all_points.join(judged, on="_row", how="left").sort("_row").drop("_row")
-    return cast("Frame", found if isinstance(frame, pl.LazyFrame) else found.collect())
+    found = asked.join(judged, on="_row", how="left").sort("_row").drop("_row")
+    if isinstance(frame, pl.LazyFrame):
+        return found
+    summary = found.collect()
+    if not isinstance(table, Table):
+        return summary
+    varied = tuple(key for key in table.swept if summary[key].n_unique() > 1)
+    return Table(varied, table.units, Frames({"summary": lambda: summary}))
+
+
+def _reaches(
+    within: Mapping[str, float | str], names: Sequence[str], swept: Sequence[str]
+) -> dict[str, pl.Expr]:
+    """Return for each swept column how far off it may be at a point."""
+    import polars as pl
+
+    if not isinstance(within, Mapping):
+        raise TypeError(f"within = {shown(within)}: give a mapping of columns to distances")
+    reaches = {}
+    for name, distance in within.items():
+        _check_name(name)
+        if name not in names:
+            raise ValueError(f"within[{name!r}]: {no_column(name, swept)}")
+        if name not in swept:
+            raise ValueError(
+                f"within: {name!r} was not swept; there is {', '.join(swept) or 'none'}"
+            )
+        if isinstance(distance, str):
+            reaches[name] = pl.col(name).abs() * percentage(f"within[{name!r}]", distance)
+            continue
+        if not number(f"within[{name!r}]", distance) >= 0:
+            raise ValueError(f"within: {name!r} = {distance}: give a number of 0 or more")
+        reaches[name] = pl.lit(float(distance))
+    return reaches
 
 
 def _neighbours(
-    points: pl.LazyFrame, others: pl.LazyFrame, swept: Sequence[str], within: Mapping[str, float]
+    points: pl.LazyFrame, others: pl.LazyFrame, swept: Sequence[str], within: Mapping[str, pl.Expr]
 ) -> pl.LazyFrame:
-    """Return all pairs of points that lie close together; columns of the second begin with _."""
+    """Return pairs of `points` and those of `others` close to them, whose columns begin with _."""
     import polars as pl
 
     def near(name: str) -> list[pl.Expr]:
@@ -285,7 +341,9 @@ def _neighbours(
         there = pl.col(f"_{name}")
         return [there >= pl.col(name) - reach, there <= pl.col(name) + reach]
 
-    counts = points.select(pl.len(), *(pl.col(name).n_unique() for name in swept)).collect().row(0)
+    counts = (
+        others.select(pl.len(), *(pl.col(f"_{name}").n_unique() for name in swept)).collect().row(0)
+    )
     if math.prod(counts[1:]) > 2 * counts[0]:
         same = [pl.col(name) == pl.col(f"_{name}") for name in swept if name not in within]
         return points.join_where(
@@ -296,12 +354,13 @@ def _neighbours(
         values = points.select(name).unique()
         close = values.with_columns(pl.col(name).alias(f"_{name}"))
         if name in within:
-            close = values.join_where(values.rename({name: f"_{name}"}), *near(name))
+            there = others.select(f"_{name}").unique()
+            close = values.join_where(there, *near(name))
         points = points.join(close, on=name)
     return points.join(others, on=[f"_{name}" for name in swept])
 
 
-def _frame(table: Frame | Table) -> pl.DataFrame | pl.LazyFrame:
+def _frame(table: object) -> pl.DataFrame | pl.LazyFrame:
     import polars as pl
 
     found = table.summary if isinstance(table, Table) else table

@@ -59,7 +59,7 @@ def test_lazy_frames_stay_lazy(table: iva.Table, tmp_path: Path) -> None:
         ),
         (
             iva.robust(lazy, within={"mass_ratio": 0.06}),
-            iva.robust(table, within={"mass_ratio": 0.06}),
+            iva.robust(table, within={"mass_ratio": 0.06}).summary,
         ),
     ]
     for late, now in pairs:
@@ -95,7 +95,8 @@ def test_a_front_is_what_nothing_beats(rows: list[tuple[float | None, ...]], col
 
 def test_the_worst_and_quantiles_of_neighbours(table: iva.Table) -> None:
     for by, larger in (("settling_time_5", False), ("damping_ratio_1", True)):
-        found = iva.robust(table, by, within={"relative_clearance": 0.2}, quantiles=[0.25])
+        judged = iva.robust(table, by, within={"relative_clearance": 0.2}, quantiles=[0.25])
+        found = judged.summary
         assert found.drop("neighbours", f"{by}_worst", f"{by}_q25").equals(table.summary)
         rows = table.summary.select("relative_clearance", "mass_ratio", by).rows()
         for (d, mass, _), own in zip(rows, found.iter_rows(named=True), strict=True):
@@ -110,7 +111,7 @@ def test_the_worst_and_quantiles_of_neighbours(table: iva.Table) -> None:
 
 def test_neighbours_in_two_directions(table: iva.Table) -> None:
     found = iva.robust(table, within={"relative_clearance": 0.1, "mass_ratio": 0.06}, quantiles=())
-    counts = found["neighbours"].to_list()
+    counts = found.summary["neighbours"].to_list()
     inner = [[2 + (0 < i < 20), 2 + (0 < j < 3)] for i, j in itertools.product(range(21), range(4))]
     assert counts == [a * b for a, b in inner]
 
@@ -127,6 +128,19 @@ def test_neighbours_of_scattered_points() -> None:
     assert found["neighbours"].to_list() == near.sum(axis=1).tolist()
     worst = np.where(near, value, 0).max(axis=1)
     assert found["residual_amplitude_worst"].to_list() == worst.tolist()
+
+
+def test_relative_distances_and_points_of_interest(table: iva.Table) -> None:
+    few = (pl.col("mass_ratio") == 0.2) & (pl.col("relative_clearance") > 0.5)
+    found = iva.robust(table, within={"relative_clearance": "20%"}, quantiles=(), where=few)
+    assert found.swept == ("relative_clearance",)
+    assert found.units == table.units
+    rows = table.summary.filter(pl.col("mass_ratio") == 0.2)["relative_clearance"].to_list()
+    of_interest = [d for d in rows if d > 0.5]
+    assert found.summary["relative_clearance"].to_list() == of_interest
+    near = [sum(abs(c - d) <= 0.2 * d * (1 + 1e-9) for c in rows) for d in of_interest]
+    assert found.summary["neighbours"].to_list() == near
+    assert len(set(near)) > 1
 
 
 def test_bad_input_gets_one_sentence(table: iva.Table) -> None:
@@ -159,6 +173,8 @@ def test_bad_input_gets_one_sentence(table: iva.Table) -> None:
         iva.pareto(table, [])
     with pytest.raises(ValueError, match="'impacts' was not swept; there is relative_clearance, "):
         iva.robust(table, within={"impacts": 1})
+    with pytest.raises(ValueError, match=r"within\['mass_ratio'\] = '20': give a percentage below"):
+        iva.robust(table, within={"mass_ratio": "20"})
     with pytest.raises(ValueError, match="'mass_ratio' = nan: give a number of 0 or more"):
         iva.robust(table, within={"mass_ratio": math.nan})
     with pytest.raises(ValueError, match="quantiles: 90 does not lie between 0 and 1"):

@@ -193,13 +193,9 @@ CHOICES: list[tuple[Callable[[iva.Table], object], str]] = [
     (lambda table: iva.best(table, where="x"), "where = 'x': give expressions of polars"),  # type: ignore[arg-type]
     (lambda table: iva.pareto(table, "impacts"), "by = 'impacts': give a list of columns"),
     (lambda table: iva.pareto(table, ["outcome"]), "the column 'outcome' is of String"),
+    (lambda table: iva.robust(table, within=0.1), "within = 0.1: give a mapping"),  # type: ignore[call-overload]
     (
-        lambda table: iva.robust(table, within={"mass_ratio": "20%"}),  # type: ignore[dict-item]
-        "within['mass_ratio'] = '20%'",
-    ),
-    (lambda table: iva.robust(table, within=0.1), "within = 0.1: give a mapping"),  # type: ignore[arg-type]
-    (
-        lambda table: iva.robust(table, within={"mass_ratio": 0.1}, quantiles=0.5),  # type: ignore[arg-type]
+        lambda table: iva.robust(table, within={"mass_ratio": 0.1}, quantiles=0.5),  # type: ignore[call-overload]
         "quantiles = 0.5: give a list of numbers from 0 to 1",
     ),
 ]

@@ -120,6 +120,10 @@ pub enum Command {
                             Labels are numbers of steady states; -2 is a motion without impacts, -1 not\n\
                             decided within the cycles, or for sure.")]
     Basins(BasinsArgs),
+    /// Choose the numbers of a design so that it holds although much is not known exactly; needs
+    /// Python: pip install 'iva-dynamics[optimise]'
+    #[command(disable_help_flag = true)]
+    Optimise(PythonArgs),
     /// Drag a scene in the browser: one page with the simulator in it; needs Python: pip install
     /// iva-dynamics
     #[command(disable_help_flag = true)]

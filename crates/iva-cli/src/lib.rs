@@ -55,6 +55,10 @@ const NO_PLOTS: &str = "reproduce draws with Python: pip install 'iva-dynamics[p
 const NO_PAGE: &str = "explore makes its page with Python: pip install iva-dynamics, then run iva explore \
                        from there";
 
+/// Message of `iva optimise` in the native binary, whose search is SciPy's.
+const NO_SEARCH: &str = "optimise searches with SciPy: pip install 'iva-dynamics[optimise]', then run iva optimise \
+                         from there";
+
 /// Runs the command line; `args` begins with the program's name. Prints results on standard
 /// output, errors and progress on standard error, and returns the exit code: 0 done, 1 I/O or
 /// internal fault, 2 bad input, 130 interrupted. Never exits the process itself.
@@ -89,6 +93,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
         | Command::Branch(_)
         | Command::Diagram(_)
         | Command::Basins(_)
+        | Command::Optimise(_)
         | Command::Explore(_)
         | Command::Reproduce(_) => false,
     };
@@ -115,6 +120,7 @@ fn run_command_line(command: &Command) -> Result<String, Error> {
         Command::Diagram(args) => diagrams::diagram_command(args),
         Command::Basins(args) => diagrams::basins_command(args),
         // The console script of the Python package handles these commands before it calls this function.
+        Command::Optimise(_) => Err(Error::Refused(NO_SEARCH.to_owned())),
         Command::Explore(_) => Err(Error::Refused(NO_PAGE.to_owned())),
         Command::Reproduce(_) => Err(Error::Refused(NO_PLOTS.to_owned())),
     }

@@ -93,8 +93,8 @@ class Uncertain:
     def medians(self) -> dict[str, float]:
         """The median of each field that differs from case to case, without what is chosen."""
         found = {
-            key: median(*rest)
-            for name, (key, *rest) in zip(self.names, self.variables, strict=True)
+            key: median(distribution, numbers)
+            for name, (key, distribution, numbers) in zip(self.names, self.variables, strict=True)
             if name == f"over {key}"
         }
         return found | {key: float(np.median(values)) for key, (_, values) in self.lists.items()}

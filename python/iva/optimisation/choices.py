@@ -36,7 +36,7 @@ class Choice:
             # Neither bound is passed by rounding.
             return np.clip(self.low + inside * (self.high - self.low), self.low, self.high)
         index = np.minimum((inside * len(self.sizes)).astype(int), len(self.sizes) - 1)
-        return np.array(self.sizes)[index]
+        return np.asarray(np.array(self.sizes)[index])
 
     def unit(self, value: float) -> float:
         """Return the coordinate of a number."""

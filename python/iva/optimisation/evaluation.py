@@ -56,7 +56,7 @@ class Candidate:
     @property
     def cases(self) -> int:
         """Number of cases so far."""
-        return self.bad.shape[1]
+        return int(self.bad.shape[1])
 
 
 class Evaluation:
@@ -87,11 +87,16 @@ class Evaluation:
         self.problem = problem
         self.budget = budget
         self.spent = 0
-        self.candidates: list[Candidate] = []
+        self._known: dict[tuple[int, tuple[float, ...]], Candidate] = {}
         self._logbook = logbook
         self._threads = threads
         self._report = report
         self._measured = problem.measured
+
+    @property
+    def candidates(self) -> list[Candidate]:
+        """All candidates that were searched, in the order in which they were tried."""
+        return list(self._known.values())
 
     @property
     def left(self) -> int:
@@ -99,15 +104,16 @@ class Evaluation:
         return (self.budget - self.spent) // self.problem.runs_a_case
 
     def candidate(self, variant: int, unit: Numbers, *, fresh: bool = False) -> Candidate:
-        """Return a new candidate at some coordinates; a `fresh` one is not among those searched."""
+        """Return the candidate at some coordinates: of sizes that are known the known one.
+
+        A `fresh` one is always new, and not among those searched.
+        """
         choices = self.problem.variants[variant].choices.values()
         values = tuple(
             float(choice.at(np.asarray(place))) for choice, place in zip(choices, unit, strict=True)
         )
         made = Candidate(variant, unit, values, np.empty((len(self._measured), 0)))
-        if not fresh:
-            self.candidates.append(made)
-        return made
+        return made if fresh else self._known.setdefault((variant, values), made)
 
     def extend(self, candidates: Sequence[Candidate], draws: Sequence[Draw], count: int) -> None:
         """Run candidates under the first `count` cases, but for those they have been under.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -90,6 +89,6 @@ def saved(folder: Path, found: Optimum) -> None:
         }
         part = folder / f"{FILE}.part"
         part.write_text(json.dumps(told, indent=1), encoding="utf-8")
-        os.replace(part, folder / FILE)
+        part.replace(folder / FILE)
     except OSError as fault:
         raise _iva.IvaError(f"{folder} cannot be written: {fault.strerror}") from fault

@@ -7,7 +7,6 @@ from here: no state is kept that could fail to fit.
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -90,8 +89,8 @@ def written(path: Path, mark: str, values: Numbers) -> None:
     """
     part = path.with_suffix(".part")
     try:
-        with open(part, "wb") as file:
+        with part.open("wb") as file:
             np.savez(file, mark=np.array(mark), values=values)
-        os.replace(part, path)
+        part.replace(path)
     except OSError as fault:
         raise _iva.IvaError(f"{path} cannot be written: {fault.strerror}") from fault

@@ -13,6 +13,7 @@ from iva import _iva
 from iva.optimisation.cases import Draw
 from iva.optimisation.evaluation import Candidate, Evaluation
 from iva.scenes import parts
+from iva.units import Units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from iva.optimisation.criteria import Numbers
     from iva.optimisation.problem import Goal, Problem
     from iva.optimisation.stages import Judged
+    from iva.parameters import Spec
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,12 +75,21 @@ class Optimum:
 
         What is not known exactly has its median, what the worst is taken over its first value.
         """
+        return parts(self._spec)
+
+    @cached_property
+    def _spec(self) -> Spec:
         problem, variant = self._problem, self.best_absorber
         values = dict(problem.uncertain[variant].medians)
         values |= {key: axis[0] for key, axis in problem.worst_over.items()} | self.best
         rows = [(key, [value]) for key, value in values.items()]
         study = _iva.Study(problem.variants[variant].spec, ("rows", rows, 0), ["summary"])
-        return parts(study.scene(0))
+        return study.scene(0)
+
+    @property
+    def units(self) -> Units:
+        """Units of the measures and of the chosen fields, as :attr:`iva.Table.units`."""
+        return Units(_iva.unit_system(self._spec), tuple(self.best))
 
     @property
     def tolerance(self) -> dict[str, tuple[float, float]]:
@@ -94,6 +105,10 @@ class Optimum:
     def goals(self) -> tuple[str, ...]:
         """Names of what was minimised or maximised."""
         return tuple(goal.name for goal in self._problem.goals)
+
+    def maximised(self, name: str) -> bool:
+        """Return whether a goal was to be large."""
+        return any(goal.larger for goal in self._problem.goals if goal.name == name)
 
     def of_cases(self, count: int, *, seed: int, threads: int | None = None) -> pl.DataFrame:
         """Return what other fresh cases say of the best design.
@@ -128,11 +143,14 @@ class Optimum:
 
     def __repr__(self) -> str:
         """Say the best, what it is worth, and what does as well."""
-        lines = [f"Optimum: {', '.join(f'{key} = {of:.4g}' for key, of in self.best.items())}"]
+        cases = max(self.fresh["cases"].to_list(), default=0)
+        lines = [f"Optimum by the {self.criterion}"]
+        if cases > 1:
+            lines[0] += f" of {cases} fresh cases, with 90 % intervals"
+        lines.append("  " + ", ".join(f"{key} = {of:.4g}" for key, of in self.best.items()))
         if len(self._problem.variants) > 1:
-            lines[0] += f" ({self._problem.variants[self.best_absorber].label})"
-        for row in self.fresh.iter_rows(named=True):
-            lines.append("  " + sentence(row))
+            lines[-1] += f" ({self._problem.variants[self.best_absorber].label})"
+        lines += [f"  {sentence(row)}" for row in self.fresh.iter_rows(named=True)]
         if self.fresh.is_empty():
             lines.append("  not judged by fresh cases: the search was stopped before")
         if self.as_good.height > 1:
@@ -148,15 +166,15 @@ class Optimum:
 def sentence(row: dict[str, Any]) -> str:
     """Return what a row of `fresh` says."""
     value = "missing" if row["value"] is None else f"{row['value']:.4g}"
-    text = f"{row['measure']}: {row['criterion']} {value}"
+    text = f"{row['measure']} {value}"
     if row["cases"] > 1:
         low = "−∞" if row["low"] is None else f"{row['low']:.4g}"
         high = "∞" if row["high"] is None else f"{row['high']:.4g}"
-        text += f" (90 % interval {low} … {high}, {row['cases']} fresh cases)"
+        text += f" ({low} … {high})"
     if row["bound"] is not None:
-        text += f", bound {row['bound']:g} {'kept' if row['kept'] else 'not kept'}"
+        text += f", bound {row['bound']:g} {'kept' if row['kept'] else 'NOT KEPT'}"
     if row["missing"]:
-        text += f", missing in {100 * row['missing']:.2g} % of them, which count as worst"
+        text += f"; missing in {100 * row['missing']:.2g} % of the cases, which count as worst"
     return text
 
 

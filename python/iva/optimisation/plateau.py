@@ -78,7 +78,7 @@ def told_apart(
 
 
 def lowest_difference(of_other: Numbers, of_best: Numbers) -> float:
-    """Return what the difference is above in 95 % of the resamples; NaN of two missing ones is 0."""
+    """Return what the difference is above in 95 % of the resamples; of two missing ones it is 0."""
     with np.errstate(invalid="ignore"):
         difference = of_other - of_best
     difference = np.where(np.isnan(difference), 0.0, difference)

@@ -1,4 +1,4 @@
-"""What is asked for: a scene, what may be chosen in it, and what is to be small, large or bounded."""
+"""What is asked for: a scene, what may be chosen in it, and which measures shall be how."""
 
 from __future__ import annotations
 

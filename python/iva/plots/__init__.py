@@ -33,6 +33,7 @@ except ModuleNotFoundError as _missing:
     raise ImportError("iva.plots needs matplotlib: pip install 'iva-dynamics[plots]'") from None
 
 from iva.plots.bifurcations import branch, multipliers, stability_chart
+from iva.plots.designs import design
 from iva.plots.energy_split import energy
 from iva.plots.frequency_response import forced_response
 from iva.plots.histories import decay, velocities
@@ -52,6 +53,7 @@ __all__ = [
     "branch",
     "curves",
     "decay",
+    "design",
     "diagram",
     "energy",
     "forced_response",

@@ -117,15 +117,33 @@ def labelled(words: str, symbol: str, unit: str) -> str:
 
 
 def of_column(name: str, unit: str) -> str:
-    """Return the label of a column of the summary.
+    """Return the label of a column of the summary, or of :func:`iva.robust`.
 
     Examples
     --------
     >>> of_column("relative_clearance", "1"), of_column("force.0.frequency_hz", "Hz")
     ('relative clearance γ = d/x₀', 'force frequency Ω/2π (Hz)')
+    >>> of_column("amplitude_max_q90", "m").rpartition(", ")[2]
+    '90 % of the neighbours'
     """
-    words, symbol = named(name)
-    return labelled(words, symbol, unit)
+    base, judged = judgement(name)
+    words, symbol = named(base)
+    return labelled(words, symbol, unit) + judged
+
+
+def judgement(name: str) -> tuple[str, str]:
+    """Return the measure that a column of :func:`iva.robust` is of, and what it is of that.
+
+    Examples
+    --------
+    >>> judgement("settling_time_5_worst"), judgement("settling_time_5")
+    (('settling_time_5', ', worst of the neighbours'), ('settling_time_5', ''))
+    """
+    found = re.fullmatch(r"(.+)_(?:worst|q([0-9.]+))", name)
+    if found is None:
+        return name, ""
+    base, share = found.groups()
+    return base, f", {share} % of the neighbours" if share else ", worst of the neighbours"
 
 
 def symbol_of(name: str, unit: str) -> str:

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from iva import _iva
-from iva.parameters import shown
+from iva.parameters import number, shown
 from iva.plots.arguments import (
     Numbers,
     checked_table,
@@ -20,7 +20,7 @@ from iva.plots.arguments import (
     once,
     swept_key,
 )
-from iva.plots.labels import of_column, symbol_of
+from iva.plots.labels import judgement, of_column, symbol_of
 from iva.plots.styles import drawing_on, figure_of
 from iva.spelling import spell_checked
 from iva.tables import Table
@@ -37,6 +37,7 @@ def heatmap(
     x: str | None = None,
     y: str | None = None,
     best: Literal["max", "min", "none"] | None = None,
+    limits: tuple[float | None, float | None] | Literal["robust", "all"] = "robust",
     ax: Axes | None = None,
 ) -> Axes:
     """Draw a column of the summary over two swept parameters, with the ridge of the optimum.
@@ -56,6 +57,12 @@ def heatmap(
         for no ridge. By default the column decides: of damping ratios and `reduction` the largest
         is the best, of settling times, `residual_amplitude` and amplitudes the smallest, and others
         have no ridge.
+    limits : {"robust", "all"} or (float, float), default "robust"
+        The values at the ends of the colours, ``None`` for the smallest or largest there is.
+        "robust": where `best` says what is good, the colours reach from the best value to three
+        times as far from it as the median lies, so that a few points that hardly settle do not take
+        the whole scale; an arrow on the colour bar shows that there are values beyond. "all": from
+        the smallest to the largest value.
     ax : matplotlib axes, optional
         Where to draw; axes of their own by default.
 
@@ -68,8 +75,8 @@ def heatmap(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If there is no such column of numbers, it is null everywhere, or the points are no grid over
-        `x` and `y`.
+        If there is no such column of numbers, it is null everywhere, the points are no grid over
+        `x` and `y`, or `limits` are none.
 
     Examples
     --------
@@ -104,12 +111,15 @@ def heatmap(
     units = table.units["summary"]
     with drawing_on(ax) as axes:
         entries: list[Line2D | Patch] = []
+        low, high = limits_of(grid, limits, direction)
         mesh = axes.pcolormesh(
             columns,
             rows,
             np.ma.masked_invalid(grid),
             shading="nearest",
             cmap="viridis",
+            vmin=low,
+            vmax=high,
             rasterized=True,
         )
         if np.isnan(grid).any():
@@ -117,7 +127,8 @@ def heatmap(
             entries.append(
                 Patch(facecolor="0.85", edgecolor="0.55", hatch="/////", label="no value (null)")
             )
-        figure_of(axes).colorbar(mesh, ax=axes, label=of_column(value, units.get(value, "")))
+        label = of_column(value, units.get(judgement(value)[0], ""))
+        figure_of(axes).colorbar(mesh, ax=axes, label=label, extend=beyond(grid, low, high))
         if direction is not None:
             word = "smallest" if direction == "min" else "largest"
             outline = [patheffects.withStroke(linewidth=2.4, foreground="white")]
@@ -152,6 +163,7 @@ def direction_of(value: str, best: object) -> Literal["max", "min"] | None:
     ValueError
         If the choice is unknown.
     """
+    value, _ = judgement(value)
     if best is None:
         if value in _iva.larger_is_better():
             return "max"
@@ -163,6 +175,52 @@ def direction_of(value: str, best: object) -> Literal["max", "min"] | None:
     if best == "none":
         return None
     raise ValueError(f"best = {shown(best)}: give 'max', 'min' or 'none'")
+
+
+#: The colours reach so many times as far from the best value as the median lies.
+REACH = 3.0
+
+
+def limits_of(
+    grid: Numbers, limits: object, direction: Literal["max", "min"] | None
+) -> tuple[float, float]:
+    """Return the values at the ends of the colours.
+
+    Raises
+    ------
+    TypeError
+        If they are given as something else than two numbers or a word.
+    ValueError
+        If the word is unknown, or the first is not smaller than the second.
+    """
+    low, high = float(np.nanmin(grid)), float(np.nanmax(grid))
+    rule = "give 'robust', 'all' or two numbers, the smaller first"
+    if isinstance(limits, str):
+        if limits not in ("robust", "all"):
+            raise ValueError(f"limits = {shown(limits)}: {rule}")
+        if limits == "robust":
+            median = float(np.nanmedian(grid))
+            if direction == "min" and median > low:
+                high = min(high, low + REACH * (median - low))
+            if direction == "max" and median < high:
+                low = max(low, high - REACH * (high - median))
+        return low, high
+    if not isinstance(limits, tuple) or len(limits) != 2:
+        raise TypeError(f"limits = {shown(limits)}: {rule}")
+    first, last = limits
+    low = low if first is None else number("limits[0]", first)
+    high = high if last is None else number("limits[1]", last)
+    if not low < high:
+        raise ValueError(f"limits = {shown(limits)}: {rule}")
+    return low, high
+
+
+def beyond(grid: Numbers, low: float, high: float) -> Literal["neither", "min", "max", "both"]:
+    """Return on which sides there are values beyond the ends of the colours."""
+    below, above = bool(np.nanmin(grid) < low), bool(np.nanmax(grid) > high)
+    if below and above:
+        return "both"
+    return "min" if below else "max" if above else "neither"
 
 
 def ridge(rows: Numbers, grid: Numbers, direction: Literal["max", "min"]) -> Numbers:
