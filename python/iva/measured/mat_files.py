@@ -1,0 +1,102 @@
+"""MAT files of MATLAB and Octave, up to version 7; needs SciPy."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from iva.measured.channels import Channel
+from iva.measured.sensor_units import parted, unit_of
+
+#: The begin of a file of version 7.3, and the signature of the HDF5 that it is.
+NEWER = (b"MATLAB 7.3", b"\x89HDF\r\n\x1a\n")
+
+
+def channels_of_mat(path: str, contents: bytes) -> list[Channel]:
+    """Return the vectors of numbers in a MAT file, those in structs as ``struct.field``.
+
+    The columns of a matrix are ``name(:,1)``, ``name(:,2)``, … A field of the same name in a struct
+    ``units`` states the unit, as in files that this package writes.
+
+    Raises
+    ------
+    ImportError
+        Without SciPy.
+    ValueError
+        If it is of version 7.3, damaged, or has no vectors of numbers.
+    """
+    if any(mark in contents[:1024] for mark in NEWER):
+        raise ValueError(
+            f"{path}: a MAT file of version 7.3, which is HDF5; save it in MATLAB with '-v7'"
+        )
+    try:
+        from scipy.io import loadmat
+    except ImportError as error:
+        raise ImportError(
+            "reading a MAT file needs SciPy: pip install 'iva-dynamics[export]'"
+        ) from error
+    from io import BytesIO
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of names that are there twice, of odd classes
+            variables = loadmat(BytesIO(contents), struct_as_record=True)
+    except Exception as error:  # SciPy raises what comes, of several classes
+        raise ValueError(f"{path}: a damaged MAT file ({error}); save it anew") from error
+    leaves = [
+        leaf
+        for name, value in variables.items()
+        if not name.startswith("__")
+        for leaf in flattened(name, value)
+    ]
+    texts = {name: str(value.flat[0]) for name, value in leaves if value.dtype.kind == "U"}
+    channels = [
+        channel(name, values, texts.get(f"units.{name}", ""))
+        for leaf, value in leaves
+        for name, values in vectors(leaf, value)
+    ]
+    if not channels:
+        raise ValueError(f"{path}: no vectors of real numbers in it; give times and values")
+    return channels
+
+
+def channel(name: str, values: NDArray[Any], stated: str) -> Channel:
+    """Return a vector as a channel; its unit is the one stated, or that in its name."""
+    stem, matrix, column = name.partition("(")
+    bare, unit = parted(stem)
+    unit = stated or unit
+    return Channel(
+        name=name,
+        also=(bare + matrix + column,),
+        unit=unit_of(unit) if unit else None,
+        stated=unit,
+        length=len(values),
+        load=partial(values.astype, np.float64),
+    )
+
+
+def flattened(name: str, value: Any) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Give the arrays of a variable, those in structs by the names of their fields."""
+    if not isinstance(value, np.ndarray):
+        return
+    if value.dtype.names is None:
+        yield name, value
+    elif value.size == 1:  # a struct; those of arrays of structs have no common name
+        for field in value.dtype.names:
+            yield from flattened(f"{name}.{field}", value.flat[0][field])
+
+
+def vectors(name: str, value: NDArray[Any]) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Give the vectors of real numbers in an array: itself, or the columns of a matrix."""
+    if value.ndim != 2 or value.dtype.kind not in "iuf" or value.size < 2:
+        return
+    if 1 in value.shape:
+        yield name, value.reshape(-1)
+        return
+    for column in range(value.shape[1]):
+        yield f"{name}(:,{column + 1})", value[:, column]

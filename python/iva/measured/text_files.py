@@ -1,0 +1,189 @@
+"""Text with columns of numbers: CSV in its many dialects, and what programs of recorders write."""
+
+from __future__ import annotations
+
+import codecs
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from iva.measured.channels import Channel
+from iva.measured.dialects import MISSING, Layout, is_comment, layouts
+from iva.measured.headers import divided, names_and_units, uncommented
+from iva.measured.sensor_units import parted, unit_of
+
+#: Byte order marks and the encodings that they announce.
+MARKS = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+
+
+def channels_of_text(path: str, contents: bytes) -> list[Channel]:
+    """Return the columns of a text.
+
+    Parameters
+    ----------
+    path : str
+        Name for messages.
+    contents : bytes
+        UTF-8, UTF-16 with its mark, or latin-1.
+
+    Raises
+    ------
+    ValueError
+        If there are no columns of numbers, or a line among them is none; the message names it.
+    """
+    # Not splitlines: it takes some letters of latin-1 for ends of lines.
+    lines = re.split(r"\r\n|\r|\n", decoded(path, contents))
+    filled = [(number, line) for number, line in enumerate(lines, 1) if not is_comment(line)]
+    fitting = layouts([line for _, line in filled])
+    if not fitting:
+        raise ValueError(f"{path}: no columns of numbers in it; give times and values")
+    layout = fitting[0]
+    begin = begins(filled, layout)
+    if begin is None:
+        raise ValueError(f"{path}: no two lines of numbers in a row; give times and values")
+    preamble = [line for line in lines[: filled[begin][0] - 1] if line.strip()]
+    rows = filled[begin:]
+    if len(fitting) > 1 and is_ambiguous(fitting, rows):
+        layout = told(path, fitting, preamble, rows)
+    names, units = names_and_units(preamble, layout.dialect, layout.count)
+    block = Block(path, layout, rows)
+    return [
+        Channel(
+            name=name,
+            also=(parted(name)[0],) if name else (),
+            unit=unit_of(unit) if unit else None,
+            stated=unit,
+            length=len(rows),
+            load=partial(block.column, column),
+        )
+        for column, (name, unit) in enumerate(zip(names, units, strict=True))
+    ]
+
+
+def decoded(path: str, contents: bytes) -> str:
+    """Return the text of a file.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    encoding = next((MARKS[mark] for mark in MARKS if contents.startswith(mark)), "utf-8")
+    try:
+        text = contents.decode(encoding)
+    except UnicodeDecodeError as error:
+        if encoding != "utf-8":
+            raise ValueError(f"{path}: damaged text ({encoding}); give text in UTF-8") from error
+        text = contents.decode("latin-1")
+    if "\0" in text:
+        raise ValueError(f"{path}: a binary file; give text in UTF-8")
+    return text
+
+
+def begins(filled: Sequence[tuple[int, str]], layout: Layout) -> int | None:
+    """Return the place of the first line of numbers that another follows, if there is one."""
+    before = False
+    for place, (_, line) in enumerate(filled):
+        now = layout.is_data(line)
+        if before and now:
+            return place - 1
+        before = now
+    return None
+
+
+def is_ambiguous(fitting: Sequence[Layout], rows: Sequence[tuple[int, str]]) -> bool:
+    """Return whether commas may divide two columns of whole numbers, or be decimal marks."""
+    first = fitting[0]
+    if (first.dialect.delimiter, first.count) != (",", 2):
+        return False
+    single = [one for one in fitting if one.count == 1 and one.dialect.decimal == ","]
+    return bool(single) and all(single[0].is_data(line) for _, line in rows)
+
+
+def told(
+    path: str, fitting: Sequence[Layout], preamble: Sequence[str], rows: Sequence[tuple[int, str]]
+) -> Layout:
+    """Return the layout of an ambiguous text that its header or its digits tell.
+
+    Raises
+    ------
+    ValueError
+        If neither does.
+    """
+    header = preamble[-1] if preamble else ""
+    if divided(header, fitting[0].dialect, 2):
+        return fitting[0]
+    one = next(layout for layout in fitting if layout.count == 1)
+    # No whole number is written as 040588.
+    if unit_of(parted(uncommented(header))[1]) or any(re.search(r",0\d", line) for _, line in rows):
+        return one
+    raise ValueError(
+        f"{path}: its commas may divide columns or be decimal marks; write it with semicolons "
+        "between columns, or with names above them"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """The lines of numbers.
+
+    Parameters
+    ----------
+    path : str
+        Name for messages.
+    layout : Layout
+        How they are divided.
+    rows : sequence of (int, str)
+        Number and text of each line.
+    """
+
+    path: str
+    layout: Layout
+    rows: Sequence[tuple[int, str]]
+
+    def column(self, index: int) -> NDArray[np.float64]:
+        """Return a column, shape (n,), NaN where a value is missing.
+
+        Raises
+        ------
+        ValueError
+            If a line has another number of cells, or a cell is not a number.
+        """
+        dialect, count = self.layout.dialect, self.layout.count
+        values = np.empty(len(self.rows))
+        for place, (number, line) in enumerate(self.rows):
+            cells = dialect.cells(line)
+            if len(cells) != count:
+                raise ValueError(
+                    f"{self.path}:{number}: this line has {len(cells)} columns, those before it "
+                    f"have {count}; give as many in each"
+                )
+            values[place] = self.value(number, cells[index])
+        return values
+
+    def value(self, number: int, cell: str) -> float:
+        """Return the value of a cell.
+
+        Raises
+        ------
+        ValueError
+            If it is not a number.
+        """
+        dialect = self.layout.dialect
+        if not dialect.is_number(cell):
+            raise ValueError(
+                f"{self.path}:{number}: {cell[:40]!r} is not a number; give numbers such as "
+                f"-0{dialect.decimal}5e-3, with the same decimal mark in all lines"
+            )
+        if cell.casefold() in MISSING:
+            return float("nan")
+        # Fortran writes 1.5D-3.
+        return float(cell.replace(dialect.decimal, ".").replace("D", "E").replace("d", "e"))
