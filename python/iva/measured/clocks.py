@@ -86,7 +86,8 @@ def uniform(
     away = times * hz - places
     if away.max() - away.min() <= rounded + 2.0 * TOLERANCE:
         return times[0] + places / hz, hz
-    equal(times, steps)
+    if rounded <= ROUNDED:
+        equal(times, steps)
     mean = (len(times) - 1) / (times[-1] - times[0])
     raise ValueError(
         f"{'time' if sampling_hz is None else f'sampling_hz = {sampling_hz:.9g}'}: instants are up "

@@ -54,7 +54,8 @@ def channels_of_mat(path: str, contents: bytes) -> list[Channel]:
         if not name.startswith("__")
         for leaf in flattened(name, value)
     ]
-    texts = {name: str(value.flat[0]) for name, value in leaves if value.dtype.kind == "U"}
+    words = [(name, value) for name, value in leaves if value.dtype.kind == "U" and value.size]
+    texts = {name: str(value.flat[0]) for name, value in words}
     channels = [
         channel(name, values, texts.get(f"units.{name}", ""))
         for leaf, value in leaves

@@ -57,9 +57,9 @@ OVER = re.compile(
     r"|[*_.]?s(?:ec)?\^?-(?P<power>[12]))?"
 )
 # At the end of a name, the longer one first: acceleration_m_s2, v_mm_per_s; then a1_g, x_mm.
-SUFFIXES = (
-    re.compile(r"(?P<name>.*[^_])_(?P<unit>[^\W_]+_(?:per_)?[^\W_]+)"),
-    re.compile(r"(?P<name>.*[^_])_(?P<unit>[^_]+)"),
+SUFFIXES = tuple(
+    re.compile(rf"(?P<name>.*[^_])_(?P<unit>{unit})")
+    for unit in (r"[^\W_]+_per_[^\W_]+", r"[^\W_]+_[^\W_]+", r"[^_]+")
 )
 # Words that would be a unit, and mean something else more often.
 NO_SUFFIX = {"in", "mil", "g_n"}
