@@ -125,16 +125,13 @@ def is_comment(line: str) -> bool:
 def layouts(lines: Sequence[str]) -> list[Layout]:
     """Return the layouts that fit the lines of a text, the best first; none if it has no numbers.
 
-    A text of whole numbers with one comma a line may be two columns or one with a decimal comma:
-    then both are returned, and the header has to tell.
-
     Parameters
     ----------
     lines : sequence of str
         Those that are no comments, preamble included.
     """
-    # Preambles stand at the begin, and most lines are data: those of the later three quarters tell.
-    body = lines[len(lines) // 4 :]
+    # Preambles stand at the begin.
+    body = lines[len(lines) // 2 :]
     sample = body[:: max(1, len(body) // SAMPLE)]
     found = [layout for dialect in DIALECTS for layout in laid_out(dialect, sample)]
     return sorted(found, key=lambda layout: layout.rank)
@@ -160,14 +157,14 @@ def laid_out(dialect: Dialect, sample: Sequence[str]) -> Iterator[Layout]:
 
 
 def columns_of(dialect: Dialect, rows: Sequence[Sequence[str]], count: int) -> Iterator[Layout]:
-    """Give the layout of rows if at least one column is made of numbers but for a few cells."""
+    """Give the layout of rows if at least one column is made of numbers for the most part."""
     numeric = []
     fitting = 0
     for column in range(count):
         cells = [row[column] for row in rows]
         numbers = sum(map(dialect.is_number, cells))
         given = any(cell.casefold() not in MISSING for cell in cells)
-        if given and 10 * numbers >= 9 * len(cells):
+        if given and 2 * numbers >= len(cells):
             numeric.append(column)
             fitting += numbers
     if numeric:

@@ -44,9 +44,8 @@ def divided(line: str, dialect: Dialect, count: int) -> list[str] | None:
         return spaced(cells) if len(cells) == count and any(cells) else None
     if count == 1:
         return spaced([text.strip('";,')])
-    ways = [re.split(r"\s*\t\s*", text), re.split(r"\s{2,}", text), WORD.findall(text)]
-    ways += [text.split(delimiter) for delimiter in ";,"]
-    for cells in [*ways, text.split()]:
+    ways = [re.split(r"\s*\t\s*", text), re.split(r"\s{2,}", text), text.split(";")]
+    for cells in [*ways, text.split(","), WORD.findall(text), text.split()]:
         if len(cells) == count:
             return spaced([cell.strip().strip('"') for cell in cells])
     return None

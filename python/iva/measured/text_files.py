@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from iva.measured.channels import Channel
 from iva.measured.dialects import MISSING, Layout, is_comment, layouts
-from iva.measured.headers import divided, names_and_units, uncommented
+from iva.measured.headers import is_telling, names_and_units
 from iva.measured.sensor_units import parted, unit_of
 
 #: Byte order marks and the encodings that they announce.
@@ -46,13 +46,11 @@ def channels_of_text(path: str, contents: bytes) -> list[Channel]:
     if not fitting:
         raise ValueError(f"{path}: no columns of numbers in it; give times and values")
     layout = fitting[0]
-    begin = begins(filled, layout)
-    if begin is None:
-        raise ValueError(f"{path}: no two lines of numbers in a row; give times and values")
-    preamble = [line for line in lines[: filled[begin][0] - 1] if line.strip()]
+    begin, preamble = begins(path, lines, filled, layout)
+    if rivals := ambiguous(fitting):
+        layout = told(path, rivals, preamble, filled[begin:])
+        begin, preamble = begins(path, lines, filled, layout)
     rows = filled[begin:]
-    if len(fitting) > 1 and is_ambiguous(fitting, rows):
-        layout = told(path, fitting, preamble, rows)
     names, units = names_and_units(preamble, layout.dialect, layout.count)
     block = Block(path, layout, rows)
     return [
@@ -88,43 +86,58 @@ def decoded(path: str, contents: bytes) -> str:
     return text
 
 
-def begins(filled: Sequence[tuple[int, str]], layout: Layout) -> int | None:
-    """Return the place of the first line of numbers that another follows, if there is one."""
+def begins(
+    path: str, lines: Sequence[str], filled: Sequence[tuple[int, str]], layout: Layout
+) -> tuple[int, list[str]]:
+    """Return the place of the first line of numbers that another follows, and the lines before it.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
     before = False
     for place, (_, line) in enumerate(filled):
         now = layout.is_data(line)
         if before and now:
-            return place - 1
+            first = filled[place - 1][0]
+            return place - 1, [line for line in lines[: first - 1] if line.strip()]
         before = now
-    return None
+    raise ValueError(f"{path}: no two lines of numbers in a row; give times and values")
 
 
-def is_ambiguous(fitting: Sequence[Layout], rows: Sequence[tuple[int, str]]) -> bool:
-    """Return whether commas may divide two columns of whole numbers, or be decimal marks."""
-    first = fitting[0]
-    if (first.dialect.delimiter, first.count) != (",", 2):
-        return False
-    single = [one for one in fitting if one.count == 1 and one.dialect.decimal == ","]
-    return bool(single) and all(single[0].is_data(line) for _, line in rows)
+def ambiguous(fitting: Sequence[Layout]) -> tuple[Layout, Layout] | None:
+    """Return the layouts in which commas divide columns and are decimal marks, if both may be.
+
+    ``0,5`` may be two columns or one, ``0,5 x 0,5`` three columns in two ways.
+    """
+    words = fitting[0].count - len(fitting[0].numeric)
+    equal = [one for one in fitting if one.count - len(one.numeric) == words]
+    dividing = [one for one in equal if one.dialect.delimiter == ","]
+    decimal = [one for one in equal if one.dialect.decimal == "," and one not in dividing]
+    return (dividing[0], decimal[0]) if dividing and decimal else None
 
 
 def told(
-    path: str, fitting: Sequence[Layout], preamble: Sequence[str], rows: Sequence[tuple[int, str]]
+    path: str,
+    rivals: tuple[Layout, Layout],
+    preamble: Sequence[str],
+    rows: Sequence[tuple[int, str]],
 ) -> Layout:
-    """Return the layout of an ambiguous text that its header or its digits tell.
+    """Return the one of two ambiguous layouts that the header or the digits tell.
 
     Raises
     ------
     ValueError
         If neither does.
     """
-    header = preamble[-1] if preamble else ""
-    if divided(header, fitting[0].dialect, 2):
-        return fitting[0]
-    one = next(layout for layout in fitting if layout.count == 1)
+    for layout in rivals:
+        names, units = names_and_units(preamble, layout.dialect, layout.count)
+        if any(map(is_telling, names)) or any(map(unit_of, units)):
+            return layout
     # No whole number is written as 040588.
-    if unit_of(parted(uncommented(header))[1]) or any(re.search(r",0\d", line) for _, line in rows):
-        return one
+    if any(re.search(r"\d,0\d", line) for _, line in rows):
+        return rivals[1]
     raise ValueError(
         f"{path}: its commas may divide columns or be decimal marks; write it with semicolons "
         "between columns, or with names above them"
