@@ -5,7 +5,6 @@ Expected values are the decimal numbers that the tests write, read by Python's o
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,23 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from iva.measured import Measured
-
-# 40 samples at 100 Hz, of ±1.2 with three decimal places.
-TIMES = [f"{k / 100:.2f}" for k in range(40)]
-VALUES = [f"{1.2 * math.cos(0.37 * k):.3f}" for k in range(40)]
-NUMBERS = [float(value) for value in VALUES]
-
-
-def written(folder: Path, text: str | bytes, name: str = "decay.csv") -> Path:
-    """Write a file and return its path."""
-    path = folder / name
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return path
-
-
-def rows(delimiter: str = ";", values: list[str] = VALUES) -> list[str]:
-    """Return lines of a time and a value."""
-    return [f"{t}{delimiter}{v}" for t, v in zip(TIMES, values, strict=True)]
+from recordings import VALUES, rows, written
 
 
 @dataclass(frozen=True)
@@ -190,7 +173,7 @@ def test_columns_without_names(separation: tuple[str, str], tenths: list[int]) -
 def test_headers_above_blanks(tmp_path: Path, text: str) -> None:
     path = written(tmp_path, text.format("\n".join(rows(" "))))
     record = Measured.read(path, "a1", unit="g")
-    assert record.values.tolist() == [value * 9.80665 for value in NUMBERS]
+    assert record.values.tolist() == [value * 9.80665 for value in VALUES]
     assert record.sampling_hz == 100.0
 
 
@@ -205,12 +188,12 @@ def test_a_preamble_of_the_same_width_is_no_header(tmp_path: Path) -> None:
 
 
 def test_numbers_of_fortran(tmp_path: Path) -> None:
-    values = [f"{number:.3f}D+00" for number in NUMBERS]
+    values = [f"{number:.3f}D+00" for number in VALUES]
     record = Measured.read(written(tmp_path, "t;a_g\n" + "\n".join(rows(values=values))))
-    assert record.values.tolist() == [value * 9.80665 for value in NUMBERS]
-    values = [f"{number:.3f}".replace("0.", ".").replace(".000", ".") for number in NUMBERS]
+    assert record.values.tolist() == [value * 9.80665 for value in VALUES]
+    values = [f"{number:.3f}".replace("0.", ".").replace(".000", ".") for number in VALUES]
     record = Measured.read(written(tmp_path, "t;a_g\n" + "\n".join(rows(values=values))))
-    assert record.values.tolist() == [value * 9.80665 for value in NUMBERS]
+    assert record.values.tolist() == [value * 9.80665 for value in VALUES]
 
 
 def test_one_column_with_decimal_commas(tmp_path: Path) -> None:
@@ -233,13 +216,13 @@ def test_one_column_with_decimal_commas(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("missing", ["", "nan", "NaN", "n/a", "null", "--", "inf", "1.#QNAN"])
 def test_values_that_are_missing(tmp_path: Path, missing: str) -> None:
-    values = [*VALUES[:11], missing, *VALUES[12:]]
+    values: list[float | str] = [*VALUES[:11], missing, *VALUES[12:]]
     path = written(tmp_path, "t;a [g];note\n" + "\n".join(f"{row};x" for row in rows(";", values)))
     with pytest.raises(
         ValueError, match=r"^a \[g\]: 1 of 40 values are missing or not finite, the first at 0.11 s"
     ):
         Measured.read(path, "a")
-    assert Measured.read(path, "a", begin=0.12).values[0] == NUMBERS[12] * 9.80665
+    assert Measured.read(path, "a", begin=0.12).values[0] == VALUES[12] * 9.80665
 
 
 @pytest.mark.parametrize(
@@ -321,7 +304,7 @@ def test_any_text_is_read_or_refused(lines: list[str]) -> None:
 @pytest.mark.parametrize("ending", ["csv", "txt", "tsv", "dat", "asc"])
 def test_endings_of_texts(tmp_path: Path, ending: str) -> None:
     path = written(tmp_path, "t;a [g]\n" + "\n".join(rows()), f"decay.{ending}")
-    assert Measured.read(path).values.tolist() == [value * 9.80665 for value in NUMBERS]
+    assert Measured.read(path).values.tolist() == [value * 9.80665 for value in VALUES]
 
 
 def test_many_lines(tmp_path: Path) -> None:

@@ -19,6 +19,9 @@ ROUNDED = 0.5
 #: Decimal places that instants are looked through for.
 PLACES = 9
 
+#: Instants in s are smaller than that, and steps are longer: clocks of recorders know no others.
+LATEST, SHORTEST = 1e15, 1e-12
+
 #: Samples that a record must have.
 FEWEST = 16
 
@@ -70,11 +73,14 @@ def uniform(
     ValueError
         If the instants are not finite, do not increase, or are not at equal steps.
     """
-    finite = np.isfinite(times)
-    if not finite.all():
-        raise ValueError(f"time: sample {int(np.argmin(finite))} has no time; give finite numbers")
+    known = np.abs(times) < LATEST
+    if not known.all():
+        at = int(np.argmin(known))
+        raise ValueError(f"time: sample {at} is at {times[at]:.6g} s; give finite times in s")
     steps = np.diff(times)
     increasing(times, steps, may_repeat=sampling_hz is not None)
+    if times[-1] - times[0] < SHORTEST * len(steps):
+        raise ValueError(f"time: the steps are {steps.max():.2g} s; give times in s")
     places = np.arange(len(times), dtype=np.float64)
     hz = fitted(times, places) if sampling_hz is None else sampling_hz
     rounded = rounding(times, hz) * hz
@@ -187,8 +193,9 @@ def cut(times: NDArray[np.float64], begin: object, end: object) -> slice:
             raise ValueError(f"{field} = {shown(value)}: give a finite time in s")
         bounds.append(bound)
     first, last = 0, len(times)
-    near = AT * (times[-1] - times[0]) / max(len(times) - 1, 1) if len(times) else 0.0
-    # Of instants that are out of order or missing others speak; here they are only counted.
+    # Instants that are missing or out of order are refused later, if they are not cut away.
+    known = times[np.abs(times) < LATEST]
+    near = AT * float(np.ptp(known)) / len(known) if len(known) else 0.0
     if bounds[0] is not None:
         later = times >= bounds[0] - near
         first = int(np.argmax(later)) if later.any() else len(times)
