@@ -9,7 +9,7 @@ import pkgutil
 import pytest
 
 import iva
-from iva import dynamics
+from iva import dynamics, measured
 
 MODULES = ["iva"] + [
     f"iva.{module.name}"
@@ -26,11 +26,15 @@ WITHOUT = {
 }
 
 
-OF_DYNAMICS = [module.name for module in pkgutil.iter_modules(dynamics.__path__, "iva.dynamics.")]
+IN_PACKAGES = [
+    module.name
+    for package in (dynamics, measured)
+    for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}.")
+]
 
 
-@pytest.mark.parametrize("name", OF_DYNAMICS)
-def test_examples_of_dynamics(name: str) -> None:
+@pytest.mark.parametrize("name", IN_PACKAGES)
+def test_examples_in_packages(name: str) -> None:
     module = importlib.import_module(name)
     found = doctest.testmod(module, extraglobs={"iva": iva}, optionflags=doctest.ELLIPSIS)
     assert found.failed == 0

@@ -117,6 +117,13 @@ def test_a_cut_keeps_both_ends(tmp_path: Path) -> None:
     assert len(Measured.read(path, begin=-5, end=50)) == 40
 
 
+def test_a_cut_knows_that_instants_are_rounded(tmp_path: Path) -> None:
+    lines = "".join(f"{10 * k},{value}\n" for k, value in enumerate(VALUES))
+    path = written(tmp_path, f"t [ms],a [g]\n{lines}")
+    assert 350 * 1e-3 > 0.35  # the last instant of the cut, in binary
+    assert len(Measured.read(path, end=0.35)) == 36
+
+
 def test_a_cut_leaves_out_what_is_wrong(tmp_path: Path) -> None:
     values: list[Any] = list(VALUES)
     values[3] = "nan"

@@ -44,6 +44,13 @@ def test_names_of_files_may_be_text_or_paths(tmp_path: Path) -> None:
     assert Measured.read(str(path)).source == Measured.read(path).source == str(path)
 
 
+def test_letters_that_a_terminal_obeys_are_shown(tmp_path: Path) -> None:
+    for wrong in ("words", table("t,a\x1b[31m_g", [*VALUES[1:], "nan"])):
+        with pytest.raises(ValueError, match=r"\{1b\}\[31m") as caught:
+            Measured.read(written(tmp_path, wrong, "red\x1b[31m.csv"))
+        assert str(caught.value).isprintable()
+
+
 def test_accelerograms_are_those_of_recorded_forces() -> None:
     path = Path(__file__).parents[2] / "studies" / "synthetic_quake.at2"
     record = Measured.read(path)

@@ -187,6 +187,24 @@ def test_a_preamble_of_the_same_width_is_no_header(tmp_path: Path) -> None:
         Measured.read(written(tmp_path, text), "b")
 
 
+def test_a_preamble_longer_than_the_record(tmp_path: Path) -> None:
+    preamble = [f"setting {k};on" for k in range(60)]
+    path = written(tmp_path, "\n".join([*preamble, "t;a [mm]", *rows()]))
+    assert Measured.read(path).values.tolist() == [value * 1e-3 for value in VALUES]
+
+
+def test_decimal_commas_that_come_late(tmp_path: Path) -> None:
+    values = [f"{k},5" if k > 31 else str(k) for k in range(40)]
+    path = written(tmp_path, "t [ms];a [m]\n" + "\n".join(f"{k};{v}" for k, v in enumerate(values)))
+    assert Measured.read(path).values.tolist() == [k + 0.5 * (k > 31) for k in range(40)]
+
+
+def test_a_column_of_words_with_some_numbers(tmp_path: Path) -> None:
+    lines = [f"{row};{'x' if k % 5 else k}" for k, row in enumerate(rows())]
+    path = written(tmp_path, "t;a [m];note\n" + "\n".join(lines))
+    assert Measured.read(path, "a").values.tolist() == VALUES
+
+
 def test_numbers_of_fortran(tmp_path: Path) -> None:
     values = [f"{number:.3f}D+00" for number in VALUES]
     record = Measured.read(written(tmp_path, "t;a_g\n" + "\n".join(rows(values=values))))

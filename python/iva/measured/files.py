@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 
+from iva import _iva
 from iva.faults import fault
 from iva.forces import file_name
 from iva.measured.accelerograms import channels_of_accelerogram
@@ -60,8 +61,8 @@ def channels_of(path: object) -> tuple[str, list[Channel]]:
     except OSError as error:
         raise fault(f"{name} cannot be read: {error.strerror}") from error
     if not contents:
-        raise ValueError(f"{name}: the file is empty; give times and values")
-    return name, READERS[ending](name, contents)
+        raise ValueError(f"{_iva.visible(name)}: the file is empty; give times and values")
+    return name, READERS[ending](_iva.visible(name), contents)
 
 
 def check(name: str) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from iva import _iva
+
 #: No sensor shows more in SI units; squares of larger values would be infinite.
 LARGEST = 1e100
 
@@ -37,6 +39,7 @@ def check_values(name: str, times: NDArray[np.float64], values: NDArray[np.float
     ValueError
         If it cannot.
     """
+    name = _iva.visible(name)
     finite = np.isfinite(values)
     if not finite.all():
         at = int(np.argmin(finite))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from iva import _iva
 from iva.measured.channels import Channel
 from iva.measured.sensor_units import Unit, unit_of
 
@@ -54,7 +55,9 @@ def channels_of_universal(path: str) -> list[Channel]:
             kinds = [int(kind) for kind in file.get_set_types()]
             sets = [file.read_sets(place) for place, kind in enumerate(kinds) if kind in (58, 164)]
     except Exception as error:  # pyuff raises Exception itself
-        raise ValueError(f"{path}: a damaged universal file ({error}); export it anew") from error
+        raise ValueError(
+            f"{_iva.visible(path)}: a damaged universal file ({error}); export it anew"
+        ) from error
     metre = 1.0
     channels = []
     for one in sets:
@@ -63,7 +66,7 @@ def channels_of_universal(path: str) -> list[Channel]:
         elif is_response(one):
             channels.append(channel(one, metre))
     if not channels:
-        raise ValueError(f"{path}: no time responses (dataset 58) in it; export some")
+        raise ValueError(f"{_iva.visible(path)}: no time responses (dataset 58) in it; export some")
     return channels
 
 
