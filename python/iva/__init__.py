@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from iva.choosing import best, pareto, robust
     from iva.explorer import explore
     from iva.forces import Harmonic, Impulse, Recorded
+    from iva.measured import Measured
     from iva.optimisation import Optimum, optimise
     from iva.parameters import Piva, Primary, Siva, Start
     from iva.reading import read
@@ -49,6 +50,7 @@ __all__ = [
     "Harmonic",
     "Impulse",
     "IvaError",
+    "Measured",
     "Optimum",
     "Piva",
     "Primary",
@@ -85,6 +87,7 @@ _HOMES = {
     "Harmonic": "forces",
     "Impulse": "forces",
     "IvaError": "_iva",
+    "Measured": "measured",
     "Optimum": "optimisation",
     "Piva": "parameters",
     "Primary": "parameters",

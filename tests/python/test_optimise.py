@@ -354,5 +354,5 @@ def test_pictures(found: iva.Optimum) -> None:
     assert "settling time" in iva.plots.design(one).get_ylabel()
     with pytest.raises(ValueError, match="did you mean `gap_mm`"):
         iva.plots.design(found, x="gap_m")
-    with pytest.raises(TypeError, match="give an iva.Optimum, of iva.optimise"):
+    with pytest.raises(TypeError, match=r"give an iva\.Optimum, of iva\.optimise"):
         iva.plots.design(3)  # type: ignore[arg-type]
