@@ -161,6 +161,11 @@ def run_block(block: Block, page: Path, names: dict[str, object]) -> None:
         assert block.code.startswith("version"), f"{place}: not a whole study"
         file = Path(block.remark.get("file", "study.toml"))
         file.write_text(block.code, encoding="utf-8")
+        if "[optimise]" in block.code:  # for a command in Python
+            from iva.optimisation.studies import of_study
+
+            of_study(file)
+            return
         assert _iva.main(["iva", "check", str(file)]) == 0, f"{place}: the study is refused"
 
 

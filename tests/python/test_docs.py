@@ -9,7 +9,7 @@ import pkgutil
 import pytest
 
 import iva
-from iva import dynamics, measured
+from iva import dynamics, measured, optimisation
 
 MODULES = ["iva"] + [
     f"iva.{module.name}"
@@ -28,7 +28,7 @@ WITHOUT = {
 
 IN_PACKAGES = [
     module.name
-    for package in (dynamics, measured)
+    for package in (dynamics, measured, optimisation)
     for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}.")
 ]
 

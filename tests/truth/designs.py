@@ -11,8 +11,9 @@ import sys
 from time import perf_counter
 from typing import Any
 
-import iva
 import numpy as np
+
+import iva
 from iva.sampling import Normal, Uniform
 
 STRUCTURE = iva.Primary(mass=3.0, stiffness=12_000.0, damping=2.0)

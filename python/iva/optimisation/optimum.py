@@ -13,6 +13,7 @@ from iva import _iva
 from iva.optimisation.cases import Draw
 from iva.optimisation.evaluation import Candidate, Evaluation
 from iva.scenes import parts
+from iva.spelling import spell_checked
 from iva.units import Units
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from iva.parameters import Spec
 
 
+@spell_checked
 @dataclass(frozen=True, eq=False)
 class Optimum:
     """The best design that was found, what fresh cases say of it, and what does as well.
