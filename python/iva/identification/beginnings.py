@@ -1,0 +1,104 @@
+"""Where a decay begins in its record, and roughly how fast and how damped the structure rings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from iva.identification.pulses import REACH
+from iva.identification.records import Recording
+from iva.identification.responses import Values, to_jump, to_release
+
+#: Samples of quiet that show where a record was at rest.
+QUIET = 12
+#: Share of the largest swing that says that the structure moves.
+MOVES = 0.25
+
+
+def onset(values: Values, sampling_hz: float) -> float | None:
+    """Return the instant from the first sample at which motion sets in, in s, rough.
+
+    ``None`` if the record begins in motion.
+    """
+    width = 3
+    smooth = np.convolve(np.pad(values, width, mode="edge"), np.ones(width) / width, mode="same")
+    smooth = smooth[width:-width]
+    lead = smooth[:QUIET]
+    away = np.abs(smooth - np.median(lead))
+    # The highest values are pulses of impacts: a swing is what a tenth of all samples exceed.
+    swing = float(np.quantile(away, 0.9))
+    moving = away > MOVES * swing
+    first = int(np.argmax(moving))
+    if first < QUIET or np.ptp(lead) > 0.5 * MOVES * swing:
+        return None
+    base = np.median(smooth[: first - width])
+    away = np.abs(smooth - base)
+    noise = float(1.4826 * np.median(np.abs(smooth[: first - width] - base)))
+    edge = max(0.03 * swing, 5.0 * noise)
+    back = first
+    while back > 0 and away[back] > edge:
+        back -= 1
+    return back / sampling_hz
+
+
+def rough_frequency(values: Values, sampling_hz: float) -> float:
+    """Return the frequency in Hz of the strongest peak of the spectrum.
+
+    Its power is divided by that of an acceleration, f⁴ at most, for none: pulses are white, and the
+    motion stands out of them in any quantity.
+    """
+    window = np.hanning(values.size)
+    size = 4 * values.size
+    power = np.abs(np.fft.rfft((values - values.mean()) * window, size))
+    frequencies = np.fft.rfftfreq(size, 1 / sampling_hz)
+    power[frequencies < 1.5 * sampling_hz / values.size] = 0.0
+    return float(frequencies[int(np.argmax(power))])
+
+
+def scanned(
+    recording: Recording,
+    hertz: float,
+    release: float,
+    times: Values,
+    jumps: Values,
+) -> tuple[float, float, float, float, float]:
+    """Return ω, ζ, instant and size of the release, and the cost, the best of a grid.
+
+    At each point of the grid the record is linear in the size of the release, in a velocity at the
+    release, which tells how far its instant is off, in a common factor of all jumps, and in trend
+    and hum.
+    """
+    step = max(1, recording.time.size // 3000)
+    use = recording.time > release + 1 / recording.sampling_hz
+    for time in times if recording.order else ():
+        use &= np.abs(recording.time - time) > REACH / recording.sampling_hz
+    picked = np.flatnonzero(use)[::step]
+    time, values = recording.time[picked], recording.values[picked]
+    trends = recording.trends()[picked]
+    span = float(recording.time[-1] - release)
+    fine = max(0.25 / span / hertz / 1.2, 0.001)
+    best = (np.inf, 0.0, 0.0, 0.0, 0.0)
+    for ratio in np.arange(0.78, 1.25, fine):
+        for zeta in (0.002, 0.008, 0.025):
+            omega = 2 * np.pi * hertz * ratio
+            jump = to_jump(omega, zeta, 0.0, recording.order)
+            free = to_release(omega, zeta, 0.0, recording.order)
+            at = np.array([release])
+            columns = [free.total(time, at, np.ones(1)), jump.total(time, at, np.ones(1))]
+            if times.size:
+                columns.append(jump.total(time, times, jumps))
+            design = np.column_stack([*columns, trends])
+            inner = design.T @ design
+            inner += np.diag(1e-10 * np.diag(inner) + 1e-300)
+            answer = np.linalg.solve(inner, design.T @ values)
+            rest = values - design @ answer
+            cost = float(rest @ rest)
+            if cost < best[0]:
+                size, speed = answer[0], answer[1]
+                # x0 cos ωt + (v/ω) sin ωt is a release somewhat later.
+                shift = float(np.arctan2(speed / omega, size) / omega)
+                best = (cost, omega, zeta, release + shift, float(np.hypot(size, speed / omega)))
+                if size < 0:
+                    shift = float(np.arctan2(-speed / omega, -size) / omega)
+                    best = (cost, omega, zeta, release + shift, -best[4])
+    cost, omega, zeta, instant, size = best
+    return omega, zeta, instant, size, cost

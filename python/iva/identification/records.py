@@ -1,0 +1,215 @@
+"""A record as the sum of what release, impacts and sensor leave in it.
+
+With the instants and the jumps of the impacts as inputs, a record of the structure is linear but for
+a few numbers: no flight of the absorber is followed here, so a wrong guess of the gap cannot spoil
+it. What follows is one set of numbers with its Gaussian uncertainty, all that the record says.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from iva.identification.pulses import REACH, WIDE, envelope, shapes, whole
+from iva.identification.responses import Response, Values, rate_of, to_jump, to_release
+
+#: Numbers before the impacts: ω, ζ, corner of the high pass, instant and size of the release.
+HEAD = 5
+OMEGA, ZETA, CORNER, RELEASE, SIZE = range(HEAD)
+#: Powers of time that stand for offset and drift: 1, t, t², t³.
+TREND = 4
+#: Numbers of one ringing mode: share in sine and in cosine, frequency (rad/s), damping ratio.
+MODE = 4
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """All numbers that a record is made of; SI units, time from the first sample.
+
+    ``head`` (5,), ``times`` and ``jumps`` (k,), ``trend`` (4,), ``hum`` (2h,), ``modes`` (m, 4),
+    ``pulse`` (REACH,) or empty where the record shows no pulses.
+    """
+
+    head: Values
+    times: Values
+    jumps: Values
+    trend: Values
+    hum: Values
+    modes: Values
+    pulse: Values
+
+    def vector(self) -> Values:
+        """Return all numbers in one row."""
+        return np.concatenate(
+            [self.head, self.times, self.jumps, self.trend, self.hum, self.modes.ravel(), self.pulse]
+        )
+
+    def with_vector(self, numbers: Values) -> Inputs:
+        """Return the same with other numbers."""
+        sizes = [
+            HEAD,
+            self.times.size,
+            self.jumps.size,
+            TREND,
+            self.hum.size,
+            self.modes.size,
+            self.pulse.size,
+        ]
+        parts = np.split(numbers, np.cumsum(sizes)[:-1])
+        return Inputs(*parts[:5], parts[5].reshape(self.modes.shape), parts[6])
+
+    def with_impacts(self, times: Values, jumps: Values) -> Inputs:
+        """Return the same with other impacts, in the order of time."""
+        order = np.argsort(times)
+        return replace(self, times=times[order], jumps=jumps[order])
+
+    @property
+    def impacts(self) -> slice:
+        """Where instants and jumps stand in the vector."""
+        return slice(HEAD, HEAD + 2 * self.times.size)
+
+
+@dataclass
+class Recording:
+    """The samples to be explained.
+
+    Parameters
+    ----------
+    time, values : ndarray, shape (n,)
+        Instants from the first sample in s, and what was measured there, in SI units.
+    order : int
+        0 for a displacement, 1 for a velocity, 2 for an acceleration.
+    hum_hz : tuple of float
+        Frequencies of the mains and their multiples.
+    """
+
+    time: Values
+    values: Values
+    order: int
+    sampling_hz: float
+    hum_hz: tuple[float, ...] = ()
+    weights: Values = field(default_factory=lambda: np.zeros(0))
+
+    def trends(self) -> Values:
+        """Return the columns of trend and hum, shape (n, 4 + 2h)."""
+        half = self.time[-1] / 2
+        powers = (self.time / half - 1.0)[:, None] ** np.arange(TREND)
+        phase = 2 * np.pi * self.time[:, None] * np.array(self.hum_hz)[None, :]
+        waves = np.stack([np.sin(phase), np.cos(phase)], axis=2).reshape(self.time.size, -1)
+        return np.hstack([powers, waves])
+
+    def motion(self, inputs: Inputs) -> Values:
+        """Return the smooth part that the structure's own motion leaves, shape (n,)."""
+        omega, zeta, corner, release, size = inputs.head
+        jump = to_jump(omega, zeta, corner, self.order)
+        free = to_release(omega, zeta, corner, self.order)
+        made = size * free.total(self.time, np.array([release]), np.ones(1))
+        if self.order == 0:
+            made = made + size * (self.time <= release)
+        return made + jump.total(self.time, inputs.times, inputs.jumps)
+
+    def ringing(self, inputs: Inputs) -> Values:
+        """Return what further modes add after each impact, shape (n,)."""
+        made = np.zeros(self.time.size)
+        for mode in inputs.modes:
+            made = made + mode_response(mode).total(self.time, inputs.times, inputs.jumps)
+        return made
+
+    def pulses(self, inputs: Inputs) -> Values:
+        """Return the pulses of the impacts, shape (n,)."""
+        made = np.zeros(self.time.size)
+        if inputs.pulse.size and inputs.times.size:
+            places = (inputs.times - self.time[0]) * self.sampling_hz
+            samples, parts, _ = shapes(places, self.time.size)
+            heights = parts @ whole(inputs.pulse) * inputs.jumps[:, None] * self.sampling_hz
+            np.add.at(made, samples, heights)
+        return made
+
+    def nuisance(self, inputs: Inputs) -> Values:
+        """Return offset, drift and hum, shape (n,)."""
+        return self.trends() @ np.concatenate([inputs.trend, inputs.hum])
+
+    def model(self, inputs: Inputs) -> Values:
+        """Return the whole record as these numbers have it, shape (n,)."""
+        return (
+            self.motion(inputs) + self.ringing(inputs) + self.pulses(inputs) + self.nuisance(inputs)
+        )
+
+    def jacobian(self, inputs: Inputs) -> Values:
+        """Return the derivatives of the record by all numbers, shape (n, p)."""
+        omega, zeta, corner, release, size = inputs.head
+        count, hits = self.time.size, inputs.times.size
+        made = np.zeros((count, inputs.vector().size))
+
+        for index in (OMEGA, ZETA, CORNER):
+            step = (1e-6 * omega, 1e-7, 1e-4)[index]
+            ahead, back = inputs.head.copy(), inputs.head.copy()
+            ahead[index] += step
+            if index == CORNER and self.order != 2:
+                continue
+            # A corner is not below 0, a damping ratio may be.
+            back[index] -= 0.0 if index == CORNER else step
+            change = self.motion(replace(inputs, head=ahead)) - self.motion(
+                replace(inputs, head=back)
+            )
+            made[:, index] = change / (ahead[index] - back[index])
+        free = to_release(omega, zeta, corner, self.order)
+        made[:, RELEASE] = -size * free.slope().total(self.time, np.array([release]), np.ones(1))
+        made[:, SIZE] = free.total(self.time, np.array([release]), np.ones(1))
+        if self.order == 0:
+            made[:, SIZE] += self.time <= release
+
+        answers = [to_jump(omega, zeta, corner, self.order), *map(mode_response, inputs.modes)]
+        by_time = slice(HEAD, HEAD + hits)
+        by_jump = slice(HEAD + hits, HEAD + 2 * hits)
+        for answer in answers:
+            made[:, by_jump] += answer.columns(self.time, inputs.times)
+            made[:, by_time] -= answer.slope().columns(self.time, inputs.times) * inputs.jumps
+        place = HEAD + 2 * hits
+        columns = self.trends()
+        made[:, place : place + columns.shape[1]] = columns
+        place += columns.shape[1]
+        for number, mode in enumerate(inputs.modes):
+            for index in range(MODE):
+                step = np.array([1e-6, 1e-6, 1e-5 * mode[2], 1e-6])[index]
+                other = inputs.modes.copy()
+                other[number, index] += step
+                change = self.ringing(replace(inputs, modes=other)) - self.ringing(inputs)
+                made[:, place + index] = change / step
+            place += MODE
+        if inputs.pulse.size and hits:
+            places = (inputs.times - self.time[0]) * self.sampling_hz
+            samples, parts, slopes = shapes(places, count)
+            shares, rate = whole(inputs.pulse), self.sampling_hz
+            heights, steep = parts @ shares * rate, -(slopes @ shares) * rate**2
+            for hit in range(hits):
+                np.add.at(made[:, HEAD + hits + hit], samples[hit], heights[hit])
+                np.add.at(made[:, HEAD + hit], samples[hit], steep[hit] * inputs.jumps[hit])
+            by_share = (parts[:, :, 1:] - 2 * parts[:, :, :1]) * inputs.jumps[:, None, None] * rate
+            for hit in range(hits):
+                np.add.at(made[:, place:], samples[hit], by_share[hit])
+        return made
+
+    def reach(self, inputs: Inputs) -> Values:
+        """Return how large a pulse may still be at each sample, for a soft mask, shape (n,)."""
+        made = np.zeros(self.time.size)
+        if not inputs.pulse.size:
+            return made
+        hull = envelope(inputs.pulse) * self.sampling_hz
+        distances = np.abs(np.arange(-WIDE, WIDE + 1))
+        places = np.rint((inputs.times - self.time[0]) * self.sampling_hz).astype(int)
+        for place, jump in zip(places, inputs.jumps, strict=True):
+            samples = place + np.arange(-WIDE, WIDE + 1)
+            inside = (samples >= 0) & (samples < made.size)
+            made[samples[inside]] += (hull[distances] * jump)[inside] ** 2
+        root: Values = np.sqrt(made)
+        return root
+
+
+def mode_response(mode: Values) -> Response:
+    """Return the answer of a further mode to a unit jump."""
+    return Response(rate_of(mode[2], mode[3]), 0.0, complex(mode[0], mode[1]), 0.0)
+
+
+__all__ = ["REACH", "Inputs", "Recording"]
