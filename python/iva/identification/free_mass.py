@@ -1,0 +1,312 @@
+"""The identification of a free mass from a record of acceleration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from iva.identification.adequacy import contact_law, law_of_restitution, lines_of
+from iva.identification.combinations import in_words, null_directions
+from iva.identification.explaining import Explained, explained
+from iva.identification.growing import first, grown, settled
+from iva.identification.posterior import Beliefs, Draws, best_scatter, sampled
+from iva.identification.priors import Bell, Between, Exactly, Prior
+from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Recording
+from iva.identification.responses import Values
+from iva.identification.stated import Stated
+from iva.identification.walls import Absorber, Contacts, contacts, kept, mixed, residuals
+
+#: Number → place in the head of a record, and the factor from its unit to that of the head.
+HEADS = {
+    "frequency_hz": (OMEGA, 2 * np.pi),
+    "damping_ratio": (ZETA, 1.0),
+    "release": (RELEASE, 1.0),
+    "displacement": (SIZE, 1.0),
+}
+#: Draws of the record's own numbers.
+DRAWS = 500
+#: Scatter and play with which each impact is looked at by itself.
+UNTIED = {"scatter": 0.3, "play": 2e-3}
+
+
+@dataclass(frozen=True)
+class FreeMass:
+    """All that the identification of a free mass hands on.
+
+    ``draws`` maps a number to its draws (n,); ``each`` (n, 4, k) are instant, jump, approach speed
+    and restitution of every impact used.
+    """
+
+    explained: Explained
+    draws: dict[str, Values]
+    each: Values
+    walls: Values
+    combinations: tuple[str, ...]
+    reasons: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def identified(
+    recording: Recording, clock: float, floor: float, known: Stated, seed: int
+) -> FreeMass:
+    """Return what a record says of a free mass.
+
+    Parameters
+    ----------
+    recording : Recording
+        Acceleration; its time begins with 0.
+    clock : float
+        Instant of the first sample on the clock of the record in s.
+    floor : float
+        Least standard deviation of the noise.
+    known : Stated
+        What is known beforehand.
+    seed : int
+        Of the sampler.
+
+    Raises
+    ------
+    ValueError
+        If no impact is found, or they do not follow each other as those of a free mass.
+    """
+    fixed, expected = heads(known, clock)
+    shown = explained(recording, floor, fixed, expected)
+    inputs, covariance = shown.refined.inputs, shown.refined.covariance
+    size = abs(float(inputs.head[SIZE]))
+    beliefs = beliefs_of(known, size)
+    pull = pull_of(beliefs)
+    gap_velocity = known.taken.get("gap_velocity", 0.0)
+    every = contacts(inputs, covariance, inputs.times.size, gap_velocity)
+    begin = Absorber(*pull[0], 0.1, 0.01)
+    best = grown(every, begin, pull)
+    notes, reasons = [], []
+    if best.hits < inputs.times.size:
+        if best.hits < 3:
+            raise ValueError(
+                "record: its impacts do not follow each other as those of a free mass; give another"
+                " absorber or a record of one"
+            )
+        notes.append(
+            f"the first {best.hits} of {inputs.times.size} impacts were used: the next one does not"
+            " follow from them, one may have been missed"
+        )
+        if best.hits < 0.5 * inputs.times.size:
+            reasons.append("most impacts do not follow from those before as those of a free mass")
+    used = first(every, best.hits)
+    middle, _ = best_scatter(used, best.absorber, pull)
+    # The record's numbers move a little once the walls are heard: linear there, not where they were.
+    moved = inputs.vector()
+    places = kept(inputs.times.size, best.hits)
+    moved[places] += shift(used, middle, covariance[np.ix_(places, places)])
+    used = contacts(inputs, covariance, best.hits, gap_velocity, moved)
+    drawn = sampled(used, beliefs, middle, pull, seed)
+    head, each = together(used, drawn, inputs.vector()[places], covariance[np.ix_(places, places)], seed)
+    release = head[:, RELEASE] + clock
+    draws = {
+        "frequency_hz": head[:, OMEGA] / (2 * np.pi),
+        "damping_ratio": head[:, ZETA],
+        "mass_ratio": 1 / drawn.numbers[:, 0],
+        "restitution": drawn.numbers[:, 3],
+        "gap": 2 * drawn.numbers[:, 1],
+        "displacement": head[:, SIZE],
+        "gap_displacement": drawn.numbers[:, 2],
+        "release": release,
+        "restitution_scatter": drawn.numbers[:, 4],
+    }
+    each[:, 0] += clock
+    keep = believed(draws, known, seed)
+    draws = {name: values[keep] for name, values in draws.items()}
+    each = each[keep]
+    words = combinations_of(used, middle, pull, beliefs)
+    reasons += judged(shown, used, middle, pull, drawn)
+    if shown.modes_hz:
+        listed = " and ".join(f"{hertz:.3g} Hz" for hertz in shown.modes_hz)
+        notes.append(f"ringing at {listed} after each impact was fitted along")
+    return FreeMass(shown, draws, each, used.walls, words, tuple(reasons), tuple(notes))
+
+
+def heads(
+    known: Stated, clock: float
+) -> tuple[dict[int, float], dict[int, tuple[float, float]]]:
+    """Return what is set and what is expected of the numbers of the record, by place."""
+    fixed: dict[int, float] = {}
+    expected: dict[int, tuple[float, float]] = {}
+    for name, (place, factor) in HEADS.items():
+        prior = known.priors.get(name)
+        shift = clock if name == "release" else 0.0
+        if isinstance(prior, Exactly):
+            fixed[place] = (prior.value - shift) * factor
+        elif isinstance(prior, Bell) and not prior.by_logarithm:
+            expected[place] = ((prior.middle - shift) * factor, prior.width * factor)
+    return fixed, expected
+
+
+def beliefs_of(known: Stated, size: float) -> Beliefs:
+    """Return the priors of the absorber; where nothing is known they are wide."""
+    gap = known.priors.get("gap")
+    wide = Between(0.01 * size, 20 * size, by_logarithm=True)
+    return Beliefs(
+        known.priors.get("mass_ratio", Between(1e-3, 1.0, by_logarithm=True)),
+        wide if gap is None else halved(gap),
+        known.priors.get("restitution", Between(0.0, 1.0)),
+        known.priors.get("gap_displacement"),
+    )
+
+
+def halved(gap: Prior) -> Prior:
+    """Return the prior of the clearance from that of the gap."""
+    if isinstance(gap, Exactly):
+        return Exactly(gap.value / 2)
+    if isinstance(gap, Between):
+        return Between(gap.low / 2, gap.high / 2, gap.by_logarithm)
+    assert isinstance(gap, Bell)
+    width = gap.width if gap.by_logarithm else gap.width / 2
+    return Bell(gap.middle / 2, width, gap.low / 2, gap.high / 2, gap.by_logarithm)
+
+
+def pull_of(beliefs: Beliefs) -> tuple[Values, Values]:
+    """Return mean and deviation of 1/μ, d, y₀ and e beforehand, as of normal distributions."""
+    shares = (0.1587, 0.5, 0.8413)
+    mass = [1 / beliefs.mass_ratio.at(share) for share in shares]
+    clearance = [beliefs.clearance.at(share) for share in shares]
+    restitution = [beliefs.restitution.at(share) for share in shares]
+    half = clearance[2] / np.sqrt(3)
+    place = [-half, 0.0, half]
+    if beliefs.place is not None:
+        place = [beliefs.place.at(share) for share in shares]
+    columns = np.array([mass, clearance, place, restitution])
+    deviation = np.abs(columns[:, 2] - columns[:, 0]) / 2
+    wide = np.array([not isinstance(one, Bell | Exactly) for one in
+                     (beliefs.mass_ratio, beliefs.clearance, beliefs.place, beliefs.restitution)])
+    # Flat priors pull nowhere: the window has to find its way from far.
+    return columns[:, 1], np.where(wide, 10 * deviation, deviation)
+
+
+def shift(found: Contacts, absorber: Absorber, covariance: Values) -> Values:
+    """Return by how much the walls move the numbers of the record, shape (p,)."""
+    rest, spread = residuals(found, absorber)
+    mixture = slopes_of(found, absorber)
+    moved: Values = -covariance @ mixture.T @ np.linalg.solve(spread, rest)
+    return moved
+
+
+def slopes_of(found: Contacts, absorber: Absorber) -> Values:
+    """Return the derivatives of the conditions by the numbers of the record, shape (2 k, p)."""
+    pair = np.stack(mixed(absorber.heaviness, absorber.restitution))
+    made = np.tensordot(pair, found.slopes, axes=(1, 0))
+    return made.reshape(-1, made.shape[-1])
+
+
+def together(
+    found: Contacts, drawn: Draws, numbers: Values, covariance: Values, seed: int
+) -> tuple[Values, Values]:
+    """Return draws of the record's numbers that go with draws of the absorber.
+
+    A draw from the record alone is moved onto the conditions (Matheron's rule).
+
+    Returns
+    -------
+    head : ndarray, shape (n, 5)
+    each : ndarray, shape (n, 4, k)
+        Instant, jump, approach speed and restitution of the impacts.
+    """
+    random = np.random.default_rng(seed + 1)
+    hits = found.walls.size
+    rows = random.permutation(len(drawn.numbers))[: min(DRAWS, len(drawn.numbers))]
+    drawn.numbers[: rows.size] = drawn.numbers[rows]
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0))
+    head, each = np.empty((rows.size, HEAD)), np.empty((rows.size, 4, hits))
+    for row in range(rows.size):
+        absorber = drawn.absorber(row)
+        rest, spread = residuals(found, absorber)
+        mixture = slopes_of(found, absorber)
+        by_record = np.einsum("ij,jk,ik->i", mixture, covariance, mixture)
+        own = np.maximum(np.diag(spread) - by_record, 0.0)
+        step = root @ random.standard_normal(numbers.size)
+        rest = rest + mixture @ step + np.sqrt(own) * random.standard_normal(2 * hits)
+        made = numbers + step - covariance @ mixture.T @ np.linalg.solve(spread, rest)
+        head[row] = made[:HEAD]
+        times, jumps = made[HEAD : HEAD + hits], made[HEAD + hits :]
+        change = np.tensordot(found.slopes, made - numbers, axes=(2, 0))
+        _, _, lost, speed, _ = found.values + change
+        approach = speed - absorber.heaviness * lost
+        e = jumps * (1 + absorber.heaviness) / approach - 1
+        each[row] = times, jumps, np.abs(approach), e
+    return head, each
+
+
+def believed(draws: dict[str, Values], known: Stated, seed: int) -> np.ndarray:
+    """Return rows to keep, so that priors of the record's numbers that are not normal count."""
+    rows = next(iter(draws.values())).size
+    weights = np.ones(DRAWS if rows > DRAWS else rows)
+    for name in HEADS:
+        prior = known.priors.get(name)
+        if prior is None or isinstance(prior, Exactly):
+            continue
+        values = draws[name][: weights.size]
+        density = np.exp([max(prior.log_density(float(value)), -700.0) for value in values])
+        if isinstance(prior, Bell) and not prior.by_logarithm:
+            density = (density > 1e-300).astype(float)  # its shape has been counted already
+        weights *= density
+    if weights.sum() <= 0 or np.sum(weights) ** 2 / np.sum(weights**2) < 5:
+        raise ValueError("known: it contradicts the record; give wider distributions")
+    if np.all(weights == weights[0]):
+        return np.arange(weights.size)
+    random = np.random.default_rng(seed + 2)
+    return random.choice(weights.size, weights.size, p=weights / weights.sum())
+
+
+def combinations_of(
+    found: Contacts, middle: Absorber, pull: tuple[Values, Values], beliefs: Beliefs
+) -> tuple[str, ...]:
+    """Return what the record leaves open, in words."""
+    absorber, _, information = settled(found, middle, pull)
+    scale = np.array(
+        [absorber.heaviness, absorber.clearance, absorber.clearance, absorber.restitution]
+    )
+    # 1/μ grows where μ falls.
+    scale[0] *= -1
+    each = (beliefs.mass_ratio, beliefs.clearance, beliefs.place, beliefs.restitution)
+    free = [index for index, one in enumerate(each) if not isinstance(one, Exactly)]
+    if not free:
+        return ()
+    names = ("mass_ratio", "gap", "rest position", "restitution")
+    scaled = (information * np.outer(scale, scale))[np.ix_(free, free)]
+    directions = null_directions(scaled)
+    chosen = tuple(names[index] for index in free)
+    return tuple(in_words(directions[:, column], chosen) for column in range(directions.shape[1]))
+
+
+def judged(
+    shown: Explained, found: Contacts, middle: Absorber, pull: tuple[Values, Values], drawn: Draws
+) -> list[str]:
+    """Return what the record has that the model has not."""
+    recording, inputs = shown.recording, shown.refined.inputs
+    rest = recording.values - recording.model(inputs)
+    hertz = float(inputs.head[OMEGA] / 2 / np.pi)
+    reasons = lines_of(rest, recording.weights, recording.sampling_hz, hertz)
+    untied, _, _ = settled(found, replace(middle, **UNTIED), pull)
+    rest, spread = residuals(found, untied)
+    hits = found.walls.size
+    _, _, lost, speed, jump = found.values
+    # What the record's own noise leaves of each rebound, once the walls are heard.
+    by_noise = spread[hits:, hits:] - np.diag(
+        (untied.scatter * untied.restitution * (speed - untied.heaviness * lost)) ** 2
+    )
+    cross = spread[hits:, :hits]
+    solved = np.linalg.solve(spread[:hits, :hits], np.column_stack([cross.T, rest[:hits]]))
+    by_noise = by_noise - cross @ solved[:, :-1]
+    rebounds = rest[hits:] - cross @ solved[:, -1]
+    approach = speed - untied.heaviness * lost
+    restitutions = untied.restitution + rebounds / approach
+    variances = np.maximum(np.diag(by_noise), 0.0) / approach**2
+    reasons += law_of_restitution(
+        np.abs(approach), inputs.times[:hits], restitutions, variances
+    )
+    scatter, play = np.quantile(drawn.numbers[:, 4:6], 0.1, axis=0)
+    return reasons + contact_law(float(scatter), float(play))
+
+
+__all__ = ["FreeMass", "identified"]

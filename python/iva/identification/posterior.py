@@ -1,0 +1,219 @@
+"""Draws of the absorber's numbers, given what the impacts say.
+
+The sampler is nested sampling (Skilling, Bayesian Analysis 1 (2006) 833) by ``dynesty``, made for
+several modes and for long valleys such as a record with few impacts has. The restitution of each
+impact and all numbers of the record are integrated out in closed form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from iva.identification.growing import settled
+from iva.identification.priors import Between, Exactly, Prior
+from iva.identification.responses import Values
+from iva.identification.walls import Absorber, Contacts, log_likelihood
+
+#: Scatter of restitution from impact to impact that is thought possible, relative. Impacts that
+#: repeat to better than a hundredth have not been seen: Montaine et al., arXiv 1104.0049.
+SCATTER = Between(0.01, 0.3, by_logarithm=True)
+#: How far a wall is from where it was at the other impacts, relative to the clearance.
+PLAY = Between(2e-4, 0.03, by_logarithm=True)
+#: Live points of the sampler.
+LIVE = 150
+#: Half width of the sampled box in standard deviations, where the record determines all.
+WIDTH = 7.0
+#: Standard deviation (relative) up to which a number counts as determined for that box.
+NARROW = 0.06
+#: Logarithm of a density that stands for impossible.
+NEVER = -1e100
+
+
+@dataclass(frozen=True)
+class Beliefs:
+    """Priors of mass ratio, clearance (m), restitution and gap displacement (m).
+
+    Without one the absorber may rest anywhere between the walls.
+    """
+
+    mass_ratio: Prior
+    clearance: Prior
+    restitution: Prior
+    place: Prior | None
+
+    def log_density(self, absorber: Absorber) -> float:
+        """Return the logarithm of the density of an absorber, of scatter and play by logarithm."""
+        d = absorber.clearance
+        if d <= 0 or absorber.heaviness <= 0 or abs(absorber.place) > d:
+            return NEVER
+        made = (
+            self.mass_ratio.log_density(1 / absorber.heaviness)
+            + self.clearance.log_density(d)
+            + self.restitution.log_density(absorber.restitution)
+        )
+        made += -np.log(2 * d) if self.place is None else self.place.log_density(absorber.place)
+        return float(made) if np.isfinite(made) else NEVER
+
+
+@dataclass(frozen=True)
+class Draws:
+    """Equally likely absorbers: columns 1/μ, d, y₀, e, scatter, play, shape (n, 6)."""
+
+    numbers: Values
+    calls: int
+
+    def absorber(self, row: int) -> Absorber:
+        """Return one of them."""
+        return Absorber(*map(float, self.numbers[row]))
+
+
+def fixed_of(beliefs: Beliefs) -> list[bool]:
+    """Return which of 1/μ, d, y₀ and e are set."""
+    each = (beliefs.mass_ratio, beliefs.clearance, beliefs.place, beliefs.restitution)
+    return [isinstance(one, Exactly) for one in each]
+
+
+def best_scatter(
+    found: Contacts, absorber: Absorber, pull: tuple[Values, Values]
+) -> tuple[Absorber, Values]:
+    """Return the most likely absorber with its scatter and play, and the information on it."""
+
+    def at(logarithms: Values) -> Absorber:
+        scatter = float(np.clip(np.exp(logarithms[0]), SCATTER.low, SCATTER.high))
+        play = float(np.clip(np.exp(logarithms[1]), PLAY.low, PLAY.high))
+        return replace(absorber, scatter=scatter, play=play)
+
+    def cost(logarithms: Values) -> float:
+        made, _, _ = settled(found, at(logarithms), pull, rounds=4)
+        return -log_likelihood(found, made)
+
+    begin = np.log([0.05, 2e-3])
+    best = minimize(
+        cost, begin, method="Nelder-Mead", options={"maxfev": 60, "xatol": 0.05, "fatol": 0.05}
+    )
+    made, _, information = settled(found, at(best.x), pull)
+    return made, information
+
+
+def sampled(
+    found: Contacts,
+    beliefs: Beliefs,
+    start: Absorber,
+    pull: tuple[Values, Values],
+    seed: int,
+) -> Draws:
+    """Return draws from the posterior.
+
+    Parameters
+    ----------
+    found : Contacts
+        Of the impacts that count.
+    beliefs : Beliefs
+        The priors.
+    start : Absorber
+        From the growing window.
+    pull : tuple of ndarray, shape (4,)
+        As for :func:`iva.identification.growing.settled`.
+    seed : int
+        The same seed gives the same draws.
+
+    Raises
+    ------
+    ImportError
+        If ``dynesty`` is not installed.
+    """
+    dynesty = sampler()
+    middle, information = best_scatter(found, start, pull)
+    fixed = np.array(fixed_of(beliefs))
+    scale = np.array(
+        [middle.heaviness, middle.clearance, middle.clearance, max(middle.restitution, 0.1)]
+    )
+    scaled = (information * np.outer(scale, scale))[np.ix_(~fixed, ~fixed)]
+    eigenvalues = np.linalg.eigvalsh(scaled) if scaled.size else np.array([np.inf])
+    if eigenvalues.min(initial=np.inf) > NARROW**-2:
+        draw = box(middle, scaled, scale, fixed)
+        weigh = beliefs.log_density
+    else:
+        draw = whole(beliefs)
+
+        def weigh(absorber: Absorber) -> float:
+            return 0.0 if beliefs.log_density(absorber) > NEVER else NEVER
+
+    def density(numbers: Values) -> float:
+        absorber = Absorber(*numbers)
+        if (prior := weigh(absorber)) <= NEVER:
+            return NEVER
+        made = prior + log_likelihood(found, absorber)
+        return max(made, NEVER) if np.isfinite(made) else NEVER
+
+    size = int((~fixed).sum()) + 2
+    random = np.random.default_rng(seed)
+    run = dynesty.NestedSampler(
+        lambda cube: density(draw(cube)),
+        lambda cube: cube,
+        size,
+        nlive=LIVE,
+        bound="multi",
+        sample="rwalk" if size > 4 else "unif",
+        bootstrap=0,
+        rstate=random,
+    )
+    run.run_nested(dlogz=0.1, print_progress=False)
+    results = run.results
+    cubes = results.samples_equal(rstate=random)
+    return Draws(np.array([draw(cube) for cube in cubes]), int(np.sum(results.ncall)))
+
+
+def box(middle: Absorber, scaled: Values, scale: Values, fixed: np.ndarray) -> Any:
+    """Return the map of a cube to a box along the axes of the posterior, as wide as it may reach."""
+    values, axes = np.linalg.eigh(scaled) if scaled.size else (np.zeros(0), np.zeros((0, 0)))
+    reach = axes * (WIDTH / np.sqrt(values))
+    centre = np.array([middle.heaviness, middle.clearance, middle.place, middle.restitution])
+
+    def draw(cube: Values) -> Values:
+        made = centre.copy()
+        made[~fixed] += scale[~fixed] * (reach @ (2 * cube[:-2] - 1))
+        return np.concatenate([made, [SCATTER.at(cube[-2]), PLAY.at(cube[-1])]])
+
+    return draw
+
+
+def whole(beliefs: Beliefs) -> Any:
+    """Return the map of a cube to all that is thought possible."""
+    fixed = fixed_of(beliefs)
+
+    def draw(cube: Values) -> Values:
+        shares = iter(cube)
+        mass_ratio = beliefs.mass_ratio.at(0.5 if fixed[0] else next(shares))
+        clearance = beliefs.clearance.at(0.5 if fixed[1] else next(shares))
+        share = 0.5 if fixed[2] else next(shares)
+        place = (2 * share - 1) * clearance if beliefs.place is None else beliefs.place.at(share)
+        restitution = beliefs.restitution.at(0.5 if fixed[3] else next(shares))
+        ends = [SCATTER.at(next(shares)), PLAY.at(next(shares))]
+        return np.array([1 / mass_ratio, clearance, place, restitution, *ends])
+
+    return draw
+
+
+def sampler() -> Any:
+    """Return dynesty.
+
+    Raises
+    ------
+    ImportError
+        If it is not installed.
+    """
+    try:
+        import dynesty
+    except ImportError as error:
+        raise ImportError(
+            'iva.identify needs dynesty; pip install "iva-dynamics[fit]" brings it'
+        ) from error
+    return dynesty
+
+
+__all__ = ["Beliefs", "Draws", "best_scatter", "sampled", "sampler"]
