@@ -40,18 +40,27 @@ def onset(values: Values, sampling_hz: float) -> float | None:
     return back / sampling_hz
 
 
-def rough_frequency(values: Values, sampling_hz: float) -> float:
-    """Return the frequency in Hz of the strongest peak of the spectrum.
+def rough_frequency(values: Values, sampling_hz: float, order: int) -> float:
+    """Return the frequency in Hz of the strongest line of the spectrum of the acceleration.
 
-    Its power is divided by that of an acceleration, f⁴ at most, for none: pulses are white, and the
-    motion stands out of them in any quantity.
+    In a displacement a slow pendulum may be larger than the structure that it hangs on.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        The record after the release.
+    sampling_hz : float
+        Sampling rate.
+    order : int
+        0 for a displacement, 1 for a velocity, 2 for an acceleration.
     """
     window = np.hanning(values.size)
     size = 4 * values.size
-    power = np.abs(np.fft.rfft((values - values.mean()) * window, size))
+    height = np.abs(np.fft.rfft((values - values.mean()) * window, size))
     frequencies = np.fft.rfftfreq(size, 1 / sampling_hz)
-    power[frequencies < 1.5 * sampling_hz / values.size] = 0.0
-    return float(frequencies[int(np.argmax(power))])
+    height[frequencies < 1.5 * sampling_hz / values.size] = 0.0
+    height[height < 10 * np.median(height)] = 0.0  # noise, which the weight would lift
+    return float(frequencies[int(np.argmax(height * frequencies ** (2 - order)))])
 
 
 def scanned(

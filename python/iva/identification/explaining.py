@@ -70,7 +70,7 @@ def explained(
     begin = fixed.get(RELEASE)
     start = onset(recording.values, rate) if begin is None else begin
     after = int(max(start or 0.0, 0.0) * rate)
-    hertz = rough_frequency(recording.values[after:], rate)
+    hertz = rough_frequency(recording.values[after:], rate, recording.order)
     if OMEGA in fixed:
         hertz = fixed[OMEGA] / 2 / np.pi
     edge = (after - REACH, after + REACH)

@@ -1,0 +1,203 @@
+"""Least squares of a record through the motion of a pendulum, in a window that grows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from iva.identification.responses import Values
+from iva.identification.swings import HEAD, LOGARITHMS, Rig, Swing, swing
+
+#: Steps of the differences that stand for derivatives.
+STEPS = np.array([1e-6, 1e-5, 1e-5, 1e-5, 1e-6, 1e-5, 1e-6, 1e-6])
+STEP_OF_RESTITUTION = 1e-4
+#: Scatter of restitution while the window grows, relative.
+LOOSE = 0.1
+#: χ² a sample above which a window does not fit.
+UNFIT = 2.5
+
+
+@dataclass(frozen=True)
+class Shot:
+    """Numbers (8,), restitutions (k,), the motion, χ² a sample, and the information on all.
+
+    ``information`` (8 + k, 8 + k) is that of the record alone.
+    """
+
+    numbers: Values
+    restitutions: Values
+    motion: Swing
+    misfit: float
+    information: Values
+    until: float
+
+
+@dataclass(frozen=True)
+class Target:
+    """The record, its noise, and what is known of the numbers: mean and deviation (8,)."""
+
+    time: Values
+    values: Values
+    order: int
+    noise: float
+    mean: Values
+    deviation: Values
+    rig: Rig
+
+
+def shot(
+    target: Target,
+    numbers: Values,
+    restitutions: Values,
+    until: float,
+    steps: int = 8,
+    scatter: float = LOOSE,
+) -> Shot:
+    """Return the best agreement up to an instant, by damped Gauss–Newton steps.
+
+    Parameters
+    ----------
+    target : Target
+        What is to be met.
+    numbers : ndarray, shape (8,)
+        Where to begin.
+    restitutions : ndarray, shape (k,)
+        The same of the impacts up to the instant.
+    until : float
+        End of the window from the first sample, in s.
+    steps : int
+        Most steps.
+    scatter : float
+        Of restitution about its mean, relative.
+
+    Raises
+    ------
+    ValueError
+        If no step leads anywhere but to numbers of no scene.
+    """
+    use = int(np.searchsorted(target.time, until, side="right"))
+    time, values = target.time[:use], target.values[:use]
+    free = target.deviation > 0
+    weight = np.where(np.isfinite(target.deviation) & free, 1 / np.maximum(target.deviation, 1e-300), 0)
+    hits = restitutions.size
+    every = np.concatenate([free, np.ones(hits, bool)])
+
+    def pulls(at: Values) -> tuple[Values, Values]:
+        e = at[HEAD:]
+        middle = float(np.mean(e)) if hits else 0.5
+        rest = [weight * (at[:HEAD] - target.mean), (e - middle) / (scatter * middle)]
+        slopes = np.zeros((HEAD + hits, HEAD + hits))
+        slopes[:HEAD, :HEAD] = np.diag(weight)
+        slopes[HEAD:, HEAD:] = (np.eye(hits) - 1 / max(hits, 1)) / (scatter * middle)
+        return np.concatenate(rest), slopes
+
+    def flown(at: Values, resumed: tuple[Swing, int] | None = None) -> Swing:
+        return swing(time, target.order, at[:HEAD], at[HEAD:], target.rig, until, resumed)
+
+    def cost_of(motion: Swing, at: Values) -> float:
+        rest = (values - motion.values) / target.noise
+        pull, _ = pulls(at)
+        return float(rest @ rest + pull @ pull)
+
+    at = np.concatenate([numbers, restitutions])
+    motion = flown(at)
+    cost = cost_of(motion, at)
+    damping = 1e-3
+    information = np.zeros((at.size, at.size))
+    for _ in range(steps):
+        slopes = derivatives(at, motion, flown, every, target.order) / target.noise
+        rest = (values - motion.values) / target.noise
+        pull, pull_slopes = pulls(at)
+        information = slopes.T @ slopes
+        curvature = (information + pull_slopes.T @ pull_slopes)[np.ix_(every, every)]
+        downhill = (slopes.T @ rest - pull_slopes.T @ pull)[every]
+        scale = np.sqrt(np.maximum(np.diag(curvature), 1e-300))
+        better = False
+        for _ in range(6):
+            lifted = curvature / np.outer(scale, scale) + damping * np.eye(scale.size)
+            move = np.linalg.solve(lifted, downhill / scale) / scale
+            trial = at.copy()
+            trial[every] += move
+            trial[:HEAD] = np.clip(trial[:HEAD], at[:HEAD] - 0.3, at[:HEAD] + 0.3)
+            trial[LOGARITHMS] = max(trial[LOGARITHMS], 0.0)
+            trial[HEAD:] = np.clip(trial[HEAD:], 0.02, 0.99)
+            try:
+                new = flown(trial)
+            except ValueError:
+                damping = max(10 * damping, 1e-3)
+                continue
+            new_cost = cost_of(new, trial)
+            if new_cost < cost:
+                better = True
+                break
+            damping = max(10 * damping, 1e-3)
+        if not better:
+            break
+        gain = cost - new_cost
+        at, motion, cost = trial, new, new_cost
+        damping = max(damping / 10, 1e-9)
+        if gain < 0.01 + 1e-5 * cost:
+            break
+    rest = (values - motion.values) / target.noise
+    return Shot(at[:HEAD], at[HEAD:], motion, float(rest @ rest) / use, information, until)
+
+
+def derivatives(at, motion, flown, every, order) -> Values:  # type: ignore[no-untyped-def]
+    """Return the derivatives of the record by all numbers, shape (n, 8 + k)."""
+    made = np.zeros((motion.values.size, at.size))
+    for index in np.flatnonzero(every):
+        if index == HEAD - 1:
+            made[:, index] = 1.0
+            continue
+        other = at.copy()
+        hit = index - HEAD
+        step = STEPS[index] if hit < 0 else STEP_OF_RESTITUTION
+        other[index] += step
+        if hit >= len(motion.times):
+            continue  # this impact lies beyond the window
+        change = flown(other, (motion, hit) if hit >= 0 else None).values - motion.values
+        made[:, index] = change / step
+    return made
+
+
+def grown(target: Target, numbers: Values, restitution: float, hits: int, steps: int) -> Shot:
+    """Return the agreement after the window has grown as far as it fits.
+
+    Parameters
+    ----------
+    target : Target
+        What is to be met.
+    numbers : ndarray, shape (8,)
+        Where to begin.
+    restitution : float
+        The same of all impacts.
+    hits : int
+        Impacts in the first window.
+    steps : int
+        Most steps in each window.
+    """
+    end = float(target.time[-1])
+    restitutions = np.full(1, restitution)
+    best: Shot | None = None
+    while True:
+        # The impacts that come next say where the window ends.
+        ahead = swing(target.time[:1], 0, numbers, restitutions, target.rig, end)
+        last = len(ahead.times) <= hits
+        until = end if last else ahead.times[hits] - 1e-3
+        many = min(hits, len(ahead.times))
+        mean = float(np.mean(restitutions))
+        begin = np.concatenate([restitutions, np.full(max(many - restitutions.size, 0), mean)])[:many]
+        if not many:
+            begin = np.full(1, mean)
+        made = shot(target, numbers, begin, until, steps)
+        if made.misfit > UNFIT and best is not None:
+            return best
+        best = made
+        numbers, restitutions = made.numbers, made.restitutions
+        if last:
+            return made
+        hits = hits + max(1, hits // 3)
+
+
+__all__ = ["Shot", "Target", "grown", "shot"]
