@@ -40,6 +40,33 @@ def onset(values: Values, sampling_hz: float) -> float | None:
     return back / sampling_hz
 
 
+def let_go(values: Values, sampling_hz: float, start: float, level: float, hertz: float) -> float:
+    """Return the instant of the release in a displacement, from the parabola that follows it.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Displacement.
+    sampling_hz : float
+        Sampling rate.
+    start : float
+        Rough instant from the first sample in s.
+    level : float
+        Where the record stands before.
+    hertz : float
+        Rough frequency.
+    """
+    first = int(start * sampling_hz)
+    last = first + max(int(0.15 * sampling_hz / hertz), 4)
+    way = np.abs(values[first:last] - level)
+    time = np.arange(first, first + way.size) / sampling_hz
+    good = way > 0.02 * abs(level)
+    if good.sum() < 3:
+        return start
+    slope, rest = np.polyfit(time[good], np.sqrt(way[good]), 1)
+    return float(-rest / slope) if slope > 0 else start
+
+
 def rough_frequency(values: Values, sampling_hz: float, order: int) -> float:
     """Return the frequency in Hz of the strongest line of the spectrum of the acceleration.
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from iva.identification.responses import Values
 from iva.parameters import Piva, Primary, Siva, Start
 
@@ -12,6 +15,40 @@ if TYPE_CHECKING:
     import polars as pl
 
     from iva.simulation import Run
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the identification of any absorber hands on.
+
+    Attributes
+    ----------
+    draws : dict of str to ndarray, shape (n,)
+        Equally likely values of each number, SI units.
+    each : ndarray, shape (n, 4, k)
+        Draws of instant, jump, approach speed and restitution of every impact.
+    walls : ndarray, shape (k,)
+        +1 or −1.
+    prediction, own, sigma : ndarray, shape (m,)
+        What the model has at each sample, its standard deviation, and that of the noise.
+    mask : ndarray of bool, shape (m,)
+        True where a sample was used.
+    noise : float
+    combinations, reasons, notes : tuple of str
+        As in :class:`Fit`.
+    """
+
+    draws: dict[str, Values]
+    each: Values
+    walls: Values
+    prediction: Values
+    own: Values
+    sigma: Values
+    mask: NDArray[np.bool_]
+    noise: float
+    combinations: tuple[str, ...]
+    reasons: tuple[str, ...]
+    notes: tuple[str, ...]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -63,7 +100,7 @@ class Fit:
     prediction: Values
     low: Values
     high: Values
-    mask: Values
+    mask: NDArray[np.bool_]
     noise: float
     draws: pl.DataFrame
     quantity: str

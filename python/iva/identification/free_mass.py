@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from iva.identification.adequacy import contact_law, law_of_restitution, lines_of
 from iva.identification.combinations import in_words, null_directions
 from iva.identification.explaining import Explained, explained
+from iva.identification.fits import Found
 from iva.identification.growing import first, grown, settled
 from iva.identification.posterior import Beliefs, Draws, best_scatter, sampled
 from iva.identification.priors import Bell, Between, Exactly, Prior
@@ -30,26 +31,9 @@ DRAWS = 500
 UNTIED = {"scatter": 0.3, "play": 2e-3}
 
 
-@dataclass(frozen=True)
-class FreeMass:
-    """All that the identification of a free mass hands on.
-
-    ``draws`` maps a number to its draws (n,); ``each`` (n, 4, k) are instant, jump, approach speed
-    and restitution of every impact used.
-    """
-
-    explained: Explained
-    draws: dict[str, Values]
-    each: Values
-    walls: Values
-    combinations: tuple[str, ...]
-    reasons: tuple[str, ...]
-    notes: tuple[str, ...]
-
-
 def identified(
     recording: Recording, clock: float, floor: float, known: Stated, seed: int
-) -> FreeMass:
+) -> Found:
     """Return what a record says of a free mass.
 
     Parameters
@@ -123,7 +107,21 @@ def identified(
     if shown.modes_hz:
         listed = " and ".join(f"{hertz:.3g} Hz" for hertz in shown.modes_hz)
         notes.append(f"ringing at {listed} after each impact was fitted along")
-    return FreeMass(shown, draws, each, used.walls, words, tuple(reasons), tuple(notes))
+    slopes = recording.jacobian(inputs)
+    own = np.einsum("ij,ij->i", slopes @ covariance, slopes)
+    return Found(
+        draws=draws,
+        each=each,
+        walls=used.walls,
+        prediction=recording.model(inputs),
+        own=np.sqrt(np.maximum(own, 0.0)),
+        sigma=np.hypot(shown.noise, shown.roughness * recording.reach(inputs)),
+        mask=shown.mask,
+        noise=shown.noise,
+        combinations=words,
+        reasons=tuple(reasons),
+        notes=tuple(notes),
+    )
 
 
 def heads(
@@ -309,4 +307,4 @@ def judged(
     return reasons + contact_law(float(scatter), float(play))
 
 
-__all__ = ["FreeMass", "identified"]
+__all__ = ["HEADS", "believed", "identified"]

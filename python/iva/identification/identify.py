@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from iva.identification.explaining import MAINS
-from iva.identification.fits import Fit
-from iva.identification.free_mass import FreeMass, identified
+from iva.identification import free_mass, pendulum
+from iva.identification.fits import Fit, Found
 from iva.identification.posterior import sampler
 from iva.identification.priors import Between, Exactly
 from iva.identification.records import Recording
@@ -37,6 +37,8 @@ ROWS = {
     "release": ("release_s", 1.0),
     "restitution_scatter": ("restitution_scatter", 1.0),
 }
+#: Half width of an interval of 90 % over the standard deviation.
+NORMAL_90 = 1.6449
 #: Width of an interval over that of the prior from which the prior is said to determine a number.
 HARDLY = 0.6
 
@@ -122,9 +124,9 @@ def identify(
     sampler()
     facts = stated(absorber, primary, start, known)
     recording, clock, floor = conditioned(record)
-    if isinstance(absorber, Piva):
-        raise ValueError("absorber = iva.Piva(…): not yet")
-    return fit_of(identified(recording, clock, floor, facts, seed), facts, clock, record.quantity)
+    find = pendulum.identified if isinstance(absorber, Piva) else free_mass.identified
+    found = find(recording, clock, floor, facts, seed)
+    return fit_of(found, recording, facts, absorber, clock, record.quantity)
 
 
 def conditioned(record: Record) -> tuple[Recording, float, float]:
@@ -158,19 +160,18 @@ def conditioned(record: Record) -> tuple[Recording, float, float]:
     return Recording(evenly, values, order, rate, mains), float(time[0]), bit / np.sqrt(12)
 
 
-def fit_of(found: FreeMass, facts: Stated, clock: float, quantity: str) -> Fit:
+def fit_of(
+    found: Found,
+    recording: Recording,
+    facts: Stated,
+    kind: Siva | Piva,
+    clock: float,
+    quantity: str,
+) -> Fit:
     """Return all that was found as a Fit."""
     import polars as pl
 
-    recording, refined = found.explained.recording, found.explained.refined
-    prediction = recording.model(refined.inputs)
-    slopes = recording.jacobian(refined.inputs)
-    own = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slopes, refined.covariance, slopes), 0))
-    noise = np.sqrt(
-        found.explained.noise**2
-        + (found.explained.roughness * recording.reach(refined.inputs)) ** 2
-    )
-    width = 1.645 * np.hypot(own, noise)
+    width = NORMAL_90 * np.hypot(found.own, found.sigma)
     frame = table(found.draws, facts)
     middle = {row["parameter"]: row["value"] for row in frame.iter_rows(named=True)}
     release = middle["release_s"]
@@ -184,18 +185,14 @@ def fit_of(found: FreeMass, facts: Stated, clock: float, quantity: str) -> Fit:
         notes=found.notes,
         time=recording.time + clock,
         values=recording.values,
-        prediction=prediction,
-        low=prediction - width,
-        high=prediction + width,
-        mask=found.explained.mask,
-        noise=found.explained.noise,
+        prediction=found.prediction,
+        low=found.prediction - width,
+        high=found.prediction + width,
+        mask=found.mask,
+        noise=found.noise,
         draws=pl.DataFrame(draws),
         quantity=quantity,
-        absorber=Siva(
-            mass_ratio=middle["mass_ratio"],
-            restitution=middle["restitution"],
-            gap=middle["gap_mm"] / 1e3,
-        ),
+        absorber=absorber_of(kind, middle, facts),
         primary=Primary(
             frequency_hz=middle["frequency_hz"], damping_ratio=max(middle["damping_ratio"], 0.0)
         ),
@@ -206,6 +203,29 @@ def fit_of(found: FreeMass, facts: Stated, clock: float, quantity: str) -> Fit:
         ),
         duration=float(recording.time[-1] + clock - release),
     )
+
+
+def absorber_of(kind: Siva | Piva, middle: dict[str, float], facts: Stated) -> Siva | Piva:
+    """Return the absorber at the values that were found."""
+    fields = {
+        "mass_ratio": middle["mass_ratio"],
+        "restitution": middle["restitution"],
+        "gap": middle["gap_mm"] / 1e3,
+    }
+    if isinstance(kind, Siva):
+        return Siva(**fields)
+    ratio = middle["frequency_ratio"]
+    inertia = facts.taken.get("inertia_ratio", 1.0)
+    gravity = facts.taken.get("gravity", 9.80665)
+    omega = 2 * np.pi * middle["frequency_hz"]
+    fields |= {
+        "frequency_ratio": ratio,
+        "length": gravity / (inertia * (ratio * omega) ** 2),
+        "inertia_ratio": inertia,
+    }
+    if "contact_distance" in facts.taken:
+        fields["contact_distance"] = facts.taken["contact_distance"]
+    return Piva(**fields)
 
 
 def table(draws: dict[str, Values], facts: Stated) -> pl.DataFrame:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import chdtri
 
 from iva.identification.responses import Values
 
@@ -88,8 +89,10 @@ def noise_of(values: Values, basis: Values) -> float:
     """Return the standard deviation of what a smooth curve leaves over, from the median window."""
     windows = np.lib.stride_tricks.sliding_window_view(values, basis.shape[0])[::3]
     rest = np.sum(windows**2, axis=1) - np.sum((windows @ basis) ** 2, axis=1)
-    middle = float(np.quantile(np.maximum(rest, 0), 0.3))
-    return float(np.sqrt(middle / (basis.shape[0] - basis.shape[1])))
+    # Most windows may have a kink in them: a low quantile, against that of χ².
+    degrees = basis.shape[0] - basis.shape[1]
+    low = float(np.quantile(np.maximum(rest, 0), 0.25))
+    return float(np.sqrt(low / chdtri(degrees, 0.75)))
 
 
 __all__ = ["kinks_in"]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from iva.identification.responses import Values
 from iva.identification.swings import HEAD, LOGARITHMS, Rig, Swing, swing
 
+#: Makes a motion from numbers, resumed from another one where it may be.
+Flown = Callable[[Values, "tuple[Swing, int] | None"], Swing]
 #: Steps of the differences that stand for derivatives.
 STEPS = np.array([1e-6, 1e-5, 1e-5, 1e-5, 1e-6, 1e-5, 1e-6, 1e-6])
 STEP_OF_RESTITUTION = 1e-4
@@ -20,16 +24,29 @@ UNFIT = 2.5
 
 @dataclass(frozen=True)
 class Shot:
-    """Numbers (8,), restitutions (k,), the motion, χ² a sample, and the information on all.
+    """Where a record and a motion agree best.
 
-    ``information`` (8 + k, 8 + k) is that of the record alone.
+    Attributes
+    ----------
+    numbers : ndarray, shape (8,)
+    restitutions : ndarray, shape (k,)
+    motion : Swing
+    misfit : float
+        χ² a sample.
+    slopes : ndarray, shape (n, 8 + k)
+        Derivatives of the record by all numbers.
+    by_impact : ndarray, shape (3, k, 8 + k)
+        Derivatives of instant, jump and approach velocity of the impacts.
+    until : float
+        End of the window from the first sample in s.
     """
 
     numbers: Values
     restitutions: Values
     motion: Swing
     misfit: float
-    information: Values
+    slopes: Values
+    by_impact: Values
     until: float
 
 
@@ -104,9 +121,10 @@ def shot(
     motion = flown(at)
     cost = cost_of(motion, at)
     damping = 1e-3
-    information = np.zeros((at.size, at.size))
+    raw, by_impact = np.zeros((use, at.size)), np.zeros((3, hits, at.size))
     for _ in range(steps):
-        slopes = derivatives(at, motion, flown, every, target.order) / target.noise
+        raw, by_impact = derivatives(at, motion, flown, every)
+        slopes = raw / target.noise
         rest = (values - motion.values) / target.noise
         pull, pull_slopes = pulls(at)
         information = slopes.T @ slopes
@@ -140,25 +158,51 @@ def shot(
         if gain < 0.01 + 1e-5 * cost:
             break
     rest = (values - motion.values) / target.noise
-    return Shot(at[:HEAD], at[HEAD:], motion, float(rest @ rest) / use, information, until)
+    misfit = float(rest @ rest) / use
+    return Shot(at[:HEAD], at[HEAD:], motion, misfit, raw, by_impact, until)
 
 
-def derivatives(at, motion, flown, every, order) -> Values:  # type: ignore[no-untyped-def]
-    """Return the derivatives of the record by all numbers, shape (n, 8 + k)."""
+def derivatives(
+    at: Values, motion: Swing, flown: Flown, every: NDArray[np.bool_]
+) -> tuple[Values, Values]:
+    """Return the derivatives by all numbers, of the record (n, p) and of its impacts (3, k, p).
+
+    Parameters
+    ----------
+    at : ndarray, shape (p,)
+        Numbers and restitutions.
+    motion : Swing
+        Their motion.
+    flown : callable
+        The motion of other numbers, resumed from this one where it may be.
+    every : ndarray of bool, shape (p,)
+        Which numbers are free.
+    """
     made = np.zeros((motion.values.size, at.size))
+    hits = at.size - HEAD
+    by_impact = np.zeros((3, hits, at.size))
     for index in np.flatnonzero(every):
         if index == HEAD - 1:
             made[:, index] = 1.0
             continue
         other = at.copy()
-        hit = index - HEAD
+        hit = int(index) - HEAD
         step = STEPS[index] if hit < 0 else STEP_OF_RESTITUTION
         other[index] += step
         if hit >= len(motion.times):
             continue  # this impact lies beyond the window
-        change = flown(other, (motion, hit) if hit >= 0 else None).values - motion.values
-        made[:, index] = change / step
-    return made
+        moved = flown(other, (motion, hit) if hit >= 0 else None)
+        made[:, index] = (moved.values - motion.values) / step
+        few = min(hits, len(motion.times), len(moved.times))
+        for row, (new, old) in enumerate(zip(told(moved), told(motion), strict=True)):
+            change = np.array(new[:few]) - np.array(old[:few])
+            by_impact[row, :few, index] = change / step
+    return made, by_impact
+
+
+def told(motion: Swing) -> tuple[list[float], list[float], list[float]]:
+    """Return instants, jumps and approach velocities of the impacts."""
+    return motion.times, motion.jumps, motion.approaches
 
 
 def grown(target: Target, numbers: Values, restitution: float, hits: int, steps: int) -> Shot:
