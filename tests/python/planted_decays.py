@@ -1,10 +1,10 @@
-"""Records of decays with planted truth, made without iva: closed flights, then a chain of sensors.
+"""Records of decays with planted truth, made without iva: closed flights, then a sensor.
 
-The structure between impacts is x = Re of one complex exponential, the free mass flies straight; the
-next impact is the first root of |y| = d, bracketed on a fine grid and refined by bisection. The law
-of restitution is any function of the approach speed, so that it may scatter or fall. The chain: half
-sine pulses of a finite contact, a linear-phase anti-alias filter without delay, high pass, ringing,
-hum, drift, offset, noise, rounding to the bit of the recorder.
+The structure between impacts is x = Re of one complex exponential, the free mass flies straight;
+the next impact is the first root of |y| = d, bracketed on a fine grid and refined by bisection. The
+law of restitution is any function of the approach speed, so that it may scatter or fall. The chain:
+half sine pulses of a finite contact, a linear-phase anti-alias filter without delay, high pass,
+ringing, hum, drift, offset, noise, rounding to the bit of the recorder.
 """
 
 from __future__ import annotations
@@ -66,7 +66,6 @@ class Planted:
     quantity: str
     sampling_hz: float
     truth: Truth
-    chain: Chain
     impacts: list[dict[str, float]] = field(default_factory=list)
 
 
@@ -76,9 +75,7 @@ def exponential(truth: Truth) -> complex:
     return omega * complex(-truth.damping_ratio, np.sqrt(1 - truth.damping_ratio**2))
 
 
-def flights(
-    truth: Truth, seconds: float, law: Callable[[float], float]
-) -> list[dict[str, float]]:
+def flights(truth: Truth, seconds: float, law: Callable[[float], float]) -> list[dict[str, float]]:
     """Return all impacts within `seconds` after the release, in order.
 
     Each has ``time``, ``jump`` of the structure's velocity, ``approach`` and ``restitution``.
@@ -150,10 +147,11 @@ def record(truth: Truth, chain: Chain) -> Planted:
     random = np.random.default_rng(chain.seed)
     impacts = flights(truth, chain.seconds - truth.release, law_of(truth, random))
     rate, omega = exponential(truth), 2 * np.pi * truth.frequency_hz
-    count = int(round(chain.seconds * chain.sampling_hz))
+    count = round(chain.seconds * chain.sampling_hz)
     pad = 64
     step = 1 / chain.sampling_hz / FINE
-    fine = (np.arange((count + 2 * pad) * FINE) - pad * FINE) * step - truth.release
+    ticks = np.arange((count + 2 * pad) * FINE) - pad * FINE
+    fine = np.asarray(ticks * step - truth.release, dtype=np.float64)
 
     def ringing(since: Values, order: int) -> Values:
         # Derivatives of the response to a unit jump of velocity.
@@ -163,7 +161,9 @@ def record(truth: Truth, chain: Chain) -> Planted:
 
     order = {"displacement": 0, "velocity": 1, "acceleration": 2}[chain.quantity]
     if order == 0:
-        total = np.where(fine > 0, ringing(fine, 1) + 2 * truth.damping_ratio * omega * ringing(fine, 0), 1.0)
+        total = np.where(
+            fine > 0, ringing(fine, 1) + 2 * truth.damping_ratio * omega * ringing(fine, 0), 1.0
+        )
         total = total * truth.displacement
     else:
         total = -(omega**2) * truth.displacement * ringing(fine, order - 1)
@@ -171,7 +171,9 @@ def record(truth: Truth, chain: Chain) -> Planted:
         since = fine - impact["time"]
         total = total + impact["jump"] * ringing(since, order)
         if order == 2:
-            edges = np.clip((since + np.array([[-step / 2], [step / 2]])) / chain.contact, -0.5, 0.5)
+            edges = np.clip(
+                (since + np.array([[-step / 2], [step / 2]])) / chain.contact, -0.5, 0.5
+            )
             share = np.sin(np.pi * edges) / 2  # integral of the half sine, centred on the impact
             total = total + impact["jump"] * (share[1] - share[0]) / step
             if chain.ringing is not None:
@@ -194,7 +196,7 @@ def record(truth: Truth, chain: Chain) -> Planted:
     values = values + chain.hum * np.sin(2 * np.pi * chain.hum_hz * time + 0.3)
     values = values + chain.noise * random.standard_normal(count)
     values = np.round(values / chain.bit) * chain.bit if chain.bit > 0 else values
-    return Planted(time, values, chain.quantity, chain.sampling_hz, truth, chain, impacts)
+    return Planted(time, values, chain.quantity, chain.sampling_hz, truth, impacts)
 
 
 def high_passed(values: Values, corner_hz: float, step: float) -> Values:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import stdtr
 
 from iva.identification.responses import Values
 
-#: |t| from which restitution is said to depend on something.
-CLEARLY = 3.6
+#: Probability, by chance, of what is taken for a dependence of restitution.
+CHANCE = 3e-4
+#: Largest standard deviation of a restitution that has a say.
+SURE = 0.15
 #: Least number of impacts that can show it.
 ENOUGH = 6
 #: Power of a line of the residual, over the median, that noise does not reach.
@@ -29,7 +32,7 @@ def law_of_restitution(
     variances : ndarray, shape (k,)
         Of the restitutions, from the noise of the record.
     """
-    good = np.sqrt(variances) < 0.3
+    good = np.sqrt(variances) < SURE
     if good.sum() < ENOUGH:
         return []
     speeds, times = speeds[good], times[good]
@@ -39,7 +42,8 @@ def law_of_restitution(
         slope, error = regressed(cause, restitutions, variances)
         strengths.append((slope / error, slope))
     (by_speed, slope), (by_time, trend) = strengths
-    if max(abs(by_speed), abs(by_time)) < CLEARLY:
+    chance = 2 * stdtr(speeds.size - 2, -max(abs(by_speed), abs(by_time)))
+    if chance > CHANCE:
         return []
     if abs(by_speed) >= abs(by_time):
         way = "falls" if slope < 0 else "rises"
@@ -81,9 +85,7 @@ def regressed(cause: Values, values: Values, variances: Values) -> tuple[float, 
     return slope, error
 
 
-def lines_of(
-    rest: Values, weights: Values, sampling_hz: float, frequency_hz: float
-) -> list[str]:
+def lines_of(rest: Values, weights: Values, sampling_hz: float, frequency_hz: float) -> list[str]:
     """Return what rings in the residual, in words; empty if it is noise.
 
     Parameters
@@ -105,7 +107,9 @@ def lines_of(
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * width + 1)[:: max(width // 4, 1)]
     places = np.arange(0, spectrum.size, max(width // 4, 1))[: windows.shape[0]]
     level = np.interp(np.arange(spectrum.size), places, np.median(windows, axis=1))
-    height = np.where(used, spectrum / np.maximum(level, 1e-300), 0.0)
+    # Near the motion the fit has taken much of the noise: the level is at least that of all noise.
+    flat = np.log(2) * float(np.sum(np.hanning(white.size)[weights > 0] ** 2))
+    height = np.where(used, spectrum / np.maximum(level, flat), 0.0)
     best = int(np.argmax(height))
     if height[best] < LINE:
         return []

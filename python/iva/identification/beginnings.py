@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from iva.identification.pulses import REACH
-from iva.identification.records import Recording
+from iva.identification.records import TREND, Recording
 from iva.identification.responses import Values, to_jump, to_release
 
 #: Samples of quiet that show where a record was at rest.
@@ -28,7 +28,7 @@ def onset(values: Values, sampling_hz: float) -> float | None:
     swing = float(np.quantile(away, 0.9))
     moving = away > MOVES * swing
     first = int(np.argmax(moving))
-    if first < QUIET or np.ptp(lead) > 0.5 * MOVES * swing:
+    if first < QUIET or np.std(smooth[: first - width]) > 0.4 * MOVES * swing:
         return None
     base = np.median(smooth[: first - width])
     away = np.abs(smooth - base)
@@ -85,8 +85,9 @@ def rough_frequency(values: Values, sampling_hz: float, order: int) -> float:
     size = 4 * values.size
     height = np.abs(np.fft.rfft((values - values.mean()) * window, size))
     frequencies = np.fft.rfftfreq(size, 1 / sampling_hz)
-    height[frequencies < 1.5 * sampling_hz / values.size] = 0.0
-    height[height < 10 * np.median(height)] = 0.0  # noise, which the weight would lift
+    height[frequencies < sampling_hz / values.size] = 0.0
+    # The weight would lift noise and the tails of kinks above every line.
+    height[height < max(10 * np.median(height), 0.05 * height.max())] = 0.0
     return float(frequencies[int(np.argmax(height * frequencies ** (2 - order)))])
 
 
@@ -110,10 +111,14 @@ def scanned(
     picked = np.flatnonzero(use)[::step]
     time, values = recording.time[picked], recording.values[picked]
     trends = recording.trends()[picked]
+    trends = np.delete(trends, np.arange(recording.powers, TREND), axis=1)
     span = float(recording.time[-1] - release)
     fine = max(0.25 / span / hertz / 1.2, 0.001)
+    # A line of few periods is broad.
+    wide = 1.25 if span * hertz > 4 else 1.8
+    fine = min(fine, 0.03)
     best = (np.inf, 0.0, 0.0, 0.0, 0.0)
-    for ratio in np.arange(0.78, 1.25, fine):
+    for ratio in np.arange(1 / wide, wide, fine):
         for zeta in (0.002, 0.008, 0.025):
             omega = 2 * np.pi * hertz * ratio
             jump = to_jump(omega, zeta, 0.0, recording.order)

@@ -5,11 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from iva.identification.beginnings import onset, rough_frequency, scanned
+from iva.identification.beginnings import let_go, onset, rough_frequency, scanned
 from iva.identification.detection import pulses_in
+from iva.identification.kinks import SIDE, kinks_in
 from iva.identification.pulses import REACH, first_guess
-from iva.identification.records import CORNER, HEAD, MODE, OMEGA, RELEASE, SIZE, ZETA, Inputs, Recording
+from iva.identification.records import (
+    CORNER,
+    HEAD,
+    MODE,
+    OMEGA,
+    RELEASE,
+    TREND,
+    Inputs,
+    Recording,
+)
 from iva.identification.refining import Known, Refined, refine
 from iva.identification.responses import Values
 
@@ -17,10 +28,12 @@ from iva.identification.responses import Values
 CORNERS = np.pi
 #: How far a pulse may be from that of a usual filter.
 SHAPES = 0.3
-#: Frequencies of the mains in Hz.
-MAINS = (50.0, 60.0)
 #: Power of a line of the answer to impacts, over the median, that makes it a further mode.
 LINE = 60.0
+#: Least length of a record after the release, in periods.
+PERIODS = 1.2
+#: Most rounds of refinement.
+ROUNDS = 12
 #: Most further modes.
 MODES = 2
 
@@ -38,7 +51,7 @@ class Explained:
     known: Known
     noise: float
     roughness: float
-    mask: Values
+    mask: NDArray[np.bool_]
     modes_hz: tuple[float, ...]
 
 
@@ -66,99 +79,150 @@ def explained(
     ValueError
         If no impact is found, or it cannot be told when the structure was let go.
     """
-    rate = recording.sampling_hz
+    rate, order = recording.sampling_hz, recording.order
     begin = fixed.get(RELEASE)
     start = onset(recording.values, rate) if begin is None else begin
     after = int(max(start or 0.0, 0.0) * rate)
-    hertz = rough_frequency(recording.values[after:], rate, recording.order)
     if OMEGA in fixed:
         hertz = fixed[OMEGA] / 2 / np.pi
-    edge = (after - REACH, after + REACH)
-    times, jumps = pulses_in(recording.values, rate, closed=(edge,))
+    else:
+        hertz = rough_frequency(recording.values[after:], rate, order)
+    span = float(recording.time[-1]) - max(start or 0.0, 0.0)
+    if span * hertz < PERIODS:
+        raise ValueError(
+            f"record: it ends {span:.3g} s after the release, less than {PERIODS:g} periods; give "
+            "a longer one"
+        )
+    recording = replace(recording, powers=powers_of(span * hertz))
+    if order == 0 and begin is None and start is not None:
+        rest_at = float(np.mean(recording.values[-recording.values.size // 4 :]))
+        level = float(np.median(recording.values[: max(after - 2, 1)])) - rest_at
+        start = let_go(recording.values - rest_at, rate, start, level, hertz)
+    dead = REACH / rate if order == 2 else SIDE / hertz
+    first = start if start is not None else 0.0
+    edge = (int((first - dead) * rate), int((first + dead) * rate) + 1)
+    times, jumps = found_in(recording, recording.values, hertz, (edge,))
     if not times.size:
         raise ValueError(
             "record: no impact is found in it; give a record in which the absorber strikes"
         )
-    omega, zeta, instant, size, _ = scanned(
-        recording, hertz, start if start is not None else 0.0, times, jumps
-    )
-    if start is None and abs(instant - round(0.5 * omega * instant / np.pi) * 2 * np.pi / omega) > 3 / rate:
+    omega, zeta, instant, size, _ = scanned(recording, hertz, first, times, jumps)
+    if start is None and abs(instant) > 3 / rate:
         raise ValueError(
             "start.time = None: the record begins in motion; give the instant of the release"
         )
-    head = np.array([omega, zeta, 0.5, start if begin is not None else instant, size])
+    head = np.array(
+        [omega, zeta, 0.5 * (order == 2), first if begin is not None else instant, size]
+    )
     for place, value in fixed.items():
         head[place] = value
-    inputs = Inputs(
-        head, times, jumps, np.zeros(4), np.zeros(2 * len(recording.hum_hz)),
-        np.zeros((0, MODE)), first_guess(),
-    )
+    pulse = first_guess() if order == 2 else np.zeros(0)
+    hum = np.zeros(2 * len(recording.hum_hz))
+    inputs = Inputs(head, times, jumps, np.zeros(TREND), hum, np.zeros((0, MODE)), pulse)
     noise, roughness = float(np.std(recording.values)) / 10, 0.1
-    mask = np.ones(recording.time.size, dtype=bool)
-    modes_hz: tuple[float, ...] = ()
     searched = False
-    for attempt in range(12):
-        release = inputs.head[RELEASE]
-        mask = np.abs(recording.time - release) > REACH / rate
-        if begin is None and start is None:
-            mask &= recording.time > release
-        known = known_of(inputs, fixed, priors)
+    for attempt in range(ROUNDS):
+        mask = masked(recording, inputs, begin is None and start is None)
+        known = known_of(recording, inputs, fixed, priors)
         recording.weights = weighted(recording, inputs, mask, noise, roughness)
         refined = refine(recording, inputs, known, steps=6 if attempt < 2 else 25)
         inputs = refined.inputs
         rest = recording.values - recording.model(inputs)
         before = noise
         noise, roughness = spread(recording, inputs, rest, mask, floor)
-        if attempt < 2:
+        if attempt < 2 or abs(noise / before - 1) > 0.05:
             continue
-        if abs(noise / before - 1) > 0.05:
-            continue
-        line = further_mode(recording, inputs, rest, mask) if len(inputs.modes) < MODES else None
+        searches = order == 2 and len(inputs.modes) < MODES
+        line = further_mode(recording, inputs, rest, mask) if searches else None
         if line is not None:
             inputs = replace(inputs, modes=np.vstack([inputs.modes, line]))
-            modes_hz = tuple(float(mode[2]) / 2 / np.pi for mode in inputs.modes)
             continue
-        if not searched:
-            searched = True
-            more, sizes = pulses_in(
-                rest, rate, inputs.pulse, closed=tuple(closed_by(recording, inputs))
-            )
-            if more.size:
-                inputs = inputs.with_impacts(
-                    np.concatenate([inputs.times, more]), np.concatenate([inputs.jumps, sizes])
-                )
-                continue
-        break
+        if searched:
+            break
+        searched = True
+        more, sizes = found_in(
+            recording, rest, hertz, tuple(closed_by(recording, inputs, dead)), inputs.pulse, noise
+        )
+        if not more.size:
+            break
+        inputs = inputs.with_impacts(
+            np.concatenate([inputs.times, more]), np.concatenate([inputs.jumps, sizes])
+        )
+    modes_hz = tuple(float(mode[2]) / 2 / np.pi for mode in inputs.modes)
     return Explained(recording, refined, known, noise, roughness, mask, modes_hz)
 
 
-def closed_by(recording: Recording, inputs: Inputs) -> list[tuple[int, int]]:
+def powers_of(periods: float) -> int:
+    """Return how many powers of time a trend may have that cannot be taken for the motion."""
+    return 1 + int(np.searchsorted([3.0, 6.0, 10.0], periods))
+
+
+def found_in(
+    recording: Recording,
+    values: Values,
+    hertz: float,
+    closed: tuple[tuple[int, int], ...],
+    pulse: Values | None = None,
+    noise: float | None = None,
+) -> tuple[Values, Values]:
+    """Return instants and jumps of the impacts that stand out of values of a record."""
+    if recording.order == 2:
+        share = 0.3 if pulse is None else 0.05
+        return pulses_in(values, recording.sampling_hz, pulse, share, closed)
+    times, jumps, _, _ = kinks_in(
+        values, recording.sampling_hz, hertz, recording.order, noise, closed
+    )
+    return times, jumps
+
+
+def masked(recording: Recording, inputs: Inputs, begins_in_motion: bool) -> NDArray[np.bool_]:
+    """Return which samples count: not those that the filter of the recorder has smeared."""
+    rate, release = recording.sampling_hz, inputs.head[RELEASE]
+    edge = (2, 2, REACH)[recording.order]
+    mask: NDArray[np.bool_] = np.abs(recording.time - release) > edge / rate
+    if begins_in_motion:
+        mask &= recording.time > release
+    if recording.order < 2:
+        smeared = (2, REACH)[recording.order]
+        for time in inputs.times:
+            mask &= np.abs(recording.time - time) > smeared / rate
+    return mask
+
+
+def closed_by(recording: Recording, inputs: Inputs, dead: float) -> list[tuple[int, int]]:
     """Return the samples around impacts and release at which no further impact is looked for."""
     rate = recording.sampling_hz
     places = np.rint(inputs.times * rate).astype(int)
-    near = [(int(place) - 3, int(place) + 3) for place in places]
-    release = int(inputs.head[RELEASE] * rate)
-    return [*near, (release - REACH, release + REACH)]
+    beside = 3 if recording.order == 2 else int(dead * rate)
+    near = [(int(place) - beside, int(place) + beside) for place in places]
+    release, edge = int(inputs.head[RELEASE] * rate), int(dead * rate)
+    return [*near, (release - edge, release + edge)]
 
 
 def known_of(
-    inputs: Inputs, fixed: dict[int, float], priors: dict[int, tuple[float, float]]
+    recording: Recording,
+    inputs: Inputs,
+    fixed: dict[int, float],
+    priors: dict[int, tuple[float, float]],
 ) -> Known:
     """Return what is known of the numbers beforehand."""
     mean = inputs.vector()
     deviation = np.full(mean.size, np.inf)
-    mean[CORNER], deviation[CORNER] = 0.0, CORNERS
+    mean[CORNER], deviation[CORNER] = 0.0, CORNERS if recording.order == 2 else 0.0
+    high = HEAD + 2 * inputs.times.size + np.arange(recording.powers, TREND)
+    mean[high], deviation[high] = 0.0, 0.0
     for place, (middle, width) in priors.items():
         mean[place], deviation[place] = middle, width
     for place, value in fixed.items():
         mean[place], deviation[place] = value, 0.0
-    mean[mean.size - inputs.pulse.size :] = first_guess()[: inputs.pulse.size]
-    deviation[mean.size - inputs.pulse.size :] = SHAPES
+    shares = slice(mean.size - inputs.pulse.size, mean.size)
+    mean[shares] = first_guess()[: inputs.pulse.size]
+    deviation[shares] = SHAPES
     return Known(mean, deviation)
 
 
 def weighted(
-    recording: Recording, inputs: Inputs, mask: Values, noise: float, roughness: float
+    recording: Recording, inputs: Inputs, mask: NDArray[np.bool_], noise: float, roughness: float
 ) -> Values:
     """Return 1/σ of each sample, 0 where it is masked."""
     sigma = np.sqrt(noise**2 + (roughness * recording.reach(inputs)) ** 2)
@@ -167,7 +231,7 @@ def weighted(
 
 
 def spread(
-    recording: Recording, inputs: Inputs, rest: Values, mask: Values, floor: float
+    recording: Recording, inputs: Inputs, rest: Values, mask: NDArray[np.bool_], floor: float
 ) -> tuple[float, float]:
     """Return the standard deviation of the noise, and how far pulses are from one shape."""
     reach = recording.reach(inputs)
@@ -177,12 +241,12 @@ def spread(
     near = mask & (reach > 3 * noise)
     if near.sum() < 10:
         return noise, 0.02
-    over = np.mean((rest[near] ** 2 - noise**2) / reach[near] ** 2)
+    over = float(np.mean((rest[near] ** 2 - noise**2) / reach[near] ** 2))
     return noise, float(np.sqrt(max(over, 1e-6)))
 
 
 def further_mode(
-    recording: Recording, inputs: Inputs, rest: Values, mask: Values
+    recording: Recording, inputs: Inputs, rest: Values, mask: NDArray[np.bool_]
 ) -> Values | None:
     """Return a mode that rings after impacts and is not in the model yet, or ``None``.
 
@@ -216,4 +280,4 @@ def further_mode(
     return np.array([height, 0.0, 2 * np.pi * frequencies[best], 0.02])
 
 
-__all__ = ["HEAD", "SIZE", "ZETA", "Explained", "explained"]
+__all__ = ["Explained", "explained"]

@@ -133,7 +133,9 @@ class Fit:
 
     def __repr__(self) -> str:
         """Show the numbers, what is not determined, and whether the model will do."""
-        lines = [f"Fit of {self.time.size} samples of {self.quantity}, {self.impacts.height} impacts"]
+        lines = [
+            f"Fit of {self.time.size} samples of {self.quantity}, {self.impacts.height} impacts"
+        ]
         for name, value, low, high, by in self.parameters.rows():
             lines.append(f"  {name} {value:.5g} ({low:.5g} … {high:.5g}), {by}")
         lines += [f"  {words}" for words in self.combinations]

@@ -1,4 +1,4 @@
-"""The identification of a free mass from a record of acceleration."""
+"""The identification of a free mass."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from iva.identification.adequacy import contact_law, law_of_restitution, lines_o
 from iva.identification.combinations import in_words, null_directions
 from iva.identification.explaining import Explained, explained
 from iva.identification.fits import Found
-from iva.identification.growing import first, grown, settled
+from iva.identification.growing import grown, settled
 from iva.identification.posterior import Beliefs, Draws, best_scatter, sampled
 from iva.identification.priors import Bell, Between, Exactly, Prior
 from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Recording
@@ -31,15 +31,13 @@ DRAWS = 500
 UNTIED = {"scatter": 0.3, "play": 2e-3}
 
 
-def identified(
-    recording: Recording, clock: float, floor: float, known: Stated, seed: int
-) -> Found:
+def identified(recording: Recording, clock: float, floor: float, known: Stated, seed: int) -> Found:
     """Return what a record says of a free mass.
 
     Parameters
     ----------
     recording : Recording
-        Acceleration; its time begins with 0.
+        Its time begins with 0.
     clock : float
         Instant of the first sample on the clock of the record in s.
     floor : float
@@ -62,7 +60,8 @@ def identified(
     pull = pull_of(beliefs)
     gap_velocity = known.taken.get("gap_velocity", 0.0)
     every = contacts(inputs, covariance, inputs.times.size, gap_velocity)
-    begin = Absorber(*pull[0], 0.1, 0.01)
+    nu, clearance, place, restitution = map(float, pull[0])
+    begin = Absorber(nu, clearance, place, restitution, scatter=0.1, play=0.01)
     best = grown(every, begin, pull)
     notes, reasons = [], []
     if best.hits < inputs.times.size:
@@ -77,15 +76,17 @@ def identified(
         )
         if best.hits < 0.5 * inputs.times.size:
             reasons.append("most impacts do not follow from those before as those of a free mass")
-    used = first(every, best.hits)
+    used = contacts(inputs, covariance, best.hits, gap_velocity)
     middle, _ = best_scatter(used, best.absorber, pull)
-    # The record's numbers move a little once the walls are heard: linear there, not where they were.
+    # The walls move the record's numbers a little: the conditions are linearised there.
     moved = inputs.vector()
     places = kept(inputs.times.size, best.hits)
     moved[places] += shift(used, middle, covariance[np.ix_(places, places)])
     used = contacts(inputs, covariance, best.hits, gap_velocity, moved)
     drawn = sampled(used, beliefs, middle, pull, seed)
-    head, each = together(used, drawn, inputs.vector()[places], covariance[np.ix_(places, places)], seed)
+    head, each = together(
+        used, drawn, inputs.vector()[places], covariance[np.ix_(places, places)], seed
+    )
     release = head[:, RELEASE] + clock
     draws = {
         "frequency_hz": head[:, OMEGA] / (2 * np.pi),
@@ -107,6 +108,7 @@ def identified(
     if shown.modes_hz:
         listed = " and ".join(f"{hertz:.3g} Hz" for hertz in shown.modes_hz)
         notes.append(f"ringing at {listed} after each impact was fitted along")
+    recording = shown.recording
     slopes = recording.jacobian(inputs)
     own = np.einsum("ij,ij->i", slopes @ covariance, slopes)
     return Found(
@@ -124,9 +126,7 @@ def identified(
     )
 
 
-def heads(
-    known: Stated, clock: float
-) -> tuple[dict[int, float], dict[int, tuple[float, float]]]:
+def heads(known: Stated, clock: float) -> tuple[dict[int, float], dict[int, tuple[float, float]]]:
     """Return what is set and what is expected of the numbers of the record, by place."""
     fixed: dict[int, float] = {}
     expected: dict[int, tuple[float, float]] = {}
@@ -175,8 +175,12 @@ def pull_of(beliefs: Beliefs) -> tuple[Values, Values]:
         place = [beliefs.place.at(share) for share in shares]
     columns = np.array([mass, clearance, place, restitution])
     deviation = np.abs(columns[:, 2] - columns[:, 0]) / 2
-    wide = np.array([not isinstance(one, Bell | Exactly) for one in
-                     (beliefs.mass_ratio, beliefs.clearance, beliefs.place, beliefs.restitution)])
+    wide = np.array(
+        [
+            not isinstance(one, Bell | Exactly)
+            for one in (beliefs.mass_ratio, beliefs.clearance, beliefs.place, beliefs.restitution)
+        ]
+    )
     # Flat priors pull nowhere: the window has to find its way from far.
     return columns[:, 1], np.where(wide, 10 * deviation, deviation)
 
@@ -288,7 +292,7 @@ def judged(
     untied, _, _ = settled(found, replace(middle, **UNTIED), pull)
     rest, spread = residuals(found, untied)
     hits = found.walls.size
-    _, _, lost, speed, jump = found.values
+    _, _, lost, speed, _ = found.values
     # What the record's own noise leaves of each rebound, once the walls are heard.
     by_noise = spread[hits:, hits:] - np.diag(
         (untied.scatter * untied.restitution * (speed - untied.heaviness * lost)) ** 2
@@ -300,9 +304,7 @@ def judged(
     approach = speed - untied.heaviness * lost
     restitutions = untied.restitution + rebounds / approach
     variances = np.maximum(np.diag(by_noise), 0.0) / approach**2
-    reasons += law_of_restitution(
-        np.abs(approach), inputs.times[:hits], restitutions, variances
-    )
+    reasons += law_of_restitution(np.abs(approach), inputs.times[:hits], restitutions, variances)
     scatter, play = np.quantile(drawn.numbers[:, 4:6], 0.1, axis=0)
     return reasons + contact_law(float(scatter), float(play))
 

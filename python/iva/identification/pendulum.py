@@ -1,45 +1,37 @@
 """The identification of a pendulum from a record of displacement or velocity.
 
-Flights of a pendulum are no closed form, so its motion is run, from the release through all impacts.
-Each impact has a restitution of its own; the numbers and these restitutions are Gaussian about the
-best agreement, and the mean and the scatter of restitution, which are not, are sampled.
+A flight of a pendulum has no closed form, so the motion is run from the release through all
+impacts. Each impact has a restitution of its own.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from iva.identification.adequacy import contact_law, law_of_restitution, lines_of
+from iva.identification.around import combinations_of, drawn, gauss_of, sampled, untied
 from iva.identification.beginnings import let_go, onset, rough_frequency
-from iva.identification.combinations import in_words, null_directions
 from iva.identification.fits import Found
 from iva.identification.kinks import SIDE, kinks_in
-from iva.identification.posterior import LIVE, NEVER, SCATTER, sampler
 from iva.identification.priors import Bell, Between, Exactly, Prior
 from iva.identification.records import Recording
 from iva.identification.responses import Values
 from iva.identification.searching import candidates
-from iva.identification.shooting import UNFIT, Shot, Target, grown, shot
+from iva.identification.shooting import UNFIT, Target, grown, shot
 from iva.identification.stated import Stated
-from iva.identification.swings import HEAD, LOGARITHMS, NUMBERS, Rig, swing
+from iva.identification.swings import HEAD, LOGARITHMS, NUMBERS, Rig
 
-#: Draws of all numbers.
-DRAWS = 1000
 #: Impacts in the first window.
 FIRST = 3
 #: Candidates that are followed.
-FOLLOWED = 6
-#: Scatter with which the restitution of each impact is looked at by itself.
-UNTIED = 0.4
+FOLLOWED = 24
 #: Width of what is thought possible of a logarithm of which nothing is known.
 WIDE = 2.0
 
 
-def identified(
-    recording: Recording, clock: float, floor: float, known: Stated, seed: int
-) -> Found:
+def identified(recording: Recording, clock: float, floor: float, known: Stated, seed: int) -> Found:
     """Return what a record says of a pendulum.
 
     Parameters
@@ -65,8 +57,7 @@ def identified(
         raise ValueError(
             "record.quantity = 'acceleration': of a pendulum give a displacement or a velocity"
         )
-    begun = beginning(recording, clock, floor, known)
-    target, times, jumps, spread, hertz = begun
+    target, times, jumps, spread, hertz = beginning(recording, clock, floor, known)
     numbers, restitution, hits = nearest(target, times, jumps, spread, hertz, known, seed)
     made = grown(target, numbers, restitution, hits, steps=8)
     if made.misfit > UNFIT:
@@ -75,6 +66,7 @@ def identified(
         )
     rest = target.values[: made.motion.values.size] - made.motion.values
     noise = max(float(np.std(rest)), floor)
+    smooth = target.noise
     target = replace(target, noise=noise)
     scatter = float(np.clip(np.std(made.restitutions) / np.mean(made.restitutions), 0.02, 0.3))
     made = shot(target, made.numbers, made.restitutions, made.until, steps=4, scatter=scatter)
@@ -85,7 +77,9 @@ def identified(
     notes, reasons = [], []
     end = float(target.time[-1])
     if made.until < end:
-        notes.append(f"the record was used up to {made.until + clock:.4g} s: what follows does not fit")
+        notes.append(
+            f"the record was used up to {made.until + clock:.4g} s: what follows does not fit"
+        )
         later = np.sum(times > made.until)
         if later > len(made.motion.times):
             reasons.append("most of the record does not follow from its beginning")
@@ -101,7 +95,7 @@ def identified(
         variances[:count],
     )
     reasons += contact_law(float(np.quantile(hyper[:, 1], 0.1)), 0.0)
-    if made.misfit * (noise / floor_of(target, begun)) ** 2 > 1.5:
+    if noise > 1.25 * smooth:
         reasons.append("the residual is larger than the noise")
     prediction = np.full(target.time.size, np.nan)
     prediction[:use] = made.motion.values
@@ -121,11 +115,6 @@ def identified(
         reasons=tuple(reasons),
         notes=tuple(notes),
     )
-
-
-def floor_of(target: Target, begun: tuple[Target, Values, Values, float, float]) -> float:
-    """Return the noise that smooth stretches of the record have."""
-    return max(begun[0].noise, 1e-300) if target.noise else 1.0
 
 
 def beginning(
@@ -195,8 +184,11 @@ def beginning(
         recording.time, values, recording.order, max(noise, floor), mean, deviation, rig
     )
     return (
-        with_begin(target, release, offset, hertz), times - release, jumps,
-        float(deviations[0]), hertz,
+        with_begin(target, release, offset, hertz),
+        times - release,
+        jumps,
+        float(deviations[0]),
+        hertz,
     )
 
 
@@ -210,10 +202,8 @@ def with_begin(target: Target, release: float, offset: float, hertz: float) -> T
     return replace(target, mean=mean)
 
 
-def belief(
-    prior: Prior | None, place: int, mean: Values, deviation: Values, clock: float
-) -> None:
-    """Write mean and deviation of a number into their places, a logarithm where it stands as one."""
+def belief(prior: Prior | None, place: int, mean: Values, deviation: Values, clock: float) -> None:
+    """Write mean and deviation of a number into their places, as logarithms where these stand."""
     if prior is None:
         return
     shift = clock if NUMBERS[place] == "release" else 0.0
@@ -243,15 +233,13 @@ def nearest(
     """Return numbers and restitution that meet the first window best, and its impacts."""
     release = float(target.mean[NUMBERS.index("release")])
     size = target.rig.sign * float(np.exp(target.mean[4]))
-    found = candidates(
-        hertz, size, times, jumps, spread, known.priors, target.rig.place, seed
-    )
+    found = candidates(hertz, size, times, jumps, spread, known.priors, target.rig.place, seed)
     hits = min(FIRST, times.size)
     ends = float(target.time[-1])
     until = min(release + times[hits] - 0.02 / hertz if times.size > hits else ends, ends)
     until = min(until, release + times[hits - 1] + 1.0 / hertz)
     best: tuple[float, Values, float] | None = None
-    for row in found[:FOLLOWED]:
+    for row in spread_out(found)[:FOLLOWED]:
         numbers = target.mean.copy()
         begin = [np.log(row[0]), np.log(row[1]), np.log(row[2]), np.log(row[3])]
         for place, value in enumerate(begin):
@@ -274,178 +262,18 @@ def nearest(
     return best[1], best[2], hits
 
 
-@dataclass(frozen=True)
-class Gauss:
-    """Record and priors of the numbers, to second order, in natural form.
-
-    ``precision`` (p, p) and ``pull`` (p,): the logarithm of the density is −½ xᵀPx + bᵀx.
-    ``free`` (p,) marks what is not set, ``at`` (p,) is where it was expanded.
-    """
-
-    precision: Values
-    pull: Values
-    free: Values
-    at: Values
-
-    def covariance(self, restitution: float, scatter: float) -> tuple[Values, Values]:
-        """Return mean (p,) and covariance (p, p), given mean and scatter of restitution."""
-        tie = np.zeros(self.at.size)
-        tie[HEAD:] = (scatter * restitution) ** -2.0
-        free = np.flatnonzero(self.free)
-        curved = (self.precision + np.diag(tie))[np.ix_(free, free)]
-        scale = np.sqrt(np.diag(curved))
-        inverse = np.linalg.inv(curved / np.outer(scale, scale)) / np.outer(scale, scale)
-        whole = np.zeros_like(self.precision)
-        whole[np.ix_(free, free)] = inverse
-        mean = self.at.copy()
-        mean[free] = inverse @ (self.pull + tie * restitution)[free]
-        return mean, whole
+def spread_out(found: Values) -> Values:
+    """Return the same candidates, those first that are unlike all before them, shape (n, 5)."""
+    width = np.maximum(np.std(found, axis=0), 1e-12)
+    order, left = [0], list(range(1, len(found)))
+    while left:
+        gaps = [
+            min(float(np.max(np.abs(found[a] - found[b]) / width)) for b in order) for a in left
+        ]
+        fresh = next((index for index, gap in enumerate(gaps) if gap > 0.7), 0)
+        order.append(left.pop(fresh))
+    made: Values = found[order]
+    return made
 
 
-def gauss_of(target: Target, made: Shot) -> Gauss:
-    """Return the record about the best agreement, with the priors of the numbers."""
-    at = np.concatenate([made.numbers, made.restitutions])
-    slopes = made.slopes / target.noise
-    rest = (target.values[: made.motion.values.size] - made.motion.values) / target.noise
-    free = np.concatenate([target.deviation > 0, np.ones(made.restitutions.size, bool)])
-    weight = np.zeros(at.size)
-    finite = np.isfinite(target.deviation) & (target.deviation > 0)
-    weight[:HEAD][finite] = target.deviation[finite] ** -2.0
-    mean = np.zeros(at.size)
-    mean[:HEAD] = target.mean
-    information = slopes.T @ slopes
-    pull = information @ at + slopes.T @ rest + weight * mean
-    precision = information + np.diag(weight)
-    # What is set does not move: its part of the exponent is that at its value.
-    pull = pull - precision @ np.where(free, 0.0, at)
-    return Gauss(precision, pull, free, at)
-
-
-def alone(gauss: Gauss) -> tuple[Values, Values]:
-    """Return precision (k, k) and pull (k,) of the restitutions, the other numbers integrated."""
-    head = np.flatnonzero(gauss.free[:HEAD])
-    rest = np.arange(HEAD, gauss.at.size)
-    inner = gauss.precision[np.ix_(head, head)]
-    cross = gauss.precision[np.ix_(rest, head)]
-    scale = np.sqrt(np.diag(inner))
-    solved = np.linalg.solve(
-        inner / np.outer(scale, scale), np.column_stack([cross.T, gauss.pull[head]]) / scale[:, None]
-    ) / scale[:, None]
-    precision = gauss.precision[np.ix_(rest, rest)] - cross @ solved[:, :-1]
-    return (precision + precision.T) / 2, gauss.pull[rest] - cross @ solved[:, -1]
-
-
-def untied(gauss: Gauss, restitution: float) -> tuple[Values, Values]:
-    """Return restitution of each impact and its variance, hardly tied to the others."""
-    precision, pull = alone(gauss)
-    tie = (UNTIED * restitution) ** -2.0
-    inverse = np.linalg.inv(precision + tie * np.eye(pull.size))
-    mean = inverse @ (pull + tie * restitution)
-    variances: Values = np.diag(inverse).copy()
-    # Where the record is silent the tie speaks: let such impacts count for nothing.
-    variances[variances > 0.5 / tie] = 1.0
-    return mean, variances
-
-
-def sampled(gauss: Gauss, prior: Prior, seed: int) -> Values:
-    """Return draws of mean restitution and its scatter, shape (n, 2)."""
-    precision, pull = alone(gauss)
-    hits = pull.size
-
-    def density(pair: Values) -> float:
-        e, scatter = pair
-        tie = (scatter * e) ** -2.0
-        try:
-            root = np.linalg.cholesky(precision + tie * np.eye(hits))
-        except np.linalg.LinAlgError:
-            return NEVER
-        white = np.linalg.solve(root, pull + tie * e)
-        made = 0.5 * white @ white - np.sum(np.log(np.diag(root)))
-        return float(made + 0.5 * hits * np.log(tie) - 0.5 * hits * tie * e**2)
-
-    def draw(cube: Values) -> Values:
-        return np.array([max(prior.at(cube[0]), 1e-3), SCATTER.at(cube[1])])
-
-    random = np.random.default_rng(seed)
-    run = sampler().NestedSampler(
-        lambda cube: density(draw(cube)), lambda cube: cube, 2, nlive=LIVE, bound="multi",
-        sample="unif", bootstrap=0, rstate=random,
-    )
-    run.run_nested(dlogz=0.1, print_progress=False)
-    return np.array([draw(cube) for cube in run.results.samples_equal(rstate=random)])
-
-
-def drawn(
-    target: Target, made: Shot, gauss: Gauss, hyper: Values, clock: float, seed: int
-) -> tuple[dict[str, Values], Values]:
-    """Return draws of all numbers, and of the impacts (n, 4, k)."""
-    random = np.random.default_rng(seed + 1)
-    chosen = hyper[random.integers(len(hyper), size=DRAWS)]
-    x = np.empty((DRAWS, gauss.at.size))
-    for row, (e, scatter) in enumerate(chosen):
-        mean, covariance = gauss.covariance(e, scatter)
-        values, vectors = np.linalg.eigh(covariance)
-        root = vectors * np.sqrt(np.maximum(values, 0))
-        x[row] = mean + root @ random.standard_normal(mean.size)
-    hits = min(made.restitutions.size, len(made.motion.times))
-    told = np.array(
-        [made.motion.times[:hits], made.motion.jumps[:hits], made.motion.approaches[:hits]]
-    )
-    change = np.einsum("rkp,np->nrk", made.by_impact[:, :hits], x - gauss.at)
-    each = np.empty((DRAWS, 4, hits))
-    each[:, :3] = told + change
-    each[:, 0] += clock
-    each[:, 2] = np.abs(each[:, 2])
-    each[:, 3] = x[:, HEAD : HEAD + hits]
-    draws = {name: np.exp(x[:, place]) for place, name in enumerate(NUMBERS[:LOGARITHMS])}
-    draws["displacement"] *= target.rig.sign
-    if target.rig.length is not None:
-        omega = 2 * np.pi * draws["frequency_hz"]
-        rig = target.rig
-        draws["frequency_ratio"] = np.sqrt(rig.gravity / (rig.inertia_ratio * rig.length)) / omega
-    draws["damping_ratio"] = x[:, NUMBERS.index("damping_ratio")]
-    draws["release"] = x[:, NUMBERS.index("release")] + clock
-    draws["gap_displacement"] = np.full(DRAWS, target.rig.place)
-    draws["restitution"], draws["restitution_scatter"] = chosen.T
-    order = (
-        "frequency_hz", "damping_ratio", "mass_ratio", "restitution", "gap", "frequency_ratio",
-        "displacement", "gap_displacement", "release", "restitution_scatter",
-    )
-    return {name: draws[name] for name in order}, each
-
-
-def combinations_of(
-    target: Target, gauss: Gauss, hyper: Values, known: Stated
-) -> tuple[str, ...]:
-    """Return what the record leaves open, in words."""
-    e, scatter = np.median(hyper, axis=0)
-    tie = (scatter * e) ** -2.0
-    size = gauss.at.size
-    joint = np.zeros((size + 1, size + 1))
-    joint[:size, :size] = gauss.precision
-    weight = np.where(target.deviation > 0, target.deviation, np.inf) ** -2.0
-    joint[np.arange(HEAD), np.arange(HEAD)] -= np.where(np.isfinite(weight), weight, 0.0)
-    rest = np.arange(HEAD, size)
-    joint[rest, rest] += tie
-    joint[rest, size] = joint[size, rest] = -tie
-    joint[size, size] = tie * rest.size
-    kept = [place for place in (1, 2, 3) if gauss.free[place]]
-    names = [NUMBERS[place] for place in kept]
-    if not isinstance(known.priors.get("restitution"), Exactly):
-        kept.append(size)
-        names.append("restitution")
-    other = [p for p in range(size) if p not in kept and (p >= HEAD or gauss.free[p])]
-    inner = joint[np.ix_(other, other)]
-    cross = joint[np.ix_(kept, other)]
-    scale = np.sqrt(np.maximum(np.diag(inner), 1e-300))
-    inverse = np.linalg.pinv(inner / np.outer(scale, scale), hermitian=True, rcond=1e-12)
-    information = joint[np.ix_(kept, kept)] - cross @ (inverse / np.outer(scale, scale)) @ cross.T
-    if names and names[-1] == "restitution":
-        information[-1] *= e
-        information[:, -1] *= e
-    directions = null_directions(information)
-    chosen = tuple(names)
-    return tuple(in_words(directions[:, column], chosen) for column in range(directions.shape[1]))
-
-
-__all__ = ["identified", "swing"]
+__all__ = ["identified"]

@@ -11,9 +11,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from iva.identification.growing import settled
+from iva.identification.needs import sampler
 from iva.identification.priors import Between, Exactly, Prior
 from iva.identification.responses import Values
 from iva.identification.walls import Absorber, Contacts, log_likelihood
@@ -24,7 +26,7 @@ SCATTER = Between(0.01, 0.3, by_logarithm=True)
 #: How far a wall is from where it was at the other impacts, relative to the clearance.
 PLAY = Between(2e-4, 0.03, by_logarithm=True)
 #: Live points of the sampler.
-LIVE = 150
+LIVE = 100
 #: Half width of the sampled box in standard deviations, where the record determines all.
 WIDTH = 7.0
 #: Standard deviation (relative) up to which a number counts as determined for that box.
@@ -168,8 +170,8 @@ def sampled(
     return Draws(np.array([draw(cube) for cube in cubes]), int(np.sum(results.ncall)))
 
 
-def box(middle: Absorber, scaled: Values, scale: Values, fixed: np.ndarray) -> Any:
-    """Return the map of a cube to a box along the axes of the posterior, as wide as it may reach."""
+def box(middle: Absorber, scaled: Values, scale: Values, fixed: NDArray[np.bool_]) -> Any:
+    """Return the map of a cube to a box along the axes of the posterior, wide enough for it."""
     values, axes = np.linalg.eigh(scaled) if scaled.size else (np.zeros(0), np.zeros((0, 0)))
     reach = axes * (WIDTH / np.sqrt(values))
     centre = np.array([middle.heaviness, middle.clearance, middle.place, middle.restitution])
@@ -199,21 +201,4 @@ def whole(beliefs: Beliefs) -> Any:
     return draw
 
 
-def sampler() -> Any:
-    """Return dynesty.
-
-    Raises
-    ------
-    ImportError
-        If it is not installed.
-    """
-    try:
-        import dynesty
-    except ImportError as error:
-        raise ImportError(
-            'iva.identify needs dynesty; pip install "iva-dynamics[fit]" brings it'
-        ) from error
-    return dynesty
-
-
-__all__ = ["Beliefs", "Draws", "best_scatter", "sampled", "sampler"]
+__all__ = ["Beliefs", "Draws", "best_scatter", "sampled"]

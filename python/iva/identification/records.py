@@ -1,8 +1,8 @@
 """A record as the sum of what release, impacts and sensor leave in it.
 
-With the instants and the jumps of the impacts as inputs, a record of the structure is linear but for
-a few numbers: no flight of the absorber is followed here, so a wrong guess of the gap cannot spoil
-it. What follows is one set of numbers with its Gaussian uncertainty, all that the record says.
+With the instants and the jumps of the impacts as inputs, a record of the structure is linear but
+for a few numbers: no flight of the absorber is followed here, so a wrong guess of the gap cannot
+spoil it. What follows is one set of numbers with its Gaussian uncertainty, all the record says.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from iva.identification.pulses import REACH, WIDE, envelope, shapes, whole
+from iva.identification.pulses import WIDE, envelope, shapes, whole
 from iva.identification.responses import Response, Values, rate_of, to_jump, to_release
 
 #: Numbers before the impacts: ω, ζ, corner of the high pass, instant and size of the release.
@@ -42,7 +42,15 @@ class Inputs:
     def vector(self) -> Values:
         """Return all numbers in one row."""
         return np.concatenate(
-            [self.head, self.times, self.jumps, self.trend, self.hum, self.modes.ravel(), self.pulse]
+            [
+                self.head,
+                self.times,
+                self.jumps,
+                self.trend,
+                self.hum,
+                self.modes.ravel(),
+                self.pulse,
+            ]
         )
 
     def with_vector(self, numbers: Values) -> Inputs:
@@ -57,7 +65,8 @@ class Inputs:
             self.pulse.size,
         ]
         parts = np.split(numbers, np.cumsum(sizes)[:-1])
-        return Inputs(*parts[:5], parts[5].reshape(self.modes.shape), parts[6])
+        head, times, jumps, trend, hum, modes, pulse = parts
+        return Inputs(head, times, jumps, trend, hum, modes.reshape(self.modes.shape), pulse)
 
     def with_impacts(self, times: Values, jumps: Values) -> Inputs:
         """Return the same with other impacts, in the order of time."""
@@ -82,6 +91,10 @@ class Recording:
         0 for a displacement, 1 for a velocity, 2 for an acceleration.
     hum_hz : tuple of float
         Frequencies of the mains and their multiples.
+    weights : ndarray, shape (n,)
+        1/σ of each sample, 0 where it does not count.
+    powers : int
+        Powers of time that the trend has.
     """
 
     time: Values
@@ -90,6 +103,7 @@ class Recording:
     sampling_hz: float
     hum_hz: tuple[float, ...] = ()
     weights: Values = field(default_factory=lambda: np.zeros(0))
+    powers: int = TREND
 
     def trends(self) -> Values:
         """Return the columns of trend and hum, shape (n, 4 + 2h)."""
@@ -107,7 +121,8 @@ class Recording:
         made = size * free.total(self.time, np.array([release]), np.ones(1))
         if self.order == 0:
             made = made + size * (self.time <= release)
-        return made + jump.total(self.time, inputs.times, inputs.jumps)
+        moved: Values = made + jump.total(self.time, inputs.times, inputs.jumps)
+        return moved
 
     def ringing(self, inputs: Inputs) -> Values:
         """Return what further modes add after each impact, shape (n,)."""
@@ -128,7 +143,8 @@ class Recording:
 
     def nuisance(self, inputs: Inputs) -> Values:
         """Return offset, drift and hum, shape (n,)."""
-        return self.trends() @ np.concatenate([inputs.trend, inputs.hum])
+        made: Values = self.trends() @ np.concatenate([inputs.trend, inputs.hum])
+        return made
 
     def model(self, inputs: Inputs) -> Values:
         """Return the whole record as these numbers have it, shape (n,)."""
@@ -212,4 +228,4 @@ def mode_response(mode: Values) -> Response:
     return Response(rate_of(mode[2], mode[3]), 0.0, complex(mode[0], mode[1]), 0.0)
 
 
-__all__ = ["REACH", "Inputs", "Recording"]
+__all__ = ["Inputs", "Recording"]

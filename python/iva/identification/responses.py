@@ -2,8 +2,8 @@
 
 With λ = −ζω + iω_d the displacement after a unit jump of velocity is Im(exp(λt))/ω_d, and every
 derivative multiplies by λ. A first-order high pass of corner a (rad/s), as sensors with a
-built-in amplifier have, turns exp(λt) into (λ exp(λt) + a exp(−at))/(λ + a): all that is recorded is
-a sum of two exponentials that begin at an instant, so nothing is integrated step by step.
+built-in amplifier have, turns exp(λt) into (λ exp(λt) + a exp(−at))/(λ + a): all that is recorded
+is a sum of two exponentials that begin at an instant, so nothing is integrated step by step.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ class Response:
             Instants of the events in s.
         """
         since = time[:, None] - begins[None, :]
-        made = np.exp(self.rate * time)[:, None] * (self.fast * np.exp(-self.rate * begins))[None, :]
+        made = (
+            np.exp(self.rate * time)[:, None] * (self.fast * np.exp(-self.rate * begins))[None, :]
+        )
         answer = made.imag
         if self.slow:
             answer = answer + self.slow * np.exp(-self.corner * np.maximum(since, 0.0))
@@ -61,9 +63,7 @@ class Response:
 
     def slope(self) -> Response:
         """Return the time derivative of the answer."""
-        return Response(
-            self.rate, self.corner, self.fast * self.rate, -self.corner * self.slow
-        )
+        return Response(self.rate, self.corner, self.fast * self.rate, -self.corner * self.slow)
 
 
 def rate_of(omega: float, damping_ratio: float) -> complex:

@@ -11,7 +11,9 @@ from iva.sampling import Sobol, Uniform
 from iva.sweeping import sweep
 
 #: Points of the search.
-POINTS = 1 << 15
+POINTS = 1 << 16
+#: How many are returned.
+FEW = 60
 #: Impacts that are compared.
 COMPARED = 5
 #: What an instant may be off, in periods, and a jump, relative.
@@ -50,7 +52,7 @@ def candidates(
     """
     few = min(times.size, COMPARED)
     wide = {
-        "frequency_hz": Between(0.93 * hertz, 1.03 * hertz),
+        "frequency_hz": Between(0.88 * hertz, 1.3 * hertz),
         "mass_ratio": Between(0.02, 0.3, by_logarithm=True),
         "gap": Between(0.2 * abs(size), 8.0 * abs(size), by_logarithm=True),
         "frequency_ratio": Between(0.1, 1.5),
@@ -66,11 +68,10 @@ def candidates(
         grid = np.array([prior.at(share) for share in np.linspace(0.001, 0.999, 257)])
         columns[name] = np.interp(cubes[name], np.linspace(0, 1, 257), grid)
         columns[name] = np.clip(columns[name], min(low, high), max(low, high))
-    over = {name: values for name, values in columns.items()}
     table = sweep(
         Piva(angles="small"),
         Primary(damping_ratio=0.01),
-        over=over,
+        over=columns,
         sampling="zip",
         start=Start(displacement=size, gap_displacement=place),
         duration=float(times[few - 1]) + 0.3 / hertz,
@@ -91,7 +92,7 @@ def candidates(
     by_jump = (seen_jump - jumps[:few]) / (OFF_JUMP * np.abs(jumps[:few]) + 2 * deviation)
     each = np.minimum(by_time**2 + by_jump**2, 50.0)
     score = np.sum(np.where(np.isnan(each), 50.0, each), axis=1)
-    best = np.argsort(score)[:40]
+    best = np.argsort(score)[:FEW]
     return np.column_stack([columns[name][best] for name in names])
 
 

@@ -96,7 +96,9 @@ def shot(
     use = int(np.searchsorted(target.time, until, side="right"))
     time, values = target.time[:use], target.values[:use]
     free = target.deviation > 0
-    weight = np.where(np.isfinite(target.deviation) & free, 1 / np.maximum(target.deviation, 1e-300), 0)
+    weight = np.where(
+        np.isfinite(target.deviation) & free, 1 / np.maximum(target.deviation, 1e-300), 0
+    )
     hits = restitutions.size
     every = np.concatenate([free, np.ones(hits, bool)])
 
@@ -231,7 +233,9 @@ def grown(target: Target, numbers: Values, restitution: float, hits: int, steps:
         until = end if last else ahead.times[hits] - 1e-3
         many = min(hits, len(ahead.times))
         mean = float(np.mean(restitutions))
-        begin = np.concatenate([restitutions, np.full(max(many - restitutions.size, 0), mean)])[:many]
+        begin = np.concatenate([restitutions, np.full(max(many - restitutions.size, 0), mean)])[
+            :many
+        ]
         if not many:
             begin = np.full(1, mean)
         made = shot(target, numbers, begin, until, steps)

@@ -95,17 +95,15 @@ def stated(
     weighed(masses, priors)
     if known is not None and not isinstance(known, Mapping):
         raise TypeError(f"known = {shown(known)}: give a mapping from field names to distributions")
-    for key, value in (known or {}).items():
+    for key, distribution in (known or {}).items():
         name = str(key).rpartition(".")[2]
         if name not in FIELDS:
-            fields = ", ".join(FIELDS)
-            raise ValueError(
-                f"known[{shown(key)}]: no such number{hint(name, FIELDS) or f'; give some of {fields}'}"
-            )
+            rule = hint(name, FIELDS) or f"; give some of {', '.join(FIELDS)}"
+            raise ValueError(f"known[{shown(key)}]: there is no such number{rule}")
         number, factor = FIELDS[name]
         if number in priors:
             raise ValueError(f"known[{shown(key)}]: this number is set already; leave out one")
-        priors[number] = prior_of(name, value, factor, *BOUNDS[number])  # type: ignore[arg-type]
+        priors[number] = prior_of(name, distribution, factor, *BOUNDS[number])  # type: ignore[arg-type]
     return Stated(priors, taken)
 
 

@@ -6,10 +6,9 @@ the state after it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-
 import polars as pl
 
 from iva import _iva
@@ -24,8 +23,16 @@ MOST = 400
 
 #: Places of the numbers: logarithms of frequency (Hz), mass ratio, gap, frequency ratio and size of
 #: the release; damping ratio, instant of the release, offset of the record.
-NUMBERS = ("frequency_hz", "mass_ratio", "gap", "frequency_ratio", "displacement",
-           "damping_ratio", "release", "offset")
+NUMBERS = (
+    "frequency_hz",
+    "mass_ratio",
+    "gap",
+    "frequency_ratio",
+    "displacement",
+    "damping_ratio",
+    "release",
+    "offset",
+)
 HEAD = len(NUMBERS)
 #: Those that stand as logarithms; the sign of the displacement is kept beside.
 LOGARITHMS = 5
@@ -62,8 +69,8 @@ class Swing:
     begins: list[tuple[float, Start]] = field(default_factory=list)
 
 
-def parts_of(numbers: Values, rig: Rig) -> tuple[dict[str, float], Primary]:
-    """Return the fields of the pendulum but its restitution, and the structure."""
+def parts_of(numbers: Values, rig: Rig) -> tuple[Piva, Primary]:
+    """Return the pendulum, all but its restitution, and the structure."""
     hertz, mass_ratio, gap, ratio, _ = np.exp(numbers[:LOGARITHMS])
     omega = 2 * np.pi * hertz
     if rig.length is not None:
@@ -71,17 +78,17 @@ def parts_of(numbers: Values, rig: Rig) -> tuple[dict[str, float], Primary]:
         length = rig.length
     else:
         length = rig.gravity / (rig.inertia_ratio * (ratio * omega) ** 2)
-    made = {
-        "mass_ratio": float(mass_ratio),
-        "gap": float(gap),
-        "frequency_ratio": float(ratio),
-        "length": float(length),
-        "inertia_ratio": rig.inertia_ratio,
-    }
-    if rig.contact_distance is not None:
-        made["contact_distance"] = rig.contact_distance
+    pendulum = Piva(
+        mass_ratio=float(mass_ratio),
+        restitution=0.5,
+        gap=float(gap),
+        frequency_ratio=float(ratio),
+        length=float(length),
+        inertia_ratio=rig.inertia_ratio,
+        contact_distance=rig.contact_distance,
+    )
     damping = max(float(numbers[LOGARITHMS]), 0.0)
-    return made, Primary(frequency_hz=float(hertz), damping_ratio=damping)
+    return pendulum, Primary(frequency_hz=float(hertz), damping_ratio=damping)
 
 
 def swing(
@@ -117,15 +124,13 @@ def swing(
     ValueError
         If the numbers are of no scene.
     """
-    fields, primary = parts_of(numbers, rig)
+    pendulum, primary = parts_of(numbers, rig)
     size = rig.sign * float(np.exp(numbers[4]))
     offset = float(numbers[7])
     if resumed is None:
         made = Swing(np.full(time.size, (size if order == 0 else 0.0) + offset))
         begin, hit = float(numbers[6]), 0
-        state = Start(
-            displacement=size, gap_displacement=rig.place, gap_velocity=rig.gap_velocity
-        )
+        state = Start(displacement=size, gap_displacement=rig.place, gap_velocity=rig.gap_velocity)
     else:
         before, hit = resumed
         made = Swing(
@@ -141,7 +146,7 @@ def swing(
         e = float(restitutions[min(hit, restitutions.size - 1)])
         last = until - begin
         run = simulate(
-            Piva(**fields, restitution=e), primary, start=state, duration=last, max_impacts=1
+            replace(pendulum, restitution=e), primary, start=state, duration=last, max_impacts=1
         )
         impact = run.impacts
         ended = impact.height > 0 and impact["time"][0] < last

@@ -14,11 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
 from scipy.linalg import solve_triangular
 
 from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Inputs
-from iva.identification.responses import Values, rate_of
+from iva.identification.responses import Values
+
 
 @dataclass(frozen=True)
 class Contacts:
