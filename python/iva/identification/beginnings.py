@@ -14,30 +14,47 @@ QUIET = 12
 MOVES = 0.25
 
 
-def onset(values: Values, sampling_hz: float) -> float | None:
+def onset(values: Values, sampling_hz: float, order: int) -> float | None:
     """Return the instant from the first sample at which motion sets in, in s, rough.
 
-    ``None`` if the record begins in motion.
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        The record.
+    sampling_hz : float
+        Sampling rate.
+    order : int
+        0 for a displacement, 1 for a velocity, 2 for an acceleration.
+
+    Returns
+    -------
+    float or None
+        ``None`` if the record begins in motion.
     """
     width = 3
     smooth = np.convolve(np.pad(values, width, mode="edge"), np.ones(width) / width, mode="same")
     smooth = smooth[width:-width]
-    lead = smooth[:QUIET]
-    away = np.abs(smooth - np.median(lead))
+    base = float(np.median(smooth[:QUIET]))
+    away = np.abs(smooth - base)
     # The highest values are pulses of impacts: a swing is what a tenth of all samples exceed.
     swing = float(np.quantile(away, 0.9))
-    moving = away > MOVES * swing
-    first = int(np.argmax(moving))
-    if first < QUIET or np.std(smooth[: first - width]) > 0.4 * MOVES * swing:
+    moves = np.convolve(away > MOVES * swing, np.ones(2 * width), mode="full")[2 * width - 1 :]
+    first = int(np.argmax(moves > 2 * width - 0.5))  # for some samples, which noise does not
+    if first < QUIET:
         return None
-    base = np.median(smooth[: first - width])
-    away = np.abs(smooth - base)
-    noise = float(1.4826 * np.median(np.abs(smooth[: first - width] - base)))
-    edge = max(0.03 * swing, 5.0 * noise)
+    # Of neighbours noise is independent, and motion next to nothing.
+    noise = 1.4826 * float(np.median(np.abs(np.diff(values[:first])))) / np.sqrt(2)
+    edge = max(0.03 * swing, 4.0 * noise)
     back = first
     while back > 0 and away[back] > edge:
         back -= 1
-    return back / sampling_hz
+    if back < QUIET:
+        return None
+    lead = values[: back - width]
+    unquiet = np.std(lead) > 1.5 * noise + 0.02 * swing
+    # At rest there is neither velocity nor acceleration: what a sensor shows then is its offset.
+    off = order > 0 and abs(base - float(np.mean(values))) > 0.2 * swing
+    return None if unquiet or off else back / sampling_hz
 
 
 def let_go(values: Values, sampling_hz: float, start: float, level: float, hertz: float) -> float:

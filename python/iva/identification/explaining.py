@@ -33,7 +33,7 @@ LINE = 60.0
 #: Least length of a record after the release, in periods.
 PERIODS = 1.2
 #: Most rounds of refinement.
-ROUNDS = 12
+ROUNDS = 20
 #: Most further modes.
 MODES = 2
 
@@ -53,6 +53,11 @@ class Explained:
     roughness: float
     mask: NDArray[np.bool_]
     modes_hz: tuple[float, ...]
+
+    @property
+    def hertz(self) -> float:
+        """Frequency of the structure."""
+        return float(self.refined.inputs.head[OMEGA] / (2 * np.pi))
 
 
 def explained(
@@ -81,7 +86,7 @@ def explained(
     """
     rate, order = recording.sampling_hz, recording.order
     begin = fixed.get(RELEASE)
-    start = onset(recording.values, rate) if begin is None else begin
+    start = onset(recording.values, rate, order) if begin is None else begin
     after = int(max(start or 0.0, 0.0) * rate)
     if OMEGA in fixed:
         hertz = fixed[OMEGA] / 2 / np.pi
@@ -128,9 +133,11 @@ def explained(
         refined = refine(recording, inputs, known, steps=6 if attempt < 2 else 25)
         inputs = refined.inputs
         rest = recording.values - recording.model(inputs)
-        before = noise
+        before = (noise, roughness)
         noise, roughness = spread(recording, inputs, rest, mask, floor)
-        if attempt < 2 or abs(noise / before - 1) > 0.05:
+        # Not all at once: sharp pulses far from where they belong find no way back.
+        roughness = max(roughness, before[1] / 3)
+        if attempt < 2 or abs(noise / before[0] - 1) > 0.05 or roughness < 0.8 * before[1]:
             continue
         searches = order == 2 and len(inputs.modes) < MODES
         line = further_mode(recording, inputs, rest, mask) if searches else None
@@ -241,7 +248,9 @@ def spread(
     near = mask & (reach > 3 * noise)
     if near.sum() < 10:
         return noise, 0.02
-    over = float(np.mean((rest[near] ** 2 - noise**2) / reach[near] ** 2))
+    # The largest pulses say most: elsewhere the noise hides what is left over.
+    more = np.sum(reach[near] ** 2 * (rest[near] ** 2 - noise**2))
+    over = float(more / np.sum(reach[near] ** 4))
     return noise, float(np.sqrt(max(over, 1e-6)))
 
 
@@ -260,7 +269,7 @@ def further_mode(
     weight = 0.0
     for time, jump in zip(inputs.times, inputs.jumps, strict=True):
         first = int(time * rate) + REACH
-        if first + length >= rest.size:
+        if first < 0 or first + length >= rest.size:
             continue
         answer += jump * shown[first : first + length]
         weight += jump**2

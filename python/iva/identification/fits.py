@@ -75,7 +75,7 @@ class Fit:
         What was done with the record that a reader should know.
     time, values, prediction, low, high, residual : numpy.ndarray, shape (n,)
         Instants in s on the clock of the record, what was measured in SI units, what the model has
-        there with its interval (90 %), and the difference.
+        there with its interval (90 %), and the difference. NaN where the window has ended.
     mask : numpy.ndarray of bool, shape (n,)
         True where a sample was used.
     noise : float

@@ -10,9 +10,10 @@ from iva.identification.adequacy import contact_law, law_of_restitution, lines_o
 from iva.identification.combinations import in_words, null_directions
 from iva.identification.explaining import Explained, explained
 from iva.identification.fits import Found
-from iva.identification.growing import grown, settled
+from iva.identification.growing import Grown, grown, settled
 from iva.identification.posterior import Beliefs, Draws, best_scatter, sampled
 from iva.identification.priors import Bell, Between, Exactly, Prior
+from iva.identification.pulses import WIDE
 from iva.identification.records import HEAD, OMEGA, RELEASE, SIZE, ZETA, Recording
 from iva.identification.responses import Values
 from iva.identification.stated import Stated
@@ -25,6 +26,8 @@ HEADS = {
     "release": (RELEASE, 1.0),
     "displacement": (SIZE, 1.0),
 }
+#: Periods of a record that is cut at a missed impact.
+LEAST_PERIODS = 2.0
 #: Draws of the record's own numbers.
 DRAWS = 500
 #: Scatter and play with which each impact is looked at by itself.
@@ -52,30 +55,36 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
     ValueError
         If no impact is found, or they do not follow each other as those of a free mass.
     """
-    fixed, expected = heads(known, clock)
-    shown = explained(recording, floor, fixed, expected)
-    inputs, covariance = shown.refined.inputs, shown.refined.covariance
-    size = abs(float(inputs.head[SIZE]))
-    beliefs = beliefs_of(known, size)
-    pull = pull_of(beliefs)
     gap_velocity = known.taken.get("gap_velocity", 0.0)
-    every = contacts(inputs, covariance, inputs.times.size, gap_velocity)
-    nu, clearance, place, restitution = map(float, pull[0])
-    begin = Absorber(nu, clearance, place, restitution, scatter=0.1, play=0.01)
-    best = grown(every, begin, pull)
+    shown, best, beliefs = followed(recording, clock, floor, known)
     notes, reasons = [], []
-    if best.hits < inputs.times.size:
+    every = shown.refined.inputs.times
+    if best.hits < every.size:
         if best.hits < 3:
             raise ValueError(
                 "record: its impacts do not follow each other as those of a free mass; give another"
                 " absorber or a record of one"
             )
-        notes.append(
-            f"the first {best.hits} of {inputs.times.size} impacts were used: the next one does not"
-            " follow from them, one may have been missed"
-        )
-        if best.hits < 0.5 * inputs.times.size:
+        if best.hits < 0.5 * every.size:
             reasons.append("most impacts do not follow from those before as those of a free mass")
+        # Of a missed impact the later record would be explained by what is not there.
+        end = every[best.hits - 1] + (WIDE + 2) / recording.sampling_hz
+        notes.append(
+            f"the first {best.hits} of {every.size} impacts were used, up to {end + clock:.4g} s: "
+            "the next one does not follow from them, one may have been missed"
+        )
+        few = int(np.searchsorted(recording.time, end))
+        begun = replace(
+            recording,
+            time=recording.time[:few],
+            values=recording.values[:few],
+            weights=np.zeros(0),
+        )
+        periods = (end - shown.refined.inputs.head[RELEASE]) * shown.hertz
+        if periods > LEAST_PERIODS:
+            shown, best, beliefs = followed(begun, clock, floor, known)
+    inputs, covariance = shown.refined.inputs, shown.refined.covariance
+    pull = pull_of(beliefs)
     used = contacts(inputs, covariance, best.hits, gap_velocity)
     middle, _ = best_scatter(used, best.absorber, pull)
     # The walls move the record's numbers a little: the conditions are linearised there.
@@ -108,22 +117,48 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
     if shown.modes_hz:
         listed = " and ".join(f"{hertz:.3g} Hz" for hertz in shown.modes_hz)
         notes.append(f"ringing at {listed} after each impact was fitted along")
-    recording = shown.recording
-    slopes = recording.jacobian(inputs)
+    slopes = shown.recording.jacobian(inputs)
     own = np.einsum("ij,ij->i", slopes @ covariance, slopes)
+    sigma = np.hypot(shown.noise, shown.roughness * shown.recording.reach(inputs))
+    after = recording.time.size - shown.recording.time.size
+
+    def filled(values: Values) -> Values:
+        made: Values = np.pad(values, (0, after), constant_values=np.nan)
+        return made
+
     return Found(
         draws=draws,
         each=each,
         walls=used.walls,
-        prediction=recording.model(inputs),
-        own=np.sqrt(np.maximum(own, 0.0)),
-        sigma=np.hypot(shown.noise, shown.roughness * recording.reach(inputs)),
-        mask=shown.mask,
+        prediction=filled(shown.recording.model(inputs)),
+        own=filled(np.sqrt(np.maximum(own, 0.0))),
+        sigma=filled(sigma),
+        mask=np.pad(shown.mask, (0, after), constant_values=False),
         noise=shown.noise,
         combinations=words,
         reasons=tuple(reasons),
         notes=tuple(notes),
     )
+
+
+def followed(
+    recording: Recording, clock: float, floor: float, known: Stated
+) -> tuple[Explained, Grown, Beliefs]:
+    """Return what explains a record, the absorber whose impacts follow, and the priors."""
+    fixed, expected = heads(known, clock)
+    shown = explained(recording, floor, fixed, expected)
+    inputs = shown.refined.inputs
+    beliefs = beliefs_of(known, abs(float(inputs.head[SIZE])))
+    pull = pull_of(beliefs)
+    every = contacts(
+        inputs,
+        shown.refined.covariance,
+        inputs.times.size,
+        known.taken.get("gap_velocity", 0.0),
+    )
+    nu, clearance, place, restitution = map(float, pull[0])
+    begin = Absorber(nu, clearance, place, restitution, scatter=0.1, play=0.01)
+    return shown, grown(every, begin, pull), beliefs
 
 
 def heads(known: Stated, clock: float) -> tuple[dict[int, float], dict[int, tuple[float, float]]]:

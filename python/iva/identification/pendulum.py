@@ -129,7 +129,7 @@ def beginning(
     """
     rate, values = recording.sampling_hz, recording.values
     given = known.exactly("release")
-    start = onset(values, rate)
+    start = onset(values, rate, recording.order)
     if given is None and start is None:
         raise ValueError(
             "start.time = None: the record begins in motion; give the instant of the release"

@@ -139,8 +139,10 @@ def sampled(
     if eigenvalues.min(initial=np.inf) > NARROW**-2:
         draw = box(middle, scaled, scale, fixed)
         weigh = beliefs.log_density
+        how = {"bound": "single", "sample": "unif"}  # one round mode fills that box
     else:
         draw = whole(beliefs)
+        how = {"bound": "multi", "sample": "rwalk"}
 
         def weigh(absorber: Absorber) -> float:
             return 0.0 if beliefs.log_density(absorber) > NEVER else NEVER
@@ -159,9 +161,8 @@ def sampled(
         lambda cube: cube,
         size,
         nlive=LIVE,
-        bound="multi",
-        sample="rwalk" if size > 4 else "unif",
         bootstrap=0,
+        **how,
         rstate=random,
     )
     run.run_nested(dlogz=0.1, print_progress=False)

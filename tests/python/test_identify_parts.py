@@ -1,0 +1,185 @@
+"""The parts that an identification is made of, each against a closed form or planted truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("dynesty")
+import scipy.stats
+
+import iva
+from iva.identification.combinations import in_words, null_directions
+from iva.identification.detection import pulses_in
+from iva.identification.kinks import kinks_in
+from iva.identification.priors import prior_of
+from iva.identification.pulses import first_guess, shapes, whole
+from iva.identification.records import Inputs, Recording
+from iva.identification.responses import to_jump, to_release
+from iva.identification.walls import Absorber, contacts, residuals
+from planted_decays import Chain, Truth, flights, law_of, record
+from planted_pendulums import Laser, laser, swung
+
+RIG = Truth(release=0.25, gap_displacement=0.2e-3, scatter=0.05)
+
+
+def inputs_of(truth: Truth, seconds: float) -> Inputs:
+    """Return the numbers of a record from its truth."""
+    impacts = flights(truth, seconds, law_of(truth, np.random.default_rng(0)))
+    head = [2 * np.pi * truth.frequency_hz, truth.damping_ratio, 0.5, truth.release]
+    return Inputs(
+        np.array([*head, truth.displacement]),
+        np.array([impact["time"] for impact in impacts]) + truth.release,
+        np.array([impact["jump"] for impact in impacts]),
+        np.array([0.1, 0.2, 0.0, 0.0]),
+        np.array([0.01, 0.02]),
+        np.array([[60.0, 1.0, 450.0, 0.015]]),
+        first_guess(),
+    )
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_answers_are_derivatives_of_each_other(order: int) -> None:
+    # ẍ + 2ζωẋ + ω²x = 0 between jumps, and the release from 1 has ẍ = −ω² at once.
+    omega, zeta, time = 30.0, 0.02, np.linspace(1e-6, 0.5, 4001)
+    begin, one = np.zeros(1), np.ones(1)
+    parts = [to_jump(omega, zeta, 0.0, n).total(time, begin, one) for n in range(3)]
+    rest = parts[2] + 2 * zeta * omega * parts[1] + omega**2 * parts[0]
+    assert np.max(np.abs(rest)) < 1e-9
+    assert parts[1][0] == pytest.approx(1.0, abs=1e-5)
+    slope = np.gradient(to_jump(omega, zeta, 0.0, order).total(time, begin, one), time)
+    same = to_jump(omega, zeta, 0.0, order).slope().total(time, begin, one)
+    assert slope[5:-5] == pytest.approx(same[5:-5], abs=1e-2 * omega**order)
+    free = to_release(omega, zeta, 0.0, order).total(time, begin, one)
+    assert free[0] == pytest.approx((1.0, 0.0, -(omega**2))[order], abs=1.0 if order == 2 else 1e-2)
+
+
+def test_the_high_pass_is_a_first_order_one() -> None:
+    # z' + a z = u' holds for what a high pass makes of u.
+    corner, time = 2.0, np.linspace(1e-4, 1.0, 20001)
+    begin, one = np.zeros(1), np.ones(1)
+    before = to_release(30.0, 0.02, 0.0, 2).total(time, begin, one)
+    after = to_release(30.0, 0.02, corner, 2).total(time, begin, one)
+    rest = np.gradient(after, time) + corner * after - np.gradient(before, time)
+    assert np.max(np.abs(rest[5:-5])) < 1e-2 * np.max(np.abs(np.gradient(before, time)))
+
+
+def test_the_jacobian_is_that_of_the_record() -> None:
+    inputs = inputs_of(RIG, 0.6)
+    time = np.arange(1800) / 2048
+    recording = Recording(time, np.zeros(time.size), 2, 2048.0, (50.0,))
+    slopes, numbers = recording.jacobian(inputs), inputs.vector()
+    for place in range(numbers.size):
+        step = 1e-6 * max(abs(numbers[place]), 1e-2)
+        ahead, back = numbers.copy(), numbers.copy()
+        ahead[place] += step
+        back[place] -= step
+        change = recording.model(inputs.with_vector(ahead)) - recording.model(
+            inputs.with_vector(back)
+        )
+        wanted = change / (2 * step)
+        if place == 3:
+            # At the sample beside the release the record jumps: there is no derivative.
+            near = np.abs(time - RIG.release) < 1e-3
+            wanted[near] = slopes[near, place] = 0.0
+        assert slopes[:, place] == pytest.approx(wanted, abs=2e-3 * np.max(np.abs(wanted)) + 1e-9)
+
+
+def test_a_pulse_has_the_area_of_its_jump() -> None:
+    shares = whole(first_guess())
+    for place in (200.0, 200.3, 200.5):
+        samples, parts, _ = shapes(np.array([place]), 400)
+        made = parts[0] @ shares
+        assert made.sum() == pytest.approx(1.0, abs=5e-3)
+        assert (samples[0] @ made) / made.sum() == pytest.approx(place, abs=0.05)
+
+
+def test_the_wall_conditions_hold_for_planted_flights() -> None:
+    inputs = inputs_of(RIG, 2.0)
+    hits = inputs.times.size
+    size = inputs.vector().size
+    found = contacts(inputs, np.zeros((size, size)), hits)
+    true = Absorber(
+        1 / RIG.mass_ratio, RIG.gap / 2, RIG.gap_displacement, RIG.restitution, 0.05, 1e-3
+    )
+    rest, _ = residuals(found, true)
+    assert np.max(np.abs(rest[:hits])) < 1e-8  # m; the gap is 9.4e-3
+    _, _, lost, speed, _ = found.values
+    approach = speed - lost / RIG.mass_ratio
+    impacts = flights(RIG, 2.0, law_of(RIG, np.random.default_rng(0)))
+    assert approach == pytest.approx([impact["approach"] for impact in impacts], abs=1e-6)
+    e = RIG.restitution + rest[hits:] / approach
+    assert e == pytest.approx([impact["restitution"] for impact in impacts], abs=1e-5)
+
+
+def test_pulses_are_found_where_they_are() -> None:
+    made = record(RIG, Chain(seed=3, seconds=2.0, ringing=(71.0, 0.015, 0.15), hum=0.05))
+    release = int(RIG.release * 2048)
+    times, jumps = pulses_in(made.values, 2048.0, closed=((release - 30, release + 30),))
+    wanted = np.array([impact["time"] for impact in made.impacts]) + RIG.release
+    assert times == pytest.approx(wanted, abs=5e-5)
+    sizes = np.array([impact["jump"] for impact in made.impacts])
+    assert jumps / sizes == pytest.approx(np.ones(sizes.size), abs=0.15)
+
+
+def test_kinks_are_found_where_they_are() -> None:
+    truth = Truth(1.83, 0.0113, 0.118, 0.55, 77.5e-3, 31e-3, release=0.25)
+    made = laser(truth, 0.41, Laser(seed=1, seconds=4.0))
+    times, jumps, _, noise = kinks_in(made.values, 200.0, 1.83, 0, closed=((0, 69),))
+    assert noise == pytest.approx(2e-5, rel=0.15)
+    large = [impact for impact in made.impacts if abs(impact["jump"]) > 0.03]
+    for impact in large:
+        nearest = int(np.argmin(np.abs(times - impact["time"] - truth.release)))
+        assert times[nearest] == pytest.approx(impact["time"] + truth.release, abs=4e-3)
+        assert jumps[nearest] == pytest.approx(impact["jump"], rel=0.2)
+
+
+def test_planted_pendulums_move_as_those_of_iva() -> None:
+    # Two programs without a line in common: Runge and Kutta here, series with enclosures there.
+    truth = Truth(1.83, 0.0113, 0.118, 0.55, 77.5e-3, 31e-3)
+    times, places, impacts = swung(truth, 0.41, 2.0, lambda _: 0.55)
+    length = 9.80665 / (0.41 * 2 * np.pi * 1.83) ** 2
+    piva = iva.Piva(
+        mass_ratio=0.118, restitution=0.55, gap=77.5e-3, frequency_ratio=0.41, length=length
+    )
+    primary = iva.Primary(frequency_hz=1.83, damping_ratio=0.0113)
+    run = iva.simulate(piva, primary, start=iva.Start(displacement=31e-3), duration=2.0)
+    hits = [impact["time"] for impact in impacts if impact["time"] < 2.0]
+    assert run.impacts["time"].to_list() == pytest.approx(hits, abs=1e-6)
+    asked = times[(times > 0) & (times < 2.0)][::50]
+    wanted = np.interp(asked, times, places)
+    assert run.at(asked)["displacement"].to_numpy() == pytest.approx(wanted, abs=1e-7)
+
+
+def test_null_directions_are_named() -> None:
+    names = ("mass_ratio", "gap", "rest position", "restitution")
+    apart = np.array([[1e4, 0, 0, 8e3], [0, 0, 0, 0], [0, 0, 0, 0], [8e3, 0, 0, 6.4e3]])
+    apart += 1e6 * np.outer([0, 1, -1, 0], [0, 1, -1, 0])
+    found = null_directions(apart)
+    assert {in_words(found[:, column], names) for column in range(found.shape[1])} == {
+        "only clearance − rest position is determined",
+        "only mass_ratio (1 + restitution) / (1 + mass_ratio) is determined",
+    }
+    other = 1e6 * np.diag([1.0, 1.0, 1.0, 0.0])
+    found = null_directions(other)
+    assert in_words(found[:, 0], names) == "restitution is not determined"
+    assert null_directions(1e6 * np.eye(4)).shape == (4, 0)
+
+
+@pytest.mark.parametrize(
+    ("given", "same"),
+    [
+        (iva.sampling.Uniform(1.0, 3.0), scipy.stats.uniform(1.0, 2.0)),
+        (iva.sampling.Normal(2.0, 0.5), scipy.stats.truncnorm(-4.0, np.inf, 2.0, 0.5)),
+        (iva.sampling.Normal(2.0, 0.5, low=1.5), scipy.stats.truncnorm(-1.0, np.inf, 2.0, 0.5)),
+        (iva.sampling.LogNormal(2.0, 0.3), scipy.stats.lognorm(0.3, scale=2.0)),
+    ],
+)
+def test_priors_are_those_of_scipy(given: iva.sampling.Distribution, same: object) -> None:
+    prior = prior_of("gap", given, 1.0, 0.0, np.inf)
+    for share in (0.05, 0.3, 0.9):
+        value = prior.at(share)
+        assert value == pytest.approx(same.ppf(share), rel=1e-9)  # type: ignore[attr-defined]
+        density = same.logpdf(value)  # type: ignore[attr-defined]
+        assert prior.log_density(value) == pytest.approx(density, rel=1e-6)
+    assert prior.log_density(-1.0) == -np.inf
