@@ -20,7 +20,7 @@ SOURCES := $(shell find crates python -type f \( -name '*.rs' -o -name '*.py' -o
 export PYO3_PYTHON := $(abspath $(BIN)/python)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-start check-design explorer test-explorer bench-explorer stress fuzz corpus wheel sdist clean
+.PHONY: help demo docs test test-rust test-python lint lint-rust lint-python truth count bench bench-peers bench-sweeps bench-dynamics bench-start check-design check-identify explorer test-explorer bench-explorer stress fuzz corpus wheel sdist clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -55,6 +55,9 @@ lint-python: wheel
 
 check-design: wheel ## what iva.optimise promises, beside what it does: values, runs, coverage
 	$(BIN)/python tests/truth/designs.py
+
+check-identify: wheel ## what iva.identify promises, beside what it does: three records, coverage
+	$(BIN)/python tests/truth/identified.py
 
 explorer: ## build the simulator of the explorer as WebAssembly (without a toolchain for it: on Debian)
 	$(PYTHON) .ci/explorer.py

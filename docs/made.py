@@ -80,6 +80,13 @@ def commands() -> str:
     return "\n".join(f"## {title}\n\n```text\n{text}```\n" for title, text in parts)
 
 
+def records(app: Sphinx, fault: Exception | None) -> None:
+    """Put the records of the pages beside them."""
+    if fault is None and app.builder.format == "html":
+        for name, record in pages.RECORDS.items():
+            shutil.copy(pages.DOCS.parent / record, Path(app.outdir, name))
+
+
 def explorers(app: Sphinx, fault: Exception | None) -> None:
     """Put the explorer beside the pages: whole, and brief for the front page."""
     if fault is None and app.builder.format == "html":
@@ -91,4 +98,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Tell Sphinx."""
     app.connect("builder-inited", make)
     app.connect("build-finished", explorers)
+    app.connect("build-finished", records)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -24,6 +24,7 @@ import io
 import os
 import re
 import shlex
+import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -42,6 +43,8 @@ REMARK = re.compile(r"<!-- (?P<key>not run|file|printed)(?:: (?P<value>.+))? -->
 PICTURE = re.compile(r"!\[[^\]]*\]\((?P<file>[^)]+)\)")
 #: Where the build puts what it makes, seen from a page.
 MADE = "_made/"
+#: Measured records that pages read: a name in the folder of the page → its file.
+RECORDS = {"decay.csv": "tests/data/identification/public_1_acceleration.csv"}
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,8 @@ def run_page(page: Path, folder: Path) -> int:
     studies = folder / "studies"
     if not studies.exists():
         studies.symlink_to(DOCS.parent / "studies")
+    for name, record in RECORDS.items():
+        shutil.copy(DOCS.parent / record, Path(folder, name))
     names: dict[str, object] = {"__name__": "__main__"}
     ran = 0
     printed = ""
@@ -190,6 +195,10 @@ def run_commands(code: str, place: str) -> None:
             from iva.optimisation.command import main as optimise
 
             code_of_exit = optimise(words[2:])
+        elif words[1] == "identify":
+            from iva.identification.command import main as identify
+
+            code_of_exit = identify(words[2:])
         elif words[1] == "explore":
             from iva.explorer.command import main as explore
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from iva.choosing import best, pareto, robust
     from iva.explorer import explore
     from iva.forces import Harmonic, Impulse, Recorded
+    from iva.identification import Fit, identify
     from iva.measured import Measured
     from iva.optimisation import Optimum, optimise
     from iva.parameters import Piva, Primary, Siva, Start
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "SCHEMA_VERSION",
+    "Fit",
     "Gradient",
     "Harmonic",
     "Impulse",
@@ -66,6 +68,7 @@ __all__ = [
     "best",
     "dynamics",
     "explore",
+    "identify",
     "optimise",
     "pareto",
     "read",
@@ -83,6 +86,7 @@ __all__ = [
 # matplotlib, and ``from iva import *`` must work without.
 _HOMES = {
     "SCHEMA_VERSION": "_iva",
+    "Fit": "identification",
     "Gradient": "run_tables",
     "Harmonic": "forces",
     "Impulse": "forces",
@@ -103,6 +107,7 @@ _HOMES = {
     "best": "choosing",
     "dynamics": "dynamics",
     "explore": "explorer",
+    "identify": "identification",
     "optimise": "optimisation",
     "paper": "paper",
     "pareto": "choosing",

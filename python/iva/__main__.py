@@ -1,6 +1,6 @@
 """The command ``iva``: that of the native binary, and what is done in Python.
 
-In Python are ``iva optimise``, ``iva explore`` and ``iva reproduce``.
+In Python are ``iva optimise``, ``iva identify``, ``iva explore`` and ``iva reproduce``.
 """
 
 import signal
@@ -20,6 +20,8 @@ def main() -> int:
         return _reproduce(sys.argv[2:])
     if sys.argv[1:2] == ["optimise"]:
         return _optimise(sys.argv[2:])
+    if sys.argv[1:2] == ["identify"]:
+        return _identify(sys.argv[2:])
     if sys.argv[1:2] == ["explore"]:
         from iva.explorer.command import main as explore
 
@@ -46,6 +48,18 @@ def _optimise(arguments: list[str]) -> int:
         from iva.optimisation.command import main as optimise
 
         return optimise
+
+    return _with_imports(command, arguments)
+
+
+def _identify(arguments: list[str]) -> int:
+    def command() -> Command:
+        from iva.identification.needs import sampler
+
+        sampler()
+        from iva.identification.command import main as identify
+
+        return identify
 
     return _with_imports(command, arguments)
 

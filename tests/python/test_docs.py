@@ -9,7 +9,7 @@ import pkgutil
 import pytest
 
 import iva
-from iva import dynamics, measured, optimisation
+from iva import dynamics, identification, measured, optimisation
 
 MODULES = ["iva"] + [
     f"iva.{module.name}"
@@ -20,15 +20,15 @@ MODULES = ["iva"] + [
 WITHOUT = {
     f"iva.{name}"
     for name in (
-        "commands design distributed frames manifests markup parts progress reading remote "
-        "scanning scenes tables"
+        "commands design distributed frames identification manifests markup parts progress "
+        "reading remote scanning scenes tables"
     ).split()
 }
 
 
 IN_PACKAGES = [
     module.name
-    for package in (dynamics, measured, optimisation)
+    for package in (dynamics, identification, measured, optimisation)
     for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}.")
 ]
 

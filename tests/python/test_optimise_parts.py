@@ -334,4 +334,4 @@ def test_the_command(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     study.write_text(text.partition("[optimise]")[0], encoding="utf-8")
     assert main([str(study)]) == 2
     assert "the section [optimise] is missing" in capfd.readouterr().err
-    assert main([str(tmp_path / "none.toml")]) == 1
+    assert main([str(tmp_path / "none.toml")]) == 2

@@ -124,6 +124,10 @@ pub enum Command {
     /// Python: pip install 'iva-dynamics[optimise]'
     #[command(disable_help_flag = true)]
     Optimise(PythonArgs),
+    /// Identify structure and absorber from a measured decay; needs Python: pip install
+    /// 'iva-dynamics[fit]'
+    #[command(disable_help_flag = true)]
+    Identify(PythonArgs),
     /// Drag a scene in the browser: one page with the simulator in it; needs Python: pip install
     /// iva-dynamics
     #[command(disable_help_flag = true)]

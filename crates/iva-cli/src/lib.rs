@@ -59,6 +59,10 @@ const NO_PAGE: &str = "explore makes its page with Python: pip install iva-dynam
 const NO_SEARCH: &str = "optimise searches with SciPy: pip install 'iva-dynamics[optimise]', then run iva optimise \
                          from there";
 
+/// Message of `iva identify` in the native binary, which has no sampler.
+const NO_SAMPLER: &str = "identify samples with dynesty: pip install 'iva-dynamics[fit]', then run iva identify \
+                          from there";
+
 /// Runs the command line; `args` begins with the program's name. Prints results on standard
 /// output, errors and progress on standard error, and returns the exit code: 0 done, 1 I/O or
 /// internal fault, 2 bad input, 130 interrupted. Never exits the process itself.
@@ -94,6 +98,7 @@ fn parse_and_run(args: Vec<OsString>) -> i32 {
         | Command::Diagram(_)
         | Command::Basins(_)
         | Command::Optimise(_)
+        | Command::Identify(_)
         | Command::Explore(_)
         | Command::Reproduce(_) => false,
     };
@@ -121,6 +126,7 @@ fn run_command_line(command: &Command) -> Result<String, Error> {
         Command::Basins(args) => diagrams::basins_command(args),
         // The console script of the Python package handles these commands before it calls this function.
         Command::Optimise(_) => Err(Error::Refused(NO_SEARCH.to_owned())),
+        Command::Identify(_) => Err(Error::Refused(NO_SAMPLER.to_owned())),
         Command::Explore(_) => Err(Error::Refused(NO_PAGE.to_owned())),
         Command::Reproduce(_) => Err(Error::Refused(NO_PLOTS.to_owned())),
     }

@@ -4,6 +4,6 @@
 """
 
 from iva.identification.fits import Fit
-from iva.identification.identify import identify
+from iva.identification.identifying import identify
 
 __all__ = ["Fit", "identify"]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from iva.identification.responses import Values
 from iva.parameters import Piva, Primary, Siva, Start
+from iva.spelling import spell_checked
 
 if TYPE_CHECKING:
     import polars as pl
@@ -51,6 +52,7 @@ class Found:
     notes: tuple[str, ...]
 
 
+@spell_checked
 @dataclass(frozen=True, repr=False, eq=False)
 class Fit:
     """Parameters of a measured decay with their uncertainty.

@@ -35,6 +35,7 @@ except ModuleNotFoundError as _missing:
 from iva.plots.bifurcations import branch, multipliers, stability_chart
 from iva.plots.designs import design
 from iva.plots.energy_split import energy
+from iva.plots.fits import fit
 from iva.plots.frequency_response import forced_response
 from iva.plots.histories import decay, velocities
 from iva.plots.impact_raster import raster
@@ -56,6 +57,7 @@ __all__ = [
     "design",
     "diagram",
     "energy",
+    "fit",
     "forced_response",
     "heatmap",
     "multipliers",
