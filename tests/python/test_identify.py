@@ -231,6 +231,23 @@ def test_a_release_before_the_record_is_asked_for() -> None:
         identify(cut, iva.Siva(), iva.Primary())
 
 
+def test_a_quantity_that_does_not_tell_is_refused() -> None:
+    made = record(RIG, Chain(seed=29, seconds=0.8, quantity="displacement", noise=5e-6, bit=1e-6))
+    with pytest.raises(ValueError, match=r"of a free mass give an acceleration or a velocity$"):
+        identify(made, iva.Siva(), iva.Primary())
+    other = replace(made, quantity="acceleration")
+    with pytest.raises(ValueError, match=r"of a pendulum give a displacement or a velocity$"):
+        identify(other, iva.Piva(), iva.Primary())
+
+
+def test_a_velocity_tells_as_well() -> None:
+    made = record(RIG, Chain(seed=15, seconds=2.0, quantity="velocity", noise=1e-3, bit=1e-4))
+    fit = identify(made, iva.Siva(), iva.Primary())
+    wanted = truths(made.truth)
+    holds(fit, wanted)
+    within(fit, wanted, frequency_hz=1e-3, mass_ratio=0.03, gap_mm=0.03)
+
+
 @pytest.mark.parametrize(
     ("known", "sentence"),
     [

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from iva.identification.beginnings import let_go, onset, rough_frequency, scanned
+from iva.identification.beginnings import onset, rough_frequency, scanned
 from iva.identification.detection import pulses_in
 from iva.identification.kinks import SIDE, kinks_in
 from iva.identification.pulses import REACH, first_guess
@@ -34,6 +34,8 @@ LINE = 60.0
 PERIODS = 1.2
 #: Most rounds of refinement.
 ROUNDS = 20
+#: How often impacts are looked for in what is left over.
+SEARCHES = 2
 #: Most further modes.
 MODES = 2
 
@@ -66,7 +68,7 @@ def explained(
     fixed: dict[int, float],
     priors: dict[int, tuple[float, float]],
 ) -> Explained:
-    """Return what explains a record of acceleration.
+    """Return what explains a record of acceleration or velocity.
 
     Parameters
     ----------
@@ -99,10 +101,6 @@ def explained(
             "a longer one"
         )
     recording = replace(recording, powers=powers_of(span * hertz))
-    if order == 0 and begin is None and start is not None:
-        rest_at = float(np.mean(recording.values[-recording.values.size // 4 :]))
-        level = float(np.median(recording.values[: max(after - 2, 1)])) - rest_at
-        start = let_go(recording.values - rest_at, rate, start, level, hertz)
     dead = REACH / rate if order == 2 else SIDE / hertz
     first = start if start is not None else 0.0
     edge = (int((first - dead) * rate), int((first + dead) * rate) + 1)
@@ -125,7 +123,7 @@ def explained(
     hum = np.zeros(2 * len(recording.hum_hz))
     inputs = Inputs(head, times, jumps, np.zeros(TREND), hum, np.zeros((0, MODE)), pulse)
     noise, roughness = float(np.std(recording.values)) / 10, 0.1
-    searched = False
+    searches_left = SEARCHES
     for attempt in range(ROUNDS):
         mask = masked(recording, inputs, begin is None and start is None)
         known = known_of(recording, inputs, fixed, priors)
@@ -144,12 +142,11 @@ def explained(
         if line is not None:
             inputs = replace(inputs, modes=np.vstack([inputs.modes, line]))
             continue
-        if searched:
+        if not searches_left:
             break
-        searched = True
-        more, sizes = found_in(
-            recording, rest, hertz, tuple(closed_by(recording, inputs, dead)), inputs.pulse, noise
-        )
+        searches_left -= 1
+        closed = tuple(closed_by(recording, inputs, dead))
+        more, sizes = found_in(recording, rest, hertz, closed, inputs.pulse, noise)
         if not more.size:
             break
         inputs = inputs.with_impacts(

@@ -53,8 +53,14 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
     Raises
     ------
     ValueError
-        If no impact is found, or they do not follow each other as those of a free mass.
+        If no impact is found, they do not follow each other as those of a free mass, or the record
+        is a displacement.
     """
+    if recording.order == 0:
+        # Its kinks are too weak: jumps and instants of neighbours stand in for each other.
+        raise ValueError(
+            "record.quantity = 'displacement': of a free mass give an acceleration or a velocity"
+        )
     gap_velocity = known.taken.get("gap_velocity", 0.0)
     shown, best, beliefs = followed(recording, clock, floor, known)
     notes, reasons = [], []

@@ -61,7 +61,8 @@ def identify(
     Parameters
     ----------
     record : iva.Measured
-        The structure's displacement, velocity or acceleration.
+        What the structure does: with a free mass its acceleration or velocity, with a pendulum its
+        displacement or velocity.
     absorber : Siva or Piva
         Its kind. What is set in it is known exactly.
     primary : Primary
@@ -82,7 +83,8 @@ def identify(
     TypeError
         If an argument is of the wrong class.
     ValueError
-        If the record is too short, shows no impact, or begins in motion without a known release.
+        If the record is too short, shows no impact, begins in motion without a known release, or is
+        of a quantity that does not tell.
     ImportError
         If dynesty is not installed.
 
