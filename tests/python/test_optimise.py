@@ -5,6 +5,7 @@ Numbers to compare with are closed forms (Masri and Caughey), a sweep over all d
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -227,6 +228,14 @@ def test_the_scene_of_the_best_has_medians(found: iva.Optimum) -> None:
         mass=found.best["absorber.mass"], gap_mm=found.best["gap_mm"], restitution=0.6
     )
     assert run.start.displacement_mm == 4.0
+
+
+def test_an_optimum_can_be_pickled(found: iva.Optimum) -> None:
+    again = pickle.loads(pickle.dumps(found))
+    assert again.table.equals(found.table)
+    assert again.of_cases(50, seed=1).equals(found.of_cases(50, seed=1))
+    with pytest.raises(ValueError, match="count = 0: give a whole number from 1"):
+        found.of_cases(0, seed=1)
 
 
 def test_rows_of_a_frame_are_drawn_together() -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from iva import _iva
 from iva.optimisation.cases import Draw
 from iva.optimisation.evaluation import Candidate, Evaluation
+from iva.sampling import whole
 from iva.scenes import parts
 from iva.spelling import spell_checked
 from iva.units import Units
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     from iva.optimisation.problem import Goal, Problem
     from iva.optimisation.stages import Judged
     from iva.parameters import Spec
+
+#: Most cases that are run at once.
+MOST_CASES = 10_000_000
 
 
 @spell_checked
@@ -128,9 +132,16 @@ class Optimum:
         -------
         polars.DataFrame
             As `fresh`, with ``searched`` null.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a number is no whole one, or out of range.
         """
         from iva.optimisation.logbook import Logbook
 
+        whole("count", count, 1, MOST_CASES)
+        whole("seed", seed, 0, (1 << 52) - 1)
         problem, variant = self._problem, self.best_absorber
         evaluation = Evaluation(problem, count, Logbook(None, ""), threads, None)
         # Far from the seeds of searches, which are at most twice 2⁵².
