@@ -160,11 +160,13 @@ def test_one_impact_leaves_two_directions_open() -> None:
     }
     for name, least in (("restitution", 0.4), ("gap_mm", 15.0), ("gap_displacement_mm", 8.0)):
         _, low, high, by = row(fit, name)
-        assert high - low > least
-        assert by == "prior"
+        assert high - low > least, name
+        assert by == "prior", name
+    # Nothing is said of restitution: its interval is that of the flat prior from 0 to 1.
+    assert row(fit, "restitution")[1:3] == pytest.approx((0.05, 0.95), abs=0.05)
     draws = fit.draws
     distance = draws["gap_mm"] / 2 - draws["gap_displacement_mm"]
-    assert np.quantile(distance.to_numpy(), [0.05, 0.95]) == pytest.approx(15.3, abs=0.3)
+    assert np.quantile(distance.to_numpy(), [0.05, 0.95]) == pytest.approx(15.3, abs=0.6)
 
 
 def test_a_rest_position_that_is_set_closes_one_direction() -> None:

@@ -187,6 +187,8 @@ def masked(recording: Recording, inputs: Inputs, begins_in_motion: bool) -> NDAr
     if begins_in_motion:
         mask &= recording.time > release
     if recording.order < 2:
+        # So near the end no impact is seen, and what it does would be taken for something else.
+        mask &= recording.time < recording.time[-1] - 2 * np.pi / inputs.head[OMEGA] * SIDE
         smeared = (2, REACH)[recording.order]
         for time in inputs.times:
             mask &= np.abs(recording.time - time) > smeared / rate

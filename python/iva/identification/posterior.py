@@ -18,6 +18,7 @@ from iva.identification.growing import settled
 from iva.identification.needs import sampler
 from iva.identification.priors import Between, Exactly, Prior
 from iva.identification.responses import Values
+from iva.identification.valleys import Valleys
 from iva.identification.walls import Absorber, Contacts, log_likelihood
 
 #: Scatter of restitution from impact to impact that is thought possible, relative. Impacts that
@@ -48,12 +49,13 @@ class Beliefs:
     place: Prior | None
 
     def log_density(self, absorber: Absorber) -> float:
-        """Return the logarithm of the density of an absorber, of scatter and play by logarithm."""
+        """Return the logarithm of the density by 1/μ, d, y₀, e and logarithms of the others."""
         d = absorber.clearance
         if d <= 0 or absorber.heaviness <= 0 or abs(absorber.place) > d:
             return NEVER
         made = (
             self.mass_ratio.log_density(1 / absorber.heaviness)
+            - 2 * np.log(absorber.heaviness)
             + self.clearance.log_density(d)
             + self.restitution.log_density(absorber.restitution)
         )
@@ -137,38 +139,43 @@ def sampled(
     scaled = (information * np.outer(scale, scale))[np.ix_(~fixed, ~fixed)]
     eigenvalues = np.linalg.eigvalsh(scaled) if scaled.size else np.array([np.inf])
     if eigenvalues.min(initial=np.inf) > NARROW**-2:
-        draw = box(middle, scaled, scale, fixed)
-        weigh = beliefs.log_density
-        how = {"bound": "single", "sample": "unif"}  # one round mode fills that box
+        # One round mode fills that box.
+        how = {"bound": "single", "sample": "unif"}
+        size = int((~fixed).sum()) + 2
+        inside = box(middle, scaled, scale, fixed)
+
+        def draw(cube: Values) -> tuple[Values, float]:
+            numbers = inside(cube)
+            return numbers, beliefs.log_density(Absorber(*numbers))
+
     else:
-        draw = whole(beliefs)
         how = {"bound": "multi", "sample": "rwalk"}
+        valleys = Valleys(
+            found,
+            beliefs.mass_ratio,
+            beliefs.clearance,
+            beliefs.restitution,
+            beliefs.place,
+            SCATTER,
+            PLAY,
+        )
+        size, draw = valleys.size, valleys.at
 
-        def weigh(absorber: Absorber) -> float:
-            return 0.0 if beliefs.log_density(absorber) > NEVER else NEVER
-
-    def density(numbers: Values) -> float:
-        absorber = Absorber(*numbers)
-        if (prior := weigh(absorber)) <= NEVER:
+    def density(cube: Values) -> float:
+        numbers, prior = draw(cube)
+        if not prior > NEVER:
             return NEVER
-        made = prior + log_likelihood(found, absorber)
+        made = prior + log_likelihood(found, Absorber(*numbers))
         return max(made, NEVER) if np.isfinite(made) else NEVER
 
-    size = int((~fixed).sum()) + 2
     random = np.random.default_rng(seed)
     run = dynesty.NestedSampler(
-        lambda cube: density(draw(cube)),
-        lambda cube: cube,
-        size,
-        nlive=LIVE,
-        bootstrap=0,
-        **how,
-        rstate=random,
+        density, lambda cube: cube, size, nlive=LIVE, bootstrap=0, rstate=random, **how
     )
     run.run_nested(dlogz=0.1, print_progress=False)
     results = run.results
     cubes = results.samples_equal(rstate=random)
-    return Draws(np.array([draw(cube) for cube in cubes]), int(np.sum(results.ncall)))
+    return Draws(np.array([draw(cube)[0] for cube in cubes]), int(np.sum(results.ncall)))
 
 
 def box(middle: Absorber, scaled: Values, scale: Values, fixed: NDArray[np.bool_]) -> Any:
@@ -181,23 +188,6 @@ def box(middle: Absorber, scaled: Values, scale: Values, fixed: NDArray[np.bool_
         made = centre.copy()
         made[~fixed] += scale[~fixed] * (reach @ (2 * cube[:-2] - 1))
         return np.concatenate([made, [SCATTER.at(cube[-2]), PLAY.at(cube[-1])]])
-
-    return draw
-
-
-def whole(beliefs: Beliefs) -> Any:
-    """Return the map of a cube to all that is thought possible."""
-    fixed = fixed_of(beliefs)
-
-    def draw(cube: Values) -> Values:
-        shares = iter(cube)
-        mass_ratio = beliefs.mass_ratio.at(0.5 if fixed[0] else next(shares))
-        clearance = beliefs.clearance.at(0.5 if fixed[1] else next(shares))
-        share = 0.5 if fixed[2] else next(shares)
-        place = (2 * share - 1) * clearance if beliefs.place is None else beliefs.place.at(share)
-        restitution = beliefs.restitution.at(0.5 if fixed[3] else next(shares))
-        ends = [SCATTER.at(next(shares)), PLAY.at(next(shares))]
-        return np.array([1 / mass_ratio, clearance, place, restitution, *ends])
 
     return draw
 
