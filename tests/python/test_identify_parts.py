@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ from iva.identification.kinks import kinks_in
 from iva.identification.priors import prior_of
 from iva.identification.pulses import first_guess, shapes, whole
 from iva.identification.records import Inputs, Recording
-from iva.identification.responses import to_jump, to_release
+from iva.identification.responses import Response, to_jump, to_release
 from iva.identification.walls import Absorber, contacts, residuals
 from planted_decays import Chain, Truth, flights, law_of, record
 from planted_pendulums import Laser, laser, swung
@@ -54,14 +56,17 @@ def test_answers_are_derivatives_of_each_other(order: int) -> None:
     assert free[0] == pytest.approx((1.0, 0.0, -(omega**2))[order], abs=1.0 if order == 2 else 1e-2)
 
 
-def test_the_high_pass_is_a_first_order_one() -> None:
-    # z' + a z = u' holds for what a high pass makes of u.
-    corner, time = 2.0, np.linspace(1e-4, 1.0, 20001)
+@pytest.mark.parametrize("answer", [to_release, to_jump])
+def test_the_high_pass_is_a_first_order_one(answer: Callable[..., Response]) -> None:
+    # z' + a z = u' holds for what a high pass makes of u; a pulse of area 1 leaves −a at once.
+    corner, time = 2.0, np.linspace(1e-6, 1.0, 40001)
     begin, one = np.zeros(1), np.ones(1)
-    before = to_release(30.0, 0.02, 0.0, 2).total(time, begin, one)
-    after = to_release(30.0, 0.02, corner, 2).total(time, begin, one)
+    before = answer(30.0, 0.02, 0.0, 2).total(time, begin, one)
+    after = answer(30.0, 0.02, corner, 2).total(time, begin, one)
     rest = np.gradient(after, time) + corner * after - np.gradient(before, time)
-    assert np.max(np.abs(rest[5:-5])) < 1e-2 * np.max(np.abs(np.gradient(before, time)))
+    assert np.max(np.abs(rest[5:-5])) < 1e-4 * np.max(np.abs(np.gradient(before, time)))
+    left = corner if answer is to_jump else 0.0
+    assert after[0] == pytest.approx(before[0] - left, abs=1e-2)
 
 
 def test_the_jacobian_is_that_of_the_record() -> None:

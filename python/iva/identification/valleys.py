@@ -2,8 +2,8 @@
 
 The first impact fixes two combinations of the absorber's numbers sharply and nothing else: where
 its wall is, s d = x₀ + y₀ − x(t₁), and Δv₁ (1 + 1/μ) = (1 + e) w₁. A sampler that draws d, y₀, μ
-and e apart would have to find a valley as thin as the noise. So one number of each pair is computed from
-the other one and from how far the condition is missed, in deviations.
+and e apart would have to find a valley as thin as the noise. So one number of each pair is computed
+from the other one and from how far the condition is missed, in deviations.
 """
 
 from __future__ import annotations
