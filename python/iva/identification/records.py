@@ -128,7 +128,8 @@ class Recording:
         """Return what further modes add after each impact, shape (n,)."""
         made = np.zeros(self.time.size)
         for mode in inputs.modes:
-            made = made + mode_response(mode).total(self.time, inputs.times, inputs.jumps)
+            answer = mode_response(mode, inputs.head[CORNER])
+            made = made + answer.total(self.time, inputs.times, inputs.jumps)
         return made
 
     def pulses(self, inputs: Inputs) -> Values:
@@ -166,9 +167,10 @@ class Recording:
                 continue
             # A corner is not below 0, a damping ratio may be.
             back[index] -= 0.0 if index == CORNER else step
-            change = self.motion(replace(inputs, head=ahead)) - self.motion(
-                replace(inputs, head=back)
-            )
+            new, old = replace(inputs, head=ahead), replace(inputs, head=back)
+            change = self.motion(new) - self.motion(old)
+            if index == CORNER:
+                change = change + self.ringing(new) - self.ringing(old)
             made[:, index] = change / (ahead[index] - back[index])
         free = to_release(omega, zeta, corner, self.order)
         made[:, RELEASE] = -size * free.slope().total(self.time, np.array([release]), np.ones(1))
@@ -176,7 +178,8 @@ class Recording:
         if self.order == 0:
             made[:, SIZE] += self.time <= release
 
-        answers = [to_jump(omega, zeta, corner, self.order), *map(mode_response, inputs.modes)]
+        answers = [to_jump(omega, zeta, corner, self.order)]
+        answers += [mode_response(mode, corner) for mode in inputs.modes]
         by_time = slice(HEAD, HEAD + hits)
         by_jump = slice(HEAD + hits, HEAD + 2 * hits)
         for answer in answers:
@@ -223,9 +226,11 @@ class Recording:
         return root
 
 
-def mode_response(mode: Values) -> Response:
-    """Return the answer of a further mode to a unit jump."""
-    return Response(rate_of(mode[2], mode[3]), 0.0, complex(mode[0], mode[1]), 0.0)
+def mode_response(mode: Values, corner: float) -> Response:
+    """Return the answer of a further mode to a unit jump, through the same high pass."""
+    rate, fast = rate_of(mode[2], mode[3]), complex(mode[0], mode[1])
+    slow = (fast * corner / (rate + corner)).imag
+    return Response(rate, corner, fast * rate / (rate + corner), slow)
 
 
 __all__ = ["Inputs", "Recording"]
