@@ -19,7 +19,7 @@ from iva.identification.priors import Bell, Between, Exactly, Prior
 from iva.identification.records import Recording
 from iva.identification.responses import Values
 from iva.identification.searching import candidates
-from iva.identification.shooting import UNFIT, Target, grown, shot
+from iva.identification.shooting import UNFIT, Shot, Target, grown, shot
 from iva.identification.stated import Stated
 from iva.identification.swings import HEAD, LOGARITHMS, NUMBERS, Rig
 
@@ -58,8 +58,8 @@ def identified(recording: Recording, clock: float, floor: float, known: Stated, 
             "record.quantity = 'acceleration': of a pendulum give a displacement or a velocity"
         )
     target, times, jumps, spread, hertz = beginning(recording, clock, floor, known)
-    numbers, restitution, hits = nearest(target, times, jumps, spread, hertz, known, seed)
-    made = grown(target, numbers, restitution, hits, steps=8)
+    begun = nearest(target, times, jumps, spread, hertz, known, seed)
+    made = grown(target, begun, steps=8)
     if made.misfit > UNFIT:
         raise ValueError(
             "record: no motion of a pendulum comes near it; give another absorber, or what is known"
@@ -229,8 +229,8 @@ def nearest(
     hertz: float,
     known: Stated,
     seed: int,
-) -> tuple[Values, float, int]:
-    """Return numbers and restitution that meet the first window best, and its impacts."""
+) -> Shot:
+    """Return the best agreement in the first window."""
     release = float(target.mean[NUMBERS.index("release")])
     size = target.rig.sign * float(np.exp(target.mean[4]))
     found = candidates(hertz, size, times, jumps, spread, known.priors, target.rig.place, seed)
@@ -238,7 +238,7 @@ def nearest(
     ends = float(target.time[-1])
     until = min(release + times[hits] - 0.02 / hertz if times.size > hits else ends, ends)
     until = min(until, release + times[hits - 1] + 1.0 / hertz)
-    best: tuple[float, Values, float] | None = None
+    best: Shot | None = None
     for row in spread_out(found)[:FOLLOWED]:
         numbers = target.mean.copy()
         begin = [np.log(row[0]), np.log(row[1]), np.log(row[2]), np.log(row[3])]
@@ -251,15 +251,15 @@ def nearest(
             made = shot(target, numbers, np.full(hits, row[4]), until, steps=12)
         except (ValueError, np.linalg.LinAlgError):
             continue
-        if best is None or made.misfit < best[0]:
-            best = (made.misfit, made.numbers, float(np.mean(made.restitutions)))
+        if best is None or made.misfit < best.misfit:
+            best = made
         if made.misfit < 1.3:
             break
     if best is None:
         raise ValueError(
             "record: no motion of a pendulum comes near it; give another absorber, or what is known"
         )
-    return best[1], best[2], hits
+    return best
 
 
 def spread_out(found: Values) -> Values:

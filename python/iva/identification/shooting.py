@@ -207,45 +207,40 @@ def told(motion: Swing) -> tuple[list[float], list[float], list[float]]:
     return motion.times, motion.jumps, motion.approaches
 
 
-def grown(target: Target, numbers: Values, restitution: float, hits: int, steps: int) -> Shot:
+def grown(target: Target, begun: Shot, steps: int) -> Shot:
     """Return the agreement after the window has grown as far as it fits.
 
     Parameters
     ----------
     target : Target
         What is to be met.
-    numbers : ndarray, shape (8,)
-        Where to begin.
-    restitution : float
-        The same of all impacts.
-    hits : int
-        Impacts in the first window.
+    begun : Shot
+        The agreement in the first window.
     steps : int
         Most steps in each window.
     """
     end = float(target.time[-1])
-    restitutions = np.full(1, restitution)
-    best: Shot | None = None
+    best, growth = begun, 3
+    hits = begun.restitutions.size
     while True:
         # The impacts that come next say where the window ends.
-        ahead = swing(target.time[:1], 0, numbers, restitutions, target.rig, end)
+        ahead = swing(target.time[:1], 0, best.numbers, best.restitutions, target.rig, end)
         last = len(ahead.times) <= hits
-        until = end if last else ahead.times[hits] - 1e-3
-        many = min(hits, len(ahead.times))
-        mean = float(np.mean(restitutions))
-        begin = np.concatenate([restitutions, np.full(max(many - restitutions.size, 0), mean)])[
-            :many
-        ]
-        if not many:
-            begin = np.full(1, mean)
-        made = shot(target, numbers, begin, until, steps)
-        if made.misfit > UNFIT and best is not None:
+        until = end if last else max(ahead.times[hits] - 1e-3, best.until)
+        mean = float(np.mean(best.restitutions))
+        more = max(min(hits, len(ahead.times)) - best.restitutions.size, 0)
+        begin = np.concatenate([best.restitutions, np.full(more, mean)])
+        made = shot(target, best.numbers, begin, until, steps if growth > 1 else 4 * steps)
+        if made.misfit > UNFIT and growth == 1:
             return best
+        if made.misfit > UNFIT:
+            growth = 1  # by single impacts, and with patience
+            hits = best.restitutions.size + (begun is not best)
+            continue
         best = made
-        numbers, restitutions = made.numbers, made.restitutions
         if last:
             return made
-        hits = hits + max(1, hits // 3)
+        hits += 1 if growth == 1 else max(1, hits // 3)
 
 
 __all__ = ["Shot", "Target", "grown", "shot"]
