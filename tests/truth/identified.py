@@ -58,7 +58,11 @@ def public(name: str, asked: dict[str, float]) -> bool:
     read = iva.Measured.read(DATA / f"{name}.csv")
     kind = iva.Piva() if told["kind"] == "piva" else iva.Siva()
     given = told["given_to_the_user"]
-    start = {"time" if key == "release_s" else key: value for key, value in given.items()}
+    start = {}
+    if "release_s" in given:
+        start["time"] = given["release_s"]
+    if "gap_displacement_mm" in given:
+        start["gap_displacement"] = given["gap_displacement_mm"] / 1000
     fit = iva.identify(read, kind, iva.Primary(), start=iva.Start(**start))
     print(f"{name}: {perf_counter() - begun:.1f} s, {fit.impacts.height} impacts used")
     well = True
