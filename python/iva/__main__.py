@@ -3,15 +3,20 @@
 In Python are ``iva optimise``, ``iva identify``, ``iva explore`` and ``iva reproduce``.
 """
 
+from __future__ import annotations
+
 import signal
 import sys
-from collections.abc import Callable
 from types import FrameType
-from typing import TypeAlias
 
 from iva import _iva
 
-Command: TypeAlias = Callable[[list[str]], int]
+TYPE_CHECKING = False  # as in iva/__init__.py
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeAlias
+
+    Command: TypeAlias = Callable[[list[str]], int]
 
 
 def main() -> int:
