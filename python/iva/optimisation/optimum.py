@@ -94,7 +94,7 @@ class Optimum:
 
     @property
     def units(self) -> Units:
-        """Units of the measures and of the chosen fields, as :attr:`iva.Table.units`."""
+        """Units of the measures and of the chosen fields, like ``units`` of :class:`iva.Table`."""
         return Units(_iva.unit_system(self._spec), tuple(self.best))
 
     @property
