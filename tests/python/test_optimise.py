@@ -299,6 +299,30 @@ def test_what_a_folder_holds_is_not_run_again(tmp_path: Path, found: iva.Optimum
     assert (tmp_path / "else" / "letter.txt").read_text() == "dear"
 
 
+def test_a_folder_made_by_somebody_else_loses_nothing(tmp_path: Path) -> None:
+    out, letter = tmp_path / "out", tmp_path / "letter.txt"
+    letter.write_text("dear")
+    robust_design(out=out, runs=500)
+    (out / "runs" / "mine.txt").write_text("mine")
+    for name in ("fresh.parquet", "table.parquet"):
+        (out / name).unlink()
+        (out / name).symlink_to(letter)
+    assert robust_design(out=out, runs=500, overwrite=True).is_complete
+    assert letter.read_text() == "dear"
+    assert (out / "runs" / "mine.txt").read_text() == "mine"
+    assert not (out / "fresh.parquet").is_symlink()
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "optimum.json").write_text("{}")
+    with pytest.raises(ValueError, match="it holds something else"):
+        robust_design(out=tmp_path / "other", overwrite=True)
+    linked = tmp_path / "linked"
+    linked.mkdir()
+    (linked / "optimum.json").write_text('{"asked": ""}')
+    (linked / "runs").symlink_to(tmp_path)
+    with pytest.raises(ValueError, match="runs in it is a link"):
+        robust_design(out=linked, overwrite=True)
+
+
 SLIPS: list[tuple[dict[str, Any], str]] = [
     ({"choose": {}}, r"choose = \{\}: give at least one"),
     ({"choose": {"gap_mm": [2, 14]}}, r"choose\['gap_mm'\] = \[2, 14\]: give \(low, high\)"),

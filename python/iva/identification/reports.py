@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import base64
 from html import escape
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from iva import _iva
 from iva.identification.fits import Fit
+from iva.own_files import replacing
 from iva.parameters import Piva, given
 
 if TYPE_CHECKING:
@@ -34,15 +36,18 @@ def written(fit: Fit, out: Path, record: str) -> None:
     pictures = drawn(fit)
     try:
         out.mkdir(parents=True, exist_ok=True)
-        (out / "model.toml").write_text(study(fit, record), encoding="utf-8")
-        for name in ("parameters", "impacts"):
-            getattr(fit, name).write_csv(out / f"{name}.csv")
-        fit.draws.write_parquet(out / "draws.parquet")
-        for name, picture in pictures.items():
-            (out / f"{name}.png").write_bytes(picture)
-        (out / "report.html").write_text(page(fit, record, pictures), encoding="utf-8")
     except OSError as fault:
         raise _iva.IvaError(f"{out} cannot be written: {fault.strerror}") from fault
+    texts = {"model.toml": study(fit, record), "report.html": page(fit, record, pictures)}
+    files = {name: text.encode() for name, text in texts.items()}
+    files |= {f"{name}.png": picture for name, picture in pictures.items()}
+    for name in ("parameters", "impacts"):
+        files[f"{name}.csv"] = getattr(fit, name).write_csv().encode()
+    for name, content in files.items():
+        with replacing(out / name) as made:
+            made.write_bytes(content)
+    with replacing(out / "draws.parquet") as made:
+        fit.draws.write_parquet(made)
 
 
 def study(fit: Fit, record: str) -> str:
@@ -66,12 +71,12 @@ def one_line(text: str) -> str:
 
 def drawn(fit: Fit) -> dict[str, bytes]:
     """Return the pictures as PNG by name; none without matplotlib."""
-    try:
-        from iva import plots
-        from iva.plots.styles import figure_of
-    except ImportError:
+    if find_spec("matplotlib") is None:
         return {}
     import matplotlib.pyplot as plt
+
+    from iva import plots
+    from iva.plots.styles import figure_of
 
     made = {}
     for view in ("record", "residual", "restitution"):

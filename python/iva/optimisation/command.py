@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 from iva._iva import IvaError, visible
@@ -10,6 +11,7 @@ from iva.commands import BAD_INPUT, DONE, FAULT, INTERRUPTED, Parser, failed
 from iva.optimisation.optimising import RUNS, problem_of, solved
 from iva.optimisation.optimum import Optimum
 from iva.optimisation.studies import of_study
+from iva.own_files import replacing
 
 #: The table of designs that fresh cases cannot tell from the best is printed so far.
 SHOWN = 10
@@ -69,14 +71,15 @@ def found(arguments: Sequence[str]) -> Optimum:
 
 def drawn(result: Optimum, path: Path) -> None:
     """Draw what was found, where there is matplotlib."""
-    try:
-        from iva import plots
-        from iva.plots.styles import figure_of
-    except ImportError:
+    if find_spec("matplotlib") is None:
         return
+    from iva import plots
+    from iva.plots.styles import figure_of
+
     with plots.style():
         axes = plots.design(result)
-        figure_of(axes).savefig(path, dpi=150)
+        with replacing(path) as picture:
+            figure_of(axes).savefig(picture, dpi=150)
 
 
 def text(result: Optimum) -> str:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-import shutil
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from iva import _iva
 from iva.optimisation.logbook import RUNS
+from iva.own_files import replacing
 
 if TYPE_CHECKING:
     from iva.optimisation.optimum import Optimum
@@ -33,7 +34,7 @@ def prepared(folder: Path, mark: str, resume: bool, overwrite: bool) -> Path:
     file = folder / FILE
     try:
         if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-            if not file.is_file():
+            if not file.is_file() or "asked" not in of_file(file):
                 raise ValueError(f"out = {folder}: it holds something else; give a new folder")
             if overwrite:
                 emptied(folder)
@@ -46,6 +47,8 @@ def prepared(folder: Path, mark: str, resume: bool, overwrite: bool) -> Path:
                     f"out = {folder}: it holds an optimisation that asks something else; give "
                     "overwrite=True or another folder"
                 )
+        if (folder / RUNS).is_symlink():
+            raise ValueError(f"out = {folder}: {RUNS} in it is a link; give a new folder")
         (folder / RUNS).mkdir(parents=True, exist_ok=True)
         if not file.exists():
             file.write_text(json.dumps({"asked": mark, "complete": False}), encoding="utf-8")
@@ -65,7 +68,11 @@ def of_file(file: Path) -> dict[str, object]:
 
 def emptied(folder: Path) -> None:
     """Remove what an optimisation wrote into a folder, and nothing else."""
-    shutil.rmtree(folder / RUNS, ignore_errors=True)
+    runs = folder / RUNS
+    if runs.is_dir() and not runs.is_symlink():
+        for path in runs.iterdir():
+            if re.fullmatch(r"\d{6,}\.npz", path.name):
+                path.unlink()
     for name in (FILE, *(f"{table}.parquet" for table in TABLES)):
         (folder / name).unlink(missing_ok=True)
 
@@ -78,17 +85,14 @@ def saved(folder: Path, found: Optimum) -> None:
     iva.IvaError
         If a file cannot be written.
     """
-    try:
-        for name in TABLES:
-            getattr(found, name).write_parquet(folder / f"{name}.parquet")
-        told = of_file(folder / FILE) | {
-            "best": found.best,
-            "absorber": found.best_absorber,
-            "runs": found.runs,
-            "complete": found.is_complete,
-        }
-        part = folder / f"{FILE}.part"
-        part.write_text(json.dumps(told, indent=1), encoding="utf-8")
-        part.replace(folder / FILE)
-    except OSError as fault:
-        raise _iva.IvaError(f"{folder} cannot be written: {fault.strerror}") from fault
+    for name in TABLES:
+        with replacing(folder / f"{name}.parquet") as made:
+            getattr(found, name).write_parquet(made)
+    told = of_file(folder / FILE) | {
+        "best": found.best,
+        "absorber": found.best_absorber,
+        "runs": found.runs,
+        "complete": found.is_complete,
+    }
+    with replacing(folder / FILE) as made:
+        made.write_text(json.dumps(told, indent=1), encoding="utf-8")

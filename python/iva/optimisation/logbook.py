@@ -15,7 +15,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from iva import _iva
+from iva.own_files import replacing
 
 if TYPE_CHECKING:
     from iva.optimisation.criteria import Numbers
@@ -59,7 +59,7 @@ class Logbook:
             digest.update(key.encode() + b"\0" + np.ascontiguousarray(values).tobytes())
         mark = digest.hexdigest()
         count = rows[0][1].size
-        if path.exists():
+        if path.is_file():
             found = read(path, mark, (measures, count))
             if found is not None:
                 return found
@@ -74,7 +74,7 @@ def read(path: Path, mark: str, shape: tuple[int, int]) -> Numbers | None:
         with np.load(path, allow_pickle=False) as file:
             values = np.asarray(file["values"], dtype=float)
             fits = str(file["mark"]) == mark and values.shape == shape
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile):
+    except (OSError, ValueError, KeyError, EOFError, MemoryError, BadZipFile):
         return None
     return values if fits and not np.isnan(values).any() else None
 
@@ -87,10 +87,5 @@ def written(path: Path, mark: str, values: Numbers) -> None:
     iva.IvaError
         If it cannot be written.
     """
-    part = path.with_suffix(".part")
-    try:
-        with part.open("wb") as file:
-            np.savez(file, mark=np.array(mark), values=values)
-        part.replace(path)
-    except OSError as fault:
-        raise _iva.IvaError(f"{path} cannot be written: {fault.strerror}") from fault
+    with replacing(path) as made, made.open("wb") as file:
+        np.savez(file, mark=np.array(mark), values=values)
