@@ -104,8 +104,13 @@ pub fn validate(
 
 /// Checks a study as a whole, without its points.
 fn checked(study: &Study) -> Result<(), Invalid> {
+    if study.errors && study.spec.count() > 1 {
+        let rule =
+            "errors are estimated for one absorber; a verification gives the errors of several";
+        return Err(Invalid::new("run.errors", "true", rule));
+    }
     study.spec.distinct()?;
-    study.sampling.check(study.spec.choices().kind)
+    study.sampling.check(&study.spec)
 }
 
 /// Runs a range of points and builds the tables of the study over them. An invalid point among at most
@@ -213,12 +218,12 @@ fn run_chunk(
                 let envelope = envelope.as_deref().unwrap_or_default();
                 let strobes = strobes.as_deref().unwrap_or_default();
                 let found = Seen { events, envelope, strobes, estimates: &errors };
-                list(study, point, design, request, &found, &mut into(builders));
+                list(study, point, design, request, (&ended, &found), &mut into(builders));
                 ended
             }
             Some((ended, _)) => ended,
             None if control.cancelled() => break,
-            // Every kind of scene goes side by side; one that did not must not lose its rows.
+            // Scenes of several absorbers go one by one.
             None => run_point(study, point, design, request, cancel, builders)?,
         };
         done += ended.done();

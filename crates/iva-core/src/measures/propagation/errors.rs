@@ -5,9 +5,11 @@ use nalgebra::{Matrix4, Vector4};
 use super::tangent::{released, saltation};
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
+use crate::absorber::several::{Several, SeveralState};
 use crate::absorber::{Point, Wall};
 use crate::engine::observe::{Contact, Observer, Span};
 use crate::engine::simulate::{Instant, Tally};
+use crate::host::Host;
 use crate::segment::flight::Motion;
 
 /// Standard deviation of the rounding error of an increment, in units of 2⁻⁵³ of it.
@@ -32,7 +34,8 @@ pub struct TimeError {
     pub time: Option<f64>,
     /// True if errors of this size could turn the impact into a grazing, or remove it.
     pub grazing: bool,
-    /// Its approach speed, by which it is found if it is not to be listed after all.
+    /// Its absorber and its approach speed, by which it is found if it is not to be listed after all.
+    absorber: u8,
     speed: f64,
 }
 
@@ -289,7 +292,37 @@ impl Errors {
         let error = error + UNIT * impact.time;
         self.relative = self.relative.max(error / impact.time.max(1.0));
         let time = (!self.lost).then_some(error);
-        self.impacts.push(TimeError { time, grazing, speed: impact.approach_speed() });
+        let (absorber, speed) = (impact.absorber, impact.approach_speed());
+        self.impacts.push(TimeError { time, grazing, absorber, speed });
+    }
+
+    /// Removes impacts that are not to be listed.
+    fn forget(&mut self, absorber: u8, first: u64, floor: f64) {
+        let mut index = 0;
+        self.impacts.retain(|impact| {
+            let mine = impact.absorber == absorber;
+            index += u64::from(mine);
+            !mine || index <= first || impact.speed > floor
+        });
+    }
+}
+
+/// Errors of several absorbers are not estimated: no instant has an estimate.
+impl<H: Host<Real = f64>> Observer<Several<H>> for Errors {
+    fn start(&mut self, _: &Several<H>, _: &Instant<SeveralState<H>>, _duration: f64) {
+        *self = Self { plain: self.plain, lost: true, ..Self::default() };
+    }
+
+    fn looks_within(&self) -> bool {
+        false
+    }
+
+    fn impact(&mut self, _system: &Several<H>, impact: &Impact) {
+        self.list(impact);
+    }
+
+    fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
+        self.forget(absorber, first, floor);
     }
 }
 
@@ -345,12 +378,8 @@ impl<S: Differentiable> Observer<S> for Errors {
         self.list(impact);
     }
 
-    fn unlist(&mut self, _absorber: u8, first: u64, floor: f64) {
-        let mut index = 0;
-        self.impacts.retain(|impact| {
-            index += 1;
-            index <= first || impact.speed > floor
-        });
+    fn unlist(&mut self, absorber: u8, first: u64, floor: f64) {
+        self.forget(absorber, first, floor);
     }
 
     fn end(&mut self, system: &S, tally: &Tally<S::State>) {
