@@ -104,11 +104,6 @@ pub fn validate(
 
 /// Checks a study as a whole, without its points.
 fn checked(study: &Study) -> Result<(), Invalid> {
-    if study.errors && study.spec.count() > 1 {
-        let rule =
-            "errors are estimated for one absorber; a verification gives the errors of several";
-        return Err(Invalid::new("run.errors", "true", rule));
-    }
     study.spec.distinct()?;
     study.sampling.check(&study.spec)
 }

@@ -24,7 +24,7 @@ use crate::absorber::siva::free_mass::check_place;
 use crate::absorber::{Absorber, Clock, Point, Wall};
 use crate::error::{Invalid, number};
 use crate::force::Force;
-use crate::host::oscillator::Primary;
+use crate::host::oscillator::{Equation, Primary};
 use crate::host::{DrivenHost, Host, HostState, Structure, UndrivenHost};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -161,6 +161,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
         }
         let mass = || stuck().fold(R::ZERO, |sum, (k, _)| sum + self.masses[k].mass_ratio);
         self.carrying[set].get_or_init(|| Box::new(self.host.carrying(mass()))).loaded()
+    }
+
+    /// Spring, damper and mass of the structure with the masses that are stuck to it in a state.
+    pub(crate) fn equation(&self, state: &SeveralState<H, N>) -> &Equation<R> {
+        self.structure(&state.masses).equation()
+    }
+
+    /// ẋ, A with the masses that are stuck in a state, and the acceleration of the base.
+    pub(crate) fn motion_of(&self, state: &SeveralState<H, N>) -> [R; 3] {
+        let HostState { primary, phase, .. } = &state.host;
+        let structure = self.structure(&state.masses);
+        let [base, ..] = structure.base(phase);
+        [primary.v.value, structure.acceleration(phase, primary).value, base]
     }
 
     /// The structure at a place, with A computed anew for the masses that are stuck to it.

@@ -384,7 +384,6 @@ fn faults_of_several_absorbers_name_theirs() {
         ("gap = 0.9", "gap = 0.3", "start.1.gap_displacement = -0.2: it must lie in the gap"),
         ("[0.1, -0.2]", "[0.1]", "give a number, or a list of 2, one for each absorber"),
         ("gap = 0.9", "gap = 0.9\ninclination_deg = 90", "absorber.1.inclination_deg = 90"),
-        ("periods = 20", "periods = 20\nerrors = true", "errors are estimated for one absorber"),
         ("[run]", "[sweep]\n\"absorber.2.gap\" = [1, 2]\n[run]", "2 absorbers, numbered from 0"),
         (
             "[run]",

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 use super::tangent::{released, saltation};
+use super::together::Grown;
 use crate::absorber::derivatives::Differentiable;
 use crate::absorber::impact::Impact;
 use crate::absorber::several::{Several, SeveralState};
@@ -13,19 +14,19 @@ use crate::host::Host;
 use crate::segment::flight::Motion;
 
 /// Standard deviation of the rounding error of an increment, in units of 2⁻⁵³ of it.
-const ROUNDING: f64 = 0.7;
+pub(super) const ROUNDING: f64 = 0.7;
 /// Standard deviation of the correlated rounding errors of rebounds on one wall, in units of 2⁻⁵³ of
 /// [`Differentiable::sizes`]: each comes from several roundings.
 const ALIKE: f64 = 1.5;
 /// The estimate in standard deviations.
-const DEVIATIONS: f64 = 4.0;
+pub(super) const DEVIATIONS: f64 = 4.0;
 /// Half a unit in the last place of 1.
-const UNIT: f64 = 0.5 * f64::EPSILON;
+pub(super) const UNIT: f64 = 0.5 * f64::EPSILON;
 /// Relative change of the approach speed by an error above which an impact counts as close to a grazing.
-const GRAZING: f64 = 0.01;
+pub(super) const GRAZING: f64 = 0.01;
 
 /// Error of an impact time in 1/ωn above which nothing more is estimated.
-const LOST: f64 = 1.0;
+pub(super) const LOST: f64 = 1.0;
 
 /// The estimated error of one impact time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,6 +74,8 @@ pub struct Errors {
     plain: bool,
     /// True once the estimate has reached [`LOST`].
     lost: bool,
+    /// Those of several absorbers.
+    together: Option<Box<Grown>>,
     /// One estimate for each listed impact.
     pub impacts: Vec<TimeError>,
     condition: f64,
@@ -94,6 +97,7 @@ impl Default for Errors {
             tail: None,
             plain: false,
             lost: false,
+            together: None,
             impacts: Vec::new(),
             condition: 0.0,
             relative: 0.0,
@@ -307,14 +311,37 @@ impl Errors {
     }
 }
 
-/// Errors of several absorbers are not estimated: no instant has an estimate.
 impl<H: Host<Real = f64>> Observer<Several<H>> for Errors {
-    fn start(&mut self, _: &Several<H>, _: &Instant<SeveralState<H>>, _duration: f64) {
-        *self = Self { plain: self.plain, lost: true, ..Self::default() };
+    fn start(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>, _duration: f64) {
+        *self = Self { plain: self.plain, ..Self::default() };
+        self.together = Some(Box::new(Grown::at(system, &from.state, from.time.value)));
     }
 
     fn looks_within(&self) -> bool {
         false
+    }
+
+    fn contact(&mut self, system: &Several<H>, contact: &Contact<'_, SeveralState<H>>) {
+        let (Some(grown), false) = (&mut self.together, self.lost) else { return };
+        let Contact { time, states, summed } = *contact;
+        if !summed {
+            (self.last, self.tail) = (grown.struck(system, time, states), None);
+            (self.lost, self.condition) = (grown.lost, grown.condition);
+        } else if self.tail.is_none() {
+            self.tail = Some(grown.of_tail(system, states[1]));
+        }
+    }
+
+    fn stick(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>) {
+        if let Some(grown) = &mut self.together {
+            grown.stick(system, &from.state);
+        }
+    }
+
+    fn release(&mut self, system: &Several<H>, from: &Instant<SeveralState<H>>) {
+        if let Some(grown) = &mut self.together {
+            grown.release(system, from.time.value, &from.state);
+        }
     }
 
     fn impact(&mut self, _system: &Several<H>, impact: &Impact) {
