@@ -35,11 +35,13 @@ class Pendulum:
 class Design:
     """The numbers of a scene, in the units of its run; M = 1 where no mass is given.
 
-    Without absorber `mass_ratio`, `clearance` and `pendulum` are ``None``. The stops are at
+    Of several absorbers, of which there are so many, they are those of one. Without absorber
+    `mass_ratio`, `clearance` and `pendulum` are ``None``. The stops are at
     `gap_offset` ± `clearance`. `gravity_along` is that part of gravity which acts along the motion
     of a free mass, 0 where that is level.
     """
 
+    absorbers: int
     mass: float
     natural_frequency: float
     damping_ratio: float

@@ -317,16 +317,14 @@ def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[st
     import polars as pl
 
     states = run.at(times).filter(pl.col("displacement").is_finite())
-    every = absorbers(run.absorber)
-    first = states[:: len(every)]
+    count = design_of(run).absorbers
+    first = states[:: max(count, 1)]
     x, v = first["displacement"].to_numpy(), first["velocity"].to_numpy()
     motions = [(1, "structure", DISPLACEMENT, x), (1, "structure", VELOCITY, v)]
-    for place, absorber in enumerate(every):
-        if absorber is None:
-            continue
-        reach, own = design_of(run, place).lever, states[place :: len(every)]
+    for place in range(count):
+        reach, own = design_of(run, place).lever, states[place::count]
         y, w = (reach * own[key].to_numpy() for key in ("gap_displacement", "gap_velocity"))
-        node, body = place + 2, "absorber" if len(every) == 1 else f"absorber {place}"
+        node, body = place + 2, "absorber" if count == 1 else f"absorber {place}"
         motions += [(node, body, DISPLACEMENT, x + y), (node, body, VELOCITY, v + w)]
     system = run.units.system
     si = system == "si"
@@ -338,7 +336,7 @@ def datasets(run: Run, times: NDArray[np.float64], binary: bool) -> list[dict[st
                 "type": 58,
                 "binary": int(binary),
                 "id1": line(f"{measure.name} of {body}, iva-dynamics {_iva.VERSION}"),
-                "id2": line("; ".join(written(absorber) for absorber in every)),
+                "id2": line("; ".join(written(absorber) for absorber in absorbers(run.absorber))),
                 "id3": "NONE",  # where others look for a date
                 "id4": line(written(run.primary)),
                 "id5": line(f"{written(run.start)}; {driven}"),

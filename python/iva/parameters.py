@@ -303,6 +303,12 @@ class Siva(Part):
         of a half sine: ``peak_force_estimate``. The motion does not depend on it.
     contact_stiffness : float, optional
         Stiffness of a stop in N/m, from which that time is estimated; SI units only.
+    units : int, optional
+        Number of equal units that share the mass, 1 to 8, each in a gap of its own; 1 by default.
+        Tables number them in their column ``absorber``.
+    clearance_spread : float, optional
+        How far the clearances of the units spread, evenly, from 0 (all alike, the default) to below
+        1: from 1 − this to 1 + this times the clearance. Units in gaps all alike move as one.
     inclination : float, optional
         Angle in rad by which the line of motion rises, from 0 (level, the default) to π/2
         (upright).
@@ -342,6 +348,8 @@ class Siva(Part):
     gap_offset_mm: float | None = None
     contact_time: float | None = None
     contact_stiffness: float | None = None
+    units: float | None = None
+    clearance_spread: float | None = None
     inclination: float | None = None
     inclination_deg: float | None = None
     gravity: float | None = None

@@ -91,6 +91,7 @@ pub fn design<'py>(
     let spec = arguments::spec(spec)?;
     let Design { scene, scale, .. } = spec.design().map_err(invalid)?;
     let numbers = PyDict::new(py);
+    numbers.set_item("absorbers", scene.count())?;
     numbers.set_item("mass", scale.mass)?;
     numbers.set_item("natural_frequency", scale.natural_frequency)?;
     numbers.set_item("damping_ratio", scene.damping_ratio())?;

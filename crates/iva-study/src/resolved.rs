@@ -271,7 +271,7 @@ fn equidistant(axis: &Axis) -> Option<(f64, f64)> {
 /// The shortest TOML number that reads back as the same value.
 fn literal(field: FieldId, value: f64) -> String {
     match field.info().allowed {
-        Allowed::PositiveInteger => format!("{value:.0}"),
+        Allowed::PositiveInteger | Allowed::Units => format!("{value:.0}"),
         _ => format!("{value:?}"),
     }
 }

@@ -5,6 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use iva_core::absorber::several;
 use iva_core::error::{Invalid, number};
 use iva_core::range::{LARGEST_RATIO, LARGEST_TOLERANCE};
 use iva_core::simulate::Limits;
@@ -112,6 +113,8 @@ pub enum Allowed {
     UnitInterval,
     /// An integer from 1 to 2⁵³.
     PositiveInteger,
+    /// A number of units, from 1 to 8.
+    Units,
     /// κ of a pendulum, at least 1.
     InertiaRatio,
     /// An angle in rad, from −π to π.
@@ -142,6 +145,7 @@ impl Allowed {
             Allowed::PositiveInteger => {
                 (1.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0
             }
+            Allowed::Units => (1.0..=several::MOST as f64).contains(&value) && value.fract() == 0.0,
             Allowed::InertiaRatio => (1.0..=LARGEST_RATIO).contains(&value),
             Allowed::Angle => value.abs() <= PI,
             Allowed::Inclination => (0.0..=FRAC_PI_2).contains(&value),
@@ -161,6 +165,7 @@ impl Allowed {
             Allowed::DampingRatio => "a number from 0 to 1e9",
             Allowed::UnitInterval => "a number from 0 to 1",
             Allowed::PositiveInteger => "a whole number from 1 to 2^53",
+            Allowed::Units => "a whole number from 1 to 8",
             Allowed::InertiaRatio => "a number from 1 (point bob) to 1e9",
             Allowed::Angle => "an angle in rad, from -π to π",
             Allowed::Inclination => "an angle in rad, from 0 (level) to π/2 (upright)",
@@ -241,6 +246,8 @@ fields! {
     GapOffsetMm: Absorber "gap_offset_mm" Millimetre Size "gap_offset" "the same in mm" Siva;
     ContactTime: Absorber "contact_time" Time Positive "contact_time" "how long an impact lasts, to estimate its largest force; the motion does not depend on it" Siva;
     ContactStiffness: Absorber "contact_stiffness" Stiffness Positive "contact_time" "stiffness of a stop, to estimate how long an impact lasts; needs a primary mass" Siva;
+    Units: Absorber "units" Count Units "units" "number of equal units that share the mass, each in a gap of its own (default 1)" Siva;
+    ClearanceSpread: Absorber "clearance_spread" Ratio UnitInterval "clearance_spread" "how far the clearances of the units spread, evenly: from 1 - this to 1 + this times the clearance (default 0)" Siva;
     FrequencyRatio: Absorber "frequency_ratio" Ratio Positive "frequency" "frequency of the hanging pendulum over that of the bare primary system" Piva;
     Length: Absorber "length" Length Positive "length" "from the pivot to the centre of mass" Piva;
     Inclination: Absorber "inclination" Angle Inclination "inclination" "angle by which the line of motion rises, in rad: 0 (default) level, pi/2 upright" Siva;

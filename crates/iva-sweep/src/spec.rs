@@ -81,6 +81,16 @@ impl Spec {
         1 + self.more.len()
     }
 
+    /// The number of the absorber of the list that each absorber of the scene is a unit of.
+    pub(crate) fn owners(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.count()).flat_map(|k| std::iter::repeat_n(k, self.units_of(k)))
+    }
+
+    /// Number of equal units of the absorber of this number.
+    pub(crate) fn units_of(&self, absorber: usize) -> usize {
+        self.get_of(absorber, FieldId::Units).map_or(1, |units| units as usize)
+    }
+
     /// Kind of absorber, and model of a pendulum; of several those of the first.
     pub fn choices(&self) -> &Choices {
         &self.choices

@@ -41,6 +41,7 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     let other = spec.get(FieldId::RestitutionMinus).filter(|e| Some(*e) != same);
     let offset = |field| spec.get(field).filter(|offset| *offset != 0.0);
     let asymmetric = [
+        (FieldId::Units, spec.get(FieldId::Units).filter(|units| *units != 1.0)),
         (FieldId::RestitutionMinus, other),
         (FieldId::GapOffset, offset(FieldId::GapOffset)),
         (FieldId::GapOffsetMm, offset(FieldId::GapOffsetMm)),
@@ -49,7 +50,7 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
         None => Ok((common, scale)),
         Some((field, value)) => {
             let rule =
-                "the theory is of two walls alike, with the mass in the middle; leave it out";
+                "the theory is of one mass between two walls alike, in the middle; leave it out";
             Err(Invalid::new(field.path(), number(value), rule))
         }
     }

@@ -9,8 +9,8 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
+from iva.design import design_of
 from iva.parameters import number, shown
-from iva.scenes import absorbers
 from iva.simulation import Run
 from iva.spelling import no_column
 from iva.tables import Table
@@ -39,7 +39,7 @@ def checked_run(run: object, field: str = "run", *, several: bool = False) -> Ru
     """
     if not isinstance(run, Run):
         raise TypeError(f"{field} = {shown(run)}: give an iva.Run, of iva.simulate")
-    count = len(absorbers(run.absorber))
+    count = design_of(run).absorbers
     if count > 1 and not several:
         raise ValueError(f"{field} has {count} absorbers: this is drawn for one; give such a run")
     return run
@@ -53,7 +53,7 @@ def checked_absorber(run: Run, absorber: object) -> int:
     TypeError, ValueError
         If the run has none of this number.
     """
-    place, count = number("absorber", absorber), len(absorbers(run.absorber))
+    place, count = number("absorber", absorber), design_of(run).absorbers
     if place not in range(count):
         there = (
             f"the run has {count}, numbered from 0" if count > 1 else "the run has one, number 0"
@@ -120,7 +120,7 @@ def motion_of(
         If `until` is no number greater than 0.
     """
     motion = run.trajectory()
-    if len(absorbers(run.absorber)) > 1:
+    if design_of(run).absorbers > 1:
         if absorber is None:
             once = ["time", "displacement", "velocity"]
             motion = motion.unique(once, keep="first", maintain_order=True)

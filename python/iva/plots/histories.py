@@ -13,7 +13,6 @@ from iva.parameters import numbers, shown
 from iva.plots.arguments import checked_run, frame_of, motion_of, values_of
 from iva.plots.labels import labelled
 from iva.plots.styles import ABSORBER, GREY, STRUCTURE, WALLS, drawing_on, legend_above
-from iva.scenes import absorbers
 from iva.simulation import Run, truth
 from iva.spelling import spell_checked
 
@@ -240,15 +239,13 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
     """
     motion, end = motion_of(checked_run(run, several=True), until)
     units = run.units["trajectory"]
-    every = absorbers(run.absorber)
+    count = design_of(run).absorbers
     symbols = "ẋ" if run.absorber is None else "ẋ, ẋ₁"
     with drawing_on(ax) as axes:
-        for place, absorber in enumerate(every):
-            if absorber is None:
-                continue
+        for place in range(count):
             own, _ = motion_of(run, until, place)
             velocity = own["velocity"] + design_of(run, place).lever * own["gap_velocity"]
-            name = "absorber ẋ₁" if len(every) == 1 else f"absorber {place}"
+            name = "absorber ẋ₁" if count == 1 else f"absorber {place}"
             shade = 0.35 + 0.65 / (place + 1)
             axes.plot(own["time"], velocity, color=ABSORBER, alpha=shade, linewidth=0.8, label=name)
         axes.plot(motion["time"], motion["velocity"], color=STRUCTURE, label="structure ẋ")

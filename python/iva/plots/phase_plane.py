@@ -10,7 +10,6 @@ from iva.design import design_of
 from iva.plots.arguments import checked_absorber, checked_run, motion_of
 from iva.plots.labels import labelled
 from iva.plots.styles import STRUCTURE, VERMILLION, drawing_on, legend_above
-from iva.scenes import absorbers
 from iva.simulation import Run, truth
 from iva.spelling import spell_checked
 
@@ -76,7 +75,7 @@ def phase(
         still = np.diff(motion["time"]) == 0.0
         # Without absorber the gap velocity is NaN, and no jump.
         jumps = np.flatnonzero(still & (np.abs(np.diff(motion["gap_velocity"])) > 0.0))
-        if not relative and len(absorbers(run.absorber)) > 1:
+        if not relative and design_of(run).absorbers > 1:
             jumps = np.flatnonzero(still & (np.abs(np.diff(motion["velocity"])) > 0.0))
         if relative:
             design = design_of(run, place)

@@ -96,8 +96,9 @@ impl<R: Real> Given<'_, R> {
         let window = self.window([begin, length], &force)?;
         let scene = self.scene(start, force, &scale, units)?;
         let mut contact_rates = [None; MOST_ABSORBERS];
-        for (k, rate) in contact_rates.iter_mut().enumerate().take(self.spec.count()) {
-            *rate = self.of(k).contact_rate(&scene, &scale, units)?;
+        let owners = self.spec.owners().enumerate();
+        for ((place, owner), rate) in owners.zip(&mut contact_rates) {
+            *rate = self.of(owner).contact_rate((&scene, place), &scale, units)?;
         }
         let clearance = scene.clearance();
         let limits = Limits {
@@ -132,11 +133,11 @@ impl<R: Real> Given<'_, R> {
         Ok(self.length(FieldId::Displacement, FieldId::DisplacementMm, units)?.unwrap_or(R::ZERO))
     }
 
-    /// The force of an impact as a half sine in time: for a duration t its maximum is π/2t times its
+    /// The largest force of an absorber, which has this place in the scene, per velocity that the structure gains. The force of an impact as a half sine in time: for a duration t its maximum is π/2t times its
     /// integral. On a spring k between two masses it lasts π/ω, with ω² = k (1/m + 1/M).
     fn contact_rate(
         &self,
-        scene: &Scene<R>,
+        (scene, place): (&Scene<R>, usize),
         scale: &Scale<R>,
         units: UnitSystem,
     ) -> Result<Option<R>, Invalid> {
@@ -146,7 +147,7 @@ impl<R: Real> Given<'_, R> {
         if let Some(time) = self.get(FieldId::ContactTime) {
             return Ok(Some(half_pi / (time * omega)));
         }
-        match (self.get(FieldId::ContactStiffness), scene.absorber_of(self.absorber)) {
+        match (self.get(FieldId::ContactStiffness), scene.absorber_of(place)) {
             (Some(stiffness), Some(absorber)) if units == UnitSystem::Si => {
                 let share = absorber.mass_ratio / (R::ONE + absorber.mass_ratio);
                 Ok(Some((stiffness / (scale.mass * share)).sqrt() * 0.5 / omega))
@@ -165,7 +166,7 @@ impl<R: Real> Given<'_, R> {
         scale: &Scale<R>,
         units: UnitSystem,
     ) -> Result<Scene<R>, Invalid> {
-        if self.spec.count() > 1 {
+        if self.spec.count() > 1 || self.spec.units_of(0) > 1 {
             return several::scene(self, start, force, scale, units);
         }
         match self.spec.choices().kind {

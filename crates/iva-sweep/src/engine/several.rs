@@ -13,13 +13,15 @@ use super::scale::Scale;
 use super::scene::{Mounted, Scene};
 use crate::choices::Kind;
 use crate::error::{Invalid, number};
-use crate::fields::FieldId;
+use crate::fields::{FieldId, Part};
+use crate::spec::MOST_ABSORBERS;
 use crate::units::UnitSystem;
 
-/// The scene of all absorbers of a list.
+/// The scene of all absorbers of a list, with all units of each.
 ///
 /// # Errors
-/// [`Invalid`] for an absorber that a list does not take, a field out of range, and a start outside of its gap.
+/// [`Invalid`] for an absorber that a list does not take, too many units, a field out of range, and a start outside of
+/// its gap.
 pub(super) fn scene<R: Real>(
     given: &Given<'_, R>,
     start: Start<R>,
@@ -27,16 +29,26 @@ pub(super) fn scene<R: Real>(
     scale: &Scale<R>,
     units: UnitSystem,
 ) -> Result<Scene<R>, Invalid> {
-    let all = || (0..given.spec.count()).map(|absorber| given.of(absorber));
-    let masses = all().map(|it| mass(&it, scale, units)).collect::<Result<Vec<_>, _>>()?;
-    let gap = |it: Given<'_, R>| GapPoint {
-        y: it.get(FieldId::GapDisplacement).unwrap_or(R::ZERO),
-        w: it.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / scale.natural_frequency,
-    };
-    let gaps: Vec<GapPoint<R>> = all().map(gap).collect();
+    let (mut masses, mut gaps) = (Vec::new(), Vec::new());
+    for absorber in 0..given.spec.count() {
+        let given = given.of(absorber);
+        let gap = GapPoint {
+            y: given.get(FieldId::GapDisplacement).unwrap_or(R::ZERO),
+            w: given.get(FieldId::GapVelocity).unwrap_or(R::ZERO) / scale.natural_frequency,
+        };
+        let count = given.spec.units_of(absorber);
+        for unit in 0..count {
+            masses.push(mass(&given, (unit, count), scale, units)?);
+            gaps.push(gap);
+        }
+    }
+    if masses.len() > MOST_ABSORBERS {
+        let rule = format!("give {MOST_ABSORBERS} units of all absorbers at most");
+        return Err(Invalid::new("absorber", format!("{} units", masses.len()), rule));
+    }
     let start = Starts::of(Point { x: start.displacement, v: start.velocity }, &gaps);
     let system = Several::of(given.damping_ratio(scale, units)?, &masses)?;
-    system.check_start(&start)?;
+    system.check_start(&start).map_err(|error| of_owner(given, error))?;
     let gravity = None;
     if force.is_none() {
         return Ok(Scene::Several(Box::new(Mounted { system, start, gravity })));
@@ -45,9 +57,20 @@ pub(super) fn scene<R: Real>(
     Ok(Scene::DrivenSeveral(Box::new(Mounted { system, start, gravity })))
 }
 
-/// One of the masses.
+/// An error of the start, whose field names the absorber of the list instead of its unit.
+fn of_owner<R: Real>(given: &Given<'_, R>, error: Invalid) -> Invalid {
+    let named = error.field.strip_prefix("start.").and_then(|rest| rest.split_once('.'));
+    let found = named.and_then(|(place, name)| {
+        let owner = given.spec.owners().nth(place.parse().ok()?)?;
+        Some(given.of(owner).path(FieldId::find(Part::Start, name)?))
+    });
+    Invalid { field: found.unwrap_or(error.field.clone()), ..error }
+}
+
+/// One unit of an absorber, which has so many.
 fn mass<R: Real>(
     given: &Given<'_, R>,
+    (unit, count): (usize, usize),
     scale: &Scale<R>,
     units: UnitSystem,
 ) -> Result<FreeMass<R>, Invalid> {
@@ -65,6 +88,17 @@ fn mass<R: Real>(
     }
     let Common { mass_ratio, restitution, clearance, .. } = given.common(scale, units)?;
     let offset = given.length(FieldId::GapOffset, FieldId::GapOffsetMm, units)?;
+    let spread = given.get(FieldId::ClearanceSpread).unwrap_or(R::ZERO);
+    let [mass_ratio, clearance] = if count > 1 {
+        let place = 2.0 * unit as f64 / (count - 1) as f64 - 1.0;
+        [mass_ratio / count as f64, clearance * (R::ONE + spread * place)]
+    } else {
+        [mass_ratio, clearance]
+    };
+    if clearance <= 0.0 {
+        let rule = "the narrowest gap has no width; give less than 1";
+        return Err(Invalid::new(given.path(FieldId::ClearanceSpread), number(spread), rule));
+    }
     let mut mass = FreeMass::new(mass_ratio, restitution, clearance)?;
     if let Some(offset) = offset {
         mass = mass.with_offset(offset)?;
