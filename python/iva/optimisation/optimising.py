@@ -40,7 +40,7 @@ MOST_SEED = (1 << 52) - 1
 
 @spell_checked
 def optimise(
-    absorber: Absorber | Sequence[Absorber] | None,
+    absorber: Absorber | Sequence[Absorber | Sequence[Absorber]] | None,
     primary: Primary,
     *,
     choose: Mapping[str, Any] | Sequence[Mapping[str, Any]],
@@ -78,7 +78,7 @@ def optimise(
     ----------
     absorber, primary, start, force
         As in :func:`iva.simulate`. What is chosen or varies may be left out. A list of absorbers is
-        one to choose among.
+        one to choose among; what stands in it as a list are several on one structure.
     choose : mapping of str to bounds
         Field name, as in ``over`` of :func:`iva.sweep` → ``(low, high)`` for any number between
         two bounds, a list of at least three sizes that can be had, or

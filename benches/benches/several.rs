@@ -1,0 +1,77 @@
+//! Free decays and driven runs of several free masses, 30 periods, alone in the event loop: time per impact and mass count,
+//! beside that of one free mass. Divided by the number of impacts it is the time per impact of any of them.
+//!
+//! `cargo bench -p iva-benches --bench several`.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use iva_core::absorber::several::{Several, Starts};
+use iva_core::absorber::{Absorber, Point, Start};
+use iva_core::error::Invalid;
+use iva_core::flight::GapPoint;
+use iva_core::force::{Acts, Force, Harmonic};
+use iva_core::simulate::{Limits, simulate};
+use iva_core::siva::{FreeMass, Siva};
+
+const DAMPING_RATIO: f64 = 0.01;
+/// Mass ratio of all masses together.
+const MASS_RATIO: f64 = 0.1;
+const RESTITUTION: f64 = 0.6;
+
+/// Equal shares of the mass in gaps whose clearances spread by a tenth.
+fn masses(count: usize) -> Result<Vec<FreeMass>, Invalid> {
+    let place = |k: usize| 2.0 * k as f64 / (count.max(2) - 1) as f64 - 1.0;
+    let clearance = |k: usize| 0.6 * (1.0 + 0.1 * place(k));
+    let mass = |k| FreeMass::new(MASS_RATIO / count as f64, RESTITUTION, clearance(k));
+    (0..count).map(mass).collect()
+}
+
+fn limits() -> Limits {
+    Limits::new(30.0 * std::f64::consts::TAU, 0.5)
+}
+
+fn push() -> Result<Force, Invalid> {
+    let acts = Acts::Primary;
+    Force::harmonic(vec![Harmonic { amplitude: 0.1, frequency: 1.0, phase: 0.0, acts }])
+}
+
+/// Times one run, per impact.
+fn run<S: Absorber<Real = f64>>(
+    criterion: &mut Criterion,
+    (kind, count): (&str, usize),
+    system: &S,
+    start: &S::Start,
+) -> Result<(), Invalid> {
+    let impacts = simulate(system, start, &limits(), None, &mut ())?.impacts;
+    let mut group = criterion.benchmark_group(format!("several, {kind}"));
+    group.throughput(Throughput::Elements(impacts));
+    group.bench_function(BenchmarkId::from_parameter(count), |bencher| {
+        bencher.iter(|| simulate(black_box(system), start, &limits(), None, &mut ()));
+    });
+    group.finish();
+    Ok(())
+}
+
+fn all(criterion: &mut Criterion) -> Result<(), Invalid> {
+    let one = Siva::new(MASS_RATIO, RESTITUTION, 0.6, DAMPING_RATIO)?;
+    let start = Start { displacement: 1.0, ..Start::default() };
+    run(criterion, ("decay", 1), &one, &start)?;
+    run(criterion, ("driven", 1), &one.under(push()?), &start)?;
+    for count in [2, 5, 8] {
+        let system = Several::of(DAMPING_RATIO, &masses(count)?)?;
+        let rest = GapPoint { y: 0.0, w: 0.0 };
+        let start = Starts::of(Point { x: 1.0, v: 0.0 }, &vec![rest; count]);
+        run(criterion, ("decay", count), &system, &start)?;
+        run(criterion, ("driven", count), &system.under(push()?), &start)?;
+    }
+    Ok(())
+}
+
+fn several(criterion: &mut Criterion) {
+    // Invalid scenes would show as missing benches.
+    let _ = all(criterion);
+}
+
+criterion_group!(benches, several);
+criterion_main!(benches);
