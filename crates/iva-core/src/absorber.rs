@@ -18,6 +18,7 @@ mod impact_law;
 mod on_structure;
 pub mod piva;
 pub(crate) mod plain;
+pub mod restitution;
 pub mod ride;
 pub mod several;
 pub mod siva;

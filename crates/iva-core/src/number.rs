@@ -4,5 +4,6 @@ pub(crate) mod arrays;
 pub mod clock;
 pub mod compensated;
 pub mod real;
+pub(crate) mod root;
 pub mod series;
 pub(crate) mod trigonometry;

@@ -280,7 +280,7 @@ impl Iterated for Siva<DrivenHost> {
     fn key(trajectory: &Trajectory<Self>, _request: &Request<'_>) -> Option<[u64; 2]> {
         let Trajectory { system, tier, .. } = trajectory;
         let force = system.force()?;
-        let level = system.gravity() == 0.0;
+        let level = system.gravity() == 0.0 && !system.varies();
         let fast = u64::from(*tier == Tier::Fast);
         (level && force.is_single()).then(|| [fast, u64::from(force.moves_base())])
     }

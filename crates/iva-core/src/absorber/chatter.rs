@@ -19,7 +19,15 @@
 //! as the paper prints it change the momentum as well; `absorber/piva/impact_law.rs` gives the effect on the stick
 //! episode to second order.
 
+//!
+//! Where e rises to 1 at low speeds, the ratios have no such limit. For a power law the sum is another one, whose bound is
+//! proved ([`power`]); for any other such law nothing is summed.
+
 use crate::number::real::Real;
+
+pub use power::Power;
+
+pub mod power;
 
 /// Safety factor of the estimated third-order terms, whose coefficients are of order 1.
 const SAFETY: f64 = 4.0;
@@ -57,7 +65,7 @@ pub(crate) fn may_end(speed: f64, pressure: f64, ratio: f64) -> bool {
 }
 
 /// A rebound from a pressing wall, at the instant after the impact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Rebound<R = f64> {
     /// u: speed away from the wall, > 0, in ωn × length.
     pub speed: R,
@@ -73,18 +81,26 @@ pub struct Rebound<R = f64> {
     pub ratio: R,
     /// A bound on how far the ratios of lower rebounds are from e.
     pub spread: R,
+    /// How e goes on if it is a power law, which rises to 1 at low speeds.
+    pub power: Option<Power<R>>,
 }
 
 impl<R: Real> Rebound<R> {
-    /// Duration of the infinite tail in 1/ωn, to second order in the speed.
+    /// Duration of the infinite tail in 1/ωn: to second order in the speed, of a power law to first order.
     pub fn tail(&self) -> R {
+        if let Some(power) = &self.power {
+            return power.tail(self);
+        }
         let Self { speed: u, pressure: a, jerk: j, gain: b, ratio: e, .. } = *self;
         let x = u / (a * (R::ONE - e));
         x * 2.0 + x * x * ((j / a) * (4.0 / 3.0) - b * 2.0 * e / (R::ONE + e))
     }
 
-    /// Estimate of the error of [`Rebound::tail`].
+    /// Estimate of the error of [`Rebound::tail`]; of a power law a bound.
     pub fn tail_error(&self) -> R {
+        if let Some(power) = &self.power {
+            return power.error(self);
+        }
         let Self { speed: u, pressure: a, jerk: j, gain: b, fourth: r, ratio: e, .. } = *self;
         let h = u / a;
         let spread = R::ONE / (R::ONE - e);
@@ -116,7 +132,11 @@ impl<R: Real> Rebound<R> {
 
     /// True if the tail can be summed with an error below rounding.
     pub fn summable(&self) -> bool {
-        self.ratio + self.spread < 1.0 && self.pressure > 0.0 && self.tail_error() <= R::NEGLIGIBLE
+        let falls = match &self.power {
+            Some(power) => power.may_end(self),
+            None => self.ratio + self.spread < 1.0,
+        };
+        falls && self.pressure > 0.0 && self.tail_error() <= R::NEGLIGIBLE
     }
 }
 
@@ -153,8 +173,15 @@ mod tests {
             (0.2, 0.1, 2.0, 0.6),
         ] {
             let error = |speed: f64| {
-                let rebound =
-                    Rebound { speed, pressure: 1.2, jerk, gain, fourth, ratio, spread: 0.0 };
+                let rebound = Rebound {
+                    speed,
+                    pressure: 1.2,
+                    jerk,
+                    gain,
+                    fourth,
+                    ratio,
+                    ..Rebound::default()
+                };
                 (rebound.tail() - one_by_one(rebound), rebound.tail_error())
             };
             let (coarse, estimate) = error(1e-3);
@@ -173,15 +200,8 @@ mod tests {
             [(10.0, 0.8, 9.81, 12.850_588_106_343_58), (1.0, 0.5, 9.81, 1.354_570_922_957_193)];
         for (height, e, g, rest_time) in cases {
             let fall = f64::sqrt(2.0 * height / g);
-            let ball = Rebound {
-                speed: e * (g * fall),
-                pressure: g,
-                jerk: 0.0,
-                gain: 0.0,
-                fourth: 0.0,
-                ratio: e,
-                spread: 0.0,
-            };
+            let ball =
+                Rebound { speed: e * (g * fall), pressure: g, ratio: e, ..Rebound::default() };
             let total: f64 = fall + ball.tail();
             assert!((total - rest_time).abs() <= 4.0 * f64::EPSILON * rest_time, "{total}");
         }

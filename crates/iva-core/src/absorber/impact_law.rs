@@ -4,6 +4,7 @@
 //! [`crate::absorber::chatter`].
 
 use crate::absorber::OnStructure;
+use crate::absorber::chatter::Power;
 use crate::absorber::impact::{Impact, primary_share};
 use crate::number::real::Real;
 use crate::segment::place::Wall;
@@ -39,12 +40,15 @@ pub struct LawAt<R = f64> {
     pub slope: R,
     /// A bound on how far `rebound` is from this value at any lower approach speed.
     pub spread: R,
+    /// b < 1 of a restitution 1 − a uᵇ of a free mass on an oscillator, which holds at all lower speeds u.
+    pub power: Option<R>,
 }
 
 impl<R: Real> LawAt<R> {
     /// A law that is the same at every approach speed.
     pub fn constant(restitution: R, rebound: R, gain: R, pressure: R) -> Self {
-        Self { restitution, rebound, gain, pressure, slope: rebound, spread: R::ZERO }
+        let spread = R::ZERO;
+        Self { restitution, rebound, gain, pressure, slope: rebound, spread, power: None }
     }
 
     /// The law of a free mass of mass ratio μ whose e depends on the approach speed w: e, de/dw, a bound on how far e
@@ -69,8 +73,15 @@ impl<R: Real> LawAt<R> {
         [gain * steeper, slope]
     }
 
+    /// How the rebounds of a chatter go on by a power law: an impact changes the rate of the pressure by its gain on a spring
+    /// of stiffness 1, and by its rise on the damper 2ζ, which is that rise over the gain.
+    pub(crate) fn falling(&self) -> Option<Power<R>> {
+        let Self { gain, pressure, .. } = *self;
+        self.power.map(|exponent| Power { exponent, kick: gain + pressure * pressure / gain })
+    }
+
     /// True if rebounds from this speed on become ever lower.
     pub fn dies_out(&self) -> bool {
-        self.rebound + self.spread < 1.0
+        self.power.is_some() || self.rebound + self.spread < 1.0
     }
 }

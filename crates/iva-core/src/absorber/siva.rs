@@ -10,6 +10,7 @@ use std::any::TypeId;
 
 use crate::absorber::impact;
 use crate::absorber::plain::Scene;
+use crate::absorber::restitution::RestitutionLaw;
 use crate::absorber::ride::{Ride, Stuck};
 use crate::absorber::{Absorber, Clock, Coasted, Start, Wall};
 use crate::error::Invalid;
@@ -99,6 +100,22 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         Ok(Self { mass: self.mass.with_restitution_minus(restitution)?, ..self })
     }
 
+    /// The same absorber with a restitution that depends on the approach speed, by one law at both walls.
+    pub fn with_restitution_law(self, law: RestitutionLaw<R>) -> Self {
+        self.with_restitution_laws([law; 2])
+    }
+
+    /// The same absorber with a restitution that depends on the approach speed, at wall + and at wall −.
+    pub fn with_restitution_laws(self, laws: [RestitutionLaw<R>; 2]) -> Self {
+        Self { mass: self.mass.with_restitution_laws(laws), ..self }
+    }
+
+    /// True if the restitution depends on the approach speed at a wall. Such absorbers run one by one: lanes read a
+    /// constant e.
+    pub fn varies(&self) -> bool {
+        self.mass.varies()
+    }
+
     /// The same absorber in a gap whose middle is at y = `offset`.
     ///
     /// # Errors
@@ -123,7 +140,7 @@ impl<R: Real, H: Host<Real = R>> Siva<H> {
         self.mass.mass_ratio
     }
 
-    /// Newton's coefficient e on the gap velocity, at a wall.
+    /// Newton's coefficient e on the gap velocity, at a wall: that of approach speed 0 where it depends on the speed.
     pub fn restitution(&self, wall: Wall) -> R {
         self.law(R::from(wall.sign())).restitution
     }

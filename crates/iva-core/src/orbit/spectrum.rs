@@ -15,7 +15,7 @@ use super::multipliers::multipliers;
 use super::periodic::{Missed, Orbit, reached};
 use super::rounding::Rounding;
 use super::{Cycle, Trajectory, map};
-use crate::absorber::Clock;
+use crate::absorber::{Clock, LawAt};
 
 /// The bound of an error, over its standard error.
 const CERTAIN: f64 = 4.0;
@@ -36,7 +36,7 @@ pub struct Spectrum {
     /// The largest rank that the monodromy matrix can have: 2 with a ride on a wall, 3 with a plastic impact, else 4.
     pub rank: usize,
     /// The product of the multipliers minus its exact value e^(2N) exp(−∫ contraction): of unlike walls each impact has its
-    /// own e. `None` with a ride, or where no identity is known.
+    /// own e, and where e depends on the approach speed u, e d(e u)/du in place of e². `None` with a ride, or where no identity is known.
     pub determinant_error: Option<f64>,
 }
 
@@ -53,9 +53,8 @@ pub fn spectrum<S: Coordinates + Clone>(
     cancel: Option<&AtomicBool>,
 ) -> Result<Spectrum, Missed> {
     let system = &orbit.trajectory.system;
-    let restitution =
-        |it: &crate::impact::Impact| system.law_at(it.wall, it.approach_speed()).restitution;
-    let plastic = description.impacts.iter().any(|impact| restitution(impact) == 0.0);
+    let law = |it: &crate::impact::Impact| system.law_at(it.wall, it.approach_speed());
+    let plastic = description.impacts.iter().any(|impact| law(impact).restitution == 0.0);
     let rank = match (description.episodes.is_empty(), plastic) {
         (false, _) => 2,
         (true, true) => 3,
@@ -69,8 +68,12 @@ pub fn spectrum<S: Coordinates + Clone>(
     let all = if orbit.symmetric { sorted(known.map(squared)) } else { known };
     let multipliers = all.map(|(it, _)| it);
     let shrinkage = description.contraction.map(|sum| {
-        let restitutions = description.impacts.iter().map(|impact| restitution(impact).powi(2));
-        restitutions.product::<f64>() * (-sum).exp()
+        let shrunk = description.impacts.iter().map(|impact| {
+            let LawAt { restitution, rebound, slope, .. } = law(impact);
+            let steeper = if slope == rebound { restitution } else { slope };
+            restitution * steeper
+        });
+        shrunk.product::<f64>() * (-sum).exp()
     });
     let product = multipliers.iter().product::<Complex<f64>>().re;
     Ok(Spectrum {

@@ -77,11 +77,12 @@ const FORCED: f64 = 6.0;
 impl SideBySide for Siva {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
         let tier = if Self::tier(job) == Tier::Fast { 1.0 } else { 0.0 };
-        decays(job).then(|| [job.system.damping_ratio(), tier])
+        let fits = decays(job) && !job.system.varies();
+        fits.then(|| [job.system.damping_ratio(), tier])
     }
 
     fn tier(job: &Job<Self>) -> Tier {
-        if decays(job) { job.tier } else { Tier::Exact }
+        if decays(job) && !job.system.varies() { job.tier } else { Tier::Exact }
     }
 
     run_jobs!();
@@ -104,7 +105,8 @@ impl SideBySide for Alone<DrivenHost> {
 
 impl SideBySide for Siva<DrivenHost> {
     fn common(job: &Job<Self>) -> Option<[f64; 2]> {
-        let force = job.system.force()?;
+        // Lanes read a constant restitution.
+        let force = job.system.force().filter(|_| !job.system.varies())?;
         if !force.lasts() {
             let line = if leans(&job.system) { INCLINED } else { LEVEL };
             return decays(job).then(|| [job.system.damping_ratio(), line]);
@@ -123,7 +125,8 @@ impl SideBySide for Siva<DrivenHost> {
 
     fn tier(job: &Job<Self>) -> Tier {
         let single = job.system.force().is_some_and(Force::is_single);
-        if single && !leans(&job.system) { job.tier } else { Tier::Exact }
+        let fits = single && !leans(&job.system) && !job.system.varies();
+        if fits { job.tier } else { Tier::Exact }
     }
 
     run_jobs!();

@@ -32,7 +32,7 @@ const BALL: [[&str; 6]; 5] = [
 /// A rebound of a ball: the pressure is constant and not changed by impacts.
 fn rebound(speed: f64, gravity: f64, restitution: f64) -> Rebound {
     let (ratio, spread) = (restitution, 0.0);
-    Rebound { speed, pressure: gravity, jerk: 0.0, gain: 0.0, fourth: 0.0, ratio, spread }
+    Rebound { speed, pressure: gravity, ratio, spread, ..Rebound::default() }
 }
 
 #[test]

@@ -45,6 +45,7 @@ mod record_extremes;
 mod records;
 mod reference_events;
 mod regressions;
+mod restitution_law;
 mod samples;
 mod second_opinion;
 mod several;

@@ -65,20 +65,19 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Several<H, N> {
     /// The restitution of each mass that has an impact.
     fn restitutions(&self, state: &SeveralState<H, N>, struck: [bool; N]) -> [Option<R>; N] {
         std::array::from_fn(|k| {
-            struck[k].then(|| self.masses[k].law(state.masses[k].side).restitution)
+            let InGap { side, rate, .. } = state.masses[k];
+            struck[k].then(|| self.masses[k].law_for(side, -rate.value).restitution)
         })
     }
 }
 
 impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
     /// That on the structure without other masses stuck to it, where chatters are summed.
-    fn law_of(&self, absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
+    fn law_of(&self, absorber: usize, wall: Wall, approach: R) -> LawAt<R> {
         let Some(mass) = self.masses().get(absorber) else {
             return LawAt::constant(R::ZERO, R::ZERO, R::ZERO, R::ZERO);
         };
-        let law = mass.law(R::from(wall.sign()));
-        let pressure = self.host.damping_ratio() * 2.0 * law.share.value;
-        LawAt::constant(law.restitution, law.restitution, law.share.value, pressure)
+        mass.law_at(wall, approach, self.host.damping_ratio())
     }
 
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
@@ -90,7 +89,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
             let InGap { side, stuck, .. } = state.masses[k];
             let pressure = -side * state.host.acceleration.value;
             let hop = || {
-                let falls = pressure * (R::ONE - self.masses[k].law(side).restitution);
+                let falls =
+                    pressure * (R::ONE - self.masses[k].law_for(side, push.abs()).restitution);
                 // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
                 push.abs() * 0.5 / falls
             };
@@ -115,7 +115,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Several<H, N> {
             let none = [R::ZERO; 2];
             return (after, Impact::of_free_mass(none, time, Wall::Plus, before, R::ZERO));
         };
-        let (e, w) = (mass.law(place.side).restitution, -place.side * place.rate.value);
+        let e = mass.law_for(place.side, -place.rate.value).restitution;
+        let w = -place.side * place.rate.value;
         let opposed = (R::ONE - e) * w - approach / together.value;
         let impact = Impact {
             time,

@@ -1,6 +1,8 @@
 //! A free mass in its gap, without the structure that it is on.
 
 use super::Law;
+use crate::absorber::restitution::RestitutionLaw;
+use crate::absorber::{LawAt, Wall};
 use crate::error::{Invalid, number};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
@@ -18,6 +20,9 @@ pub struct FreeMass<R = f64> {
     pub(crate) offset: R,
     /// The impact laws at wall + and at wall −.
     pub(crate) laws: [Law<R>; 2],
+    /// The laws by which e depends on the approach speed there; `None` if e is constant at both walls. Then `laws` are those of
+    /// speed 0.
+    varying: Option<[RestitutionLaw<R>; 2]>,
 }
 
 impl<R: Real> FreeMass<R> {
@@ -35,7 +40,7 @@ impl<R: Real> FreeMass<R> {
     /// [`FreeMass::new`] from checked parameters.
     pub(super) fn checked(mass_ratio: R, restitution: R, clearance: R) -> Self {
         let laws = [Law::new(mass_ratio, restitution); 2];
-        Self { mass_ratio, clearance, offset: R::ZERO, laws }
+        Self { mass_ratio, clearance, offset: R::ZERO, laws, varying: None }
     }
 
     /// The same mass with another restitution at the wall −.
@@ -45,7 +50,17 @@ impl<R: Real> FreeMass<R> {
     pub fn with_restitution_minus(mut self, restitution: R) -> Result<Self, Invalid> {
         range::restitution("absorber.restitution_minus", restitution)?;
         self.laws[1] = Law::new(self.mass_ratio, restitution);
+        if let Some([plus, _]) = self.varying {
+            return Ok(self.with_restitution_laws([plus, RestitutionLaw::constant(restitution)?]));
+        }
         Ok(self)
+    }
+
+    /// The same mass with a restitution that depends on the approach speed, at wall + and at wall −.
+    pub fn with_restitution_laws(self, laws: [RestitutionLaw<R>; 2]) -> Self {
+        let at_rest = laws.map(|law| Law::new(self.mass_ratio, law.restitution(R::ZERO)));
+        let constant = laws.iter().all(RestitutionLaw::is_constant);
+        Self { laws: at_rest, varying: (!constant).then_some(laws), ..self }
     }
 
     /// The same mass in a gap whose middle is at y = `offset`.
@@ -67,6 +82,39 @@ impl<R: Real> FreeMass<R> {
     pub(crate) fn law(&self, side: R) -> &Law<R> {
         let [plus, minus] = &self.laws;
         if side > 0.0 { plus } else { minus }
+    }
+
+    /// True if e depends on the approach speed at a wall.
+    #[inline(always)]
+    pub(crate) fn varies(&self) -> bool {
+        self.varying.is_some()
+    }
+
+    /// The law by which e depends on the approach speed at the wall with this sign; `None` if it does not at any wall.
+    #[inline(always)]
+    fn varying(&self, side: R) -> Option<&RestitutionLaw<R>> {
+        let [plus, minus] = self.varying.as_ref()?;
+        Some(if side > 0.0 { plus } else { minus })
+    }
+
+    /// The impact law at the wall with this sign, for an approach speed.
+    #[inline(always)]
+    pub(crate) fn law_for(&self, side: R, approach: R) -> Law<R> {
+        match self.varying(side) {
+            None => *self.law(side),
+            Some(law) => Law::new(self.mass_ratio, law.restitution(approach)),
+        }
+    }
+
+    /// [`crate::absorber::ImpactLaw::law_of`] this mass alone on a structure of a damping ratio.
+    pub(crate) fn law_at(&self, wall: Wall, approach: R, damping_ratio: R) -> LawAt<R> {
+        let side = R::from(wall.sign());
+        if let Some(law) = self.varying(side) {
+            return law.of_free_mass(self.mass_ratio, approach, damping_ratio);
+        }
+        let Law { restitution, share, .. } = *self.law(side);
+        let pressure = damping_ratio * 2.0 * share.value;
+        LawAt::constant(restitution, restitution, share.value, pressure)
     }
 
     /// The sign of the wall that the distance of a start is measured from, and the distance: of the wall that the mass is

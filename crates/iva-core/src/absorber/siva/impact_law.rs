@@ -35,17 +35,15 @@ impl<R: Real> Law<R> {
 }
 
 impl<R: Real, H: Host<Real = R>> ImpactLaw for Siva<H> {
-    fn law_of(&self, _absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
-        let Law { restitution, share, .. } = *self.law(R::from(wall.sign()));
-        let pressure = self.host.damping_ratio() * 2.0 * share.value;
-        LawAt::constant(restitution, restitution, share.value, pressure)
+    fn law_of(&self, _absorber: usize, wall: Wall, approach: R) -> LawAt<R> {
+        self.mass.law_at(wall, approach, self.host.damping_ratio())
     }
 
     fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
         let s = state.side;
         let approach = -state.rate.value;
-        let law = self.law(s);
-        let after = collided(self.host.free(), state, true, law);
+        let law = self.mass.law_for(s, approach);
+        let after = collided(self.host.free(), state, true, &law);
         let impact = Impact {
             time,
             absorber: 0,

@@ -75,6 +75,7 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
             fourth: R::ZERO,
             ratio: law.rebound,
             spread: law.spread,
+            power: law.falling(),
         };
         // Tests first without D⁗, which is expensive: most rebounds are far too high.
         let low = rebound.summable();

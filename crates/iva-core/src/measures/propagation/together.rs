@@ -194,10 +194,11 @@ impl Grown {
         }
         for &k in struck {
             let [_, w] = of(k);
-            let e = masses[k].law(before.masses[k].side).restitution;
-            let share = masses[k].mass_ratio * (1.0 + e) / together;
+            let seen = system.turned_to(before, k);
+            let slope = system.law_of(k, system.wall(&seen), -before.masses[k].rate.value).slope;
+            let share = masses[k].mass_ratio * (1.0 + slope) / together;
             jump[(1, w)] = share;
-            jump[(w, w)] = -e;
+            jump[(w, w)] = -slope;
             for j in (0..masses.len()).filter(|j| !struck.contains(j) && !after.masses[*j].stuck) {
                 jump[(of(j)[1], w)] = -share;
             }

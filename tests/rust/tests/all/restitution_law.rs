@@ -1,0 +1,729 @@
+//! Restitution that depends on the approach speed, by the laws of the core.
+//!
+//! Numbers come from closed forms (single impacts, a light mass that bounces on a structure at rest, a table that is
+//! constant at all speeds that occur), from runs in numbers of twice the precision, which go on one by one to rebounds a
+//! thousand times lower, from energies and volumes, and from `tests/reference/restitution.json`.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::TAU;
+
+use iva_core::{
+    absorber::several::{Several, Starts},
+    absorber::{
+        Absorber, ImpactLaw, OnStructure, Point, Start, Wall,
+        chatter::{Power, Rebound},
+        restitution::RestitutionLaw,
+    },
+    flight::{Curve, GapPoint},
+    force::{Acts, Force, Harmonic},
+    host::{Host, UndrivenHost},
+    measures::Wanted,
+    observe::{Contact, Events, Observer},
+    propagation::{Errors, Tangent},
+    real::{Real, dual::Dual, twofold::Twofold},
+    run::side_by_side::{self, Job, Listing, SideBySide, Tier},
+    run::{Run, run},
+    simulate::{Limits, Outcome, simulate},
+    siva::{FreeMass, Siva, SivaState},
+};
+use iva_tests::{U, rng::Rng};
+
+/// A law by its numbers.
+#[derive(Debug, Clone, Copy)]
+enum Law {
+    Constant(f64),
+    Power(f64, [u32; 2]),
+    Plastic(f64),
+    Table(&'static [[f64; 2]]),
+}
+
+use Law::{Constant, Plastic, Power as PowerLaw, Table};
+
+/// Of every kind; some chatters end in stick, some do not.
+const LAWS: [Law; 8] = [
+    Constant(0.5),
+    PowerLaw(0.4, [1, 5]),
+    PowerLaw(1.1, [1, 5]),
+    PowerLaw(2.0, [1, 4]),
+    PowerLaw(0.5, [1, 1]),
+    Plastic(0.02),
+    Table(&[[0.01, 0.8], [0.1, 0.6], [0.3, 0.65], [1.5, 0.2]]),
+    Table(&[[0.0, 1.0], [0.5, 0.7]]),
+];
+
+impl Law {
+    fn made<R: Real>(self) -> RestitutionLaw<R> {
+        match self {
+            Constant(e) => RestitutionLaw::constant(R::from(e)),
+            PowerLaw(a, b) => RestitutionLaw::power(R::from(a), b),
+            Plastic(speed) => RestitutionLaw::plastic(R::from(speed)),
+            Table(points) => {
+                let points: Vec<_> = points.iter().map(|point| point.map(R::from)).collect();
+                RestitutionLaw::table(&points)
+            }
+        }
+        .unwrap()
+    }
+
+    /// e by other functions than those of the core.
+    fn expected(self, u: f64) -> f64 {
+        match self {
+            Constant(e) => e,
+            PowerLaw(a, [p, q]) => (1.0 - a * u.powf(f64::from(p) / f64::from(q))).max(0.0),
+            Plastic(speed) => {
+                let q = speed / u;
+                let stored = q / (q + 2.0 * (1.2 - 0.2 * q * q).sqrt());
+                let law = (1.2 * 3f64.sqrt() * (1.0 - q * q / 6.0)).sqrt() * stored.powf(0.25);
+                if q >= 1.0 { 1.0 } else { law }
+            }
+            Table(points) => {
+                let at = points.iter().position(|[speed, _]| u < *speed).unwrap_or(points.len());
+                match (at.checked_sub(1).map(|k| points[k]), points.get(at)) {
+                    (Some([u0, e0]), Some([u1, e1])) => e0 + (e1 - e0) * (u - u0) / (u1 - u0),
+                    (Some([_, e]), None) => e,
+                    (None, above) => above.unwrap()[1],
+                }
+            }
+        }
+    }
+
+    fn sticks(self) -> bool {
+        match self {
+            Constant(e) => e < 1.0,
+            PowerLaw(_, [p, q]) => p < q,
+            Plastic(_) => false,
+            Table(points) => points[0][1] < 1.0,
+        }
+    }
+}
+
+type Free<R = f64> = Siva<UndrivenHost<R>>;
+
+/// A free mass of μ, d, ζ with a law at both walls.
+fn mass<R: Real>([mu, d, zeta]: [f64; 3], law: Law) -> Free<R> {
+    let [mu, d, zeta] = [mu, d, zeta].map(R::from);
+    Siva::new(mu, R::ONE, d, zeta).unwrap().with_restitution_law(law.made())
+}
+
+fn start<R: Real>() -> Start<R> {
+    Start { displacement: R::ONE, ..Start::default() }
+}
+
+fn push<R: Real>(amplitude: f64, frequency: f64, acts: Acts) -> Force<R> {
+    let [amplitude, frequency, phase] = [amplitude, frequency, 0.3].map(R::from);
+    Force::harmonic(vec![Harmonic { amplitude, frequency, phase, acts }]).unwrap()
+}
+
+fn decay<R: Real>(system: &Free<R>, duration: f64) -> Run<SivaState<(), R>, R> {
+    let limits = Limits::new(R::from(duration), system.clearance());
+    run(system, &start(), &limits).unwrap()
+}
+
+/// Laws that are constant at all speeds of a run, but in two cases not at all speeds: those go through all that reads a law.
+fn constant_here(e: f64) -> [RestitutionLaw; 2] {
+    let beyond = RestitutionLaw::table(&[[1e9, e], [2e9, 0.5 * e + 0.3]]).unwrap();
+    assert!(!beyond.is_constant());
+    [RestitutionLaw::constant(e).unwrap(), beyond]
+}
+
+#[test]
+fn a_law_that_is_constant_gives_the_same_bits() {
+    let mut sticks = 0;
+    for (k, e) in [0.05, 0.5, 0.8, 0.95, 1.0].into_iter().enumerate() {
+        for d in [0.05, 0.2, 0.7] {
+            let old = Siva::new(0.15, e, d, 0.02).unwrap();
+            let force =
+                push(0.3, 0.9 + 0.02 * k as f64, if k < 3 { Acts::Primary } else { Acts::Base });
+            let limits = Limits::new(if e == 1.0 { 20.0 } else { 15.0 * TAU }, d);
+            let (free, driven) = (run(&old, &start(), &limits), old.under(force.clone()));
+            let (free, forced) = (free.unwrap(), run(&driven, &start(), &limits).unwrap());
+            for law in constant_here(e) {
+                let new = old.clone().with_restitution_law(law);
+                assert_eq!(new.varies(), !law.is_constant());
+                assert_eq!(run(&new, &start(), &limits).unwrap(), free, "{e} {d}");
+                let new = new.under(force.clone());
+                assert_eq!(run(&new, &start(), &limits).unwrap(), forced, "{e} {d}");
+            }
+            sticks += free.episodes.len() + forced.episodes.len();
+        }
+    }
+    assert!(sticks > 20, "{sticks}");
+}
+
+#[test]
+fn a_law_that_is_constant_gives_the_same_bits_to_several() {
+    let (mut rng, mut sticks) = (Rng::new(46), 0);
+    for k in 0..12 {
+        let given: [[f64; 3]; 3] = std::array::from_fn(|_| {
+            [rng.log_range(0.02, 0.5), rng.range(0.1, 0.9), rng.range(0.1, 0.8)]
+        });
+        let old = given.map(|[mu, e, d]| FreeMass::new(mu, e, d).unwrap());
+        let laws = |which: usize| {
+            std::array::from_fn(|n| {
+                old[n].with_restitution_laws([constant_here(given[n][1])[which]; 2])
+            })
+        };
+        let gaps = [0.3, -0.4, 0.7].map(|w| GapPoint { y: 0.01, w });
+        let starts = Starts { primary: Point { x: 1.0, v: 0.2 }, gaps };
+        let limits = Limits::new(30.0, 0.1);
+        let system = |masses| Several::new(0.02, masses).unwrap();
+        let force = push(0.4, 0.9, Acts::Primary);
+        for masses in [laws(0), laws(1)] {
+            if k % 2 == 0 {
+                let old = run(&system(old), &starts, &limits).unwrap();
+                let new = run(&system(masses), &starts, &limits).unwrap();
+                assert_eq!((&old.impacts, &old.episodes), (&new.impacts, &new.episodes), "{k}");
+                sticks += old.episodes.len();
+            } else {
+                let old = run(&system(old).under(force.clone()), &starts, &limits).unwrap();
+                let new = run(&system(masses).under(force.clone()), &starts, &limits).unwrap();
+                assert_eq!((&old.impacts, &old.episodes), (&new.impacts, &new.episodes), "{k}");
+                sticks += old.episodes.len();
+            }
+        }
+    }
+    assert!(sticks > 10, "{sticks}");
+}
+
+/// The mass meets a structure at rest: e is that of its speed, momentum and energy follow from it.
+#[test]
+fn one_impact_is_that_of_the_law() {
+    let (mu, d) = (0.25, 0.5);
+    // u^(1/5) is 1/2 at 2⁻⁵ and 2 at 2⁵, where e = 0 for a = 0.5.
+    let exact = [
+        (Constant(0.75), 0.3, 0.75),
+        (PowerLaw(0.5, [1, 5]), 0.03125, 0.75),
+        (PowerLaw(0.25, [1, 5]), 32.0, 0.5),
+        (PowerLaw(0.5, [1, 5]), 32.0, 0.0),
+        (PowerLaw(0.5, [1, 5]), 100.0, 0.0),
+        (PowerLaw(0.5, [3, 4]), 0.0625, 0.9375),
+        (PowerLaw(0.25, [2, 1]), 0.5, 0.9375),
+        (Plastic(0.5), 0.25, 1.0),
+        (Plastic(0.5), 0.5, 1.0),
+        // (6√3/5)^½ (23/24)^½ (½/(½ + 2 √1.15))^¼ with 30 digits.
+        (Plastic(0.25), 0.5, 0.930_625_877_273_653_3),
+        // 1.185 q^¼.
+        (Plastic(1e-12), 1.0, 1.184_992_992_212_236_3e-3),
+        (Table(&[[0.25, 0.75], [0.5, 0.5]]), 0.375, 0.625),
+        (Table(&[[0.25, 0.75], [0.5, 0.5]]), 0.125, 0.75),
+        (Table(&[[0.25, 0.75], [0.5, 0.5]]), 4.0, 0.5),
+    ];
+    for (law, speed, e) in exact {
+        let system = mass([mu, d, 0.1], law);
+        let start = Start { gap_velocity: speed, ..Start::default() };
+        // A chatter at a yield speed of 10⁻¹² would go on and on.
+        let limits = Limits { max_work: 20, ..Limits::new(1.5 * d / speed, d) };
+        let found = run(&system, &start, &limits).unwrap();
+        let impact = &found.impacts[0];
+        assert_eq!((impact.time, impact.approach_speed()), (d / speed, speed), "{law:?}");
+        let near = |found: f64, expected: f64| {
+            assert!(
+                (found - expected).abs() <= 8.0 * U * expected.abs(),
+                "{law:?}: {found} {expected}"
+            );
+        };
+        near(law.made::<f64>().restitution(speed), e);
+        near(-impact.gap_velocity_after, e * speed);
+        near(impact.velocity_after, mu / (1.0 + mu) * (1.0 + e) * speed);
+        near(impact.energy_loss, 0.5 * mu / (1.0 + mu) * (1.0 - e * e) * speed * speed);
+        assert_eq!(found.tally.episodes, u64::from(e == 0.0));
+    }
+}
+
+#[test]
+fn each_law_is_its_formula_in_all_numbers() {
+    let mut rng = Rng::new(3);
+    for law in LAWS {
+        let [double, slow] = [law.made::<f64>(), law.made::<f64>()];
+        let (exact, dual) = (law.made::<Twofold>(), law.made::<Dual>());
+        for _ in 0..400 {
+            let u = rng.log_range(1e-12, 10.0);
+            let e = double.restitution(u);
+            assert!((0.0..=1.0).contains(&e) && slow.restitution(u) == e);
+            assert!((e - law.expected(u)).abs() <= 8.0 * U, "{law:?} {u}: {e}");
+            let twice = exact.restitution(Twofold::from(u));
+            assert!(f64::from(twice - e).abs() <= 4.0 * U, "{law:?} {u}: {e}");
+            let Dual { value, slopes: [slope] } = dual.restitution(Dual::variable(u, 0));
+            assert_eq!(value.to_bits(), e.to_bits());
+            // The slope that the derivatives of impacts use is that of the numbers with derivatives.
+            let system = mass::<f64>([0.1, 1.0, 0.02], law);
+            let at = system.law_at(Wall::Minus, u);
+            assert!((at.slope - e - u * slope).abs() <= 1e-14, "{law:?} {u}: {} {slope}", at.slope);
+            assert_eq!((at.restitution, at.rebound), (e, e));
+            // `spread` bounds what any lower speed has.
+            let lower = double.restitution(u * rng.unit());
+            assert!((lower - e).abs() <= at.spread * (1.0 + 4.0 * U) + 2.0 * U, "{law:?} {u}");
+        }
+        let [low, high] = [1e-30, 1e30].map(|u| double.restitution(u));
+        assert!((0.0..=1.0).contains(&high) && (low == 1.0 || low == law.expected(1e-30)));
+    }
+}
+
+/// No impact gains energy, each loses what its velocities say, and all that is lost adds up.
+#[test]
+fn energy_never_grows_and_adds_up() {
+    let (mut rng, mut impacts) = (Rng::new(8), 0);
+    for k in 0..80 {
+        let (plus, minus) = (LAWS[k % 8], LAWS[(k / 8) % 8]);
+        let numbers = [rng.log_range(0.02, 1.0), rng.range(0.1, 1.2), rng.range(0.0, 0.1)];
+        let system = mass(numbers, plus).with_restitution_laws([plus.made(), minus.made()]);
+        let limits = Limits::new(25.0, numbers[1]);
+        if k % 2 == 0 {
+            impacts += lost(&system, &limits, k);
+        } else {
+            let acts = if k % 4 == 1 { Acts::Primary } else { Acts::Base };
+            impacts += lost(&system.under(push(0.3, rng.range(0.5, 1.5), acts)), &limits, k);
+        }
+    }
+    assert!(impacts > 1000, "{impacts}");
+}
+
+fn lost<H: Host<Real = f64>>(system: &Siva<H>, limits: &Limits, k: usize) -> usize {
+    let found = run(system, &start(), limits).unwrap();
+    assert_eq!((found.tally.outcome, found.tally.undecided), (Outcome::Finished, 0), "{k}");
+    let mu = system.mass_ratio();
+    for impact in &found.impacts {
+        let kinetic = |v: f64, w: f64| 0.5 * v * v + 0.5 * mu * (v + w) * (v + w);
+        let before = kinetic(impact.velocity_before, impact.gap_velocity_before);
+        let after = kinetic(impact.velocity_after, impact.gap_velocity_after);
+        assert!(impact.energy_loss >= 0.0, "{k}");
+        assert!((before - after - impact.energy_loss).abs() <= 1e-14 * before.max(0.1), "{k}");
+        let momentum = |v: f64, w: f64| v + mu * (v + w);
+        let kept = momentum(impact.velocity_before, impact.gap_velocity_before)
+            - momentum(impact.velocity_after, impact.gap_velocity_after);
+        assert!(kept.abs() <= 1e-14, "{k}: {kept:e}");
+    }
+    let residual = found.measures.energy_residual;
+    assert!(residual.abs() < 1e-13, "{k}: {residual:e}");
+    found.impacts.len()
+}
+
+/// A light mass on the lower stop of a structure at rest: the pressure is G, so that rebounds of speed u last 2u/G and
+/// the next has e(u) u. They are followed here in numbers of twice the precision.
+#[test]
+fn a_light_mass_bounces_until_its_rebounds_say() {
+    let (gravity, first, duration) = (2.0, 0.75, 12.0);
+    for law in LAWS {
+        let light = [1e-20, 1.0, 0.0];
+        let system = mass(light, law).inclined(gravity, Force::default());
+        let start = Start { gap_displacement: -1.0, gap_velocity: first, ..Start::default() };
+        let limits = Limits::new(duration, 1.0);
+        let found = run(&system, &start, &limits).unwrap();
+        assert_eq!((found.tally.outcome, found.tally.undecided), (Outcome::Finished, 0));
+        let exact = law.made::<Twofold>();
+        let (mut time, mut speed) = (Twofold::ZERO, Twofold::from(first));
+        let mut listed = found.impacts.iter();
+        let mut rounds = 0;
+        while time < duration && rounds < 200_000 && speed > 1e-40 {
+            time += speed * 2.0 / gravity;
+            if speed > limits.chatter_floor && time < duration {
+                let impact = listed.next().unwrap();
+                let off = f64::from(time - impact.time).abs();
+                assert!(off <= 64.0 * U * impact.time, "{law:?} {}: {off:e}", impact.time);
+                let off = f64::from(speed - impact.approach_speed()).abs();
+                assert!(off <= 64.0 * U, "{law:?} {}: {off:e}", impact.time);
+            }
+            speed *= exact.restitution(speed);
+            rounds += 1;
+        }
+        assert!(listed.next().is_none(), "{law:?}");
+        if !law.sticks() {
+            assert_eq!(found.tally.episodes, 0, "{law:?}");
+            assert!(time >= duration, "{law:?}: {time:?} {rounds}");
+            continue;
+        }
+        // The rest of a power law: u/g (1/(1 − b) − b g/2), but for a share of g².
+        let rest = match law {
+            PowerLaw(a, [p, q]) if speed > 0.0 => {
+                let (b, u) = (f64::from(p) / f64::from(q), f64::from(speed));
+                let g = a * u.powf(b);
+                u / g * (1.0 / (1.0 - b) - 0.5 * b * g) * 2.0 / gravity
+            }
+            _ => 0.0,
+        };
+        let stick = time + rest;
+        let episode = &found.episodes[0];
+        let off = f64::from(stick - episode.stick_time).abs();
+        assert!(off <= 64.0 * U * episode.stick_time, "{law:?}: {off:e}");
+        assert_eq!((episode.wall, found.episodes.len()), (Wall::Minus, 1));
+    }
+}
+
+/// The bound of the rest of a chatter at each of its rebounds.
+#[derive(Debug, Default)]
+struct Bounds {
+    /// Instants, sums and bounds.
+    rebounds: Vec<[Twofold; 3]>,
+}
+
+impl Observer<Free<Twofold>> for Bounds {
+    fn contact(
+        &mut self,
+        system: &Free<Twofold>,
+        contact: &Contact<'_, SivaState<(), Twofold>, Twofold>,
+    ) {
+        let Contact { time, states: [_, after], summed } = *contact;
+        let leave = system.distance(after);
+        if summed || leave.curvature >= 0.0 {
+            return;
+        }
+        let law = system.law_at(system.wall(after), leave.rate);
+        let power = law.power.map(|exponent| {
+            let kick = law.gain + law.pressure * law.pressure / law.gain;
+            Power { exponent, kick }
+        });
+        let rebound = Rebound {
+            speed: leave.rate,
+            pressure: -leave.curvature,
+            jerk: leave.jerk,
+            gain: law.pressure,
+            fourth: system.flight(after).fourth(),
+            ratio: law.rebound,
+            spread: law.spread,
+            power,
+        };
+        let error = rebound.tail_error();
+        if power.is_some() && error < 1.0 {
+            self.rebounds.push([time, rebound.tail(), error]);
+        }
+    }
+}
+
+/// The bound holds at every rebound of a chatter, from the first for which it is known, and is not much larger than the
+/// error.
+#[test]
+fn the_rest_of_a_chatter_is_within_its_bound() {
+    let (mut checked, mut episodes, mut closest) = (0, 0, 0.0_f64);
+    for (law, d) in [
+        (PowerLaw(0.4, [1, 5]), 0.1),
+        (PowerLaw(1.1, [1, 5]), 0.2),
+        (PowerLaw(2.0, [1, 3]), 0.1),
+        (PowerLaw(3.0, [1, 2]), 0.1),
+        (PowerLaw(0.7, [1, 8]), 0.15),
+        (PowerLaw(60.0, [3, 4]), 0.1),
+    ] {
+        for zeta in [0.0, 0.05, 0.6] {
+            let system = mass::<Twofold>([0.1, d, zeta], law);
+            let mut seen = (Bounds::default(), Events::default());
+            let limits = Limits::new(Twofold::from(5.0), system.clearance());
+            simulate(&system, &start(), &limits, None, &mut seen).unwrap();
+            let (Bounds { rebounds }, Events { episodes: found, .. }) = seen;
+            for episode in &found {
+                let within =
+                    |time: Twofold| time >= episode.start_time && time <= episode.stick_time;
+                for [time, tail, error] in rebounds.iter().filter(|[time, ..]| within(*time)) {
+                    let off = f64::from((episode.stick_time - *time - *tail).abs());
+                    let bound = f64::from(*error);
+                    assert!(off <= bound + 1e-21, "{law:?} {zeta} {time:?}: {off:e} {bound:e}");
+                    closest = closest.max(off / bound);
+                    checked += 1;
+                }
+            }
+            episodes += found.len();
+        }
+    }
+    assert!(episodes >= 12 && checked > 1000, "{episodes} {checked}");
+    assert!(closest > 0.05, "{closest}");
+}
+
+/// Impacts within their estimated errors, and sticks and releases to rounding; where no chatter ends, none does.
+#[test]
+fn doubles_agree_with_twice_the_precision() {
+    for law in LAWS {
+        let mut sticks = 0;
+        for d in [0.05, 0.1, 0.3, 0.8] {
+            let numbers = [0.15, d, 0.02];
+            let [plain, exact] = [3.0, 3.0].map(|periods| periods * TAU);
+            let (plain, exact) = (
+                decay(&mass::<f64>(numbers, law), plain),
+                decay(&mass::<Twofold>(numbers, law), exact),
+            );
+            let mut errors = Errors::default();
+            let system = mass::<f64>(numbers, law);
+            simulate(&system, &start(), &Limits::new(3.0 * TAU, d), None, &mut errors).unwrap();
+            assert_eq!(plain.tally.outcome, Outcome::Finished);
+            assert_eq!(plain.impacts.len(), exact.impacts.len(), "{law:?} {d}");
+            for ((a, b), error) in plain.impacts.iter().zip(&exact.impacts).zip(&errors.impacts) {
+                let (off, estimate) = (f64::from(b.time - a.time).abs(), error.time.unwrap());
+                assert!(
+                    off <= 4.0 * estimate + 4.0 * U,
+                    "{law:?} {d} {}: {off:e} {estimate:e}",
+                    a.time
+                );
+            }
+            assert_eq!(plain.episodes.len(), exact.episodes.len(), "{law:?} {d}");
+            for (a, b) in plain.episodes.iter().zip(&exact.episodes) {
+                let off = f64::from(b.stick_time - a.stick_time).abs();
+                assert!(off <= 2e-13, "{law:?} {d} {}: {off:e}", a.stick_time);
+                let releases = a.release_time.zip(b.release_time);
+                let off = releases.map_or(0.0, |(a, b)| f64::from(b - a).abs());
+                assert!(off <= 2e-13, "{law:?} {d} {:?}: {off:e}", a.release_time);
+                assert_eq!(a.impacts, b.impacts);
+            }
+            sticks += plain.episodes.len();
+        }
+        assert_eq!(sticks > 0, law.sticks(), "{law:?}: {sticks}");
+    }
+}
+
+/// x, ẋ, y and ẏ at the end of a run.
+fn end<R: Real>(system: &Free<R>, start: &Start<R>, duration: f64) -> [R; 4] {
+    let limits = Limits::new(R::from(duration), system.clearance());
+    let state = simulate(system, start, &limits, None, &mut ()).unwrap().state;
+    let (primary, gap) = (system.primary(&state), system.distance(&state));
+    let sign = if system.wall(&state) == Wall::Plus { R::ONE } else { -R::ONE };
+    [primary.x, primary.v, sign * (system.clearance() - gap.value), -(sign * gap.rate)]
+}
+
+#[test]
+fn the_derivative_of_a_run_is_that_of_differences() {
+    let mut checked = 0;
+    for law in LAWS {
+        let (numbers, duration) = ([0.15, 0.4, 0.02], 1.2 * TAU);
+        let system = mass::<f64>(numbers, law);
+        let mut seen = (Tangent::default(), Events::default());
+        let limits = Limits::new(duration, numbers[1]);
+        let tally = simulate(&system, &start(), &limits, None, &mut seen).unwrap();
+        let (tangent, events) = seen;
+        if tally.episodes > 0 {
+            // The approach speed is one at which e = 0.
+            continue;
+        }
+        checked += 1;
+        assert!(tally.impacts >= 3, "{law:?}");
+        let exact = mass::<Twofold>(numbers, law);
+        for varied in 0..4 {
+            let moved = |by: f64| {
+                let mut start = start::<Twofold>();
+                let fields = [
+                    &mut start.displacement,
+                    &mut start.velocity,
+                    &mut start.gap_displacement,
+                    &mut start.gap_velocity,
+                ];
+                *fields.into_iter().nth(varied).unwrap() += by;
+                end(&exact, &start, duration)
+            };
+            let (low, high) = (moved(-1e-9), moved(1e-9));
+            for row in 0..4 {
+                let truth = f64::from((high[row] - low[row]) / 2e-9);
+                let off = (tangent.derivative()[(row, varied)] - truth).abs();
+                assert!(
+                    off < 1e-9 * truth.abs().max(1.0),
+                    "{law:?} {row} {varied}: {truth} {off:e}"
+                );
+            }
+        }
+        // Each impact shrinks a small volume by e d(e u)/du, the damper by 2ζ.
+        let shrunk = events.impacts.iter().map(|impact| {
+            let at = system.law_at(impact.wall, impact.approach_speed());
+            at.restitution * at.slope
+        });
+        let volume = shrunk.product::<f64>() * (-2.0 * numbers[2] * duration).exp();
+        let off = (tangent.volume() - volume).abs();
+        assert!(off < 1e-12 * volume.abs(), "{law:?}: {volume} {off:e}");
+    }
+    assert!(checked >= 6, "{checked}");
+}
+
+/// With respect to the numbers of the laws themselves.
+#[test]
+fn derivatives_by_the_numbers_of_a_law_are_those_of_differences() {
+    fn power<R: Real>(a: R) -> RestitutionLaw<R> {
+        RestitutionLaw::power(a, [1, 5]).unwrap()
+    }
+    fn plastic<R: Real>(speed: R) -> RestitutionLaw<R> {
+        RestitutionLaw::plastic(speed).unwrap()
+    }
+    fn table<R: Real>(e: R) -> RestitutionLaw<R> {
+        let n = R::from;
+        RestitutionLaw::table(&[[n(0.1), n(0.8)], [n(0.6), e], [n(1.5), n(0.2)]]).unwrap()
+    }
+    type Made<R> = fn(R) -> RestitutionLaw<R>;
+    let laws: [(f64, Made<Dual>, Made<Twofold>); 3] =
+        [(0.4, power, power), (0.05, plastic, plastic), (0.5, table, table)];
+    for (number, dual, twofold) in laws {
+        let bare = |law| {
+            let n = Twofold::from;
+            Siva::new(n(0.15), Twofold::ONE, n(0.1), n(0.02)).unwrap().with_restitution_law(law)
+        };
+        let n = Dual::constant;
+        let system = Siva::new(n(0.15), Dual::ONE, n(0.1), n(0.02)).unwrap();
+        let system = system.with_restitution_law(dual(Dual::variable(number, 0)));
+        let found = decay(&system, 1.3 * TAU);
+        let near = |by: f64| decay(&bare(twofold(Twofold::from(number) + by)), 1.3 * TAU);
+        let (low, high) = (near(-1e-9), near(1e-9));
+        assert_eq!([low.impacts.len(), high.impacts.len()], [found.impacts.len(); 2]);
+        assert!(found.impacts.len() > 3);
+        let times = |run: &Run<SivaState<(), Twofold>, Twofold>| {
+            let sticks = run.episodes.iter().map(|it| it.stick_time);
+            run.impacts.iter().map(|it| it.time).chain(sticks).collect::<Vec<_>>()
+        };
+        let slopes = found.impacts.iter().map(|it| it.time);
+        let slopes = slopes.chain(found.episodes.iter().map(|it| it.stick_time));
+        for ((time, low), high) in slopes.zip(times(&low)).zip(times(&high)) {
+            let [slope] = time.slopes;
+            let truth = f64::from((high - low) / 2e-9);
+            let off = (slope - truth).abs();
+            assert!(off < 1e-6 * slope.abs().max(1.0), "{number} {}: {slope} {truth}", time.value);
+        }
+    }
+}
+
+/// Lanes read a constant e: masses with another law go through the event loop, among others that do not.
+#[test]
+fn sweeps_are_their_runs() {
+    fn compare<S: SideBySide + Absorber<Real = f64, Start = Start>>(jobs: &[Job<S>]) {
+        let (mut seen, all) = (0, Listing { events: true, errors: true, ..Listing::default() });
+        side_by_side::run_listed(jobs, (Wanted::ALL, &all), None, &mut |i, (tally, ..), listed| {
+            let Job { system, start, limits, .. } = &jobs[i];
+            let mut events = Events::default();
+            let alone = simulate(system, start, limits, None, &mut events).unwrap();
+            assert_eq!(tally.impacts, alone.impacts, "{i}");
+            assert_eq!(tally.energy_impacts, alone.energy_impacts, "{i}");
+            let listed = listed.events.unwrap();
+            assert_eq!((listed.impacts, listed.episodes), (events.impacts, events.episodes), "{i}");
+            seen += 1;
+        })
+        .unwrap();
+        assert_eq!(seen, jobs.len());
+    }
+    let systems =
+        (0..32).map(|k| mass([0.15, 0.1 + 0.03 * f64::from(k), 0.02], LAWS[k as usize % 8]));
+    let job = |system: Free, fast: bool| {
+        let limits = Limits::new(10.0 * TAU, system.clearance());
+        // A constant law has another tier.
+        let tier = if fast && system.varies() { Tier::Fast } else { Tier::Exact };
+        Job { begin: 0.0, system, start: start(), limits, steady: None, tier }
+    };
+    let free: Vec<_> = systems.enumerate().map(|(k, system)| job(system, k % 3 == 0)).collect();
+    compare(&free);
+    let driven = |Job { begin, system, start, limits, steady, tier }| {
+        let system: Free = system;
+        let system = system.under(push(0.3, 0.95, Acts::Primary));
+        Job { begin, system, start, limits, steady, tier }
+    };
+    compare(&free.into_iter().map(driven).collect::<Vec<_>>());
+}
+
+/// A list of one mass is the free mass, whatever its law.
+#[test]
+fn one_of_several_is_the_free_mass() {
+    for law in LAWS {
+        let numbers = [0.15, 0.1, 0.02];
+        let n = Twofold::from;
+        let masses = [FreeMass::new(n(0.15), Twofold::ONE, n(0.1))
+            .unwrap()
+            .with_restitution_laws([law.made(); 2])];
+        let listed = Several::new(n(0.02), masses).unwrap();
+        let zero = Twofold::ZERO;
+        let gaps = [GapPoint { y: zero, w: zero }];
+        let starts = Starts { primary: Point { x: Twofold::ONE, v: zero }, gaps };
+        let limits = Limits::new(n(10.0), n(0.1));
+        let (one, alone) =
+            (run(&listed, &starts, &limits).unwrap(), decay(&mass::<Twofold>(numbers, law), 10.0));
+        assert_eq!(one.impacts.len(), alone.impacts.len(), "{law:?}");
+        for (a, b) in one.impacts.iter().zip(&alone.impacts) {
+            let off = f64::from(a.time - b.time).abs();
+            assert!(off < 1e-20, "{law:?}: {off:e}");
+        }
+        assert_eq!(one.episodes.len(), alone.episodes.len(), "{law:?}");
+        for (a, b) in one.episodes.iter().zip(&alone.episodes) {
+            let off = f64::from(a.stick_time - b.stick_time).abs();
+            assert!(off < 1e-20, "{law:?}: {off:e}");
+        }
+    }
+}
+
+/// Two masses with laws of their own on one structure: energy adds up, and doubles agree with twice the precision. The
+/// second never sticks, so that the chatter of the first is summed.
+#[test]
+fn several_masses_have_their_laws() {
+    fn built<R: Real>(k: usize) -> Several<UndrivenHost<R>, 2> {
+        let laws = [[LAWS[k], LAWS[(k + 1) % 8]], [LAWS[5], LAWS[7]]];
+        let numbers = [(0.1, 0.1), (0.05, 0.7)].into_iter().zip(laws);
+        let mut masses = numbers.map(|((mu, d), laws)| {
+            let mass = FreeMass::new(R::from(mu), R::ONE, R::from(d)).unwrap();
+            mass.with_restitution_laws(laws.map(Law::made))
+        });
+        let masses = [masses.next().unwrap(), masses.next().unwrap()];
+        Several::new(R::from(0.02), masses).unwrap()
+    }
+    fn ran<R: Real>(k: usize) -> Run<<Several<UndrivenHost<R>, 2> as OnStructure>::State, R> {
+        let gaps = [GapPoint { y: R::ZERO, w: R::from(0.1) }; 2];
+        let starts = Starts { primary: Point { x: R::ONE, v: R::ZERO }, gaps };
+        run(&built(k), &starts, &Limits::new(R::from(8.0), R::from(0.3))).unwrap()
+    }
+    let [mut impacts, mut sticks] = [0, 0];
+    for k in 0..8 {
+        let (plain, exact) = (ran::<f64>(k), ran::<Twofold>(k));
+        assert!(plain.measures.energy_residual.abs() < 1e-13, "{k}");
+        assert_eq!(plain.impacts.len(), exact.impacts.len(), "{k}");
+        for (a, b) in plain.impacts.iter().zip(&exact.impacts) {
+            let off = f64::from(b.time - a.time).abs();
+            assert!(off < 1e-11 && a.absorber == b.absorber, "{k} {}: {off:e}", a.time);
+            let first = [LAWS[k], LAWS[(k + 1) % 8]];
+            let at = if a.absorber == 0 { first } else { [LAWS[5], LAWS[7]] }[a.wall.index()];
+            let e = at.expected(a.approach_speed());
+            assert!((a.gap_velocity_after + e * a.gap_velocity_before).abs() < 1e-14, "{k}");
+        }
+        assert_eq!(plain.episodes.len(), exact.episodes.len(), "{k}");
+        for (a, b) in plain.episodes.iter().zip(&exact.episodes) {
+            let off = f64::from(b.stick_time - a.stick_time).abs();
+            assert!(off < 1e-12, "{k} {}: {off:e}", a.stick_time);
+        }
+        impacts += plain.impacts.len();
+        sticks += plain.episodes.len();
+    }
+    assert!(impacts > 200 && sticks > 3, "{impacts} {sticks}");
+}
+
+#[test]
+fn bad_laws_are_refused_in_one_sentence() {
+    let refused =
+        |law: Result<RestitutionLaw, iva_core::error::Invalid>| law.unwrap_err().to_string();
+    let table = |points: &[[f64; 2]]| refused(RestitutionLaw::table(points));
+    for (found, sentence) in [
+        (
+            refused(RestitutionLaw::constant(1.5)),
+            "absorber.restitution = 1.5: give a number from 0 to 1",
+        ),
+        (
+            refused(RestitutionLaw::power(0.0, [1, 5])),
+            "absorber.restitution.coefficient = 0: give a number from 1e-75 to 1e75",
+        ),
+        (
+            refused(RestitutionLaw::power(0.3, [0, 5])),
+            "absorber.restitution.exponent = 0/5: give a quotient of whole numbers from 1 to 8",
+        ),
+        (
+            refused(RestitutionLaw::power(0.3, [1, 9])),
+            "absorber.restitution.exponent = 1/9: give a quotient of whole numbers from 1 to 8",
+        ),
+        (
+            refused(RestitutionLaw::plastic(f64::NAN)),
+            "absorber.restitution.yield_speed = NaN: give a number from 1e-75 to 1e75",
+        ),
+        (
+            table(&[]),
+            "absorber.restitution.points = 0 points: give 1 to 16 points (speed, restitution)",
+        ),
+        (
+            table(&[[0.1, 0.5], [0.1, 0.4]]),
+            "absorber.restitution.points[1].speed = 0.1: give a speed above 0.1, that of the point before",
+        ),
+        (
+            table(&[[-0.1, 0.5]]),
+            "absorber.restitution.points[0].speed = -0.1: give a speed of 0 or more",
+        ),
+        (
+            table(&[[0.1, 0.5], [0.2, 1.01]]),
+            "absorber.restitution.points[1].restitution = 1.01: give a number from 0 to 1",
+        ),
+    ] {
+        assert_eq!(found, sentence);
+    }
+    let many: Vec<[f64; 2]> = (0..17).map(|k| [f64::from(k), 0.5]).collect();
+    assert!(table(&many).contains("17 points"));
+    assert!(RestitutionLaw::table(&many[..16]).unwrap().is_constant());
+}
