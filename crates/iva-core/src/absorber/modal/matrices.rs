@@ -57,7 +57,8 @@ impl<R: Real> ModalStructure<R> {
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|a, b| reduced[a * n + a].total_cmp(&reduced[b * n + b]));
         let most = order.last().map_or(R::ZERO, |last| reduced[last * n + last].abs());
-        let small = most * (R::EPSILON * (NOTHING_ULPS * n as f64));
+        // The matrices may have been rounded to doubles.
+        let small = most * (f64::EPSILON * (NOTHING_ULPS * n as f64));
         let mut squares = Vec::with_capacity(n);
         for j in &order {
             let square = reduced[j * n + j];

@@ -7,8 +7,8 @@ use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
 use crate::range;
 
-/// Part of the damping that may be negative by rounding, in units of 2⁻⁵² of the largest.
-const NEGATIVE_ULPS: f64 = 256.0;
+/// What rounding may do to a matrix that was given in doubles, relative to its largest element.
+const ROUNDED: f64 = 256.0 * f64::EPSILON;
 
 /// A structure by its modes, in natural units.
 #[derive(Debug, Clone, PartialEq)]
@@ -188,7 +188,7 @@ pub(super) fn checked_damping<R: Real>(
     let symmetric = symmetrical(field, matrix, n)?;
     let most = symmetric.iter().fold(R::ZERO, |most, element| most.max(element.abs()));
     let least = least_eigenvalue(&symmetric, n);
-    if least < -(most * (R::EPSILON * NEGATIVE_ULPS)) {
+    if least < -(most * ROUNDED) {
         let rule = "dampers feed no energy: give a matrix without negative eigenvalue; this is one";
         return Err(Invalid::new(field, number(least), rule));
     }
@@ -205,7 +205,7 @@ pub(super) fn symmetrical<R: Real>(field: &str, matrix: &[R], n: usize) -> Resul
     for i in 0..n {
         for j in 0..i {
             let [a, b] = [matrix[i * n + j], matrix[j * n + i]];
-            if (a - b).abs() > most * (R::EPSILON * NEGATIVE_ULPS) {
+            if (a - b).abs() > most * ROUNDED {
                 let rule = format!("give a symmetric matrix: [{j}][{i}] is {}", number(b));
                 return Err(Invalid::new(format!("{field}[{i}][{j}]"), number(a), rule));
             }
