@@ -15,6 +15,7 @@ pub mod coupled;
 pub mod derivatives;
 pub mod impact;
 mod impact_law;
+pub mod modal;
 mod on_structure;
 pub mod piva;
 pub(crate) mod plain;

@@ -1,0 +1,208 @@
+//! Free masses on a structure with several modes, each in a gap of its own at a point of the structure.
+//!
+//! ```text
+//! q̈ⱼ + Σᵢ Dⱼᵢ q̇ᵢ + ωⱼ² qⱼ = φⱼ(p) f(t) − Γⱼ a_g,     u_p = Σ φⱼ(p) qⱼ,     yₖ = x₁ₖ − u at pₖ,     ẍ₁ₖ = −a_g.
+//! ```
+//!
+//! | symbol | name | here |
+//! |---|---|---|
+//! | ωⱼ, ζⱼ; D | modes; D = diag(2ζⱼωⱼ), or any full matrix that feeds no energy | [`ModalStructure`] |
+//! | φⱼ(p) | mass-normalised shape of mode j at a named point p | [`ModalStructure::with_point`] |
+//! | Γⱼ | how the base motion a_g takes part in mode j | [`ModalStructure::with_base`] |
+//! | M, K, C | matrices that the modes are computed from | [`ModalStructure::from_matrices`] |
+//! | μₖ, eₖ, dₖ | a free mass, and the point where it rides | [`FreeMass`], [`Modal::new`] |
+//!
+//! Natural units: the unit of time is 1/ω of a mode of reference, and the unit of mass one of reference; so a shape has
+//! the unit 1, and one mode with ω = 1 and φ = 1 is the structure of [`crate::absorber::several`].
+//!
+//! **Stuck masses.** With the masses of a set S stuck to their points the structure has the mass matrix
+//! M′ = I + Σ_S μ φφᵀ. Its inverse takes a system of as many equations as masses are stuck
+//! ([`equations`](self)). Each stuck mass is released by itself, where the absolute acceleration at its point is 0.
+//!
+//! **Motion** (`modal/equations.rs`). Between events the equations are linear, so that the Taylor coefficients of all q
+//! follow one from the other, whatever D and S are. The energy norm of (ωq, q̇) never grows without drive, and each
+//! time derivative obeys the same equations: the n-th is bounded by Λⁿ, Λ = ‖D‖/2 + √(‖D‖²/4 + max ω²). A motion is
+//! no longer than 0.8/Λ, so that the terms left out are below 0.8²¹/21! = 2 · 10⁻²² of the size of the motion. The
+//! terms that matter to rounding are in double-double. A structure with very fast modes takes many short motions.
+//!
+//! **Bounds** that the search for contacts needs are those of the energies of derivatives: for separate modes
+//! Σ |φⱼ| √((qⱼ⁽ⁿ⁺¹⁾)² + ωⱼ²(qⱼ⁽ⁿ⁾)²) bounds the derivative n + 1 of u from an instant on; where modes exchange energy
+//! it is |φ| times the root of the whole energy of the n-th derivative.
+//!
+//! **Chatter** is summed where no other mass is stuck or can meet a wall before its end ([`Absorber::others_wait`]), and
+//! where it is so short that also the fastest mode does nothing to it that is not rounding. Elsewhere its impacts are
+//! computed one by one.
+//!
+//! **What a run sees of the structure** is the motion at one point, by default that of the first mass
+//! ([`Modal::seen_at`]). The energy is that of all modes and masses. An impact tells displacement and velocity of the
+//! structure at the point of its mass.
+//!
+//! Impacts: `modal/impact_law.rs`.
+
+use std::sync::OnceLock;
+
+use crate::absorber::Wall;
+use crate::absorber::siva::FreeMass;
+use crate::error::{Invalid, number};
+use crate::force::Force;
+use crate::host::{DrivenHost, Host, UndrivenHost};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+
+pub use motion::ModalMotion;
+pub use start::ModalStart;
+pub use state::{ModalState, Modes, Place};
+pub use structure::ModalStructure;
+
+use equations::Stuck;
+
+mod absorber;
+mod equations;
+pub mod impact_law;
+mod matrices;
+mod motion;
+mod on_structure;
+mod series;
+mod start;
+mod state;
+mod structure;
+
+/// Largest number of absorbers.
+pub const MOST: usize = 8;
+/// Largest number of modes.
+pub const MOST_MODES: usize = 40;
+
+/// Contacts closer to each other than this, in units of 2⁻⁵² of the unit of time, are one event.
+const AT_ONCE_ULPS: f64 = 8.0;
+
+/// N free masses on a structure with several modes.
+#[derive(Debug, Clone)]
+pub struct Modal<H: Host, const N: usize> {
+    structure: ModalStructure<H::Real>,
+    masses: [FreeMass<H::Real>; N],
+    /// The index of the point of each mass.
+    at: [usize; N],
+    /// The point that a run sees, and that on which the force acts.
+    seen: usize,
+    pushed: usize,
+    /// What drives the structure; its oscillator is not used.
+    host: H,
+    /// φ·φ of the points of two masses: the velocity at one per impulse at the other.
+    mobility: [[DoubleDouble<H::Real>; N]; N],
+    /// What a set of stuck masses needs, made when the set first is.
+    stuck: Vec<OnceLock<Stuck<H::Real>>>,
+    /// Longest motion, if the drive stays smooth.
+    reach: H::Real,
+}
+
+impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
+    /// Masses that ride at named points of a structure without drive.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a point that the structure does not have, and for more than [`MOST`] masses or none.
+    pub fn new(
+        structure: ModalStructure<R>,
+        masses: [(FreeMass<R>, &str); N],
+    ) -> Result<Self, Invalid> {
+        if N == 0 || N > MOST {
+            let rule = format!("give from 1 to {MOST} absorbers");
+            return Err(Invalid::new("absorber", number(N as f64), rule));
+        }
+        let mut at = [0; N];
+        for (k, (_, point)) in masses.iter().enumerate() {
+            at[k] = structure.point(&format!("absorber.{}.point", k + 1), point)?;
+        }
+        let host = UndrivenHost::new(R::ZERO, R::ZERO);
+        let masses = masses.map(|(mass, _)| mass);
+        Ok(Self::on(host, structure, (masses, at), [at[0]; 2]))
+    }
+
+    /// The same masses on the same structure under a force that acts at a named point, or on a base that it moves.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a point that the structure does not have, for impulses at another point than that which a run
+    /// sees, whose work it would not know, and for a moving base of a structure that does not say how it takes part.
+    pub fn under(&self, force: Force<R>, point: &str) -> Result<Modal<DrivenHost<R>, N>, Invalid> {
+        let pushed = self.structure.point("force.point", point)?;
+        if force.kicks() > 0 && pushed != self.seen {
+            let rule = "impulses act at the point that a run sees; see there, or give no impulses";
+            return Err(Invalid::new("force.point", point, rule));
+        }
+        if force.moves_base() && self.structure.participation().is_none() {
+            return Err(Invalid::missing(
+                "structure.participation",
+                "a moving base needs the participation of each mode",
+            ));
+        }
+        let host = DrivenHost::new(R::ZERO, R::ZERO, force, R::ZERO);
+        let of = (self.masses, self.at);
+        Ok(Modal::on(host, self.structure.clone(), of, [self.seen, pushed]))
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+    fn on(
+        host: H,
+        structure: ModalStructure<R>,
+        (masses, at): ([FreeMass<R>; N], [usize; N]),
+        [seen, pushed]: [usize; 2],
+    ) -> Self {
+        let mobility = at.map(|k| at.map(|l| structure.mobility(k, l)));
+        let stuck = (0..1_usize << N).map(|_| OnceLock::new()).collect();
+        let drive = host.force().map_or(R::ZERO, Force::fastest);
+        let reach = R::from(equations::LONGEST * R::STEP) / structure.growth().max(drive);
+        Self { structure, masses, at, seen, pushed, host, mobility, stuck, reach }
+    }
+
+    /// The same system, of which a run sees the motion at another named point.
+    ///
+    /// # Errors
+    /// [`Invalid`] for a point that the structure does not have.
+    pub fn seen_at(mut self, point: &str) -> Result<Self, Invalid> {
+        self.seen = self.structure.point("structure.seen_at", point)?;
+        Ok(self)
+    }
+
+    /// The structure.
+    pub fn structure(&self) -> &ModalStructure<R> {
+        &self.structure
+    }
+
+    /// The masses.
+    pub fn masses(&self) -> &[FreeMass<R>; N] {
+        &self.masses
+    }
+
+    /// Gap displacement and velocity of each absorber.
+    pub fn gaps(&self, state: &ModalState<H, N>) -> [crate::segment::flight::GapPoint<R>; N] {
+        std::array::from_fn(|k| state.places[k].gap(&self.masses[k]))
+    }
+
+    /// The shape at the point of a mass.
+    fn shape(&self, k: usize) -> &[R] {
+        self.structure.shape(self.at[k])
+    }
+
+    /// The mass at hand, and its place in its gap.
+    fn at_hand_of(&self, state: &ModalState<H, N>) -> (usize, &FreeMass<R>, Place<R>) {
+        let k = usize::from(state.at_hand).min(N - 1);
+        (k, &self.masses[k], state.places[k])
+    }
+
+    /// What the masses that are stuck in a state need.
+    fn stuck_in(&self, places: &[Place<R>; N]) -> &Stuck<R> {
+        let stuck = |k: &usize| places[*k].stuck;
+        let set: usize = (0..N).filter(stuck).map(|k| 1 << k).sum();
+        self.stuck[set].get_or_init(|| self.stuck_set((0..N).filter(stuck).collect()))
+    }
+
+    /// The mass ratio of all masses together.
+    fn total(&self) -> R {
+        self.masses.iter().fold(R::ZERO, |sum, mass| sum + mass.mass_ratio)
+    }
+}
+
+/// The wall with this sign.
+fn wall_of<R: Real>(side: R) -> Wall {
+    if side > 0.0 { Wall::Plus } else { Wall::Minus }
+}

@@ -1,0 +1,184 @@
+//! Several masses on a structure with modes, as the event loop asks for them.
+
+use super::state::Place;
+use super::{AT_ONCE_ULPS, Modal, ModalMotion, ModalStart, ModalState, wall_of};
+use crate::absorber::{Absorber, Clock, Wall, impact};
+use crate::error::Invalid;
+use crate::host::{Host, Structure};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::Jet;
+
+/// Largest pressure of a stuck mass that is released with another, in units of 2⁻⁵² of the terms that cancel in it.
+const RELEASED_ULPS: f64 = 16.0;
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+    /// True if the fastest mode does nothing to a chatter of this length that is not rounding: an impulse changes the
+    /// derivatives of the pressure by its stiffness, which the sum of a chatter leaves out, and the structure moves in
+    /// it as if the mass were stuck but for terms of the same order.
+    fn is_sudden(&self, time: R) -> bool {
+        let turned = time * self.structure.growth();
+        time * 4.0 * (turned * turned) <= R::NEGLIGIBLE
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
+    type Start = ModalStart<R, N>;
+    type Flight<'a>
+        = ModalMotion<'a, H, N>
+    where
+        H: 'a;
+    type Ride<'a>
+        = ModalMotion<'a, H, N>
+    where
+        H: 'a;
+
+    fn absorbers(&self) -> usize {
+        N
+    }
+
+    fn at_hand(&self, state: &Self::State) -> usize {
+        usize::from(state.at_hand)
+    }
+
+    fn turned_to(&self, state: &Self::State, absorber: usize) -> Self::State {
+        ModalState { at_hand: absorber as u8, ..*state }
+    }
+
+    fn turn<'a>(&'a self, flight: &mut ModalMotion<'a, H, N>, absorber: usize) {
+        flight.from.at_hand = absorber as u8;
+    }
+
+    fn is_stuck(&self, state: &Self::State) -> bool {
+        self.at_hand_of(state).2.stuck
+    }
+
+    fn freed(&self, state: &Self::State) -> Self::State {
+        let (k, _, place) = self.at_hand_of(state);
+        if !place.stuck {
+            return *state;
+        }
+        let mut freed = *state;
+        freed.places[k].stuck = false;
+        self.refresh(&mut freed);
+        freed
+    }
+
+    /// A mass travels |Ḋ| t + ½ |A| t² at most. The impulses of all impacts of a chatter sum to less than twice the reduced
+    /// mass times (1 + e)/(1 − e) times the speed of the mass that chatters, and change A by what springs and dampers make of that
+    /// velocity.
+    fn others_wait(&self, state: &Self::State, time: R) -> bool {
+        if !self.is_sudden(time) {
+            return false;
+        }
+        let (at_hand, mass, place) = self.at_hand_of(state);
+        let e = mass.law(place.side).restitution;
+        let shrinking = (R::ONE + e) / (R::ONE - e);
+        let impulse = self.reduced(at_hand) * 2.0 * shrinking * place.rate.value.abs();
+        let flight = self.flight(state);
+        (0..N).filter(|k| *k != at_hand).all(|k| {
+            let Place { distance, rate, stuck, .. } = state.places[k];
+            let both = self.mobility[k][k].value * self.mobility[at_hand][at_hand].value;
+            let kicked = impulse * both.sqrt();
+            let shaken = flight.shaken(k) + kicked * self.structure.growth() * 2.0;
+            let travel = time * (rate.value.abs() + kicked + shaken * time);
+            let (near, gap) = (distance.value, self.masses[k].clearance * 2.0);
+            !stuck && near > travel && gap - near > travel
+        })
+    }
+
+    fn clearance(&self) -> R {
+        self.masses.iter().fold(R::INFINITY, |least, mass| least.min(mass.clearance))
+    }
+
+    fn clearance_at_hand(&self, state: &Self::State) -> R {
+        self.at_hand_of(state).1.clearance
+    }
+
+    fn check_start(&self, start: &ModalStart<R, N>) -> Result<(), Invalid> {
+        self.check(start)
+    }
+
+    fn begin_at(&self, start: &ModalStart<R, N>, time: Clock<R>) -> Self::State {
+        self.first(start, time)
+    }
+
+    fn flight(&self, state: &Self::State) -> ModalMotion<'_, H, N> {
+        ModalMotion::new(self, *state)
+    }
+
+    fn ride(&self, state: &Self::State) -> ModalMotion<'_, H, N> {
+        ModalMotion::new(self, *state)
+    }
+
+    fn wall(&self, state: &Self::State) -> Wall {
+        wall_of(self.at_hand_of(state).2.side)
+    }
+
+    /// As if the absorber at hand were in flight, also while it is stuck.
+    fn distance(&self, state: &Self::State) -> Jet<R> {
+        let Place { side, distance, rate, shaken, .. } = self.at_hand_of(state).2;
+        let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| side * it);
+        Jet { value: distance.value, rate: rate.value, curvature, jerk }
+    }
+
+    /// Other masses that are about to meet their walls touch them as well.
+    fn touch(&self, state: &Self::State, wall: Wall) -> (Self::State, R) {
+        let (at_hand, mass, place) = self.at_hand_of(state);
+        let met = place.measured_from(wall, mass);
+        let later = impact::delay(met.distance.value, met.rate.value, met.side * met.shaken[0]);
+        let mut touching = *state;
+        touching.modes = self.moved(state, later);
+        touching.phase = self.host.free().later(&state.phase, later);
+        touching.places = std::array::from_fn(|k| {
+            let (mass, place) = (&self.masses[k], &state.places[k]);
+            if place.stuck {
+                return *place;
+            }
+            if k == at_hand {
+                return Place { distance: DoubleDouble::ZERO, ..met.moved(later) };
+            }
+            let after = place.moved(later);
+            let within = R::EPSILON * AT_ONCE_ULPS;
+            let meets = |seen: &Place<R>| {
+                seen.rate.value < 0.0 && seen.distance.value <= -seen.rate.value * within
+            };
+            let across = after.measured_from(wall_of(after.side).opposite(), mass);
+            match [after, across].into_iter().find(meets) {
+                Some(seen) => Place { distance: DoubleDouble::ZERO, ..seen },
+                None => after,
+            }
+        });
+        if later != 0.0 {
+            self.refresh(&mut touching);
+        }
+        (touching, later)
+    }
+
+    /// The release is where A = 0 at the point of the absorber at hand. Others whose pressure vanishes there as well are
+    /// released with it, and their A is 0 without rounding.
+    fn release(&self, state: &Self::State) -> (Self::State, R) {
+        let (at_hand, _, place) = self.at_hand_of(state);
+        let [a, jerk, snap, _] = place.shaken.map(|it| -place.side * it);
+        let later = impact::delay(a, jerk, snap);
+        let mut after = *state;
+        after.modes = self.moved(state, later);
+        after.phase = self.host.free().later(&state.phase, later);
+        let leaves: [bool; N] = std::array::from_fn(|k| {
+            let place = &state.places[k];
+            let terms = || self.terms(state, self.shape(k)) * (R::EPSILON * RELEASED_ULPS);
+            let falls = || place.side * place.shaken[1] > 0.0;
+            k == at_hand || (place.stuck && place.pressure() <= terms() && falls())
+        });
+        for (k, place) in after.places.iter_mut().enumerate() {
+            *place = if leaves[k] { Place { stuck: false, ..*place } } else { place.moved(later) };
+        }
+        self.refresh(&mut after);
+        for (place, leaves) in after.places.iter_mut().zip(leaves) {
+            if leaves {
+                place.shaken[0] = R::ZERO;
+            }
+        }
+        (after, later)
+    }
+}

@@ -1,0 +1,331 @@
+//! The equations of the modes between events, and their power series.
+//!
+//! The forces on the modes are g = −ω²q − D q̇ + φ_f f − Γ a_g. A stuck mass pulls at its point with
+//! R = −μ (ü + a_g), so that with the shapes Φ of all stuck masses
+//!
+//! ```text
+//! q̈ = g + Φ R,    (μ⁻¹ + ΦᵀΦ) R = −(Φᵀ g + a_g).
+//! ```
+//!
+//! With M′ = I + Φ μ Φᵀ the energy ½ (q̇ᵀM′q̇ + qᵀω²q) falls without drive, and so does that of each derivative. Under drive
+//! the root of twice the energy grows by |φ_f| |f| + (|Γ| + Σ √μ) |a_g| per time at most, for M′ ≥ I and
+//! M′ ≥ μ φφᵀ.
+
+use super::series::{EXACT, Series, Term, scaled};
+use super::state::Modes;
+use super::structure::Damping;
+use super::{MOST, MOST_MODES, Modal, ModalState};
+use crate::force::Drive;
+use crate::host::{Host, Phase};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::taylor::{Number, ORDER};
+
+/// The longest motion in units of 1/Λ.
+pub(super) const LONGEST: f64 = 0.8;
+
+/// Bounds are widened by this factor for their own rounding, and for eigenvalues of the damping that are negative by
+/// rounding.
+const MARGIN: f64 = 1.0 + 1e-9;
+
+/// What a set of stuck masses needs.
+#[derive(Debug, Clone)]
+pub(super) struct Stuck<R> {
+    /// Their indices.
+    masses: Vec<usize>,
+    /// (μ⁻¹ + ΦᵀΦ)⁻¹, row by row.
+    inverse: Vec<DoubleDouble<R>>,
+}
+
+/// The first coefficients of f and a_g.
+pub(super) type Pushed<R> = [DoubleDouble<R>; 2];
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+    /// What these stuck masses need.
+    pub(super) fn stuck_set(&self, masses: Vec<usize>) -> Stuck<R> {
+        let count = masses.len();
+        let mut inverse = vec![DoubleDouble::ZERO; count * count];
+        for column in 0..count {
+            let mut unit = [DoubleDouble::ZERO; N];
+            unit[masses[column]] = DoubleDouble::new(R::ONE);
+            let included = std::array::from_fn(|k| masses.contains(&k));
+            let solved = self.impulses(included, unit);
+            for (row, k) in masses.iter().enumerate() {
+                inverse[row * count + column] = solved[*k];
+            }
+        }
+        Stuck { masses, inverse }
+    }
+
+    /// Solves (μ⁻¹ + ΦᵀΦ) P = rhs for the masses that are included, by Gauss's elimination: the matrix is symmetric and
+    /// positive definite.
+    pub(super) fn impulses(
+        &self,
+        included: [bool; N],
+        rhs: [DoubleDouble<R>; N],
+    ) -> [DoubleDouble<R>; N] {
+        let (mut a, mut b) = (self.mobility, rhs);
+        for k in 0..N {
+            let own = DoubleDouble::new(R::ONE).over(self.masses[k].mass_ratio);
+            a[k][k] = a[k][k] + own;
+            for l in 0..N {
+                if l != k && !(included[k] && included[l]) {
+                    a[k][l] = DoubleDouble::ZERO;
+                }
+            }
+            if !included[k] {
+                b[k] = DoubleDouble::ZERO;
+            }
+        }
+        for p in 0..N {
+            for i in p + 1..N {
+                let share = a[i][p] / a[p][p];
+                for j in p..N {
+                    a[i][j] = a[i][j] - share * a[p][j];
+                }
+                b[i] = b[i] - share * b[p];
+            }
+        }
+        for p in (0..N).rev() {
+            for j in p + 1..N {
+                b[p] = b[p] - a[p][j] * b[j];
+            }
+            b[p] = b[p] / a[p][p];
+        }
+        b
+    }
+
+    /// The power series of all modes from a state, up to `order`, in powers of t = h/`unit` (a power of two).
+    #[inline(always)]
+    pub(super) fn series(
+        &self,
+        modes: &Modes<R>,
+        stuck: &Stuck<R>,
+        pushes: impl Fn(usize) -> Pushed<R>,
+        unit: R,
+        order: usize,
+    ) -> Vec<Series<R>> {
+        let mut rows = vec![Series::ZERO; self.structure.count()];
+        for (j, row) in rows.iter_mut().enumerate() {
+            modes.places[j].put(row, 0);
+            scaled(modes.velocities[j], unit).put(row, 1);
+        }
+        for m in 0..=order - 2 {
+            let [f, a] = pushes(m);
+            if m + 2 < EXACT {
+                self.raise::<DoubleDouble<R>>(&mut rows, m, stuck, [f, a], unit);
+            } else {
+                self.raise::<R>(&mut rows, m, stuck, [f.value, a.value], unit);
+            }
+        }
+        rows
+    }
+
+    /// Computes the coefficients m + 2 from those before, with the coefficients m of f and a_g.
+    #[inline(always)]
+    fn raise<T: Term<R>>(
+        &self,
+        rows: &mut [Series<R>],
+        m: usize,
+        stuck: &Stuck<R>,
+        [f, a]: [T; 2],
+        unit: R,
+    ) {
+        let n = rows.len();
+        let zero = T::from_real(R::ZERO);
+        let mut force = [zero; MOST_MODES];
+        let damped = unit * (m + 1) as f64;
+        for (j, force) in force.iter_mut().enumerate().take(n) {
+            let spring = T::of(scaled(self.structure.stiffness[j], unit * unit));
+            let damper = match &self.structure.damping {
+                Damping::Separate(rates) => T::of(rates[j]) * T::get(&rows[j], m + 1),
+                Damping::Full(matrix) => {
+                    let elements = matrix[j * n..(j + 1) * n].iter().zip(&*rows);
+                    elements.fold(zero, |sum, (element, row)| {
+                        T::get(row, m + 1).fused(T::from_real(*element), sum)
+                    })
+                }
+            };
+            *force = -(spring * T::get(&rows[j], m)) - damper * T::from_real(damped);
+        }
+        let [f, a] = [f, a].map(|push| push * T::from_real(unit * unit));
+        if self.host.is_driven() {
+            for (force, phi) in force.iter_mut().zip(self.structure.shape(self.pushed)) {
+                *force = *force + f * T::from_real(*phi);
+            }
+            for (force, part) in force.iter_mut().zip(self.structure.participation().unwrap_or(&[])) {
+                *force = *force - a * T::from_real(*part);
+            }
+        }
+        let count = stuck.masses.len();
+        if count > 0 {
+            let mut load = [zero; MOST];
+            for (load, k) in load.iter_mut().zip(&stuck.masses) {
+                let felt = self.shape(*k).iter().zip(&force);
+                *load = felt.fold(a, |sum, (phi, force)| *force * T::from_real(*phi) + sum);
+            }
+            for (i, k) in stuck.masses.iter().enumerate() {
+                let row = stuck.inverse[i * count..(i + 1) * count].iter().zip(&load);
+                let pull = row.fold(zero, |sum, (element, load)| T::of(*element) * *load + sum);
+                for (force, phi) in force.iter_mut().zip(self.shape(*k)) {
+                    *force = *force - pull * T::from_real(*phi);
+                }
+            }
+        }
+        let over = T::reciprocal((m + 1) * (m + 2));
+        for (row, force) in rows.iter_mut().zip(force) {
+            (force * over).put(row, m + 2);
+        }
+    }
+
+    /// The coefficients of f and a_g from a state of the drive on, in powers of t = h/`unit`.
+    pub(super) fn pushes(&self, phase: &Phase<H>, unit: R) -> impl Fn(usize) -> Pushed<R> + use<R, H, N> {
+        let drive: Option<Drive<R>> = self.host.drive(phase, unit);
+        let now = self.host.drive_now(phase);
+        move |m| {
+            let Some(drive) = &drive else { return [DoubleDouble::ZERO; 2] };
+            match &now {
+                Some(now) if m < 2 => {
+                    let power = if m == 0 { R::ONE } else { unit };
+                    [scaled(now.primary[m], power), scaled(now.base[m], power)]
+                }
+                _ => [drive.primary[m], drive.base[m]].map(DoubleDouble::new),
+            }
+        }
+    }
+
+    /// The displacement of a point beyond a uniform motion, absolute, from the series of all modes: ∬A.
+    #[inline(always)]
+    pub(super) fn curved(
+        &self,
+        rows: &[Series<R>],
+        shape: &[R],
+        pushes: &impl Fn(usize) -> Pushed<R>,
+        unit: R,
+    ) -> Series<R> {
+        let mut sum = Series::ZERO;
+        for (row, phi) in rows.iter().zip(shape) {
+            sum.add(row, *phi);
+        }
+        if self.host.moves_base() {
+            for m in 2..=ORDER {
+                let [_, a] = pushes(m - 2);
+                let over = <DoubleDouble<R> as Number>::reciprocal((m - 1) * m);
+                let moved = scaled(a, unit * unit) * over;
+                (DoubleDouble::get(&sum, m) + moved).put(&mut sum, m);
+            }
+        }
+        DoubleDouble::ZERO.put(&mut sum, 0);
+        DoubleDouble::ZERO.put(&mut sum, 1);
+        sum
+    }
+
+    /// Computes the accelerations at the points of all masses anew.
+    pub(super) fn refresh(&self, state: &mut ModalState<H, N>) {
+        let shaken = R::dispatched(
+            #[inline(always)]
+            || {
+                let stuck = self.stuck_in(&state.places);
+                let pushes = self.pushes(&state.phase, R::ONE);
+                let rows = self.series(&state.modes, stuck, &pushes, R::ONE, 5);
+                std::array::from_fn::<_, N, _>(|k| {
+                    let curved = self.curved(&rows, self.shape(k), &pushes, R::ONE);
+                    [2, 3, 4, 5].map(|m| {
+                        let factorial = [0.0, 0.0, 2.0, 6.0, 24.0, 120.0][m];
+                        R::get(&curved, m) * factorial
+                    })
+                })
+            },
+        );
+        for (place, shaken) in state.places.iter_mut().zip(shaken) {
+            place.shaken = shaken;
+        }
+    }
+
+    /// A bound on the derivative n + 1 of the displacement at a point, and of a_g n − 1, in a motion of this length from
+    /// the begin of these series on.
+    pub(super) fn bound(
+        &self,
+        (rows, unit): (&[Series<R>], R),
+        stuck: &Stuck<R>,
+        shape: &[R],
+        n: usize,
+        length: R,
+    ) -> R {
+        let powers = (1..=n).fold(R::ONE, |power, i| power / unit * i as f64);
+        let next = powers / unit * (n + 1) as f64;
+        let [f, a] = self.host.force().map_or([R::ZERO; 2], |force| force.largest(n as i32));
+        let pushed = self.structure.shape(self.pushed);
+        let none: &[R] = &[];
+        let parts = self.structure.participation().unwrap_or(none);
+        let separate = stuck.masses.is_empty() && self.structure.is_separate();
+        let [mut sum, mut shapes, mut forced, mut moved] = [R::ZERO; 4];
+        let mut rates = [R::ZERO; MOST_MODES];
+        for (j, row) in rows.iter().enumerate() {
+            let [low, high] = [R::get(row, n) * powers, R::get(row, n + 1) * next];
+            let energy = high * high + self.structure.stiffness[j].value * (low * low);
+            let phi = shape[j];
+            let part = parts.get(j).copied().unwrap_or(R::ZERO);
+            if separate {
+                let push = pushed[j].abs() * f + part.abs() * a;
+                sum += phi.abs() * (energy.sqrt() + length * push);
+            } else {
+                sum += energy;
+                shapes += phi * phi;
+                forced += pushed[j] * pushed[j];
+                moved += part * part;
+                rates[j] = high;
+            }
+        }
+        if !separate {
+            let mut dragged = R::ZERO;
+            for k in &stuck.masses {
+                let mass = self.masses[*k].mass_ratio;
+                let rate = self.shape(*k).iter().zip(&rates);
+                let rate = rate.fold(R::ZERO, |sum, (phi, rate)| sum + *phi * *rate);
+                sum += mass * (rate * rate);
+                dragged += mass.sqrt();
+            }
+            let push = forced.sqrt() * f + (moved.sqrt() + dragged) * a;
+            sum = shapes.sqrt() * (sum.sqrt() + length * push);
+        }
+        let base = if n > 0 && self.host.moves_base() {
+            self.host.force().map_or(R::ZERO, |force| force.largest(n as i32 - 1)[1])
+        } else {
+            R::ZERO
+        };
+        (sum + base) * MARGIN
+    }
+
+    /// The size of the terms that are summed to the acceleration at a point.
+    pub(super) fn terms(&self, state: &ModalState<H, N>, shape: &[R]) -> R {
+        let mut sum = R::ZERO;
+        let growth = self.structure.growth();
+        for (j, phi) in shape.iter().enumerate() {
+            let spring = self.structure.stiffness[j].value * state.modes.places[j].value.abs();
+            sum += phi.abs() * (spring + growth * state.modes.velocities[j].value.abs());
+        }
+        let [f, a] = self.host.force().map_or([R::ZERO; 2], |force| force.largest(0));
+        let pushed = self.structure.shape(self.pushed).iter().zip(shape);
+        sum + pushed.fold(R::ZERO, |sum, (a, b)| sum + (*a * *b).abs()) * f + a * 2.0
+    }
+
+    /// The modes a short time later, by velocity and acceleration.
+    pub(super) fn moved(&self, state: &ModalState<H, N>, time: R) -> Modes<R> {
+        let stuck = self.stuck_in(&state.places);
+        let rows = self.series(&state.modes, stuck, self.pushes(&state.phase, R::ONE), R::ONE, 2);
+        let mut modes = state.modes;
+        for (j, row) in rows.iter().enumerate() {
+            let acceleration = R::get(row, 2) * 2.0;
+            modes.places[j] = modes.places[j].plus(modes.velocities[j].value * time);
+            modes.velocities[j] = modes.velocities[j].plus(acceleration * time);
+        }
+        modes
+    }
+
+    /// The velocity at the point of a mass that impulses on the structure at those of others give it.
+    pub(super) fn pushed_by(&self, k: usize, impulses: &[DoubleDouble<R>; N]) -> DoubleDouble<R> {
+        let both = self.mobility[k].iter().zip(impulses);
+        both.fold(DoubleDouble::ZERO, |sum, (mobility, impulse)| sum + *mobility * *impulse)
+    }
+}

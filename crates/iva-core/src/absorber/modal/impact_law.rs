@@ -1,0 +1,223 @@
+//! Impacts of masses at several points of a structure at one instant.
+//!
+//! An impulse P at a point p gains the modes φ(p) P, and the point k the velocity mₖₚ P with the mobility
+//! mₖₗ = φ(pₖ)·φ(pₗ), of either sign or 0 between different points. With I the masses that have their impact, and L those
+//! stuck masses that their walls push on, momentum and Newton's law for each,
+//!
+//! ```text
+//! Pₖ/μₖ + Σ_{I ∪ L} mₖₗ Pₗ = (1 + eₖ) wₖ  for k in I,     = 0  for k in L,     wₖ⁺ = −eₖ wₖ,
+//! loss = Σ_I ½ Pₖ (1 − eₖ) wₖ,
+//! ```
+//!
+//! are one linear system. The rule for the masses that were stuck knows no order: a wall pushes and never pulls, s P ≥ 0,
+//! for each that is carried, and for each that is left behind the wall does not move into it, s Σ m P ≥ 0.
+//!
+//! **There is one set of carried masses, always.** With the impulses of I eliminated this is a linear complementarity
+//! problem whose matrix is a Schur complement of μ⁻¹ + Φᵀ Φ, thus symmetric and positive definite, and such a problem has
+//! one solution for every right-hand side (H. Samelson, R. M. Thrall and O. Wesler, Proc. Amer. Math. Soc. 9, 1958). So
+//! the set is never inconsistent. It is unique but for masses with neither impulse nor gap velocity, such as one at a
+//! node of all that moves; there all choices give the same velocities, and the mass stays stuck. The set is found by
+//! changing the first mass that breaks the rule, which ends for such matrices (K. G. Murty, Linear Algebra Appl. 7, 1974).
+//! On a structure of one mode the velocity gained has one sign, and the rule is that of
+//! [`crate::absorber::several::impact_law`].
+//!
+//! Newton's law holds for each mass of I. If another impact at the very same instant throws the wall of a slow one away
+//! faster than it returns, its impulse may pull, as for several masses on one mode; with unlike e such an instant may
+//! even gain energy. Impacts at one instant of masses at different points are a set of measure zero but for symmetric
+//! scenes. Masses in flight keep their velocity; that of their approach to walls changes by what the structure gains, and the event
+//! loop looks at each after the event. A mass that would be left behind for less than rounding of the clock is carried.
+
+use super::state::Place;
+use super::{Modal, ModalState, wall_of};
+use crate::absorber::chatter::is_nothing;
+use crate::absorber::impact::Impact;
+use crate::absorber::{ImpactLaw, LawAt, Wall};
+use crate::host::Host;
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+
+/// Impulses at one instant, and which of the stuck masses stay stuck.
+#[derive(Debug, Clone, Copy)]
+struct Blow<R, const N: usize> {
+    impulses: [DoubleDouble<R>; N],
+    carried: [bool; N],
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+    /// w of a mass, in double-double.
+    fn gap_velocity(place: &Place<R>) -> DoubleDouble<R> {
+        DoubleDouble { value: -place.side * place.rate.value, rest: -place.side * place.rate.rest }
+    }
+
+    /// e of each mass that has an impact: it touches its wall and approaches it.
+    fn struck(&self, state: &ModalState<H, N>) -> [Option<R>; N] {
+        std::array::from_fn(|k| {
+            let Place { side, distance, rate, stuck, .. } = state.places[k];
+            let strikes = !stuck && distance.value == 0.0 && rate.value < 0.0;
+            strikes.then(|| self.masses[k].law(side).restitution)
+        })
+    }
+
+    /// The impulses where some masses have an impact with a restitution each, and the points of all masses gain these
+    /// velocities from outside.
+    fn blow(
+        &self,
+        state: &ModalState<H, N>,
+        struck: &[Option<R>; N],
+        outside: &[DoubleDouble<R>; N],
+        time: R,
+    ) -> Blow<R, N> {
+        let places = &state.places;
+        let mut carried = places.map(|place| place.stuck);
+        let mut hops = [false; N];
+        let rhs = std::array::from_fn(|k| {
+            let w = Self::gap_velocity(&places[k]);
+            match struck[k] {
+                Some(e) => w * DoubleDouble::new(R::ONE).plus(e) - outside[k],
+                None => -outside[k],
+            }
+        });
+        let mut impulses = [DoubleDouble::ZERO; N];
+        // No set comes twice; rounding could let two alternate that differ by nothing.
+        for _ in 0..2_usize << N {
+            let included = std::array::from_fn(|k| struck[k].is_some() || carried[k]);
+            impulses = self.impulses(included, rhs);
+            let breaks = |k: &usize| {
+                let side = places[*k].side;
+                places[*k].stuck
+                    && !hops[*k]
+                    && if carried[*k] {
+                        side * impulses[*k].value < 0.0
+                    } else {
+                        side * (self.pushed_by(*k, &impulses) + outside[*k]).value < 0.0
+                    }
+            };
+            if let Some(k) = (0..N).find(breaks) {
+                carried[k] = !carried[k];
+                continue;
+            }
+            let hopping = |k: &usize| {
+                let Place { side, stuck, .. } = places[*k];
+                let pressure = places[*k].pressure();
+                let falls = pressure * (R::ONE - self.masses[*k].law(side).restitution);
+                let speed = (self.pushed_by(*k, &impulses) + outside[*k]).value.abs();
+                // Less by a factor of 4: another mass that ends its chatter at the same instant is not to free this one.
+                stuck && !carried[*k] && pressure > 0.0 && is_nothing(speed * 0.5 / falls, time)
+            };
+            let Some(k) = (0..N).find(hopping) else { break };
+            (hops[k], carried[k]) = (true, true);
+        }
+        Blow { impulses, carried }
+    }
+
+    /// The state after impulses. Masses in flight keep their velocity.
+    fn after(
+        &self,
+        state: &ModalState<H, N>,
+        blow: &Blow<R, N>,
+        outside: Option<DoubleDouble<R>>,
+    ) -> ModalState<H, N> {
+        let mut after = *state;
+        for k in 0..N {
+            let place = &mut after.places[k];
+            place.stuck &= blow.carried[k];
+            if place.stuck {
+                continue;
+            }
+            let mut gained = self.pushed_by(k, &blow.impulses);
+            if let Some(impulse) = outside {
+                gained = gained + impulse * self.structure.mobility(self.at[k], self.pushed);
+            }
+            let [value, rest] = [gained.value, gained.rest].map(|part| place.side * part);
+            place.rate = place.rate.plus_parts(value, rest);
+        }
+        for (k, impulse) in blow.impulses.iter().enumerate() {
+            after.modes.push(self.shape(k), *impulse);
+        }
+        if let Some(impulse) = outside {
+            after.modes.push(self.structure.shape(self.pushed), impulse);
+        }
+        after
+    }
+
+    /// The state after an impulse from outside, on the point on which the force acts.
+    pub(super) fn blown(
+        &self,
+        state: &ModalState<H, N>,
+        impulse: DoubleDouble<R>,
+    ) -> ModalState<H, N> {
+        let outside = self.at.map(|at| impulse * self.structure.mobility(at, self.pushed));
+        let blow = self.blow(state, &[None; N], &outside, R::ZERO);
+        let mut after = self.after(state, &blow, Some(impulse));
+        self.refresh(&mut after);
+        after
+    }
+
+    /// 1/(1/μ + φ·φ): what the impulse of an impact is, over (1 + e) w, where no mass is stuck.
+    pub(super) fn reduced(&self, k: usize) -> R {
+        R::ONE / (R::ONE / self.masses[k].mass_ratio + self.mobility[k][k].value)
+    }
+
+    /// φᵀ D φ at the point of a mass: by how much an impulse raises the pressure there.
+    fn stiffened(&self, k: usize) -> R {
+        self.structure.damped(self.shape(k))
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> ImpactLaw for Modal<H, N> {
+    /// That on the structure without other masses stuck to it, where chatters are summed.
+    fn law_of(&self, absorber: usize, wall: Wall, _approach: R) -> LawAt<R> {
+        let k = absorber.min(N - 1);
+        let e = self.masses[k].law(R::from(wall.sign())).restitution;
+        let impulse = (R::ONE + e) * self.reduced(k);
+        let gain = impulse * self.mobility[k][k].value;
+        LawAt::constant(e, e, gain, impulse * self.stiffened(k))
+    }
+
+    /// The record tells displacement and velocity of the structure at the point of the mass.
+    fn impact(&self, state: &Self::State, time: R) -> (Self::State, Impact<R>) {
+        let struck = self.struck(state);
+        let blow = self.blow(state, &struck, &[DoubleDouble::ZERO; N], time);
+        let mut after = self.after(state, &blow, None);
+        for (k, e) in struck.iter().enumerate() {
+            if let Some(e) = *e {
+                let before = state.places[k].rate;
+                after.places[k].rate = before.product(DoubleDouble::new(-e));
+            }
+        }
+        self.refresh(&mut after);
+        let (k, mass, place) = self.at_hand_of(state);
+        let [x, v] = state.modes.of_point(self.shape(k)).map(|it| it.value);
+        let [_, v_after] = after.modes.of_point(self.shape(k)).map(|it| it.value);
+        let (e, w) = (mass.law(place.side).restitution, -place.side * place.rate.value);
+        let impact = Impact {
+            time,
+            absorber: state.at_hand,
+            wall: wall_of(place.side),
+            displacement: x,
+            velocity_before: v,
+            velocity_after: v_after,
+            gap_velocity_before: w,
+            gap_velocity_after: -e * w,
+            lever: R::ONE,
+            energy_loss: blow.impulses[k].value * 0.5 * ((R::ONE - e) * w),
+        };
+        (after, impact)
+    }
+
+    /// The absorber at hand sticks, with all masses that are stuck already.
+    fn stick(&self, state: &Self::State) -> (Self::State, R) {
+        let (k, _, place) = self.at_hand_of(state);
+        let included = std::array::from_fn(|l| l == k || state.places[l].stuck);
+        let mut rhs = [DoubleDouble::ZERO; N];
+        rhs[k] = Self::gap_velocity(&place);
+        let blow = Blow { impulses: self.impulses(included, rhs), carried: included };
+        let mut stuck = *state;
+        stuck.places[k].stuck = true;
+        let mut after = self.after(&stuck, &blow, None);
+        let zero = DoubleDouble::ZERO;
+        after.places[k] = Place { distance: zero, rate: zero, ..after.places[k] };
+        self.refresh(&mut after);
+        (after, blow.impulses[k].value * 0.5 * rhs[k].value)
+    }
+}

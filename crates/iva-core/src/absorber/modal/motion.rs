@@ -1,0 +1,358 @@
+//! The motion of the modes and of all masses between two events.
+
+use std::cell::OnceCell;
+
+use super::equations::{Pushed, Stuck};
+use super::series::{Series, scaled};
+use super::state::{Modes, Place};
+use super::structure::Damping;
+use super::{Modal, ModalState, wall_of};
+use crate::absorber::{OnStructure, Wall};
+use crate::host::{Host, Structure};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::{
+    Curve, GapPoint, Jet, Losses, Motion, Rows, Seen, Travel,
+};
+use crate::segment::polynomial::product_integral;
+use crate::segment::taylor::{ORDER, Row, horner};
+
+/// The motion from one state. Its curve is that of the absorber at hand: the distance to the wall last touched, or the
+/// pressure on that wall while it is stuck.
+///
+/// A sample of the curve holds the place of that absorber only, the rest of it is that of the begin.
+#[derive(Debug, Clone)]
+pub struct ModalMotion<'a, H: Host, const N: usize> {
+    system: &'a Modal<H, N>,
+    stuck: &'a Stuck<H::Real>,
+    pub(super) from: ModalState<H, N>,
+    /// Unit of time of the series: a power of two.
+    unit: H::Real,
+    reach: H::Real,
+    /// q of all modes.
+    rows: Vec<Series<H::Real>>,
+    /// ∬A at the points of all masses.
+    curved: [Series<H::Real>; N],
+    /// a_g.
+    base: Row<H::Real>,
+    /// x at the point that the run sees, once it was needed.
+    seen: OnceCell<Series<H::Real>>,
+}
+
+impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
+    pub(super) fn new(system: &'a Modal<H, N>, from: ModalState<H, N>) -> Self {
+        let stuck = system.stuck_in(&from.places);
+        let unit = R::power_of_two(system.reach);
+        let smooth = system.host.smooth_for(&from.phase);
+        let reach = if smooth <= system.reach { smooth } else { system.reach };
+        let (rows, curved, base) = R::dispatched(
+            #[inline(always)]
+            || {
+                let pushes = system.pushes(&from.phase, unit);
+                let rows = system.series(&from.modes, stuck, &pushes, unit, ORDER);
+                let curved = std::array::from_fn(|k| {
+                    let mut curved = system.curved(&rows, system.shape(k), &pushes, unit);
+                    // At a release the acceleration is set to 0 without rounding.
+                    if from.places[k].shaken[0] == 0.0 {
+                        curved.set(2, DoubleDouble::ZERO);
+                    }
+                    curved
+                });
+                (rows, curved, base_row(pushes))
+            },
+        );
+        Self { system, stuck, from, unit, reach, rows, curved, base, seen: OnceCell::new() }
+    }
+
+    fn share(&self, h: R) -> R {
+        h / self.unit
+    }
+
+    /// A bound on |A| at the point of a mass.
+    pub(super) fn shaken(&self, k: usize) -> R {
+        let of = (self.rows.as_slice(), self.unit);
+        self.system.bound(of, self.stuck, self.system.shape(k), 1, self.reach)
+    }
+
+    /// The index of the absorber at hand.
+    fn at_hand(&self) -> usize {
+        usize::from(self.from.at_hand).min(N - 1)
+    }
+
+    fn is_stuck(&self) -> bool {
+        self.from.places[self.at_hand()].stuck
+    }
+
+    fn x(&self) -> &Series<R> {
+        self.seen.get_or_init(|| self.displacement(self.system.structure.shape(self.system.seen)))
+    }
+
+    /// The displacement of a point of this shape.
+    fn displacement(&self, shape: &[R]) -> Series<R> {
+        let mut sum = Series::ZERO;
+        for (row, phi) in self.rows.iter().zip(shape) {
+            sum.add(row, *phi);
+        }
+        sum
+    }
+
+    /// The place of a mass at h. Its accelerations are those that its curve needs.
+    #[inline(always)]
+    fn place(&self, k: usize, h: R) -> Place<R> {
+        let (place, curved, t) = (&self.from.places[k], &self.curved[k], self.share(h));
+        let over = R::ONE / self.unit;
+        let square = over * over;
+        if place.stuck {
+            let jerks = [curved.derivative::<3>(t), curved.derivative::<4>(t)];
+            let a = curved.derivative::<2>(t).value * square;
+            let [jerk, snap] = [jerks[0].value * over * square, jerks[1].value * square * square];
+            let crackle = curved.derivative::<5>(t).value * over * square * square;
+            return Place { shaken: [a, jerk, snap, crackle], ..*place };
+        }
+        let sided = |sum: DoubleDouble<R>| DoubleDouble {
+            value: place.side * sum.value,
+            rest: place.side * sum.rest,
+        };
+        let straight = place.rate.times(h);
+        let distance = place.distance.plus_both(straight, sided(curved.derivative::<0>(t)));
+        let rate = place.rate + sided(scaled(curved.derivative::<1>(t), over));
+        let a = curved.derivative::<2>(t).value * square;
+        let jerk = curved.derivative::<3>(t).value * over * square;
+        Place { distance, rate, shaken: [a, jerk, R::ZERO, R::ZERO], ..*place }
+    }
+
+    /// The modes at h.
+    #[inline(always)]
+    fn modes(&self, h: R) -> Modes<R> {
+        let (t, over) = (self.share(h), R::ONE / self.unit);
+        let mut modes = Modes::REST;
+        let both = modes.places.iter_mut().zip(&mut modes.velocities);
+        for ((q, v), row) in both.zip(&self.rows) {
+            *q = row.derivative::<0>(t);
+            *v = scaled(row.derivative::<1>(t), over);
+        }
+        modes
+    }
+
+    /// q̇ of all modes as polynomials in t.
+    fn velocities(&self) -> Vec<Row<R>> {
+        let rate = |row: &Series<R>| {
+            let row = row.row();
+            let over = R::ONE / self.unit;
+            std::array::from_fn(|m| {
+                if m < ORDER { row[m + 1] * ((m + 1) as f64) * over } else { R::ZERO }
+            })
+        };
+        self.rows.iter().map(rate).collect()
+    }
+
+    /// ∫ a b dh of two polynomials from 0 to h.
+    fn integral(&self, a: &Row<R>, b: &Row<R>, h: R) -> R {
+        product_integral(a, b, self.share(h)) * self.unit
+    }
+
+    /// ∫ q̇ᵀ D q̇ dh.
+    fn viscous(&self, rates: &[Row<R>], h: R) -> R {
+        let n = rates.len();
+        match &self.system.structure.damping {
+            Damping::Separate(dampers) => dampers.iter().zip(rates).fold(R::ZERO, |sum, (c, rate)| {
+                if c.value == 0.0 { sum } else { sum + c.value * self.integral(rate, rate, h) }
+            }),
+            Damping::Full(matrix) => (0..n).fold(R::ZERO, |sum, j| {
+                let elements = &matrix[j * n..(j + 1) * n];
+                let force: Row<R> = std::array::from_fn(|m| {
+                    let both = elements.iter().zip(rates);
+                    both.fold(R::ZERO, |sum, (c, rate)| c.mul_add(rate[m], sum))
+                });
+                sum + self.integral(&rates[j], &force, h)
+            }),
+        }
+    }
+
+    /// ∫ f φ_f·q̇ − a_g (Γ·q̇ + Σ μ ẋ₁) dh: ẋ₁ is that of the structure for a stuck mass; in flight it loses ∫a_g.
+    fn work(&self, rates: &[Row<R>], h: R) -> R {
+        let system = self.system;
+        let Some(drive) = system.host.drive(&self.from.phase, self.unit) else { return R::ZERO };
+        let seen = |shape: &[R]| -> Row<R> {
+            std::array::from_fn(|m| {
+                let both = shape.iter().zip(rates);
+                both.fold(R::ZERO, |sum, (phi, rate)| phi.mul_add(rate[m], sum))
+            })
+        };
+        let pushed = seen(system.structure.shape(system.pushed));
+        let mut work = self.integral(&pushed, &drive.primary, h);
+        if !system.host.moves_base() {
+            return work;
+        }
+        let mut momentum = seen(system.structure.participation().unwrap_or(&[]));
+        for (k, (mass, place)) in system.masses.iter().zip(&self.from.places).enumerate() {
+            let moving = if place.stuck {
+                seen(system.shape(k))
+            } else {
+                let [_, v] = self.from.modes.of_point(system.shape(k));
+                let mut moving = [R::ZERO; ORDER + 1];
+                moving[0] = v.value + place.gap(mass).w;
+                for m in 0..ORDER {
+                    moving[m + 1] = -(drive.base[m] * R::reciprocal(m + 1) * self.unit);
+                }
+                moving
+            };
+            for (sum, part) in momentum.iter_mut().zip(moving) {
+                *sum = part.mul_add(mass.mass_ratio, *sum);
+            }
+        }
+        work = work - self.integral(&momentum, &drive.base, h);
+        work
+    }
+}
+
+/// a_g in powers of t.
+fn base_row<R: Real>(pushes: impl Fn(usize) -> Pushed<R>) -> Row<R> {
+    std::array::from_fn(|m| pushes(m)[1].value)
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N> {
+    type Real = R;
+    type State = ModalState<H, N>;
+    const RIDING: bool = false;
+
+    fn origin(&self) -> &Self::State {
+        &self.from
+    }
+
+    fn reach(&self) -> R {
+        self.reach
+    }
+
+    fn state(&self, h: R) -> Self::State {
+        let mut state = R::dispatched(
+            #[inline(always)]
+            || {
+                let places = std::array::from_fn(|k| self.place(k, h));
+                let free = self.system.host.free();
+                let phase = free.renewed(&free.within(&self.from.phase, h));
+                ModalState { modes: self.modes(h), places, phase, at_hand: self.from.at_hand }
+            },
+        );
+        self.system.refresh(&mut state);
+        state
+    }
+
+    fn primary(&self, h: R) -> Jet<R> {
+        let (x, t, over) = (self.x(), self.share(h), R::ONE / self.unit);
+        Jet {
+            value: x.derivative::<0>(t).value,
+            rate: x.derivative::<1>(t).value * over,
+            curvature: x.derivative::<2>(t).value * over * over,
+            jerk: x.derivative::<3>(t).value * over * over * over,
+        }
+    }
+
+    fn acceleration(&self, h: R) -> R {
+        self.primary(h).curvature + horner(&self.base, self.share(h))
+    }
+
+    fn gap(&self, h: R) -> GapPoint<R> {
+        let k = self.at_hand();
+        self.place(k, h).gap(&self.system.masses[k])
+    }
+
+    fn seen(&self, h: R) -> Seen<Self::State, R> {
+        let state = self.state(h);
+        let primary = self.system.primary(&state);
+        Seen { state, primary, gap: self.gap(h), acceleration: self.acceleration(h) }
+    }
+
+    fn wall(&self) -> Option<Wall> {
+        self.is_stuck().then(|| wall_of(self.from.places[self.at_hand()].side))
+    }
+
+    fn losses(&self, h: R) -> Losses<R> {
+        let (viscous, work) = R::dispatched(
+            #[inline(always)]
+            || {
+                let rates = self.velocities();
+                (self.viscous(&rates, h), self.work(&rates, h))
+            },
+        );
+        Losses { viscous, pivot: R::ZERO, work }
+    }
+
+    fn square(&self, [from, to]: [R; 2]) -> R {
+        let x = self.x().row();
+        self.integral(&x, &x, to) - self.integral(&x, &x, from)
+    }
+
+    fn rows(&self) -> Option<Rows<R>> {
+        let x = self.x().row();
+        let square = R::ONE / (self.unit * self.unit);
+        let acceleration = std::array::from_fn(|m| {
+            let of = ((m + 1) * (m + 2)) as f64;
+            let bent = if m + 2 <= ORDER { x[m + 2] * of * square } else { R::ZERO };
+            if m + 2 <= ORDER { bent + self.base[m] } else { R::ZERO }
+        });
+        Some(Rows { step: self.unit, order: ORDER, x, acceleration, base: self.base })
+    }
+
+    /// The absorber is that at hand, at its point of the structure.
+    fn travel(&self) -> Option<Travel<R>> {
+        let (k, rows) = (self.at_hand(), self.rows()?);
+        let (mass, place) = (&self.system.masses[k], &self.from.places[k]);
+        let GapPoint { y, w } = place.gap(mass);
+        let curved = self.curved[k].row();
+        let mut gap: Row<R> = std::array::from_fn(|m| if place.stuck { R::ZERO } else { -curved[m] });
+        (gap[0], gap[1]) = (y, w * self.unit);
+        let own = self.displacement(self.system.shape(k)).row();
+        let absorber = std::array::from_fn(|m| own[m] + gap[m]);
+        Some(Travel { rows, gap, absorber })
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Curve for ModalMotion<'_, H, N> {
+    type Real = R;
+    type Sample = ModalState<H, N>;
+
+    fn sample(&self, h: R) -> Self::Sample {
+        let k = self.at_hand();
+        let mut sample = self.from;
+        sample.places[k] = R::dispatched(
+            #[inline(always)]
+            || self.place(k, h),
+        );
+        sample
+    }
+
+    /// D, or the pressure −s A.
+    fn jet(&self, sample: &Self::Sample) -> Jet<R> {
+        let Place { side, distance, rate, shaken, .. } = sample.places[self.at_hand()];
+        if self.is_stuck() {
+            let [value, rate, curvature, jerk] = shaken.map(|it| -side * it);
+            return Jet { value, rate, curvature, jerk };
+        }
+        let [curvature, jerk] = [shaken[0], shaken[1]].map(|it| side * it);
+        Jet { value: distance.value, rate: rate.value, curvature, jerk }
+    }
+
+    fn precise(&self, h: R) -> DoubleDouble<R> {
+        let place = R::dispatched(
+            #[inline(always)]
+            || self.place(self.at_hand(), h),
+        );
+        if self.is_stuck() { DoubleDouble::new(place.pressure()) } else { place.distance }
+    }
+
+    fn fourth(&self) -> R {
+        let shape = self.system.shape(self.at_hand());
+        let n = if self.is_stuck() { 5 } else { 3 };
+        self.system.bound((&self.rows, self.unit), self.stuck, shape, n, self.reach)
+    }
+
+    fn magnitude(&self) -> R {
+        let k = self.at_hand();
+        if self.is_stuck() {
+            self.system.terms(&self.from, self.system.shape(k))
+        } else {
+            self.system.masses[k].clearance
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! Several masses on a structure with modes: what drives it, impulses and energy.
+
+use super::{Modal, ModalState};
+use crate::absorber::{OnStructure, Point};
+use crate::host::{Host, Phase};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+
+impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
+    type Real = R;
+    type Excitation = H;
+    type State = ModalState<H, N>;
+
+    fn excitation(&self) -> &H {
+        &self.host
+    }
+
+    fn phase(state: &Self::State) -> &Phase<H> {
+        &state.phase
+    }
+
+    fn with_drive_of(&self, state: &Self::State, like: &Self::State) -> Self::State {
+        let mut driven = ModalState { phase: like.phase, ..*state };
+        self.refresh(&mut driven);
+        driven
+    }
+
+    /// That of all masses together.
+    fn mass_ratio(&self) -> R {
+        self.total()
+    }
+
+    /// Displacement and velocity of the point that the run sees.
+    fn primary(&self, state: &Self::State) -> Point<R> {
+        let [x, v] = state.modes.of_point(self.structure.shape(self.seen));
+        Point { x: x.value, v: v.value }
+    }
+
+    /// That of all modes and masses.
+    fn energy(&self, state: &Self::State) -> R {
+        let mut sum = R::ZERO;
+        for (j, stiffness) in self.structure.stiffness.iter().enumerate() {
+            let (q, v) = (state.modes.places[j].value, state.modes.velocities[j].value);
+            sum += (stiffness.value * (q * q) + v * v) * 0.5;
+        }
+        for (k, (mass, gap)) in self.masses.iter().zip(self.gaps(state)).enumerate() {
+            let [_, v] = state.modes.of_point(self.shape(k));
+            let speed = v.value + gap.w;
+            sum += mass.mass_ratio * 0.5 * (speed * speed);
+        }
+        sum
+    }
+
+    /// The structure takes the impulse with the stuck masses that their walls push; the others are left behind.
+    fn apply_impulse(&self, state: &Self::State, velocity: R, _stuck: bool) -> Self::State {
+        let phase = self.host.after_impulse(&state.phase);
+        let kicked = ModalState { phase, ..*state };
+        let after = self.blown(&kicked, DoubleDouble::new(velocity));
+        if N > 1 {
+            return after;
+        }
+        // The event loop asks for one mass only whether it presses on its wall still.
+        let mut free = after;
+        free.places[0].stuck = false;
+        self.refresh(&mut free);
+        if after.places[0].stuck && free.places[0].pressure() <= 0.0 { free } else { after }
+    }
+}

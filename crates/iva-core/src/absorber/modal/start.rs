@@ -1,0 +1,95 @@
+//! The start of a structure with modes and of its masses.
+
+use super::state::{Modes, Place};
+use super::structure::same;
+use super::{MOST_MODES, Modal, ModalState};
+use crate::absorber::Clock;
+use crate::absorber::siva::free_mass::check_place;
+use crate::error::Invalid;
+use crate::host::{Host, Phase};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::range;
+use crate::segment::flight::GapPoint;
+
+/// A start: q and q̇ of the modes, and the place of each mass in its gap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModalStart<R, const N: usize> {
+    displacements: [R; MOST_MODES],
+    velocities: [R; MOST_MODES],
+    gaps: [GapPoint<R>; N],
+}
+
+impl<R: Real, const N: usize> ModalStart<R, N> {
+    /// The start with these q and q̇, of which those left out are 0, and with this y and w of each mass.
+    ///
+    /// # Errors
+    /// [`Invalid`] for more than [`MOST_MODES`] of one.
+    pub fn new(
+        displacements: &[R],
+        velocities: &[R],
+        gaps: [GapPoint<R>; N],
+    ) -> Result<Self, Invalid> {
+        let filled = |name: &str, given: &[R]| {
+            let mut all = [R::ZERO; MOST_MODES];
+            let room = all.get_mut(..given.len());
+            let Some(room) = room else {
+                return same(&format!("start.modes.{name}"), given.len(), MOST_MODES).map(|()| all);
+            };
+            room.copy_from_slice(given);
+            Ok(all)
+        };
+        let displacements = filled("displacement", displacements)?;
+        let velocities = filled("velocity", velocities)?;
+        Ok(Self { displacements, velocities, gaps })
+    }
+}
+
+impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
+    /// Checks a start.
+    pub(super) fn check(&self, start: &ModalStart<R, N>) -> Result<(), Invalid> {
+        let n = self.structure.count();
+        for (name, all) in
+            [("displacement", &start.displacements), ("velocity", &start.velocities)]
+        {
+            for (j, value) in all.iter().enumerate() {
+                let field = format!("start.modes[{j}].{name}");
+                range::size(&field, *value)?;
+                if j >= n && *value != 0.0 {
+                    let rule = format!("the structure has {n} modes");
+                    return Err(Invalid::new(field, crate::error::number(*value), rule));
+                }
+            }
+        }
+        for (k, (mass, GapPoint { y, w })) in self.masses.iter().zip(start.gaps).enumerate() {
+            let field = |name: &str| format!("start.absorber.{}.{name}", k + 1);
+            range::size(&field("gap_displacement"), y)?;
+            range::size(&field("gap_velocity"), w)?;
+            check_place(&field("gap_displacement"), y, [mass.clearance, mass.offset])?;
+        }
+        Ok(())
+    }
+
+    /// The first state.
+    pub(super) fn first(&self, start: &ModalStart<R, N>, time: Clock<R>) -> ModalState<H, N> {
+        let phase: Phase<H> = self.host.begin_at(time);
+        let places = start.displacements.map(DoubleDouble::new);
+        let velocities = start.velocities.map(DoubleDouble::new);
+        let modes = Modes { places, velocities };
+        let zero = DoubleDouble::ZERO;
+        let side = R::ONE;
+        let free =
+            Place { side, distance: zero, rate: zero, stuck: false, shaken: [R::ZERO; 4] };
+        let mut state = ModalState { modes, places: [free; N], phase, at_hand: 0 };
+        self.refresh(&mut state);
+        for (k, GapPoint { y, w }) in start.gaps.into_iter().enumerate() {
+            let [_, v] = modes.of_point(self.shape(k));
+            let shaken = state.places[k].shaken;
+            let leaning = [-shaken[0], v.value].into_iter().chain(self.host.leaning(&phase));
+            let (side, distance) = self.masses[k].begun([y, w], leaning);
+            let rate = DoubleDouble::new(-side * w);
+            state.places[k] = Place { side, distance, rate, stuck: false, shaken };
+        }
+        state
+    }
+}

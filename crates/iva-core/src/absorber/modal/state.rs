@@ -1,0 +1,115 @@
+//! The state of the modes and of the masses.
+
+use super::MOST_MODES;
+use crate::absorber::Wall;
+use crate::absorber::siva::FreeMass;
+use crate::host::{Host, Phase};
+use crate::number::compensated::DoubleDouble;
+use crate::number::real::Real;
+use crate::segment::flight::GapPoint;
+
+/// qⱼ and q̇ⱼ; those beyond the number of modes are 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Modes<R = f64> {
+    /// qⱼ.
+    pub places: [DoubleDouble<R>; MOST_MODES],
+    /// q̇ⱼ.
+    pub velocities: [DoubleDouble<R>; MOST_MODES],
+}
+
+/// The place of one mass in its gap, its velocity, and the motion of the structure there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place<R = f64> {
+    /// Sign of the wall that the distance is measured from.
+    pub(super) side: R,
+    pub(super) distance: DoubleDouble<R>,
+    pub(super) rate: DoubleDouble<R>,
+    /// True if the mass is stuck to that wall.
+    pub(super) stuck: bool,
+    /// The absolute acceleration A of the structure at the point of the mass, and its first three derivatives.
+    pub(super) shaken: [R; 4],
+}
+
+/// The state of a structure with modes and of N masses between events.
+#[derive(Debug, PartialEq)]
+pub struct ModalState<H: Host, const N: usize> {
+    pub(super) modes: Modes<H::Real>,
+    pub(super) places: [Place<H::Real>; N],
+    /// The state of the drive.
+    pub(super) phase: Phase<H>,
+    /// The index of the absorber at hand.
+    pub(super) at_hand: u8,
+}
+
+impl<H: Host, const N: usize> Clone for ModalState<H, N> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<H: Host, const N: usize> Copy for ModalState<H, N> {}
+
+impl<H: Host, const N: usize> ModalState<H, N> {
+    /// qⱼ and q̇ⱼ.
+    pub fn modes(&self) -> &Modes<H::Real> {
+        &self.modes
+    }
+}
+
+impl<R: Real> Modes<R> {
+    /// At rest in the middle.
+    pub(super) const REST: Self = Self {
+        places: [DoubleDouble::ZERO; MOST_MODES],
+        velocities: [DoubleDouble::ZERO; MOST_MODES],
+    };
+
+    /// Displacement and velocity of a point of this shape.
+    pub(super) fn of_point(&self, shape: &[R]) -> [DoubleDouble<R>; 2] {
+        let sum = |parts: &[DoubleDouble<R>]| {
+            let both = parts.iter().zip(shape);
+            both.fold(DoubleDouble::ZERO, |sum, (part, phi)| sum + part.times(*phi))
+        };
+        [sum(&self.places), sum(&self.velocities)]
+    }
+
+    /// The modes after an impulse on the point of this shape.
+    pub(super) fn push(&mut self, shape: &[R], impulse: DoubleDouble<R>) {
+        for (v, phi) in self.velocities.iter_mut().zip(shape) {
+            *v = *v + impulse.times(*phi);
+        }
+    }
+}
+
+impl<R: Real> Place<R> {
+    /// Gap displacement and gap velocity.
+    pub(super) fn gap(&self, mass: &FreeMass<R>) -> GapPoint<R> {
+        let d = mass.clearance;
+        let y = (self.side * (d - self.distance.value)).clamp(-d, d);
+        GapPoint { y: mass.offset + y, w: -self.side * self.rate.value }
+    }
+
+    /// The same place, with the distance measured from a wall.
+    pub(super) fn measured_from(&self, wall: Wall, mass: &FreeMass<R>) -> Self {
+        let side = R::from(wall.sign());
+        if side == self.side {
+            return *self;
+        }
+        let across = self.distance.plus(-(mass.clearance * 2.0)).negated();
+        Self { side, distance: across, rate: self.rate.negated(), ..*self }
+    }
+
+    /// The place a short time later.
+    pub(super) fn moved(&self, time: R) -> Self {
+        if self.stuck {
+            return *self;
+        }
+        let distance = self.distance.plus(self.rate.value * time);
+        let gained = self.shaken[0] * time;
+        Self { distance, rate: self.rate.plus(self.side * gained), ..*self }
+    }
+
+    /// −s A: the pressure on its wall per unit mass, if it is stuck.
+    pub(super) fn pressure(&self) -> R {
+        -self.side * self.shaken[0]
+    }
+}
