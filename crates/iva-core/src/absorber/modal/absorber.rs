@@ -91,8 +91,12 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Absorber for Modal<H, N> {
         self.masses.iter().fold(R::INFINITY, |least, mass| least.min(mass.clearance))
     }
 
-    fn clearance_at_hand(&self, state: &Self::State) -> R {
-        self.at_hand_of(state).1.clearance
+    fn clearance_of(&self, absorber: usize) -> R {
+        self.masses[absorber.min(N - 1)].clearance
+    }
+
+    fn offset_of(&self, absorber: usize) -> R {
+        self.masses[absorber.min(N - 1)].offset
     }
 
     fn check_start(&self, start: &ModalStart<R, N>) -> Result<(), Invalid> {

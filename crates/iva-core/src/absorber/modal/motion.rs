@@ -11,9 +11,7 @@ use crate::absorber::{OnStructure, Wall};
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::flight::{
-    Curve, GapPoint, Jet, Losses, Motion, Rows, Seen, Travel,
-};
+use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows, Seen, Travel};
 use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row, horner};
 
@@ -155,9 +153,11 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     fn viscous(&self, rates: &[Row<R>], h: R) -> R {
         let n = rates.len();
         match &self.system.structure.damping {
-            Damping::Separate(dampers) => dampers.iter().zip(rates).fold(R::ZERO, |sum, (c, rate)| {
-                if c.value == 0.0 { sum } else { sum + c.value * self.integral(rate, rate, h) }
-            }),
+            Damping::Separate(dampers) => {
+                dampers.iter().zip(rates).fold(R::ZERO, |sum, (c, rate)| {
+                    if c.value == 0.0 { sum } else { sum + c.value * self.integral(rate, rate, h) }
+                })
+            }
             Damping::Full(matrix) => (0..n).fold(R::ZERO, |sum, j| {
                 let elements = &matrix[j * n..(j + 1) * n];
                 let force: Row<R> = std::array::from_fn(|m| {
@@ -253,8 +253,21 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn gap(&self, h: R) -> GapPoint<R> {
-        let k = self.at_hand();
+        self.gap_of(self.at_hand(), h)
+    }
+
+    fn absorbers(&self) -> usize {
+        N
+    }
+
+    fn gap_of(&self, absorber: usize, h: R) -> GapPoint<R> {
+        let k = absorber.min(N - 1);
         self.place(k, h).gap(&self.system.masses[k])
+    }
+
+    fn wall_of(&self, absorber: usize) -> Option<Wall> {
+        let place = self.from.places.get(absorber).filter(|place| place.stuck)?;
+        Some(wall_of(place.side))
     }
 
     fn seen(&self, h: R) -> Seen<Self::State, R> {
@@ -264,7 +277,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
     }
 
     fn wall(&self) -> Option<Wall> {
-        self.is_stuck().then(|| wall_of(self.from.places[self.at_hand()].side))
+        self.wall_of(self.at_hand())
     }
 
     fn losses(&self, h: R) -> Losses<R> {
@@ -294,13 +307,18 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         Some(Rows { step: self.unit, order: ORDER, x, acceleration, base: self.base })
     }
 
-    /// The absorber is that at hand, at its point of the structure.
     fn travel(&self) -> Option<Travel<R>> {
-        let (k, rows) = (self.at_hand(), self.rows()?);
+        self.travel_of(self.at_hand())
+    }
+
+    /// The structure is that at the point that the run sees, the absorber at its own point.
+    fn travel_of(&self, absorber: usize) -> Option<Travel<R>> {
+        let (k, rows) = (absorber.min(N - 1), self.rows()?);
         let (mass, place) = (&self.system.masses[k], &self.from.places[k]);
         let GapPoint { y, w } = place.gap(mass);
         let curved = self.curved[k].row();
-        let mut gap: Row<R> = std::array::from_fn(|m| if place.stuck { R::ZERO } else { -curved[m] });
+        let mut gap: Row<R> =
+            std::array::from_fn(|m| if place.stuck { R::ZERO } else { -curved[m] });
         (gap[0], gap[1]) = (y, w * self.unit);
         let own = self.displacement(self.system.shape(k)).row();
         let absorber = std::array::from_fn(|m| own[m] + gap[m]);

@@ -30,6 +30,10 @@ impl<R: Real, H: Host<Real = R>, const N: usize> OnStructure for Modal<H, N> {
         self.total()
     }
 
+    fn mass_ratio_of(&self, absorber: usize) -> R {
+        self.masses[absorber.min(N - 1)].mass_ratio
+    }
+
     /// Displacement and velocity of the point that the run sees.
     fn primary(&self, state: &Self::State) -> Point<R> {
         let [x, v] = state.modes.of_point(self.structure.shape(self.seen));
