@@ -208,7 +208,7 @@ def test_an_optimum_is_found_for_two() -> None:
         start=START,
         periods=30,
         seed=1,
-        runs=100,
+        runs=500,
     )
     table = iva.sweep(
         PAIR, PRIMARY, over={"absorber.1.clearance": sizes}, start=START, periods=30

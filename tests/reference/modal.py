@@ -36,7 +36,10 @@ def numbers(value: Any, change: Any) -> Any:
     if isinstance(value, list):
         return [numbers(it, change) for it in value]
     if isinstance(value, dict):
-        return {key: it if key in {"id", "kind", "point"} else numbers(it, change) for key, it in value.items()}
+        return {
+            key: it if key in {"id", "kind", "point"} else numbers(it, change)
+            for key, it in value.items()
+        }
     return value
 
 
@@ -92,7 +95,9 @@ class Flow:
 
     def at(self, start: Any, t: Any, h: Any, order: int = 0) -> Any:
         """Return x and x', or a derivative of both, a time h after the start at t."""
-        parts = mp.matrix([c * mp.exp(l * h) * l**order for c, l in zip(start, self.values, strict=True)])
+        parts = mp.matrix(
+            [c * mp.exp(l * h) * l**order for c, l in zip(start, self.values, strict=True)]
+        )
         return (self.vectors * parts).apply(mp.re) + self.steady(t + h, order)
 
     def most(self, start: Any, b: Any, order: int) -> Any:
@@ -258,7 +263,8 @@ class Run:
                 right[0] = (1 + place["restitution"]) * w
                 p = mp.lu_solve(a, right)
                 moved = {
-                    l: sum(self.mobility(l, one) * p[j] for j, one in enumerate(who)) for l in range(self.count)
+                    l: sum(self.mobility(l, one) * p[j] for j, one in enumerate(who))
+                    for l in range(self.count)
                 }
                 pushed = all(self.stuck[one] * p[i + 1] >= 0 for i, one in enumerate(held))
                 left = all(self.stuck[l] * moved[l] > 0 for l in stuck if l not in held)
@@ -366,10 +372,14 @@ def result(scene: Scene) -> Scene:
     clearances = [mp.mpf(it["clearance"]) for it in scene["absorbers"]]
     for i, event in enumerate(exact.events):
         same = [draw.events[i] for draw in draws]
-        assert all(it["kind"] == event["kind"] and it["absorber"] == event["absorber"] for it in same)
+        assert all(
+            it["kind"] == event["kind"] and it["absorber"] == event["absorber"] for it in same
+        )
         values = [event["time"], *event.get("velocities", [])]
         changes = [[it["time"], *it.get("velocities", [])] for it in same]
-        condition = max(abs(a - b) / size for draw in changes for a, b in zip(draw, values, strict=True))
+        condition = max(
+            abs(a - b) / size for draw in changes for a, b in zip(draw, values, strict=True)
+        )
         if event["kind"] == "impact":
             k = event["absorber"]
             if abs(event["velocities"][2]) <= mp.mpf("1e-6") * clearances[k]:
@@ -381,7 +391,9 @@ def result(scene: Scene) -> Scene:
         row["condition"] = float(mp.nstr(condition, 6))
         events.append(row)
     ends = [[*run.z, *itertools.chain(*run.gaps)] for run in (exact, *draws)]
-    condition = max(abs(a - b) / size for draw in ends[1:] for a, b in zip(draw, ends[0], strict=True))
+    condition = max(
+        abs(a - b) / size for draw in ends[1:] for a, b in zip(draw, ends[0], strict=True)
+    )
     n = exact.n
     end = {
         "displacements": [text(it) for it in ends[0][:n]],
@@ -415,7 +427,11 @@ MODES = {
     "mass": [["1", "0", "0"], ["0", "1", "0"], ["0", "0", "1"]],
     "stiffness": [["1", "0", "0"], ["0", "6.25", "0"], ["0", "0", "18.49"]],
     "damping": [["0.02", "0", "0"], ["0", "0.075", "0"], ["0", "0", "0.172"]],
-    "points": {"tip": ["1", "-0.9", "0.7"], "middle": ["0.5", "0.8", "-0.6"], "node": ["0.7", "0", "0.5"]},
+    "points": {
+        "tip": ["1", "-0.9", "0.7"],
+        "middle": ["0.5", "0.8", "-0.6"],
+        "node": ["0.7", "0", "0.5"],
+    },
 }
 
 SCENES: list[Scene] = [
@@ -457,7 +473,13 @@ SCENES: list[Scene] = [
             absorber("middle", "0.06", "0.7", "0.6", "0.1"),
             absorber("node", "0.1", "0.45", "0.5", "0"),
         ],
-        "force": {"kind": "force", "amplitude": "0.35", "frequency": "0.9", "phase": "0.4", "point": "middle"},
+        "force": {
+            "kind": "force",
+            "amplitude": "0.35",
+            "frequency": "0.9",
+            "phase": "0.4",
+            "point": "middle",
+        },
         "start": {
             "displacements": ["0.8", "0.1", "-0.05"],
             "velocities": ["0", "0.2", "0"],
