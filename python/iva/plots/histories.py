@@ -12,7 +12,18 @@ from iva.forces import Impulse, listed
 from iva.parameters import numbers, shown
 from iva.plots.arguments import checked_run, frame_of, motion_of, values_of
 from iva.plots.labels import labelled
-from iva.plots.styles import ABSORBER, GREY, STRUCTURE, WALLS, drawing_on, legend_above
+from iva.plots.styles import (
+    ABSORBER,
+    GREEN,
+    GREY,
+    PURPLE,
+    SKY_BLUE,
+    STRUCTURE,
+    VERMILLION,
+    WALLS,
+    drawing_on,
+    legend_above,
+)
 from iva.simulation import Run, truth
 from iva.spelling import spell_checked
 
@@ -194,6 +205,10 @@ def reference_amplitude(run: Run) -> float:
     return start
 
 
+#: Colours of the absorbers of a run, one after the other.
+EACH = (ABSORBER, PURPLE, SKY_BLUE, GREEN, VERMILLION)
+
+
 @spell_checked
 def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) -> Axes:
     """Draw the velocities of structure and absorbers, which jump at every impact.
@@ -246,8 +261,8 @@ def velocities(run: Run, *, until: float | None = None, ax: Axes | None = None) 
             own, _ = motion_of(run, until, place)
             velocity = own["velocity"] + design_of(run, place).lever * own["gap_velocity"]
             name = "absorber ẋ₁" if count == 1 else f"absorber {place}"
-            shade = 0.35 + 0.65 / (place + 1)
-            axes.plot(own["time"], velocity, color=ABSORBER, alpha=shade, linewidth=0.8, label=name)
+            colour = EACH[place % len(EACH)]
+            axes.plot(own["time"], velocity, color=colour, linewidth=0.8, label=name)
         axes.plot(motion["time"], motion["velocity"], color=STRUCTURE, label="structure ẋ")
         axes.set_xlim(0.0, end)
         axes.set_xlabel(labelled("time", "t", units["time"]))
