@@ -153,7 +153,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
             for (force, phi) in force.iter_mut().zip(self.structure.shape(self.pushed)) {
                 *force = *force + f * T::from_real(*phi);
             }
-            for (force, part) in force.iter_mut().zip(self.structure.participation().unwrap_or(&[])) {
+            for (force, part) in force.iter_mut().zip(self.structure.participation().unwrap_or(&[]))
+            {
                 *force = *force - a * T::from_real(*part);
             }
         }
@@ -179,7 +180,11 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     }
 
     /// The coefficients of f and a_g from a state of the drive on, in powers of t = h/`unit`.
-    pub(super) fn pushes(&self, phase: &Phase<H>, unit: R) -> impl Fn(usize) -> Pushed<R> + use<R, H, N> {
+    pub(super) fn pushes(
+        &self,
+        phase: &Phase<H>,
+        unit: R,
+    ) -> impl Fn(usize) -> Pushed<R> + use<R, H, N> {
         let drive: Option<Drive<R>> = self.host.drive(phase, unit);
         let now = self.host.drive_now(phase);
         move |m| {

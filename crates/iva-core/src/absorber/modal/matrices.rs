@@ -88,7 +88,8 @@ impl<R: Real> ModalStructure<R> {
             .collect();
         let couples = (0..n * n).any(|e| e / n != e % n && full[e].abs() > nothing);
         // A damping below 0 is rounding: C has no negative eigenvalue.
-        let separate = || rates.iter().map(|rate| if rate.value < 0.0 { DoubleDouble::ZERO } else { *rate });
+        let separate =
+            || rates.iter().map(|rate| if rate.value < 0.0 { DoubleDouble::ZERO } else { *rate });
         let damping =
             if couples { Damping::Full(full) } else { Damping::Separate(separate().collect()) };
         let mut structure = Self::of(squares, damping);

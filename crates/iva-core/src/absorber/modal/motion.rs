@@ -11,9 +11,7 @@ use crate::absorber::{OnStructure, Wall};
 use crate::host::{Host, Structure};
 use crate::number::compensated::DoubleDouble;
 use crate::number::real::Real;
-use crate::segment::flight::{
-    Curve, GapPoint, Jet, Losses, Motion, Rows, Seen, Travel,
-};
+use crate::segment::flight::{Curve, GapPoint, Jet, Losses, Motion, Rows, Seen, Travel};
 use crate::segment::polynomial::product_integral;
 use crate::segment::taylor::{ORDER, Row, horner};
 
@@ -155,9 +153,11 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
     fn viscous(&self, rates: &[Row<R>], h: R) -> R {
         let n = rates.len();
         match &self.system.structure.damping {
-            Damping::Separate(dampers) => dampers.iter().zip(rates).fold(R::ZERO, |sum, (c, rate)| {
-                if c.value == 0.0 { sum } else { sum + c.value * self.integral(rate, rate, h) }
-            }),
+            Damping::Separate(dampers) => {
+                dampers.iter().zip(rates).fold(R::ZERO, |sum, (c, rate)| {
+                    if c.value == 0.0 { sum } else { sum + c.value * self.integral(rate, rate, h) }
+                })
+            }
             Damping::Full(matrix) => (0..n).fold(R::ZERO, |sum, j| {
                 let elements = &matrix[j * n..(j + 1) * n];
                 let force: Row<R> = std::array::from_fn(|m| {
@@ -300,7 +300,8 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Motion for ModalMotion<'_, H, N
         let (mass, place) = (&self.system.masses[k], &self.from.places[k]);
         let GapPoint { y, w } = place.gap(mass);
         let curved = self.curved[k].row();
-        let mut gap: Row<R> = std::array::from_fn(|m| if place.stuck { R::ZERO } else { -curved[m] });
+        let mut gap: Row<R> =
+            std::array::from_fn(|m| if place.stuck { R::ZERO } else { -curved[m] });
         (gap[0], gap[1]) = (y, w * self.unit);
         let own = self.displacement(self.system.shape(k)).row();
         let absorber = std::array::from_fn(|m| own[m] + gap[m]);

@@ -49,8 +49,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// Checks a start.
     pub(super) fn check(&self, start: &ModalStart<R, N>) -> Result<(), Invalid> {
         let n = self.structure.count();
-        for (name, all) in
-            [("displacement", &start.displacements), ("velocity", &start.velocities)]
+        for (name, all) in [("displacement", &start.displacements), ("velocity", &start.velocities)]
         {
             for (j, value) in all.iter().enumerate() {
                 let field = format!("start.modes[{j}].{name}");
@@ -78,8 +77,7 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         let modes = Modes { places, velocities };
         let zero = DoubleDouble::ZERO;
         let side = R::ONE;
-        let free =
-            Place { side, distance: zero, rate: zero, stuck: false, shaken: [R::ZERO; 4] };
+        let free = Place { side, distance: zero, rate: zero, stuck: false, shaken: [R::ZERO; 4] };
         let mut state = ModalState { modes, places: [free; N], phase, at_hand: 0 };
         self.refresh(&mut state);
         for (k, GapPoint { y, w }) in start.gaps.into_iter().enumerate() {

@@ -76,7 +76,11 @@ impl<R: Real> ModalStructure<R> {
             range::size(&field, *shape)?;
         }
         if self.points.iter().any(|(other, _)| other == name) {
-            return Err(Invalid::new("structure.points", name, "give each point a name of its own"));
+            return Err(Invalid::new(
+                "structure.points",
+                name,
+                "give each point a name of its own",
+            ));
         }
         self.points.push((name.to_owned(), shapes.to_vec()));
         Ok(self)
@@ -167,7 +171,9 @@ impl<R: Real> ModalStructure<R> {
         let stiffest = self.stiffness.iter().fold(R::ZERO, |most, k| most.max(k.value));
         let n = self.count();
         let damped = match &self.damping {
-            Damping::Separate(rates) => rates.iter().fold(R::ZERO, |most, rate| most.max(rate.value)),
+            Damping::Separate(rates) => {
+                rates.iter().fold(R::ZERO, |most, rate| most.max(rate.value))
+            }
             // The largest sum of sizes in a row bounds all eigenvalues.
             Damping::Full(matrix) => matrix.chunks(n).fold(R::ZERO, |most, row| {
                 most.max(row.iter().fold(R::ZERO, |sum, element| sum + element.abs()))
