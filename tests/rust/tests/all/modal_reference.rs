@@ -52,7 +52,8 @@ fn structure<R: Read>(scene: &Value) -> ModalStructure<R> {
     let n = scene["mass"].as_array().unwrap().len();
     let names = ["0", "1", "2"];
     let plain = ModalStructure::from_matrices(&names[..n], &mass, &stiffness, &damping).unwrap();
-    let shapes: Vec<Vec<R>> = names[..n].iter().map(|it| plain.shapes(it).unwrap().to_vec()).collect();
+    let shapes: Vec<Vec<R>> =
+        names[..n].iter().map(|it| plain.shapes(it).unwrap().to_vec()).collect();
     let influence = &scene["force"]["influence"];
     let mut structure = plain.clone();
     if influence.is_array() {
@@ -61,9 +62,8 @@ fn structure<R: Read>(scene: &Value) -> ModalStructure<R> {
     }
     for (name, point) in scene["points"].as_object().unwrap() {
         let point: Vec<R> = R::all(point);
-        let shape: Vec<R> = (0..n)
-            .map(|j| (0..n).fold(R::ZERO, |sum, i| sum + point[i] * shapes[i][j]))
-            .collect();
+        let shape: Vec<R> =
+            (0..n).map(|j| (0..n).fold(R::ZERO, |sum, i| sum + point[i] * shapes[i][j])).collect();
         structure = structure.with_point(name, &shape).unwrap();
     }
     structure
@@ -195,7 +195,8 @@ fn kinds(scene: &Value) -> &'static [&'static str] {
 fn doubles_are_within_their_conditioning() {
     let mut total = 0;
     for scene in scenes() {
-        let (off, count) = furthest(&scene, &events_of::<f64>(&scene).0, Twofold::from, kinds(&scene));
+        let (off, count) =
+            furthest(&scene, &events_of::<f64>(&scene).0, Twofold::from, kinds(&scene));
         println!("{}: {} rounding units in {count} events", scene["id"], off / U);
         assert!(off / U < 4.0, "{}: {} rounding units", scene["id"], off / U);
         total += count;

@@ -1,0 +1,185 @@
+//! Momentum, energy and the rule of what is carried, of free masses on a structure with several modes; and what is refused.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use iva_core::{
+    absorber::modal::{Modal, ModalStart, ModalStructure},
+    absorber::{Absorber, ImpactLaw, OnStructure},
+    error::Invalid,
+    force::{Acts, Force, Impulse},
+    host::{Host, UndrivenHost},
+    run::run,
+    simulate::Outcome,
+};
+use iva_tests::modal::{
+    Mass, POINTS, any_mass, any_start, any_structure, built, gaps, limits, push,
+};
+use iva_tests::rng::Rng;
+
+/// Momentum and energy of every event, in random scenes of 2 to 6 modes with 1 to 4 absorbers; no mass leaves its gap.
+#[test]
+fn momentum_and_energy_hold() {
+    let mut rng = Rng::new(11);
+    let [mut impacts, mut episodes] = [0, 0];
+    for k in 0..40 {
+        let (n, full) = (2 + k % 5, k % 3 == 1);
+        let structure = any_structure(&mut rng, n, full);
+        let told = match k % 4 {
+            0 => held::<1>(&mut rng, structure, k),
+            1 => held::<2>(&mut rng, structure, k),
+            2 => held::<3>(&mut rng, structure, k),
+            _ => held::<4>(&mut rng, structure, k),
+        };
+        (impacts, episodes) = (impacts + told[0], episodes + told[1]);
+    }
+    assert!(impacts > 1000 && episodes > 20, "{impacts} impacts, {episodes} episodes");
+}
+
+fn held<const N: usize>(rng: &mut Rng, structure: ModalStructure, k: usize) -> [usize; 2] {
+    let masses: [Mass; N] = std::array::from_fn(|_| any_mass(rng));
+    let start = any_start(rng, structure.count(), &masses);
+    let at: [_; N] = std::array::from_fn(|k| (built(masses[k]), POINTS[k]));
+    let free = Modal::new(structure, at).unwrap();
+    match (k / 4) % 4 {
+        0 => holds(&free, &start, &masses),
+        1 => holds(&free.under(push(0.6, 0.9, Acts::Primary), "p3").unwrap(), &start, &masses),
+        2 => holds(&free.under(push(0.4, 1.3, Acts::Base), "p0").unwrap(), &start, &masses),
+        _ => {
+            let kick = |time| Impulse { velocity: rng.range(-1.0, 1.0), time };
+            let kicks: Vec<Impulse> = [1.0, 4.0, 9.0, 16.0].map(kick).to_vec();
+            let harmonics = push::<f64>(0.3, 1.2, Acts::Primary).harmonics().to_vec();
+            let force = Force::new(harmonics, vec![], &kicks).unwrap();
+            holds(&free.under(force, "p0").unwrap(), &start, &masses)
+        }
+    }
+}
+
+fn holds<H: Host<Real = f64>, const N: usize>(
+    system: &Modal<H, N>,
+    start: &ModalStart<f64, N>,
+    masses: &[Mass; N],
+) -> [usize; 2] {
+    let run = run(system, start, &limits(30.0)).unwrap();
+    assert_eq!(run.tally.outcome, Outcome::Finished);
+    let residual = run.measures.energy_residual;
+    assert!(residual.abs() < 1e-12, "{residual:e} of {}", run.measures.energy_initial);
+    for impact in &run.impacts {
+        let e = masses[usize::from(impact.absorber)][1];
+        let (w, after) = (impact.gap_velocity_before, impact.gap_velocity_after);
+        assert!(w * impact.wall.sign() > 0.0 && (after + e * w).abs() <= 1e-15 * w.abs());
+        // The structure yields where it is hit.
+        let gained = impact.velocity_after - impact.velocity_before;
+        assert!(gained * w >= -1e-15 && impact.energy_loss >= 0.0);
+    }
+    assert!(run.impacts.windows(2).all(|two| two[0].time <= two[1].time), "in order of time");
+    for (gap, [_, _, d, offset, ..]) in system.gaps(&run.tally.state).iter().zip(masses) {
+        assert!((gap.y - offset).abs() <= *d);
+    }
+    [run.impacts.len(), run.episodes.len()]
+}
+
+/// The rule of what is carried, in random scenes with three stuck masses that a fourth hits: walls push or the gap opens,
+/// momentum holds by mode, and energy falls by the losses. The masses press on their walls at random.
+#[test]
+fn walls_push_what_they_carry() {
+    let mut rng = Rng::new(61);
+    let mut seen = [0; 4];
+    for _ in 0..400 {
+        let n = 2 + (rng.unit() * 5.0) as usize;
+        let structure = any_structure::<f64>(&mut rng, n, false);
+        let masses: [Mass; 4] = std::array::from_fn(|_| {
+            let [mu, e, d, ..] = any_mass(&mut rng);
+            let side = rng.sign();
+            [mu, e, d, 0.0, side * d, 0.0]
+        });
+        let mut masses = masses;
+        masses[3][5] = masses[3][4].signum() * rng.range(0.5, 2.0);
+        let at: [_; 4] = std::array::from_fn(|k| (built(masses[k]), POINTS[k]));
+        let system = Modal::new(structure.clone(), at).unwrap();
+        let start = any_start(&mut rng, n, &masses);
+        let mut state = system.begin(&start);
+        for k in 0..3 {
+            state = system.stick(&system.turned_to(&state, k)).0;
+        }
+        let state = system.turned_to(&state, 3);
+        let (after, impact) = system.impact(&state, 0.0);
+        let lost = system.energy(&state) - system.energy(&after);
+        assert!((lost - impact.energy_loss).abs() < 1e-14 * system.energy(&state), "{lost}");
+        // The impulse on each mass, from its absolute velocity.
+        let speed = |state: &_, k: usize| {
+            let shape = structure.shapes(POINTS[k]).unwrap();
+            let v = state_velocity(&system, state, shape);
+            v + system.gaps(state)[k].w
+        };
+        let impulses: [f64; 4] =
+            std::array::from_fn(|k| masses[k][0] * (speed(&state, k) - speed(&after, k)));
+        for (k, impulse) in impulses.iter().enumerate().take(3) {
+            let side = masses[k][4].signum();
+            let stuck = system.is_stuck(&system.turned_to(&after, k));
+            let opens = -side * system.gaps(&after)[k].w;
+            let off = 1e-14;
+            let fits = if stuck {
+                side * impulse >= -off && opens == 0.0
+            } else {
+                opens > 0.0 && impulse.abs() < off
+            };
+            assert!(fits, "{k}: stuck {stuck}, impulse {impulse:e}, opens with {opens:e}");
+            seen[usize::from(stuck)] += 1;
+        }
+        for j in 0..n {
+            let given: f64 =
+                (0..4).map(|k| structure.shapes(POINTS[k]).unwrap()[j] * impulses[k]).sum();
+            let [a, b] = [&state, &after].map(|it| it.modes().velocities[j].value);
+            assert!((b - a - given).abs() < 1e-14, "mode {j}");
+        }
+        seen[2] += usize::from(impulses[3] * masses[3][4] > 0.0);
+        seen[3] += 1;
+    }
+    assert!(seen[0] > 100 && seen[1] > 100 && seen[2] == seen[3], "{seen:?}");
+}
+
+fn state_velocity<const N: usize>(
+    _system: &Modal<UndrivenHost, N>,
+    state: &<Modal<UndrivenHost, N> as OnStructure>::State,
+    shape: &[f64],
+) -> f64 {
+    shape.iter().zip(&state.modes().velocities).map(|(phi, v)| phi * v.value).sum()
+}
+
+/// What cannot be used is refused with a sentence that says where and why.
+#[test]
+fn bad_input_is_refused() {
+    let said = |it: Result<ModalStructure, Invalid>| it.unwrap_err().to_string();
+    let two = || ModalStructure::new(&[1.0, 2.0], &[0.0, 0.01]).unwrap();
+    let fails = [
+        (said(ModalStructure::new(&[], &[])), "from 1 to 40 modes"),
+        (said(ModalStructure::new(&[1.0], &[0.0, 0.0])), "structure.damping_ratios"),
+        (said(ModalStructure::new(&[1.0, -2.0], &[0.0, 0.0])), "structure.frequencies[1] = -2"),
+        (said(two().with_point("a", &[1.0])), "structure.points.a"),
+        (said(two().with_damping(&[0.1, 0.2, 0.3, 0.1])), "symmetric"),
+        (said(two().with_damping(&[0.1, 0.2, 0.2, 0.1])), "dampers feed no energy"),
+    ];
+    let names = ["x", "y"];
+    let (unit, zero) = ([1.0, 0.0, 0.0, 1.0], [0.0; 4]);
+    let matrices =
+        |m: &[f64], k: &[f64], c: &[f64]| said(ModalStructure::from_matrices(&names, m, k, c));
+    let more = [
+        (matrices(&[1.0, 2.0, 2.0, 1.0], &unit, &zero), "positive definite"),
+        (matrices(&unit, &[1.0, 2.0, 2.0, 1.0], &zero), "springs feed no energy"),
+        (matrices(&unit, &[1.0, 0.5, 0.0, 1.0], &zero), "structure.stiffness[1][0] = 0"),
+        (matrices(&unit, &unit, &[f64::NAN, 0.0, 0.0, 1.0]), "structure.damping"),
+        (matrices(&unit[..3], &unit, &zero), "structure.mass = 3 numbers: give 4"),
+    ];
+    for (sentence, part) in fails.iter().chain(&more) {
+        assert!(sentence.contains(part), "{sentence}");
+    }
+    let there = two().with_point("a", &[1.0, 0.5]).unwrap();
+    let mass = built::<f64>([0.1, 0.5, 0.4, 0.0, 0.0, 0.0]);
+    let error = Modal::new(there.clone(), [(mass, "b")]).unwrap_err().to_string();
+    assert!(error.contains("absorber.1.point = b: give one of the points a"), "{error}");
+    let system = Modal::new(there, [(mass, "a")]).unwrap();
+    let error = system.under(push(0.1, 1.0, Acts::Base), "a").unwrap_err().to_string();
+    assert!(error.contains("participation"), "{error}");
+    let outside = ModalStart::new(&[1.0], &[], gaps(&[[0.1, 0.5, 0.4, 0.0, 0.5, 0.0]])).unwrap();
+    let error = system.check_start(&outside).unwrap_err().to_string();
+    assert!(error.contains("start.absorber.1.gap_displacement"), "{error}");
+}
