@@ -282,6 +282,15 @@ class Siva(Part):
         Newton's coefficient e on the gap velocity, from 0 (plastic) to 1 (elastic).
     restitution_minus : float, optional
         The same at the wall y = −d, if it is another there.
+    reference_speed : float, optional
+        Makes the restitution a power law of the approach speed u, 1 − a u^b and at least 0: this is
+        the u > 0 at which it is `restitution`.
+    restitution_exponent : float, optional
+        b of a power law, a quotient of whole numbers from 1 to 8; 0.2 by default, as of
+        viscoelastic spheres.
+    yield_speed : float, optional
+        Makes the restitution that of elastic and perfectly plastic spheres: 1 up to this approach
+        speed > 0, and falling from there on. It stands in the place of `restitution`.
     relative_clearance : float, optional
         γ > 0, clearance over the size of the start displacement. One of the five ways to give the
         clearance is needed.
@@ -339,6 +348,9 @@ class Siva(Part):
     mass: float | None = None
     restitution: float | None = None
     restitution_minus: float | None = None
+    reference_speed: float | None = None
+    restitution_exponent: float | None = None
+    yield_speed: float | None = None
     relative_clearance: float | None = None
     clearance: float | None = None
     clearance_mm: float | None = None

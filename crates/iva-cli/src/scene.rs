@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use iva_sweep::choices::Kind;
 use iva_sweep::design::Design;
-use iva_sweep::fields::Quantity;
+use iva_sweep::fields::{FieldId, Quantity};
 use iva_sweep::scene::{Absorber, Acts, Harmonic};
 use iva_sweep::study::Study;
 use iva_sweep::units::{STANDARD_GRAVITY, UnitSystem};
@@ -38,7 +38,8 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     let (kind, count) = (study.spec.choices().kind, study.spec.count());
     for number in 0..count {
         let kind = study.spec.choices_of(number).kind;
-        let _ = writeln!(out, "{}", wrap(&absorber(&designs, (number, count), kind)));
+        let told = absorber(&designs, (number, count), kind, law(study, number));
+        let _ = writeln!(out, "{}", wrap(&told));
     }
     if kind == Kind::Piva {
         let _ = writeln!(out, "{}", wrap(&pendulum(&designs, units)));
@@ -56,9 +57,25 @@ pub fn describe(study: &Study, points: u64, units: UnitSystem) -> String {
     out
 }
 
+/// The law of restitution of an absorber in words; `None` where it is a number.
+fn law(study: &Study, number: usize) -> Option<&'static str> {
+    let slot = |field| study.spec.slot(field, number);
+    let given = |field| study.spec.get_of(number, field).is_some();
+    let has = |field| given(field) || study.sampling.sets(slot(field));
+    if has(FieldId::YieldSpeed) {
+        return Some("that of plastic spheres");
+    }
+    has(FieldId::ReferenceSpeed).then_some("a power law of the approach speed")
+}
+
 /// The line on an absorber, which has this number of so many: kind, mass ratio and restitution, of one of several the
 /// clearance too.
-fn absorber(designs: &[Design], (number, count): (usize, usize), kind: Kind) -> String {
+fn absorber(
+    designs: &[Design],
+    (number, count): (usize, usize),
+    kind: Kind,
+    law: Option<&str>,
+) -> String {
     let name = match kind {
         Kind::Siva => "free mass",
         Kind::Piva => "pendulum",
@@ -69,8 +86,12 @@ fn absorber(designs: &[Design], (number, count): (usize, usize), kind: Kind) -> 
         range(designs, |design| absorber(design).map_or(f64::NAN, value))
     };
     let mass = of(|absorber| absorber.mass_ratio);
-    let restitution = of(|absorber| absorber.restitution);
+    let restitution = match law {
+        Some(law) => law.to_owned(),
+        None => of(|absorber| absorber.restitution),
+    };
     let minus = match of(|absorber| absorber.restitution_minus) {
+        _ if law.is_some() => String::new(),
         minus if minus == restitution => String::new(),
         minus => format!(", at the wall - {minus}"),
     };

@@ -13,6 +13,7 @@ pub(crate) mod free_mass;
 pub mod given;
 pub(crate) mod pendulum;
 pub(crate) mod point;
+mod restitution;
 pub(crate) mod rows;
 pub mod scale;
 pub mod scene;

@@ -5,6 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use iva_core::absorber::restitution::LARGEST_PART;
 use iva_core::absorber::several;
 use iva_core::error::{Invalid, number};
 use iva_core::range::{LARGEST_RATIO, LARGEST_TOLERANCE};
@@ -113,6 +114,8 @@ pub enum Allowed {
     UnitInterval,
     /// An integer from 1 to 2⁵³.
     PositiveInteger,
+    /// A quotient of whole numbers from 1 to 8.
+    Exponent,
     /// A number of units, from 1 to 8.
     Units,
     /// κ of a pendulum, at least 1.
@@ -145,6 +148,7 @@ impl Allowed {
             Allowed::PositiveInteger => {
                 (1.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0
             }
+            Allowed::Exponent => quotient(value).is_some(),
             Allowed::Units => (1.0..=several::MOST as f64).contains(&value) && value.fract() == 0.0,
             Allowed::InertiaRatio => (1.0..=LARGEST_RATIO).contains(&value),
             Allowed::Angle => value.abs() <= PI,
@@ -165,6 +169,7 @@ impl Allowed {
             Allowed::DampingRatio => "a number from 0 to 1e9",
             Allowed::UnitInterval => "a number from 0 to 1",
             Allowed::PositiveInteger => "a whole number from 1 to 2^53",
+            Allowed::Exponent => "a quotient of whole numbers from 1 to 8, such as 0.2",
             Allowed::Units => "a whole number from 1 to 8",
             Allowed::InertiaRatio => "a number from 1 (point bob) to 1e9",
             Allowed::Angle => "an angle in rad, from -π to π",
@@ -174,6 +179,17 @@ impl Allowed {
             Allowed::Tolerance => "0 (full accuracy) or a number up to 1e-3",
         }
     }
+}
+
+/// Numerator and denominator of a quotient of whole numbers from 1 to [`LARGEST_PART`], the smallest; `None` if a number is
+/// none.
+pub fn quotient(value: f64) -> Option<[u32; 2]> {
+    let near = |[p, q]: &[u32; 2]| {
+        let (exact, unit) = (f64::from(*p) / f64::from(*q), 4.0 * f64::EPSILON);
+        (value - exact).abs() <= unit * exact
+    };
+    let all = (1..=LARGEST_PART).flat_map(|q| (1..=LARGEST_PART).map(move |p| [p, q]));
+    all.into_iter().find(near)
 }
 
 /// One field: a row of the table.
@@ -237,6 +253,9 @@ fields! {
     AbsorberMass: Absorber "mass" Mass Positive "mass" "absorber mass m; needs a primary mass" Siva Piva;
     Restitution: Absorber "restitution" Ratio UnitInterval "restitution" "Newton's coefficient on the gap velocity" Siva Piva;
     RestitutionMinus: Absorber "restitution_minus" Ratio UnitInterval "restitution_minus" "the same at the wall -, the lower stop where the line of motion rises (default: restitution)" Siva Piva;
+    ReferenceSpeed: Absorber "reference_speed" Velocity Positive "reference_speed" "makes the restitution a power law of the approach speed: that at which it is restitution" Siva;
+    RestitutionExponent: Absorber "restitution_exponent" Ratio Exponent "restitution_exponent" "b of a power law 1 - a u^b of the restitution (default 0.2)" Siva;
+    YieldSpeed: Absorber "yield_speed" Velocity Positive "yield_speed" "makes the restitution that of plastic spheres, in place of restitution: approach speed up to which impacts are elastic" Siva;
     RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|" Siva Piva;
     Clearance: Absorber "clearance" Length Positive "clearance" "one-sided clearance, half of the total play" Siva Piva;
     ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm" Siva Piva;

@@ -28,7 +28,7 @@ use crate::engine::point::{Estimates, Request, run};
 use crate::engine::rows::{Estimate, summary_row};
 use crate::engine::scene::with_system;
 use crate::error::Invalid;
-use crate::fields::{FieldId, Part, Quantity};
+use crate::fields::{Allowed, FieldId, Part, Quantity};
 use crate::slot::Slot;
 use crate::study::{Study, Table};
 use crate::sweep::{SweepError, Tables};
@@ -140,6 +140,9 @@ fn given(study: &Study, spec: &mut Spec, slot: Slot) -> Result<f64, Invalid> {
     }
     if slot.info().part != Part::Force {
         spec.check(slot).map_err(|rule| refused(&rule))?;
+    }
+    if matches!(slot.info().allowed, Allowed::Units | Allowed::Exponent) {
+        return Err(refused("it has values apart from each other; sweep it"));
     }
     let found =
         spec.given().find(|(other, _)| other.field == slot.field && other.same_quantity(slot));

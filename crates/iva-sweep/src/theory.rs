@@ -41,6 +41,8 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     let other = spec.get(FieldId::RestitutionMinus).filter(|e| Some(*e) != same);
     let offset = |field| spec.get(field).filter(|offset| *offset != 0.0);
     let asymmetric = [
+        (FieldId::ReferenceSpeed, spec.get(FieldId::ReferenceSpeed)),
+        (FieldId::YieldSpeed, spec.get(FieldId::YieldSpeed)),
         (FieldId::Units, spec.get(FieldId::Units).filter(|units| *units != 1.0)),
         (FieldId::RestitutionMinus, other),
         (FieldId::GapOffset, offset(FieldId::GapOffset)),
@@ -49,8 +51,7 @@ fn common(spec: &Spec) -> Result<(Common, Scale), Invalid> {
     match asymmetric.into_iter().find_map(|(field, value)| Some((field, value?))) {
         None => Ok((common, scale)),
         Some((field, value)) => {
-            let rule =
-                "the theory is of one mass between two walls alike, in the middle; leave it out";
+            let rule = "the theory is of one mass between two walls alike, in the middle, with one restitution; leave it out";
             Err(Invalid::new(field.path(), number(value), rule))
         }
     }

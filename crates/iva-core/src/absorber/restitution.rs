@@ -85,6 +85,20 @@ impl<R: Real> RestitutionLaw<R> {
         Ok(Self(Kind::Power { coefficient, exponent }))
     }
 
+    /// [`power`](RestitutionLaw::power) with the a for which a restitution is met at an approach speed.
+    ///
+    /// # Errors
+    /// As [`power`](RestitutionLaw::power), and for e outside [0, 1].
+    pub fn through(restitution: R, speed: R, exponent: [u32; 2]) -> Result<Self, Invalid> {
+        range::restitution("absorber.restitution", restitution)?;
+        range::positive("absorber.reference_speed", speed)?;
+        if restitution == 1.0 {
+            return Self::constant(restitution);
+        }
+        let [p, q] = exponent.map(|part| part.clamp(1, LARGEST_PART));
+        Self::power((R::ONE - restitution) / power(root(speed, q), p), exponent)
+    }
+
     /// Elastic up to the speed at which a sphere begins to yield, then the law of elastic and perfectly plastic spheres
     /// (C. Thornton, J. Appl. Mech. 64, 383, 1997): with q the yield speed over u,
     ///

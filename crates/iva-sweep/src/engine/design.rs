@@ -9,6 +9,7 @@ use super::forces;
 use super::free_mass::{self, Inclined};
 use super::given::Given;
 use super::pendulum::{self, Common};
+use super::restitution;
 use super::scale::Scale;
 use super::scene::{Mounted, Scene};
 use super::several;
@@ -122,9 +123,7 @@ impl<R: Real> Given<'_, R> {
     pub(crate) fn common(&self, scale: &Scale<R>, units: UnitSystem) -> Result<Common<R>, Invalid> {
         let damping_ratio = self.damping_ratio(scale, units)?;
         let clearance = self.clearance(self.displacement(units)?, units)?;
-        let restitution = self.get(FieldId::Restitution).ok_or_else(|| {
-            Invalid::missing(self.path(FieldId::Restitution), "give a number from 0 to 1")
-        })?;
+        let restitution = restitution::restitution(self)?;
         let mass_ratio = self.mass_ratio(scale, units)?;
         Ok(Common { mass_ratio, restitution, clearance, damping_ratio })
     }
@@ -178,6 +177,9 @@ impl<R: Real> Given<'_, R> {
                     .with_offset(offset.unwrap_or(R::ZERO))?;
                 if let Some(restitution) = self.get(FieldId::RestitutionMinus) {
                     system = system.with_restitution_minus(restitution)?;
+                }
+                if let Some(laws) = restitution::laws(self, scale.natural_frequency)? {
+                    system = system.with_restitution_laws(laws);
                 }
                 let inclined = free_mass::inclined(self, scale)?;
                 let start = match inclined {

@@ -9,6 +9,7 @@ use iva_core::siva::FreeMass;
 
 use super::given::Given;
 use super::pendulum::Common;
+use super::restitution;
 use super::scale::Scale;
 use super::scene::{Mounted, Scene};
 use crate::choices::Kind;
@@ -103,8 +104,9 @@ fn mass<R: Real>(
     if let Some(offset) = offset {
         mass = mass.with_offset(offset)?;
     }
-    match given.get(FieldId::RestitutionMinus) {
-        Some(restitution) => mass.with_restitution_minus(restitution),
-        None => Ok(mass),
+    if let Some(restitution) = given.get(FieldId::RestitutionMinus) {
+        mass = mass.with_restitution_minus(restitution)?;
     }
+    let laws = restitution::laws(given, scale.natural_frequency)?;
+    Ok(laws.map_or(mass, |laws| mass.with_restitution_laws(laws)))
 }
