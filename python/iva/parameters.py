@@ -312,7 +312,7 @@ class Siva(Part):
         of a half sine: ``peak_force_estimate``. The motion does not depend on it.
     contact_stiffness : float, optional
         Stiffness of a stop in N/m, from which that time is estimated; SI units only.
-    units : int, optional
+    units : float, optional
         Number of equal units that share the mass, 1 to 8, each in a gap of its own; 1 by default.
         Tables number them in their column ``absorber``.
     clearance_spread : float, optional

@@ -1,5 +1,6 @@
 //! What rides on the structure: [`siva`], a free mass in a gap; [`piva`], a pendulum between two stops; [`coupled`], a free
-//! mass with a spring and a dashpot in its gap; [`several`], a list of free masses, each in a gap of its own.
+//! mass with a spring and a dashpot in its gap; [`several`], a list of free masses, each in a gap of its own; [`modal`], such
+//! a list on a structure with several modes.
 //!
 //! The event loop ([`crate::engine::simulate`]) knows flights, contacts, impacts and stick episodes only through three
 //! traits, each of which builds on the one before; a new absorber implements them, in one file or in a folder.

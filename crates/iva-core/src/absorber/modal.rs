@@ -17,7 +17,7 @@
 //!
 //! **Stuck masses.** With the masses of a set S stuck to their points the structure has the mass matrix
 //! M′ = I + Σ_S μ φφᵀ. Its inverse takes a system of as many equations as masses are stuck
-//! ([`equations`](self)). Each stuck mass is released by itself, where the absolute acceleration at its point is 0.
+//! (`modal/equations.rs`). Each stuck mass is released by itself, where the absolute acceleration at its point is 0.
 //!
 //! **Motion** (`modal/equations.rs`). Between events the equations are linear, so that the Taylor coefficients of all q
 //! follow one from the other, whatever D and S are. The energy norm of (ωq, q̇) never grows without drive, and each
@@ -75,6 +75,9 @@ pub const MOST_MODES: usize = 40;
 /// Contacts closer to each other than this, in units of 2⁻⁵² of the unit of time, are one event.
 const AT_ONCE_ULPS: f64 = 8.0;
 
+/// The event loop takes the work of an impulse from the velocity of the point that it sees.
+const KICKED: &str = "impulses act at the point that a run sees: let both be the same";
+
 /// N free masses on a structure with several modes.
 #[derive(Debug, Clone)]
 pub struct Modal<H: Host, const N: usize> {
@@ -130,8 +133,7 @@ impl<R: Real, const N: usize> Modal<UndrivenHost<R>, N> {
     pub fn under(&self, force: Force<R>, point: &str) -> Result<Modal<DrivenHost<R>, N>, Invalid> {
         let pushed = self.structure.point("force.point", point)?;
         if force.kicks() > 0 && pushed != self.seen {
-            let rule = "impulses act at the point that a run sees; see there, or give no impulses";
-            return Err(Invalid::new("force.point", point, rule));
+            return Err(Invalid::new("force.point", point, KICKED));
         }
         if force.moves_base() && self.structure.participation().is_none() {
             return Err(Invalid::missing(
@@ -162,9 +164,13 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
     /// The same system, of which a run sees the motion at another named point.
     ///
     /// # Errors
-    /// [`Invalid`] for a point that the structure does not have.
+    /// [`Invalid`] for a point that the structure does not have, and for one at which impulses do not act, if there are any.
     pub fn seen_at(mut self, point: &str) -> Result<Self, Invalid> {
         self.seen = self.structure.point("structure.seen_at", point)?;
+        let kicked = self.host.force().is_some_and(|force| force.kicks() > 0);
+        if kicked && self.pushed != self.seen {
+            return Err(Invalid::new("structure.seen_at", point, KICKED));
+        }
         Ok(self)
     }
 

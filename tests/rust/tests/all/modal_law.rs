@@ -145,6 +145,31 @@ fn state_velocity<const N: usize>(
     shape.iter().zip(&state.modes().velocities).map(|(phi, v)| phi * v.value).sum()
 }
 
+/// Two masses on a spring that nothing holds, one of them with an absorber: the momentum of all stays.
+#[test]
+fn a_structure_that_nothing_holds_keeps_its_momentum() {
+    let (mass, spring) = ([2.0, 0.0, 0.0, 1.0], [1.5, -1.5, -1.5, 1.5]);
+    let dashpot = spring.map(|k| 0.02 * k);
+    let structure = ModalStructure::from_matrices(&["a", "b"], &mass, &spring, &dashpot).unwrap();
+    assert!(structure.is_separate() && structure.frequency(0).unwrap() < 1e-7);
+    assert!((structure.frequency(1).unwrap() - 1.5).abs() < 1e-15);
+    let it = [0.3, 0.5, 0.2, 0.0, 0.1, 0.4];
+    let v = structure.modal(&mass, &[0.7, -0.2]).unwrap();
+    let system = Modal::new(structure.clone(), [(built::<f64>(it), "b")]).unwrap();
+    let start = ModalStart::new(&[], &v, gaps(&[it])).unwrap();
+    let run = run(&system, &start, &limits(30.0)).unwrap();
+    assert!(run.impacts.len() > 10 && run.tally.outcome == Outcome::Finished);
+    let momentum = |state: &_| {
+        let of = |name: &str| state_velocity(&system, state, structure.shapes(name).unwrap());
+        let absorber = of("b") + system.gaps(state)[0].w;
+        2.0 * of("a") + of("b") + 0.3 * absorber
+    };
+    // 2 · 0.7 − 0.2 + 0.3 (0.4 − 0.2)
+    for state in [&system.begin(&start), &run.tally.state] {
+        assert!((momentum(state) - 1.26).abs() < 2e-15, "{}", momentum(state));
+    }
+}
+
 /// What cannot be used is refused with a sentence that says where and why.
 #[test]
 fn bad_input_is_refused() {
