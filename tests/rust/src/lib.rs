@@ -9,6 +9,7 @@ pub mod dashpot;
 pub mod dd;
 pub mod driven;
 pub mod flight;
+pub mod laws;
 pub mod naive;
 pub mod oracle;
 pub mod pendulum;
