@@ -1,16 +1,19 @@
 """Free masses on structures with several modes, to 30 digits: matrix exponentials with mpmath.
 
-Usage: modal.py > modal.json, or modal.py --all for two more scenes, which take some minutes with gmpy2
+Usage: modal.py > modal.json, or modal.py --all for two more scenes, which take minutes with gmpy2
 
-A structure M x'' + C x' + K x = b_f F cos(Omega t + phase), or on a base with the acceleration a_g = F cos(Omega t +
-phase) and -M r a_g on the right, carries masses at points u_p = b_p x. In flight x1'' = 0, or -a_g on a base; with masses
-stuck to their points M' = M + sum mu b b^T. A motion is the matrix exponential by the eigenvectors of the first-order
-system plus the particular solution. Contacts and releases are approached in steps that a bound on the second derivative
-of the gap, or on the rate of the pressure, proves free of them. An impact is Newton's law and momentum; which of the
-stuck masses are carried is found by trying all sets, of which exactly one must fit. Chatter is followed down to 1e-45.
+A structure M x'' + C x' + K x = b_f F cos(Omega t + phase), or on a base with the acceleration a_g
+= F cos(Omega t + phase) and -M r a_g on the right, carries masses at points u_p = b_p x. In flight
+x1'' = 0, or -a_g on a base; with masses stuck to their points M' = M + sum mu b b^T. A motion is
+the matrix exponential by the eigenvectors of the first-order system plus the particular solution.
+Contacts and releases are approached in steps that a bound on the second derivative of the gap, or
+on the rate of the pressure, proves free of them. An impact is Newton's law and momentum; which of
+the stuck masses are carried is found by trying all sets, of which exactly one must fit. Chatter is
+followed down to 1e-45.
 
-Every number of a scene is a decimal. `condition` is the largest change of an instant, and of the velocities of an impact,
-per relative change of all numbers but the duration, in three random draws of 1e-25.
+Every number of a scene is a decimal. `condition` is the largest change of an instant, and of the
+velocities of an impact, per relative change of all numbers but the duration, in three random draws
+of 1e-25.
 """
 
 from __future__ import annotations
@@ -61,7 +64,7 @@ class Flow:
         a = mp.zeros(2 * n)
         for i in range(n):
             a[i, n + i] = 1
-        for (name, sign), at in zip((("k", k), ("c", c)), (0, n), strict=True):
+        for (_name, sign), at in zip((("k", k), ("c", c)), (0, n), strict=True):
             block = self.inverse * sign
             for i in range(n):
                 for j in range(n):
@@ -97,16 +100,16 @@ class Flow:
     def at(self, start: Any, t: Any, h: Any, order: int = 0) -> Any:
         """Return x and x', or a derivative of both, a time h after the start at t."""
         parts = mp.matrix(
-            [c * mp.exp(l * h) * l**order for c, l in zip(start, self.values, strict=True)]
+            [c * mp.exp(rate * h) * rate**order for c, rate in zip(start, self.values, strict=True)]
         )
         return (self.vectors * parts).apply(mp.re) + self.steady(t + h, order)
 
     def most(self, start: Any, b: Any, order: int) -> Any:
         """Return a bound on a derivative of b x at all later times."""
         bound = mp.mpf(0)
-        for j, l in enumerate(self.values):
+        for j, rate in enumerate(self.values):
             shape = sum(b[i] * self.vectors[i, j] for i in range(self.n))
-            bound += abs(shape * start[j] * l**order)
+            bound += abs(shape * start[j] * rate**order)
         if self.drive is not None:
             omega, z = self.drive
             bound += abs(sum(b[i] * z[i] for i in range(self.n))) * omega**order
@@ -150,7 +153,7 @@ class Run:
         omega, phase, amplitude = force["frequency"], force["phase"], force["amplitude"]
         return mp.re(amplitude * mp.expj(omega * t + phase) * mp.mpc(0, omega) ** order)
 
-    def felt(self, k: int, order: int) -> Any:
+    def felt(self, _k: int, order: int) -> Any:
         """Return a bound on a derivative of a_g."""
         force = self.scene["force"]
         if force is None or force["kind"] != "base":
@@ -242,9 +245,9 @@ class Run:
                 break
         return h, k, s
 
-    def mobility(self, k: int, l: int) -> Any:
+    def mobility(self, k: int, other: int) -> Any:
         """Return the velocity at one absorber per impulse at another."""
-        return (self.shapes[k].T * self.free_inverse * self.shapes[l])[0]
+        return (self.shapes[k].T * self.free_inverse * self.shapes[other])[0]
 
     def impact(self, k: int, s: int) -> dict[str, Any]:
         """Apply the impact of an absorber at a wall."""
@@ -264,11 +267,13 @@ class Run:
                 right[0] = (1 + place["restitution"]) * w
                 p = mp.lu_solve(a, right)
                 moved = {
-                    l: sum(self.mobility(l, one) * p[j] for j, one in enumerate(who))
-                    for l in range(self.count)
+                    other: sum(self.mobility(other, one) * p[j] for j, one in enumerate(who))
+                    for other in range(self.count)
                 }
                 pushed = all(self.stuck[one] * p[i + 1] >= 0 for i, one in enumerate(held))
-                left = all(self.stuck[l] * moved[l] > 0 for l in stuck if l not in held)
+                left = all(
+                    self.stuck[other] * moved[other] > 0 for other in stuck if other not in held
+                )
                 if pushed and left:
                     fits.append((held, who, p, moved))
         assert len(fits) == 1, f"{len(fits)} sets of carried masses"
@@ -279,21 +284,22 @@ class Run:
             for i in range(self.n):
                 self.z[self.n + i] += gained[i]
         _, after = self.seen(k, self.z)
-        for l in range(self.count):
-            if l == k:
-                self.gaps[l][1] = -place["restitution"] * w
-            elif l in held:
-                self.gaps[l][1] = mp.mpf(0)
+        for other in range(self.count):
+            if other == k:
+                self.gaps[other][1] = -place["restitution"] * w
+            elif other in held:
+                self.gaps[other][1] = mp.mpf(0)
             else:
-                self.gaps[l][1] -= moved[l]
+                self.gaps[other][1] -= moved[other]
         event = self.note("impact", k, s)
         event["velocities"] = [before, after, w, self.gaps[k][1]]
-        for l in stuck:
-            if l not in held:
-                self.note("release", l, self.stuck.pop(l))
+        for other in stuck:
+            if other not in held:
+                self.note("release", other, self.stuck.pop(other))
         return event
 
     def note(self, kind: str, absorber: int, wall: int) -> dict[str, Any]:
+        """Add an event at the current instant."""
         event = {"kind": kind, "absorber": absorber, "wall": wall, "time": self.t}
         self.events.append(event)
         return event
@@ -329,12 +335,13 @@ class Run:
                 self.settle(k, s)
 
     def settle(self, k: int, s: int) -> None:
+        """Stick a mass to its wall."""
         self.gaps[k][1] = mp.mpf(0)
         self.stuck[k] = s
         self.note("stick", k, s)
 
     def nudge(self, k: int) -> None:
-        """Move on from a release, where the gap opens as J t^3/6 - B t^4/24 at least, with J > 0."""
+        """Move on from a release; the gap opens as J t^3/6 - B t^4/24 at least, with J > 0."""
         flow, h = self.flow(), mp.mpf("1e-3")
         start = flow.start(self.z, self.t)
         _, jerk = self.seen(k, flow.at(start, self.t, mp.mpf(0), 2))
@@ -350,12 +357,14 @@ def changed(rng: random.Random, size: Any) -> Any:
 
 
 def solved(scene: Scene) -> Run:
+    """Return the run of a scene."""
     run = Run(scene)
     run.run()
     return run
 
 
 def text(value: Any) -> str:
+    """Return a number as a decimal."""
     return mp.nstr(value, DIGITS, min_fixed=-5, max_fixed=5)
 
 
@@ -406,6 +415,7 @@ def result(scene: Scene) -> Scene:
 
 
 def absorber(point: str, *given: str) -> dict[str, str]:
+    """Return a mass at a point, from its mass ratio, restitution, clearance and offset."""
     mass_ratio, restitution, clearance, offset = given
     return {
         "point": point,
@@ -422,7 +432,7 @@ FRAME = {
     "damping": [["0.05", "-0.01"], ["-0.01", "0.02"]],
     "points": {"first": ["1", "0"], "second": ["0", "1"]},
 }
-# Beam-like: its mass matrix couples both floors, so that an impulse at one is felt at once at the other.
+# Its mass matrix couples both floors: an impulse at one is felt at once at the other.
 COUPLED = {**FRAME, "mass": [["1", "0.25"], ["0.25", "0.8"]]}
 MODES = {
     "mass": [["1", "0", "0"], ["0", "1", "0"], ["0", "0", "1"]],
@@ -475,8 +485,8 @@ SCENES: list[Scene] = [
     },
 ]
 
-# In frames of lumped masses an impulse at one floor is not felt at once at the other. Under the moving base one mass is
-# released while the other stays stuck.
+# In frames of lumped masses an impulse at one floor is not felt at once at the other. Under the
+# moving base one mass is released while the other stays stuck.
 MORE: list[Scene] = [
     {
         "id": "frame",

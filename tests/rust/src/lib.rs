@@ -10,6 +10,7 @@ pub mod dd;
 pub mod driven;
 pub mod flight;
 pub mod modal;
+pub mod laws;
 pub mod naive;
 pub mod oracle;
 pub mod pendulum;

@@ -10,9 +10,11 @@
 //! `absorber/piva/contact.rs`. Sticks are impacts with e = 0, in `stick` of the same files. The derivatives are in
 //! `absorber/derivatives`.
 //!
-//! Where e depends on the approach speed, `ImpactLaw::law_at` and `ImpactLaw::impact` tell it
-//! ([`LawAt`](crate::absorber::LawAt)), and the sum of a chatter waits until e changes by less than rounding. Lanes
-//! read `Law`, whose e is constant. An example is `tests/rust/src/speed_law.rs`: a free mass in another coat, with its own
+//! The e of a free mass may depend on the approach speed, by a [`RestitutionLaw`](crate::absorber::restitution::RestitutionLaw)
+//! at each wall: `FreeMass::law_for` gives the `Law` of an impact, `FreeMass::law_at` tells it to chatters and derivatives
+//! ([`LawAt`](crate::absorber::LawAt)). The sum of a chatter waits until e changes by less than rounding, or until what is
+//! proved of a power law is below it ([`crate::absorber::chatter::power`]). Lanes read a constant e; such masses run in the
+//! event loop. `tests/rust/src/speed_law.rs` is a law outside the core: a free mass in another coat, with its own
 //! `ImpactLaw`, which hands everything else on.
 //!
 //! The primary gains [`primary_share`] · w, and the pair loses [`energy_loss`]. The paper's conditions for an

@@ -48,6 +48,7 @@ mod record_extremes;
 mod records;
 mod reference_events;
 mod regressions;
+mod restitution_chatter;
 mod restitution_law;
 mod samples;
 mod second_opinion;

@@ -75,13 +75,13 @@ impl<R: Real> Power<R> {
         let Rebound { pressure, jerk, gain, fourth, ratio, .. } = *rebound;
         let fall = R::ONE - ratio;
         let change = jerk.abs() / pressure + gain;
-        if !(fall <= LARGEST_FALL) {
+        if fall > LARGEST_FALL || fall.is_nan() {
             return R::INFINITY;
         }
         let tail = self.tail(rebound);
         let faster = tail * 2.0 * (fourth * 2.0 + self.kick * pressure);
         let change = tail * (change + faster / pressure);
-        if !(change <= LARGEST_CHANGE) {
+        if change > LARGEST_CHANGE || change.is_nan() {
             return R::INFINITY;
         }
         let sizes = self.terms().into_iter().fold(R::ZERO, |sum, term| sum + term.abs());
