@@ -26,13 +26,17 @@ SUMMARY = """point outcome impacts effective_impacts episodes undecided time_stu
 IMPACTS = """point impact time wall displacement velocity_before velocity_after
     absorber_velocity_before absorber_velocity_after approach_velocity energy_loss
     effective angle angular_velocity_before angular_velocity_after time_error
-    near_grazing peak_force_estimate""".split()
-EPISODES = "point episode wall start_time stick_time release_time impacts energy_loss".split()
+    near_grazing peak_force_estimate absorber""".split()
+EPISODES = """point episode wall start_time stick_time release_time impacts energy_loss
+    absorber""".split()
 ENVELOPE = "point peak time displacement amplitude log_decrement".split()
 STROBOSCOPE = """point cycle time displacement velocity gap_displacement gap_velocity amplitude
-    impacts""".split()
+    impacts absorber""".split()
 TRAJECTORY = """point time displacement velocity gap_displacement gap_velocity wall angle
-    angular_velocity acceleration absorber_acceleration""".split()
+    angular_velocity acceleration absorber_acceleration absorber""".split()
+ABSORBERS = """point absorber impacts effective_impacts episodes time_stuck energy_impacts
+    approach_speed_max impulse_max peak_force_estimate gap_displacement_max stroke
+    absorber_displacement_max""".split()
 
 
 def test_columns(run: iva.Run) -> None:
@@ -41,6 +45,7 @@ def test_columns(run: iva.Run) -> None:
     assert run.episodes.columns == EPISODES
     assert run.envelope.columns == ENVELOPE
     assert run.stroboscope.columns == STROBOSCOPE
+    assert run.absorbers.columns == ABSORBERS
     assert run.trajectory(10).columns == TRAJECTORY
     assert run.at([0.0]).columns == TRAJECTORY
 

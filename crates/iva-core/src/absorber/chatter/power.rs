@@ -95,12 +95,12 @@ impl<R: Real> Power<R> {
         let mut terms = [R::ZERO; TERMS as usize];
         for m in 0..terms.len() {
             let mut left = if m == 0 { R::ONE } else { R::ZERO };
-            for n in 0..m {
+            for (n, term) in terms.iter().enumerate().take(m) {
                 // The coefficient of gʲ in 1 − (1 − g)^α.
                 let coefficient = (1..m + 1 - n).fold(alpha(n), |coefficient, j| {
                     coefficient * (R::from(j as f64) - alpha(n)) / (j as f64 + 1.0)
                 });
-                left -= terms[n] * coefficient;
+                left -= *term * coefficient;
             }
             terms[m] = left / alpha(m);
         }

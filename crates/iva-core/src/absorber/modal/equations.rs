@@ -80,8 +80,9 @@ impl<R: Real, H: Host<Real = R>, const N: usize> Modal<H, N> {
         for p in 0..N {
             for i in p + 1..N {
                 let share = a[i][p] / a[p][p];
-                for j in p..N {
-                    a[i][j] = a[i][j] - share * a[p][j];
+                let above = a[p];
+                for (element, over) in a[i].iter_mut().zip(above).skip(p) {
+                    *element = *element - share * over;
                 }
                 b[i] = b[i] - share * b[p];
             }

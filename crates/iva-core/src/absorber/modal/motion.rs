@@ -201,7 +201,7 @@ impl<'a, R: Real, H: Host<Real = R>, const N: usize> ModalMotion<'a, H, N> {
                 *sum = part.mul_add(mass.mass_ratio, *sum);
             }
         }
-        work = work - self.integral(&momentum, &drive.base, h);
+        work -= self.integral(&momentum, &drive.base, h);
         work
     }
 }
