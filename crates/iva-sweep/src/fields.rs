@@ -255,7 +255,7 @@ fields! {
     RestitutionMinus: Absorber "restitution_minus" Ratio UnitInterval "restitution_minus" "the same at the wall -, the lower stop where the line of motion rises (default: restitution)" Siva Piva;
     ReferenceSpeed: Absorber "reference_speed" Velocity Positive "reference_speed" "makes the restitution a power law of the approach speed: that at which it is restitution" Siva;
     RestitutionExponent: Absorber "restitution_exponent" Ratio Exponent "restitution_exponent" "b of a power law 1 - a u^b of the restitution (default 0.2)" Siva;
-    YieldSpeed: Absorber "yield_speed" Velocity Positive "yield_speed" "makes the restitution that of plastic spheres, in place of restitution: approach speed up to which impacts are elastic" Siva;
+    YieldSpeed: Absorber "yield_speed" Velocity Positive "restitution" "makes the restitution that of plastic spheres, in place of restitution: approach speed up to which impacts are elastic" Siva;
     RelativeClearance: Absorber "relative_clearance" Ratio Positive "clearance" "clearance over |start displacement|" Siva Piva;
     Clearance: Absorber "clearance" Length Positive "clearance" "one-sided clearance, half of the total play" Siva Piva;
     ClearanceMm: Absorber "clearance_mm" Millimetre Positive "clearance" "one-sided clearance in mm" Siva Piva;

@@ -13,7 +13,7 @@ use iva_sweep::slot::Slot;
 use iva_sweep::study::{Study, Table};
 use iva_sweep::sweep::Workers;
 
-use crate::every_field::{Drive, run, scene, usual};
+use crate::every_field::{Drive, complete, run, scene, usual};
 
 /// The tables of a sweep over six starts, run for 150 cycles of the force or 40 periods.
 fn study(kind: Kind, drive: Drive, field: FieldId, tolerance: f64) -> Option<Study> {
@@ -27,6 +27,7 @@ fn study(kind: Kind, drive: Drive, field: FieldId, tolerance: f64) -> Option<Stu
         spec.set(FieldId::Discard, 100.0).unwrap();
         spec.set(FieldId::DampingRatio, 0.1).unwrap();
     }
+    complete(&mut spec, field);
     spec.replace(Slot::from(field), usual(field)).ok()?;
     spec.set(FieldId::Tolerance, tolerance).unwrap();
     let starts = Axis::new("displacement", (1..7).map(|k| 0.002 * f64::from(k)).collect()).unwrap();

@@ -75,6 +75,13 @@ pub(crate) fn scene(kind: Kind, drive: Drive, rises: bool) -> Spec {
     spec
 }
 
+/// Gives what a field needs beside it.
+pub(crate) fn complete(spec: &mut Spec, field: FieldId) {
+    if field == FieldId::RestitutionExponent && spec.choices().kind == Kind::Siva {
+        spec.set(FieldId::ReferenceSpeed, 0.5).unwrap();
+    }
+}
+
 /// A typical value of a field for these scenes.
 pub(crate) fn usual(field: FieldId) -> f64 {
     use FieldId as F;
@@ -89,6 +96,10 @@ pub(crate) fn usual(field: FieldId) -> f64 {
         F::AbsorberMass => 8.0,
         F::Restitution | F::RelativeClearance => 0.6,
         F::RestitutionMinus => 0.7,
+        F::ReferenceSpeed => 0.5,
+        F::RestitutionExponent => 0.2,
+        F::YieldSpeed | F::ClearanceSpread => 0.1,
+        F::Units => 2.0,
         F::GapOffset => 0.001,
         F::GapOffsetMm => 1.0,
         F::ContactTime => 1e-3,
@@ -128,8 +139,13 @@ pub(crate) fn usual(field: FieldId) -> f64 {
 
 /// The field as an axis over three values.
 fn axis(field: FieldId) -> Axis {
-    let whole = matches!(field, FieldId::MaxImpacts | FieldId::MaxWork);
-    let factors = if whole { [1.0, 2.0, 3.0] } else { [1.0, 1.01, 1.1] };
+    let whole = matches!(field, FieldId::MaxImpacts | FieldId::MaxWork | FieldId::Units);
+    let factors = match field {
+        // Exponents are quotients of small whole numbers.
+        FieldId::RestitutionExponent => [1.0, 2.0, 5.0],
+        _ if whole => [1.0, 2.0, 3.0],
+        _ => [1.0, 1.01, 1.1],
+    };
     let values = factors.map(|factor| factor * usual(field)).to_vec();
     // Under its bare name where that is unique; it may also be the name of a column.
     let bare = field.info().name;
@@ -350,6 +366,8 @@ fn a_sweep_over_any_field_has_the_rows_of_its_points() {
         for (drive, rises) in scenes {
             let spec = scene(kind, drive, rises);
             for field in FieldId::all() {
+                let mut spec = spec.clone();
+                complete(&mut spec, field);
                 let of_force = field.info().part == Part::Force;
                 if !(of_force && drive == Drive::Nothing) && check(&spec, field, &workers) {
                     tried.insert(field.path());

@@ -308,7 +308,7 @@ fn too_many_points_are_refused_without_allocating() {
 fn beaten() -> Spec {
     let mut spec = shaken();
     spec.add_force(ForceSpec::new(None));
-    let slot = |field| Slot { field, force: Some(1) };
+    let slot = |field| Slot { field, number: Some(1) };
     spec.set(slot(FieldId::BaseAcceleration), 0.2).unwrap();
     spec.set(slot(FieldId::RelativeFrequency), 1.3).unwrap();
     spec
@@ -346,6 +346,8 @@ fn work_of(study: &Study) -> u64 {
     match design.scene {
         Scene::Siva(it) => tally(&it.system, &it.start, &design.limits),
         Scene::DrivenSiva(it) => tally(&it.system, &it.start, &design.limits),
+        Scene::Several(it) => tally(&it.system, &it.start, &design.limits),
+        Scene::DrivenSeveral(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Alone(it) => tally(&it.system, &it.start, &design.limits),
         Scene::DrivenAlone(it) => tally(&it.system, &it.start, &design.limits),
         Scene::Piva(it) => tally(&it.system, &it.start, &design.limits),
