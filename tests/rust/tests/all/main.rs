@@ -50,6 +50,7 @@ mod reference_events;
 mod regressions;
 mod restitution_chatter;
 mod restitution_law;
+mod restitution_reference;
 mod samples;
 mod second_opinion;
 mod several;
