@@ -211,7 +211,8 @@ def test_every_other_key_has_a_row_in_its_section(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "table", ["summary", "impacts", "episodes", "envelope", "stroboscope", "trajectory"]
+    "table",
+    ["summary", "impacts", "episodes", "envelope", "stroboscope", "absorbers", "trajectory"],
 )
 def test_every_column_is_described_at_its_table(table: str) -> None:
     rows = section("tables.md", f"## `{table}`", "\n## ").splitlines()

@@ -30,12 +30,15 @@ QUAKE = iva.Recorded(np.arange(200) * 0.01, np.sin(0.3 * np.arange(200)), kind="
 
 #: Every kind of absorber, under every kind of force.
 FREE: dict[str, Any] = {"mass_ratio": 0.1, "restitution": 0.6, "clearance": 0.005}
-ABSORBERS: dict[str, iva.Siva | iva.Piva | None] = {
+ABSORBERS: dict[str, Any] = {
     "siva": iva.Siva(**FREE),
     "unlike walls": iva.Siva(**FREE, restitution_minus=0.8, gap_offset=0.001),
     "inclined": iva.Siva(**FREE, inclination_deg=20.0, gravity=9.81),
     "piva": iva.Piva(**FREE, length=0.4),
     "small angles": iva.Piva(**FREE, length=0.4, angles="small"),
+    "several": [iva.Siva(**FREE), iva.Siva(**FREE, contact_time=1e-3)],
+    "units": iva.Siva(**FREE, units=3, clearance_spread=0.1),
+    "a power law": iva.Siva(**FREE, reference_speed=0.5),
     "none": None,
 }
 FORCES: dict[str, Any] = {
@@ -67,7 +70,7 @@ def scene(absorber: str, force: str) -> dict[str, Any]:
         "start": iva.Start(displacement=0.01),
         "force": FORCES[force],
         "periods": 5,
-        "tables": ("summary", "impacts", "episodes", "envelope", "stroboscope"),
+        "tables": ("summary", "impacts", "episodes", "envelope", "stroboscope", "absorbers"),
     }
 
 
