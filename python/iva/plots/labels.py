@@ -51,6 +51,11 @@ NAMES = {
     "clearance_mm": ("clearance", "d"),
     "gap": ("total play", "2d"),
     "gap_mm": ("total play", "2d"),
+    "units": ("number of units", "n"),
+    "clearance_spread": ("spread of the clearances", ""),
+    "reference_speed": ("reference speed", "u₀"),
+    "restitution_exponent": ("exponent of the restitution", "b"),
+    "yield_speed": ("yield speed", "u₁"),
     "frequency_ratio": ("frequency ratio", "r = ωₚ/ωₙ"),
     "length": ("length", "L"),
     "gravity": ("gravity", "g"),
@@ -175,10 +180,21 @@ def short(name: str) -> str:
 
 
 def named(name: str) -> tuple[str, str]:
-    """Return words and symbol of a column."""
-    # Of several forces: force.0.frequency; elsewhere the part may stand before a unique name.
-    plain = re.sub(r"^force\.\d+\.", "force.", name)
+    """Return words and symbol of a column.
+
+    Examples
+    --------
+    >>> named("absorber.1.clearance"), named("force.0.frequency")
+    (('clearance 1', 'd[1]'), ('force frequency', 'Ω'))
+    """
+    # Of several: force.0.frequency, absorber.1.mass; the part may stand before a unique name.
+    numbered = re.fullmatch(r"(force|absorber|start)\.(\d+)\.(.+)", name)
+    plain = f"{numbered[1]}.{numbered[3]}" if numbered else name
     for key in (plain, plain.partition(".")[2]):
         if key in NAMES:
-            return NAMES[key]
+            words, symbol = NAMES[key]
+            if numbered and numbered[1] != "force":
+                # Its equation would need the number as well.
+                return f"{words} {numbered[2]}", f"{symbol.partition(' = ')[0]}[{numbered[2]}]"
+            return words, symbol
     return name.replace("_", " "), ""
