@@ -246,11 +246,11 @@ impl<R: Real, S: Absorber<Real = R>, O: Observer<S>> Run<'_, S, O> {
         }
     }
 
-    /// Ends the stick episodes of all absorbers that a release has freed.
+    /// Ends the stick episodes of the absorbers that a release has freed.
     pub(super) fn let_go_all(&mut self) {
         for absorber in 0..self.system.absorbers() {
             self.turn_to(absorber);
-            if self.riding.is_some() {
+            if self.riding.is_some() && !self.system.is_stuck(&self.tally.state) {
                 self.let_go();
             }
         }
