@@ -259,7 +259,7 @@ def test_runs_are_values() -> None:
     for twin in (pickle.loads(pickle.dumps(run)), copy.copy(run), copy.deepcopy(run)):
         assert twin == run
         assert_frame_equal(twin.impacts, run.impacts)
-        assert_frame_equal(twin.absorbers, run.absorbers)  # type: ignore[attr-defined,unused-ignore]
+        assert_frame_equal(twin.absorbers, run.absorbers)  # type: ignore[attr-defined,union-attr,unused-ignore]
         assert_frame_equal(twin.trajectory(10), run.trajectory(10))
         assert repr(twin) == repr(run)
     assert STICKING.run() == run
