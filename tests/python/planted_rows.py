@@ -89,6 +89,8 @@ class Row:
         """Return its start as iva has it."""
         places: Any = [mass.y for mass in self.masses]
         rates: Any = [mass.w for mass in self.masses]
+        if len(self.masses) == 1:  # a list is of several
+            places, rates = places[0], rates[0]
         return iva.Start(
             displacement=self.x, velocity=self.v, gap_displacement=places, gap_velocity=rates
         )
